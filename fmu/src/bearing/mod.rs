@@ -1,0 +1,1 @@
+//! The bearing: film, asperity contact and friction of the journal in its bush.
