@@ -1,6 +1,10 @@
 //! The oil's properties over temperature.
 
+pub mod measured;
+
+use crate::model::Fault;
 use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
 
 /// The oil's parameters: two points of its viscosity and one of its density.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -35,7 +39,7 @@ const CELSIUS_0: f64 = 273.15;
 const D341_SHIFT: f64 = 0.7;
 
 /// The oil as the stand computes with it.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Properties {
     /// `ln(nu + 0.7) = d341_factor * T^-d341_exponent`, nu in mm²/s and T in K.
     d341_factor: f64,
@@ -43,15 +47,28 @@ pub struct Properties {
     density_15: f64,
     /// Thermal expansion coefficient at 15 °C, 1/K.
     expansion: f64,
-    viscosity_scale: f64,
+    /// Factor on the viscosity, 1; may change while running.
+    pub viscosity_scale: f64,
 }
 
 impl Oil {
-    /// The oil law through the parameters' points.
-    ///
-    /// Viscosity: ASTM D341-20, eq. 1: `log10(log10(nu + 0.7)) = A - B*log10(T)`.
-    /// Expansion: ASTM D1250-80 (API MPMS 11.1), lubricating oils: `alpha = 0.6278/rho_15`.
-    pub fn properties(&self) -> Properties {
+    /// The oil that the parameters describe: that of the properties file where one is named, else the one
+    /// through the two viscosities and the density. A relative file name is looked up in the model's
+    /// `resources` first, then in the working directory.
+    pub fn properties(&self, resources: Option<&Path>) -> Result<Properties, Fault> {
+        if self.properties_file.is_empty() {
+            return Ok(self.through_two_points());
+        }
+        let named = PathBuf::from(&self.properties_file);
+        let shipped = resources
+            .map(|folder| folder.join(&named))
+            .filter(|path| path.is_file());
+        let rows = measured::read(&shipped.unwrap_or(named))?;
+        Ok(self.fitted(&rows))
+    }
+
+    /// ASTM D341-20, eq. 1, through the viscosities at 40 and 100 °C: `log10(log10(nu + 0.7)) = A - B*log10(T)`.
+    fn through_two_points(&self) -> Properties {
         let at_40 = (self.kinematic_viscosity_40 * 1e6 + D341_SHIFT).ln();
         let at_100 = (self.kinematic_viscosity_100 * 1e6 + D341_SHIFT).ln();
         let (t_40, t_100) = (CELSIUS_0 + 40.0, CELSIUS_0 + 100.0);
@@ -60,10 +77,35 @@ impl Oil {
             d341_factor: at_40 * t_40.powf(exponent),
             d341_exponent: exponent,
             density_15: self.density_15,
-            expansion: 0.6278 / self.density_15,
+            expansion: expansion(self.density_15),
             viscosity_scale: self.viscosity_scale,
         }
     }
+
+    /// The same laws through measured rows by least squares: `ln(ln(nu + 0.7))` over `ln(T)`, and the
+    /// logarithm of the density over the temperature.
+    fn fitted(&self, rows: &[measured::Row]) -> Properties {
+        let (factor, slope) = measured::line(rows.iter().map(|row| {
+            let doubled = (row.kinematic_viscosity + D341_SHIFT).ln().ln();
+            ((row.temperature + CELSIUS_0).ln(), doubled)
+        }));
+        let (density_15, slope_15) = measured::line(
+            rows.iter()
+                .map(|row| (row.temperature - 15.0, row.density.ln())),
+        );
+        Properties {
+            d341_factor: factor.exp(),
+            d341_exponent: -slope,
+            density_15: density_15.exp(),
+            expansion: -slope_15,
+            viscosity_scale: self.viscosity_scale,
+        }
+    }
+}
+
+/// Thermal expansion coefficient at 15 °C, 1/K: ASTM D1250-80 (API MPMS 11.1), lubricating oils.
+fn expansion(density_15: f64) -> f64 {
+    0.6278 / density_15
 }
 
 impl Properties {
@@ -106,7 +148,7 @@ mod tests {
 
     #[test]
     fn the_law_passes_through_its_points() {
-        let oil = Oil::default().properties();
+        let oil = Oil::default().through_two_points();
         assert!((oil.kinematic_viscosity(313.15) / 105e-6 - 1.0).abs() < 1e-12);
         assert!((oil.kinematic_viscosity(373.15) / 14.2e-6 - 1.0).abs() < 1e-12);
         assert!((oil.density(288.15) - 880.0).abs() < 1e-12);
@@ -115,7 +157,7 @@ mod tests {
     /// Independent values for this oil by ASTM D341: 63, 18.9 and 7.5 mPa.s, within their printed digits.
     #[test]
     fn sae_15w40_at_the_rigs_temperatures() {
-        let oil = Oil::default().properties();
+        let oil = Oil::default().through_two_points();
         for (celsius, expected, digit) in [
             (48.0, 63e-3, 1e-3),
             (82.0, 18.9e-3, 0.2e-3),
@@ -131,8 +173,49 @@ mod tests {
 
     #[test]
     fn heat_capacity_and_conductivity_are_those_of_mineral_oil() {
-        let oil = Oil::default().properties();
+        let oil = Oil::default().through_two_points();
         assert!((oil.heat_capacity(321.15) - 2000.0).abs() < 50.0);
         assert!((oil.conductivity(321.15) - 0.13).abs() < 0.01);
+    }
+
+    #[test]
+    fn measured_rows_of_a_law_give_the_law_back() {
+        let law = Oil::default().through_two_points();
+        let rows: Vec<_> = [20.0, 40.0, 70.0, 100.0, 130.0]
+            .map(|temperature| measured::Row {
+                temperature,
+                kinematic_viscosity: law.kinematic_viscosity(temperature + 273.15) * 1e6,
+                density: law.density(temperature + 273.15),
+            })
+            .to_vec();
+        let fit = Oil::default().fitted(&rows);
+        for celsius in [30.0, 82.0, 120.0] {
+            let ratio = fit.viscosity(celsius + 273.15) / law.viscosity(celsius + 273.15);
+            assert!((ratio - 1.0).abs() < 3e-3, "{celsius}: {ratio}");
+        }
+    }
+
+    /// SAE J300 (2021), Table 1: limits of the kinematic viscosity at 100 °C for each grade.
+    #[test]
+    fn shipped_grades_are_inside_sae_j300() {
+        let resources = Path::new(env!("CARGO_MANIFEST_DIR")).join("../modelDescription/resources");
+        for (file, least, below) in [
+            ("sae-0w-20.csv", 6.9, 9.3),
+            ("sae-5w-30.csv", 9.3, 12.5),
+            ("sae-10w-40.csv", 12.5, 16.3),
+            ("sae-15w-40.csv", 12.5, 16.3),
+            ("sae-20w-50.csv", 16.3, 21.9),
+        ] {
+            let oil = Oil {
+                properties_file: file.into(),
+                ..Oil::default()
+            };
+            let at_100 = oil
+                .properties(Some(&resources))
+                .unwrap()
+                .kinematic_viscosity(373.15)
+                * 1e6;
+            assert!((least..below).contains(&at_100), "{file}: {at_100}");
+        }
     }
 }

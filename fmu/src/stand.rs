@@ -93,7 +93,6 @@ struct State {
 /// What follows from the parameters and is prepared once.
 #[derive(Clone, Debug, Default)]
 struct Prepared {
-    oil: Properties,
     contact: ContactTable,
 }
 
@@ -114,6 +113,8 @@ pub struct Stand {
     pub solver: Solver,
     /// The inputs.
     pub inputs: Inputs,
+    /// The oil law of `oil`, which may come from a file that is read only once.
+    fluid: Properties,
     state: State,
     readings: Readings,
     #[serde(skip)]
@@ -194,7 +195,7 @@ impl Stand {
             shaft: y[4],
             oil: y[5],
         };
-        let viscosity = self.prepared.oil.viscosity(temperatures.film);
+        let viscosity = self.fluid.viscosity(temperatures.film);
 
         let eccentricity = [y[0], y[1]];
         let eccentricity_ratio = y[0].hypot(y[1]).min(LARGEST_ECCENTRICITY_RATIO);
@@ -278,9 +279,7 @@ impl Stand {
     }
 
     fn bath_capacity(&self, oil_temperature: f64) -> f64 {
-        self.thermal.oil_volume
-            * self.oil.density_15
-            * self.prepared.oil.heat_capacity(oil_temperature)
+        self.thermal.oil_volume * self.oil.density_15 * self.fluid.heat_capacity(oil_temperature)
     }
 
     fn rates(&self, instant: &Instant) -> Unknowns {
@@ -339,7 +338,6 @@ impl Stand {
             ..
         } = self.bearing;
         self.prepared = Prepared {
-            oil: self.oil.properties(),
             contact: ContactTable::new(surface, radial_clearance, width, diameter),
         };
     }
@@ -372,6 +370,7 @@ impl Model for Stand {
         if let Some(tolerance) = experiment.tolerance {
             self.solver.tolerance = tolerance.clamp(1e-12, 1e-2);
         }
+        self.fluid = self.oil.properties(experiment.resources)?;
         self.prepare();
         self.state = State {
             time: experiment.start,
@@ -384,8 +383,7 @@ impl Model for Stand {
     }
 
     fn update(&mut self) -> Result<(), Fault> {
-        // Cheap, and the oil's parameters are tunable.
-        self.prepared.oil = self.oil.properties();
+        self.fluid.viscosity_scale = self.oil.viscosity_scale;
         self.readings = self.read(&self.instant(0.0, &self.unknowns()));
         Ok(())
     }
