@@ -9,6 +9,7 @@ pub mod drive;
 pub mod fmi2;
 pub mod load;
 pub mod model;
+pub mod multirate;
 pub mod oil;
 pub mod sensors;
 pub mod solver;

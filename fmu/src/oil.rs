@@ -44,7 +44,8 @@ pub struct Properties {
     /// `ln(nu + 0.7) = d341_factor * T^-d341_exponent`, nu in mm²/s and T in K.
     d341_factor: f64,
     d341_exponent: f64,
-    density_15: f64,
+    /// Density at 15 °C, kg/m³.
+    pub density_15: f64,
     /// Thermal expansion coefficient at 15 °C, 1/K.
     expansion: f64,
     /// Factor on the viscosity, 1; may change while running.

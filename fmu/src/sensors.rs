@@ -43,12 +43,8 @@ pub struct Readings {
     pub shaft_angle: f64,
 }
 
-/// Friction coefficient `M/(F_N*D/2)`, 1 (the paper's formula for mu_fr with the M that its print
-/// lacks); zero where there is no load to refer to.
-pub fn friction_coefficient(torque: f64, load: f64, diameter: f64) -> f64 {
-    if load == 0.0 {
-        0.0
-    } else {
-        torque / (load * 0.5 * diameter)
-    }
+/// A force over the load, 1, such as the friction coefficient `M/(F_N*D/2)` (the paper's formula for mu_fr
+/// with the M that its print lacks); zero where there is no load to refer to.
+pub fn over_load(force: f64, load: f64) -> f64 {
+    if load == 0.0 { 0.0 } else { force / load }
 }

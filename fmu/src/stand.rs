@@ -11,14 +11,14 @@
 //! The drive's angle follows in closed form. The unknowns of the time integration are the journal's
 //! eccentricity-ratio vector and the four temperatures.
 
-use crate::bearing::contact::{Contact, ContactTable};
-use crate::bearing::{Bearing, friction};
+use crate::bearing::{Bearing, FilmModel, Flows, Motion, Prepared};
 use crate::drive::{Command, Drive};
 use crate::load::Load;
 use crate::model::{self, Experiment, Fault, Info, Log, Model, Variable};
+use crate::multirate::{self, Landing, TwoScales};
 use crate::oil::{Oil, Properties};
 use crate::sensors::{self, Readings};
-use crate::solver::DormandPrince;
+use crate::solver::{DormandPrince, Failure};
 use crate::thermal::{Heat, Temperatures, Thermal};
 use serde::{Deserialize, Serialize};
 
@@ -52,6 +52,16 @@ pub struct Inputs {
     pub ambient_temperature: Input,
 }
 
+impl Inputs {
+    fn all(&mut self) -> [&mut Input; 3] {
+        [
+            &mut self.speed,
+            &mut self.external_force,
+            &mut self.ambient_temperature,
+        ]
+    }
+}
+
 impl Default for Inputs {
     fn default() -> Self {
         Self {
@@ -67,11 +77,16 @@ impl Default for Inputs {
 pub struct Solver {
     /// Relative tolerance per internal step, 1.
     pub tolerance: f64,
+    /// Leap over whole turns in communication steps much longer than a turn.
+    pub multirate: bool,
 }
 
 impl Default for Solver {
     fn default() -> Self {
-        Self { tolerance: 1e-6 }
+        Self {
+            tolerance: 1e-6,
+            multirate: true,
+        }
     }
 }
 
@@ -88,12 +103,6 @@ struct State {
     temperatures: Temperatures,
     /// The internal step to try next, s.
     next_step: f64,
-}
-
-/// What follows from the parameters and is prepared once.
-#[derive(Clone, Debug, Default)]
-struct Prepared {
-    contact: ContactTable,
 }
 
 /// The plain-bearing test stand.
@@ -121,15 +130,11 @@ pub struct Stand {
     prepared: Prepared,
 }
 
-const UNKNOWNS: usize = 6;
 /// The unknowns: eccentricity ratio along x and y, temperatures of film, bush, shaft and oil.
-type Unknowns = [f64; UNKNOWNS];
+type Unknowns = [f64; 6];
 
 /// The change of each unknown that a relative tolerance of one allows: the whole clearance, 100 K.
 const SCALES: Unknowns = [1.0, 1.0, 100.0, 100.0, 100.0, 100.0];
-
-/// The journal never reaches the bush: beyond this ratio the film is computed as at it.
-const LARGEST_ECCENTRICITY_RATIO: f64 = 1.0 - 1e-9;
 
 /// The internal step to try first, s.
 const FIRST_STEP: f64 = 1e-4;
@@ -137,21 +142,13 @@ const FIRST_STEP: f64 = 1e-4;
 /// The most internal steps in one communication step.
 const STEP_LIMIT: usize = 20_000_000;
 
-/// All that the blocks tell each other at one instant.
+/// What drive, load mechanism and bearing tell each other at one instant.
 struct Instant {
     speed: f64,
     angle: f64,
     load: f64,
-    eccentricity_ratio: f64,
-    contact: Contact,
     viscosity: f64,
-    temperatures: Temperatures,
-    boundary_torque: f64,
-    torque: f64,
-    /// Rate of the eccentricity-ratio vector, 1/s.
-    velocity: [f64; 2],
-    eccentricity: [f64; 2],
-    heat: Heat,
+    motion: Motion,
 }
 
 impl Stand {
@@ -163,15 +160,88 @@ impl Stand {
     /// Time derivative of an output at the present communication point, per second.
     pub fn rate_of(&self, output: fn(&Readings) -> f64) -> f64 {
         const AHEAD: f64 = 1e-6;
-        let now = self.unknowns();
-        let rates = self.rates(&self.instant(0.0, &now));
+        let now = unknowns(&self.state);
         let mut then = now;
-        for (value, rate) in then.iter_mut().zip(rates) {
+        for (value, rate) in then.iter_mut().zip(self.rates(0.0, &now)) {
             *value += AHEAD * rate;
         }
-        let ahead = self.read(&self.instant(AHEAD, &then));
-        let here = self.read(&self.instant(0.0, &now));
-        (output(&ahead) - output(&here)) / AHEAD
+        (output(&self.read(AHEAD, &then)) - output(&self.read(0.0, &now))) / AHEAD
+    }
+
+    /// The upper half of Fig. 3: drive, load mechanism and bearing, `tau` seconds into the step.
+    fn instant(&self, tau: f64, eccentricity: [f64; 2], viscosity: f64) -> Instant {
+        let command = self.command();
+        let speed = self.drive.speed(&command, tau);
+        let angle = self.state.angle + self.drive.turned(&command, tau);
+        let load = self.load.force(angle, speed) + self.inputs.external_force.at(tau);
+        let motion = self
+            .prepared
+            .motion(&self.bearing, load, eccentricity, viscosity, speed);
+        Instant {
+            speed,
+            angle,
+            load,
+            viscosity,
+            motion,
+        }
+    }
+
+    /// The lower half of Fig. 3: the heat that friction makes, and where it goes. K/s.
+    fn thermal_rates(&self, tau: f64, temperatures: &Temperatures, flows: &Flows) -> Temperatures {
+        let oil = &self.fluid;
+        let film = temperatures.film;
+        let bath_mass = self.thermal.oil_volume * oil.density_15;
+        let heat = Heat {
+            viscous: flows.viscous,
+            boundary: flows.boundary,
+            side_flow: flows.side_flow * oil.density(film) * oil.heat_capacity(film),
+            bath: bath_mass * oil.heat_capacity(temperatures.oil),
+            ambient: self.inputs.ambient_temperature.at(tau),
+        };
+        self.thermal.rates(temperatures, &heat)
+    }
+
+    /// Rates of the unknowns, `tau` seconds into the step.
+    fn rates(&self, tau: f64, y: &Unknowns) -> Unknowns {
+        let temperatures = temperatures(y);
+        let viscosity = self.fluid.viscosity(temperatures.film);
+        let motion = self.instant(tau, [y[0], y[1]], viscosity).motion;
+        let t = self.thermal_rates(tau, &temperatures, &motion.flows);
+        let v = motion.velocity;
+        [v[0], v[1], t.film, t.bush, t.shaft, t.oil]
+    }
+
+    /// What the sensors show, `tau` seconds into the step.
+    fn read(&self, tau: f64, y: &Unknowns) -> Readings {
+        let temperatures = temperatures(y);
+        let viscosity = self.fluid.viscosity(temperatures.film);
+        let Instant {
+            speed,
+            angle,
+            load,
+            viscosity,
+            motion,
+        } = self.instant(tau, [y[0], y[1]], viscosity);
+        Readings {
+            load_force: load,
+            friction_torque: motion.torque,
+            friction_power: motion.torque * speed,
+            friction_coefficient: sensors::over_load(motion.torque / self.bearing.radius(), load),
+            oil_temperature: temperatures.oil,
+            bearing_temperature: temperatures.bush,
+            shaft_temperature: temperatures.shaft,
+            eccentricity_ratio: motion.eccentricity_ratio,
+            attitude_angle: y[1].atan2(y[0]),
+            min_film_thickness: self.bearing.radial_clearance * (1.0 - motion.eccentricity_ratio),
+            max_film_pressure: 0.0,
+            film_viscosity: viscosity,
+            film_temperature: temperatures.film,
+            side_flow: motion.flows.side_flow,
+            contact_share: sensors::over_load(motion.contact.force, load.abs()),
+            contact_torque: motion.boundary_torque,
+            shaft_speed: speed,
+            shaft_angle: angle,
+        }
     }
 
     fn command(&self) -> Command {
@@ -182,164 +252,131 @@ impl Stand {
         }
     }
 
-    /// Fig. 3 of the paper: every block in turn, `tau` seconds into the step.
-    fn instant(&self, tau: f64, y: &Unknowns) -> Instant {
-        let command = self.command();
-        let speed = self.drive.speed(&command, tau);
-        let angle = self.state.angle + self.drive.turned(&command, tau);
-        let load = self.load.force(angle, speed) + self.inputs.external_force.at(tau);
-
-        let temperatures = Temperatures {
-            film: y[2],
-            bush: y[3],
-            shaft: y[4],
-            oil: y[5],
+    /// Lets `span` seconds pass with every turn resolved.
+    fn resolve(&mut self, span: f64) -> Result<(), Failure> {
+        let integrator = DormandPrince {
+            allowed: SCALES.map(|scale| self.solver.tolerance * scale),
+            limit: STEP_LIMIT,
         };
-        let viscosity = self.fluid.viscosity(temperatures.film);
+        let mut y = unknowns(&self.state);
+        let mut next_step = self.state.next_step;
+        integrator.integrate(|tau, y| self.rates(tau, y), &mut y, span, &mut next_step)?;
+        self.state.next_step = next_step;
+        self.arrive(span, [y[0], y[1]], temperatures(&y));
+        Ok(())
+    }
 
-        let eccentricity = [y[0], y[1]];
-        let eccentricity_ratio = y[0].hypot(y[1]).min(LARGEST_ECCENTRICITY_RATIO);
-        let contact = self.prepared.contact.at(eccentricity_ratio);
-        let (velocity, squeeze) =
-            self.film_velocity(load, &contact, eccentricity, viscosity, speed);
+    /// Moves time, angle and inputs on by `span` seconds, to given unknowns.
+    fn arrive(&mut self, span: f64, eccentricity: [f64; 2], temperatures: Temperatures) {
+        self.state.angle += self.drive.turned(&self.command(), span);
+        self.state.time += span;
+        self.state.eccentricity = eccentricity;
+        self.state.temperatures = temperatures;
+        for input in self.inputs.all() {
+            input.value = input.at(span);
+        }
+    }
 
-        let couette = viscosity * speed * friction::couette(&self.bearing, eccentricity_ratio);
-        let poiseuille =
-            friction::poiseuille(self.bearing.radial_clearance, [load, 0.0], eccentricity);
-        let boundary_torque = friction::boundary(&self.bearing, contact.normal, speed);
-        let heat = Heat {
-            viscous: couette * speed + squeeze,
-            boundary: boundary_torque * speed,
-            side_flow: 0.0,
-            bath: self.bath_capacity(temperatures.oil),
-            ambient: self.inputs.ambient_temperature.at(tau),
-        };
-        Instant {
+    /// Lets `span` seconds pass, most of them in a leap over whole turns where that can be done:
+    /// some turns until the journal is near its orbit, the leap, and the last turns resolved.
+    fn leap(&mut self, span: f64) -> Result<(), Failure> {
+        let before = self.state;
+        let period = self.period();
+        let mut left = (span / period) as usize;
+        while left > TURNS_AT_THE_END {
+            let start = self.state.eccentricity;
+            self.resolve(period)?;
+            left -= 1;
+            let end = self.state.eccentricity;
+            let settled = (end[0] - start[0]).hypot(end[1] - start[1]) < SETTLED;
+            if !settled || left <= TURNS_AT_THE_END {
+                continue;
+            }
+            let turns = left - TURNS_AT_THE_END;
+            let State {
+                eccentricity,
+                temperatures,
+                ..
+            } = self.state;
+            let from = Landing {
+                eccentricity,
+                temperatures,
+            };
+            if let Ok(landing) = multirate::leap(self, self.solver.tolerance, turns, from) {
+                self.arrive(
+                    turns as f64 * period,
+                    landing.eccentricity,
+                    landing.temperatures,
+                );
+            }
+            break;
+        }
+        self.resolve(span - (self.state.time - before.time))
+    }
+
+    /// Whether speed and load repeat themselves every turn throughout a step, and there are enough turns.
+    fn can_leap(&self, span: f64) -> bool {
+        let Inputs {
             speed,
-            angle,
-            load,
-            eccentricity_ratio,
-            contact,
-            viscosity,
-            temperatures,
-            boundary_torque,
-            torque: couette + poiseuille + boundary_torque,
-            velocity,
-            eccentricity,
-            heat,
-        }
+            external_force,
+            ambient_temperature,
+        } = &self.inputs;
+        let steady = [speed, external_force, ambient_temperature]
+            .iter()
+            .all(|input| input.slope == 0.0);
+        self.solver.multirate
+            && steady
+            && self.drive.fluctuation_amplitude == 0.0
+            && self.bearing.film == FilmModel::Mobility
+            && span > FEWEST_TURNS * self.period()
     }
 
-    /// Rate of the eccentricity-ratio vector, 1/s, and the heat that squeezing the film makes, W.
-    ///
-    /// Eq. 2 of the paper (Booker 1965, J. Basic Eng. 87, 537-546): the film's share F of the load
-    /// moves the journal at `F*psi^2/(eta*B*D) * M`, in a frame that turns with the mean speed of
-    /// journal and bush. The paper's omega must be that mean, half the shaft speed.
-    fn film_velocity(
-        &self,
-        load: f64,
-        contact: &Contact,
-        e: [f64; 2],
-        viscosity: f64,
-        speed: f64,
-    ) -> ([f64; 2], f64) {
-        let ratio = e[0].hypot(e[1]);
-        let towards = if ratio > 0.0 {
-            [e[0] / ratio, e[1] / ratio]
-        } else {
-            [1.0, 0.0]
-        };
-        let force = [
-            load - contact.force * towards[0],
-            -contact.force * towards[1],
-        ];
-        let magnitude = force[0].hypot(force[1]);
-        let turning = [-0.5 * speed * e[1], 0.5 * speed * e[0]];
-        if magnitude == 0.0 {
-            return (turning, 0.0);
-        }
-        // TEMPORARY short mobility until the map lands.
-        let along = (force[0] * towards[0] + force[1] * towards[1]) / magnitude;
-        let across = (force[1] * towards[0] - force[0] * towards[1]) / magnitude;
-        let open: f64 = (1.0 - ratio * along).max(1e-12);
-        let m = [
-            open.powf(1.5) * along,
-            open.powf(0.5) * (1.0 - ratio).max(0.0) * across,
-        ];
-        let mobility = [
-            m[0] * towards[0] - m[1] * towards[1],
-            m[0] * towards[1] + m[1] * towards[0],
-        ];
-        let psi = self.bearing.relative_clearance();
-        let scale =
-            magnitude * psi * psi / (viscosity * self.bearing.width * self.bearing.diameter);
-        let squeeze = [scale * mobility[0], scale * mobility[1]];
-        let heat = self.bearing.radial_clearance * (force[0] * squeeze[0] + force[1] * squeeze[1]);
-        ([squeeze[0] + turning[0], squeeze[1] + turning[1]], heat)
+    fn period(&self) -> f64 {
+        std::f64::consts::TAU / self.inputs.speed.value.abs()
+    }
+}
+
+/// Fewer turns than this are resolved, each.
+const FEWEST_TURNS: f64 = 12.0;
+/// The turns that are resolved at the end of a leap.
+const TURNS_AT_THE_END: usize = 2;
+/// The journal is near its orbit when a turn moves it by less than this part of the clearance.
+const SETTLED: f64 = 1e-3;
+
+impl TwoScales for Stand {
+    fn period(&self) -> f64 {
+        self.period()
     }
 
-    fn bath_capacity(&self, oil_temperature: f64) -> f64 {
-        self.thermal.oil_volume * self.oil.density_15 * self.fluid.heat_capacity(oil_temperature)
+    fn journal(&self, tau: f64, eccentricity: [f64; 2], viscosity: f64) -> ([f64; 2], Flows) {
+        let motion = self.instant(tau, eccentricity, viscosity).motion;
+        (motion.velocity, motion.flows)
     }
 
-    fn rates(&self, instant: &Instant) -> Unknowns {
-        let t = self.thermal.rates(&instant.temperatures, &instant.heat);
-        let v = instant.velocity;
-        [v[0], v[1], t.film, t.bush, t.shaft, t.oil]
+    fn viscosity(&self, film_temperature: f64) -> f64 {
+        self.fluid.viscosity(film_temperature)
     }
 
-    fn read(&self, instant: &Instant) -> Readings {
-        let bearing = &self.bearing;
-        Readings {
-            load_force: instant.load,
-            friction_torque: instant.torque,
-            friction_power: instant.torque * instant.speed,
-            friction_coefficient: sensors::friction_coefficient(
-                instant.torque,
-                instant.load,
-                bearing.diameter,
-            ),
-            oil_temperature: instant.temperatures.oil,
-            bearing_temperature: instant.temperatures.bush,
-            shaft_temperature: instant.temperatures.shaft,
-            eccentricity_ratio: instant.eccentricity_ratio,
-            attitude_angle: instant.eccentricity[1].atan2(instant.eccentricity[0]),
-            min_film_thickness: bearing.radial_clearance * (1.0 - instant.eccentricity_ratio),
-            max_film_pressure: 0.0,
-            film_viscosity: instant.viscosity,
-            film_temperature: instant.temperatures.film,
-            side_flow: 0.0,
-            contact_share: if instant.load == 0.0 {
-                0.0
-            } else {
-                instant.contact.force / instant.load.abs()
-            },
-            contact_torque: instant.boundary_torque,
-            shaft_speed: instant.speed,
-            shaft_angle: instant.angle,
-        }
+    fn thermal_rates(&self, temperatures: &Temperatures, flows: &Flows) -> Temperatures {
+        self.thermal_rates(0.0, temperatures, flows)
     }
+}
 
-    fn unknowns(&self) -> Unknowns {
-        let State {
-            eccentricity: e,
-            temperatures: t,
-            ..
-        } = self.state;
-        [e[0], e[1], t.film, t.bush, t.shaft, t.oil]
-    }
+fn unknowns(state: &State) -> Unknowns {
+    let State {
+        eccentricity: e,
+        temperatures: t,
+        ..
+    } = state;
+    [e[0], e[1], t.film, t.bush, t.shaft, t.oil]
+}
 
-    fn prepare(&mut self) {
-        let Bearing {
-            radial_clearance,
-            width,
-            diameter,
-            ref surface,
-            ..
-        } = self.bearing;
-        self.prepared = Prepared {
-            contact: ContactTable::new(surface, radial_clearance, width, diameter),
-        };
+fn temperatures(y: &Unknowns) -> Temperatures {
+    Temperatures {
+        film: y[2],
+        bush: y[3],
+        shaft: y[4],
+        oil: y[5],
     }
 }
 
@@ -371,7 +408,7 @@ impl Model for Stand {
             self.solver.tolerance = tolerance.clamp(1e-12, 1e-2);
         }
         self.fluid = self.oil.properties(experiment.resources)?;
-        self.prepare();
+        self.prepared = Prepared::new(&self.bearing);
         self.state = State {
             time: experiment.start,
             angle: 0.0,
@@ -384,49 +421,26 @@ impl Model for Stand {
 
     fn update(&mut self) -> Result<(), Fault> {
         self.fluid.viscosity_scale = self.oil.viscosity_scale;
-        self.readings = self.read(&self.instant(0.0, &self.unknowns()));
+        self.readings = self.read(0.0, &unknowns(&self.state));
         Ok(())
     }
 
     fn advance(&mut self, time: f64, step: f64, _: &mut dyn Log) -> Result<(), Fault> {
         self.state.time = time;
-        let integrator = DormandPrince {
-            allowed: SCALES.map(|scale| self.solver.tolerance * scale),
-            limit: STEP_LIMIT,
+        let before = (self.state, self.inputs);
+        let done = if self.can_leap(step) {
+            self.leap(step)
+        } else {
+            self.resolve(step)
         };
-        let mut y = self.unknowns();
-        let mut next_step = self.state.next_step;
-        integrator
-            .integrate(
-                |tau, y| self.rates(&self.instant(tau, y)),
-                &mut y,
-                step,
-                &mut next_step,
-            )
-            .map_err(|failure| {
-                Fault::Failed(format!(
-                    "the step from {time} s over {step} s failed: {failure}"
-                ))
-            })?;
-        let angle = self.state.angle + self.drive.turned(&self.command(), step);
-        self.state = State {
-            time: time + step,
-            angle,
-            eccentricity: [y[0], y[1]],
-            temperatures: Temperatures {
-                film: y[2],
-                bush: y[3],
-                shaft: y[4],
-                oil: y[5],
-            },
-            next_step,
-        };
-        for input in [
-            &mut self.inputs.speed,
-            &mut self.inputs.external_force,
-            &mut self.inputs.ambient_temperature,
-        ] {
-            *input = Input::constant(input.at(step));
+        if let Err(failure) = done {
+            (self.state, self.inputs) = before;
+            return Err(Fault::Failed(format!(
+                "the step from {time} s over {step} s failed: {failure}"
+            )));
+        }
+        for input in self.inputs.all() {
+            input.slope = 0.0;
         }
         self.update()
     }
@@ -439,7 +453,7 @@ impl Model for Stand {
     fn restore(&mut self, bytes: &[u8]) -> Result<(), Fault> {
         let mut saved: Self = postcard::from_bytes(bytes)
             .map_err(|error| Fault::Invalid(format!("the saved state cannot be read: {error}")))?;
-        saved.prepare();
+        saved.prepared = Prepared::new(&saved.bearing);
         *self = saved;
         Ok(())
     }

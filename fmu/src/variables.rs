@@ -424,6 +424,8 @@ fn solver() -> Vec<V> {
     vec![
         fixed("solver.tolerance", &ONE, field!(solver.tolerance), "Relative tolerance of each internal step of the time integration; the host's tolerance goes before it")
             .within(1e-12, 1e-2).about(1e-6),
+        variable("solver.multirate", Role::Parameter, Kind::Boolean { access: field!(solver.multirate) },
+            "Leap over whole turns in communication steps much longer than a turn"),
     ]
 }
 

@@ -1,28 +1,7 @@
-//! Error-controlled time integration: the explicit Runge-Kutta pair 5(4) of Dormand & Prince (1980),
-//! J. Comput. Appl. Math. 6, 19-26, with the PI step control of Hairer, Nørsett & Wanner (1993),
-//! Solving Ordinary Differential Equations I, section IV.2 (there: stabilised step control).
+//! The explicit Runge-Kutta pair 5(4) of Dormand & Prince (1980), J. Comput. Appl. Math. 6, 19-26, with
+//! the stabilised step control of Hairer & Wanner (1996), Solving Ordinary Differential Equations II, IV.2.
 
-use thiserror::Error;
-
-/// Why an integration stopped short.
-#[derive(Clone, Debug, Error, PartialEq)]
-pub enum Failure {
-    /// The step became smaller than the time's own resolution.
-    #[error("the internal step fell below {0:e} s: the solution changes too fast or is no number")]
-    StepTooSmall(f64),
-    /// Too many steps in one call.
-    #[error("more than {0} internal steps in one communication step")]
-    TooManySteps(usize),
-}
-
-/// Work done, for diagnostics.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Work {
-    /// Accepted steps.
-    pub accepted: usize,
-    /// Rejected steps.
-    pub rejected: usize,
-}
+use super::{Failure, Work, worst};
 
 /// An integrator of `dy/dt = f(t, y)` for N unknowns.
 #[derive(Clone, Copy, Debug)]
@@ -152,16 +131,10 @@ impl<const N: usize> DormandPrince<N> {
 
     /// The largest error over what is allowed.
     fn error(&self, k: &[[f64; N]; 7], h: f64) -> f64 {
-        (0..N)
-            .map(|i| {
-                let difference: f64 = E.iter().zip(k).map(|(e, k)| e * k[i]).sum();
-                (h * difference / self.allowed[i]).abs()
-            })
-            // `max` would drop what is not a number.
-            .fold(
-                0.0,
-                |worst, e| if e > worst || e.is_nan() { e } else { worst },
-            )
+        worst((0..N).map(|i| {
+            let difference: f64 = E.iter().zip(k).map(|(e, k)| e * k[i]).sum();
+            h * difference / self.allowed[i]
+        }))
     }
 }
 
