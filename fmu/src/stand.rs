@@ -168,6 +168,16 @@ impl Stand {
         (output(&self.read(AHEAD, &then)) - output(&self.read(0.0, &now))) / AHEAD
     }
 
+    /// The friction heat that goes into film, bush and shaft at the present communication point, W.
+    pub fn heat(&self) -> f64 {
+        let [ex, ey, film, ..] = unknowns(&self.state);
+        let flows = self
+            .instant(0.0, [ex, ey], self.fluid.viscosity(film))
+            .motion
+            .flows;
+        flows.viscous + flows.boundary
+    }
+
     /// The upper half of Fig. 3: drive, load mechanism and bearing, `tau` seconds into the step.
     fn instant(&self, tau: f64, eccentricity: [f64; 2], viscosity: f64) -> Instant {
         let command = self.command();
