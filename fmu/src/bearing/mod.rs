@@ -1,1 +1,4 @@
 //! The bearing: film, asperity contact and friction of the journal in its bush.
+
+pub mod mobility;
+pub mod reynolds;
