@@ -7,6 +7,8 @@
 
 pub mod contact;
 pub mod friction;
+pub mod mobility;
+pub mod reynolds;
 
 use contact::{Contact, ContactTable};
 use serde::{Deserialize, Serialize};
