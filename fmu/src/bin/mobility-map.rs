@@ -64,7 +64,10 @@ fn report(map: &MobilityMap, threads: usize) -> Result<(), Box<dyn Error>> {
         }
     });
     let errors = errors.into_inner()?;
-    for (k, name) in ["mobility vector", "largest pressure", "side flow"].iter().enumerate() {
+    for (k, name) in ["mobility vector", "largest pressure", "side flow"]
+        .iter()
+        .enumerate()
+    {
         let mut settled = Vec::new();
         for (error, at) in &errors {
             settled.push((error.clone()?[k], *at));
@@ -105,6 +108,10 @@ fn point(n: usize) -> [f64; 3] {
     const PHI: f64 = 1.220_744_084_605_759_5;
     let at = |k: i32| (0.5 + (n + 1) as f64 / PHI.powi(k)).fract();
     let e = 0.05 + 0.93 * at(2);
-    let span = if n.is_multiple_of(2) { PI } else { (3.0 * (1.0 - e).sqrt()).min(PI) };
+    let span = if n.is_multiple_of(2) {
+        PI
+    } else {
+        (3.0 * (1.0 - e).sqrt()).min(PI)
+    };
     [0.25 + 1.25 * at(1), e, span * (2.0 * at(3) - 1.0)]
 }

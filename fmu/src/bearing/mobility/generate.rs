@@ -113,7 +113,9 @@ fn fill(map: &MobilityMap, k: usize, i: usize, row: &mut [f32]) -> Result<(), No
         let lead = if j == 0 || j + 1 == ss {
             0.0
         } else {
-            ahead.perp(&sample.mobility).atan2(ahead.dot(&sample.mobility))
+            ahead
+                .perp(&sample.mobility)
+                .atan2(ahead.dot(&sample.mobility))
         };
         let quantities = [
             sample.mobility.norm().ln(),

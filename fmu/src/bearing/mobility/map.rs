@@ -31,7 +31,9 @@ pub struct MobilityMap {
 
 /// The bytes are no mobility map.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
-#[error("the mobility map is damaged ({0}); make it again with `cargo run --release -p plain-bearing-stand --bin mobility-map`")]
+#[error(
+    "the mobility map is damaged ({0}); make it again with `cargo run --release -p plain-bearing-stand --bin mobility-map`"
+)]
 pub struct MapError(String);
 
 impl MobilityMap {
@@ -59,8 +61,7 @@ impl MobilityMap {
     /// # Errors
     /// When the bytes are no map.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, MapError> {
-        let map: Self =
-            postcard::from_bytes(bytes).map_err(|error| MapError(error.to_string()))?;
+        let map: Self = postcard::from_bytes(bytes).map_err(|error| MapError(error.to_string()))?;
         let count: usize = map.nodes.iter().map(|&n| usize::from(n)).product();
         let ordered = map.widths[0] < map.widths[1] && map.last_u > 0.0;
         if map.nodes.iter().any(|&n| n < 4) || map.values.len() != count * CHANNELS || !ordered {
@@ -86,8 +87,7 @@ impl MobilityMap {
     /// at its end (the short bearing's, `|M| ~ (D/B)^2`); wider ones are taken as 4.
     pub fn slice(&self, width_to_diameter: f64) -> MobilitySlice {
         let [count, us, ss] = self.nodes.map(usize::from);
-        let position =
-            (width_to_diameter.ln() - self.widths[0]) / self.width_spacing();
+        let position = (width_to_diameter.ln() - self.widths[0]) / self.width_spacing();
         let last = (count - 1) as f64;
         let per_width = us * ss * CHANNELS;
         let blend = |weights: &[f64]| -> Vec<f64> {
@@ -99,7 +99,11 @@ impl MobilityMap {
             }
             blended
         };
-        let inside = if position.is_nan() { last } else { position.clamp(0.0, last) };
+        let inside = if position.is_nan() {
+            last
+        } else {
+            position.clamp(0.0, last)
+        };
         let mut values = blend(&weights(count, inside));
         if position < 0.0 {
             let (near, far) = (blend(&weights(count, 0.0)), blend(&weights(count, 1.0)));

@@ -30,9 +30,8 @@ pub struct Film {
 impl MobilitySlice {
     /// From node values, by `u`, then `s`, then channel.
     pub(super) fn new(values: &[f64], us: usize, ss: usize, last_u: f64) -> Self {
-        let channel = |k: usize| -> Vec<f64> {
-            values.iter().skip(k).step_by(CHANNELS).copied().collect()
-        };
+        let channel =
+            |k: usize| -> Vec<f64> { values.iter().skip(k).step_by(CHANNELS).copied().collect() };
         let surface = |a: usize, b: usize, odd: End| {
             Surface::new([channel(a), channel(b)], us, ss, last_u, [End::Even, odd])
         };
@@ -83,7 +82,11 @@ impl MobilitySlice {
         let e = eps.norm();
         if e > 0.0 {
             let inverse = 1.0 / e;
-            Point::new(e, eps.dot(&direction) * inverse, eps.perp(&direction) * inverse)
+            Point::new(
+                e,
+                eps.dot(&direction) * inverse,
+                eps.perp(&direction) * inverse,
+            )
         } else {
             Point::new(0.0, 1.0, 0.0)
         }
@@ -159,7 +162,8 @@ impl Surface {
             let (value, slope) = (along[k & 1], along[2 + (k & 1)]);
             let (wide_value, wide_slope) = (wide[k >> 1], wide[2 + (k >> 1)]);
             for (total, [f, fu, fs, fus]) in sum.iter_mut().zip(corner) {
-                *total += wide_value * (value * f + slope * fu) + wide_slope * (value * fs + slope * fus);
+                *total +=
+                    wide_value * (value * f + slope * fu) + wide_slope * (value * fs + slope * fus);
             }
         }
         sum

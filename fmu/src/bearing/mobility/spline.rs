@@ -45,12 +45,7 @@ pub(super) fn slopes(values: &[f64], ends: [End; 2], slopes: &mut [f64]) {
 pub(super) fn hermite(x: f64) -> [f64; 4] {
     let (x2, y) = (x * x, 1.0 - x);
     let y2 = y * y;
-    [
-        (1.0 + 2.0 * x) * y2,
-        (3.0 - 2.0 * x) * x2,
-        x * y2,
-        -x2 * y,
-    ]
+    [(1.0 + 2.0 * x) * y2, (3.0 - 2.0 * x) * x2, x * y2, -x2 * y]
 }
 
 /// Weights with which the node values enter the spline's value at `position` (in node spacings).
@@ -81,19 +76,27 @@ mod tests {
         let cubic = |x: f64| 1.0 - 2.0 * x + 0.3 * x * x - 0.05 * x * x * x;
         let values: Vec<f64> = (0..9).map(|i| cubic(f64::from(i))).collect();
         for position in [0.0, 0.4, 3.7, 8.0] {
-            let sum: f64 = weights(9, position).iter().zip(&values).map(|(w, v)| w * v).sum();
+            let sum: f64 = weights(9, position)
+                .iter()
+                .zip(&values)
+                .map(|(w, v)| w * v)
+                .sum();
             assert!((sum - cubic(position)).abs() < 1e-12);
         }
     }
 
     #[test]
     fn symmetric_ends() {
-        let values: Vec<f64> = (0..=8).map(|i| (f64::from(i) * 0.125 * std::f64::consts::PI).sin()).collect();
+        let values: Vec<f64> = (0..=8)
+            .map(|i| (f64::from(i) * 0.125 * std::f64::consts::PI).sin())
+            .collect();
         let mut slope = [0.0; 9];
         slopes(&values, [End::Odd; 2], &mut slope);
         let expected = 0.125 * std::f64::consts::PI;
         assert!((slope[0] - expected).abs() < 2e-4 && (slope[8] + expected).abs() < 2e-4);
-        let values: Vec<f64> = (0..=8).map(|i| (f64::from(i) * 0.125 * std::f64::consts::PI).cos()).collect();
+        let values: Vec<f64> = (0..=8)
+            .map(|i| (f64::from(i) * 0.125 * std::f64::consts::PI).cos())
+            .collect();
         slopes(&values, [End::Even; 2], &mut slope);
         assert_eq!((slope[0], slope[8]), (0.0, 0.0));
         assert!((slope[4] + expected).abs() < 2e-4);

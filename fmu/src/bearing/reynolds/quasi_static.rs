@@ -231,7 +231,10 @@ impl QuasiStatic {
                     (Some(left * rows + j), self.along_into(i) * width),
                     (Some(right * rows + j), self.along_into(right) * width),
                     ((j > 0).then(|| cell - 1), self.across_into(i, j)),
-                    ((j + 1 < rows).then_some(cell + 1), self.across_into(i, j + 1)),
+                    (
+                        (j + 1 < rows).then_some(cell + 1),
+                        self.across_into(i, j + 1),
+                    ),
                 ];
                 let lower = |neighbour: Option<usize>| {
                     neighbour.map(|n| self.number[n]).filter(|&n| n < own)
@@ -287,7 +290,9 @@ impl QuasiStatic {
         self.order.clear();
         let empty = (0..columns).find(|i| !self.full[i * rows..(i + 1) * rows].contains(&true));
         match empty {
-            Some(cut) => self.order.extend((1..=columns).map(|k| (cut + k) % columns)),
+            Some(cut) => self
+                .order
+                .extend((1..=columns).map(|k| (cut + k) % columns)),
             None => {
                 let pairs = (1..columns.div_ceil(2)).flat_map(|k| [k, columns - k]);
                 self.order.extend([0].into_iter().chain(pairs));
@@ -423,7 +428,11 @@ mod tests {
                 ("c384x32", c(384, 32)),
             ] {
                 let [s1, a1, f1] = steady(grid, e, 1.0, Boundary::Seam);
-                println!("  {name} {s1:.5} {:+.2}% {a1:.2} {f1:.4} {:+.2}%", 100.0 * (s1 / s - 1.0), 100.0 * (f1 / f - 1.0));
+                println!(
+                    "  {name} {s1:.5} {:+.2}% {a1:.2} {f1:.4} {:+.2}%",
+                    100.0 * (s1 / s - 1.0),
+                    100.0 * (f1 / f - 1.0)
+                );
             }
         }
     }
@@ -435,6 +444,9 @@ mod tests {
         let mut film = QuasiStatic::new(Grid::uniform(96, 4), width, Boundary::Free);
         let carried = film.velocity_under(Vector2::new(1.0, 0.0)).unwrap();
         let mobility = carried.velocity.x / 6.0;
-        assert!((mobility * PI * width * width - 1.0).abs() < 2e-3, "{mobility}");
+        assert!(
+            (mobility * PI * width * width - 1.0).abs() < 2e-3,
+            "{mobility}"
+        );
     }
 }

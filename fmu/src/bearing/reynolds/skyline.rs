@@ -136,7 +136,11 @@ mod tests {
             y
         };
         let (u, v) = ([1.0, -2.0, 3.0, 0.5, 7.0], [0.0, 1.0, 0.0, -1.0, 2.0]);
-        let mut x: Vec<[f64; 2]> = dense(u).into_iter().zip(dense(v)).map(|(a, b)| [a, b]).collect();
+        let mut x: Vec<[f64; 2]> = dense(u)
+            .into_iter()
+            .zip(dense(v))
+            .map(|(a, b)| [a, b])
+            .collect();
         assert!(a.factorise());
         a.solve2(&mut x);
         for i in 0..5 {
