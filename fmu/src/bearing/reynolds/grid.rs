@@ -101,12 +101,14 @@ impl Grid {
     /// The distance over which the pressure of the outermost row falls to that of the open end.
     ///
     /// It is chosen so that the discrete solution of `p'' = -1`, the parabola of a short bearing,
-    /// has its exact mean 1/3 on any number of rows; to second order it is half the row.
+    /// has its exact mean 1/3, where that takes a distance from a third to a half of the row: on
+    /// even rows it does; on strongly stretched ones the outermost row is narrow enough as it is.
     pub(crate) fn end_distance(&self) -> f64 {
         let inside: f64 = (1..self.rows())
             .map(|j| self.zeta[j].powi(2) * self.zeta_distance(j))
             .sum();
-        1.0 / 3.0 - inside
+        let outermost = self.zeta_width(self.rows() - 1);
+        (1.0 / 3.0 - inside).clamp(outermost / 3.0, outermost / 2.0)
     }
 }
 
