@@ -3,7 +3,7 @@
 /// The part of an axis where the points are: the data and the interval that matters, without
 /// the few far outliers that would squeeze all else. `None` without any finite value.
 ///
-/// Values further than three interquartile ranges outside the quartiles are left off.
+/// Left off are values further than six interquartile ranges outside the quartiles.
 pub fn axis_range(values: &[f64], lower: f64, upper: f64) -> Option<[f64; 2]> {
     let mut sorted: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
     if sorted.is_empty() {
@@ -11,7 +11,7 @@ pub fn axis_range(values: &[f64], lower: f64, upper: f64) -> Option<[f64; 2]> {
     }
     sorted.sort_by(f64::total_cmp);
     let at = |q: f64| sorted[((sorted.len() - 1) as f64 * q).round() as usize];
-    let reach = 3.0 * (at(0.75) - at(0.25));
+    let reach = 6.0 * (at(0.75) - at(0.25));
     let (mut low, mut high) = if reach > 0.0 {
         let (a, b) = (at(0.25) - reach, at(0.75) + reach);
         let inside = |v: &&f64| **v >= a && **v <= b;

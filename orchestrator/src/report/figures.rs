@@ -8,18 +8,20 @@ use super::svg::{Frame, Scale};
 use crate::analysis::table::PointTable;
 use std::fmt::Write as _;
 
-/// Points of one column against another, with the accepted box. `points` are drawn one by one,
-/// above the density of all where those are more.
+/// Points of one column against another, with the accepted box: one by one where `points` are
+/// all of them, else as densities.
 pub fn plane(table: &PointTable, x: &PlotColumn<'_>, y: &PlotColumn<'_>, points: &[usize]) -> String {
     let frame = Frame::new(560.0, 420.0, x.range, y.range);
     let mut out = frame.axes(&with_unit(x.name, x.unit), Some(&with_unit(y.name, y.unit)));
     out.push_str(&acceptance(&frame, x, y));
     if points.len() < table.len() {
-        out.push_str(&density_cells(&frame, x, y));
+        out.push_str(&density_cells(&frame, x, y, "dens", &|_| true));
+        out.push_str(&density_cells(&frame, x, y, "dens in", &|i| table.verified[i]));
+    } else {
+        out.push_str(&marks(table, &frame, x, y, points));
     }
-    out.push_str(&marks(table, &frame, x, y, points));
-    let inside = points.iter().filter(|&&i| within(x, i) && within(y, i)).count();
-    let title = format!("{} against {}: {inside} of {} drawn points lie in the accepted box", y.name, x.name, points.len());
+    let inside = (0..table.len()).filter(|&i| within(x, i) && within(y, i)).count();
+    let title = format!("{} against {}: {inside} of {} points lie in the accepted box", y.name, x.name, table.len());
     frame.wrap(&title, &out)
 }
 
@@ -45,17 +47,17 @@ fn acceptance(frame: &Frame, x: &PlotColumn<'_>, y: &PlotColumn<'_>) -> String {
     out
 }
 
-fn density_cells(frame: &Frame, x: &PlotColumn<'_>, y: &PlotColumn<'_>) -> String {
+fn density_cells(frame: &Frame, x: &PlotColumn<'_>, y: &PlotColumn<'_>, class: &str, keep: &dyn Fn(usize) -> bool) -> String {
     const BINS: usize = 48;
     const SHADES: usize = 5;
-    let cells = levels(&density(x.values, y.values, |_| true, x.range, y.range, BINS));
+    let cells = levels(&density(x.values, y.values, keep, x.range, y.range, BINS));
     let (w, h) = ((frame.x.to - frame.x.from) / BINS as f64, (frame.y.from - frame.y.to) / BINS as f64);
     let mut paths = vec![String::new(); SHADES];
     for (k, &level) in cells.iter().enumerate().filter(|(_, level)| **level > 0) {
         let (left, top) = (frame.x.from + (k % BINS) as f64 * w, frame.y.from - (k / BINS + 1) as f64 * h);
         let _ = write!(paths[usize::from(level - 1) * SHADES / 255], "M{left:.1},{top:.1}h{w:.1}v{h:.1}h-{w:.1}z");
     }
-    paths.iter().enumerate().map(|(s, d)| format!("<path class=\"dens d{}\" d=\"{d}\"/>", s + 1)).collect()
+    paths.iter().enumerate().map(|(s, d)| format!("<path class=\"{class} d{}\" d=\"{d}\"/>", s + 1)).collect()
 }
 
 fn marks(table: &PointTable, frame: &Frame, x: &PlotColumn<'_>, y: &PlotColumn<'_>, points: &[usize]) -> String {
@@ -152,18 +154,35 @@ pub struct Series {
     pub accepted: Option<[f64; 2]>,
 }
 
+impl Series {
+    /// The last few periods of a series that oscillates too fast to be seen as a whole.
+    pub fn last_periods(&self) -> Option<Series> {
+        const PERIODS: usize = 6;
+        const TOO_MANY: usize = 60;
+        let mean = self.values.iter().sum::<f64>() / self.values.len().max(1) as f64;
+        let rises: Vec<usize> =
+            (1..self.values.len()).filter(|&i| self.values[i - 1] < mean && self.values[i] >= mean).collect();
+        if rises.len() < TOO_MANY {
+            return None;
+        }
+        let from = rises[rises.len() - PERIODS];
+        Some(Series { time: self.time[from..].to_vec(), values: self.values[from..].to_vec(), ..self.clone() })
+    }
+}
+
 /// A quantity over time with the accepted band; long series keep their extremes in every pixel column.
 pub fn history(series: &Series) -> Option<String> {
     let [low, high] = series.accepted.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
     let y = super::bins::axis_range(&series.values, low, high)?;
     let (start, end) = (*series.time.first()?, *series.time.last()?);
     let frame = Frame::new(560.0, 220.0, [start, if end > start { end } else { start + 1.0 }], y);
-    let mut out = frame.axes("time (s)", Some(&with_unit(&series.name, &series.unit)));
+    let mut out = frame.axes("time (s)", Some(&series.unit));
     if series.accepted.is_some() {
         let (top, bottom) = (frame.y.clamped(high), frame.y.clamped(low));
         let _ = write!(out, "<path class=\"accept\" d=\"M{:.1},{top:.1}H{:.1}V{bottom:.1}H{:.1}z\"/>", frame.x.from, frame.x.to, frame.x.from);
     }
-    let _ = write!(out, "<path class=\"line\" d=\"{}\"/>", envelope(series, &frame));
+    let class = if series.last_periods().is_some() { "line fast" } else { "line" };
+    let _ = write!(out, "<path class=\"{class}\" d=\"{}\"/>", envelope(series, &frame));
     Some(frame.wrap(&format!("{} over time", series.name), &out))
 }
 

@@ -37,14 +37,22 @@ struct Page<'a> {
     planes: Vec<Plane>,
     parameters: Vec<Small>,
     criteria: Vec<Small>,
-    best_columns: Vec<(&'a str, &'a str)>,
+    best_columns: Vec<(&'a str, &'a str, &'a str)>,
     first_criterion: usize,
     best: Vec<BestRow>,
     failures: Vec<(String, String, String)>,
-    histories: Vec<String>,
+    histories: Vec<History>,
     provenance: &'a [(String, String)],
     command: &'a str,
     study_text: &'a str,
+}
+
+/// One quantity over time: the whole run, and its last periods where it oscillates fast.
+#[derive(Serialize)]
+struct History {
+    name: String,
+    svg: String,
+    detail: Option<String>,
 }
 
 /// A plane of two columns.
@@ -125,7 +133,11 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
         n: count(table.len()),
         count: count(counted.verified.count),
         fraction: fraction(&counted.verified),
-        failed: count(counted.failed),
+        failed: match counted.failed {
+            0 => String::new(),
+            1 => "1 point could not be simulated and counts as not verified.".into(),
+            n => format!("{} points could not be simulated and count as not verified.", count(n)),
+        },
         drawn: count(points.len()),
         sampled: points.len() < table.len(),
         rows: count_rows(table, &counted),
@@ -133,11 +145,11 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
         planes: planes(table, &columns, &points),
         parameters: distributions(table, &columns[..table.parameters.len()], 0),
         criteria: distributions(table, &columns[table.parameters.len()..], table.parameters.len()),
-        best_columns: columns.iter().map(|c| (c.name, c.unit)).collect(),
+        best_columns: columns.iter().map(|c| heading(c)).collect(),
         first_criterion: table.parameters.len(),
         best: best_rows(table, &ranking),
         failures: failures(table),
-        histories: report.history.iter().filter_map(figures::history).collect(),
+        histories: histories(report),
         provenance: &report.provenance,
         command: &report.command,
         study_text: &report.study_text,
@@ -239,8 +251,8 @@ fn decisive(table: &PointTable, counted: &Verdict) -> String {
             );
             if only.only_failure > 0 {
                 text += &format!(
-                    " {} further points would be verified were it not for {} alone.",
-                    count(only.only_failure), table.criteria[a].name
+                    " {} alone keeps {} further point{} from being verified.",
+                    table.criteria[a].name, count(only.only_failure), if only.only_failure == 1 { "" } else { "s" }
                 );
             }
             text
@@ -264,27 +276,35 @@ fn planes(table: &PointTable, columns: &[PlotColumn<'_>], points: &[usize]) -> V
     }
     pairs.extend(left_over.chunks(2).filter(|w| w.len() == 2).map(|w| (first + w[0], first + w[1], "criteria".to_owned())));
     pairs.truncate(PLANES - 1);
-    if let Some((x, y)) = strongest_pair(table) {
-        pairs.push((x, first + y, "most correlated parameter".into()));
-    }
+    let room = if pairs.len() % 2 == 0 { 2 } else { 1 };
+    let strongest = strongest_pairs(table).into_iter().take(room);
+    pairs.extend(strongest.map(|(x, y)| (x, first + y, format!("strongest on {}", table.criteria[y].name))));
     pairs
         .into_iter()
         .map(|(x, y, title)| Plane { svg: figures::plane(table, &columns[x], &columns[y], points), x, y, title })
         .collect()
 }
 
-/// The parameter and the criterion with the largest linear correlation.
-fn strongest_pair(table: &PointTable) -> Option<(usize, usize)> {
-    let mut best = None;
+/// For every criterion the parameter with the largest linear correlation, the strongest first,
+/// every parameter once.
+fn strongest_pairs(table: &PointTable) -> Vec<(usize, usize)> {
+    let mut all: Vec<(f64, usize, usize)> = Vec::new();
     for (p, parameter) in table.parameters.iter().enumerate() {
         for (c, criterion) in table.criteria.iter().enumerate() {
             let r = correlation(&parameter.values, &criterion.values).abs();
-            if r.is_finite() && best.is_none_or(|(_, _, most)| r > most) {
-                best = Some((p, c, r));
+            if r.is_finite() {
+                all.push((r, p, c));
             }
         }
     }
-    best.map(|(p, c, _)| (p, c))
+    all.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut chosen: Vec<(usize, usize)> = Vec::new();
+    for (_, p, c) in all {
+        if chosen.iter().all(|&(q, d)| p != q && c != d) {
+            chosen.push((p, c));
+        }
+    }
+    chosen
 }
 
 fn correlation(x: &[f64], y: &[f64]) -> f64 {
@@ -323,6 +343,12 @@ fn distributions(table: &PointTable, columns: &[PlotColumn<'_>], first: usize) -
         .collect()
 }
 
+/// A structured name in its two parts, and the unit.
+fn heading<'a>(c: &PlotColumn<'a>) -> (&'a str, &'a str, &'a str) {
+    let (path, name) = c.name.rsplit_once('.').unwrap_or(("", c.name));
+    (path, name, c.unit)
+}
+
 fn best_rows(table: &PointTable, ranking: &[(usize, Binding)]) -> Vec<BestRow> {
     ranking
         .iter()
@@ -348,6 +374,17 @@ fn best_rows(table: &PointTable, ranking: &[(usize, Binding)]) -> Vec<BestRow> {
             }
         })
         .collect()
+}
+
+fn histories(report: &Report) -> Vec<History> {
+    let history = |s: &figures::Series| {
+        Some(History {
+            name: s.name.clone(),
+            svg: figures::history(s)?,
+            detail: s.last_periods().as_ref().and_then(figures::history),
+        })
+    };
+    report.history.iter().filter_map(history).collect()
 }
 
 /// Reasons of failure, how often, and the first points of each.

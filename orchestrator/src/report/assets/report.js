@@ -32,6 +32,15 @@
     if (parent) parent.append(node);
     return node;
   };
+  const parts = name => { const dot = name.lastIndexOf("."); return [name.slice(0, Math.max(dot, 0)), name.slice(dot + 1)]; };
+  const heading = (c, th) => {
+    const [path, name] = parts(c.name);
+    th.scope = "col";
+    th.className = "num";
+    if (path) make("small", path, th);
+    th.append(name);
+    make("small", c.unit, th);
+  };
   const number = (v, digits = 5) => {
     if (!Number.isFinite(v)) return "–";
     if (v === 0) return "0";
@@ -114,7 +123,8 @@
     }
     tip.hidden = false;
     const box = tip.getBoundingClientRect(), gap = 16;
-    const left = x + gap + box.width > innerWidth ? x - gap - box.width : x + gap;
+    const room = document.documentElement.clientWidth;
+    const left = x + gap + box.width > room - 6 ? x - gap - box.width : x + gap;
     const top = Math.min(Math.max(y - box.height / 2, 6), innerHeight - box.height - 6);
     tip.style.left = `${Math.max(left, 6)}px`;
     tip.style.top = `${top}px`;
@@ -135,8 +145,10 @@
     const axes = { x: Number(figure.dataset.x), y: Number(figure.dataset.y) };
     const caption = figure.querySelector("figcaption"), picture = figure.querySelector(".picture");
     const note = figure.querySelector(".note");
+    const choices = make("span", undefined, caption);
+    choices.className = "axes";
     for (const axis of ["y", "x"]) {
-      const label = make("label", axis === "y" ? "vertical " : "horizontal ", caption);
+      const label = make("label", `${axis} `, choices);
       const choice = make("select", undefined, label);
       columns.forEach((c, k) => { const o = make("option", c.name, choice); o.value = k; o.selected = k === axes[axis]; });
       choice.addEventListener("change", () => { axes[axis] = Number(choice.value); render(); });
@@ -148,12 +160,14 @@
       sx = scale(cx.range, 64, WIDTH - 14);
       sy = scale(cy.range, HEIGHT - 48, 12);
       picture.replaceChildren();
-      svg = draw(picture, "svg", { class: "plot", viewBox: `0 0 ${WIDTH} ${HEIGHT}`, tabindex: 0, role: "application",
+      svg = draw(picture, "svg", { class: size > 1500 ? "plot crowd" : "plot", viewBox: `0 0 ${WIDTH} ${HEIGHT}`, tabindex: 0, role: "application",
         "aria-label": `${cy.title} against ${cx.title}. Arrow keys step through the points, Enter selects.` });
       frame(cx, cy);
       acceptance(cx, cy);
-      if (crowd) shades(axes.x, axes.y);
-      marks(cx, cy);
+      if (crowd) {
+        shades(data.density.all, "dens", axes.x, axes.y);
+        shades(data.density.verified, "dens in", axes.x, axes.y);
+      } else marks(cx, cy);
       picks = draw(svg, "path", { class: "picked" });
       rings = draw(svg, "path", { class: "ring" });
       brush = draw(svg, "rect", { class: "brush", visibility: "hidden" });
@@ -186,17 +200,17 @@
       if (cy.criterion) draw(svg, "path", { class: "nominal", d: `M${f(x0)},${f(sy.clamp(cy.criterion.nominal))}H${f(x1)}` });
     }
 
-    function shades(a, b) {
+    function shades(density, kind, a, b) {
       const n = data.density.bins, key = a < b ? `${a},${b}` : `${b},${a}`;
-      if (!data.density.all[key]) return;
-      const cells = bytes(data.density.all[key]), paths = ["", "", "", "", ""];
+      if (!density[key]) return;
+      const cells = bytes(density[key]), paths = ["", "", "", "", ""];
       const w = (sx.to - sx.from) / n, h = (sy.from - sy.to) / n;
       cells.forEach((level, k) => {
         if (!level) return;
         const [i, j] = a < b ? [k % n, Math.floor(k / n)] : [Math.floor(k / n), k % n];
         paths[Math.floor((level - 1) * 5 / 255)] += `M${f(sx.from + i * w)},${f(sy.from - (j + 1) * h)}h${f(w)}v${f(h)}h${f(-w)}z`;
       });
-      paths.forEach((d, k) => draw(svg, "path", { class: `dens d${k + 1}`, d }));
+      paths.forEach((d, k) => draw(svg, "path", { class: `${kind} d${k + 1}`, d }));
     }
 
     const visible = i => sx.has(columns[axes.x].data[i]) && sy.has(columns[axes.y].data[i]);
@@ -307,7 +321,7 @@
 
   // ---- parallel axes: combinations --------------------------------------------------------------------
   function parallel(figure) {
-    const most = 300, shown = [];
+    const most = size > 1000 ? 150 : 300, shown = [];
     const evenly = list => { const step = Math.ceil(list.length / most); return list.filter((_, k) => k % Math.max(step, 1) === 0); };
     const whole = Array.from({ length: size }, (_, i) => i).filter(i => completed[i]);
     shown.push(...evenly(whole.filter(i => !verified[i])), ...evenly(whole.filter(i => verified[i])));
@@ -323,7 +337,7 @@
         draw(svg, "path", { class: "accept", d: `M${f(x - 9)},${f(a)}H${f(x + 9)}V${f(b)}H${f(x - 9)}z` });
       }
       draw(svg, "path", { class: "rail", d: `M${f(x)},${top}V${bottom}` });
-      const words = c.name.includes(".") ? [c.name.slice(0, c.name.lastIndexOf(".")), c.name.slice(c.name.lastIndexOf(".") + 1)] : ["", c.name];
+      const words = parts(c.name);
       draw(svg, "text", { class: "tick", x, y: 14, "text-anchor": "middle" }, words[0]);
       draw(svg, "text", { class: "label", x, y: 30, "text-anchor": "middle" }, words[1]);
       draw(svg, "text", { class: "tick", x, y: top - 8, "text-anchor": "middle" }, `${number(s.high, 4)}${c.unit && c.unit !== "1" ? ` ${c.unit}` : ""}`);
@@ -389,7 +403,7 @@
       if (!chosen.length) return;
       const table = make("table", undefined, holder), head = make("tr", undefined, make("thead", undefined, table));
       make("th", "Point", head).scope = "col";
-      for (const c of columns) { const th = make("th", c.name, head); th.scope = "col"; th.className = "num"; make("small", c.unit, th); }
+      for (const c of columns) heading(c, make("th", undefined, head));
       const body = make("tbody", undefined, table);
       for (const i of chosen.slice(0, LISTED)) {
         const row = make("tr", undefined, body);
