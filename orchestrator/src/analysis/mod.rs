@@ -3,5 +3,6 @@
 //! Nothing here runs a simulation, reads a study or knows FMI. The input is a [`table::PointTable`]
 //! or plain slices; the output is numbers with their uncertainty.
 
+pub mod sensitivity;
 pub mod table;
 pub mod verdict;
