@@ -160,10 +160,9 @@ impl Prepared {
         if let Some(film) = self.film.as_ref().filter(|_| magnitude > 0.0) {
             let direction = force / magnitude;
             let psi = bearing.relative_clearance();
-            squeeze = film.mobility_vector(e, direction)
-                * (magnitude * psi * psi / (viscosity * width * diameter));
-            side_flow = film.film(e, direction).side_flow * magnitude * c.powi(3)
-                / (3.0 * viscosity * width * width);
+            let film = film.film(e, direction);
+            squeeze = film.mobility * (magnitude * psi * psi / (viscosity * width * diameter));
+            side_flow = film.side_flow() * magnitude * c.powi(3) / (3.0 * viscosity * width * width);
         }
         let couette = viscosity * speed * friction::couette(bearing, ratio);
         let poiseuille = friction::poiseuille(c, [load, 0.0], eccentricity);
@@ -196,7 +195,7 @@ impl Prepared {
         let film = self.film.as_ref().filter(|_| magnitude > 0.0);
         film.map_or(0.0, |film| {
             film.film(eccentricity.into(), force / magnitude)
-                .max_pressure
+                .max_pressure()
                 * magnitude
                 / (bearing.width * bearing.diameter)
         })

@@ -96,8 +96,8 @@ fn compare(map: &MobilityMap, width: f64, e: f64, angle: f64) -> Result<[f64; 3]
     let film = slice.film(eps, load);
     Ok([
         (slice.mobility_vector(eps, load) - direct.mobility).norm() / direct.mobility.norm(),
-        (film.max_pressure / direct.max_pressure - 1.0).abs(),
-        (film.side_flow / direct.side_flow - 1.0).abs(),
+        (film.max_pressure() / direct.max_pressure - 1.0).abs(),
+        (film.side_flow() / direct.side_flow - 1.0).abs(),
     ])
 }
 

@@ -118,7 +118,10 @@ impl PointTable {
                 return None;
             }
             if worst.is_none_or(|w| deviation > w.deviation) {
-                worst = Some(Binding { criterion, deviation });
+                worst = Some(Binding {
+                    criterion,
+                    deviation,
+                });
             }
         }
         worst
@@ -131,7 +134,9 @@ impl PointTable {
             .filter_map(|i| self.binding(i).map(|b| (i, b)))
             .collect();
         ranking.sort_by(|a, b| {
-            (!self.verified[a.0]).cmp(&!self.verified[b.0]).then(a.1.deviation.total_cmp(&b.1.deviation))
+            (!self.verified[a.0])
+                .cmp(&!self.verified[b.0])
+                .then(a.1.deviation.total_cmp(&b.1.deviation))
         });
         ranking
     }
@@ -186,8 +191,17 @@ mod tests {
             status: vec!["ok".into(), "solver failed".into(), "ok".into()],
             ..PointTable::default()
         };
-        assert_eq!(table.binding(0), Some(Binding { criterion: 1, deviation: 0.75 }));
+        assert_eq!(
+            table.binding(0),
+            Some(Binding {
+                criterion: 1,
+                deviation: 0.75
+            })
+        );
         assert_eq!(table.binding(1), None);
-        assert_eq!(table.ranking().iter().map(|r| r.0).collect::<Vec<_>>(), [0, 2]);
+        assert_eq!(
+            table.ranking().iter().map(|r| r.0).collect::<Vec<_>>(),
+            [0, 2]
+        );
     }
 }

@@ -6,96 +6,13 @@ use super::coordinates::Point;
 use super::map::CHANNELS;
 use super::spline::{End, hermite, slopes};
 
-/// Value, slope over `u`, slope over `s` and twist of two quantities at a node.
-type Node = [[f64; 4]; 2];
+/// Of each quantity: value, slope over `u`, slope over `s` and twist.
+type Node = [[f64; CHANNELS]; 4];
 
-/// The mobility of bearings of one `B/D`.
+/// The mobility of bearings of one `B/D`: the map's quantities over `u` and `s`, once continuously
+/// differentiable.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MobilitySlice {
-    /// `ln |M|` and the angle by which `M` leads the load.
-    motion: Surface,
-    /// `ln` of the largest pressure over `F/(B D)` and of the side flow over `F c^3 / (3 eta B^2)`.
-    film: Surface,
-}
-
-/// What else is known of a film under a load, dimensionless.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Film {
-    /// The largest pressure over `F / (B D)`.
-    pub max_pressure: f64,
-    /// The flow out of both ends together over `F c^3 / (3 eta B^2)`.
-    pub side_flow: f64,
-}
-
-impl MobilitySlice {
-    /// From node values, by `u`, then `s`, then channel.
-    pub(super) fn new(values: &[f64], us: usize, ss: usize, last_u: f64) -> Self {
-        let channel =
-            |k: usize| -> Vec<f64> { values.iter().skip(k).step_by(CHANNELS).copied().collect() };
-        let surface = |a: usize, b: usize, odd: End| {
-            Surface::new([channel(a), channel(b)], us, ss, last_u, [End::Even, odd])
-        };
-        Self {
-            motion: surface(0, 1, End::Odd),
-            film: surface(2, 3, End::Even),
-        }
-    }
-
-    /// The mobility along the eccentricity and 90 degrees ahead of it, at the eccentricity ratio
-    /// `e` (0 up to, but not, 1) under a load whose angle ahead of the eccentricity has this cosine and sine.
-    ///
-    /// An eccentricity ratio of 1 or more is taken as just below 1.
-    pub fn mobility(&self, e: f64, cos: f64, sin: f64) -> (f64, f64) {
-        let [logarithm, lead] = self.motion.at(Point::new(e, cos, sin));
-        let (lead_sin, lead_cos) = if sin < 0.0 { -lead } else { lead }.sin_cos();
-        let size = logarithm.exp();
-        (
-            size * (cos * lead_cos - sin * lead_sin),
-            size * (sin * lead_cos + cos * lead_sin),
-        )
-    }
-
-    /// The mobility vector `M` in the frame of `eps` and of the load's `direction`, a unit vector.
-    pub fn mobility_vector(&self, eps: Vector2<f64>, direction: Vector2<f64>) -> Vector2<f64> {
-        let e = eps.norm();
-        let [logarithm, lead] = self.motion.at(self.point(eps, direction));
-        let sine = eps.perp(&direction);
-        let lead = if sine < 0.0 { -lead } else { lead };
-        let (sin, cos) = lead.sin_cos();
-        logarithm.exp()
-            * Vector2::new(
-                direction.x * cos - direction.y * sin,
-                direction.x * sin + direction.y * cos,
-            )
-    }
-
-    /// Largest pressure and side flow under a load along the unit vector `direction`.
-    pub fn film(&self, eps: Vector2<f64>, direction: Vector2<f64>) -> Film {
-        let [pressure, flow] = self.film.at(self.point(eps, direction));
-        Film {
-            max_pressure: pressure.exp(),
-            side_flow: flow.exp(),
-        }
-    }
-
-    fn point(&self, eps: Vector2<f64>, direction: Vector2<f64>) -> Point {
-        let e = eps.norm();
-        if e > 0.0 {
-            let inverse = 1.0 / e;
-            Point::new(
-                e,
-                eps.dot(&direction) * inverse,
-                eps.perp(&direction) * inverse,
-            )
-        } else {
-            Point::new(0.0, 1.0, 0.0)
-        }
-    }
-}
-
-/// Two quantities over `u` and `s`, once continuously differentiable.
-#[derive(Clone, Debug, PartialEq)]
-struct Surface {
     /// By `u`, then `s`.
     nodes: Vec<Node>,
     /// Nodes over `s`.
@@ -108,22 +25,48 @@ struct Surface {
     per_u: f64,
 }
 
-impl Surface {
-    /// From the node values; `symmetry` tells how each quantity behaves at both ends of `s`.
-    fn new(values: [Vec<f64>; 2], us: usize, ss: usize, last_u: f64, symmetry: [End; 2]) -> Self {
+/// A film under a load, dimensionless.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Film {
+    /// The mobility vector `M`.
+    pub mobility: Vector2<f64>,
+    log_max_pressure: f64,
+    log_side_flow: f64,
+}
+
+impl Film {
+    /// The largest pressure over `F / (B D)`.
+    pub fn max_pressure(&self) -> f64 {
+        self.log_max_pressure.exp()
+    }
+
+    /// The flow out of both ends together over `F c^3 / (3 eta B^2)`.
+    pub fn side_flow(&self) -> f64 {
+        self.log_side_flow.exp()
+    }
+}
+
+/// How each quantity continues beyond the ends of `s`.
+const SYMMETRY: [End; CHANNELS] = [End::Even, End::Odd, End::Even, End::Even];
+
+impl MobilitySlice {
+    /// From node values, by `u`, then `s`, then channel.
+    pub(super) fn new(values: &[f64], us: usize, ss: usize, last_u: f64) -> Self {
         let mut nodes = vec![Node::default(); us * ss];
-        for (channel, values) in values.iter().enumerate() {
-            let ends = [symmetry[channel]; 2];
-            let over_u = over_u(values, us, ss);
+        for (channel, symmetry) in SYMMETRY.into_iter().enumerate() {
+            let values: Vec<f64> = values.iter().skip(channel).step_by(CHANNELS).copied().collect();
+            let over_u = over_u(&values, us, ss);
+            let ends = [symmetry; 2];
+            let (mut over_s, mut twist) = (vec![0.0; ss], vec![0.0; ss]);
             for i in 0..us {
                 let row = i * ss..(i + 1) * ss;
-                let mut over_s = vec![0.0; ss];
-                let mut twist = vec![0.0; ss];
                 slopes(&values[row.clone()], ends, &mut over_s);
                 slopes(&over_u[row.clone()], ends, &mut twist);
-                for j in 0..ss {
-                    let at = i * ss + j;
-                    nodes[at][channel] = [values[at], over_u[at], over_s[j], twist[j]];
+                for (j, at) in row.enumerate() {
+                    let node = [values[at], over_u[at], over_s[j], twist[j]];
+                    for (kind, value) in nodes[at].iter_mut().zip(node) {
+                        kind[channel] = value;
+                    }
                 }
             }
         }
@@ -137,8 +80,46 @@ impl Surface {
         }
     }
 
-    /// Both quantities at a point.
-    fn at(&self, point: Point) -> [f64; 2] {
+    /// The mobility along the eccentricity and 90 degrees ahead of it, at the eccentricity ratio
+    /// `e` (0 up to, but not, 1) under a load whose angle ahead of the eccentricity has this cosine and sine.
+    ///
+    /// An eccentricity ratio of 1 or more is taken as just below 1.
+    pub fn mobility(&self, e: f64, cos: f64, sin: f64) -> (f64, f64) {
+        let film = self.film(Vector2::new(e, 0.0), Vector2::new(cos, sin));
+        (film.mobility.x, film.mobility.y)
+    }
+
+    /// The mobility vector `M` in the frame of `eps` and of the load's `direction`, a unit vector.
+    pub fn mobility_vector(&self, eps: Vector2<f64>, direction: Vector2<f64>) -> Vector2<f64> {
+        self.film(eps, direction).mobility
+    }
+
+    /// The film at the eccentricity-ratio vector `eps` under a load along the unit vector `direction`.
+    pub fn film(&self, eps: Vector2<f64>, direction: Vector2<f64>) -> Film {
+        let e = eps.norm();
+        let (cos, sin) = if e > 0.0 {
+            let inverse = 1.0 / e;
+            (eps.dot(&direction) * inverse, eps.perp(&direction) * inverse)
+        } else {
+            (1.0, 0.0)
+        };
+        let [log_mobility, lead, log_max_pressure, log_side_flow] = self.at(Point::new(e, cos, sin));
+        // The lead is odd in the angle from eccentricity to load.
+        let (sin, cos) = if sin < 0.0 { -lead } else { lead }.sin_cos();
+        let mobility = log_mobility.exp()
+            * Vector2::new(
+                direction.x * cos - direction.y * sin,
+                direction.x * sin + direction.y * cos,
+            );
+        Film {
+            mobility,
+            log_max_pressure,
+            log_side_flow,
+        }
+    }
+
+    /// The quantities at a point.
+    fn at(&self, point: Point) -> [f64; CHANNELS] {
         let position = point.u * self.per_u;
         let across = (point.s * self.last_s).clamp(0.0, self.last_s);
         let inside = position.min(self.last_u);
@@ -157,13 +138,21 @@ impl Surface {
             &self.nodes[near + 1],
             &self.nodes[near + self.ss + 1],
         ];
-        let mut sum = [0.0; 2];
-        for (k, corner) in corners.into_iter().enumerate() {
+        let mut sum = [0.0; CHANNELS];
+        for (k, [f, fu, fs, fus]) in corners.into_iter().enumerate() {
             let (value, slope) = (along[k & 1], along[2 + (k & 1)]);
             let (wide_value, wide_slope) = (wide[k >> 1], wide[2 + (k >> 1)]);
-            for (total, [f, fu, fs, fus]) in sum.iter_mut().zip(corner) {
-                *total +=
-                    wide_value * (value * f + slope * fu) + wide_slope * (value * fs + slope * fus);
+            let weights = [
+                wide_value * value,
+                wide_value * slope,
+                wide_slope * value,
+                wide_slope * slope,
+            ];
+            for (channel, total) in sum.iter_mut().enumerate() {
+                *total += weights[0] * f[channel]
+                    + weights[1] * fu[channel]
+                    + weights[2] * fs[channel]
+                    + weights[3] * fus[channel];
             }
         }
         sum
