@@ -56,7 +56,10 @@ impl<M: Model> Instance<M> {
             return;
         }
         for variable in M::variables() {
-            if let Kind::Real { slope: Some(set), .. } = variable.kind {
+            if let Kind::Real {
+                slope: Some(set), ..
+            } = variable.kind
+            {
                 set(&mut self.run.model, 0.0);
             }
         }
@@ -110,8 +113,10 @@ impl<M: Model> Instance<M> {
         values: &mut [Real],
     ) -> Outcome {
         self.refresh()?;
-        let reads =
-            unknowns.iter().map(|unknown| read(variable::<M>(*unknown)?)).collect::<Outcome<Vec<_>>>()?;
+        let reads = unknowns
+            .iter()
+            .map(|unknown| read(variable::<M>(*unknown)?))
+            .collect::<Outcome<Vec<_>>>()?;
         let knowns = knowns
             .iter()
             .zip(direction)
@@ -146,13 +151,30 @@ impl<M: Model> Instance<M> {
             _ => Phase::StepComplete,
         };
         check_settable(variable, phase)?;
-        let Kind::Real { access: Access { get, set: Some(set) }, min, max, nominal, .. } =
-            &variable.kind
+        let Kind::Real {
+            access: Access {
+                get,
+                set: Some(set),
+            },
+            min,
+            max,
+            nominal,
+            ..
+        } = &variable.kind
         else {
-            return Err(unfit(variable, format!("a known is a Real that can be set, not {}", type_name(variable))));
+            return Err(unfit(
+                variable,
+                format!(
+                    "a known is a Real that can be set, not {}",
+                    type_name(variable)
+                ),
+            ));
         };
         if !direction.is_finite() {
-            return Err(unfit(variable, format!("its direction cannot be {direction}")));
+            return Err(unfit(
+                variable,
+                format!("its direction cannot be {direction}"),
+            ));
         }
         let value = get(self.run.seed.as_ref().unwrap_or(&self.run.model));
         let magnitude = match (value.abs(), nominal) {
@@ -160,7 +182,14 @@ impl<M: Model> Instance<M> {
             (0.0, None) => 1.0,
             (value, None) => value,
         };
-        Ok(Known { set: *set, value, direction, magnitude, min: *min, max: *max })
+        Ok(Known {
+            set: *set,
+            value,
+            direction,
+            magnitude,
+            min: *min,
+            max: *max,
+        })
     }
 }
 
@@ -174,7 +203,9 @@ impl<M> Known<M> {
 /// ahead or back.
 fn stencil<M>(knowns: &[Known<M>], step: f64) -> &'static [(f64, f64)] {
     let fits = |offset: f64| {
-        knowns.iter().all(|known| inside(known.at(offset * step), known.min, known.max))
+        knowns
+            .iter()
+            .all(|known| inside(known.at(offset * step), known.min, known.max))
     };
     match (fits(-1.0), fits(1.0)) {
         (false, true) if fits(2.0) => &[(0.0, -1.5), (1.0, 2.0), (2.0, -0.5)],
@@ -189,7 +220,10 @@ type Slope<M> = fn(&mut M, f64);
 fn read<M>(variable: &'static Variable<M>) -> Outcome<Read<M>> {
     match (&variable.kind, variable.role) {
         (Kind::Real { access, .. }, Role::Output | Role::Local) => Ok(access.get),
-        _ => Err(unfit(variable, "an unknown is a Real that the model computes".to_owned())),
+        _ => Err(unfit(
+            variable,
+            "an unknown is a Real that the model computes".to_owned(),
+        )),
     }
 }
 
@@ -199,8 +233,16 @@ fn output<M>(
 ) -> Outcome<(&'static Access<M, f64, f64>, Option<Read<M>>)> {
     check_order(variable, order)?;
     match (&variable.kind, variable.role) {
-        (Kind::Real { access, derivative, .. }, Role::Output) => Ok((access, *derivative)),
-        _ => Err(unfit(variable, "only Real outputs have derivatives".to_owned())),
+        (
+            Kind::Real {
+                access, derivative, ..
+            },
+            Role::Output,
+        ) => Ok((access, *derivative)),
+        _ => Err(unfit(
+            variable,
+            "only Real outputs have derivatives".to_owned(),
+        )),
     }
 }
 
@@ -210,8 +252,13 @@ fn input_slope<M>(
 ) -> Outcome<(&'static Variable<M>, Slope<M>)> {
     check_order(variable, order)?;
     match &variable.kind {
-        Kind::Real { slope: Some(slope), .. } => Ok((variable, *slope)),
-        _ => Err(unfit(variable, "only continuous inputs take derivatives".to_owned())),
+        Kind::Real {
+            slope: Some(slope), ..
+        } => Ok((variable, *slope)),
+        _ => Err(unfit(
+            variable,
+            "only continuous inputs take derivatives".to_owned(),
+        )),
     }
 }
 
@@ -219,9 +266,15 @@ fn check_order<M>(variable: &Variable<M>, order: Integer) -> Outcome<()> {
     if order == 1 {
         return Ok(());
     }
-    Err(unfit(variable, format!("derivatives are of order 1, not {order}")))
+    Err(unfit(
+        variable,
+        format!("derivatives are of order 1, not {order}"),
+    ))
 }
 
 fn unfit<M>(variable: &Variable<M>, why: String) -> Refusal {
-    Refusal::Derivative { name: variable.name, why }
+    Refusal::Derivative {
+        name: variable.name,
+        why,
+    }
 }
