@@ -23,7 +23,6 @@ use super::types::{
 use crate::model::Model;
 
 /// `fmi2Instantiate`.
-#[expect(clippy::too_many_arguments, reason = "the standard's signature")]
 pub unsafe fn instantiate<M: Model>(
     name: Text,
     kind: c_int,
@@ -131,8 +130,9 @@ macro_rules! access {
         ) -> Status {
             let body = |instance: &mut Instance<M>| {
                 // SAFETY: as the host vouches.
-                let (references, value) =
-                    unsafe { (values(references, n, "vr")?, $slice(value, n, "value")?) };
+                let references = unsafe { values(references, n, "vr") }?;
+                // SAFETY: as the host vouches.
+                let value = unsafe { $slice(value, n, "value") }?;
                 instance.$method(references, value)
             };
             // SAFETY: as the host vouches.
@@ -278,7 +278,6 @@ pub unsafe fn deserialize_fmu_state<M: Model>(
 }
 
 /// `fmi2GetDirectionalDerivative`.
-#[expect(clippy::too_many_arguments, reason = "the standard's signature")]
 pub unsafe fn get_directional_derivative<M: Model>(
     component: Component,
     unknowns: *const ValueReference,

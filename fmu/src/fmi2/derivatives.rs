@@ -76,7 +76,7 @@ impl<M: Model> Instance<M> {
         self.refresh()?;
         let mut ahead = None;
         for ((reference, order), value) in references.iter().zip(orders).zip(values) {
-            let (access, derivative) = output(variable::<M>(*reference)?, *order)?;
+            let (read, derivative) = output(variable::<M>(*reference)?, *order)?;
             *value = match derivative {
                 Some(derivative) => derivative(&self.run.model),
                 None => {
@@ -84,8 +84,7 @@ impl<M: Model> Instance<M> {
                         Some(ahead) => ahead,
                         None => ahead.insert(self.go_ahead()?),
                     };
-                    let [here, near, far] =
-                        [&self.run.model, near, far].map(|model| (access.get)(model));
+                    let [here, near, far] = [&self.run.model, near, far].map(read);
                     (4.0 * near - 3.0 * here - far) / (2.0 * TIME_STEP * M::INFO.default_step)
                 }
             };
@@ -230,7 +229,7 @@ fn read<M>(variable: &'static Variable<M>) -> Outcome<Read<M>> {
 fn output<M>(
     variable: &'static Variable<M>,
     order: Integer,
-) -> Outcome<(&'static Access<M, f64, f64>, Option<Read<M>>)> {
+) -> Outcome<(Read<M>, Option<Read<M>>)> {
     check_order(variable, order)?;
     match (&variable.kind, variable.role) {
         (
@@ -238,7 +237,7 @@ fn output<M>(
                 access, derivative, ..
             },
             Role::Output,
-        ) => Ok((access, *derivative)),
+        ) => Ok((access.get, *derivative)),
         _ => Err(unfit(
             variable,
             "only Real outputs have derivatives".to_owned(),

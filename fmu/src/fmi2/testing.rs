@@ -1,4 +1,5 @@
 //! A host for tests: the C functions of the lag, called as a C host calls them.
+#![expect(clippy::unwrap_used, reason = "only tests use it")]
 
 use std::ffi::{CStr, CString, c_char, c_void};
 use std::ptr::{null, null_mut};
@@ -56,7 +57,8 @@ unsafe extern "C" fn logger(
 /// The lag in a host.
 pub struct Host {
     pub component: Component,
-    // Boxed: the boundary keeps a pointer to it.
+    // Boxed: the boundary keeps a pointer to the list.
+    #[expect(clippy::box_collection)]
     messages: Box<Vec<Message>>,
 }
 
