@@ -6,7 +6,7 @@ use std::fmt::Write;
 
 use serde::{Deserialize, Serialize};
 
-use super::model::{
+use crate::model::{
     Access, DisplayUnit, Enumeration, Experiment, Fault, Info, Item, Kind, Log, Model, Role, Unit,
     Variable,
 };
@@ -58,17 +58,41 @@ impl Lag {
 const SECOND: Unit = Unit {
     name: "s",
     exponents: [0, 0, 1, 0, 0],
-    display: &[DisplayUnit { name: "ms", factor: 1000.0, offset: 0.0 }],
+    display: &[DisplayUnit {
+        name: "ms",
+        factor: 1000.0,
+        offset: 0.0,
+    }],
 };
-const ONE: Unit = Unit { name: "1", exponents: [0; 5], display: &[] };
+const ONE: Unit = Unit {
+    name: "1",
+    exponents: [0; 5],
+    display: &[],
+};
 const TROUBLE: Enumeration = Enumeration {
     name: "Trouble",
     description: "What goes wrong in the next step",
     items: &[
-        Item { name: "None", value: 1, description: "Nothing" },
-        Item { name: "Discard", value: 2, description: "The step cannot be computed" },
-        Item { name: "Error", value: 3, description: "An input is not usable" },
-        Item { name: "Panic", value: 4, description: "A bug" },
+        Item {
+            name: "None",
+            value: 1,
+            description: "Nothing",
+        },
+        Item {
+            name: "Discard",
+            value: 2,
+            description: "The step cannot be computed",
+        },
+        Item {
+            name: "Error",
+            value: 3,
+            description: "An input is not usable",
+        },
+        Item {
+            name: "Panic",
+            value: 4,
+            description: "A bug",
+        },
     ],
 };
 
@@ -80,7 +104,10 @@ macro_rules! real {
             role: Role::$role,
             depends_on: &[],
             kind: Kind::Real {
-                access: Access { get: $get, set: $set },
+                access: Access {
+                    get: $get,
+                    set: $set,
+                },
                 unit: &$unit,
                 display: None,
                 min: $min,
@@ -94,14 +121,68 @@ macro_rules! real {
 }
 
 static VARIABLES: [Variable<Lag>; 11] = [
-    real!("input", Input, ONE, |m| m.input, Some(|m, v| m.input = *v), Some(|m, v| m.slope = v), None, Some(-1e6)),
-    real!("timeConstant", Parameter, SECOND, |m| m.constant, Some(|m, v| m.constant = *v), None, None, Some(1e-3)),
-    real!("gain", TunableParameter, ONE, |m| m.gain, Some(|m, v| m.gain = *v), None, None, Some(-1e6)),
-    real!("initialState", Parameter, ONE, |m| m.initial, Some(|m, v| m.initial = *v), None, None, Some(-1e6)),
-    real!("output", Output, ONE, |m| m.sign() * m.state, None, None, Some(Lag::derivative), Some(-1e6)),
+    real!(
+        "input",
+        Input,
+        ONE,
+        |m| m.input,
+        Some(|m, v| m.input = *v),
+        Some(|m, v| m.slope = v),
+        None,
+        Some(-1e6)
+    ),
+    real!(
+        "timeConstant",
+        Parameter,
+        SECOND,
+        |m| m.constant,
+        Some(|m, v| m.constant = *v),
+        None,
+        None,
+        Some(1e-3)
+    ),
+    real!(
+        "gain",
+        TunableParameter,
+        ONE,
+        |m| m.gain,
+        Some(|m, v| m.gain = *v),
+        None,
+        None,
+        Some(-1e6)
+    ),
+    real!(
+        "initialState",
+        Parameter,
+        ONE,
+        |m| m.initial,
+        Some(|m, v| m.initial = *v),
+        None,
+        None,
+        Some(-1e6)
+    ),
+    real!(
+        "output",
+        Output,
+        ONE,
+        |m| m.sign() * m.state,
+        None,
+        None,
+        Some(Lag::derivative),
+        Some(-1e6)
+    ),
     Variable {
         depends_on: &["input", "inverted"],
-        ..real!("feed", Output, ONE, |m| m.sign() * m.gain * m.input, None, None, None, Some(-1e12))
+        ..real!(
+            "feed",
+            Output,
+            ONE,
+            |m| m.sign() * m.gain * m.input,
+            None,
+            None,
+            None,
+            Some(-1e12)
+        )
     },
     Variable {
         name: "trouble",
@@ -109,7 +190,10 @@ static VARIABLES: [Variable<Lag>; 11] = [
         role: Role::TunableParameter,
         depends_on: &[],
         kind: Kind::Enumeration {
-            access: Access { get: |m| m.trouble, set: Some(|m, v| m.trouble = *v) },
+            access: Access {
+                get: |m| m.trouble,
+                set: Some(|m, v| m.trouble = *v),
+            },
             of: &TROUBLE,
         },
     },
@@ -119,7 +203,10 @@ static VARIABLES: [Variable<Lag>; 11] = [
         role: Role::Input,
         depends_on: &[],
         kind: Kind::Boolean {
-            access: Access { get: |m| m.inverted, set: Some(|m, v| m.inverted = *v) },
+            access: Access {
+                get: |m| m.inverted,
+                set: Some(|m, v| m.inverted = *v),
+            },
         },
     },
     Variable {
@@ -128,7 +215,10 @@ static VARIABLES: [Variable<Lag>; 11] = [
         role: Role::Parameter,
         depends_on: &[],
         kind: Kind::String {
-            access: Access { get: |m| m.label.clone(), set: Some(|m, v| m.label = v.to_owned()) },
+            access: Access {
+                get: |m| m.label.clone(),
+                set: Some(|m, v| m.label = v.to_owned()),
+            },
         },
     },
     Variable {
@@ -137,7 +227,10 @@ static VARIABLES: [Variable<Lag>; 11] = [
         role: Role::Output,
         depends_on: &[],
         kind: Kind::Integer {
-            access: Access { get: |m| m.steps, set: None },
+            access: Access {
+                get: |m| m.steps,
+                set: None,
+            },
             min: Some(0),
             max: None,
         },
@@ -147,7 +240,12 @@ static VARIABLES: [Variable<Lag>; 11] = [
         description: "What happened last",
         role: Role::Output,
         depends_on: &[],
-        kind: Kind::String { access: Access { get: |m| m.report.clone(), set: None } },
+        kind: Kind::String {
+            access: Access {
+                get: |m| m.report.clone(),
+                set: None,
+            },
+        },
     },
 ];
 

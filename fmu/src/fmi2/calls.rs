@@ -23,7 +23,6 @@ use super::types::{
 use crate::model::Model;
 
 /// `fmi2Instantiate`.
-#[expect(clippy::too_many_arguments, reason = "the standard's signature")]
 pub unsafe fn instantiate<M: Model>(
     name: Text,
     kind: c_int,
@@ -37,8 +36,13 @@ pub unsafe fn instantiate<M: Model>(
         // SAFETY: as the host vouches; the struct is copied, hosts may keep it on their stack.
         let callbacks = unsafe { values(callbacks, 1, "functions") }.ok()?[0];
         // SAFETY: as the host vouches.
-        let [name, guid, resources] =
-            unsafe { [text(name, "instanceName"), text(guid, "fmuGUID"), text(resources, "")] };
+        let [name, guid, resources] = unsafe {
+            [
+                text(name, "instanceName"),
+                text(guid, "fmuGUID"),
+                text(resources, ""),
+            ]
+        };
         let request = Request {
             name: name.unwrap_or_default(),
             kind,
@@ -48,7 +52,10 @@ pub unsafe fn instantiate<M: Model>(
         };
         Instance::<M>::new(&request, &callbacks).map(Handle::give)
     };
-    catch_unwind(AssertUnwindSafe(make)).ok().flatten().unwrap_or(std::ptr::null_mut())
+    catch_unwind(AssertUnwindSafe(make))
+        .ok()
+        .flatten()
+        .unwrap_or(std::ptr::null_mut())
 }
 
 /// `fmi2FreeInstance`.
@@ -123,8 +130,9 @@ macro_rules! access {
         ) -> Status {
             let body = |instance: &mut Instance<M>| {
                 // SAFETY: as the host vouches.
-                let (references, value) =
-                    unsafe { (values(references, n, "vr")?, $slice(value, n, "value")?) };
+                let references = unsafe { values(references, n, "vr") }?;
+                // SAFETY: as the host vouches.
+                let value = unsafe { $slice(value, n, "value") }?;
                 instance.$method(references, value)
             };
             // SAFETY: as the host vouches.
@@ -159,7 +167,8 @@ pub unsafe fn set_string<M: Model>(
 ) -> Status {
     let body = |instance: &mut Instance<M>| {
         // SAFETY: as the host vouches.
-        let (references, texts) = unsafe { (values(references, n, "vr")?, texts(value, n, "value")?) };
+        let (references, texts) =
+            unsafe { (values(references, n, "vr")?, texts(value, n, "value")?) };
         instance.set_string(references, &texts)
     };
     // SAFETY: as the host vouches.
@@ -169,7 +178,12 @@ pub unsafe fn set_string<M: Model>(
 /// `n` texts.
 unsafe fn texts<'a>(pointer: *const Text, n: usize, name: &'static str) -> Outcome<Vec<&'a str>> {
     // SAFETY: as the host vouches.
-    unsafe { values(pointer, n, name)?.iter().map(|pointer| text(*pointer, name)).collect() }
+    unsafe {
+        values(pointer, n, name)?
+            .iter()
+            .map(|pointer| text(*pointer, name))
+            .collect()
+    }
 }
 
 /// `fmi2GetFMUstate`.
@@ -228,7 +242,10 @@ pub unsafe fn serialize_fmu_state<M: Model>(
         // SAFETY: as the host vouches.
         let bytes = unsafe { instance.serialize(state) }?;
         if size < bytes.len() {
-            return Err(Refusal::Size { given: size, needed: bytes.len() });
+            return Err(Refusal::Size {
+                given: size,
+                needed: bytes.len(),
+            });
         }
         // SAFETY: as the host vouches; there is room for that many bytes.
         unsafe { values_mut(serialized.cast::<u8>(), bytes.len(), "serializedState") }?
@@ -249,7 +266,10 @@ pub unsafe fn deserialize_fmu_state<M: Model>(
     let body = |instance: &mut Instance<M>| {
         // SAFETY: as the host vouches.
         let (bytes, place) = unsafe {
-            (values(serialized.cast::<u8>(), size, "serializedState")?, place(state, "FMUstate")?)
+            (
+                values(serialized.cast::<u8>(), size, "serializedState")?,
+                place(state, "FMUstate")?,
+            )
         };
         instance.deserialize(bytes, place)
     };
@@ -258,7 +278,6 @@ pub unsafe fn deserialize_fmu_state<M: Model>(
 }
 
 /// `fmi2GetDirectionalDerivative`.
-#[expect(clippy::too_many_arguments, reason = "the standard's signature")]
 pub unsafe fn get_directional_derivative<M: Model>(
     component: Component,
     unknowns: *const ValueReference,
@@ -295,7 +314,11 @@ pub unsafe fn set_real_input_derivatives<M: Model>(
     let body = |instance: &mut Instance<M>| {
         // SAFETY: as the host vouches.
         let (references, orders, value) = unsafe {
-            (values(references, n, "vr")?, values(orders, n, "order")?, values(value, n, "value")?)
+            (
+                values(references, n, "vr")?,
+                values(orders, n, "order")?,
+                values(value, n, "value")?,
+            )
         };
         instance.set_input_derivatives(references, orders, value)
     };
@@ -334,13 +357,21 @@ pub unsafe fn do_step<M: Model>(
     _no_set_state_prior: Boolean,
 ) -> Status {
     // SAFETY: as the host vouches.
-    unsafe { enter(component, &phase::DO_STEP, |instance: &mut Instance<M>| instance.step(from, step)) }
+    unsafe {
+        enter(component, &phase::DO_STEP, |instance: &mut Instance<M>| {
+            instance.step(from, step)
+        })
+    }
 }
 
 /// `fmi2CancelStep`: steps are synchronous, so that there is never one to cancel.
 pub unsafe fn cancel_step<M: Model>(component: Component) -> Status {
     // SAFETY: as the host vouches.
-    unsafe { enter(component, &phase::CANCEL_STEP, |_: &mut Instance<M>| Ok(Status::Ok)) }
+    unsafe {
+        enter(component, &phase::CANCEL_STEP, |_: &mut Instance<M>| {
+            Ok(Status::Ok)
+        })
+    }
 }
 
 /// The `fmi2GetXxxStatus` functions: the answer to `asked`, or a refusal.
@@ -361,14 +392,22 @@ unsafe fn answer<M: Model, T>(
 }
 
 /// `fmi2GetStatus`: how the last step ended.
-pub unsafe fn get_status<M: Model>(component: Component, kind: c_int, value: *mut Status) -> Status {
+pub unsafe fn get_status<M: Model>(
+    component: Component,
+    kind: c_int,
+    value: *mut Status,
+) -> Status {
     let ask = |instance: &Instance<M>| (kind == DO_STEP_STATUS).then_some(instance.run.last_step);
     // SAFETY: as the host vouches.
     unsafe { answer(component, &phase::GET_STATUS, value, ask) }
 }
 
 /// `fmi2GetRealStatus`: the last time to which a step succeeded.
-pub unsafe fn get_real_status<M: Model>(component: Component, kind: c_int, value: *mut Real) -> Status {
+pub unsafe fn get_real_status<M: Model>(
+    component: Component,
+    kind: c_int,
+    value: *mut Real,
+) -> Status {
     let ask = |instance: &Instance<M>| (kind == LAST_SUCCESSFUL_TIME).then_some(instance.run.time);
     // SAFETY: as the host vouches.
     unsafe { answer(component, &phase::GET_REAL_STATUS, value, ask) }
@@ -381,7 +420,14 @@ pub unsafe fn get_integer_status<M: Model>(
     value: *mut Integer,
 ) -> Status {
     // SAFETY: as the host vouches.
-    unsafe { answer(component, &phase::GET_INTEGER_STATUS, value, |_: &Instance<M>| None) }
+    unsafe {
+        answer(
+            component,
+            &phase::GET_INTEGER_STATUS,
+            value,
+            |_: &Instance<M>| None,
+        )
+    }
 }
 
 /// `fmi2GetBooleanStatus`: whether the model wants to end; it never does.
@@ -402,5 +448,12 @@ pub unsafe fn get_string_status<M: Model>(
     value: *mut Text,
 ) -> Status {
     // SAFETY: as the host vouches.
-    unsafe { answer(component, &phase::GET_STRING_STATUS, value, |_: &Instance<M>| None) }
+    unsafe {
+        answer(
+            component,
+            &phase::GET_STRING_STATUS,
+            value,
+            |_: &Instance<M>| None,
+        )
+    }
 }

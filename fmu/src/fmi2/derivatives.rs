@@ -56,7 +56,10 @@ impl<M: Model> Instance<M> {
             return;
         }
         for variable in M::variables() {
-            if let Kind::Real { slope: Some(set), .. } = variable.kind {
+            if let Kind::Real {
+                slope: Some(set), ..
+            } = variable.kind
+            {
                 set(&mut self.run.model, 0.0);
             }
         }
@@ -73,7 +76,7 @@ impl<M: Model> Instance<M> {
         self.refresh()?;
         let mut ahead = None;
         for ((reference, order), value) in references.iter().zip(orders).zip(values) {
-            let (access, derivative) = output(variable::<M>(*reference)?, *order)?;
+            let (read, derivative) = output(variable::<M>(*reference)?, *order)?;
             *value = match derivative {
                 Some(derivative) => derivative(&self.run.model),
                 None => {
@@ -81,8 +84,7 @@ impl<M: Model> Instance<M> {
                         Some(ahead) => ahead,
                         None => ahead.insert(self.go_ahead()?),
                     };
-                    let [here, near, far] =
-                        [&self.run.model, near, far].map(|model| (access.get)(model));
+                    let [here, near, far] = [&self.run.model, near, far].map(read);
                     (4.0 * near - 3.0 * here - far) / (2.0 * TIME_STEP * M::INFO.default_step)
                 }
             };
@@ -110,8 +112,10 @@ impl<M: Model> Instance<M> {
         values: &mut [Real],
     ) -> Outcome {
         self.refresh()?;
-        let reads =
-            unknowns.iter().map(|unknown| read(variable::<M>(*unknown)?)).collect::<Outcome<Vec<_>>>()?;
+        let reads = unknowns
+            .iter()
+            .map(|unknown| read(variable::<M>(*unknown)?))
+            .collect::<Outcome<Vec<_>>>()?;
         let knowns = knowns
             .iter()
             .zip(direction)
@@ -146,13 +150,30 @@ impl<M: Model> Instance<M> {
             _ => Phase::StepComplete,
         };
         check_settable(variable, phase)?;
-        let Kind::Real { access: Access { get, set: Some(set) }, min, max, nominal, .. } =
-            &variable.kind
+        let Kind::Real {
+            access: Access {
+                get,
+                set: Some(set),
+            },
+            min,
+            max,
+            nominal,
+            ..
+        } = &variable.kind
         else {
-            return Err(unfit(variable, format!("a known is a Real that can be set, not {}", type_name(variable))));
+            return Err(unfit(
+                variable,
+                format!(
+                    "a known is a Real that can be set, not {}",
+                    type_name(variable)
+                ),
+            ));
         };
         if !direction.is_finite() {
-            return Err(unfit(variable, format!("its direction cannot be {direction}")));
+            return Err(unfit(
+                variable,
+                format!("its direction cannot be {direction}"),
+            ));
         }
         let value = get(self.run.seed.as_ref().unwrap_or(&self.run.model));
         let magnitude = match (value.abs(), nominal) {
@@ -160,7 +181,14 @@ impl<M: Model> Instance<M> {
             (0.0, None) => 1.0,
             (value, None) => value,
         };
-        Ok(Known { set: *set, value, direction, magnitude, min: *min, max: *max })
+        Ok(Known {
+            set: *set,
+            value,
+            direction,
+            magnitude,
+            min: *min,
+            max: *max,
+        })
     }
 }
 
@@ -174,7 +202,9 @@ impl<M> Known<M> {
 /// ahead or back.
 fn stencil<M>(knowns: &[Known<M>], step: f64) -> &'static [(f64, f64)] {
     let fits = |offset: f64| {
-        knowns.iter().all(|known| inside(known.at(offset * step), known.min, known.max))
+        knowns
+            .iter()
+            .all(|known| inside(known.at(offset * step), known.min, known.max))
     };
     match (fits(-1.0), fits(1.0)) {
         (false, true) if fits(2.0) => &[(0.0, -1.5), (1.0, 2.0), (2.0, -0.5)],
@@ -189,18 +219,29 @@ type Slope<M> = fn(&mut M, f64);
 fn read<M>(variable: &'static Variable<M>) -> Outcome<Read<M>> {
     match (&variable.kind, variable.role) {
         (Kind::Real { access, .. }, Role::Output | Role::Local) => Ok(access.get),
-        _ => Err(unfit(variable, "an unknown is a Real that the model computes".to_owned())),
+        _ => Err(unfit(
+            variable,
+            "an unknown is a Real that the model computes".to_owned(),
+        )),
     }
 }
 
 fn output<M>(
     variable: &'static Variable<M>,
     order: Integer,
-) -> Outcome<(&'static Access<M, f64, f64>, Option<Read<M>>)> {
+) -> Outcome<(Read<M>, Option<Read<M>>)> {
     check_order(variable, order)?;
     match (&variable.kind, variable.role) {
-        (Kind::Real { access, derivative, .. }, Role::Output) => Ok((access, *derivative)),
-        _ => Err(unfit(variable, "only Real outputs have derivatives".to_owned())),
+        (
+            Kind::Real {
+                access, derivative, ..
+            },
+            Role::Output,
+        ) => Ok((access.get, *derivative)),
+        _ => Err(unfit(
+            variable,
+            "only Real outputs have derivatives".to_owned(),
+        )),
     }
 }
 
@@ -210,8 +251,13 @@ fn input_slope<M>(
 ) -> Outcome<(&'static Variable<M>, Slope<M>)> {
     check_order(variable, order)?;
     match &variable.kind {
-        Kind::Real { slope: Some(slope), .. } => Ok((variable, *slope)),
-        _ => Err(unfit(variable, "only continuous inputs take derivatives".to_owned())),
+        Kind::Real {
+            slope: Some(slope), ..
+        } => Ok((variable, *slope)),
+        _ => Err(unfit(
+            variable,
+            "only continuous inputs take derivatives".to_owned(),
+        )),
     }
 }
 
@@ -219,9 +265,15 @@ fn check_order<M>(variable: &Variable<M>, order: Integer) -> Outcome<()> {
     if order == 1 {
         return Ok(());
     }
-    Err(unfit(variable, format!("derivatives are of order 1, not {order}")))
+    Err(unfit(
+        variable,
+        format!("derivatives are of order 1, not {order}"),
+    ))
 }
 
 fn unfit<M>(variable: &Variable<M>, why: String) -> Refusal {
-    Refusal::Derivative { name: variable.name, why }
+    Refusal::Derivative {
+        name: variable.name,
+        why,
+    }
 }

@@ -16,17 +16,29 @@ pub fn xml<M: Model>() -> String {
 pub fn fingerprint<M: Model>() -> u128 {
     const BASIS: u128 = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d;
     const PRIME: u128 = 0x0000_0000_0100_0000_0000_0000_0000_013b;
-    with_guid::<M>("").bytes().fold(BASIS, |hash, byte| (hash ^ u128::from(byte)).wrapping_mul(PRIME))
+    with_guid::<M>("").bytes().fold(BASIS, |hash, byte| {
+        (hash ^ u128::from(byte)).wrapping_mul(PRIME)
+    })
 }
 
 /// The GUID of a fingerprint.
 pub fn guid(fingerprint: u128) -> String {
     let digits = format!("{fingerprint:032x}");
-    format!("{{{}-{}-{}-{}-{}}}", &digits[..8], &digits[8..12], &digits[12..16], &digits[16..20], &digits[20..])
+    format!(
+        "{{{}-{}-{}-{}-{}}}",
+        &digits[..8],
+        &digits[8..12],
+        &digits[12..16],
+        &digits[16..20],
+        &digits[20..]
+    )
 }
 
 fn with_guid<M: Model>(guid: &str) -> String {
-    let mut xml = Xml { text: "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n".to_owned(), depth: 0 };
+    let mut xml = Xml {
+        text: "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n".to_owned(),
+        depth: 0,
+    };
     let info = M::INFO;
     xml.open(
         Tag::new("fmiModelDescription")
@@ -36,7 +48,10 @@ fn with_guid<M: Model>(guid: &str) -> String {
             .with("description", info.description)
             .with("version", env!("CARGO_PKG_VERSION"))
             .with("license", env!("CARGO_PKG_LICENSE"))
-            .with("generationTool", concat!(env!("CARGO_PKG_NAME"), " ", env!("CARGO_PKG_VERSION")))
+            .with(
+                "generationTool",
+                concat!(env!("CARGO_PKG_NAME"), " ", env!("CARGO_PKG_VERSION")),
+            )
             .with("variableNamingConvention", "structured"),
     );
     co_simulation::<M>(&mut xml);
@@ -44,7 +59,11 @@ fn with_guid<M: Model>(guid: &str) -> String {
     types::<M>(&mut xml);
     xml.open(Tag::new("LogCategories"));
     for (name, description) in CATEGORIES.iter().chain(info.log_categories) {
-        xml.leaf(Tag::new("Category").with("name", name).with("description", description));
+        xml.leaf(
+            Tag::new("Category")
+                .with("name", name)
+                .with("description", description),
+        );
     }
     xml.close("LogCategories");
     xml.leaf(
@@ -61,7 +80,9 @@ fn with_guid<M: Model>(guid: &str) -> String {
 }
 
 fn co_simulation<M: Model>(xml: &mut Xml) {
-    let sloped = M::variables().iter().any(|v| matches!(v.kind, Kind::Real { slope: Some(_), .. }));
+    let sloped = M::variables()
+        .iter()
+        .any(|v| matches!(v.kind, Kind::Real { slope: Some(_), .. }));
     xml.leaf(
         Tag::new("CoSimulation")
             .with("modelIdentifier", M::INFO.identifier)
@@ -95,7 +116,12 @@ fn units<M: Model>(xml: &mut Xml) {
             base = base.with_some(name, (exponent != 0).then_some(exponent));
         }
         xml.leaf(base);
-        for DisplayUnit { name, factor, offset } in unit.display {
+        for DisplayUnit {
+            name,
+            factor,
+            offset,
+        } in unit.display
+        {
             xml.leaf(
                 Tag::new("DisplayUnit")
                     .with("name", name)
@@ -121,8 +147,17 @@ fn types<M: Model>(xml: &mut Xml) {
         return;
     }
     xml.open(Tag::new("TypeDefinitions"));
-    for Enumeration { name, description, items } in types {
-        xml.open(Tag::new("SimpleType").with("name", name).with("description", description));
+    for Enumeration {
+        name,
+        description,
+        items,
+    } in types
+    {
+        xml.open(
+            Tag::new("SimpleType")
+                .with("name", name)
+                .with("description", description),
+        );
         xml.open(Tag::new("Enumeration"));
         for item in *items {
             xml.leaf(
@@ -171,7 +206,15 @@ fn typed<M: Model>(variable: &Variable<M>, initial: &M) -> Tag {
     let set = !matches!(variable.role, Role::Output | Role::Local);
     let tag = Tag::new(type_name(variable));
     match &variable.kind {
-        Kind::Real { access, unit, display, min, max, nominal, .. } => tag
+        Kind::Real {
+            access,
+            unit,
+            display,
+            min,
+            max,
+            nominal,
+            ..
+        } => tag
             .with("unit", unit.name)
             .with_some("displayUnit", *display)
             .with_some("min", min.map(Number))
@@ -192,7 +235,12 @@ fn typed<M: Model>(variable: &Variable<M>, initial: &M) -> Tag {
 
 fn structure<M: Model>(xml: &mut Xml) {
     let table = M::variables();
-    let outputs = || table.iter().enumerate().filter(|(_, v)| v.role == Role::Output);
+    let outputs = || {
+        table
+            .iter()
+            .enumerate()
+            .filter(|(_, v)| v.role == Role::Output)
+    };
     xml.open(Tag::new("ModelStructure"));
     if outputs().next().is_some() {
         xml.open(Tag::new("Outputs"));
@@ -213,14 +261,20 @@ fn structure<M: Model>(xml: &mut Xml) {
 }
 
 /// An `Unknown` with the variables on which it depends. Indices count from 1.
-fn unknown<M>(index: usize, depends: impl Fn(usize, &Variable<M>) -> bool, table: &[Variable<M>]) -> Tag {
+fn unknown<M>(
+    index: usize,
+    depends: impl Fn(usize, &Variable<M>) -> bool,
+    table: &[Variable<M>],
+) -> Tag {
     let dependencies = table
         .iter()
         .enumerate()
         .filter(|(index, variable)| depends(*index, variable))
         .map(|(index, _)| (index + 1).to_string())
         .collect::<Vec<_>>();
-    Tag::new("Unknown").with("index", index + 1).with("dependencies", dependencies.join(" "))
+    Tag::new("Unknown")
+        .with("index", index + 1)
+        .with("dependencies", dependencies.join(" "))
 }
 
 /// A real number as `xs:double` writes it, with all its digits.
@@ -241,7 +295,8 @@ impl Tag {
     }
 
     fn with(mut self, name: &str, value: impl Display) -> Self {
-        self.0.push_str(&format!(" {name}=\"{}\"", escaped(&value.to_string())));
+        self.0
+            .push_str(&format!(" {name}=\"{}\"", escaped(&value.to_string())));
         self
     }
 
@@ -281,16 +336,118 @@ impl Xml {
 }
 
 fn escaped(text: &str) -> String {
-    text.chars().fold(String::with_capacity(text.len()), |mut out, character| {
-        match character {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            '\n' => out.push_str("&#10;"),
-            '\t' => out.push_str("&#9;"),
-            _ => out.push(character),
+    text.chars()
+        .fold(String::with_capacity(text.len()), |mut out, character| {
+            match character {
+                '&' => out.push_str("&amp;"),
+                '<' => out.push_str("&lt;"),
+                '>' => out.push_str("&gt;"),
+                '"' => out.push_str("&quot;"),
+                '\n' => out.push_str("&#10;"),
+                '\t' => out.push_str("&#9;"),
+                _ => out.push(character),
+            }
+            out
+        })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fmi2::lag::Lag;
+    use crate::stand::Stand;
+
+    #[test]
+    fn the_committed_description_is_fresh() {
+        let path = concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/../modelDescription/modelDescription.xml"
+        );
+        let committed = std::fs::read_to_string(path).unwrap_or_default();
+        assert!(
+            committed.replace("\r\n", "\n") == xml::<Stand>(),
+            "{path} is stale: run `cargo run -p plain-bearing-stand --bin model-description`"
+        );
+    }
+
+    #[test]
+    fn texts_are_escaped_and_types_complete() {
+        let xml = xml::<Lag>();
+        let document = roxmltree::Document::parse(&xml).unwrap();
+        let node = |name: &str| {
+            document
+                .descendants()
+                .find(|node| node.attribute("name") == Some(name))
+                .unwrap()
+        };
+        assert_eq!(
+            node("label").attribute("description"),
+            Some("A name with <&\"> in it")
+        );
+        assert_eq!(
+            node("trouble")
+                .first_element_child()
+                .unwrap()
+                .attribute("declaredType"),
+            Some("Trouble")
+        );
+        let outputs = document
+            .descendants()
+            .find(|node| node.has_tag_name("Outputs"))
+            .unwrap();
+        let feed = outputs
+            .children()
+            .find(|node| node.attribute("index") == Some("6"))
+            .unwrap();
+        assert_eq!(feed.attribute("dependencies"), Some("1 8"));
+    }
+
+    #[test]
+    fn every_table_has_its_own_guid() {
+        assert_ne!(fingerprint::<Lag>(), fingerprint::<Stand>());
+        assert_eq!(guid(1), "{00000000-0000-0000-0000-000000000001}");
+    }
+
+    /// What holds for every sound table, shown on the stand's.
+    #[test]
+    fn the_stands_table_is_sound() {
+        let initial = Stand::default();
+        let mut names = std::collections::HashSet::new();
+        for variable in Stand::variables() {
+            assert!(names.insert(variable.name), "{} twice", variable.name);
+            assert!(!variable.description.is_empty(), "{}", variable.name);
+            if let Kind::Real {
+                access,
+                unit,
+                display,
+                min,
+                max,
+                nominal,
+                ..
+            } = &variable.kind
+            {
+                let start = (access.get)(&initial);
+                let inside =
+                    min.is_none_or(|min| start >= min) && max.is_none_or(|max| start <= max);
+                assert!(inside || access.set.is_none(), "{}", variable.name);
+                assert!(
+                    min.is_some() && max.is_some() && min < max,
+                    "{}",
+                    variable.name
+                );
+                assert!(
+                    nominal.is_some_and(|nominal| nominal > 0.0),
+                    "{}",
+                    variable.name
+                );
+                let known = |name: &str| unit.display.iter().any(|unit| unit.name == name);
+                assert!(display.is_none_or(known), "{}", variable.name);
+            }
         }
-        out
-    })
+        for variable in Stand::variables() {
+            for name in variable.depends_on {
+                assert!(names.contains(name), "{}: {name}", variable.name);
+            }
+        }
+    }
 }

@@ -19,9 +19,14 @@ use crate::model::Model;
 pub fn magic<M: Model>(kind: u64) -> u64 {
     static ANCHOR: u8 = 0;
     let library = (&raw const ANCHOR).addr() as u64;
-    M::INFO.identifier.bytes().fold(library ^ kind, |hash, byte| {
-        (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3).rotate_left(23)
-    })
+    M::INFO
+        .identifier
+        .bytes()
+        .fold(library ^ kind, |hash, byte| {
+            (hash ^ u64::from(byte))
+                .wrapping_mul(0x0000_0100_0000_01b3)
+                .rotate_left(23)
+        })
 }
 
 /// What an `fmi2Component` points to.
@@ -52,7 +57,9 @@ impl<M: Model> Handle<M> {
     /// back only once, while no other thread uses it.
     pub unsafe fn end(component: Component) {
         // SAFETY: as the caller says.
-        let Some(handle) = (unsafe { Self::find(component) }) else { return };
+        let Some(handle) = (unsafe { Self::find(component) }) else {
+            return;
+        };
         if handle.busy.swap(true, Ordering::Acquire) {
             return;
         }
@@ -120,8 +127,11 @@ fn checked<M: Model>(
     if phase == Phase::Fatal {
         return Status::Fatal;
     }
-    let outcome =
-        if function.allowed_in(phase) { body(instance) } else { Err(Refusal::Phase(phase)) };
+    let outcome = if function.allowed_in(phase) {
+        body(instance)
+    } else {
+        Err(Refusal::Phase(phase))
+    };
     outcome.unwrap_or_else(|refusal| {
         instance.logger.refuse(function.name, &refusal);
         refusal.status()
@@ -143,6 +153,8 @@ fn poison<M: Model>(
         "{}: internal error: {text}. The instance is unusable now: free it, and please report this.",
         function.name
     );
-    instance.logger.send(Status::Fatal, "logStatusFatal", &message);
+    instance
+        .logger
+        .send(Status::Fatal, "logStatusFatal", &message);
     Status::Fatal
 }

@@ -87,7 +87,8 @@ impl<M: Model> Instance<M> {
         let uri = request.resources.filter(|uri| !uri.is_empty());
         let folder = uri.and_then(resources::folder);
         if let (Some(uri), None) = (uri, &folder) {
-            let message = format!("fmi2Instantiate: {uri} is no local folder; going on without resources");
+            let message =
+                format!("fmi2Instantiate: {uri} is no local folder; going on without resources");
             logger.send(Status::Warning, "logStatusWarning", &message);
         }
         Some(Self {
@@ -124,7 +125,12 @@ impl<M: Model> Instance<M> {
         }
         if let Some(tolerance) = tolerance {
             let why = "it must be greater than 0";
-            require(tolerance > 0.0 && tolerance.is_finite(), "tolerance", tolerance, why)?;
+            require(
+                tolerance > 0.0 && tolerance.is_finite(),
+                "tolerance",
+                tolerance,
+                why,
+            )?;
         }
         self.run.start = start;
         self.run.time = start;
@@ -167,7 +173,12 @@ impl<M: Model> Instance<M> {
     pub fn step(&mut self, from: f64, step: f64) -> Outcome {
         finite("currentCommunicationPoint", from)?;
         let why = "a step must be greater than 0";
-        require(step > 0.0 && step.is_finite(), "communicationStepSize", step, why)?;
+        require(
+            step > 0.0 && step.is_finite(),
+            "communicationStepSize",
+            step,
+            why,
+        )?;
         self.check_times(from, step)?;
         self.refresh()?;
         let result = self.run.model.advance(from, step, &mut self.logger);
@@ -200,7 +211,9 @@ impl<M: Model> Instance<M> {
                 why: "the step must begin where the last one ended",
             });
         }
-        let Some(stop) = self.run.stop else { return Ok(()) };
+        let Some(stop) = self.run.stop else {
+            return Ok(());
+        };
         if from + step - stop > near {
             return Err(Refusal::Argument {
                 name: "communicationStepSize",
@@ -254,7 +267,12 @@ impl<M: Model> Instance<M> {
 
 impl<M> Run<M> {
     fn experiment<'a>(&self, resources: Option<&'a Path>) -> Experiment<'a> {
-        Experiment { start: self.start, stop: self.stop, tolerance: self.tolerance, resources }
+        Experiment {
+            start: self.start,
+            stop: self.stop,
+            tolerance: self.tolerance,
+            resources,
+        }
     }
 }
 
@@ -291,5 +309,9 @@ fn require(holds: bool, name: &'static str, value: f64, why: &'static str) -> Ou
     if holds {
         return Ok(());
     }
-    Err(Refusal::Argument { name, value: format!("{value:?}"), why })
+    Err(Refusal::Argument {
+        name,
+        value: format!("{value:?}"),
+        why,
+    })
 }

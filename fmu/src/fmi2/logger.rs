@@ -9,8 +9,14 @@ use crate::model::Log;
 
 /// Categories of the boundary itself, beside the model's own. The names are the standard's.
 pub const CATEGORIES: &[(&str, &str)] = &[
-    ("logStatusWarning", "What is odd, but does not stop the simulation."),
-    ("logStatusDiscard", "Why a step or a request could not be carried out."),
+    (
+        "logStatusWarning",
+        "What is odd, but does not stop the simulation.",
+    ),
+    (
+        "logStatusDiscard",
+        "Why a step or a request could not be carried out.",
+    ),
     ("logStatusError", "Why a call was refused or failed."),
     ("logStatusFatal", "Why an instance became unusable."),
     ("logAll", "All messages."),
@@ -64,7 +70,9 @@ impl Logger {
 
     /// Sends a message with a status. The message is data, never a format.
     pub fn send(&self, status: Status, category: &str, message: &str) {
-        let Some(callback) = self.callback else { return };
+        let Some(callback) = self.callback else {
+            return;
+        };
         let (category, message) = (c_string(category), c_string(message));
         // SAFETY: the host vouches for its callback at fmi2Instantiate; all strings end with NUL
         // and live until it returns; the format takes exactly the one argument given.
@@ -83,15 +91,23 @@ impl Logger {
     /// Tells the host why a call of `function` is refused.
     pub fn refuse(&self, function: &str, refusal: &Refusal) {
         let status = refusal.status();
-        let category =
-            if status == Status::Discard { "logStatusDiscard" } else { "logStatusError" };
+        let category = if status == Status::Discard {
+            "logStatusDiscard"
+        } else {
+            "logStatusError"
+        };
         self.send(status, category, &format!("{function}: {refusal}"));
     }
 }
 
 impl Log for Logger {
     fn log(&mut self, category: &'static str, message: fmt::Arguments<'_>) {
-        if self.on && self.chosen.as_ref().is_none_or(|chosen| chosen.contains(&category)) {
+        if self.on
+            && self
+                .chosen
+                .as_ref()
+                .is_none_or(|chosen| chosen.contains(&category))
+        {
             self.send(Status::Ok, category, &message.to_string());
         }
     }

@@ -54,8 +54,14 @@ impl Function {
 
 use Phase::{Error, Initialization, Instantiated, StepComplete, StepFailed, Terminated};
 
-const ALIVE: &[Phase] =
-    &[Instantiated, Initialization, StepComplete, StepFailed, Terminated, Error];
+const ALIVE: &[Phase] = &[
+    Instantiated,
+    Initialization,
+    StepComplete,
+    StepFailed,
+    Terminated,
+    Error,
+];
 const READABLE: &[Phase] = &[Initialization, StepComplete, StepFailed, Terminated, Error];
 const SETTABLE: &[Phase] = &[Instantiated, Initialization, StepComplete];
 

@@ -64,7 +64,9 @@ fn check<T>(pointer: *const T, n: usize, name: &'static str) -> Outcome<()> {
     if pointer.is_null() {
         return Err(Refusal::Null(name));
     }
-    let fits = n.checked_mul(size_of::<T>()).is_some_and(|size| isize::try_from(size).is_ok());
+    let fits = n
+        .checked_mul(size_of::<T>())
+        .is_some_and(|size| isize::try_from(size).is_ok());
     if !pointer.is_aligned() || !fits {
         return Err(Refusal::Pointer(name));
     }

@@ -19,15 +19,31 @@ pub enum Refusal {
     #[error("argument {0} is not a pointer to what it should be")]
     Pointer(&'static str),
     #[error("argument {name} = {value} is not usable: {why}")]
-    Argument { name: &'static str, value: String, why: &'static str },
+    Argument {
+        name: &'static str,
+        value: String,
+        why: &'static str,
+    },
     #[error("there is no variable with value reference {0}")]
     UnknownReference(ValueReference),
     #[error("variable {name} is of type {is}, not {asked}")]
-    Type { name: &'static str, is: &'static str, asked: &'static str },
+    Type {
+        name: &'static str,
+        is: &'static str,
+        asked: &'static str,
+    },
     #[error("variable {name} is {role}, which cannot be set {phase}")]
-    NotSettable { name: &'static str, role: &'static str, phase: Phase },
+    NotSettable {
+        name: &'static str,
+        role: &'static str,
+        phase: Phase,
+    },
     #[error("variable {name} cannot be set to {value}: it must be {allowed}")]
-    Value { name: &'static str, value: String, allowed: String },
+    Value {
+        name: &'static str,
+        value: String,
+        allowed: String,
+    },
     #[error("variable {name}: {why}")]
     Derivative { name: &'static str, why: String },
     #[error("log category {0:?} is unknown; the model description lists those there are")]

@@ -77,7 +77,17 @@ mod tests {
 
     #[test]
     fn what_is_no_local_folder() {
-        for uri in ["", "file:", "file://", "file://server/share", "http://a/b", "a/b", "file:///%4", "file:///%zz", "file:///%ff"] {
+        for uri in [
+            "",
+            "file:",
+            "file://",
+            "file://server/share",
+            "http://a/b",
+            "a/b",
+            "file:///%4",
+            "file:///%zz",
+            "file:///%ff",
+        ] {
             assert_eq!(folder(uri), None, "{uri}");
         }
     }

@@ -174,7 +174,11 @@ fn decode<M: Model>(bytes: &[u8], fingerprint: u128) -> Outcome<Run<M>> {
     let plausible = run.time.is_finite()
         && run.phase != Phase::Fatal
         && run.seed.is_some() == (run.phase == Phase::Initialization);
-    if plausible { Ok(run) } else { Err(broken("it contradicts itself")) }
+    if plausible {
+        Ok(run)
+    } else {
+        Err(broken("it contradicts itself"))
+    }
 }
 
 /// Checks the head and the checksum, then reads the rest.
@@ -211,7 +215,9 @@ fn take<const N: usize>(bytes: &[u8]) -> Outcome<([u8; N], &[u8])> {
 
 fn model<M: Model>(bytes: &[u8]) -> Outcome<M> {
     let mut model = M::default();
-    model.restore(bytes).map_err(|fault| broken(&fault.to_string()))?;
+    model
+        .restore(bytes)
+        .map_err(|fault| broken(&fault.to_string()))?;
     Ok(model)
 }
 

@@ -54,8 +54,7 @@ pub enum Status {
 }
 
 /// `fmi2CallbackLogger`: a printf-like function of the host.
-pub type CallbackLogger =
-    unsafe extern "C" fn(ComponentEnvironment, Text, Status, Text, Text, ...);
+pub type CallbackLogger = unsafe extern "C" fn(ComponentEnvironment, Text, Status, Text, Text, ...);
 
 /// `fmi2CallbackFunctions`. The memory functions are never called: the boundary uses Rust's
 /// allocator and declares `canNotUseMemoryManagementFunctions`.

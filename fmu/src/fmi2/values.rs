@@ -31,7 +31,11 @@ pub fn type_name<M>(variable: &Variable<M>) -> &'static str {
 
 /// The refusal for a variable of another type than the function's.
 pub fn wrong_type<M>(variable: &Variable<M>, asked: &'static str) -> Refusal {
-    Refusal::Type { name: variable.name, is: type_name(variable), asked }
+    Refusal::Type {
+        name: variable.name,
+        is: type_name(variable),
+        asked,
+    }
 }
 
 /// Whether the host may set a variable of this role in this phase.
@@ -46,7 +50,11 @@ pub fn check_settable<M>(variable: &Variable<M>, phase: Phase) -> Outcome<()> {
     if settable {
         return Ok(());
     }
-    Err(Refusal::NotSettable { name: variable.name, role, phase })
+    Err(Refusal::NotSettable {
+        name: variable.name,
+        role,
+        phase,
+    })
 }
 
 impl<M: Model> Instance<M> {
@@ -93,16 +101,20 @@ impl<M: Model> Instance<M> {
     /// `fmi2GetString`. A text stays where it is until the variable's text changes and is read again.
     pub fn get_string(&mut self, references: &[ValueReference], values: &mut [Text]) -> Outcome {
         let mut texts = vec![CString::default(); references.len()];
-        self.get(references, &mut texts, |variable, model| match &variable.kind {
-            Kind::String { access } => Ok(c_string(&(access.get)(model))),
-            _ => Err(wrong_type(variable, "String")),
+        self.get(references, &mut texts, |variable, model| {
+            match &variable.kind {
+                Kind::String { access } => Ok(c_string(&(access.get)(model))),
+                _ => Err(wrong_type(variable, "String")),
+            }
         })?;
         for ((reference, text), value) in references.iter().zip(texts).zip(values) {
             let place = &mut self.texts[*reference as usize];
             if place.as_ref() != Some(&text) {
                 *place = Some(text);
             }
-            *value = place.as_ref().map_or(std::ptr::null(), |text| text.as_ptr());
+            *value = place
+                .as_ref()
+                .map_or(std::ptr::null(), |text| text.as_ptr());
         }
         Ok(Status::Ok)
     }
@@ -130,7 +142,10 @@ impl<M: Model> Instance<M> {
     /// `fmi2SetReal`.
     pub fn set_real(&mut self, references: &[ValueReference], values: &[Real]) -> Outcome {
         self.set(references, values, |variable, value, model| {
-            let Kind::Real { access, min, max, .. } = &variable.kind else {
+            let Kind::Real {
+                access, min, max, ..
+            } = &variable.kind
+            else {
                 return Err(wrong_type(variable, "Real"));
             };
             if !value.is_finite() || !inside(value, *min, *max) {
@@ -142,42 +157,57 @@ impl<M: Model> Instance<M> {
 
     /// `fmi2SetInteger`, for enumerations too.
     pub fn set_integer(&mut self, references: &[ValueReference], values: &[i32]) -> Outcome {
-        self.set(references, values, |variable, value, model| match &variable.kind {
-            Kind::Integer { access, min, max } => {
-                if !inside(value, *min, *max) {
-                    return Err(outside(variable, value, *min, *max));
+        self.set(
+            references,
+            values,
+            |variable, value, model| match &variable.kind {
+                Kind::Integer { access, min, max } => {
+                    if !inside(value, *min, *max) {
+                        return Err(outside(variable, value, *min, *max));
+                    }
+                    write(variable, access, &value, model)
                 }
-                write(variable, access, &value, model)
-            }
-            Kind::Enumeration { access, of } => {
-                if !of.items.iter().any(|item| item.value == value) {
-                    let items = of.items.iter().map(|item| format!("{} ({})", item.value, item.name));
-                    return Err(Refusal::Value {
-                        name: variable.name,
-                        value: value.to_string(),
-                        allowed: format!("one of {}", items.collect::<Vec<_>>().join(", ")),
-                    });
+                Kind::Enumeration { access, of } => {
+                    if !of.items.iter().any(|item| item.value == value) {
+                        let items = of
+                            .items
+                            .iter()
+                            .map(|item| format!("{} ({})", item.value, item.name));
+                        return Err(Refusal::Value {
+                            name: variable.name,
+                            value: value.to_string(),
+                            allowed: format!("one of {}", items.collect::<Vec<_>>().join(", ")),
+                        });
+                    }
+                    write(variable, access, &value, model)
                 }
-                write(variable, access, &value, model)
-            }
-            _ => Err(wrong_type(variable, "Integer or Enumeration")),
-        })
+                _ => Err(wrong_type(variable, "Integer or Enumeration")),
+            },
+        )
     }
 
     /// `fmi2SetBoolean`.
     pub fn set_boolean(&mut self, references: &[ValueReference], values: &[i32]) -> Outcome {
-        self.set(references, values, |variable, value, model| match &variable.kind {
-            Kind::Boolean { access } => write(variable, access, &(value != 0), model),
-            _ => Err(wrong_type(variable, "Boolean")),
-        })
+        self.set(
+            references,
+            values,
+            |variable, value, model| match &variable.kind {
+                Kind::Boolean { access } => write(variable, access, &(value != 0), model),
+                _ => Err(wrong_type(variable, "Boolean")),
+            },
+        )
     }
 
     /// `fmi2SetString`.
     pub fn set_string(&mut self, references: &[ValueReference], values: &[&str]) -> Outcome {
-        self.set(references, values, |variable, value, model| match &variable.kind {
-            Kind::String { access } => write(variable, access, value, model),
-            _ => Err(wrong_type(variable, "String")),
-        })
+        self.set(
+            references,
+            values,
+            |variable, value, model| match &variable.kind {
+                Kind::String { access } => write(variable, access, value, model),
+                _ => Err(wrong_type(variable, "String")),
+            },
+        )
     }
 }
 
@@ -216,5 +246,9 @@ fn outside<M, T: Debug>(
         (None, Some(max)) => format!("at most {max:?}"),
         (None, None) => "a finite number".to_owned(),
     };
-    Refusal::Value { name: variable.name, value: format!("{value:?}"), allowed }
+    Refusal::Value {
+        name: variable.name,
+        value: format!("{value:?}"),
+        allowed,
+    }
 }
