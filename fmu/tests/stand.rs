@@ -1,5 +1,7 @@
 //! The stand as a whole, without FMI.
 
+#![allow(clippy::unwrap_used)]
+
 use plain_bearing_stand::model::{Experiment, Fault, Model};
 use plain_bearing_stand::sensors::Readings;
 use plain_bearing_stand::stand::Stand;

@@ -1,2 +1,16 @@
 //! Batch verification of FMI 2.0 Co-Simulation FMUs against measurements when both the
 //! parameters and the measurement are uncertain.
+
+pub mod analysis;
+pub mod design;
+pub mod distribution;
+pub mod failure;
+pub mod fmu;
+pub mod judge;
+pub mod names;
+pub mod report;
+pub mod run;
+pub mod statistics;
+pub mod study;
+pub mod task;
+pub mod units;

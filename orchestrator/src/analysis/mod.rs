@@ -1,0 +1,8 @@
+//! From a cloud of simulated points to an answer: pure functions on tables of numbers.
+//!
+//! Nothing here runs a simulation, reads a study or knows FMI. The input is a [`table::PointTable`]
+//! or plain slices; the output is numbers with their uncertainty.
+
+pub mod sensitivity;
+pub mod table;
+pub mod verdict;
