@@ -1,8 +1,11 @@
 //! Batch verification of FMI 2.0 Co-Simulation FMUs against measurements when both the
 //! parameters and the measurement are uncertain.
 
+pub mod cli;
+pub mod commands;
 pub mod design;
 pub mod distribution;
+pub mod engine;
 pub mod failure;
 pub mod fmu;
 pub mod judge;
