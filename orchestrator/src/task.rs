@@ -156,7 +156,10 @@ impl Schedule {
             let seen = "statistics would begin outside the simulation";
             return Err(format!("{seen}: at {} s", self.window_start));
         }
-        if self.tolerance.is_some_and(|tolerance| !(tolerance > 0.0)) {
+        if self
+            .tolerance
+            .is_some_and(|tolerance| tolerance.is_nan() || tolerance <= 0.0)
+        {
             return Err("the tolerance must be positive".to_owned());
         }
         Ok(())

@@ -209,7 +209,7 @@ pub fn split(text: &str) -> Result<(f64, Option<&str>), String> {
                 .all(|c| c.is_ascii_digit() || "+-.eE".contains(c))
         })
         .filter(|&end| text[..end].parse::<f64>().is_ok())
-        .last()
+        .next_back()
         .ok_or_else(|| format!("`{text}` is not a number, or a number with a unit"))?;
     let number = text[..end].parse::<f64>().unwrap_or(f64::NAN);
     let unit = text[end..].trim();
