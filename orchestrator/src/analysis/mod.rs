@@ -4,5 +4,6 @@
 //! or plain slices; the output is numbers with their uncertainty.
 
 pub mod sensitivity;
+pub mod synchronise;
 pub mod table;
 pub mod verdict;

@@ -4,7 +4,7 @@ use super::figures;
 use super::format::{count, number, percent, with_unit};
 use super::payload::{self, PlotColumn};
 use super::{Report, ReportError};
-use crate::analysis::table::{Binding, PointTable};
+use crate::analysis::table::{PointTable, Ranked};
 use crate::analysis::verdict::{Fraction, Verdict, verdict};
 use minijinja::{Environment, value::Serde};
 use serde::Serialize;
@@ -96,6 +96,7 @@ struct Cell {
 struct BestRow {
     id: u64,
     verified: bool,
+    distance: String,
     deviation: String,
     binding: String,
     cells: Vec<Cell>,
@@ -114,7 +115,7 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
     let table = &report.table;
     let columns = payload::columns(table);
     let ranking = table.ranking();
-    let order: Vec<usize> = ranking.iter().map(|r| r.0).collect();
+    let order: Vec<usize> = ranking.iter().map(|r| r.point).collect();
     let points = payload::embedded(table, &order, columns.len());
     let counted = verdict(table);
     let data = serde_json::to_string(&payload::payload(table, &points))?;
@@ -145,7 +146,7 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
         planes: planes(table, &columns, &points),
         parameters: distributions(table, &columns[..table.parameters.len()], 0),
         criteria: distributions(table, &columns[table.parameters.len()..], table.parameters.len()),
-        best_columns: columns.iter().map(|c| heading(c)).collect(),
+        best_columns: columns.iter().map(heading).collect(),
         first_criterion: table.parameters.len(),
         best: best_rows(table, &ranking),
         failures: failures(table),
@@ -162,7 +163,7 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
 pub fn plots(report: &Report) -> Vec<(String, String)> {
     let table = &report.table;
     let columns = payload::columns(table);
-    let order: Vec<usize> = table.ranking().iter().map(|r| r.0).collect();
+    let order: Vec<usize> = table.ranking().iter().map(|r| r.point).collect();
     let points = payload::embedded(table, &order, columns.len());
     let mut plots: Vec<(String, String)> = planes(table, &columns, &points)
         .into_iter()
@@ -276,7 +277,7 @@ fn planes(table: &PointTable, columns: &[PlotColumn<'_>], points: &[usize]) -> V
     }
     pairs.extend(left_over.chunks(2).filter(|w| w.len() == 2).map(|w| (first + w[0], first + w[1], "criteria".to_owned())));
     pairs.truncate(PLANES - 1);
-    let room = if pairs.len() % 2 == 0 { 2 } else { 1 };
+    let room = if pairs.len().is_multiple_of(2) { 2 } else { 1 };
     let strongest = strongest_pairs(table).into_iter().take(room);
     pairs.extend(strongest.map(|(x, y)| (x, first + y, format!("strongest on {}", table.criteria[y].name))));
     pairs
@@ -349,11 +350,11 @@ fn heading<'a>(c: &PlotColumn<'a>) -> (&'a str, &'a str, &'a str) {
     (path, name, c.unit)
 }
 
-fn best_rows(table: &PointTable, ranking: &[(usize, Binding)]) -> Vec<BestRow> {
+fn best_rows(table: &PointTable, ranking: &[Ranked]) -> Vec<BestRow> {
     ranking
         .iter()
         .take(BEST)
-        .map(|&(i, binding)| {
+        .map(|&Ranked { point: i, distance, binding }| {
             let plain = |text| Cell { text, note: String::new(), bad: false, bar: None };
             let parameters = table.parameters.iter().map(|p| plain(number(p.values[i], 5)));
             let criteria = table.criteria.iter().map(|c| {
@@ -368,6 +369,7 @@ fn best_rows(table: &PointTable, ranking: &[(usize, Binding)]) -> Vec<BestRow> {
             BestRow {
                 id: table.ids[i],
                 verified: table.verified[i],
+                distance: number(distance, 3),
                 deviation: number(binding.deviation, 2),
                 binding: table.criteria[binding.criterion].name.clone(),
                 cells: parameters.chain(criteria).collect(),

@@ -182,9 +182,8 @@ mod tests {
         let y = evaluate(&random_pairs(40_000, 3, 5), ishigami);
         for estimator in [FirstOrder::Saltelli, FirstOrder::Jansen] {
             let s = indices(&y, 3, estimator, 20, 1).unwrap();
-            for i in 0..3 {
-                assert!((s.first[i].value - first[i]).abs() < 0.03, "{estimator:?} {i} {:?}", s.first[i]);
-                assert!((s.total[i].value - total[i]).abs() < 0.03, "{estimator:?} {i} {:?}", s.total[i]);
+            for (found, exact) in s.first.iter().zip(first).chain(s.total.iter().zip(total)) {
+                assert!((found.value - exact).abs() < 0.03, "{estimator:?} {found:?} {exact}");
             }
         }
     }
@@ -228,8 +227,8 @@ mod tests {
         let s = indices(&y, 3, FirstOrder::Saltelli, 20, 1).unwrap();
         assert_eq!(s.failed, failed);
         assert!(s.used.iter().all(|&u| u < 20_000 && u > 19_000));
-        for i in 0..3 {
-            assert!((s.first[i].value - first[i]).abs() < 0.04, "{i} {:?}", s.first[i]);
+        for (found, exact) in s.first.iter().zip(first) {
+            assert!((found.value - exact).abs() < 0.04, "{found:?} {exact}");
         }
     }
 
