@@ -2,4 +2,17 @@
 //! parameters and the measurement are uncertain.
 
 pub mod analysis;
+pub mod design;
+pub mod distribution;
+pub mod failure;
+pub mod fmu;
+pub mod judge;
+pub mod names;
 pub mod report;
+pub mod results;
+pub mod run;
+pub mod source;
+pub mod statistics;
+pub mod study;
+pub mod task;
+pub mod units;
