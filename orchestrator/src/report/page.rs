@@ -34,6 +34,7 @@ struct Page<'a> {
     sampled: bool,
     rows: Vec<CountRow>,
     decisive: String,
+    readings: Vec<ReadingRow>,
     planes: Vec<Plane>,
     parameters: Vec<Small>,
     criteria: Vec<Small>,
@@ -81,6 +82,17 @@ struct CountRow {
     binds: String,
     only: String,
     miss: String,
+}
+
+/// Another reading of the tolerances, and how its counts differ from the study's own.
+#[derive(Serialize)]
+struct ReadingRow {
+    name: String,
+    about: String,
+    verified: String,
+    percent: String,
+    interval: String,
+    changes: String,
 }
 
 #[derive(Serialize)]
@@ -143,6 +155,7 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
         sampled: points.len() < table.len(),
         rows: count_rows(table, &counted),
         decisive: decisive(table, &counted),
+        readings: readings(report, &counted),
         planes: planes(table, &columns, &points),
         parameters: distributions(table, &columns[..table.parameters.len()], 0),
         criteria: distributions(table, &columns[table.parameters.len()..], table.parameters.len()),
@@ -233,6 +246,27 @@ fn count_rows(table: &PointTable, counted: &Verdict) -> Vec<CountRow> {
     rows.extend((0..table.criteria.len()).filter(|&k| table.criteria[k].group.is_none()).map(criterion));
     rows.push(row("all criteria", "total", &counted.verified));
     rows
+}
+
+fn readings(report: &Report, counted: &Verdict) -> Vec<ReadingRow> {
+    let own = |name: &str| {
+        let criterion = report.table.criteria.iter().position(|c| c.name == name);
+        criterion.map(|k| counted.criteria[k].passes.count)
+    };
+    let row = |reading: &super::Reading| {
+        let share = Fraction::wilson(reading.verified, report.table.len());
+        let changed = reading.criteria.iter().filter(|(name, passed)| own(name) != Some(*passed));
+        let words: Vec<String> = changed.map(|(name, passed)| format!("{name} {}", count(*passed))).collect();
+        ReadingRow {
+            name: reading.name.clone(),
+            about: reading.about.clone(),
+            verified: count(reading.verified),
+            percent: percent(share.value()),
+            interval: format!("{} – {}", percent(share.low), percent(share.high)),
+            changes: if words.is_empty() { "as above".into() } else { words.join(", ") },
+        }
+    };
+    report.readings.iter().map(row).collect()
 }
 
 fn quantity(value: f64, unit: &str) -> String {
