@@ -20,6 +20,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         provenance: vec![("Seed".into(), "1".into()), ("Points".into(), n.to_string()), ("FMU SHA-256".into(), "0f".repeat(32))],
         command: "orchestrator verify studies/paper-table3.toml --output results/paper".into(),
         study_text: "[design]\nmethod = \"monte-carlo\"\n".into(),
+        ..Report::default()
     };
     println!("{}", report.write(Path::new(&folder))?.display());
     Ok(())
