@@ -2,6 +2,7 @@
 
 mod inspect;
 mod judge;
+mod limits;
 mod output;
 mod progress;
 mod simulate;
@@ -13,7 +14,7 @@ use std::process::ExitCode;
 use thiserror::Error;
 
 use crate::cli::{Cli, Command};
-use crate::engine::EngineError;
+use crate::engine::{EngineError, servant};
 use crate::failure::Failure;
 use crate::fmu::FmuError;
 use crate::results::ResultsError;
@@ -64,6 +65,7 @@ pub fn run(cli: Cli) -> Result<ExitCode, CommandError> {
         Command::Simulate(options) => simulate::run(&options),
         Command::Verify(options) => verify::run(&options),
         Command::Judge(options) => judge::run(&options),
+        Command::Worker => servant::end(servant::serve()),
     }
 }
 
