@@ -1,6 +1,7 @@
 //! Batch verification of FMI 2.0 Co-Simulation FMUs against measurements when both the
 //! parameters and the measurement are uncertain.
 
+pub mod analysis;
 pub mod cli;
 pub mod commands;
 pub mod design;
@@ -10,6 +11,7 @@ pub mod failure;
 pub mod fmu;
 pub mod judge;
 pub mod names;
+pub mod report;
 pub mod results;
 pub mod run;
 pub mod source;
