@@ -88,9 +88,17 @@ impl Distribution {
         };
         match *self {
             Self::Normal { deviation, .. } => positive(deviation),
-            Self::TruncatedNormal { deviation, min, max, .. } => {
+            Self::TruncatedNormal {
+                deviation,
+                min,
+                max,
+                ..
+            } => {
                 positive(deviation)?;
-                ordered(min.unwrap_or(f64::NEG_INFINITY), max.unwrap_or(f64::INFINITY))?;
+                ordered(
+                    min.unwrap_or(f64::NEG_INFINITY),
+                    max.unwrap_or(f64::INFINITY),
+                )?;
                 let [low, high] = self.cut();
                 if high - low > 1e-12 {
                     Ok(())
@@ -104,7 +112,9 @@ impl Distribution {
                 if (min..=max).contains(&mode) {
                     Ok(())
                 } else {
-                    Err(format!("mode {mode} must lie between min {min} and max {max}"))
+                    Err(format!(
+                        "mode {mode} must lie between min {min} and max {max}"
+                    ))
                 }
             }
             Self::Lognormal { mean, deviation } => {
@@ -112,7 +122,9 @@ impl Distribution {
                 if mean > 0.0 {
                     Ok(())
                 } else {
-                    Err(format!("mean {mean} of a lognormal quantity must be positive"))
+                    Err(format!(
+                        "mean {mean} of a lognormal quantity must be positive"
+                    ))
                 }
             }
             Self::Fixed { .. } => Ok(()),
@@ -121,7 +133,13 @@ impl Distribution {
 
     /// The probabilities below the cuts of a truncated distribution.
     fn cut(&self) -> [f64; 2] {
-        let Self::TruncatedNormal { mean, deviation, min, max } = *self else {
+        let Self::TruncatedNormal {
+            mean,
+            deviation,
+            min,
+            max,
+        } = *self
+        else {
             return [0.0, 1.0];
         };
         let below = |value: f64| normal_cdf((value - mean) / deviation);
@@ -132,7 +150,12 @@ impl Distribution {
     pub fn quantile(&self, u: f64) -> f64 {
         match *self {
             Self::Normal { mean, deviation } => mean + deviation * normal_quantile(u),
-            Self::TruncatedNormal { mean, deviation, min, max } => {
+            Self::TruncatedNormal {
+                mean,
+                deviation,
+                min,
+                max,
+            } => {
                 let [low, high] = self.cut();
                 let value = mean + deviation * normal_quantile(low + u * (high - low));
                 value
@@ -174,16 +197,29 @@ mod tests {
 
     fn all() -> [Distribution; 5] {
         [
-            Distribution::Normal { mean: 2.0, deviation: 0.5 },
+            Distribution::Normal {
+                mean: 2.0,
+                deviation: 0.5,
+            },
             Distribution::TruncatedNormal {
                 mean: 2.0,
                 deviation: 0.5,
                 min: Some(1.5),
                 max: None,
             },
-            Distribution::Uniform { min: -1.0, max: 3.0 },
-            Distribution::Triangular { min: 0.0, mode: 1.0, max: 4.0 },
-            Distribution::Lognormal { mean: 2.0, deviation: 0.5 },
+            Distribution::Uniform {
+                min: -1.0,
+                max: 3.0,
+            },
+            Distribution::Triangular {
+                min: 0.0,
+                mode: 1.0,
+                max: 4.0,
+            },
+            Distribution::Lognormal {
+                mean: 2.0,
+                deviation: 0.5,
+            },
         ]
     }
 
@@ -202,7 +238,10 @@ mod tests {
         let close = |distribution, mean: f64, deviation: f64| {
             let (m, d) = moments(&distribution);
             assert!((m - mean).abs() < 1e-3, "{distribution:?}: mean {m}");
-            assert!((d - deviation).abs() < 1e-3, "{distribution:?}: deviation {d}");
+            assert!(
+                (d - deviation).abs() < 1e-3,
+                "{distribution:?}: deviation {d}"
+            );
         };
         close(normal, 2.0, 0.5);
         close(lognormal, 2.0, 0.5);
@@ -219,7 +258,10 @@ mod tests {
 
     #[test]
     fn wrong_numbers_are_named() {
-        let flat = Distribution::Normal { mean: 0.0, deviation: 0.0 };
+        let flat = Distribution::Normal {
+            mean: 0.0,
+            deviation: 0.0,
+        };
         assert!(flat.check().unwrap_err().contains("deviation 0"));
         let crossed = Distribution::Uniform { min: 2.0, max: 1.0 };
         assert!(crossed.check().unwrap_err().contains("min 2"));

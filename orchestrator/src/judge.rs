@@ -126,10 +126,15 @@ impl Judge {
 
     fn add_variants(&mut self, study: &Study, scales: &[Scale<'_>]) -> Result<(), StudyError> {
         for (name, text) in &study.variants {
-            let mut tolerances: Vec<f64> =
-                self.criteria.iter().map(|criterion| criterion.tolerance).collect();
+            let mut tolerances: Vec<f64> = self
+                .criteria
+                .iter()
+                .map(|criterion| criterion.tolerance)
+                .collect();
             for (criterion, quantity) in &text.tolerance {
-                let number = self.number_of(criterion).map_err(|m| study.error_at(criterion, m))?;
+                let number = self
+                    .number_of(criterion)
+                    .map_err(|m| study.error_at(criterion, m))?;
                 let nominal = self.criteria[number].nominal;
                 tolerances[number] = tolerance(quantity, nominal, &scales[number])
                     .map_err(|message| at_name(study, criterion, &message))?;
@@ -145,7 +150,11 @@ impl Judge {
 
     fn number_of(&self, name: &Spanned<String>) -> Result<usize, String> {
         let name = name.as_ref();
-        let names = || self.criteria.iter().map(|criterion| criterion.name.as_str());
+        let names = || {
+            self.criteria
+                .iter()
+                .map(|criterion| criterion.name.as_str())
+        };
         names().position(|known| known == name).ok_or_else(|| {
             let suggestion = did_you_mean(crate::names::nearest(name, names()));
             format!("there is no criterion `{name}`{suggestion}")
@@ -167,7 +176,9 @@ impl Judge {
         let passed = |(number, criterion): (usize, &Criterion)| {
             let tolerance = variant.tolerances[number];
             values.is_some_and(|values| {
-                values.get(number).is_some_and(|&v| accepts(criterion.nominal, tolerance, v))
+                values
+                    .get(number)
+                    .is_some_and(|&v| accepts(criterion.nominal, tolerance, v))
             })
         };
         Verdict {
@@ -179,9 +190,10 @@ impl Judge {
     /// relative to its accuracy. For independent normal errors the least sum is the most
     /// probable point.
     pub fn distance(&self, values: &[f64]) -> f64 {
-        let terms = self.criteria.iter().zip(values).map(|(criterion, value)| {
-            ((value - criterion.nominal) / criterion.tolerance).powi(2)
-        });
+        let terms =
+            self.criteria.iter().zip(values).map(|(criterion, value)| {
+                ((value - criterion.nominal) / criterion.tolerance).powi(2)
+            });
         terms.sum()
     }
 }
@@ -254,7 +266,11 @@ mod tests {
         assert!(judge.verdict(Some(&[81.39, 697.5])).verified());
         assert!(!judge.verdict(Some(&[81.33, 700.0])).verified());
         let absolute = &judge.variants[0];
-        assert!(judge.variant_verdict(absolute, Some(&[81.33, 700.0])).verified());
+        assert!(
+            judge
+                .variant_verdict(absolute, Some(&[81.33, 700.0]))
+                .verified()
+        );
     }
 
     #[test]

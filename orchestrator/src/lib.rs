@@ -2,8 +2,11 @@
 //! parameters and the measurement are uncertain.
 
 pub mod analysis;
+pub mod cli;
+pub mod commands;
 pub mod design;
 pub mod distribution;
+pub mod engine;
 pub mod failure;
 pub mod fmu;
 pub mod judge;

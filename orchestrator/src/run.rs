@@ -46,8 +46,10 @@ impl Runner {
         let (probes, slow): (Vec<usize>, Vec<usize>) = over_time
             .into_iter()
             .partition(|&index| task.observed[index].storage == Storage::Real);
-        let references: Vec<u32> =
-            probes.iter().map(|&index| task.observed[index].reference).collect();
+        let references: Vec<u32> = probes
+            .iter()
+            .map(|&index| task.observed[index].reference)
+            .collect();
         Self {
             library,
             instance: None,
@@ -135,7 +137,9 @@ impl Runner {
                 self.reuse = Reuse::Never;
             }
             if used.is_dead() {
-                return Err(Failure::Fatal("the FMU cannot go on in this process".to_owned()));
+                return Err(Failure::Fatal(
+                    "the FMU cannot go on in this process".to_owned(),
+                ));
             }
         }
         Instance::new(&self.library, "point").map_err(|call| Failure::from_call(&call))
@@ -232,7 +236,9 @@ impl crate::task::Probe {
                 Ok(value[0])
             }
             Storage::Integer => instance.integer(self.reference).map(f64::from),
-            Storage::Boolean => instance.boolean(self.reference).map(|yes| f64::from(u8::from(yes))),
+            Storage::Boolean => instance
+                .boolean(self.reference)
+                .map(|yes| f64::from(u8::from(yes))),
         }
     }
 }

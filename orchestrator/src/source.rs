@@ -76,13 +76,19 @@ impl Table {
             .comment(Some(b'#'))
             .from_path(path)
             .map_err(failed)?;
-        let header: Vec<String> =
-            reader.headers().map_err(failed)?.iter().map(str::to_owned).collect();
+        let header: Vec<String> = reader
+            .headers()
+            .map_err(failed)?
+            .iter()
+            .map(str::to_owned)
+            .collect();
         let places = columns
             .iter()
             .map(|(names, purpose)| find(path, &header, names, purpose))
             .collect::<Result<Vec<usize>, _>>()?;
-        let label = header.iter().position(|name| name.eq_ignore_ascii_case("point"));
+        let label = header
+            .iter()
+            .position(|name| name.eq_ignore_ascii_case("point"));
         let mut table = Self {
             rows: Vec::new(),
             labels: Vec::new(),
@@ -98,7 +104,9 @@ impl Table {
                     text: text.to_owned(),
                 })
             };
-            table.rows.push(places.iter().map(number).collect::<Result<_, _>>()?);
+            table
+                .rows
+                .push(places.iter().map(number).collect::<Result<_, _>>()?);
             let own = label.and_then(|place| record.get(place)?.parse().ok());
             table.labels.push(own.unwrap_or(table.rows.len() as u64));
         }
@@ -115,7 +123,9 @@ fn find(
     names: &[String],
     purpose: &str,
 ) -> Result<usize, TableError> {
-    let place = names.iter().find_map(|name| header.iter().position(|column| column == name));
+    let place = names
+        .iter()
+        .find_map(|name| header.iter().position(|column| column == name));
     place.ok_or_else(|| {
         let column = names.first().cloned().unwrap_or_default();
         let close = nearest(&column, header.iter().map(String::as_str));
@@ -155,17 +165,26 @@ impl Source {
             .zip(inputs)
             .filter(|(parameter, input)| parameter.column.is_some() || fixed(input).is_none())
             .map(|(parameter, input)| {
-                let names = parameter.column.iter().chain([&input.name]).cloned().collect();
+                let names = parameter
+                    .column
+                    .iter()
+                    .chain([&input.name])
+                    .cloned()
+                    .collect();
                 (names, format!("the parameter {}", input.name))
             })
             .collect();
         let mut table = Table::read(path, &columns)?;
         for row in &mut table.rows {
             let mut given = row.iter().copied();
-            let values = study.parameters.values().zip(inputs).map(|(parameter, input)| {
-                let constant = fixed(input).filter(|_| parameter.column.is_none());
-                constant.or_else(|| given.next()).unwrap_or(f64::NAN)
-            });
+            let values = study
+                .parameters
+                .values()
+                .zip(inputs)
+                .map(|(parameter, input)| {
+                    let constant = fixed(input).filter(|_| parameter.column.is_none());
+                    constant.or_else(|| given.next()).unwrap_or(f64::NAN)
+                });
             *row = values.collect();
         }
         Ok(Self::Table(table))
@@ -198,7 +217,10 @@ impl Source {
             Self::Design(_) => index + 1,
             Self::Table(table) => {
                 let place = usize::try_from(index).ok();
-                place.and_then(|place| table.labels.get(place)).copied().unwrap_or(index + 1)
+                place
+                    .and_then(|place| table.labels.get(place))
+                    .copied()
+                    .unwrap_or(index + 1)
             }
         }
     }

@@ -48,8 +48,16 @@ impl Accumulator {
         self.time = time;
         self.value = value;
         // A value that is not a number must not get lost.
-        self.min = if value < self.min || value.is_nan() { value } else { self.min };
-        self.max = if value > self.max || value.is_nan() { value } else { self.max };
+        self.min = if value < self.min || value.is_nan() {
+            value
+        } else {
+            self.min
+        };
+        self.max = if value > self.max || value.is_nan() {
+            value
+        } else {
+            self.max
+        };
     }
 
     /// A statistic of the values so far; not a number without any.
@@ -64,7 +72,9 @@ impl Accumulator {
             Statistic::Mean => over_time(self.integral, self.value),
             Statistic::Min => self.min,
             Statistic::Max => self.max,
-            Statistic::Rms => over_time(self.square, self.value * self.value).max(0.0).sqrt(),
+            Statistic::Rms => over_time(self.square, self.value * self.value)
+                .max(0.0)
+                .sqrt(),
             Statistic::Amplitude => 0.5 * (self.max - self.min),
         }
     }
@@ -82,8 +92,16 @@ pub fn wilson(hits: u64, total: u64) -> [f64; 2] {
     let centre = share + Z * Z / (2.0 * n);
     let spread = Z * (share * (1.0 - share) / n + Z * Z / (4.0 * n * n)).sqrt();
     let scale = 1.0 + Z * Z / n;
-    let low = if hits == 0 { 0.0 } else { (centre - spread) / scale };
-    let high = if hits == total { 1.0 } else { (centre + spread) / scale };
+    let low = if hits == 0 {
+        0.0
+    } else {
+        (centre - spread) / scale
+    };
+    let high = if hits == total {
+        1.0
+    } else {
+        (centre + spread) / scale
+    };
     [low, high]
 }
 

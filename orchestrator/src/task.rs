@@ -99,7 +99,10 @@ impl Slot {
         } else {
             ("more than the largest", self.max)
         };
-        Err(format!("{} = {value} is {word} value {limit} that the FMU allows", self.name))
+        Err(format!(
+            "{} = {value} is {word} value {limit} that the FMU allows",
+            self.name
+        ))
     }
 
     /// The value as the FMU stores it; whole numbers are rounded.
@@ -136,18 +139,27 @@ impl Schedule {
     /// Says which one does not.
     pub fn check(&self) -> Result<(), String> {
         const MOST_STEPS: f64 = 1e12;
-        let Self { start, stop, step, .. } = *self;
+        let Self {
+            start, stop, step, ..
+        } = *self;
         if !(start.is_finite() && stop.is_finite() && stop > start) {
-            return Err(format!("the stop time {stop} s must be later than the start {start} s"));
+            return Err(format!(
+                "the stop time {stop} s must be later than the start {start} s"
+            ));
         }
         if !(step > 0.0 && (stop - start) / step < MOST_STEPS) {
-            return Err(format!("the step {step} s must be positive, and not absurdly small"));
+            return Err(format!(
+                "the step {step} s must be positive, and not absurdly small"
+            ));
         }
         if !(self.window_start >= start && self.window_start <= stop) {
             let seen = "statistics would begin outside the simulation";
             return Err(format!("{seen}: at {} s", self.window_start));
         }
-        if self.tolerance.is_some_and(|tolerance| !(tolerance > 0.0)) {
+        if self
+            .tolerance
+            .is_some_and(|tolerance| tolerance.is_nan() || tolerance <= 0.0)
+        {
             return Err("the tolerance must be positive".to_owned());
         }
         Ok(())
@@ -156,7 +168,9 @@ impl Schedule {
     /// The number of steps. A last step shorter than a millionth of the others is none.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     pub fn steps(&self) -> u64 {
-        ((self.stop - self.start) / self.step - 1e-6).ceil().max(1.0) as u64
+        ((self.stop - self.start) / self.step - 1e-6)
+            .ceil()
+            .max(1.0) as u64
     }
 
     /// The `index`th communication point: `start + index * step`, so that nothing accumulates.

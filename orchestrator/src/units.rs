@@ -116,7 +116,10 @@ impl Units {
         }
         Err(UnitError {
             from,
-            to: to.filter(|unit| *unit != "1").unwrap_or("no unit").to_owned(),
+            to: to
+                .filter(|unit| *unit != "1")
+                .unwrap_or("no unit")
+                .to_owned(),
             known: ways.into_iter().map(|(name, _)| name).collect(),
         })
     }
@@ -124,8 +127,14 @@ impl Units {
     /// Every unit in which a value of unit `to` may be given, and how it converts.
     fn ways(&self, to: Option<&str>) -> Vec<(String, Conversion)> {
         let Some(to) = to.filter(|unit| !matches!(*unit, "1" | "" | "-")) else {
-            let percent = Conversion { factor: 0.01, offset: 0.0 };
-            return vec![("1".to_owned(), Conversion::IDENTITY), ("%".to_owned(), percent)];
+            let percent = Conversion {
+                factor: 0.01,
+                offset: 0.0,
+            };
+            return vec![
+                ("1".to_owned(), Conversion::IDENTITY),
+                ("%".to_owned(), percent),
+            ];
         };
         let mut ways = vec![(to.to_owned(), Conversion::IDENTITY)];
         let Some(unit) = self.0.get(to) else {
@@ -134,13 +143,19 @@ impl Units {
         ways.extend(unit.displays());
         let Some(base) = unit.base else { return ways };
         for (name, other) in &self.0 {
-            let Some(other_base) = other.base else { continue };
+            let Some(other_base) = other.base else {
+                continue;
+            };
             if name == to || other_base.exponents != base.exponents {
                 continue;
             }
             let way = other_base.to_base().then(base.to_base().inverse());
             ways.push((name.clone(), way));
-            ways.extend(other.displays().map(|(name, display)| (name, display.then(way))));
+            ways.extend(
+                other
+                    .displays()
+                    .map(|(name, display)| (name, display.then(way))),
+            );
         }
         ways
     }
@@ -188,9 +203,13 @@ pub fn split(text: &str) -> Result<(f64, Option<&str>), String> {
     let ends = text.char_indices().map(|(index, c)| index + c.len_utf8());
     // The longest start that is a number: `1e-5 m`, `3 eV`, `5%`.
     let end = ends
-        .filter(|&end| text[..end].chars().all(|c| c.is_ascii_digit() || "+-.eE".contains(c)))
+        .filter(|&end| {
+            text[..end]
+                .chars()
+                .all(|c| c.is_ascii_digit() || "+-.eE".contains(c))
+        })
         .filter(|&end| text[..end].parse::<f64>().is_ok())
-        .last()
+        .next_back()
         .ok_or_else(|| format!("`{text}` is not a number, or a number with a unit"))?;
     let number = text[..end].parse::<f64>().unwrap_or(f64::NAN);
     let unit = text[end..].trim();
@@ -209,8 +228,18 @@ mod tests {
                 factor: *factor,
                 offset: *offset,
             });
-            let base = Some(BaseUnit { exponents, factor, offset });
-            units.insert(name.to_owned(), Unit { base, display: display.collect() });
+            let base = Some(BaseUnit {
+                exponents,
+                factor,
+                offset,
+            });
+            units.insert(
+                name.to_owned(),
+                Unit {
+                    base,
+                    display: display.collect(),
+                },
+            );
         };
         let (length, temperature) = ([0, 1, 0, 0, 0, 0, 0, 0], [0, 0, 0, 0, 1, 0, 0, 0]);
         unit("m", length, 1.0, 0.0, &[("mm", 1e3, 0.0), ("um", 1e6, 0.0)]);
@@ -225,7 +254,10 @@ mod tests {
         let units = units();
         let close = |from: &str, to: &str, value: f64, expected: f64| {
             let result = units.conversion(from, Some(to)).unwrap().value(value);
-            assert!((result - expected).abs() < 1e-9 * expected.abs(), "{result} {expected}");
+            assert!(
+                (result - expected).abs() < 1e-9 * expected.abs(),
+                "{result} {expected}"
+            );
         };
         close("mm", "m", 0.02, 2e-5);
         close("degC", "K", 82.0, 355.15);

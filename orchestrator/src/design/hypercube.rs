@@ -60,7 +60,11 @@ mod tests {
     use super::*;
 
     #[test]
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::cast_precision_loss)]
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        clippy::cast_precision_loss
+    )]
     fn every_slice_holds_one_point() {
         for points in [1, 2, 3, 50, 1000, 4097] {
             let hypercube = Hypercube::new(3, points);

@@ -82,7 +82,9 @@ impl Design {
     /// A number in (0, 1).
     fn uniform(&self, index: u64, dimension: u32) -> f64 {
         match &self.rule {
-            Rule::MonteCarlo => random::uniform(self.seed, random::Purpose::Point, index, dimension),
+            Rule::MonteCarlo => {
+                random::uniform(self.seed, random::Purpose::Point, index, dimension)
+            }
             Rule::LatinHypercube(hypercube) => hypercube.uniform(index, dimension),
             Rule::Sobol(net) => net.uniform(index, dimension),
         }
@@ -94,8 +96,15 @@ mod tests {
     use super::*;
 
     fn design(method: Method, points: u64, seed: u64) -> Design {
-        let settings = study::Design { method, points, seed };
-        let normal = Distribution::Normal { mean: 0.0, deviation: 1.0 };
+        let settings = study::Design {
+            method,
+            points,
+            seed,
+        };
+        let normal = Distribution::Normal {
+            mean: 0.0,
+            deviation: 1.0,
+        };
         let fixed = Distribution::Fixed { value: 3.0 };
         Design::new(&settings, vec![normal, fixed, normal, normal]).unwrap()
     }
@@ -114,7 +123,10 @@ mod tests {
                 // Four standard errors of a plain Monte Carlo estimate.
                 let error = 4.0 / (N as f64).sqrt();
                 assert!(mean(&|p| p[a]).abs() < error, "{method:?}");
-                assert!((mean(&|p| p[a] * p[a]) - 1.0).abs() < 1.5 * error, "{method:?}");
+                assert!(
+                    (mean(&|p| p[a] * p[a]) - 1.0).abs() < 1.5 * error,
+                    "{method:?}"
+                );
                 assert!(mean(&|p| p[a] * p[b]).abs() < error, "{method:?}");
             }
             assert!(points.iter().all(|point| point[1] == 3.0));

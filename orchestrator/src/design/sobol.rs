@@ -26,14 +26,17 @@ impl Net {
         let parameters = JoeKuoD6::minimal();
         if dimensions > parameters.max_dims {
             let most = parameters.max_dims;
-            return Err(format!("a Sobol net has at most {most} inputs, not {dimensions}"));
+            return Err(format!(
+                "a Sobol net has at most {most} inputs, not {dimensions}"
+            ));
         }
         let others = parameters.dim_params.iter();
         let others = others.map(|dimension| directions(dimension.a, &dimension.m));
-        let directions = std::iter::once(van_der_corput()).chain(others).take(dimensions).collect();
-        let key = |dimension| {
-            random::bits(seed, Purpose::Permutation, u64::MAX, dimension)
-        };
+        let directions = std::iter::once(van_der_corput())
+            .chain(others)
+            .take(dimensions)
+            .collect();
+        let key = |dimension| random::bits(seed, Purpose::Permutation, u64::MAX, dimension);
         Ok(Self {
             seed,
             directions,
@@ -78,7 +81,10 @@ fn directions(coefficients: u32, initial: &[u32]) -> [u32; BITS as usize] {
 
 /// A point of the unscrambled net, in the order of its index (not of the Gray code).
 fn plain(index: u64, directions: &[u32; BITS as usize]) -> u32 {
-    let set = directions.iter().enumerate().filter(|(bit, _)| index >> bit & 1 == 1);
+    let set = directions
+        .iter()
+        .enumerate()
+        .filter(|(bit, _)| index >> bit & 1 == 1);
     set.fold(0, |digits, (_, direction)| digits ^ direction)
 }
 

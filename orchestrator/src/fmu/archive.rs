@@ -120,8 +120,8 @@ impl Archive {
         let mut bytes = Vec::new();
         match self {
             Self::Folder(path) => {
-                let file = File::open(path.join(DESCRIPTION))
-                    .map_err(|_| ArchiveError::NoDescription)?;
+                let file =
+                    File::open(path.join(DESCRIPTION)).map_err(|_| ArchiveError::NoDescription)?;
                 file.take(MAX_DESCRIPTION + 1).read_to_end(&mut bytes)?;
             }
             Self::Zip { zip, .. } => {
@@ -200,7 +200,10 @@ fn folder_platforms(binaries: &Path, identifier: &str) -> Vec<String> {
     let platforms = fs::read_dir(binaries).into_iter().flatten().flatten();
     platforms
         .filter(|platform| {
-            let files = fs::read_dir(platform.path()).into_iter().flatten().flatten();
+            let files = fs::read_dir(platform.path())
+                .into_iter()
+                .flatten()
+                .flatten();
             files
                 .map(|file| file.path())
                 .any(|file| file.file_stem().is_some_and(|stem| stem == identifier))
@@ -211,7 +214,9 @@ fn folder_platforms(binaries: &Path, identifier: &str) -> Vec<String> {
 
 /// Whether a simulation on this platform may need the entry.
 fn needed(name: &Path) -> bool {
-    let mut parts = name.components().map(|part| part.as_os_str().to_string_lossy());
+    let mut parts = name
+        .components()
+        .map(|part| part.as_os_str().to_string_lossy());
     match parts.next().as_deref() {
         Some("binaries") => parts.next().is_some_and(|platform| platform == PLATFORM),
         Some("documentation" | "sources") => false,
@@ -225,7 +230,9 @@ fn unpack_needed(zip: &mut ZipArchive<File>, target: &Path) -> Result<(), Archiv
         let mut entry = zip.by_index(index).map_err(ArchiveError::Damaged)?;
         let name = entry.enclosed_name().filter(|_| !entry.is_symlink());
         let Some(name) = name else {
-            return Err(ArchiveError::Unsafe(String::from_utf8_lossy(entry.name_raw()).into()));
+            return Err(ArchiveError::Unsafe(
+                String::from_utf8_lossy(entry.name_raw()).into(),
+            ));
         };
         if !needed(&name) {
             continue;
@@ -306,7 +313,10 @@ mod tests {
     fn tells_what_is_no_fmu() {
         let (folder, path) = archive(&[("readme.txt", b"")]);
         let mut empty = Archive::open(&path).unwrap();
-        assert!(matches!(empty.description(), Err(ArchiveError::NoDescription)));
+        assert!(matches!(
+            empty.description(),
+            Err(ArchiveError::NoDescription)
+        ));
         assert!(matches!(
             Archive::open(&folder.path().join("none.fmu")),
             Err(ArchiveError::Missing)

@@ -121,7 +121,7 @@ impl Instance {
             environment: ptr::from_ref::<Log>(&log).cast(),
         });
         let [name, guid, resources] =
-            [name, &library.guid, &library.resources].map(|text| c_string(text));
+            [name, library.guid.as_str(), library.resources.as_str()].map(c_string);
         const CO_SIMULATION: c_int = 1;
         // SAFETY: the strings live through the call; the callbacks and the log outlive the
         // component, since this value owns them.
@@ -157,8 +157,11 @@ impl Instance {
     /// Asks the FMU for its error messages, where it has a category for them.
     fn log_errors(&mut self) {
         let library = Arc::clone(&self.library);
-        let names: Vec<CString> =
-            library.error_categories.iter().map(|name| c_string(name)).collect();
+        let names: Vec<CString> = library
+            .error_categories
+            .iter()
+            .map(|name| c_string(name))
+            .collect();
         if let (Some(function), false) = (library.functions.set_debug_logging, names.is_empty()) {
             let pointers: Vec<*const c_char> = names.iter().map(|name| name.as_ptr()).collect();
             // SAFETY: the array holds as many valid strings as stated. What it returns does not
@@ -280,11 +283,14 @@ impl Instance {
     fn wants_to_stop(&self) -> bool {
         const TERMINATED: c_int = 3;
         let mut terminated: c_int = 0;
-        self.library.functions.get_boolean_status.is_some_and(|function| {
-            // SAFETY: the component is alive, and the flag is a valid place to write to.
-            unsafe { function(self.component, TERMINATED, &raw mut terminated) };
-            terminated != 0
-        })
+        self.library
+            .functions
+            .get_boolean_status
+            .is_some_and(|function| {
+                // SAFETY: the component is alive, and the flag is a valid place to write to.
+                unsafe { function(self.component, TERMINATED, &raw mut terminated) };
+                terminated != 0
+            })
     }
 
     /// Reads real variables.
@@ -297,7 +303,12 @@ impl Instance {
         // SAFETY: both arrays hold `count` elements.
         let status = unsafe {
             let get = self.library.functions.get_real;
-            get(self.component, references.as_ptr(), count, into.as_mut_ptr())
+            get(
+                self.component,
+                references.as_ptr(),
+                count,
+                into.as_mut_ptr(),
+            )
         };
         self.check("fmi2GetReal", status)
     }

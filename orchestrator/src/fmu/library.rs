@@ -124,9 +124,15 @@ impl Library {
 /// A folder as `file:///...`, percent-encoded.
 fn uri(folder: &Path) -> Result<String, LibraryError> {
     let absolute = std::path::absolute(folder).map_err(|_| LibraryError::Folder(folder.into()))?;
-    let text = absolute.to_str().ok_or_else(|| LibraryError::Folder(absolute.clone()))?;
+    let text = absolute
+        .to_str()
+        .ok_or_else(|| LibraryError::Folder(absolute.clone()))?;
     let text = text.replace('\\', "/");
-    let mut uri = String::from(if text.starts_with('/') { "file://" } else { "file:///" });
+    let mut uri = String::from(if text.starts_with('/') {
+        "file://"
+    } else {
+        "file:///"
+    });
     for byte in text.bytes() {
         match byte {
             b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'/' | b':' | b'-' | b'.' | b'_' | b'~' => {
@@ -164,7 +170,9 @@ fn plain(error: &libloading::Error) -> String {
 fn symbol<T: Copy>(library: &Loaded, name: &'static str) -> Result<T, LibraryError> {
     // SAFETY: `T` is the function type that FMI 2.0 gives to this name.
     let symbol = unsafe { library.get::<T>(name.as_bytes()) };
-    symbol.map(|symbol| *symbol).map_err(|_| LibraryError::Function(name))
+    symbol
+        .map(|symbol| *symbol)
+        .map_err(|_| LibraryError::Function(name))
 }
 
 fn table(library: &Loaded) -> Result<Functions, LibraryError> {

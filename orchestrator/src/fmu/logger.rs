@@ -70,6 +70,9 @@ extern "C" fn orchestrator_log(
             category.contains("Error") || category.contains("Fatal")
         };
         let status = if severe { status.max(3) } else { status };
-        log.push(status, message.split_whitespace().collect::<Vec<_>>().join(" "));
+        log.push(
+            status,
+            message.split_whitespace().collect::<Vec<_>>().join(" "),
+        );
     });
 }

@@ -113,13 +113,10 @@ impl Package {
     /// # Errors
     /// When the file cannot be read any more.
     pub fn digest(&self) -> Result<String, FmuError> {
-        let bytes = self
-            .archive
-            .bytes()
-            .map_err(|source| FmuError::Archive {
-                path: self.path.clone(),
-                source,
-            })?;
+        let bytes = self.archive.bytes().map_err(|source| FmuError::Archive {
+            path: self.path.clone(),
+            source,
+        })?;
         Ok(hexadecimal(&Sha256::digest(&bytes)))
     }
 
@@ -153,12 +150,11 @@ impl Package {
     /// As [`unpack`](Self::unpack), and when the binary cannot be loaded.
     pub fn load(&mut self) -> Result<Arc<Library>, FmuError> {
         let folder = self.unpack()?;
-        let library = Library::load(&folder, &self.description).map_err(|source| {
-            FmuError::Library {
+        let library =
+            Library::load(&folder, &self.description).map_err(|source| FmuError::Library {
                 path: self.path.clone(),
                 source,
-            }
-        })?;
+            })?;
         Ok(Arc::new(library))
     }
 }

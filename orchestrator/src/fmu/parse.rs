@@ -95,8 +95,14 @@ pub(super) fn description(bytes: &[u8]) -> Result<Description, DescriptionError>
 /// themselves say that it is UTF-16 or Latin-1.
 fn decode(bytes: &[u8]) -> Cow<'_, str> {
     let utf16 = |decode: fn([u8; 2]) -> u16| {
-        let units = bytes[2..].chunks_exact(2).map(|pair| decode([pair[0], pair[1]]));
-        Cow::Owned(char::decode_utf16(units).map(|c| c.unwrap_or('\u{fffd}')).collect())
+        let units = bytes[2..]
+            .chunks_exact(2)
+            .map(|pair| decode([pair[0], pair[1]]));
+        Cow::Owned(
+            char::decode_utf16(units)
+                .map(|c| c.unwrap_or('\u{fffd}'))
+                .collect(),
+        )
     };
     match bytes {
         [0xff, 0xfe, ..] => return utf16(u16::from_le_bytes),
@@ -122,7 +128,8 @@ fn child<'a>(node: Node<'a, 'a>, name: &str) -> Option<Node<'a, 'a>> {
 /// The child elements of this name; foreign namespaces don't count.
 fn children<'a>(node: Node<'a, 'a>, name: &str) -> impl Iterator<Item = Node<'a, 'a>> {
     node.children().filter(move |child| {
-        child.is_element() && child.tag_name().name() == name
+        child.is_element()
+            && child.tag_name().name() == name
             && child.tag_name().namespace().is_none()
     })
 }
@@ -131,19 +138,19 @@ fn line(node: Node<'_, '_>) -> u32 {
     node.document().text_pos_at(node.range().start).row
 }
 
-fn required<'a>(
-    node: Node<'a, 'a>,
-    attribute: &'static str,
-) -> Result<&'a str, DescriptionError> {
-    node.attribute(attribute).ok_or_else(|| DescriptionError::Missing {
-        element: node.tag_name().name().to_owned(),
-        attribute,
-        line: line(node),
-    })
+fn required<'a>(node: Node<'a, 'a>, attribute: &'static str) -> Result<&'a str, DescriptionError> {
+    node.attribute(attribute)
+        .ok_or_else(|| DescriptionError::Missing {
+            element: node.tag_name().name().to_owned(),
+            attribute,
+            line: line(node),
+        })
 }
 
 fn log_categories(root: Node<'_, '_>) -> Vec<String> {
-    let categories = root.children().find(|node| node.tag_name().name() == "LogCategories");
+    let categories = root
+        .children()
+        .find(|node| node.tag_name().name() == "LogCategories");
     let names = categories.into_iter().flat_map(|node| node.children());
     names
         .filter_map(|category| category.attribute("name"))
@@ -183,7 +190,10 @@ impl Reader {
             "true" | "1" => Some(true),
             "false" | "0" => Some(false),
             text => {
-                self.remark(node, &format!("{name}=\"{text}\" is neither true nor false"));
+                self.remark(
+                    node,
+                    &format!("{name}=\"{text}\" is neither true nor false"),
+                );
                 None
             }
         }
@@ -198,9 +208,7 @@ impl Reader {
             can_get_and_set_fmu_state: flag("canGetAndSetFMUstate"),
             can_serialize_fmu_state: flag("canSerializeFMUstate"),
             can_interpolate_inputs: flag("canInterpolateInputs"),
-            can_be_instantiated_only_once_per_process: flag(
-                "canBeInstantiatedOnlyOncePerProcess",
-            ),
+            can_be_instantiated_only_once_per_process: flag("canBeInstantiatedOnlyOncePerProcess"),
             needs_execution_tool: flag("needsExecutionTool"),
             can_run_asynchronuously: flag("canRunAsynchronuously"),
         }
@@ -221,7 +229,10 @@ impl Reader {
     fn units(&mut self, root: Node<'_, '_>) -> Units {
         let mut units = Units::default();
         let definitions = child(root, "UnitDefinitions");
-        for node in definitions.into_iter().flat_map(|node| children(node, "Unit")) {
+        for node in definitions
+            .into_iter()
+            .flat_map(|node| children(node, "Unit"))
+        {
             let Some(name) = node.attribute("name") else {
                 self.remark(node, "a unit without a name");
                 continue;
@@ -248,7 +259,9 @@ impl Reader {
 
     fn types<'a>(&mut self, root: Node<'a, 'a>) -> Types<'a> {
         let definitions = child(root, "TypeDefinitions");
-        let types = definitions.into_iter().flat_map(|node| children(node, "SimpleType"));
+        let types = definitions
+            .into_iter()
+            .flat_map(|node| children(node, "SimpleType"));
         types
             .filter_map(|node| Some((node.attribute("name")?, typed(node)?)))
             .collect()
@@ -256,13 +269,19 @@ impl Reader {
 
     fn variables(&mut self, root: Node<'_, '_>, types: &Types<'_>, into: &mut Description) {
         let list = child(root, "ModelVariables");
-        for node in list.into_iter().flat_map(|node| children(node, "ScalarVariable")) {
+        for node in list
+            .into_iter()
+            .flat_map(|node| children(node, "ScalarVariable"))
+        {
             let Some(variable) = self.variable(node, types) else {
                 continue;
             };
             let name = variable.name.clone();
             if into.variables.contains_key(&name) {
-                self.remark(node, &format!("a second variable `{name}`; the first one counts"));
+                self.remark(
+                    node,
+                    &format!("a second variable `{name}`; the first one counts"),
+                );
                 continue;
             }
             into.variables.insert(name, variable);
@@ -275,14 +294,19 @@ impl Reader {
             return None;
         };
         let Some(value_reference) = self.number(node, "valueReference") else {
-            self.remark(node, &format!("`{name}` has no valueReference and is left out"));
+            self.remark(
+                node,
+                &format!("`{name}` has no valueReference and is left out"),
+            );
             return None;
         };
         let Some(element) = typed(node) else {
             self.remark(node, &format!("`{name}` has no type and is left out"));
             return None;
         };
-        let declared = element.attribute("declaredType").and_then(|name| types.get(name));
+        let declared = element
+            .attribute("declaredType")
+            .and_then(|name| types.get(name));
         Some(Variable {
             name: name.to_owned(),
             value_reference,
@@ -326,7 +350,11 @@ impl Reader {
     fn kind(&mut self, own: Node<'_, '_>, declared: Option<Node<'_, '_>>) -> Kind {
         let source = |name: &str| {
             let declared = declared.filter(|node| node.has_attribute(name));
-            if own.has_attribute(name) { own } else { declared.unwrap_or(own) }
+            if own.has_attribute(name) {
+                own
+            } else {
+                declared.unwrap_or(own)
+            }
         };
         let text = |name: &str| source(name).attribute(name).map(str::to_owned);
         match own.tag_name().name() {

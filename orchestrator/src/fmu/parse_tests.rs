@@ -21,10 +21,20 @@ fn declared_types_give_what_a_variable_leaves_out() {
         <ScalarVariable name="film" valueReference="4"><Enumeration declaredType="Film" start="7"/></ScalarVariable>
         </ModelVariables>"#,
     );
-    let Kind::Real { unit, min, max, start, .. } = &description.variables["c"].kind else {
+    let Kind::Real {
+        unit,
+        min,
+        max,
+        start,
+        ..
+    } = &description.variables["c"].kind
+    else {
         panic!("not a Real")
     };
-    assert_eq!((unit.as_deref(), *min, *max, *start), (Some("m"), Some(0.0), Some(0.5), Some(0.1)));
+    assert_eq!(
+        (unit.as_deref(), *min, *max, *start),
+        (Some("m"), Some(0.0), Some(0.5), Some(0.1))
+    );
     let Kind::Enumeration { items, start } = &description.variables["film"].kind else {
         panic!("not an Enumeration")
     };
@@ -69,7 +79,10 @@ fn other_kinds_of_fmu_are_refused_by_name() {
     assert!(version.to_string().contains("FMI 3.0"), "{version}");
     let exchange = description(b"<fmiModelDescription fmiVersion=\"2.0\"/>").unwrap_err();
     assert!(matches!(exchange, DescriptionError::NoCoSimulation));
-    assert!(matches!(description(b"<html/>"), Err(DescriptionError::Root(_))));
+    assert!(matches!(
+        description(b"<html/>"),
+        Err(DescriptionError::Root(_))
+    ));
 }
 
 #[test]

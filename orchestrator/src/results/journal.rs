@@ -49,10 +49,16 @@ impl Header {
                 ("orchestrator", header.orchestrator.clone()),
                 ("study", short(&header.study)),
                 ("FMU", short(&header.fmu)),
-                ("table of points", header.table.as_deref().map_or_else(String::new, short)),
+                (
+                    "table of points",
+                    header.table.as_deref().map_or_else(String::new, short),
+                ),
                 ("seed", header.seed.to_string()),
                 ("number of points", header.points.to_string()),
-                ("shard", header.shard.clone().unwrap_or_else(|| "none".to_owned())),
+                (
+                    "shard",
+                    header.shard.clone().unwrap_or_else(|| "none".to_owned()),
+                ),
             ]
         };
         for ((what, now), (_, then)) in texts(self).into_iter().zip(texts(then)) {
@@ -123,7 +129,8 @@ impl Journal {
         let path = Self::path_in(folder);
         let file = OpenOptions::new().append(true).open(&path);
         let file = file.map_err(ResultsError::io(&path))?;
-        file.set_len(finished.sound).map_err(ResultsError::io(&path))?;
+        file.set_len(finished.sound)
+            .map_err(ResultsError::io(&path))?;
         Ok((Self::new(path, file), finished))
     }
 
@@ -156,7 +163,11 @@ impl Journal {
         }
         self.finish_line();
         const ENOUGH: usize = 1 << 16;
-        if self.buffer.len() > ENOUGH { self.flush() } else { Ok(()) }
+        if self.buffer.len() > ENOUGH {
+            self.flush()
+        } else {
+            Ok(())
+        }
     }
 
     fn finish_line(&mut self) {
@@ -229,9 +240,14 @@ impl Finished {
         };
         loop {
             let place = lines.sound;
-            let line = lines.next_line().map_err(ResultsError::io(&finished.path))?;
+            let line = lines
+                .next_line()
+                .map_err(ResultsError::io(&finished.path))?;
             let Some(line) = line else { break };
-            let index = line.split(' ').next().and_then(|text| text.parse::<usize>().ok());
+            let index = line
+                .split(' ')
+                .next()
+                .and_then(|text| text.parse::<usize>().ok());
             if let Some(slot) = index.and_then(|index| finished.places.get_mut(index)) {
                 finished.count += u64::from(*slot == NOWHERE);
                 *slot = place;
@@ -243,7 +259,9 @@ impl Finished {
 
     /// Whether a point is finished.
     pub fn has(&self, index: u64) -> bool {
-        let place = usize::try_from(index).ok().and_then(|index| self.places.get(index));
+        let place = usize::try_from(index)
+            .ok()
+            .and_then(|index| self.places.get(index));
         place.is_some_and(|&place| place != NOWHERE)
     }
 
@@ -338,7 +356,9 @@ impl Lines {
         let Some(line) = self.line.strip_suffix(b"\n") else {
             return Ok(None);
         };
-        let Some((sum, text)) = std::str::from_utf8(line).ok().and_then(|line| line.split_once(' '))
+        let Some((sum, text)) = std::str::from_utf8(line)
+            .ok()
+            .and_then(|line| line.split_once(' '))
         else {
             return Ok(None);
         };
@@ -389,7 +409,10 @@ mod tests {
         assert_eq!(finished.count, 3);
         let mut reader = finished.outcomes().unwrap();
         for (index, outcome) in [(0, 1), (1, 2), (3, 0)] {
-            assert_eq!(reader.get(index).unwrap().as_ref(), Some(&outcomes[outcome]));
+            assert_eq!(
+                reader.get(index).unwrap().as_ref(),
+                Some(&outcomes[outcome])
+            );
         }
         assert_eq!(reader.get(2).unwrap(), None);
     }
@@ -403,7 +426,10 @@ mod tests {
         for end in header_end..=whole.len() {
             fs::write(&path, &whole[..end]).unwrap();
             let (mut journal, finished) = Journal::resume(folder.path(), &header()).unwrap();
-            let complete = whole[header_end..end].iter().filter(|&&byte| byte == b'\n').count();
+            let complete = whole[header_end..end]
+                .iter()
+                .filter(|&&byte| byte == b'\n')
+                .count();
             assert_eq!(finished.count, complete as u64);
             journal.append(4, &Ok(vec![1.0])).unwrap();
             journal.flush().unwrap();
@@ -415,9 +441,15 @@ mod tests {
     #[test]
     fn a_changed_study_is_refused_with_what_differs() {
         let (folder, _) = written();
-        let now = Header { seed: 2, ..header() };
+        let now = Header {
+            seed: 2,
+            ..header()
+        };
         let error = Journal::resume(folder.path(), &now).unwrap_err();
-        assert!(error.to_string().contains("another seed (1 then, 2 now)"), "{error}");
+        assert!(
+            error.to_string().contains("another seed (1 then, 2 now)"),
+            "{error}"
+        );
         let error = Journal::create(folder.path(), &header()).unwrap_err();
         assert!(matches!(error, ResultsError::Begun(_)));
     }

@@ -43,7 +43,9 @@ pub enum ResultsError {
     #[error("{0} holds no study; run `verify` into it first")]
     Missing(PathBuf),
     /// What would be resumed is something else.
-    #[error("{path} was made with another {what} ({then} then, {now} now); choose another --output")]
+    #[error(
+        "{path} was made with another {what} ({then} then, {now} now); choose another --output"
+    )]
     Changed {
         /// The folder.
         path: PathBuf,
@@ -92,16 +94,27 @@ pub fn write_atomically(
 ) -> Result<(), ResultsError> {
     let folder = path.parent().unwrap_or(Path::new("."));
     let attempt = || {
-        let mut file = tempfile::Builder::new().prefix(".writing-").tempfile_in(folder)?;
+        let mut file = tempfile::Builder::new()
+            .prefix(".writing-")
+            .tempfile_in(folder)?;
         let mut buffered = io::BufWriter::new(&mut file);
         write(&mut buffered)?;
         io::Write::flush(&mut buffered)?;
         drop(buffered);
-        set_usual_permissions(file.as_file())?;
-        file.persist(path).map_err(|error| error.error)?;
-        Ok(())
+        Ok(file)
     };
-    attempt().map_err(ResultsError::io(path))
+    keep(attempt().map_err(ResultsError::io(path))?, path)
+}
+
+/// Gives a finished temporary file its name.
+///
+/// # Errors
+/// When the system says no.
+pub fn keep(file: tempfile::NamedTempFile, path: &Path) -> Result<(), ResultsError> {
+    set_usual_permissions(file.as_file()).map_err(ResultsError::io(path))?;
+    file.persist(path)
+        .map(drop)
+        .map_err(|error| ResultsError::io(path)(error.error))
 }
 
 /// Temporary files are private; results are as any file that the user writes.

@@ -24,7 +24,12 @@ impl<W: Write> Writer<W> {
     /// When it cannot be written.
     pub fn new(into: W, inputs: &[Input], judge: &Judge) -> io::Result<Self> {
         let mut csv = csv::Writer::from_writer(into);
-        let criteria = || judge.criteria.iter().map(|criterion| criterion.name.clone());
+        let criteria = || {
+            judge
+                .criteria
+                .iter()
+                .map(|criterion| criterion.name.clone())
+        };
         let header = std::iter::once("point".to_owned())
             .chain(inputs.iter().map(|input| input.name.clone()))
             .chain(criteria())
@@ -53,7 +58,9 @@ impl<W: Write> Writer<W> {
             record.push_field(&number(*value));
         }
         match outcome {
-            Ok(values) => values.iter().for_each(|&value| record.push_field(&number(value))),
+            Ok(values) => values
+                .iter()
+                .for_each(|&value| record.push_field(&number(value))),
             Err(_) => verdict.passed.iter().for_each(|_| record.push_field("")),
         }
         for passed in &verdict.passed {
@@ -172,7 +179,11 @@ impl Points {
         }
         for column in &mut self.values {
             let cell = cells.next()?;
-            column.push(if cell.is_empty() { f64::NAN } else { cell.parse().ok()? });
+            column.push(if cell.is_empty() {
+                f64::NAN
+            } else {
+                cell.parse().ok()?
+            });
         }
         for column in &mut self.passed {
             column.push(cells.next()? == "true");

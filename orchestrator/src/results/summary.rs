@@ -198,13 +198,24 @@ impl Counts {
     }
 
     fn by_criterion(&self, judge: &Judge, points: u64) -> IndexMap<String, Count> {
-        let names = judge.criteria.iter().map(|criterion| criterion.name.clone());
-        names.zip(self.criteria.iter().map(|&passed| Count::new(passed, points))).collect()
+        let names = judge
+            .criteria
+            .iter()
+            .map(|criterion| criterion.name.clone());
+        names
+            .zip(
+                self.criteria
+                    .iter()
+                    .map(|&passed| Count::new(passed, points)),
+            )
+            .collect()
     }
 
     fn by_group(&self, judge: &Judge, points: u64) -> IndexMap<String, Count> {
         let names = judge.groups.iter().map(|(name, _)| name.clone());
-        names.zip(self.groups.iter().map(|&passed| Count::new(passed, points))).collect()
+        names
+            .zip(self.groups.iter().map(|&passed| Count::new(passed, points)))
+            .collect()
     }
 }
 
@@ -242,9 +253,10 @@ impl<'a> Tally<'a> {
     /// Keeps the point if it is better than the best so far; of equals the first one stays.
     fn compare(&mut self, label: u64, parameters: &[f64], values: &[f64], verified: bool) {
         let distance = self.judge.distance(values);
-        let better = self.best.as_ref().is_none_or(|best| {
-            (verified, -distance) > (best.verified, -best.distance)
-        });
+        let better = self
+            .best
+            .as_ref()
+            .is_none_or(|best| (verified, -distance) > (best.verified, -best.distance));
         if better {
             self.best = Some(Best {
                 label,
@@ -281,10 +293,14 @@ impl<'a> Tally<'a> {
         let (judge, points) = (self.judge, self.points);
         let all = Count::new(self.own.verified, points);
         let own = self.own.by_criterion(judge, points);
-        let criteria = judge.criteria.iter().zip(own).map(|(criterion, (name, count))| {
-            let criterion = criterion.clone();
-            (name, CriterionCount { count, criterion })
-        });
+        let criteria = judge
+            .criteria
+            .iter()
+            .zip(own)
+            .map(|(criterion, (name, count))| {
+                let criterion = criterion.clone();
+                (name, CriterionCount { count, criterion })
+            });
         let variants = judge.variants.iter().zip(&self.variants);
         let mut failures = self.failures.clone();
         failures.sort_unstable_keys();
@@ -298,16 +314,25 @@ impl<'a> Tally<'a> {
             verified_interval: all.interval,
             criteria: criteria.collect(),
             groups: self.own.by_group(judge, points),
-            variants: variants.map(|(variant, counts)| self.variant(variant, counts)).collect(),
+            variants: variants
+                .map(|(variant, counts)| self.variant(variant, counts))
+                .collect(),
             failures,
-            best_point: self.best.as_ref().map(|best| self.best_point(best, &parameters)),
+            best_point: self
+                .best
+                .as_ref()
+                .map(|best| self.best_point(best, &parameters)),
             parameters,
             run: None,
         }
     }
 
     fn variant(&self, variant: &Variant, counts: &Counts) -> (String, VariantCount) {
-        let names = self.judge.criteria.iter().map(|criterion| criterion.name.clone());
+        let names = self
+            .judge
+            .criteria
+            .iter()
+            .map(|criterion| criterion.name.clone());
         let count = VariantCount {
             about: variant.about.clone(),
             verified: Count::new(counts.verified, self.points),
@@ -320,7 +345,11 @@ impl<'a> Tally<'a> {
 
     fn best_point(&self, best: &Best, parameters: &[ParameterSummary]) -> BestPoint {
         let names = parameters.iter().map(|parameter| parameter.name.clone());
-        let criteria = self.judge.criteria.iter().map(|criterion| criterion.name.clone());
+        let criteria = self
+            .judge
+            .criteria
+            .iter()
+            .map(|criterion| criterion.name.clone());
         BestPoint {
             point: best.label,
             verified: best.verified,
@@ -339,7 +368,11 @@ impl ParameterSummary {
         Self {
             name: input.name.clone(),
             unit: input.unit.clone(),
-            distribution: numbers.into_iter().flatten().map(|(k, v)| (k.clone(), v.clone())).collect(),
+            distribution: numbers
+                .into_iter()
+                .flatten()
+                .map(|(k, v)| (k.clone(), v.clone()))
+                .collect(),
         }
     }
 }

@@ -81,7 +81,11 @@ impl Place<'_> {
 
 /// Shortens "unknown field `x`, expected one of `a`, `b`, ..." to the nearest name.
 fn suggest(message: &str) -> String {
-    let message = message.split('\n').map(str::trim).collect::<Vec<_>>().join("; ");
+    let message = message
+        .split('\n')
+        .map(str::trim)
+        .collect::<Vec<_>>()
+        .join("; ");
     let mut names = message.split('`').skip(1).step_by(2);
     let unknown = message.starts_with("unknown field") || message.starts_with("unknown variant");
     match names.next() {

@@ -315,7 +315,11 @@ mod tests {
             error(text),
             "s.toml:3:10: unknown variant `sobel`; did you mean `sobol`?"
         );
-        assert!(error("fmu = \n").starts_with("s.toml:1:"), "{}", error("fmu = \n"));
+        assert!(
+            error("fmu = \n").starts_with("s.toml:1:"),
+            "{}",
+            error("fmu = \n")
+        );
     }
 
     #[test]
@@ -323,7 +327,11 @@ mod tests {
         let text = "fmu = \"a.fmu\"\n[parameters.z]\ndistribution = \"fixed\"\nvalue = 1\n\
                     [parameters.a]\ndistribution = \"fixed\"\nvalue = \"2 mm\"\n";
         let study = Study::parse(Path::new("s.toml"), text.to_owned()).unwrap();
-        let names: Vec<&str> = study.parameters.keys().map(|name| name.as_ref().as_str()).collect();
+        let names: Vec<&str> = study
+            .parameters
+            .keys()
+            .map(|name| name.as_ref().as_str())
+            .collect();
         assert_eq!(names, ["z", "a"]);
     }
 }

@@ -68,8 +68,9 @@ impl Plan {
 
     /// The FMU's results in the study's units.
     pub fn to_study(&self, values: &mut [f64]) {
-        for (value, (conversion, probe)) in
-            values.iter_mut().zip(self.outputs.iter().zip(&self.task.observed))
+        for (value, (conversion, probe)) in values
+            .iter_mut()
+            .zip(self.outputs.iter().zip(&self.task.observed))
         {
             *value = match probe.statistic {
                 super::Statistic::Amplitude => conversion.difference(*value),
@@ -97,9 +98,8 @@ impl Binder<'_> {
             let name = name.as_ref().clone();
             let at = |message: String| at(format!("{name}: {message}"));
             settable(variable).map_err(at)?;
-            let storage = Storage::of(variable).ok_or_else(|| {
-                at("a text cannot vary; set it under [fixed]".to_owned())
-            })?;
+            let storage = Storage::of(variable)
+                .ok_or_else(|| at("a text cannot vary; set it under [fixed]".to_owned()))?;
             let (input, slot) = self.parameter(variable, parameter, storage).map_err(at)?;
             Ok((input, slot))
         };
@@ -190,7 +190,9 @@ impl Binder<'_> {
             (None, Some(window)) => stop - window,
             (None, None) => start,
         };
-        schedule.check().map_err(|message| self.study.error(format!("[simulation] {message}")))?;
+        schedule
+            .check()
+            .map_err(|message| self.study.error(format!("[simulation] {message}")))?;
         Ok(schedule)
     }
 }
@@ -199,17 +201,27 @@ impl Parameter {
     /// The unit of its first number that has one.
     fn first_unit(&self) -> Option<&str> {
         let numbers = [&self.mean, &self.value, &self.min, &self.mode, &self.max];
-        numbers.into_iter().flatten().find_map(|number| number.unit.as_deref())
+        numbers
+            .into_iter()
+            .flatten()
+            .find_map(|number| number.unit.as_deref())
     }
 
     /// The distribution in the study's unit.
     fn distribution(&self, scale: &Scale<'_>) -> Result<Distribution, String> {
         let shape = self.distribution;
         let maybe = |number: &Option<Quantity>, sense| {
-            number.as_ref().map(|number| scale.number(number, sense)).transpose()
+            number
+                .as_ref()
+                .map(|number| scale.number(number, sense))
+                .transpose()
         };
         let need = |number: &Option<Quantity>, key: &str| {
-            let sense = if key == "deviation" { Sense::Difference } else { Sense::Value };
+            let sense = if key == "deviation" {
+                Sense::Difference
+            } else {
+                Sense::Value
+            };
             maybe(number, sense)?
                 .ok_or_else(|| format!("`{key}` is missing for the distribution {}", shape.name()))
         };
@@ -262,7 +274,9 @@ impl Parameter {
             ("max", &self.max),
             ("value", &self.value),
         ];
-        let stray = given.iter().find(|(key, number)| number.is_some() && !wanted.contains(key));
+        let stray = given
+            .iter()
+            .find(|(key, number)| number.is_some() && !wanted.contains(key));
         match stray {
             Some((key, _)) => Err(format!(
                 "the distribution {} does not use `{key}`; it takes {}",
@@ -305,7 +319,10 @@ fn limits(variable: &Variable) -> (f64, f64) {
         Kind::Integer { min, max, .. } => (min.map(f64::from), max.map(f64::from)),
         _ => (None, None),
     };
-    (min.unwrap_or(f64::NEG_INFINITY), max.unwrap_or(f64::INFINITY))
+    (
+        min.unwrap_or(f64::NEG_INFINITY),
+        max.unwrap_or(f64::INFINITY),
+    )
 }
 
 fn settable(variable: &Variable) -> Result<(), String> {
@@ -316,7 +333,9 @@ fn settable(variable: &Variable) -> Result<(), String> {
         Variability::Constant => "a constant",
         _ => "computed by the FMU",
     };
-    Err(format!("it is {reason}; only parameters and inputs can be set"))
+    Err(format!(
+        "it is {reason}; only parameters and inputs can be set"
+    ))
 }
 
 /// A start value for a variable.
@@ -368,9 +387,8 @@ fn value(fmu: &Description, variable: &Variable, setting: &Setting) -> Result<Va
                 return Ok(Value::Integer(*number));
             }
             let number = whole().ok();
-            let known = |number: &i32| {
-                items.is_empty() || items.iter().any(|(_, value)| value == number)
-            };
+            let known =
+                |number: &i32| items.is_empty() || items.iter().any(|(_, value)| value == number);
             number.filter(known).map(Value::Integer).ok_or_else(|| {
                 let names: Vec<&str> = items.iter().map(|(name, _)| name.as_str()).collect();
                 format!("`{text}` is none of {}", names.join(", "))
@@ -381,13 +399,19 @@ fn value(fmu: &Description, variable: &Variable, setting: &Setting) -> Result<Va
 
 fn check_limits(variable: &Variable, number: f64) -> Result<(), String> {
     let (min, max) = limits(variable);
-    let unit = variable.unit().map_or_else(String::new, |unit| format!(" {unit}"));
+    let unit = variable
+        .unit()
+        .map_or_else(String::new, |unit| format!(" {unit}"));
     if !number.is_finite() {
         Err(format!("{number} is not a finite number"))
     } else if number < min {
-        Err(format!("{number}{unit} is less than the smallest value {min}{unit}"))
+        Err(format!(
+            "{number}{unit} is less than the smallest value {min}{unit}"
+        ))
     } else if number > max {
-        Err(format!("{number}{unit} is more than the largest value {max}{unit}"))
+        Err(format!(
+            "{number}{unit} is more than the largest value {max}{unit}"
+        ))
     } else {
         Ok(())
     }
