@@ -27,6 +27,8 @@ pub enum Command {
     Verify(Verify),
     /// Judges outputs that already stand in a table; needs no FMU
     Judge(Judge),
+    /// Writes the page of a finished study again
+    Report(Report),
 }
 
 /// Options of `inspect`.
@@ -110,4 +112,13 @@ pub struct Judge {
     /// Where to write points.csv and summary.json
     #[arg(long, value_name = "DIR")]
     pub output: Option<PathBuf>,
+}
+
+/// Options of `report`.
+#[derive(Debug, Args)]
+#[command(after_help = "Example: orchestrator report results/table3")]
+pub struct Report {
+    /// The folder that `verify` has written
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
 }

@@ -4,6 +4,7 @@ mod inspect;
 mod judge;
 mod output;
 mod progress;
+mod report;
 mod simulate;
 mod table;
 mod verify;
@@ -16,6 +17,7 @@ use crate::cli::{Cli, Command};
 use crate::engine::EngineError;
 use crate::failure::Failure;
 use crate::fmu::FmuError;
+use crate::report::ReportError;
 use crate::results::ResultsError;
 use crate::source::TableError;
 use crate::study::StudyError;
@@ -38,6 +40,9 @@ pub enum CommandError {
     /// The results cannot be written or read.
     #[error(transparent)]
     Results(#[from] ResultsError),
+    /// The report cannot be written.
+    #[error(transparent)]
+    Report(#[from] ReportError),
     /// The points cannot be run.
     #[error(transparent)]
     Engine(#[from] EngineError),
@@ -64,6 +69,7 @@ pub fn run(cli: Cli) -> Result<ExitCode, CommandError> {
         Command::Simulate(options) => simulate::run(&options),
         Command::Verify(options) => verify::run(&options),
         Command::Judge(options) => judge::run(&options),
+        Command::Report(options) => report::run(&options),
     }
 }
 

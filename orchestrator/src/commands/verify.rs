@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 use sha2::{Digest, Sha256};
 
 use super::progress::Progress;
-use super::{CommandError, output, table, verdict};
+use super::{CommandError, output, report, table, verdict};
 use crate::cli::Verify;
 use crate::design::Design;
 use crate::engine::{self, Job, Worker, local::Local};
@@ -51,6 +51,7 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, CommandError> {
         jobs,
     });
     write_summary(&folder, &summary)?;
+    report::complete(&folder, &session.study, &session.plan, &mut session.package, &summary)?;
     output::print(&format!(
         "{}{}\nresults in {}\n",
         table::counts(&summary),

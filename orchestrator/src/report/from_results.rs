@@ -1,6 +1,6 @@
 //! A report from the folder that `verify` leaves behind.
 
-use super::{Reading, Report, ReportError};
+use super::{Reading, Report, ReportError, history};
 use crate::analysis::from_results;
 use crate::results::Summary;
 use crate::results::summary::VariantCount;
@@ -22,6 +22,7 @@ impl Report {
             command: format!("orchestrator verify {} --points {}{seed}", p.study, summary.points),
             provenance: provenance(&summary),
             readings: summary.variants.iter().map(|(name, variant)| reading(name, variant)).collect(),
+            history: history::read(folder, &table),
             study_text,
             table,
             ..Self::default()
