@@ -19,7 +19,11 @@ impl Report {
         Ok(Self {
             study: summary.title.clone().unwrap_or_else(|| p.study.clone()),
             model: p.fmu.clone().unwrap_or_default(),
-            command: format!("orchestrator verify {} --points {}{seed}", p.study, summary.points),
+            command: match (&p.fmu, p.method.as_str()) {
+                (None, _) => format!("orchestrator judge {} TABLE.csv", p.study),
+                (_, "table") => format!("orchestrator verify {} --points-from TABLE.csv", p.study),
+                _ => format!("orchestrator verify {} --points {}{seed}", p.study, summary.points),
+            },
             provenance: provenance(&summary),
             readings: summary.variants.iter().map(|(name, variant)| reading(name, variant)).collect(),
             history: history::read(folder, &table),
