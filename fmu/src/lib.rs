@@ -2,8 +2,20 @@
 //! and its export as an FMI 2.0 Co-Simulation FMU.
 //!
 //! The physics (all modules but [`fmi2`]) never knows FMI; the boundary never knows bearings.
-//! What they share is [`model`]: a model with variables.
+//! What they share is [`model`]: a model with variables. Start reading at [`stand`].
 
 pub mod bearing;
+pub mod drive;
 pub mod fmi2;
+pub mod load;
 pub mod model;
+pub mod multirate;
+pub mod oil;
+pub mod sensors;
+pub mod solver;
+pub mod stand;
+pub mod thermal;
+pub mod units;
+pub mod variables;
+
+export!(stand::Stand);

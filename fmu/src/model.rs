@@ -223,3 +223,55 @@ pub struct Variable<M: 'static> {
     /// For outputs: the names of the inputs on which the value depends directly, at the same instant.
     pub depends_on: &'static [&'static str],
 }
+
+/// Checks every parameter and input of a model against its declared range.
+pub fn check_ranges<M: Model>(model: &M) -> Result<(), Fault> {
+    for variable in M::variables() {
+        match &variable.kind {
+            Kind::Real {
+                access,
+                unit,
+                min,
+                max,
+                ..
+            } if access.set.is_some() => {
+                let value = (access.get)(model);
+                let (least, most) = (min.unwrap_or(f64::MIN), max.unwrap_or(f64::MAX));
+                // Written so that what is not a number is refused too.
+                if !(least <= value && value <= most) {
+                    return Err(Fault::Invalid(format!(
+                        "{} = {value} {}: it must lie between {least} and {most} {}",
+                        variable.name, unit.name, unit.name
+                    )));
+                }
+            }
+            Kind::Integer { access, min, max } if access.set.is_some() => {
+                let value = (access.get)(model);
+                let (least, most) = (min.unwrap_or(i32::MIN), max.unwrap_or(i32::MAX));
+                if !(least..=most).contains(&value) {
+                    return Err(Fault::Invalid(format!(
+                        "{} = {value}: it must lie between {least} and {most}",
+                        variable.name
+                    )));
+                }
+            }
+            Kind::Enumeration { access, of } if access.set.is_some() => {
+                let value = (access.get)(model);
+                if !of.items.iter().any(|item| item.value == value) {
+                    let known: Vec<_> = of
+                        .items
+                        .iter()
+                        .map(|item| format!("{} ({})", item.value, item.name))
+                        .collect();
+                    return Err(Fault::Invalid(format!(
+                        "{} = {value}: it must be one of {}",
+                        variable.name,
+                        known.join(", ")
+                    )));
+                }
+            }
+            _ => {}
+        }
+    }
+    Ok(())
+}

@@ -25,7 +25,12 @@ impl Fraction {
     /// Of no trials at all the interval is 0 to 1.
     pub fn wilson(count: usize, of: usize) -> Self {
         if of == 0 {
-            return Self { count, of, low: 0.0, high: 1.0 };
+            return Self {
+                count,
+                of,
+                low: 0.0,
+                high: 1.0,
+            };
         }
         let (n, p, z2) = (of as f64, count as f64 / of as f64, Z95 * Z95);
         let centre = (p + z2 / (2.0 * n)) / (1.0 + z2 / n);
@@ -33,14 +38,26 @@ impl Fraction {
         Self {
             count,
             of,
-            low: if count == 0 { 0.0 } else { (centre - half).max(0.0) },
-            high: if count == of { 1.0 } else { (centre + half).min(1.0) },
+            low: if count == 0 {
+                0.0
+            } else {
+                (centre - half).max(0.0)
+            },
+            high: if count == of {
+                1.0
+            } else {
+                (centre + half).min(1.0)
+            },
         }
     }
 
     /// The fraction itself; 0 of no trials.
     pub fn value(&self) -> f64 {
-        if self.of == 0 { 0.0 } else { self.count as f64 / self.of as f64 }
+        if self.of == 0 {
+            0.0
+        } else {
+            self.count as f64 / self.of as f64
+        }
     }
 }
 
@@ -73,16 +90,21 @@ pub struct Verdict {
 /// Counts a table of points.
 pub fn verdict(table: &PointTable) -> Verdict {
     let n = table.len();
-    let count = |passes: &dyn Fn(usize) -> bool| {
-        Fraction::wilson((0..n).filter(|&i| passes(i)).count(), n)
-    };
+    let count =
+        |passes: &dyn Fn(usize) -> bool| Fraction::wilson((0..n).filter(|&i| passes(i)).count(), n);
     let groups = table
         .groups()
         .into_iter()
         .map(|group| {
-            let members: Vec<_> =
-                table.criteria.iter().filter(|c| c.group.as_deref() == Some(group)).collect();
-            (group.to_owned(), count(&|i| members.iter().all(|c| c.ok[i])))
+            let members: Vec<_> = table
+                .criteria
+                .iter()
+                .filter(|c| c.group.as_deref() == Some(group))
+                .collect();
+            (
+                group.to_owned(),
+                count(&|i| members.iter().all(|c| c.ok[i])),
+            )
         })
         .collect();
     let bindings: Vec<_> = (0..n).map(|i| table.binding(i)).collect();
@@ -112,11 +134,21 @@ fn criterion_verdict(
     misses.sort_by(f64::total_cmp);
     let only_failure = (0..table.len())
         .filter(|&i| table.completed(i) && !c.ok[i])
-        .filter(|&i| table.criteria.iter().enumerate().all(|(j, other)| j == k || other.ok[i]))
+        .filter(|&i| {
+            table
+                .criteria
+                .iter()
+                .enumerate()
+                .all(|(j, other)| j == k || other.ok[i])
+        })
         .count();
     CriterionVerdict {
         passes,
-        binds: bindings.iter().flatten().filter(|b| b.criterion == k).count(),
+        binds: bindings
+            .iter()
+            .flatten()
+            .filter(|b| b.criterion == k)
+            .count(),
         only_failure,
         median_miss: misses.get(misses.len() / 2).copied(),
     }
@@ -129,9 +161,12 @@ mod tests {
     /// Newcombe (1998), "Two-sided confidence intervals for the single proportion", table I.
     #[test]
     fn wilson_matches_published_values() {
-        for (count, of, low, high) in
-            [(81, 263, 0.2553, 0.3662), (15, 148, 0.0624, 0.1605), (0, 20, 0.0, 0.1611), (1, 29, 0.0061, 0.1718)]
-        {
+        for (count, of, low, high) in [
+            (81, 263, 0.2553, 0.3662),
+            (15, 148, 0.0624, 0.1605),
+            (0, 20, 0.0, 0.1611),
+            (1, 29, 0.0061, 0.1718),
+        ] {
             let f = Fraction::wilson(count, of);
             assert!((f.low - low).abs() < 5e-5, "{f:?}");
             assert!((f.high - high).abs() < 5e-5, "{f:?}");
@@ -141,6 +176,14 @@ mod tests {
     #[test]
     fn wilson_at_the_ends() {
         assert_eq!(Fraction::wilson(7, 7).high, 1.0);
-        assert_eq!(Fraction::wilson(0, 0), Fraction { count: 0, of: 0, low: 0.0, high: 1.0 });
+        assert_eq!(
+            Fraction::wilson(0, 0),
+            Fraction {
+                count: 0,
+                of: 0,
+                low: 0.0,
+                high: 1.0
+            }
+        );
     }
 }

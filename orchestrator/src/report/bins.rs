@@ -15,7 +15,10 @@ pub fn axis_range(values: &[f64], lower: f64, upper: f64) -> Option<[f64; 2]> {
     let (mut low, mut high) = if reach > 0.0 {
         let (a, b) = (at(0.25) - reach, at(0.75) + reach);
         let inside = |v: &&f64| **v >= a && **v <= b;
-        (*sorted.iter().find(inside)?, *sorted.iter().rev().find(inside)?)
+        (
+            *sorted.iter().find(inside)?,
+            *sorted.iter().rev().find(inside)?,
+        )
     } else {
         (sorted[0], sorted[sorted.len() - 1])
     };
@@ -23,12 +26,20 @@ pub fn axis_range(values: &[f64], lower: f64, upper: f64) -> Option<[f64; 2]> {
         low = low.min(limit);
         high = high.max(limit);
     }
-    let margin = if high > low { 0.05 * (high - low) } else { (0.05 * high.abs()).max(1e-12) };
+    let margin = if high > low {
+        0.05 * (high - low)
+    } else {
+        (0.05 * high.abs()).max(1e-12)
+    };
     Some([low - margin, high + margin])
 }
 
 /// Counts of values in equal bins over a range; what lies outside is not counted.
-pub fn histogram<'a>(values: impl Iterator<Item = &'a f64>, range: [f64; 2], bins: usize) -> Vec<usize> {
+pub fn histogram<'a>(
+    values: impl Iterator<Item = &'a f64>,
+    range: [f64; 2],
+    bins: usize,
+) -> Vec<usize> {
     let mut counts = vec![0; bins];
     for &v in values {
         if let Some(k) = bin(v, range, bins) {
@@ -52,7 +63,14 @@ pub fn bin(value: f64, [low, high]: [f64; 2], bins: usize) -> Option<usize> {
 }
 
 /// Counts of pairs in a square of equal bins, row by row from low `y` to high.
-pub fn density(x: &[f64], y: &[f64], keep: impl Fn(usize) -> bool, xr: [f64; 2], yr: [f64; 2], bins: usize) -> Vec<u32> {
+pub fn density(
+    x: &[f64],
+    y: &[f64],
+    keep: impl Fn(usize) -> bool,
+    xr: [f64; 2],
+    yr: [f64; 2],
+    bins: usize,
+) -> Vec<u32> {
     let mut counts = vec![0; bins * bins];
     for i in (0..x.len()).filter(|&i| keep(i)) {
         if let (Some(a), Some(b)) = (bin(x[i], xr, bins), bin(y[i], yr, bins)) {
@@ -66,7 +84,15 @@ pub fn density(x: &[f64], y: &[f64], keep: impl Fn(usize) -> bool, xr: [f64; 2],
 pub fn levels(counts: &[u32]) -> Vec<u8> {
     let most = counts.iter().copied().max().unwrap_or(0);
     let full = f64::from(most).ln().max(f64::MIN_POSITIVE);
-    let level = |c: u32| if c == 0 { 0 } else if most == 1 { 255 } else { (1.0 + 254.0 * f64::from(c).ln() / full).round() as u8 };
+    let level = |c: u32| {
+        if c == 0 {
+            0
+        } else if most == 1 {
+            255
+        } else {
+            (1.0 + 254.0 * f64::from(c).ln() / full).round() as u8
+        }
+    };
     counts.iter().map(|&c| level(c)).collect()
 }
 

@@ -86,7 +86,10 @@ impl Report {
     /// Writes `report.html` and `plots/*.svg` into a folder, and returns the page's path.
     pub fn write(&self, folder: &Path) -> Result<PathBuf, ReportError> {
         let plots = folder.join("plots");
-        std::fs::create_dir_all(&plots).map_err(|source| ReportError::Write { path: plots.clone(), source })?;
+        std::fs::create_dir_all(&plots).map_err(|source| ReportError::Write {
+            path: plots.clone(),
+            source,
+        })?;
         for (name, plot) in page::plots(self) {
             write_file(&plots.join(format!("{name}.svg")), &svg::standalone(&plot))?;
         }
@@ -97,5 +100,8 @@ impl Report {
 }
 
 fn write_file(path: &Path, text: &str) -> Result<(), ReportError> {
-    std::fs::write(path, text).map_err(|source| ReportError::Write { path: path.to_owned(), source })
+    std::fs::write(path, text).map_err(|source| ReportError::Write {
+        path: path.to_owned(),
+        source,
+    })
 }

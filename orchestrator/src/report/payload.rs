@@ -86,8 +86,24 @@ pub fn columns(table: &PointTable) -> Vec<PlotColumn<'_>> {
         range: bins::axis_range(values, accepted[0], accepted[1]).unwrap_or([0.0, 1.0]),
     };
     let free = [f64::NEG_INFINITY, f64::INFINITY];
-    let parameters = table.parameters.iter().map(|p| column(p.name.as_str(), p.unit.as_str(), p.values.as_slice(), free, None));
-    let criteria = table.criteria.iter().map(|c| column(&c.name, &c.unit, &c.values, [c.lower, c.upper], Some(c.nominal)));
+    let parameters = table.parameters.iter().map(|p| {
+        column(
+            p.name.as_str(),
+            p.unit.as_str(),
+            p.values.as_slice(),
+            free,
+            None,
+        )
+    });
+    let criteria = table.criteria.iter().map(|c| {
+        column(
+            &c.name,
+            &c.unit,
+            &c.values,
+            [c.lower, c.upper],
+            Some(c.nominal),
+        )
+    });
     parameters.chain(criteria).collect()
 }
 
@@ -107,10 +123,19 @@ fn embed(table: &PointTable, ranking: &[usize], most: usize) -> Vec<usize> {
     ranking.iter().take(most / 10).for_each(|&i| keep[i] = true);
     let mut spread = |candidates: Vec<usize>, room: usize| {
         let step = candidates.len().div_ceil(room.max(1)).max(1);
-        candidates.iter().step_by(step).for_each(|&i| keep[i] = true);
+        candidates
+            .iter()
+            .step_by(step)
+            .for_each(|&i| keep[i] = true);
     };
-    spread((0..n).filter(|&i| table.verified[i]).collect(), most * 4 / 10);
-    spread((0..n).filter(|&i| !table.verified[i]).collect(), most * 5 / 10);
+    spread(
+        (0..n).filter(|&i| table.verified[i]).collect(),
+        most * 4 / 10,
+    );
+    spread(
+        (0..n).filter(|&i| !table.verified[i]).collect(),
+        most * 5 / 10,
+    );
     (0..n).filter(|&i| keep[i]).collect()
 }
 
@@ -119,13 +144,29 @@ pub fn payload(table: &PointTable, points: &[usize]) -> Payload {
     let columns = columns(table);
     let n = table.len();
     let first_criterion = table.parameters.len();
-    let flags = |flag: &dyn Fn(usize) -> bool| STANDARD.encode(points.iter().map(|&i| u8::from(flag(i))).collect::<Vec<_>>());
+    let flags = |flag: &dyn Fn(usize) -> bool| {
+        STANDARD.encode(
+            points
+                .iter()
+                .map(|&i| u8::from(flag(i)))
+                .collect::<Vec<_>>(),
+        )
+    };
     let described = columns.iter().enumerate().map(|(k, c)| Column {
         name: c.name.to_owned(),
         unit: c.unit.to_owned(),
         range: c.range,
-        outside: c.values.iter().filter(|v| v.is_finite() && !(c.range[0]..=c.range[1]).contains(v)).count(),
-        data: STANDARD.encode(points.iter().flat_map(|&i| (c.values[i] as f32).to_le_bytes()).collect::<Vec<_>>()),
+        outside: c
+            .values
+            .iter()
+            .filter(|v| v.is_finite() && !(c.range[0]..=c.range[1]).contains(v))
+            .count(),
+        data: STANDARD.encode(
+            points
+                .iter()
+                .flat_map(|&i| (c.values[i] as f32).to_le_bytes())
+                .collect::<Vec<_>>(),
+        ),
         criterion: k.checked_sub(first_criterion).map(|j| {
             let criterion = &table.criteria[j];
             let finite = |limit: f64| limit.is_finite().then_some(limit);
@@ -141,7 +182,12 @@ pub fn payload(table: &PointTable, points: &[usize]) -> Payload {
         total: n,
         sampled: points.len() < n,
         columns: described.collect(),
-        ids: STANDARD.encode(points.iter().flat_map(|&i| (table.ids[i] as u32).to_le_bytes()).collect::<Vec<_>>()),
+        ids: STANDARD.encode(
+            points
+                .iter()
+                .flat_map(|&i| (table.ids[i] as u32).to_le_bytes())
+                .collect::<Vec<_>>(),
+        ),
         verified: flags(&|i| table.verified[i]),
         completed: flags(&|i| table.completed(i)),
         density: (points.len() < n).then(|| densities(table, &columns)),
@@ -150,11 +196,16 @@ pub fn payload(table: &PointTable, points: &[usize]) -> Payload {
 
 fn densities(table: &PointTable, columns: &[PlotColumn<'_>]) -> Density {
     let all_pairs = |keep: &dyn Fn(usize, usize) -> bool| -> Vec<(usize, usize)> {
-        (0..columns.len()).flat_map(|a| (a + 1..columns.len()).map(move |b| (a, b))).filter(|&(a, b)| keep(a, b)).collect()
+        (0..columns.len())
+            .flat_map(|a| (a + 1..columns.len()).map(move |b| (a, b)))
+            .filter(|&(a, b)| keep(a, b))
+            .collect()
     };
     let first_criterion = table.parameters.len();
     let fits = |pairs: &[(usize, usize)]| {
-        [64, 48, 32, 24].into_iter().find(|b| pairs.len() * b * b * 8 / 3 <= MOST_DENSITY_BYTES)
+        [64, 48, 32, 24]
+            .into_iter()
+            .find(|b| pairs.len() * b * b * 8 / 3 <= MOST_DENSITY_BYTES)
     };
     // With very many columns, only the pairs with a criterion.
     let every = all_pairs(&|_, _| true);
@@ -168,10 +219,21 @@ fn densities(table: &PointTable, columns: &[PlotColumn<'_>]) -> Density {
     };
     let cells = |a: usize, b: usize, keep: &dyn Fn(usize) -> bool| {
         let (x, y) = (&columns[a], &columns[b]);
-        STANDARD.encode(bins::levels(&bins::density(x.values, y.values, keep, x.range, y.range, bins)))
+        STANDARD.encode(bins::levels(&bins::density(
+            x.values, y.values, keep, x.range, y.range, bins,
+        )))
     };
-    let by_pair = |keep: &dyn Fn(usize) -> bool| pairs.iter().map(|&(a, b)| (format!("{a},{b}"), cells(a, b, keep))).collect();
-    Density { bins, all: by_pair(&|_| true), verified: by_pair(&|i| table.verified[i]) }
+    let by_pair = |keep: &dyn Fn(usize) -> bool| {
+        pairs
+            .iter()
+            .map(|&(a, b)| (format!("{a},{b}"), cells(a, b, keep)))
+            .collect()
+    };
+    Density {
+        bins,
+        all: by_pair(&|_| true),
+        verified: by_pair(&|i| table.verified[i]),
+    }
 }
 
 #[cfg(test)]

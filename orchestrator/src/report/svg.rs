@@ -73,8 +73,18 @@ impl Frame {
         Self {
             width,
             height,
-            x: Scale { low: x[0], high: x[1], from: 64.0, to: width - 14.0 },
-            y: Scale { low: y[0], high: y[1], from: height - 48.0, to: 12.0 },
+            x: Scale {
+                low: x[0],
+                high: x[1],
+                from: 64.0,
+                to: width - 14.0,
+            },
+            y: Scale {
+                low: y[0],
+                high: y[1],
+                from: height - 48.0,
+                to: 12.0,
+            },
         }
     }
 
@@ -97,7 +107,10 @@ impl Frame {
             let _ = write!(
                 out,
                 "<path class=\"grid\" d=\"M{p:.1},{:.1}V{:.1}\"/><text class=\"tick\" x=\"{p:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>",
-                y.from, y.to, y.from + 16.0, number(t, 6)
+                y.from,
+                y.to,
+                y.from + 16.0,
+                number(t, 6)
             );
         }
         if let Some(title) = y_title {
@@ -106,7 +119,11 @@ impl Frame {
                 let _ = write!(
                     out,
                     "<path class=\"grid\" d=\"M{:.1},{p:.1}H{:.1}\"/><text class=\"tick\" x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>",
-                    x.from, x.to, x.from - 7.0, p + 4.0, number(t, 6)
+                    x.from,
+                    x.to,
+                    x.from - 7.0,
+                    p + 4.0,
+                    number(t, 6)
                 );
             }
             let middle = (y.from + y.to) / 2.0;
@@ -119,7 +136,12 @@ impl Frame {
         let _ = write!(
             out,
             "<path class=\"axis\" d=\"M{:.1},{:.1}H{:.1}\"/><text class=\"title\" x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>",
-            x.from, y.from, x.to, (x.from + x.to) / 2.0, self.height - 8.0, escape(x_title)
+            x.from,
+            y.from,
+            x.to,
+            (x.from + x.to) / 2.0,
+            self.height - 8.0,
+            escape(x_title)
         );
         out
     }
@@ -128,7 +150,11 @@ impl Frame {
 /// Turns a picture of the page into a file of its own.
 pub fn standalone(svg: &str) -> String {
     match svg.find('>') {
-        Some(end) => format!("{}<style>{STYLE}</style><rect class=\"paper\" width=\"100%\" height=\"100%\"/>{}", &svg[..=end], &svg[end + 1..]),
+        Some(end) => format!(
+            "{}<style>{STYLE}</style><rect class=\"paper\" width=\"100%\" height=\"100%\"/>{}",
+            &svg[..=end],
+            &svg[end + 1..]
+        ),
         None => svg.to_owned(),
     }
 }
@@ -139,9 +165,15 @@ mod tests {
 
     #[test]
     fn ticks_are_round_and_inside() {
-        assert_eq!(ticks(0.0, 1.0, 5), [0.0, 0.2, 0.4, 0.6000000000000001, 0.8, 1.0]);
+        assert_eq!(
+            ticks(0.0, 1.0, 5),
+            [0.0, 0.2, 0.4, 0.6000000000000001, 0.8, 1.0]
+        );
         let t = ticks(81.27, 81.93, 5);
-        assert!(t.len() >= 3 && t.iter().all(|v| (81.27..=81.93).contains(v)), "{t:?}");
+        assert!(
+            t.len() >= 3 && t.iter().all(|v| (81.27..=81.93).contains(v)),
+            "{t:?}"
+        );
         assert_eq!(ticks(3.0, 3.0, 5), [3.0]);
     }
 }

@@ -27,7 +27,11 @@ pub struct Estimate {
 impl Estimate {
     /// An estimate with a symmetric interval.
     pub fn around(value: f64, half: f64) -> Self {
-        Self { value, low: value - half, high: value + half }
+        Self {
+            value,
+            low: value - half,
+            high: value + half,
+        }
     }
 
     /// Whether the interval holds a value.
@@ -39,7 +43,9 @@ impl Estimate {
 /// Whether an order of importance can be told: `None` where the interval of the largest estimate
 /// overlaps the next one's, else the index of the largest.
 pub fn dominant(estimates: &[Estimate]) -> Option<usize> {
-    let mut order: Vec<usize> = (0..estimates.len()).filter(|&i| estimates[i].value.is_finite()).collect();
+    let mut order: Vec<usize> = (0..estimates.len())
+        .filter(|&i| estimates[i].value.is_finite())
+        .collect();
     order.sort_by(|&a, &b| estimates[b].value.total_cmp(&estimates[a].value));
     match order.as_slice() {
         [first, second, ..] => (estimates[*first].low > estimates[*second].high).then_some(*first),
@@ -71,7 +77,10 @@ pub(crate) mod functions {
 
     /// Sobol's g-function (Saltelli & Sobol 1995); inputs in the unit cube.
     pub fn sobol_g(u: &[f64], a: &[f64]) -> f64 {
-        u.iter().zip(a).map(|(x, a)| ((4.0 * x - 2.0).abs() + a) / (1.0 + a)).product()
+        u.iter()
+            .zip(a)
+            .map(|(x, a)| ((4.0 * x - 2.0).abs() + a) / (1.0 + a))
+            .product()
     }
 
     /// Its first-order and total indices.
@@ -79,7 +88,10 @@ pub(crate) mod functions {
         let parts: Vec<f64> = a.iter().map(|a| 1.0 / (3.0 * (1.0 + a).powi(2))).collect();
         let all: f64 = parts.iter().map(|v| 1.0 + v).product();
         let v = all - 1.0;
-        (parts.iter().map(|p| p / v).collect(), parts.iter().map(|p| p * (all / (1.0 + p)) / v).collect())
+        (
+            parts.iter().map(|p| p / v).collect(),
+            parts.iter().map(|p| p * (all / (1.0 + p)) / v).collect(),
+        )
     }
 }
 

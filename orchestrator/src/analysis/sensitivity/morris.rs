@@ -21,12 +21,18 @@ pub fn design(parameters: usize, trajectories: usize, levels: usize, seed: u64) 
     let grid = |k: usize| k as f64 / (levels - 1) as f64;
     let mut rows = Vec::with_capacity(trajectories * (parameters + 1));
     for _ in 0..trajectories {
-        let mut place: Vec<usize> = (0..parameters).map(|_| random.random_range(0..levels)).collect();
+        let mut place: Vec<usize> = (0..parameters)
+            .map(|_| random.random_range(0..levels))
+            .collect();
         let mut order: Vec<usize> = (0..parameters).collect();
         order.shuffle(&mut random);
         rows.push(place.iter().map(|&k| grid(k)).collect());
         for i in order {
-            place[i] = if place[i] < jump { place[i] + jump } else { place[i] - jump };
+            place[i] = if place[i] < jump {
+                place[i] + jump
+            } else {
+                place[i] - jump
+            };
             rows.push(place.iter().map(|&k| grid(k)).collect());
         }
     }
@@ -49,7 +55,12 @@ pub struct Effect {
 /// Computes the effects from the rows of [`design`] and their outputs.
 ///
 /// Returns `None` where the lengths do not match, or a parameter has fewer than two effects.
-pub fn effects(rows: &[Vec<f64>], outputs: &[f64], resamples: usize, seed: u64) -> Option<Vec<Effect>> {
+pub fn effects(
+    rows: &[Vec<f64>],
+    outputs: &[f64],
+    resamples: usize,
+    seed: u64,
+) -> Option<Vec<Effect>> {
     let parameters = rows.first()?.len();
     if rows.len() != outputs.len() || !rows.len().is_multiple_of(parameters + 1) {
         return None;
@@ -63,7 +74,10 @@ pub fn effects(rows: &[Vec<f64>], outputs: &[f64], resamples: usize, seed: u64) 
         }
     }
     let mut random = StdRng::seed_from_u64(seed);
-    found.iter().map(|effects| summary(effects, resamples, &mut random)).collect()
+    found
+        .iter()
+        .map(|effects| summary(effects, resamples, &mut random))
+        .collect()
 }
 
 fn summary(effects: &[f64], resamples: usize, random: &mut StdRng) -> Option<Effect> {
@@ -72,7 +86,12 @@ fn summary(effects: &[f64], resamples: usize, random: &mut StdRng) -> Option<Eff
     }
     let sizes: Vec<f64> = effects.iter().map(|e| e.abs()).collect();
     let again: Vec<f64> = (0..resamples)
-        .map(|_| (0..sizes.len()).map(|_| sizes[random.random_range(0..sizes.len())]).sum::<f64>() / sizes.len() as f64)
+        .map(|_| {
+            (0..sizes.len())
+                .map(|_| sizes[random.random_range(0..sizes.len())])
+                .sum::<f64>()
+                / sizes.len() as f64
+        })
         .collect();
     Some(Effect {
         mu: mean(effects),

@@ -27,15 +27,27 @@ pub struct Pawn {
 
 /// Computes the indices of columns of parameters on an output, in `slices` slices of equal content.
 /// Points without a finite value are left out. `None` where a slice would hold fewer than two points.
-pub fn pawn(parameters: &[&[f64]], output: &[f64], slices: usize, resamples: usize, seed: u64) -> Option<Pawn> {
-    let kept: Vec<usize> =
-        (0..output.len()).filter(|&j| output[j].is_finite() && parameters.iter().all(|p| p[j].is_finite())).collect();
+pub fn pawn(
+    parameters: &[&[f64]],
+    output: &[f64],
+    slices: usize,
+    resamples: usize,
+    seed: u64,
+) -> Option<Pawn> {
+    let kept: Vec<usize> = (0..output.len())
+        .filter(|&j| output[j].is_finite() && parameters.iter().all(|p| p[j].is_finite()))
+        .collect();
     if slices == 0 || kept.len() < 2 * slices {
         return None;
     }
     let y: Vec<f64> = kept.iter().map(|&j| output[j]).collect();
     let mut random = StdRng::seed_from_u64(seed);
-    let mut result = Pawn { median: vec![], max: vec![], threshold: 0.0, used: y.len() };
+    let mut result = Pawn {
+        median: vec![],
+        max: vec![],
+        threshold: 0.0,
+        used: y.len(),
+    };
     for parameter in parameters {
         let x: Vec<f64> = kept.iter().map(|&j| parameter[j]).collect();
         let found = distances(&x, &y, slices);
@@ -43,8 +55,11 @@ pub fn pawn(parameters: &[&[f64]], output: &[f64], slices: usize, resamples: usi
         let again = sorted(
             (0..resamples)
                 .map(|_| {
-                    let picks: Vec<usize> = (0..y.len()).map(|_| random.random_range(0..y.len())).collect();
-                    let (bx, by): (Vec<f64>, Vec<f64>) = picks.iter().map(|&j| (x[j], y[j])).unzip();
+                    let picks: Vec<usize> = (0..y.len())
+                        .map(|_| random.random_range(0..y.len()))
+                        .collect();
+                    let (bx, by): (Vec<f64>, Vec<f64>) =
+                        picks.iter().map(|&j| (x[j], y[j])).unzip();
                     quantile(&distances(&bx, &by, slices), 0.5)
                 })
                 .collect(),
@@ -72,14 +87,22 @@ pub fn pawn(parameters: &[&[f64]], output: &[f64], slices: usize, resamples: usi
 fn distances(x: &[f64], y: &[f64], slices: usize) -> Vec<f64> {
     let all = sorted(y.to_vec());
     let order = sorted(x.to_vec());
-    let edges: Vec<f64> = (0..=slices).map(|k| quantile(&order, k as f64 / slices as f64)).collect();
+    let edges: Vec<f64> = (0..=slices)
+        .map(|k| quantile(&order, k as f64 / slices as f64))
+        .collect();
     let mut parts = vec![Vec::new(); slices];
     for (v, out) in x.iter().zip(y) {
         // The last slice whose lower edge is not above the value.
         let slice = edges[..slices].partition_point(|e| e <= v).max(1) - 1;
         parts[slice].push(*out);
     }
-    sorted(parts.into_iter().filter(|p| !p.is_empty()).map(|p| ks_distance(&sorted(p), &all)).collect())
+    sorted(
+        parts
+            .into_iter()
+            .filter(|p| !p.is_empty())
+            .map(|p| ks_distance(&sorted(p), &all))
+            .collect(),
+    )
 }
 
 #[cfg(test)]
@@ -89,8 +112,12 @@ mod tests {
 
     fn sample(n: usize) -> (Vec<Vec<f64>>, Vec<f64>) {
         let mut random = StdRng::seed_from_u64(8);
-        let x: Vec<Vec<f64>> = (0..4).map(|_| (0..n).map(|_| random.random::<f64>()).collect()).collect();
-        let y = (0..n).map(|j| ishigami(&[x[0][j], x[1][j], x[2][j]])).collect();
+        let x: Vec<Vec<f64>> = (0..4)
+            .map(|_| (0..n).map(|_| random.random::<f64>()).collect())
+            .collect();
+        let y = (0..n)
+            .map(|j| ishigami(&[x[0][j], x[1][j], x[2][j]]))
+            .collect();
         (x, y)
     }
 
@@ -104,7 +131,10 @@ mod tests {
         }
         assert!(p.median[3].value < 1.3 * p.threshold, "{p:?}");
         // Pianosi & Wagener (2015), figure 4: the second parameter's influence is the largest.
-        assert!(p.median[1].value > p.median[0].value && p.median[0].value > p.median[2].value, "{p:?}");
+        assert!(
+            p.median[1].value > p.median[0].value && p.median[0].value > p.median[2].value,
+            "{p:?}"
+        );
     }
 
     #[test]

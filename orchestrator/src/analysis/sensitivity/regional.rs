@@ -27,7 +27,12 @@ pub fn split(parameters: &[&[f64]], pass: &[bool], counted: &[bool]) -> Option<V
         .iter()
         .map(|values| {
             let side = |wanted: bool| -> Vec<f64> {
-                sorted((0..pass.len()).filter(|&j| counted[j] && pass[j] == wanted && values[j].is_finite()).map(|j| values[j]).collect())
+                sorted(
+                    (0..pass.len())
+                        .filter(|&j| counted[j] && pass[j] == wanted && values[j].is_finite())
+                        .map(|j| values[j])
+                        .collect(),
+                )
             };
             let (yes, no) = (side(true), side(false));
             if yes.is_empty() || no.is_empty() {

@@ -27,7 +27,9 @@ pub fn ranks(values: &[f64]) -> Vec<f64> {
 
 /// The quantile of sorted values, linear between them (Hyndman & Fan 1996, type 7).
 pub fn quantile(sorted: &[f64], q: f64) -> f64 {
-    let Some(last) = sorted.len().checked_sub(1) else { return f64::NAN };
+    let Some(last) = sorted.len().checked_sub(1) else {
+        return f64::NAN;
+    };
     let place = q.clamp(0.0, 1.0) * last as f64;
     let (below, part) = (place.floor() as usize, place.fract());
     sorted[below] + part * (sorted[(below + 1).min(last)] - sorted[below])
@@ -57,7 +59,9 @@ pub fn ks_probability(distance: f64, n: usize, m: usize) -> f64 {
     if l < 0.2 {
         return 1.0;
     }
-    let series: f64 = (1..=100).map(|k| if k % 2 == 1 { 2.0 } else { -2.0 } * (-2.0 * (f64::from(k) * l).powi(2)).exp()).sum();
+    let series: f64 = (1..=100)
+        .map(|k| if k % 2 == 1 { 2.0 } else { -2.0 } * (-2.0 * (f64::from(k) * l).powi(2)).exp())
+        .sum();
     series.clamp(0.0, 1.0)
 }
 

@@ -1,0 +1,235 @@
+//! Asperity contact of journal and bush: Greenwood & Tripp (1970), "The contact of two nominally flat
+//! rough surfaces", Proc. IMechE 185, 625-633.
+
+use serde::{Deserialize, Serialize};
+use std::f64::consts::{PI, SQRT_2};
+
+/// The statistics of the two surfaces' asperities and their boundary friction.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Surface {
+    /// Composite rms roughness and waviness sigma of both surfaces, m. Zero: no contact.
+    pub roughness: f64,
+    /// `eta*beta*sigma`: asperity density times summit radius times roughness, 1.
+    pub asperity_density: f64,
+    /// `sigma/beta`: roughness over summit radius, 1.
+    pub asperity_slope: f64,
+    /// Composite elastic modulus `E* = 1/((1-nu1^2)/E1 + (1-nu2^2)/E2)`, Pa.
+    pub composite_modulus: f64,
+    /// Friction coefficient of the touching asperities, 1.
+    pub boundary_friction: f64,
+}
+
+impl Default for Surface {
+    fn default() -> Self {
+        Self {
+            roughness: 2.2e-6,
+            asperity_density: 0.05,
+            asperity_slope: 0.01,
+            composite_modulus: 80e9,
+            boundary_friction: 0.10,
+        }
+    }
+}
+
+/// The integral `F_5/2(H)` of Greenwood & Tripp for Gaussian heights, at the film thickness ratio
+/// `H = h/sigma`. Our own fit, within 0.7 % of the integral for H up to 4.5; the usual power-law fit is
+/// 11 % low at H = 0 and 35 % low at 2.5. Beyond 4.5 it falls faster than the integral, where neither matters.
+pub fn f_5_2(film_ratio: f64) -> f64 {
+    let h = film_ratio;
+    0.61663 * (-h * (1.72386 + h * (0.29584 + h * 0.013204))).exp()
+}
+
+impl Surface {
+    /// Nominal contact pressure, Pa, at `F_5/2 = 1`:
+    /// `16*sqrt(2)*pi/15 * (eta*beta*sigma)^2 * sqrt(sigma/beta) * E*` (Greenwood & Tripp 1970, eq. 12).
+    pub fn pressure_scale(&self) -> f64 {
+        16.0 * SQRT_2 * PI / 15.0
+            * self.asperity_density.powi(2)
+            * self.asperity_slope.sqrt()
+            * self.composite_modulus
+    }
+
+    /// Nominal contact pressure, Pa, at a film thickness, m.
+    pub fn pressure(&self, film_thickness: f64) -> f64 {
+        if self.roughness == 0.0 {
+            return 0.0;
+        }
+        self.pressure_scale() * f_5_2(film_thickness / self.roughness)
+    }
+}
+
+/// What the asperities of an aligned, round journal carry.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Contact {
+    /// Resultant force on the journal, against the eccentricity, N.
+    pub force: f64,
+    /// The contact pressure integrated over the surface, N: what boundary friction acts on.
+    pub normal: f64,
+}
+
+/// The contact of an aligned, round journal over its eccentricity ratio, tabulated.
+///
+/// Force and normal are integrals of the contact pressure around the circumference. They span many
+/// decades, so their logarithms are interpolated, by cubic Hermite polynomials with exact slopes.
+#[derive(Clone, Debug, Default)]
+pub struct ContactTable {
+    start: f64,
+    per_spacing: f64,
+    nodes: Vec<[Node; 2]>,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Node {
+    value: f64,
+    /// Slope times spacing.
+    slope: f64,
+}
+
+/// Film ratio beyond which asperities do not touch: F_5/2 is below 1e-12.
+const NO_CONTACT: f64 = 7.0;
+const NODES: usize = 65;
+/// Quadrature points over half the circumference (trapezoidal rule: spectral for a periodic integrand).
+const QUADRATURE: usize = 64;
+
+impl ContactTable {
+    /// Tabulates the contact of a bearing with radial clearance and width and diameter in m.
+    pub fn new(surface: &Surface, clearance: f64, width: f64, diameter: f64) -> Self {
+        if surface.roughness <= 0.0 || surface.pressure_scale() <= 0.0 {
+            return Self::default();
+        }
+        let start = (1.0 - NO_CONTACT * surface.roughness / clearance).max(0.0);
+        let spacing = (1.0 - start) / (NODES - 1) as f64;
+        let area = 0.5 * diameter * width;
+        let ratio = clearance / surface.roughness;
+        let nodes = (0..NODES)
+            .map(|i| log_integrals(start + i as f64 * spacing, ratio, spacing))
+            .map(|[mut force, mut normal]| {
+                let scale = (surface.pressure_scale() * area).ln();
+                force.value += scale;
+                normal.value += scale;
+                [force, normal]
+            })
+            .collect();
+        Self {
+            start,
+            per_spacing: 1.0 / spacing,
+            nodes,
+        }
+    }
+
+    /// Contact at an eccentricity ratio.
+    pub fn at(&self, eccentricity_ratio: f64) -> Contact {
+        let position = (eccentricity_ratio - self.start) * self.per_spacing;
+        if self.nodes.is_empty() || position < 0.0 {
+            return Contact::default();
+        }
+        let cell = (position as usize).min(self.nodes.len() - 2);
+        let t = position - cell as f64;
+        let (left, right) = (&self.nodes[cell], &self.nodes[cell + 1]);
+        // Smoothly to nothing within the first cell, so that the force has no jump.
+        let fade = if cell == 0 {
+            t * t * (3.0 - 2.0 * t)
+        } else {
+            1.0
+        };
+        Contact {
+            force: fade * hermite(left[0], right[0], t).exp(),
+            normal: fade * hermite(left[1], right[1], t).exp(),
+        }
+    }
+}
+
+fn hermite(left: Node, right: Node, t: f64) -> f64 {
+    let s = 1.0 - t;
+    s * s * ((1.0 + 2.0 * t) * left.value + t * left.slope)
+        + t * t * ((1.0 + 2.0 * s) * right.value - s * right.slope)
+}
+
+/// Logarithms of the integrals of `F_5/2(H)*cos(theta)` and `F_5/2(H)` over the circumference,
+/// `H = ratio*(1 - e*cos(theta))`, with their slopes over e.
+fn log_integrals(e: f64, ratio: f64, spacing: f64) -> [Node; 2] {
+    // Relative to the largest value, which may underflow by itself.
+    let reference = ratio * (1.0 - e);
+    let exponent = |h: f64| -h * (1.72386 + h * (0.29584 + h * 0.013204));
+    let exponent_slope = |h: f64| -(1.72386 + h * (2.0 * 0.29584 + h * 3.0 * 0.013204));
+    let (mut sums, mut slopes) = ([0.0; 2], [0.0; 2]);
+    for k in 0..=QUADRATURE {
+        let cos = (PI * k as f64 / QUADRATURE as f64).cos();
+        let h = ratio * (1.0 - e * cos);
+        let end = k == 0 || k == QUADRATURE;
+        let weight = if end { 0.5 } else { 1.0 } * (exponent(h) - exponent(reference)).exp();
+        let weight_slope = weight * exponent_slope(h) * (-ratio * cos);
+        for (j, factor) in [cos, 1.0].into_iter().enumerate() {
+            sums[j] += weight * factor;
+            slopes[j] += weight_slope * factor;
+        }
+    }
+    let base = (0.61663 * 2.0 * PI / QUADRATURE as f64).ln() + exponent(reference);
+    [0, 1].map(|j| {
+        // A concentric journal has no resultant; keep the logarithm finite there.
+        let sum = f64::max(sums[j], 1e-300);
+        Node {
+            value: base + sum.ln(),
+            slope: (slopes[j] / sum * spacing).clamp(-1e3, 1e3),
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The fit against the integral that it stands for, by numerical quadrature:
+    /// `F_n(H) = 1/sqrt(2*pi) * int_H^inf (s-H)^n exp(-s^2/2) ds`.
+    #[test]
+    fn f_5_2_is_the_integral_within_one_percent() {
+        for i in 0..=45 {
+            let h = 0.1 * i as f64;
+            let (n, width) = (20_000, 10.0);
+            let ds = width / n as f64;
+            let integral: f64 = (0..n)
+                .map(|k| {
+                    let x = (k as f64 + 0.5) * ds;
+                    x.powf(2.5) * (-0.5 * (h + x).powi(2)).exp()
+                })
+                .sum::<f64>()
+                * ds
+                / (2.0 * PI).sqrt();
+            assert!((f_5_2(h) / integral - 1.0).abs() < 0.0075, "H = {h}");
+        }
+    }
+
+    #[test]
+    fn the_table_is_the_integral_of_the_pressure() {
+        let surface = Surface::default();
+        let (c, width, diameter) = (2e-5, 0.019, 0.025);
+        let table = ContactTable::new(&surface, c, width, diameter);
+        for e in [0.5, 0.7, 0.83, 0.9, 0.95, 0.99, 0.9999] {
+            let n = 4000;
+            let (mut force, mut normal) = (0.0, 0.0);
+            for k in 0..n {
+                let cos = (2.0 * PI * k as f64 / n as f64).cos();
+                let p = surface.pressure(c * (1.0 - e * cos));
+                force += p * cos;
+                normal += p;
+            }
+            let element = 2.0 * PI / n as f64 * 0.5 * diameter * width;
+            let contact = table.at(e);
+            assert!(
+                (contact.force / (force * element) - 1.0).abs() < 1e-5,
+                "e = {e}: {contact:?}"
+            );
+            assert!((contact.normal / (normal * element) - 1.0).abs() < 1e-5);
+        }
+    }
+
+    #[test]
+    fn smooth_surfaces_do_not_touch() {
+        let surface = Surface {
+            roughness: 0.0,
+            ..Surface::default()
+        };
+        let table = ContactTable::new(&surface, 2e-5, 0.019, 0.025);
+        assert_eq!(table.at(0.999), Contact::default());
+    }
+}

@@ -1,0 +1,85 @@
+//! The load mechanism: the shaft's eccentric mounting hole moves a lever, whose spring, damper and
+//! preload press on the bearing (Vrublevskyi & Skonieczna 2025, Fig. 1 and 3).
+//!
+//! The law is read from the paper's Table 3, whose twelve forces it reproduces within the printed
+//! digits: `F = i*(F0 + C*x + beta*dx/dt)` with the spring travel
+//! `x = k*eps*sin(angle + phase) - x0`. The lever ratio `i`, the travel ratio `k`, the offset `x0` and
+//! the phase are not in the paper: they are the coefficients of that regression.
+
+use serde::{Deserialize, Serialize};
+
+/// The load mechanism's parameters.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Load {
+    /// Stiffness C of the elastic element, N/m.
+    pub stiffness: f64,
+    /// Damping coefficient beta of the elastic element, N.s/m.
+    pub damping: f64,
+    /// Starting force F0, N.
+    pub preload: f64,
+    /// Eccentricity eps of the shaft's mounting hole, m. Zero gives a constant load.
+    pub eccentricity: f64,
+    /// Ratio i of the force on the bearing to the force of the elastic element, 1.
+    pub lever_ratio: f64,
+    /// Ratio k of the elastic element's travel to the eccentric's, 1.
+    pub travel_ratio: f64,
+    /// Travel x0 of the elastic element by which it is released at rest, m.
+    pub spring_offset: f64,
+    /// Angle of the eccentric at shaft angle zero, rad.
+    pub phase: f64,
+}
+
+impl Default for Load {
+    fn default() -> Self {
+        Self {
+            stiffness: 100.0,
+            damping: 14.0,
+            preload: 48.0,
+            eccentricity: 4.1e-4,
+            lever_ratio: 16.621,
+            travel_ratio: 15.74,
+            spring_offset: 0.03267,
+            phase: 88.9_f64.to_radians(),
+        }
+    }
+}
+
+impl Load {
+    /// Force on the bearing, N, at a shaft angle (rad) and shaft speed (rad/s).
+    pub fn force(&self, angle: f64, speed: f64) -> f64 {
+        let (sin, cos) = (angle + self.phase).sin_cos();
+        let reach = self.travel_ratio * self.eccentricity;
+        let travel = reach * sin - self.spring_offset;
+        let travel_rate = reach * cos * speed;
+        self.lever_ratio * (self.preload + self.stiffness * travel + self.damping * travel_rate)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_eccentricity_gives_a_constant_load() {
+        let load = Load {
+            eccentricity: 0.0,
+            ..Load::default()
+        };
+        let expected = 16.621 * (48.0 - 100.0 * 0.03267);
+        for angle in [0.0, 1.0, 4.0] {
+            assert!((load.force(angle, 31.4) - expected).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn the_damper_swings_a_quarter_turn_ahead_of_the_spring() {
+        let load = Load::default();
+        let speed = 31.4;
+        // At the eccentric's top the travel rate is zero, at its middle the travel is.
+        let top = load.force(std::f64::consts::FRAC_PI_2 - load.phase, speed);
+        let middle = load.force(-load.phase, speed);
+        let base = 16.621 * (48.0 - 100.0 * 0.03267);
+        assert!((top - base - 16.621 * 100.0 * 15.74 * 4.1e-4).abs() < 1e-9);
+        assert!((middle - base - 16.621 * 14.0 * 15.74 * 4.1e-4 * speed).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,227 @@
+//! The oil's properties over temperature.
+
+pub mod measured;
+
+use crate::model::Fault;
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+
+/// The oil's parameters: two points of its viscosity and one of its density.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Oil {
+    /// Kinematic viscosity at 40 °C, m²/s.
+    pub kinematic_viscosity_40: f64,
+    /// Kinematic viscosity at 100 °C, m²/s.
+    pub kinematic_viscosity_100: f64,
+    /// Density at 15 °C, kg/m³.
+    pub density_15: f64,
+    /// Factor on the viscosity of the oil law, 1. One is the real oil.
+    pub viscosity_scale: f64,
+    /// A csv file of measured properties that replaces the two viscosities and the density; empty for none.
+    pub properties_file: String,
+}
+
+impl Default for Oil {
+    /// SAE 15W-40, typical.
+    fn default() -> Self {
+        Self {
+            kinematic_viscosity_40: 105e-6,
+            kinematic_viscosity_100: 14.2e-6,
+            density_15: 880.0,
+            viscosity_scale: 1.0,
+            properties_file: String::new(),
+        }
+    }
+}
+
+const CELSIUS_0: f64 = 273.15;
+/// D341 adds this to the kinematic viscosity in mm²/s (valid from 2 mm²/s).
+const D341_SHIFT: f64 = 0.7;
+
+/// The oil as the stand computes with it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Properties {
+    /// `ln(nu + 0.7) = d341_factor * T^-d341_exponent`, nu in mm²/s and T in K.
+    d341_factor: f64,
+    d341_exponent: f64,
+    /// Density at 15 °C, kg/m³.
+    pub density_15: f64,
+    /// Thermal expansion coefficient at 15 °C, 1/K.
+    expansion: f64,
+    /// Factor on the viscosity, 1; may change while running.
+    pub viscosity_scale: f64,
+}
+
+impl Oil {
+    /// The oil that the parameters describe: that of the properties file where one is named, else the one
+    /// through the two viscosities and the density. A relative file name is looked up in the model's
+    /// `resources` first, then in the working directory.
+    pub fn properties(&self, resources: Option<&Path>) -> Result<Properties, Fault> {
+        if self.properties_file.is_empty() {
+            return Ok(self.through_two_points());
+        }
+        let named = PathBuf::from(&self.properties_file);
+        let shipped = resources
+            .map(|folder| folder.join(&named))
+            .filter(|path| path.is_file());
+        let rows = measured::read(&shipped.unwrap_or(named))?;
+        Ok(self.fitted(&rows))
+    }
+
+    /// ASTM D341-20, eq. 1, through the viscosities at 40 and 100 °C: `log10(log10(nu + 0.7)) = A - B*log10(T)`.
+    fn through_two_points(&self) -> Properties {
+        let at_40 = (self.kinematic_viscosity_40 * 1e6 + D341_SHIFT).ln();
+        let at_100 = (self.kinematic_viscosity_100 * 1e6 + D341_SHIFT).ln();
+        let (t_40, t_100) = (CELSIUS_0 + 40.0, CELSIUS_0 + 100.0);
+        let exponent = (at_40 / at_100).ln() / (t_100 / t_40).ln();
+        Properties {
+            d341_factor: at_40 * t_40.powf(exponent),
+            d341_exponent: exponent,
+            density_15: self.density_15,
+            expansion: expansion(self.density_15),
+            viscosity_scale: self.viscosity_scale,
+        }
+    }
+
+    /// The same laws through measured rows by least squares: `ln(ln(nu + 0.7))` over `ln(T)`, and the
+    /// logarithm of the density over the temperature.
+    fn fitted(&self, rows: &[measured::Row]) -> Properties {
+        let (factor, slope) = measured::line(rows.iter().map(|row| {
+            let doubled = (row.kinematic_viscosity + D341_SHIFT).ln().ln();
+            ((row.temperature + CELSIUS_0).ln(), doubled)
+        }));
+        // The density law is linear in its coefficient but for a small square, which few passes settle.
+        let (mut density_15, mut expansion) = (0.0, 0.0);
+        for _ in 0..6 {
+            let (level, slope) = measured::line(rows.iter().map(|row| {
+                let rise = row.temperature - 15.0;
+                (rise, row.density.ln() + 0.8 * (expansion * rise).powi(2))
+            }));
+            (density_15, expansion) = (level.exp(), -slope);
+        }
+        Properties {
+            d341_factor: factor.exp(),
+            d341_exponent: -slope,
+            density_15,
+            expansion,
+            viscosity_scale: self.viscosity_scale,
+        }
+    }
+}
+
+/// Thermal expansion coefficient at 15 °C, 1/K: ASTM D1250-80 (API MPMS 11.1), lubricating oils.
+fn expansion(density_15: f64) -> f64 {
+    0.6278 / density_15
+}
+
+impl Properties {
+    /// Kinematic viscosity of the real oil, m²/s, at a temperature, K (ASTM D341).
+    pub fn kinematic_viscosity(&self, temperature: f64) -> f64 {
+        let shifted = (self.d341_factor * temperature.powf(-self.d341_exponent)).exp();
+        // Below 2 mm²/s the law's shift takes over; it must not turn the oil into a vacuum.
+        (shifted - D341_SHIFT).max(0.01) * 1e-6
+    }
+
+    /// Density, kg/m³, at a temperature, K (ASTM D1250-80: `exp(-alpha*dT*(1 + 0.8*alpha*dT))`).
+    pub fn density(&self, temperature: f64) -> f64 {
+        let x = self.expansion * (temperature - CELSIUS_0 - 15.0);
+        self.density_15 * (-x * (1.0 + 0.8 * x)).exp()
+    }
+
+    /// Dynamic viscosity, Pa.s, at a temperature, K, with the viscosity scale.
+    pub fn viscosity(&self, temperature: f64) -> f64 {
+        self.viscosity_scale * self.kinematic_viscosity(temperature) * self.density(temperature)
+    }
+
+    /// Specific heat capacity, J/(kg.K), at a temperature, K
+    /// (Cragoe 1929, NBS Miscellaneous Publication 97: `(1.685 + 0.0034*t)/sqrt(s)` in kJ/(kg.K), t in °C).
+    pub fn heat_capacity(&self, temperature: f64) -> f64 {
+        let specific_gravity = self.density_15 / 999.1;
+        (1685.0 + 3.4 * (temperature - CELSIUS_0)) / specific_gravity.sqrt()
+    }
+
+    /// Thermal conductivity, W/(m.K), at a temperature, K
+    /// (Cragoe 1929: `0.1172*(1 - 0.00054*t)/s`, t in °C).
+    pub fn conductivity(&self, temperature: f64) -> f64 {
+        let specific_gravity = self.density_15 / 999.1;
+        0.1172 * (1.0 - 0.00054 * (temperature - CELSIUS_0)) / specific_gravity
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_law_passes_through_its_points() {
+        let oil = Oil::default().through_two_points();
+        assert!((oil.kinematic_viscosity(313.15) / 105e-6 - 1.0).abs() < 1e-12);
+        assert!((oil.kinematic_viscosity(373.15) / 14.2e-6 - 1.0).abs() < 1e-12);
+        assert!((oil.density(288.15) - 880.0).abs() < 1e-12);
+    }
+
+    /// Independent values for this oil by ASTM D341: 63, 18.9 and 7.5 mPa.s, within their printed digits.
+    #[test]
+    fn sae_15w40_at_the_rigs_temperatures() {
+        let oil = Oil::default().through_two_points();
+        for (celsius, expected, digit) in [
+            (48.0, 63e-3, 1e-3),
+            (82.0, 18.9e-3, 0.2e-3),
+            (120.0, 7.5e-3, 0.1e-3),
+        ] {
+            let viscosity = oil.viscosity(celsius + 273.15);
+            assert!(
+                (viscosity - expected).abs() <= digit,
+                "{celsius} degC: {viscosity}"
+            );
+        }
+    }
+
+    #[test]
+    fn heat_capacity_and_conductivity_are_those_of_mineral_oil() {
+        let oil = Oil::default().through_two_points();
+        assert!((oil.heat_capacity(321.15) - 2000.0).abs() < 50.0);
+        assert!((oil.conductivity(321.15) - 0.13).abs() < 0.01);
+    }
+
+    #[test]
+    fn measured_rows_of_a_law_give_the_law_back() {
+        let law = Oil::default().through_two_points();
+        let rows: Vec<_> = [20.0, 40.0, 70.0, 100.0, 130.0]
+            .map(|temperature| measured::Row {
+                temperature,
+                kinematic_viscosity: law.kinematic_viscosity(temperature + 273.15) * 1e6,
+                density: law.density(temperature + 273.15),
+            })
+            .to_vec();
+        let fit = Oil::default().fitted(&rows);
+        for celsius in [30.0, 82.0, 120.0] {
+            let ratio = fit.viscosity(celsius + 273.15) / law.viscosity(celsius + 273.15);
+            assert!((ratio - 1.0).abs() < 1e-6, "{celsius}: {ratio}");
+        }
+    }
+
+    /// SAE J300 (2021), Table 1: limits of the kinematic viscosity at 100 °C for each grade.
+    #[test]
+    fn shipped_grades_are_inside_sae_j300() {
+        let resources = Path::new(env!("CARGO_MANIFEST_DIR")).join("../modelDescription/resources");
+        for (file, least, below) in [
+            ("sae-0w-20.csv", 6.9, 9.3),
+            ("sae-5w-30.csv", 9.3, 12.5),
+            ("sae-10w-40.csv", 12.5, 16.3),
+            ("sae-15w-40.csv", 12.5, 16.3),
+            ("sae-20w-50.csv", 16.3, 21.9),
+        ] {
+            let oil = Oil {
+                properties_file: file.into(),
+                ..Oil::default()
+            };
+            let at_100 = oil
+                .properties(Some(&resources))
+                .unwrap()
+                .kinematic_viscosity(373.15)
+                * 1e6;
+            assert!((least..below).contains(&at_100), "{file}: {at_100}");
+        }
+    }
+}

@@ -1,0 +1,50 @@
+//! The virtual sensors: what the stand's physical sensors would show, and what no sensor could.
+
+use serde::{Deserialize, Serialize};
+
+/// The outputs of the stand at one instant, SI.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Readings {
+    /// Force on the bearing F_N, N.
+    pub load_force: f64,
+    /// Friction torque on the shaft M, N.m.
+    pub friction_torque: f64,
+    /// Friction power `M*omega`, W.
+    pub friction_power: f64,
+    /// Friction coefficient `M/(F_N*D/2)`, 1; zero where there is no load.
+    pub friction_coefficient: f64,
+    /// Temperature of the oil bath, K.
+    pub oil_temperature: f64,
+    /// Temperature of the bush, K.
+    pub bearing_temperature: f64,
+    /// Temperature of the shaft, K.
+    pub shaft_temperature: f64,
+    /// Eccentricity ratio, 1.
+    pub eccentricity_ratio: f64,
+    /// Attitude angle from the load line to the eccentricity, rad.
+    pub attitude_angle: f64,
+    /// Smallest film thickness, m.
+    pub min_film_thickness: f64,
+    /// Largest film pressure, Pa.
+    pub max_film_pressure: f64,
+    /// Viscosity of the film, Pa.s.
+    pub film_viscosity: f64,
+    /// Temperature of the film, K.
+    pub film_temperature: f64,
+    /// Oil that leaves the film at both ends, m³/s.
+    pub side_flow: f64,
+    /// Part of the load that the asperities carry, 1.
+    pub contact_share: f64,
+    /// Friction torque of the asperities, N.m.
+    pub contact_torque: f64,
+    /// Shaft speed with its fluctuation, rad/s.
+    pub shaft_speed: f64,
+    /// Shaft angle since the start, rad.
+    pub shaft_angle: f64,
+}
+
+/// A force over the load, 1, such as the friction coefficient `M/(F_N*D/2)` (the paper's formula for mu_fr
+/// with the M that its print lacks); zero where there is no load to refer to.
+pub fn over_load(force: f64, load: f64) -> f64 {
+    if load == 0.0 { 0.0 } else { force / load }
+}

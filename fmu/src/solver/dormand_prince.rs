@@ -1,0 +1,199 @@
+//! The explicit Runge-Kutta pair 5(4) of Dormand & Prince (1980), J. Comput. Appl. Math. 6, 19-26, with
+//! the stabilised step control of Hairer & Wanner (1996), Solving Ordinary Differential Equations II, IV.2.
+
+use super::{Failure, Work, worst};
+
+/// An integrator of `dy/dt = f(t, y)` for N unknowns.
+#[derive(Clone, Copy, Debug)]
+pub struct DormandPrince<const N: usize> {
+    /// The error allowed in each unknown per step, in its unit.
+    pub allowed: [f64; N],
+    /// The most steps in one call.
+    pub limit: usize,
+}
+
+const A: [[f64; 6]; 6] = [
+    [1.0 / 5.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+    [3.0 / 40.0, 9.0 / 40.0, 0.0, 0.0, 0.0, 0.0],
+    [44.0 / 45.0, -56.0 / 15.0, 32.0 / 9.0, 0.0, 0.0, 0.0],
+    [
+        19372.0 / 6561.0,
+        -25360.0 / 2187.0,
+        64448.0 / 6561.0,
+        -212.0 / 729.0,
+        0.0,
+        0.0,
+    ],
+    [
+        9017.0 / 3168.0,
+        -355.0 / 33.0,
+        46732.0 / 5247.0,
+        49.0 / 176.0,
+        -5103.0 / 18656.0,
+        0.0,
+    ],
+    [
+        35.0 / 384.0,
+        0.0,
+        500.0 / 1113.0,
+        125.0 / 192.0,
+        -2187.0 / 6784.0,
+        11.0 / 84.0,
+    ],
+];
+const C: [f64; 6] = [0.2, 0.3, 0.8, 8.0 / 9.0, 1.0, 1.0];
+/// Fifth order minus fourth order weights.
+const E: [f64; 7] = [
+    71.0 / 57600.0,
+    0.0,
+    -71.0 / 16695.0,
+    71.0 / 1920.0,
+    -17253.0 / 339200.0,
+    22.0 / 525.0,
+    -1.0 / 40.0,
+];
+
+impl<const N: usize> DormandPrince<N> {
+    /// Takes `y` from 0 to `span` seconds. `step` is the first step to try and, afterwards, the step
+    /// that suits the solution's end, whatever `span` cut it to.
+    pub fn integrate(
+        &self,
+        mut f: impl FnMut(f64, &[f64; N]) -> [f64; N],
+        y: &mut [f64; N],
+        span: f64,
+        step: &mut f64,
+    ) -> Result<Work, Failure> {
+        let mut work = Work::default();
+        let mut t = 0.0;
+        let mut k = [[0.0; N]; 7];
+        k[0] = f(0.0, y);
+        let mut last_error: f64 = 1e-4;
+        while t < span {
+            let left = span - t;
+            // Never leave a sliver for the last step.
+            let h = if *step >= left {
+                left
+            } else if 2.0 * *step > left {
+                0.5 * left
+            } else {
+                *step
+            };
+            let end = Self::stages(&mut f, t, y, h, &mut k);
+            let error = self.error(&k, h);
+            if error.is_finite() && error <= 1.0 {
+                t = if h == left { span } else { t + h };
+                *y = end;
+                k[0] = k[6];
+                work.accepted += 1;
+                let growth = 0.9 * error.max(1e-10).powf(-0.7 / 5.0) * last_error.powf(0.4 / 5.0);
+                last_error = error.max(1e-4);
+                let next = h * growth.clamp(0.2, 10.0);
+                // A step cut short by the span says nothing against the longer one.
+                *step = if h < *step { next.max(*step) } else { next };
+            } else {
+                work.rejected += 1;
+                let shrink = if error.is_finite() {
+                    0.9 * error.powf(-0.2)
+                } else {
+                    0.1
+                };
+                *step = h * shrink.clamp(0.1, 0.9);
+                if *step < 1e-14 * span.max(1e-3) {
+                    return Err(Failure::StepTooSmall(*step));
+                }
+            }
+            if work.accepted + work.rejected > self.limit {
+                return Err(Failure::TooManySteps(self.limit));
+            }
+        }
+        Ok(work)
+    }
+
+    fn stages(
+        f: &mut impl FnMut(f64, &[f64; N]) -> [f64; N],
+        t: f64,
+        y: &[f64; N],
+        h: f64,
+        k: &mut [[f64; N]; 7],
+    ) -> [f64; N] {
+        let mut at = *y;
+        for (stage, (row, c)) in A.iter().zip(C).enumerate() {
+            at = *y;
+            for (a, slope) in row.iter().zip(k.iter()).take(stage + 1) {
+                for (value, slope) in at.iter_mut().zip(slope) {
+                    *value += h * a * slope;
+                }
+            }
+            k[stage + 1] = f(t + c * h, &at);
+        }
+        at
+    }
+
+    /// The largest error over what is allowed.
+    fn error(&self, k: &[[f64; N]; 7], h: f64) -> f64 {
+        worst((0..N).map(|i| {
+            let difference: f64 = E.iter().zip(k).map(|(e, k)| e * k[i]).sum();
+            h * difference / self.allowed[i]
+        }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const INTEGRATOR: DormandPrince<2> = DormandPrince {
+        allowed: [1e-9; 2],
+        limit: 100_000,
+    };
+
+    #[test]
+    fn an_oscillator_keeps_its_phase() {
+        let mut y = [1.0, 0.0];
+        let mut step = 1e-3;
+        INTEGRATOR
+            .integrate(|_, y| [y[1], -y[0]], &mut y, 10.0, &mut step)
+            .unwrap();
+        assert!((y[0] - 10f64.cos()).abs() < 1e-7 && (y[1] + 10f64.sin()).abs() < 1e-7);
+    }
+
+    #[test]
+    fn the_order_is_five() {
+        let run = |h: f64| {
+            let mut k = [[0.0; 2]; 7];
+            let mut y = [1.0, 0.0];
+            let mut f = |_: f64, y: &[f64; 2]| [y[1], -y[0]];
+            for _ in 0..(1.0 / h).round() as usize {
+                k[0] = f(0.0, &y);
+                y = DormandPrince::<2>::stages(&mut f, 0.0, &y, h, &mut k);
+            }
+            (y[0] - 1f64.cos()).abs()
+        };
+        let order = (run(0.1) / run(0.05)).log2();
+        assert!((order - 5.0).abs() < 0.3, "{order}");
+    }
+
+    #[test]
+    fn a_stiff_fall_is_followed_in_short_steps() {
+        let mut y = [1.0, 0.0];
+        let mut step = 1.0;
+        let work = INTEGRATOR
+            .integrate(
+                |t, y| [-2000.0 * (y[0] - t.cos()), 0.0],
+                &mut y,
+                1.0,
+                &mut step,
+            )
+            .unwrap();
+        assert!(work.accepted > 500);
+        assert!((y[0] - 1f64.cos()).abs() < 1e-3);
+    }
+
+    #[test]
+    fn what_is_no_number_is_an_error() {
+        let mut y = [1.0, 0.0];
+        let mut step = 0.1;
+        let result = INTEGRATOR.integrate(|_, _| [f64::NAN, 0.0], &mut y, 1.0, &mut step);
+        assert!(matches!(result, Err(Failure::StepTooSmall(_))));
+    }
+}

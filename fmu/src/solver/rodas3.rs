@@ -1,0 +1,135 @@
+//! The linearly implicit, L-stable Rosenbrock method RODAS3 of order 3(2) for stiff systems:
+//! Sandu, Verwer, Blom, Spee, Carmichael & Potra (1997), Atmospheric Environment 31, 3459-3472, eq. 3.4.
+
+use super::{Failure, Work, worst};
+use nalgebra::{Const, DimMin, SMatrix, SVector, ToTypenum};
+
+/// An integrator of the autonomous system `dy/dt = f(y)` for N unknowns.
+#[derive(Clone, Copy, Debug)]
+pub struct Rodas3<const N: usize> {
+    /// The error allowed in each unknown per step, in its unit.
+    pub allowed: [f64; N],
+    /// The most steps in one call.
+    pub limit: usize,
+}
+
+impl<const N: usize> Rodas3<N>
+where
+    Const<N>: ToTypenum + DimMin<Const<N>, Output = Const<N>>,
+{
+    /// Takes `y` over `span` seconds, beginning with a step of `first` seconds. `f` gives the rates and
+    /// may fail with an error of its own; `jacobian` gives their derivatives over the unknowns.
+    pub fn integrate<E: From<Failure>>(
+        &self,
+        mut f: impl FnMut(&SVector<f64, N>) -> Result<SVector<f64, N>, E>,
+        mut jacobian: impl FnMut(&SVector<f64, N>) -> Result<SMatrix<f64, N, N>, E>,
+        y: &mut SVector<f64, N>,
+        span: f64,
+        first: f64,
+    ) -> Result<Work, E> {
+        let mut work = Work::default();
+        let (mut t, mut step) = (0.0, first.min(span));
+        while t < span {
+            let left = span - t;
+            let h = step.min(left);
+            let rates = f(y)?;
+            // gamma = 1/2.
+            let system = SMatrix::<f64, N, N>::identity() * (2.0 / h) - jacobian(y)?;
+            let lu = system.lu();
+            let solve = |right: SVector<f64, N>| {
+                lu.solve(&right)
+                    .ok_or_else(|| E::from(Failure::StepTooSmall(h)))
+            };
+            let u1 = solve(rates)?;
+            let u2 = solve(rates + u1 * (4.0 / h))?;
+            let at3 = *y + u1 * 2.0;
+            let u3 = solve(f(&at3)? + (u1 - u2) / h)?;
+            let at4 = at3 + u3;
+            let u4 = solve(f(&at4)? + (u1 - u2 - u3 * (8.0 / 3.0)) / h)?;
+            let error = worst((0..N).map(|i| u4[i] / self.allowed[i]));
+            if error.is_finite() && error <= 1.0 {
+                *y = at4 + u4;
+                t = if h == left { span } else { t + h };
+                work.accepted += 1;
+            } else {
+                work.rejected += 1;
+            }
+            let factor = if error.is_finite() {
+                0.9 * error.max(1e-12).powf(-1.0 / 3.0)
+            } else {
+                0.1
+            };
+            step = h * factor.clamp(0.1, 6.0);
+            if step < 1e-14 * span {
+                return Err(Failure::StepTooSmall(step).into());
+            }
+            if work.accepted + work.rejected > self.limit {
+                return Err(Failure::TooManySteps(self.limit).into());
+            }
+        }
+        Ok(work)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{matrix, vector};
+
+    fn robertson(y: &SVector<f64, 3>) -> SVector<f64, 3> {
+        let (a, b, c) = (0.04 * y[0], 1e4 * y[1] * y[2], 3e7 * y[1] * y[1]);
+        vector![b - a, a - b - c, c]
+    }
+
+    /// Robertson's problem at t = 40: reference of Hairer & Wanner (1996), section IV.10.
+    #[test]
+    fn a_stiff_problem_takes_few_steps() {
+        let integrator = Rodas3 {
+            allowed: [1e-6, 1e-9, 1e-6],
+            limit: 10_000,
+        };
+        let mut y = vector![1.0, 0.0, 0.0];
+        let jacobian = |y: &SVector<f64, 3>| {
+            let (d, e) = (1e4 * y[2], 1e4 * y[1]);
+            Ok(matrix![-0.04, d, e; 0.04, -d - 6e7 * y[1], -e; 0.0, 6e7 * y[1], 0.0])
+        };
+        let work = integrator
+            .integrate(
+                |y| Ok::<_, Failure>(robertson(y)),
+                jacobian,
+                &mut y,
+                40.0,
+                1e-4,
+            )
+            .unwrap();
+        assert!((y[0] - 0.7158271).abs() < 2e-4, "{y}");
+        assert!(work.accepted < 500, "{work:?}");
+    }
+
+    #[test]
+    fn the_order_is_three() {
+        // Fixed steps: everything allowed, the span cut by hand.
+        let integrator = Rodas3 {
+            allowed: [f64::INFINITY],
+            limit: 10,
+        };
+        let run = |n: usize| {
+            let mut y = vector![1.0];
+            for _ in 0..n {
+                let h = 1.0 / n as f64;
+                integrator
+                    .integrate(
+                        |y| Ok::<_, Failure>(vector![-0.5 * y[0].powi(3)]),
+                        |y| Ok(matrix![-1.5 * y[0] * y[0]]),
+                        &mut y,
+                        h,
+                        h,
+                    )
+                    .unwrap();
+            }
+            (y[0] - 0.5f64.sqrt()).abs()
+        };
+        let order = (run(20) / run(40)).log2();
+        assert!((order - 3.0).abs() < 0.2, "{order}");
+    }
+}

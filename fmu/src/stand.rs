@@ -1,0 +1,481 @@
+//! The stand: the blocks wired as in Fig. 3 of the paper.
+//!
+//! ```text
+//!             speed                 load
+//!   drive ────────────► load ───────────────► bearing ──► friction heat ──► thermal
+//!     │     angle      mechanism             film + contact                   │
+//!     └──────────────────────────────────────►   ▲                            │
+//!                                                └───── oil ◄─ temperatures ◄─┘
+//! ```
+//!
+//! The drive's angle follows in closed form. The unknowns of the time integration are the journal's
+//! eccentricity-ratio vector and the four temperatures.
+
+use crate::bearing::{Bearing, FilmModel, Flows, Motion, Prepared};
+use crate::drive::{Command, Drive};
+use crate::load::Load;
+use crate::model::{self, Experiment, Fault, Info, Log, Model, Variable};
+use crate::multirate::{self, Landing, TwoScales};
+use crate::oil::{Oil, Properties};
+use crate::sensors::{self, Readings};
+use crate::solver::{DormandPrince, Failure};
+use crate::thermal::{Heat, Temperatures, Thermal};
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// An input and its rate over the present step.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Input {
+    /// Value at the start of the step.
+    pub value: f64,
+    /// Time derivative during the step.
+    pub slope: f64,
+}
+
+impl Input {
+    const fn constant(value: f64) -> Self {
+        Self { value, slope: 0.0 }
+    }
+
+    fn at(&self, tau: f64) -> f64 {
+        self.value + self.slope * tau
+    }
+}
+
+/// What the host drives the stand with.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Inputs {
+    /// Mean shaft speed, rad/s.
+    pub speed: Input,
+    /// Force added to the load mechanism's, N.
+    pub external_force: Input,
+    /// Temperature of the surroundings, K.
+    pub ambient_temperature: Input,
+}
+
+impl Inputs {
+    fn all(&mut self) -> [&mut Input; 3] {
+        [
+            &mut self.speed,
+            &mut self.external_force,
+            &mut self.ambient_temperature,
+        ]
+    }
+}
+
+impl Default for Inputs {
+    fn default() -> Self {
+        Self {
+            speed: Input::constant(10.0 * std::f64::consts::PI),
+            external_force: Input::constant(0.0),
+            ambient_temperature: Input::constant(295.15),
+        }
+    }
+}
+
+/// How the stand is integrated over time.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Solver {
+    /// Relative tolerance per internal step, 1.
+    pub tolerance: f64,
+    /// Leap over whole turns in communication steps much longer than a turn.
+    pub multirate: bool,
+}
+
+impl Default for Solver {
+    fn default() -> Self {
+        Self {
+            tolerance: 1e-6,
+            multirate: true,
+        }
+    }
+}
+
+/// The stand's state between two steps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct State {
+    /// Time, s.
+    time: f64,
+    /// Shaft angle since the start, rad.
+    angle: f64,
+    /// Eccentricity-ratio vector in the load frame, 1.
+    eccentricity: [f64; 2],
+    /// The nodes' temperatures, K.
+    temperatures: Temperatures,
+    /// The internal step to try next, s.
+    next_step: f64,
+}
+
+/// The plain-bearing test stand.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Stand {
+    /// The drive.
+    pub drive: Drive,
+    /// The load mechanism.
+    pub load: Load,
+    /// The bearing.
+    pub bearing: Bearing,
+    /// The oil.
+    pub oil: Oil,
+    /// The heat transfer.
+    pub thermal: Thermal,
+    /// The time integration.
+    pub solver: Solver,
+    /// The inputs.
+    pub inputs: Inputs,
+    /// The oil law of `oil`, which may come from a file that is read only once.
+    fluid: Properties,
+    state: State,
+    readings: Readings,
+    /// Follows from the bearing's parameters; shared by the snapshots.
+    #[serde(skip)]
+    prepared: Arc<Prepared>,
+}
+
+/// The unknowns: eccentricity ratio along x and y, temperatures of film, bush, shaft and oil.
+type Unknowns = [f64; 6];
+
+/// The change of each unknown that a relative tolerance of one allows: the whole clearance, 100 K.
+const SCALES: Unknowns = [1.0, 1.0, 100.0, 100.0, 100.0, 100.0];
+
+/// The internal step to try first, s.
+const FIRST_STEP: f64 = 1e-4;
+
+/// The most internal steps in one communication step.
+const STEP_LIMIT: usize = 20_000_000;
+
+/// What drive, load mechanism and bearing tell each other at one instant.
+struct Instant {
+    speed: f64,
+    angle: f64,
+    load: f64,
+    viscosity: f64,
+    motion: Motion,
+}
+
+impl Stand {
+    /// The outputs at the present communication point.
+    pub fn readings(&self) -> &Readings {
+        &self.readings
+    }
+
+    /// Time derivative of an output at the present communication point, per second.
+    pub fn rate_of(&self, output: fn(&Readings) -> f64) -> f64 {
+        const AHEAD: f64 = 1e-6;
+        let now = unknowns(&self.state);
+        let mut then = now;
+        for (value, rate) in then.iter_mut().zip(self.rates(0.0, &now)) {
+            *value += AHEAD * rate;
+        }
+        (output(&self.read(AHEAD, &then)) - output(&self.read(0.0, &now))) / AHEAD
+    }
+
+    /// The friction heat that goes into film, bush and shaft at the present communication point, W.
+    pub fn heat(&self) -> f64 {
+        let [ex, ey, film, ..] = unknowns(&self.state);
+        let flows = self
+            .instant(0.0, [ex, ey], self.fluid.viscosity(film))
+            .motion
+            .flows;
+        flows.viscous + flows.boundary
+    }
+
+    /// The upper half of Fig. 3: drive, load mechanism and bearing, `tau` seconds into the step.
+    fn instant(&self, tau: f64, eccentricity: [f64; 2], viscosity: f64) -> Instant {
+        let command = self.command();
+        let speed = self.drive.speed(&command, tau);
+        let angle = self.state.angle + self.drive.turned(&command, tau);
+        let load = self.load.force(angle, speed) + self.inputs.external_force.at(tau);
+        let motion = self
+            .prepared
+            .motion(&self.bearing, load, eccentricity, viscosity, speed);
+        Instant {
+            speed,
+            angle,
+            load,
+            viscosity,
+            motion,
+        }
+    }
+
+    /// The lower half of Fig. 3: the heat that friction makes, and where it goes. K/s.
+    fn thermal_rates(&self, tau: f64, temperatures: &Temperatures, flows: &Flows) -> Temperatures {
+        let oil = &self.fluid;
+        let film = temperatures.film;
+        let bath_mass = self.thermal.oil_volume * oil.density_15;
+        let heat = Heat {
+            viscous: flows.viscous,
+            boundary: flows.boundary,
+            side_flow: flows.side_flow * oil.density(film) * oil.heat_capacity(film),
+            bath: bath_mass * oil.heat_capacity(temperatures.oil),
+            ambient: self.inputs.ambient_temperature.at(tau),
+        };
+        self.thermal.rates(temperatures, &heat)
+    }
+
+    /// Rates of the unknowns, `tau` seconds into the step.
+    fn rates(&self, tau: f64, y: &Unknowns) -> Unknowns {
+        let temperatures = temperatures(y);
+        let viscosity = self.fluid.viscosity(temperatures.film);
+        let motion = self.instant(tau, [y[0], y[1]], viscosity).motion;
+        let t = self.thermal_rates(tau, &temperatures, &motion.flows);
+        let v = motion.velocity;
+        [v[0], v[1], t.film, t.bush, t.shaft, t.oil]
+    }
+
+    /// What the sensors show, `tau` seconds into the step.
+    fn read(&self, tau: f64, y: &Unknowns) -> Readings {
+        let temperatures = temperatures(y);
+        let viscosity = self.fluid.viscosity(temperatures.film);
+        let Instant {
+            speed,
+            angle,
+            load,
+            viscosity,
+            motion,
+        } = self.instant(tau, [y[0], y[1]], viscosity);
+        Readings {
+            load_force: load,
+            friction_torque: motion.torque,
+            friction_power: motion.torque * speed,
+            friction_coefficient: sensors::over_load(motion.torque / self.bearing.radius(), load),
+            oil_temperature: temperatures.oil,
+            bearing_temperature: temperatures.bush,
+            shaft_temperature: temperatures.shaft,
+            eccentricity_ratio: motion.eccentricity_ratio,
+            attitude_angle: y[1].atan2(y[0]),
+            min_film_thickness: self.bearing.radial_clearance * (1.0 - motion.eccentricity_ratio),
+            max_film_pressure: self.prepared.max_film_pressure(
+                &self.bearing,
+                [y[0], y[1]],
+                motion.film_force,
+            ),
+            film_viscosity: viscosity,
+            film_temperature: temperatures.film,
+            side_flow: motion.flows.side_flow,
+            contact_share: sensors::over_load(motion.contact.force, load.abs()),
+            contact_torque: motion.boundary_torque,
+            shaft_speed: speed,
+            shaft_angle: angle,
+        }
+    }
+
+    fn command(&self) -> Command {
+        Command {
+            time: self.state.time,
+            speed: self.inputs.speed.value,
+            slope: self.inputs.speed.slope,
+        }
+    }
+
+    /// Lets `span` seconds pass with every turn resolved.
+    fn resolve(&mut self, span: f64) -> Result<(), Failure> {
+        let integrator = DormandPrince {
+            allowed: SCALES.map(|scale| self.solver.tolerance * scale),
+            limit: STEP_LIMIT,
+        };
+        let mut y = unknowns(&self.state);
+        let mut next_step = self.state.next_step;
+        integrator.integrate(|tau, y| self.rates(tau, y), &mut y, span, &mut next_step)?;
+        self.state.next_step = next_step;
+        self.arrive(span, [y[0], y[1]], temperatures(&y));
+        Ok(())
+    }
+
+    /// Moves time, angle and inputs on by `span` seconds, to given unknowns.
+    fn arrive(&mut self, span: f64, eccentricity: [f64; 2], temperatures: Temperatures) {
+        self.state.angle += self.drive.turned(&self.command(), span);
+        self.state.time += span;
+        self.state.eccentricity = eccentricity;
+        self.state.temperatures = temperatures;
+        for input in self.inputs.all() {
+            input.value = input.at(span);
+        }
+    }
+
+    /// Lets `span` seconds pass, most of them in a leap over whole turns where that can be done:
+    /// some turns until the journal is near its orbit, the leap, and the last turns resolved.
+    fn leap(&mut self, span: f64) -> Result<(), Failure> {
+        let before = self.state;
+        let period = self.period();
+        let mut left = (span / period) as usize;
+        while left > TURNS_AT_THE_END {
+            let start = self.state.eccentricity;
+            self.resolve(period)?;
+            left -= 1;
+            let end = self.state.eccentricity;
+            let settled = (end[0] - start[0]).hypot(end[1] - start[1]) < SETTLED;
+            if !settled || left <= TURNS_AT_THE_END {
+                continue;
+            }
+            let turns = left - TURNS_AT_THE_END;
+            let State {
+                eccentricity,
+                temperatures,
+                ..
+            } = self.state;
+            let from = Landing {
+                eccentricity,
+                temperatures,
+            };
+            if let Ok(landing) = multirate::leap(self, self.solver.tolerance, turns, from) {
+                self.arrive(
+                    turns as f64 * period,
+                    landing.eccentricity,
+                    landing.temperatures,
+                );
+            }
+            break;
+        }
+        self.resolve(span - (self.state.time - before.time))
+    }
+
+    /// Whether speed and load repeat themselves every turn throughout a step, and there are enough turns.
+    fn can_leap(&self, span: f64) -> bool {
+        let Inputs {
+            speed,
+            external_force,
+            ambient_temperature,
+        } = &self.inputs;
+        let steady = [speed, external_force, ambient_temperature]
+            .iter()
+            .all(|input| input.slope == 0.0);
+        self.solver.multirate
+            && steady
+            && self.drive.fluctuation_amplitude == 0.0
+            && self.bearing.film == FilmModel::Mobility
+            && span > FEWEST_TURNS * self.period()
+    }
+
+    fn period(&self) -> f64 {
+        std::f64::consts::TAU / self.inputs.speed.value.abs()
+    }
+}
+
+/// Fewer turns than this are resolved, each.
+const FEWEST_TURNS: f64 = 12.0;
+/// The turns that are resolved at the end of a leap.
+const TURNS_AT_THE_END: usize = 2;
+/// The journal is near its orbit when a turn moves it by less than this part of the clearance.
+const SETTLED: f64 = 1e-3;
+
+impl TwoScales for Stand {
+    fn period(&self) -> f64 {
+        self.period()
+    }
+
+    fn journal(&self, tau: f64, eccentricity: [f64; 2], viscosity: f64) -> ([f64; 2], Flows) {
+        let motion = self.instant(tau, eccentricity, viscosity).motion;
+        (motion.velocity, motion.flows)
+    }
+
+    fn viscosity(&self, film_temperature: f64) -> f64 {
+        self.fluid.viscosity(film_temperature)
+    }
+
+    fn thermal_rates(&self, temperatures: &Temperatures, flows: &Flows) -> Temperatures {
+        self.thermal_rates(0.0, temperatures, flows)
+    }
+}
+
+fn prepare(bearing: &Bearing) -> Result<Arc<Prepared>, Fault> {
+    let prepared = Prepared::new(bearing).map_err(|error| Fault::Failed(error.to_string()))?;
+    Ok(Arc::new(prepared))
+}
+
+fn unknowns(state: &State) -> Unknowns {
+    let State {
+        eccentricity: e,
+        temperatures: t,
+        ..
+    } = state;
+    [e[0], e[1], t.film, t.bush, t.shaft, t.oil]
+}
+
+fn temperatures(y: &Unknowns) -> Temperatures {
+    Temperatures {
+        film: y[2],
+        bush: y[3],
+        shaft: y[4],
+        oil: y[5],
+    }
+}
+
+impl Model for Stand {
+    const INFO: Info = Info {
+        name: "PlainBearingStand",
+        identifier: "PlainBearingStand",
+        description: "Plain-bearing test stand: drive, load mechanism, bearing in mixed lubrication, oil, heat transfer and sensors",
+        default_step: 0.001,
+        default_stop: 150.0,
+        default_tolerance: 1e-6,
+        log_categories: &[
+            ("logStatusError", "Why a call was refused or failed"),
+            ("logStatusWarning", "What was accepted but deserves a look"),
+            (
+                "logEvents",
+                "What the model was set up with and how the solver works",
+            ),
+        ],
+    };
+
+    fn variables() -> &'static [Variable<Self>] {
+        crate::variables::table()
+    }
+
+    fn initialise(&mut self, experiment: &Experiment<'_>, _: &mut dyn Log) -> Result<(), Fault> {
+        model::check_ranges(self)?;
+        if let Some(tolerance) = experiment.tolerance {
+            self.solver.tolerance = tolerance.clamp(1e-12, 1e-2);
+        }
+        self.fluid = self.oil.properties(experiment.resources)?;
+        self.prepared = prepare(&self.bearing)?;
+        self.state = State {
+            time: experiment.start,
+            angle: 0.0,
+            eccentricity: [0.0, 0.0],
+            temperatures: self.thermal.initial(),
+            next_step: FIRST_STEP,
+        };
+        self.update()
+    }
+
+    fn update(&mut self) -> Result<(), Fault> {
+        self.fluid.viscosity_scale = self.oil.viscosity_scale;
+        self.readings = self.read(0.0, &unknowns(&self.state));
+        Ok(())
+    }
+
+    fn advance(&mut self, time: f64, step: f64, _: &mut dyn Log) -> Result<(), Fault> {
+        self.state.time = time;
+        let before = (self.state, self.inputs);
+        let done = if self.can_leap(step) {
+            self.leap(step)
+        } else {
+            self.resolve(step)
+        };
+        if let Err(failure) = done {
+            (self.state, self.inputs) = before;
+            return Err(Fault::Failed(format!(
+                "the step from {time} s over {step} s failed: {failure}"
+            )));
+        }
+        for input in self.inputs.all() {
+            input.slope = 0.0;
+        }
+        self.update()
+    }
+
+    fn save(&self) -> Vec<u8> {
+        // Writing plain numbers and texts into memory has no way to fail.
+        postcard::to_stdvec(self).unwrap_or_default()
+    }
+
+    fn restore(&mut self, bytes: &[u8]) -> Result<(), Fault> {
+        let mut saved: Self = postcard::from_bytes(bytes)
+            .map_err(|error| Fault::Invalid(format!("the saved state cannot be read: {error}")))?;
+        saved.prepared = prepare(&saved.bearing)?;
+        *self = saved;
+        Ok(())
+    }
+}

@@ -1,0 +1,174 @@
+//! Heat transfer between film, bush with housing, shaft, oil bath and surroundings: a network of
+//! lumped capacities and conductances, as the paper's Fig. 3 draws it.
+//!
+//! The paper publishes none of its thermal constants. The defaults are those with which the
+//! measured temperatures (Table 2) are the steady state of the measured friction power.
+
+use serde::{Deserialize, Serialize};
+
+/// The thermal network's parameters.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Thermal {
+    /// Heat capacity of the film with the surface layers that follow it within a turn, J/K.
+    pub film_capacity: f64,
+    /// Heat capacity of bush and housing, J/K.
+    pub bush_capacity: f64,
+    /// Heat capacity of the shaft, J/K.
+    pub shaft_capacity: f64,
+    /// Volume of the oil bath, m³.
+    pub oil_volume: f64,
+    /// Conductance from film to bush, W/K.
+    pub film_bush: f64,
+    /// Conductance from film to shaft, W/K.
+    pub film_shaft: f64,
+    /// Conductance from bush and housing to the oil bath, W/K.
+    pub bush_oil: f64,
+    /// Conductance from shaft to the oil bath, W/K.
+    pub shaft_oil: f64,
+    /// Conductance from bush and housing to the surroundings, W/K.
+    pub bush_ambient: f64,
+    /// Conductance from shaft to the surroundings, W/K.
+    pub shaft_ambient: f64,
+    /// Conductance from oil bath to the surroundings, W/K.
+    pub oil_ambient: f64,
+    /// Part of the boundary friction heat that goes into the shaft, 1; the rest goes into the bush.
+    pub contact_heat_to_shaft: f64,
+    /// Temperature of the oil bath at the start, K.
+    pub initial_oil: f64,
+    /// Temperature of the bush at the start, K.
+    pub initial_bearing: f64,
+    /// Temperature of the shaft above the bush's at the start, K.
+    pub initial_shaft_rise: f64,
+    /// Temperature of the film above the bush's at the start, K.
+    pub initial_film_rise: f64,
+    /// Temperatures stay at their initial values.
+    pub isothermal: bool,
+}
+
+impl Default for Thermal {
+    fn default() -> Self {
+        Self {
+            film_capacity: 2.0,
+            bush_capacity: 200.0,
+            shaft_capacity: 200.0,
+            oil_volume: 0.3e-3,
+            film_bush: 58.0,
+            film_shaft: 58.0,
+            bush_oil: 0.2,
+            shaft_oil: 0.2,
+            bush_ambient: 0.0,
+            shaft_ambient: 0.0,
+            oil_ambient: 0.54,
+            contact_heat_to_shaft: 0.5,
+            initial_oil: 321.15,
+            initial_bearing: 355.15,
+            initial_shaft_rise: 0.0,
+            initial_film_rise: 0.0,
+            isothermal: false,
+        }
+    }
+}
+
+/// The nodes' temperatures, K (or their rates, K/s).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Temperatures {
+    /// The film.
+    pub film: f64,
+    /// Bush and housing.
+    pub bush: f64,
+    /// The shaft.
+    pub shaft: f64,
+    /// The oil bath.
+    pub oil: f64,
+}
+
+/// The heat that friction brings in, and what carries it away, at one instant.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Heat {
+    /// Viscous friction heat of the film, W.
+    pub viscous: f64,
+    /// Boundary friction heat of the asperities, W.
+    pub boundary: f64,
+    /// Heat capacity flow of the oil that passes through the film to the bath, W/K.
+    pub side_flow: f64,
+    /// Heat capacity of the oil bath, J/K.
+    pub bath: f64,
+    /// Temperature of the surroundings, K.
+    pub ambient: f64,
+}
+
+impl Thermal {
+    /// The temperatures at the start.
+    pub fn initial(&self) -> Temperatures {
+        Temperatures {
+            film: self.initial_bearing + self.initial_film_rise,
+            bush: self.initial_bearing,
+            shaft: self.initial_bearing + self.initial_shaft_rise,
+            oil: self.initial_oil,
+        }
+    }
+
+    /// Rates of the nodes' temperatures, K/s: the energy balance of each node.
+    pub fn rates(&self, t: &Temperatures, heat: &Heat) -> Temperatures {
+        if self.isothermal {
+            return Temperatures::default();
+        }
+        let film_to_bush = self.film_bush * (t.film - t.bush);
+        let film_to_shaft = self.film_shaft * (t.film - t.shaft);
+        let film_to_oil = heat.side_flow * (t.film - t.oil);
+        let bush_to_oil = self.bush_oil * (t.bush - t.oil);
+        let shaft_to_oil = self.shaft_oil * (t.shaft - t.oil);
+        let boundary_to_shaft = self.contact_heat_to_shaft * heat.boundary;
+        let boundary_to_bush = heat.boundary - boundary_to_shaft;
+        Temperatures {
+            film: (heat.viscous - film_to_bush - film_to_shaft - film_to_oil) / self.film_capacity,
+            bush: (film_to_bush + boundary_to_bush
+                - bush_to_oil
+                - self.bush_ambient * (t.bush - heat.ambient))
+                / self.bush_capacity,
+            shaft: (film_to_shaft + boundary_to_shaft
+                - shaft_to_oil
+                - self.shaft_ambient * (t.shaft - heat.ambient))
+                / self.shaft_capacity,
+            oil: (film_to_oil + bush_to_oil + shaft_to_oil
+                - self.oil_ambient * (t.oil - heat.ambient))
+                / heat.bath,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn energy_is_conserved() {
+        let thermal = Thermal {
+            bush_ambient: 0.1,
+            shaft_ambient: 0.05,
+            ..Thermal::default()
+        };
+        let t = Temperatures {
+            film: 360.0,
+            bush: 355.0,
+            shaft: 354.0,
+            oil: 321.0,
+        };
+        let heat = Heat {
+            viscous: 2.0,
+            boundary: 12.0,
+            side_flow: 0.13,
+            bath: 517.0,
+            ambient: 295.0,
+        };
+        let r = thermal.rates(&t, &heat);
+        let stored = r.film * thermal.film_capacity
+            + r.bush * thermal.bush_capacity
+            + r.shaft * thermal.shaft_capacity
+            + r.oil * heat.bath;
+        let lost = 0.1 * (t.bush - 295.0)
+            + 0.05 * (t.shaft - 295.0)
+            + thermal.oil_ambient * (t.oil - 295.0);
+        assert!((stored + lost - heat.viscous - heat.boundary).abs() < 1e-10);
+    }
+}

@@ -1,0 +1,495 @@
+//! The stand's variables: one line each declares name, role, unit, range, description and access.
+//! Start values are those of `Stand::default()`.
+
+use crate::bearing::FilmModel;
+use crate::model::{Access, Enumeration, Item, Kind, Role, Unit, Variable};
+use crate::sensors::Readings;
+use crate::stand::Stand;
+use crate::units::*;
+use std::sync::LazyLock;
+
+type V = Variable<Stand>;
+
+/// The variables, in the order of their listing. New ones go to the end of their group; the order
+/// within the file is the order of the value references.
+pub fn table() -> &'static [V] {
+    static TABLE: LazyLock<Vec<V>> = LazyLock::new(|| {
+        [
+            inputs(),
+            drive(),
+            load(),
+            bearing(),
+            oil(),
+            thermal(),
+            solver(),
+            outputs(),
+        ]
+        .into_iter()
+        .flatten()
+        .collect()
+    });
+    &TABLE
+}
+
+/// The film models.
+pub const FILM: Enumeration = Enumeration {
+    name: "Film",
+    description: "Film model of the bearing",
+    items: &[
+        Item {
+            name: "Mobility",
+            value: 1,
+            description: "Mobility method on the map of our own Reynolds solutions",
+        },
+        Item {
+            name: "Reynolds",
+            value: 2,
+            description: "Transient two-dimensional Reynolds equation with mass conservation",
+        },
+    ],
+};
+
+/// Reads and writes a field of the stand.
+macro_rules! field {
+    ($($path:ident).+) => {
+        Access { get: |s: &Stand| s.$($path).+, set: Some(|s: &mut Stand, v| s.$($path).+ = *v) }
+    };
+}
+
+/// Reads and writes a text of the stand.
+macro_rules! text {
+    ($($path:ident).+) => {
+        Access { get: |s: &Stand| s.$($path).+.clone(), set: Some(|s: &mut Stand, v| s.$($path).+ = v.to_owned()) }
+    };
+}
+
+/// An output with the rate that the stand knows of it.
+macro_rules! output {
+    ($name:literal, $unit:expr, $field:ident, [$($input:literal),*], $description:literal) => {{
+        let access = Access { get: |s: &Stand| s.readings().$field, set: None };
+        let mut variable = real($name, Role::Output, $unit, access, $description);
+        variable.depends_on = &[$($input),*];
+        if let Kind::Real { derivative, .. } = &mut variable.kind {
+            *derivative = Some(|s| s.rate_of(|r: &Readings| r.$field));
+        }
+        variable
+    }};
+}
+
+/// An input that may vary linearly within a step.
+macro_rules! input {
+    ($name:literal, $unit:expr, $field:ident, $description:literal) => {{
+        let mut variable = real(
+            $name,
+            Role::Input,
+            $unit,
+            field!(inputs.$field.value),
+            $description,
+        );
+        if let Kind::Real { slope, .. } = &mut variable.kind {
+            *slope = Some(|s, rate| s.inputs.$field.slope = rate);
+        }
+        variable
+    }};
+}
+
+const fn variable(
+    name: &'static str,
+    role: Role,
+    kind: Kind<Stand>,
+    description: &'static str,
+) -> V {
+    Variable {
+        name,
+        description,
+        role,
+        kind,
+        depends_on: &[],
+    }
+}
+
+fn real(
+    name: &'static str,
+    role: Role,
+    unit: &'static Unit,
+    access: Access<Stand, f64, f64>,
+    description: &'static str,
+) -> V {
+    let kind = Kind::Real {
+        access,
+        unit,
+        display: None,
+        min: None,
+        max: None,
+        nominal: None,
+        slope: None,
+        derivative: None,
+    };
+    variable(name, role, kind, description)
+}
+
+fn fixed(
+    name: &'static str,
+    unit: &'static Unit,
+    access: Access<Stand, f64, f64>,
+    description: &'static str,
+) -> V {
+    real(name, Role::Parameter, unit, access, description)
+}
+
+fn tunable(
+    name: &'static str,
+    unit: &'static Unit,
+    access: Access<Stand, f64, f64>,
+    description: &'static str,
+) -> V {
+    real(name, Role::TunableParameter, unit, access, description)
+}
+
+impl V {
+    fn shown_in(mut self, display_unit: &'static str) -> Self {
+        if let Kind::Real { display, .. } = &mut self.kind {
+            *display = Some(display_unit);
+        }
+        self
+    }
+
+    fn within(mut self, least: f64, most: f64) -> Self {
+        if let Kind::Real { min, max, .. } = &mut self.kind {
+            (*min, *max) = (Some(least), Some(most));
+        }
+        self
+    }
+
+    fn about(mut self, typical: f64) -> Self {
+        if let Kind::Real { nominal, .. } = &mut self.kind {
+            *nominal = Some(typical);
+        }
+        self
+    }
+}
+
+fn inputs() -> Vec<V> {
+    vec![
+        input!(
+            "drive.speed",
+            &RADIAN_PER_SECOND,
+            speed,
+            "Mean shaft speed that the drive is set to"
+        )
+        .shown_in("rpm")
+        .within(-2000.0, 2000.0)
+        .about(30.0),
+        input!(
+            "load.externalForce",
+            &NEWTON,
+            external_force,
+            "Force added to the bearing load, along the load line"
+        )
+        .within(-1e6, 1e6)
+        .about(1e3),
+        input!(
+            "thermal.ambientTemperature",
+            &KELVIN,
+            ambient_temperature,
+            "Temperature of the surroundings"
+        )
+        .shown_in("degC")
+        .within(200.0, 500.0)
+        .about(300.0),
+    ]
+}
+
+fn drive() -> Vec<V> {
+    vec![
+        tunable(
+            "drive.fluctuationAmplitude",
+            &ONE,
+            field!(drive.fluctuation_amplitude),
+            "Amplitude of the speed fluctuation relative to the mean speed",
+        )
+        .shown_in("%")
+        .within(0.0, 1.0)
+        .about(0.025),
+        fixed(
+            "drive.fluctuationFrequency",
+            &HERTZ,
+            field!(drive.fluctuation_frequency),
+            "Frequency of the speed fluctuation",
+        )
+        .within(0.0, 1e3)
+        .about(1.0),
+    ]
+}
+
+fn load() -> Vec<V> {
+    vec![
+        tunable(
+            "load.stiffness",
+            &NEWTON_PER_METRE,
+            field!(load.stiffness),
+            "Stiffness C of the elastic element",
+        )
+        .within(0.0, 1e7)
+        .about(100.0),
+        tunable(
+            "load.damping",
+            &NEWTON_SECOND_PER_METRE,
+            field!(load.damping),
+            "Damping coefficient beta of the elastic element",
+        )
+        .within(0.0, 1e5)
+        .about(10.0),
+        tunable(
+            "load.preload",
+            &NEWTON,
+            field!(load.preload),
+            "Starting force F0 of the elastic element",
+        )
+        .within(-1e5, 1e5)
+        .about(50.0),
+        tunable(
+            "load.eccentricity",
+            &METRE,
+            field!(load.eccentricity),
+            "Eccentricity of the shaft's mounting hole; 0 gives a constant load",
+        )
+        .shown_in("mm")
+        .within(0.0, 0.1)
+        .about(5e-4),
+        tunable(
+            "load.leverRatio",
+            &ONE,
+            field!(load.lever_ratio),
+            "Force on the bearing over force of the elastic element",
+        )
+        .within(-1e3, 1e3)
+        .about(10.0),
+        tunable(
+            "load.travelRatio",
+            &ONE,
+            field!(load.travel_ratio),
+            "Travel of the elastic element over travel of the eccentric",
+        )
+        .within(-1e3, 1e3)
+        .about(10.0),
+        tunable(
+            "load.springOffset",
+            &METRE,
+            field!(load.spring_offset),
+            "Travel by which the elastic element is released at rest",
+        )
+        .shown_in("mm")
+        .within(-10.0, 10.0)
+        .about(0.03),
+        tunable(
+            "load.phase",
+            &RADIAN,
+            field!(load.phase),
+            "Angle of the eccentric at shaft angle zero",
+        )
+        .shown_in("deg")
+        .within(-100.0, 100.0)
+        .about(1.0),
+    ]
+}
+
+fn bearing() -> Vec<V> {
+    vec![
+        fixed("bearing.radialClearance", &METRE, field!(bearing.radial_clearance), "Radial clearance h")
+            .shown_in("mm").within(1e-7, 1e-2).about(2e-5),
+        fixed("bearing.width", &METRE, field!(bearing.width), "Bearing width B")
+            .shown_in("mm").within(1e-4, 10.0).about(0.02),
+        fixed("bearing.diameter", &METRE, field!(bearing.diameter), "Diameter D of the bush")
+            .shown_in("mm").within(1e-4, 10.0).about(0.02),
+        variable(
+            "bearing.film",
+            Role::Parameter,
+            Kind::Enumeration {
+                access: Access {
+                    get: |s: &Stand| match s.bearing.film {
+                        FilmModel::Mobility => 1,
+                        FilmModel::Reynolds => 2,
+                    },
+                    set: Some(|s, v| {
+                        s.bearing.film = if *v == 2 { FilmModel::Reynolds } else { FilmModel::Mobility };
+                    }),
+                },
+                of: &FILM,
+            },
+            "Film model",
+        ),
+        fixed("bearing.roughness", &METRE, field!(bearing.surface.roughness), "Composite rms roughness and waviness of both surfaces; 0 switches asperity contact off")
+            .shown_in("um").within(0.0, 1e-3).about(1e-6),
+        variable("bearing.profileFile", Role::Parameter, Kind::String { access: text!(bearing.profile_file) },
+            "csv file of the radial deviation of bush and shaft over the angle (Reynolds film only); empty for round ones"),
+        fixed("bearing.asperityDensity", &ONE, field!(bearing.surface.asperity_density), "Asperity density times summit radius times roughness")
+            .within(0.0, 1.0).about(0.05),
+        fixed("bearing.asperitySlope", &ONE, field!(bearing.surface.asperity_slope), "Roughness over summit radius")
+            .within(0.0, 1.0).about(0.01),
+        fixed("bearing.compositeModulus", &PASCAL, field!(bearing.surface.composite_modulus), "Composite elastic modulus of shaft and bush")
+            .shown_in("GPa").within(0.0, 1e13).about(1e11),
+        tunable("bearing.boundaryFriction", &ONE, field!(bearing.surface.boundary_friction), "Friction coefficient of touching asperities")
+            .within(0.0, 10.0).about(0.1),
+    ]
+}
+
+fn oil() -> Vec<V> {
+    vec![
+        fixed(
+            "oil.kinematicViscosity40",
+            &SQUARE_METRE_PER_SECOND,
+            field!(oil.kinematic_viscosity_40),
+            "Kinematic viscosity of the oil at 40 degC",
+        )
+        .shown_in("mm2/s")
+        .within(1e-6, 1.0)
+        .about(1e-4),
+        fixed(
+            "oil.kinematicViscosity100",
+            &SQUARE_METRE_PER_SECOND,
+            field!(oil.kinematic_viscosity_100),
+            "Kinematic viscosity of the oil at 100 degC",
+        )
+        .shown_in("mm2/s")
+        .within(1e-6, 1.0)
+        .about(1e-5),
+        fixed(
+            "oil.density15",
+            &KILOGRAM_PER_CUBIC_METRE,
+            field!(oil.density_15),
+            "Density of the oil at 15 degC",
+        )
+        .within(500.0, 2000.0)
+        .about(880.0),
+        tunable(
+            "oil.viscosityScale",
+            &ONE,
+            field!(oil.viscosity_scale),
+            "Factor on the viscosity of the oil law; 1 is the real oil",
+        )
+        .within(1e-3, 1e4)
+        .about(1.0),
+        variable(
+            "oil.propertiesFile",
+            Role::Parameter,
+            Kind::String {
+                access: text!(oil.properties_file),
+            },
+            "csv file of measured viscosity and density over temperature; empty for the two viscosities above",
+        ),
+    ]
+}
+
+fn thermal() -> Vec<V> {
+    let conductance = |name, access, description| {
+        tunable(name, &WATT_PER_KELVIN, access, description)
+            .within(0.0, 1e6)
+            .about(1.0)
+    };
+    let capacity = |name, access, description| {
+        fixed(name, &JOULE_PER_KELVIN, access, description)
+            .within(1e-3, 1e9)
+            .about(100.0)
+    };
+    vec![
+        fixed("thermal.initialOilTemperature", &KELVIN, field!(thermal.initial_oil), "Temperature of the oil bath at the start")
+            .shown_in("degC").within(200.0, 600.0).about(300.0),
+        fixed("thermal.initialBearingTemperature", &KELVIN, field!(thermal.initial_bearing), "Temperature of bush and housing at the start")
+            .shown_in("degC").within(200.0, 600.0).about(300.0),
+        variable("thermal.isothermal", Role::Parameter, Kind::Boolean { access: field!(thermal.isothermal) },
+            "Temperatures stay at their initial values"),
+        fixed("thermal.initialShaftRise", &KELVIN, field!(thermal.initial_shaft_rise), "Temperature difference of shaft to bush at the start")
+            .within(-300.0, 300.0).about(1.0),
+        fixed("thermal.initialFilmRise", &KELVIN, field!(thermal.initial_film_rise), "Temperature difference of film to bush at the start")
+            .within(-300.0, 300.0).about(1.0),
+        capacity("thermal.filmCapacity", field!(thermal.film_capacity), "Heat capacity of the film with the surface layers that follow it within a turn"),
+        capacity("thermal.bushCapacity", field!(thermal.bush_capacity), "Heat capacity of bush and housing"),
+        capacity("thermal.shaftCapacity", field!(thermal.shaft_capacity), "Heat capacity of the shaft"),
+        fixed("thermal.oilVolume", &CUBIC_METRE, field!(thermal.oil_volume), "Volume of the oil bath")
+            .shown_in("dm3").within(1e-6, 1e3).about(3e-4),
+        conductance("thermal.filmBushConductance", field!(thermal.film_bush), "Conductance from film to bush"),
+        conductance("thermal.filmShaftConductance", field!(thermal.film_shaft), "Conductance from film to shaft"),
+        conductance("thermal.bushOilConductance", field!(thermal.bush_oil), "Conductance from bush and housing to the oil bath"),
+        conductance("thermal.shaftOilConductance", field!(thermal.shaft_oil), "Conductance from shaft to the oil bath"),
+        conductance("thermal.bushAmbientConductance", field!(thermal.bush_ambient), "Conductance from bush and housing to the surroundings"),
+        conductance("thermal.shaftAmbientConductance", field!(thermal.shaft_ambient), "Conductance from shaft to the surroundings"),
+        conductance("thermal.oilAmbientConductance", field!(thermal.oil_ambient), "Conductance from the oil bath to the surroundings"),
+        tunable("thermal.contactHeatToShaft", &ONE, field!(thermal.contact_heat_to_shaft), "Part of the boundary friction heat that goes into the shaft; the rest goes into the bush")
+            .within(0.0, 1.0).about(0.5),
+    ]
+}
+
+fn solver() -> Vec<V> {
+    vec![
+        fixed("solver.tolerance", &ONE, field!(solver.tolerance), "Relative tolerance of each internal step of the time integration; the host's tolerance goes before it")
+            .within(1e-12, 1e-2).about(1e-6),
+        variable("solver.multirate", Role::Parameter, Kind::Boolean { access: field!(solver.multirate) },
+            "Leap over whole turns in communication steps much longer than a turn"),
+    ]
+}
+
+fn outputs() -> Vec<V> {
+    vec![
+        output!("sensor.loadForce", &NEWTON, load_force, ["drive.speed", "load.externalForce"], "Force on the bearing F_N").within(-1e7, 1e7).about(1e3),
+        output!("sensor.frictionTorque", &NEWTON_METRE, friction_torque, ["drive.speed", "load.externalForce"], "Friction torque on the shaft M").within(-1e9, 1e9).about(1.0),
+        output!("sensor.frictionPower", &WATT, friction_power, ["drive.speed", "load.externalForce"], "Friction power M*omega").within(-1e12, 1e12).about(10.0),
+        output!("sensor.frictionCoefficient", &ONE, friction_coefficient, ["drive.speed", "load.externalForce"], "Friction coefficient M/(F_N*D/2)").within(-1e9, 1e9).about(0.1),
+        output!("sensor.oilTemperature", &KELVIN, oil_temperature, [], "Temperature of the oil bath").shown_in("degC").within(0.0, 1e4).about(300.0),
+        output!("sensor.bearingTemperature", &KELVIN, bearing_temperature, [], "Temperature of the bush").shown_in("degC").within(0.0, 1e4).about(300.0),
+        output!("bearing.eccentricityRatio", &ONE, eccentricity_ratio, [], "Eccentricity of the journal over the radial clearance").within(0.0, 1.0).about(1.0),
+        output!("bearing.attitudeAngle", &RADIAN, attitude_angle, [], "Angle from the load line to the eccentricity, positive in the direction of positive rotation").shown_in("deg").within(-4.0, 4.0).about(1.0),
+        output!("bearing.minFilmThickness", &METRE, min_film_thickness, [], "Smallest film thickness").shown_in("um").within(0.0, 1e-2).about(1e-6),
+        output!("bearing.maxFilmPressure", &PASCAL, max_film_pressure, ["drive.speed", "load.externalForce"], "Largest film pressure").shown_in("MPa").within(0.0, 1e15).about(1e7),
+        output!("bearing.filmViscosity", &PASCAL_SECOND, film_viscosity, [], "Dynamic viscosity of the film").shown_in("mPa.s").within(0.0, 1e6).about(0.01),
+        output!("bearing.filmTemperature", &KELVIN, film_temperature, [], "Temperature of the film").shown_in("degC").within(0.0, 1e4).about(300.0),
+        output!("bearing.sideFlow", &CUBIC_METRE_PER_SECOND, side_flow, ["drive.speed", "load.externalForce"], "Oil that leaves the film at both ends").shown_in("mm3/s").within(0.0, 1.0).about(1e-7),
+        output!("bearing.contactShare", &ONE, contact_share, ["drive.speed", "load.externalForce"], "Force of the touching asperities over the load").shown_in("%").within(0.0, 1e9).about(1.0),
+        output!("bearing.contactTorque", &NEWTON_METRE, contact_torque, ["drive.speed"], "Friction torque of the touching asperities").within(-1e9, 1e9).about(1.0),
+        output!("thermal.shaftTemperature", &KELVIN, shaft_temperature, [], "Temperature of the shaft").shown_in("degC").within(0.0, 1e4).about(300.0),
+        output!("drive.angle", &RADIAN, shaft_angle, [], "Shaft angle, from 0 at the start").shown_in("deg").within(-1e12, 1e12).about(100.0),
+        output!("drive.shaftSpeed", &RADIAN_PER_SECOND, shaft_speed, ["drive.speed"], "Shaft speed with its fluctuation").shown_in("rpm").within(-4000.0, 4000.0).about(30.0),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::HashSet;
+
+    #[test]
+    fn names_are_unique_and_dependencies_are_inputs() {
+        let names: HashSet<_> = table().iter().map(|v| v.name).collect();
+        assert_eq!(names.len(), table().len());
+        for variable in table() {
+            for input in variable.depends_on {
+                assert!(
+                    table()
+                        .iter()
+                        .any(|v| v.name == *input && v.role == Role::Input),
+                    "{input}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_set_is_read_back() {
+        let mut stand = Stand::default();
+        for variable in table() {
+            if let Kind::Real {
+                access:
+                    Access {
+                        get,
+                        set: Some(set),
+                    },
+                ..
+            } = variable.kind
+            {
+                let other = get(&stand) * 1.5 + 1e-3;
+                set(&mut stand, &other);
+                assert_eq!(get(&stand), other, "{}", variable.name);
+            }
+        }
+    }
+}

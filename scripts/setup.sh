@@ -1,0 +1,34 @@
+# Set-up that the other scripts share; sourced, not run. Prints what it does.
+# Rust (cargo) and Python 3.11 with pip are expected; the rest is installed when missing.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+say() { printf '\n== %s\n' "$*"; }
+
+# debian COMMAND PACKAGE...: installs Debian packages when the command is missing.
+debian() {
+    local command=$1
+    shift
+    command -v "$command" >/dev/null && return
+    say "installing $* ($command is missing)"
+    local sudo=""
+    [ "$(id -u)" = 0 ] || sudo=sudo
+    $sudo apt-get update -qq
+    $sudo env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "$@"
+}
+
+# python_packages FILE: a private virtual environment in .venv with the packages of a requirements file.
+python_packages() {
+    local stamp=.venv/.$(sha256sum "$1" | cut -c1-16)
+    [ -e "$stamp" ] && return
+    say "Python packages of $1 into .venv"
+    [ -x .venv/bin/python ] || python3 -m venv .venv
+    .venv/bin/python -m pip install --quiet --requirement "$1"
+    touch "$stamp"
+}
+
+# The folder in which cargo builds, wherever the user has put it.
+target_dir() { echo "${CARGO_TARGET_DIR:-target}"; }
+
+command -v cargo >/dev/null || { echo "cargo is missing: install Rust first (rustup)" >&2; exit 2; }
+debian cc gcc
