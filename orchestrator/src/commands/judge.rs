@@ -4,10 +4,10 @@ use std::process::ExitCode;
 
 use super::verify::{self, FileSet};
 use super::{CommandError, output, report, table, verdict};
-use crate::report::Report;
 use crate::cli;
 use crate::fmu::{Description, Package};
 use crate::judge::Judge;
+use crate::report::Report;
 use crate::results::summary::{Provenance, Tally};
 use crate::source::Table;
 use crate::study::Study;

@@ -33,7 +33,11 @@ pub(super) fn complete(
     keep_study(folder, study)?;
     let trajectory = folder.join(history::FILE);
     // A failure here takes nothing away from the verdict: the page then shows no trajectory.
-    match summary.best_point.as_ref().map(|best| record(best, plan, package)) {
+    match summary
+        .best_point
+        .as_ref()
+        .map(|best| record(best, plan, package))
+    {
         Some(Ok(text)) => fs::write(&trajectory, text).map_err(ResultsError::io(&trajectory))?,
         _ => {
             let _ = fs::remove_file(&trajectory);
@@ -55,9 +59,13 @@ fn record(best: &BestPoint, plan: &Plan, package: &mut Package) -> Result<String
     let parameters: Vec<f64> = best.parameters.values().copied().collect();
     let mut values = Vec::new();
     plan.to_fmu(&parameters, &mut values);
-    let task = Task { schedule: fine(plan.task.schedule), ..plan.task.clone() };
-    let probes: Vec<usize> =
-        (0..task.observed.len()).filter(|&k| task.observed[k].storage == Storage::Real).collect();
+    let task = Task {
+        schedule: fine(plan.task.schedule),
+        ..plan.task.clone()
+    };
+    let probes: Vec<usize> = (0..task.observed.len())
+        .filter(|&k| task.observed[k].storage == Storage::Real)
+        .collect();
     let references: Vec<u32> = probes.iter().map(|&k| task.observed[k].reference).collect();
     let names: Vec<&String> = best.values.keys().collect();
     let mut text = String::from("time");
@@ -83,5 +91,8 @@ fn record(best: &BestPoint, plan: &Plan, package: &mut Package) -> Result<String
 fn fine(schedule: Schedule) -> Schedule {
     const ENOUGH: f64 = 15_000.0;
     let step = (schedule.stop - schedule.start) / ENOUGH;
-    Schedule { step: schedule.step.min(step), ..schedule }
+    Schedule {
+        step: schedule.step.min(step),
+        ..schedule
+    }
 }

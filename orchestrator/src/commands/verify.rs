@@ -51,7 +51,13 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, CommandError> {
         jobs,
     });
     write_summary(&folder, &summary)?;
-    report::complete(&folder, &session.study, &session.plan, &mut session.package, &summary)?;
+    report::complete(
+        &folder,
+        &session.study,
+        &session.plan,
+        &mut session.package,
+        &summary,
+    )?;
     output::print(&format!(
         "{}{}\nresults in {}\n",
         table::counts(&summary),

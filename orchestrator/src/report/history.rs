@@ -10,8 +10,12 @@ pub const FILE: &str = "best-point.csv";
 /// Reads the trajectory of a folder: a signal a variable, with the accepted range of the criterion.
 /// Nothing where there is no such file or it does not fit.
 pub fn read(folder: &Path, table: &PointTable) -> Vec<Series> {
-    let Ok(mut reader) = csv::Reader::from_path(folder.join(FILE)) else { return vec![] };
-    let Ok(header) = reader.headers().cloned() else { return vec![] };
+    let Ok(mut reader) = csv::Reader::from_path(folder.join(FILE)) else {
+        return vec![];
+    };
+    let Ok(header) = reader.headers().cloned() else {
+        return vec![];
+    };
     let mut columns = vec![Vec::new(); header.len()];
     for record in reader.records() {
         let Ok(record) = record else { return vec![] };
@@ -20,7 +24,9 @@ pub fn read(folder: &Path, table: &PointTable) -> Vec<Series> {
         }
     }
     let mut columns = header.iter().zip(columns);
-    let Some((_, time)) = columns.next() else { return vec![] };
+    let Some((_, time)) = columns.next() else {
+        return vec![];
+    };
     let series = |(name, values): (&str, Vec<f64>)| {
         let criterion = table.criteria.iter().find(|c| c.name == name)?;
         Some(Series {
@@ -29,7 +35,8 @@ pub fn read(folder: &Path, table: &PointTable) -> Vec<Series> {
             time: time.clone(),
             values,
             // An amplitude has limits, but the signal itself does not.
-            accepted: (!criterion.source.starts_with("amplitude")).then_some([criterion.lower, criterion.upper]),
+            accepted: (!criterion.source.starts_with("amplitude"))
+                .then_some([criterion.lower, criterion.upper]),
         })
     };
     columns.filter_map(series).collect()
