@@ -30,6 +30,8 @@ pub enum Command {
     /// Runs points for another process of this program
     #[command(hide = true)]
     Worker,
+    /// Writes the page of a finished study again
+    Report(Report),
 }
 
 /// Options of `inspect`.
@@ -123,4 +125,13 @@ pub struct Judge {
     /// Where to write points.csv and summary.json
     #[arg(long, value_name = "DIR")]
     pub output: Option<PathBuf>,
+}
+
+/// Options of `report`.
+#[derive(Debug, Args)]
+#[command(after_help = "Example: orchestrator report results/table3")]
+pub struct Report {
+    /// The folder that `verify` has written
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
 }

@@ -15,7 +15,7 @@ use tempfile::TempDir;
 
 use super::limits::limits;
 use super::progress::Progress;
-use super::{CommandError, output, table, verdict};
+use super::{CommandError, output, report, table, verdict};
 use crate::cli::Verify;
 use crate::design::Design;
 use crate::engine::local::Local;
@@ -61,6 +61,13 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, CommandError> {
         jobs,
     });
     write_summary(&folder, &summary)?;
+    report::complete(
+        &folder,
+        &session.study,
+        &session.plan,
+        &mut session.package,
+        &summary,
+    )?;
     output::print(&format!(
         "{}{}\nresults in {}\n",
         table::counts(&summary),
