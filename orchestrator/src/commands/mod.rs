@@ -2,8 +2,10 @@
 
 mod inspect;
 mod judge;
+mod limits;
 mod output;
 mod progress;
+mod report;
 mod simulate;
 mod table;
 mod verify;
@@ -13,9 +15,10 @@ use std::process::ExitCode;
 use thiserror::Error;
 
 use crate::cli::{Cli, Command};
-use crate::engine::EngineError;
+use crate::engine::{EngineError, servant};
 use crate::failure::Failure;
 use crate::fmu::FmuError;
+use crate::report::ReportError;
 use crate::results::ResultsError;
 use crate::source::TableError;
 use crate::study::StudyError;
@@ -38,6 +41,9 @@ pub enum CommandError {
     /// The results cannot be written or read.
     #[error(transparent)]
     Results(#[from] ResultsError),
+    /// The report cannot be written.
+    #[error(transparent)]
+    Report(#[from] ReportError),
     /// The points cannot be run.
     #[error(transparent)]
     Engine(#[from] EngineError),
@@ -64,6 +70,8 @@ pub fn run(cli: Cli) -> Result<ExitCode, CommandError> {
         Command::Simulate(options) => simulate::run(&options),
         Command::Verify(options) => verify::run(&options),
         Command::Judge(options) => judge::run(&options),
+        Command::Worker => servant::end(servant::serve()),
+        Command::Report(options) => report::run(&options),
     }
 }
 
