@@ -8,6 +8,7 @@
 pub mod contact;
 pub mod friction;
 pub mod mobility;
+pub mod profile;
 pub mod reynolds;
 
 use contact::{Contact, ContactTable};
@@ -162,7 +163,8 @@ impl Prepared {
             let psi = bearing.relative_clearance();
             let film = film.film(e, direction);
             squeeze = film.mobility * (magnitude * psi * psi / (viscosity * width * diameter));
-            side_flow = film.side_flow() * magnitude * c.powi(3) / (3.0 * viscosity * width * width);
+            side_flow =
+                film.side_flow() * magnitude * c.powi(3) / (3.0 * viscosity * width * width);
         }
         let couette = viscosity * speed * friction::couette(bearing, ratio);
         let poiseuille = friction::poiseuille(c, [load, 0.0], eccentricity);

@@ -54,7 +54,12 @@ impl MobilitySlice {
     pub(super) fn new(values: &[f64], us: usize, ss: usize, last_u: f64) -> Self {
         let mut nodes = vec![Node::default(); us * ss];
         for (channel, symmetry) in SYMMETRY.into_iter().enumerate() {
-            let values: Vec<f64> = values.iter().skip(channel).step_by(CHANNELS).copied().collect();
+            let values: Vec<f64> = values
+                .iter()
+                .skip(channel)
+                .step_by(CHANNELS)
+                .copied()
+                .collect();
             let over_u = over_u(&values, us, ss);
             let ends = [symmetry; 2];
             let (mut over_s, mut twist) = (vec![0.0; ss], vec![0.0; ss]);
@@ -99,11 +104,15 @@ impl MobilitySlice {
         let e = eps.norm();
         let (cos, sin) = if e > 0.0 {
             let inverse = 1.0 / e;
-            (eps.dot(&direction) * inverse, eps.perp(&direction) * inverse)
+            (
+                eps.dot(&direction) * inverse,
+                eps.perp(&direction) * inverse,
+            )
         } else {
             (1.0, 0.0)
         };
-        let [log_mobility, lead, log_max_pressure, log_side_flow] = self.at(Point::new(e, cos, sin));
+        let [log_mobility, lead, log_max_pressure, log_side_flow] =
+            self.at(Point::new(e, cos, sin));
         // The lead is odd in the angle from eccentricity to load.
         let (sin, cos) = if sin < 0.0 { -lead } else { lead }.sin_cos();
         let mobility = log_mobility.exp()
