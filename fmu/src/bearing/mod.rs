@@ -8,6 +8,7 @@
 pub mod contact;
 pub mod friction;
 pub mod mobility;
+pub mod profile;
 pub mod reynolds;
 
 use contact::{Contact, ContactTable};
