@@ -105,14 +105,18 @@ impl Free {
                 "a logarithmic scale needs a lower bound above 0, not {min}"
             ));
         }
-        match (self.prior, self.scale) {
-            (Some(Prior { spread, .. }), Scale::Linear) if !(spread > 0.0) => {
+        let Some(Prior { centre, spread }) = self.prior else {
+            return Ok(());
+        };
+        let above = |limit: f64, number: f64| number.is_finite() && number > limit;
+        match self.scale {
+            Scale::Linear if !above(0.0, spread) => {
                 Err(format!("the deviation {spread} must be positive"))
             }
-            (Some(Prior { spread, .. }), Scale::Log) if !(spread > 1.0) => {
+            Scale::Log if !above(1.0, spread) => {
                 Err(format!("the factor {spread} must be more than 1"))
             }
-            (Some(Prior { centre, .. }), Scale::Log) if !(centre > 0.0) => Err(format!(
+            Scale::Log if !above(0.0, centre) => Err(format!(
                 "the median {centre} must be positive on a logarithmic scale"
             )),
             _ => Ok(()),

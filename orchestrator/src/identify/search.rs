@@ -100,11 +100,11 @@ pub fn search(
             .is_none_or(|deadline| Instant::now() < deadline)
     };
     let mut last_error = String::new();
-    for index in state.screened.len()..starts.len() {
+    for start in starts.iter().skip(state.screened.len()) {
         if !in_time() {
             break;
         }
-        let misfit = objective.misfit(&unknowns(objective, &starts[index]));
+        let misfit = objective.misfit(&unknowns(objective, start));
         let cost = misfit
             .map(|misfit| misfit.cost())
             .map_err(|error| last_error = error);
