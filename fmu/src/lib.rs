@@ -17,3 +17,5 @@ pub mod stand;
 pub mod thermal;
 pub mod units;
 pub mod variables;
+
+export!(stand::Stand);

@@ -21,6 +21,7 @@ use crate::sensors::{self, Readings};
 use crate::solver::{DormandPrince, Failure};
 use crate::thermal::{Heat, Temperatures, Thermal};
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// An input and its rate over the present step.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -126,8 +127,9 @@ pub struct Stand {
     fluid: Properties,
     state: State,
     readings: Readings,
+    /// Follows from the bearing's parameters; shared by the snapshots.
     #[serde(skip)]
-    prepared: Prepared,
+    prepared: Arc<Prepared>,
 }
 
 /// The unknowns: eccentricity ratio along x and y, temperatures of film, bush, shaft and oil.
@@ -166,6 +168,16 @@ impl Stand {
             *value += AHEAD * rate;
         }
         (output(&self.read(AHEAD, &then)) - output(&self.read(0.0, &now))) / AHEAD
+    }
+
+    /// The friction heat that goes into film, bush and shaft at the present communication point, W.
+    pub fn heat(&self) -> f64 {
+        let [ex, ey, film, ..] = unknowns(&self.state);
+        let flows = self
+            .instant(0.0, [ex, ey], self.fluid.viscosity(film))
+            .motion
+            .flows;
+        flows.viscous + flows.boundary
     }
 
     /// The upper half of Fig. 3: drive, load mechanism and bearing, `tau` seconds into the step.
@@ -233,7 +245,11 @@ impl Stand {
             eccentricity_ratio: motion.eccentricity_ratio,
             attitude_angle: y[1].atan2(y[0]),
             min_film_thickness: self.bearing.radial_clearance * (1.0 - motion.eccentricity_ratio),
-            max_film_pressure: 0.0,
+            max_film_pressure: self.prepared.max_film_pressure(
+                &self.bearing,
+                [y[0], y[1]],
+                motion.film_force,
+            ),
             film_viscosity: viscosity,
             film_temperature: temperatures.film,
             side_flow: motion.flows.side_flow,
@@ -362,6 +378,11 @@ impl TwoScales for Stand {
     }
 }
 
+fn prepare(bearing: &Bearing) -> Result<Arc<Prepared>, Fault> {
+    let prepared = Prepared::new(bearing).map_err(|error| Fault::Failed(error.to_string()))?;
+    Ok(Arc::new(prepared))
+}
+
 fn unknowns(state: &State) -> Unknowns {
     let State {
         eccentricity: e,
@@ -408,7 +429,7 @@ impl Model for Stand {
             self.solver.tolerance = tolerance.clamp(1e-12, 1e-2);
         }
         self.fluid = self.oil.properties(experiment.resources)?;
-        self.prepared = Prepared::new(&self.bearing);
+        self.prepared = prepare(&self.bearing)?;
         self.state = State {
             time: experiment.start,
             angle: 0.0,
@@ -453,7 +474,7 @@ impl Model for Stand {
     fn restore(&mut self, bytes: &[u8]) -> Result<(), Fault> {
         let mut saved: Self = postcard::from_bytes(bytes)
             .map_err(|error| Fault::Invalid(format!("the saved state cannot be read: {error}")))?;
-        saved.prepared = Prepared::new(&saved.bearing);
+        saved.prepared = prepare(&saved.bearing)?;
         *self = saved;
         Ok(())
     }

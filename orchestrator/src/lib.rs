@@ -1,4 +1,22 @@
 //! Batch verification of FMI 2.0 Co-Simulation FMUs against measurements when both the
 //! parameters and the measurement are uncertain.
 
+pub mod analysis;
+pub mod cli;
+pub mod commands;
+pub mod design;
+pub mod distribution;
+pub mod engine;
+pub mod failure;
+pub mod fmu;
 pub mod identify;
+pub mod judge;
+pub mod names;
+pub mod report;
+pub mod results;
+pub mod run;
+pub mod source;
+pub mod statistics;
+pub mod study;
+pub mod task;
+pub mod units;

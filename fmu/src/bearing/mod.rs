@@ -7,9 +7,14 @@
 
 pub mod contact;
 pub mod friction;
+pub mod mobility;
+pub mod reynolds;
 
 use contact::{Contact, ContactTable};
+use mobility::{MapError, MobilityMap, MobilitySlice};
+use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
+use std::sync::LazyLock;
 
 /// Which film model carries the load.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -96,22 +101,29 @@ pub struct Motion {
 #[derive(Clone, Debug, Default)]
 pub struct Prepared {
     contact: ContactTable,
+    /// None before the bearing is prepared.
+    film: Option<MobilitySlice>,
 }
 
 /// The journal never reaches the bush: beyond this ratio the film is computed as at it.
 const LARGEST_ECCENTRICITY_RATIO: f64 = 1.0 - 1e-9;
 
+/// The map as it was shipped; decoded once.
+static MAP: LazyLock<Result<MobilityMap, MapError>> = LazyLock::new(MobilityMap::built_in);
+
 impl Prepared {
     /// Prepares a bearing.
-    pub fn new(bearing: &Bearing) -> Self {
-        Self {
+    pub fn new(bearing: &Bearing) -> Result<Self, MapError> {
+        let map = MAP.as_ref().map_err(MapError::clone)?;
+        Ok(Self {
             contact: ContactTable::new(
                 &bearing.surface,
                 bearing.radial_clearance,
                 bearing.width,
                 bearing.diameter,
             ),
-        }
+            film: Some(map.slice(bearing.width / bearing.diameter)),
+        })
     }
 
     /// The journal at an eccentricity-ratio vector, under a load along x (N), at a film viscosity (Pa.s)
@@ -128,52 +140,65 @@ impl Prepared {
         viscosity: f64,
         speed: f64,
     ) -> Motion {
-        let [ex, ey] = eccentricity;
-        let length = ex.hypot(ey);
+        let Bearing {
+            radial_clearance: c,
+            width,
+            diameter,
+            ..
+        } = *bearing;
+        let e = Vector2::from(eccentricity);
+        let length = e.norm();
         let ratio = length.min(LARGEST_ECCENTRICITY_RATIO);
-        let [ux, uy] = if length > 0.0 {
-            [ex / length, ey / length]
-        } else {
-            [1.0, 0.0]
-        };
         let contact = self.contact.at(ratio);
-        let force = [load - contact.force * ux, -contact.force * uy];
-        let magnitude = force[0].hypot(force[1]);
-
-        let mut squeeze = [0.0, 0.0];
-        if magnitude > 0.0 {
-            let along = (force[0] * ux + force[1] * uy) / magnitude;
-            let across = (force[1] * ux - force[0] * uy) / magnitude;
-            // PROVISIONAL: until the map lands.
-            let open = (1.0 - ratio * along).max(1e-12);
-            let [radial, tangential] =
-                [open.powf(1.5) * along, open.sqrt() * (1.0 - ratio) * across];
-            let psi = bearing.relative_clearance();
-            let scale = magnitude * psi * psi / (viscosity * bearing.width * bearing.diameter);
-            squeeze = [
-                scale * (radial * ux - tangential * uy),
-                scale * (radial * uy + tangential * ux),
-            ];
+        let mut force = Vector2::new(load, 0.0);
+        if contact.force > 0.0 {
+            force -= e * (contact.force / length);
         }
-        let squeeze_heat =
-            bearing.radial_clearance * (force[0] * squeeze[0] + force[1] * squeeze[1]);
 
+        let (mut squeeze, mut side_flow) = (Vector2::zeros(), 0.0);
+        let magnitude = force.norm();
+        if let Some(film) = self.film.as_ref().filter(|_| magnitude > 0.0) {
+            let direction = force / magnitude;
+            let psi = bearing.relative_clearance();
+            let film = film.film(e, direction);
+            squeeze = film.mobility * (magnitude * psi * psi / (viscosity * width * diameter));
+            side_flow =
+                film.side_flow() * magnitude * c.powi(3) / (3.0 * viscosity * width * width);
+        }
         let couette = viscosity * speed * friction::couette(bearing, ratio);
-        let poiseuille = friction::poiseuille(bearing.radial_clearance, [load, 0.0], eccentricity);
+        let poiseuille = friction::poiseuille(c, [load, 0.0], eccentricity);
         let boundary_torque = friction::boundary(bearing, contact.normal, speed);
         Motion {
             eccentricity_ratio: ratio,
-            velocity: [squeeze[0] - 0.5 * speed * ey, squeeze[1] + 0.5 * speed * ex],
+            velocity: [squeeze.x - 0.5 * speed * e.y, squeeze.y + 0.5 * speed * e.x],
             torque: couette + poiseuille + boundary_torque,
             boundary_torque,
             contact,
-            film_force: force,
+            film_force: force.into(),
             // Of the film's whole dissipation M*omega + F*de/dt, the terms with the mean rotation cancel.
             flows: Flows {
-                viscous: couette * speed + squeeze_heat,
+                viscous: couette * speed + c * force.dot(&squeeze),
                 boundary: boundary_torque * speed,
-                side_flow: 0.0,
+                side_flow,
             },
         }
+    }
+
+    /// Largest film pressure, Pa, at an eccentricity-ratio vector under the film's share of the load, N.
+    pub fn max_film_pressure(
+        &self,
+        bearing: &Bearing,
+        eccentricity: [f64; 2],
+        force: [f64; 2],
+    ) -> f64 {
+        let force = Vector2::from(force);
+        let magnitude = force.norm();
+        let film = self.film.as_ref().filter(|_| magnitude > 0.0);
+        film.map_or(0.0, |film| {
+            film.film(eccentricity.into(), force / magnitude)
+                .max_pressure()
+                * magnitude
+                / (bearing.width * bearing.diameter)
+        })
     }
 }

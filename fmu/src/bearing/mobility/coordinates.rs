@@ -1,0 +1,82 @@
+//! The coordinates in which the mobility is smooth.
+//!
+//! Near the bush, what matters is the load's direction measured in `sqrt(1 - e)`, the angle over
+//! which the gap is narrow; far round the bush it is the direction itself. The coordinate
+//!
+//! ```text
+//! s = asinh(tan(phi/4) / d) / asinh(1/d),   d = 0.3 sqrt(1 - e)
+//! ```
+//!
+//! serves both: 0 with the load along the eccentricity, 1 against it.
+
+/// Ratio of `d` to `sqrt(1 - e)`.
+const CORE: f64 = 0.3;
+
+/// The gap is taken to be no narrower than this share of the clearance.
+const NARROWEST: f64 = 1e-12;
+
+/// A point of the map: `u = -ln(1 - e)` and `s`, both from 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Point {
+    pub(super) u: f64,
+    pub(super) s: f64,
+}
+
+impl Point {
+    /// The point at eccentricity ratio `e` with the load at the angle from the eccentricity whose
+    /// cosine and (absolute) sine are given.
+    pub(super) fn new(e: f64, cos: f64, sin: f64) -> Self {
+        let gap = (1.0 - e).clamp(NARROWEST, 1.0);
+        let core = CORE * gap.sqrt();
+        Self {
+            u: -gap.ln(),
+            s: asinh(quarter_tangent(cos, sin.abs()) / core) / asinh(1.0 / core),
+        }
+    }
+
+    /// The eccentricity ratio.
+    pub(super) fn eccentricity(self) -> f64 {
+        -(-self.u).exp_m1()
+    }
+
+    /// The angle between eccentricity and load, rad, 0..=pi.
+    pub(super) fn angle(self) -> f64 {
+        let core = CORE * (-0.5 * self.u).exp();
+        4.0 * (core * (self.s * asinh(1.0 / core)).sinh()).min(1.0).atan()
+    }
+}
+
+/// `asinh` of a number that is not negative.
+fn asinh(x: f64) -> f64 {
+    (x + (x * x + 1.0).sqrt()).ln()
+}
+
+/// `tan(phi / 4)` for an angle in 0..=pi, without loss of digits near either end.
+fn quarter_tangent(cos: f64, sin: f64) -> f64 {
+    let (half_cos, half_sin) = if cos >= 0.0 {
+        let half = (0.5 + 0.5 * cos).sqrt();
+        (half, 0.5 * sin / half)
+    } else {
+        let half = (0.5 - 0.5 * cos).sqrt();
+        (0.5 * sin / half, half)
+    };
+    half_sin / (1.0 + half_cos)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::PI;
+
+    #[test]
+    fn there_and_back() {
+        for e in [0.0, 0.3, 0.9, 0.9999] {
+            for phi in [0.0, 1e-6, 0.01, 1.0, 3.0, PI] {
+                let point = Point::new(e, phi.cos(), phi.sin());
+                assert!((point.angle() - phi).abs() < 1e-9, "{e} {phi} {point:?}");
+                assert!((point.eccentricity() - e).abs() < 1e-12);
+                assert!((0.0..=1.0 + 1e-12).contains(&point.s));
+            }
+        }
+    }
+}

@@ -1,0 +1,185 @@
+//! The map at one width-to-diameter ratio, for use in every time step.
+
+use nalgebra::Vector2;
+
+use super::coordinates::Point;
+use super::map::CHANNELS;
+use super::spline::{End, hermite, slopes};
+
+/// Of each quantity: value, slope over `u`, slope over `s` and twist.
+type Node = [[f64; CHANNELS]; 4];
+
+/// The mobility of bearings of one `B/D`: the map's quantities over `u` and `s`, once continuously
+/// differentiable.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MobilitySlice {
+    /// By `u`, then `s`.
+    nodes: Vec<Node>,
+    /// Nodes over `s`.
+    ss: usize,
+    /// Nodes over `u`, less one.
+    last_u: f64,
+    /// Nodes over `s`, less one.
+    last_s: f64,
+    /// Node spacings per unit of `u`.
+    per_u: f64,
+}
+
+/// A film under a load, dimensionless.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Film {
+    /// The mobility vector `M`.
+    pub mobility: Vector2<f64>,
+    log_max_pressure: f64,
+    log_side_flow: f64,
+}
+
+impl Film {
+    /// The largest pressure over `F / (B D)`.
+    pub fn max_pressure(&self) -> f64 {
+        self.log_max_pressure.exp()
+    }
+
+    /// The flow out of both ends together over `F c^3 / (3 eta B^2)`.
+    pub fn side_flow(&self) -> f64 {
+        self.log_side_flow.exp()
+    }
+}
+
+/// How each quantity continues beyond the ends of `s`.
+const SYMMETRY: [End; CHANNELS] = [End::Even, End::Odd, End::Even, End::Even];
+
+impl MobilitySlice {
+    /// From node values, by `u`, then `s`, then channel.
+    pub(super) fn new(values: &[f64], us: usize, ss: usize, last_u: f64) -> Self {
+        let mut nodes = vec![Node::default(); us * ss];
+        for (channel, symmetry) in SYMMETRY.into_iter().enumerate() {
+            let values: Vec<f64> = values
+                .iter()
+                .skip(channel)
+                .step_by(CHANNELS)
+                .copied()
+                .collect();
+            let over_u = over_u(&values, us, ss);
+            let ends = [symmetry; 2];
+            let (mut over_s, mut twist) = (vec![0.0; ss], vec![0.0; ss]);
+            for i in 0..us {
+                let row = i * ss..(i + 1) * ss;
+                slopes(&values[row.clone()], ends, &mut over_s);
+                slopes(&over_u[row.clone()], ends, &mut twist);
+                for (j, at) in row.enumerate() {
+                    let node = [values[at], over_u[at], over_s[j], twist[j]];
+                    for (kind, value) in nodes[at].iter_mut().zip(node) {
+                        kind[channel] = value;
+                    }
+                }
+            }
+        }
+        let last = (us - 1) as f64;
+        Self {
+            nodes,
+            ss,
+            last_u: last,
+            last_s: (ss - 1) as f64,
+            per_u: last / last_u,
+        }
+    }
+
+    /// The mobility along the eccentricity and 90 degrees ahead of it, at the eccentricity ratio
+    /// `e` (0 up to, but not, 1) under a load whose angle ahead of the eccentricity has this cosine and sine.
+    ///
+    /// An eccentricity ratio of 1 or more is taken as just below 1.
+    pub fn mobility(&self, e: f64, cos: f64, sin: f64) -> (f64, f64) {
+        let film = self.film(Vector2::new(e, 0.0), Vector2::new(cos, sin));
+        (film.mobility.x, film.mobility.y)
+    }
+
+    /// The mobility vector `M` in the frame of `eps` and of the load's `direction`, a unit vector.
+    pub fn mobility_vector(&self, eps: Vector2<f64>, direction: Vector2<f64>) -> Vector2<f64> {
+        self.film(eps, direction).mobility
+    }
+
+    /// The film at the eccentricity-ratio vector `eps` under a load along the unit vector `direction`.
+    pub fn film(&self, eps: Vector2<f64>, direction: Vector2<f64>) -> Film {
+        let e = eps.norm();
+        let (cos, sin) = if e > 0.0 {
+            let inverse = 1.0 / e;
+            (
+                eps.dot(&direction) * inverse,
+                eps.perp(&direction) * inverse,
+            )
+        } else {
+            (1.0, 0.0)
+        };
+        let [log_mobility, lead, log_max_pressure, log_side_flow] =
+            self.at(Point::new(e, cos, sin));
+        // The lead is odd in the angle from eccentricity to load.
+        let (sin, cos) = if sin < 0.0 { -lead } else { lead }.sin_cos();
+        let mobility = log_mobility.exp()
+            * Vector2::new(
+                direction.x * cos - direction.y * sin,
+                direction.x * sin + direction.y * cos,
+            );
+        Film {
+            mobility,
+            log_max_pressure,
+            log_side_flow,
+        }
+    }
+
+    /// The quantities at a point.
+    fn at(&self, point: Point) -> [f64; CHANNELS] {
+        let position = point.u * self.per_u;
+        let across = (point.s * self.last_s).clamp(0.0, self.last_s);
+        let inside = position.min(self.last_u);
+        let i = (inside as usize).min(self.last_u as usize - 1);
+        let j = (across as usize).min(self.ss - 2);
+        // Beyond the last node over u the surface goes on straight.
+        let x = inside - i as f64;
+        let excess = position - inside;
+        let [a0, a1, b0, b1] = hermite(x);
+        let along = [a0, a1, b0, b1 + excess];
+        let wide = hermite(across - j as f64);
+        let near = i * self.ss + j;
+        let corners = [
+            &self.nodes[near],
+            &self.nodes[near + self.ss],
+            &self.nodes[near + 1],
+            &self.nodes[near + self.ss + 1],
+        ];
+        let mut sum = [0.0; CHANNELS];
+        for (k, [f, fu, fs, fus]) in corners.into_iter().enumerate() {
+            let (value, slope) = (along[k & 1], along[2 + (k & 1)]);
+            let (wide_value, wide_slope) = (wide[k >> 1], wide[2 + (k >> 1)]);
+            let weights = [
+                wide_value * value,
+                wide_value * slope,
+                wide_slope * value,
+                wide_slope * slope,
+            ];
+            for (channel, total) in sum.iter_mut().enumerate() {
+                *total += weights[0] * f[channel]
+                    + weights[1] * fu[channel]
+                    + weights[2] * fs[channel]
+                    + weights[3] * fus[channel];
+            }
+        }
+        sum
+    }
+}
+
+/// Slopes over `u` of values by `u`, then `s`.
+fn over_u(values: &[f64], us: usize, ss: usize) -> Vec<f64> {
+    let mut result = vec![0.0; us * ss];
+    let (mut line, mut slope) = (vec![0.0; us], vec![0.0; us]);
+    for j in 0..ss {
+        for i in 0..us {
+            line[i] = values[i * ss + j];
+        }
+        slopes(&line, [End::Free; 2], &mut slope);
+        for i in 0..us {
+            result[i * ss + j] = slope[i];
+        }
+    }
+    result
+}

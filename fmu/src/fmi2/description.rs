@@ -1,0 +1,450 @@
+//! The model description, generated from the model's variable table.
+
+use std::fmt::{self, Display, Write};
+
+use super::logger::CATEGORIES;
+use super::values::type_name;
+use crate::model::{DisplayUnit, Enumeration, Kind, Model, Role, Unit, Variable};
+
+/// `modelDescription.xml`.
+pub fn xml<M: Model>() -> String {
+    with_guid::<M>(&guid(fingerprint::<M>()))
+}
+
+/// A number for the variable table and all else that the description says: two binaries with the
+/// same fingerprint have the same description. FNV-1a of 128 bits (Fowler, Noll and Vo, 1991).
+pub fn fingerprint<M: Model>() -> u128 {
+    const BASIS: u128 = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d;
+    const PRIME: u128 = 0x0000_0000_0100_0000_0000_0000_0000_013b;
+    with_guid::<M>("").bytes().fold(BASIS, |hash, byte| {
+        (hash ^ u128::from(byte)).wrapping_mul(PRIME)
+    })
+}
+
+/// The GUID of a fingerprint.
+pub fn guid(fingerprint: u128) -> String {
+    let digits = format!("{fingerprint:032x}");
+    format!(
+        "{{{}-{}-{}-{}-{}}}",
+        &digits[..8],
+        &digits[8..12],
+        &digits[12..16],
+        &digits[16..20],
+        &digits[20..]
+    )
+}
+
+fn with_guid<M: Model>(guid: &str) -> String {
+    let mut xml = Xml {
+        text: "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n".to_owned(),
+        depth: 0,
+    };
+    let info = M::INFO;
+    xml.open(
+        Tag::new("fmiModelDescription")
+            .with("fmiVersion", "2.0")
+            .with("modelName", info.name)
+            .with("guid", guid)
+            .with("description", info.description)
+            .with("version", env!("CARGO_PKG_VERSION"))
+            .with("license", env!("CARGO_PKG_LICENSE"))
+            .with(
+                "generationTool",
+                concat!(env!("CARGO_PKG_NAME"), " ", env!("CARGO_PKG_VERSION")),
+            )
+            .with("variableNamingConvention", "structured"),
+    );
+    co_simulation::<M>(&mut xml);
+    units::<M>(&mut xml);
+    types::<M>(&mut xml);
+    xml.open(Tag::new("LogCategories"));
+    for (name, description) in CATEGORIES.iter().chain(info.log_categories) {
+        xml.leaf(
+            Tag::new("Category")
+                .with("name", name)
+                .with("description", description),
+        );
+    }
+    xml.close("LogCategories");
+    xml.leaf(
+        Tag::new("DefaultExperiment")
+            .with("startTime", Number(0.0))
+            .with("stopTime", Number(info.default_stop))
+            .with("tolerance", Number(info.default_tolerance))
+            .with("stepSize", Number(info.default_step)),
+    );
+    variables::<M>(&mut xml);
+    structure::<M>(&mut xml);
+    xml.close("fmiModelDescription");
+    xml.text
+}
+
+fn co_simulation<M: Model>(xml: &mut Xml) {
+    let sloped = M::variables()
+        .iter()
+        .any(|v| matches!(v.kind, Kind::Real { slope: Some(_), .. }));
+    xml.leaf(
+        Tag::new("CoSimulation")
+            .with("modelIdentifier", M::INFO.identifier)
+            .with("canHandleVariableCommunicationStepSize", true)
+            .with("canInterpolateInputs", sloped)
+            .with("maxOutputDerivativeOrder", 1)
+            .with("canNotUseMemoryManagementFunctions", true)
+            .with("canGetAndSetFMUstate", true)
+            .with("canSerializeFMUstate", true)
+            .with("providesDirectionalDerivative", true),
+    );
+}
+
+fn units<M: Model>(xml: &mut Xml) {
+    let mut units: Vec<&Unit> = Vec::new();
+    for variable in M::variables() {
+        if let Kind::Real { unit, .. } = variable.kind
+            && units.iter().all(|other| other.name != unit.name)
+        {
+            units.push(unit);
+        }
+    }
+    if units.is_empty() {
+        return;
+    }
+    xml.open(Tag::new("UnitDefinitions"));
+    for unit in units {
+        xml.open(Tag::new("Unit").with("name", unit.name));
+        let mut base = Tag::new("BaseUnit");
+        for (name, exponent) in ["kg", "m", "s", "K", "rad"].into_iter().zip(unit.exponents) {
+            base = base.with_some(name, (exponent != 0).then_some(exponent));
+        }
+        xml.leaf(base);
+        for DisplayUnit {
+            name,
+            factor,
+            offset,
+        } in unit.display
+        {
+            xml.leaf(
+                Tag::new("DisplayUnit")
+                    .with("name", name)
+                    .with("factor", Number(*factor))
+                    .with_some("offset", (*offset != 0.0).then_some(Number(*offset))),
+            );
+        }
+        xml.close("Unit");
+    }
+    xml.close("UnitDefinitions");
+}
+
+fn types<M: Model>(xml: &mut Xml) {
+    let mut types: Vec<&Enumeration> = Vec::new();
+    for variable in M::variables() {
+        if let Kind::Enumeration { of, .. } = variable.kind
+            && types.iter().all(|other| other.name != of.name)
+        {
+            types.push(of);
+        }
+    }
+    if types.is_empty() {
+        return;
+    }
+    xml.open(Tag::new("TypeDefinitions"));
+    for Enumeration {
+        name,
+        description,
+        items,
+    } in types
+    {
+        xml.open(
+            Tag::new("SimpleType")
+                .with("name", name)
+                .with("description", description),
+        );
+        xml.open(Tag::new("Enumeration"));
+        for item in *items {
+            xml.leaf(
+                Tag::new("Item")
+                    .with("name", item.name)
+                    .with("value", item.value)
+                    .with("description", item.description),
+            );
+        }
+        xml.close("Enumeration");
+        xml.close("SimpleType");
+    }
+    xml.close("TypeDefinitions");
+}
+
+fn variables<M: Model>(xml: &mut Xml) {
+    let initial = M::default();
+    xml.open(Tag::new("ModelVariables"));
+    for (index, variable) in M::variables().iter().enumerate() {
+        let continuous = matches!(variable.kind, Kind::Real { .. });
+        let changing = if continuous { "continuous" } else { "discrete" };
+        let (causality, variability, first) = match variable.role {
+            Role::Input => ("input", changing, None),
+            Role::Parameter => ("parameter", "fixed", Some("exact")),
+            Role::TunableParameter => ("parameter", "tunable", Some("exact")),
+            Role::Output => ("output", changing, Some("calculated")),
+            Role::Local => ("local", changing, Some("calculated")),
+        };
+        xml.open(
+            Tag::new("ScalarVariable")
+                .with("name", variable.name)
+                .with("valueReference", index)
+                .with("description", variable.description)
+                .with("causality", causality)
+                .with("variability", variability)
+                .with_some("initial", first),
+        );
+        xml.leaf(typed(variable, &initial));
+        xml.close("ScalarVariable");
+    }
+    xml.close("ModelVariables");
+}
+
+/// The element of a variable's type; with the start value, where the host may set one.
+fn typed<M: Model>(variable: &Variable<M>, initial: &M) -> Tag {
+    let set = !matches!(variable.role, Role::Output | Role::Local);
+    let tag = Tag::new(type_name(variable));
+    match &variable.kind {
+        Kind::Real {
+            access,
+            unit,
+            display,
+            min,
+            max,
+            nominal,
+            ..
+        } => tag
+            .with("unit", unit.name)
+            .with_some("displayUnit", *display)
+            .with_some("min", min.map(Number))
+            .with_some("max", max.map(Number))
+            .with_some("nominal", nominal.map(Number))
+            .with_some("start", set.then(|| Number((access.get)(initial)))),
+        Kind::Integer { access, min, max } => tag
+            .with_some("min", *min)
+            .with_some("max", *max)
+            .with_some("start", set.then(|| (access.get)(initial))),
+        Kind::Boolean { access } => tag.with_some("start", set.then(|| (access.get)(initial))),
+        Kind::Enumeration { access, of } => tag
+            .with("declaredType", of.name)
+            .with_some("start", set.then(|| (access.get)(initial))),
+        Kind::String { access } => tag.with_some("start", set.then(|| (access.get)(initial))),
+    }
+}
+
+fn structure<M: Model>(xml: &mut Xml) {
+    let table = M::variables();
+    let outputs = || {
+        table
+            .iter()
+            .enumerate()
+            .filter(|(_, v)| v.role == Role::Output)
+    };
+    xml.open(Tag::new("ModelStructure"));
+    if outputs().next().is_some() {
+        xml.open(Tag::new("Outputs"));
+        for (index, variable) in outputs() {
+            let known = |name: &str| variable.depends_on.contains(&name);
+            xml.leaf(unknown(index, |_, v: &Variable<M>| known(v.name), table));
+        }
+        xml.close("Outputs");
+        // At the start, outputs may depend on parameters too.
+        xml.open(Tag::new("InitialUnknowns"));
+        for (index, _) in outputs() {
+            let known = |v: &Variable<M>| !matches!(v.role, Role::Output | Role::Local);
+            xml.leaf(unknown(index, |_, v| known(v), table));
+        }
+        xml.close("InitialUnknowns");
+    }
+    xml.close("ModelStructure");
+}
+
+/// An `Unknown` with the variables on which it depends. Indices count from 1.
+fn unknown<M>(
+    index: usize,
+    depends: impl Fn(usize, &Variable<M>) -> bool,
+    table: &[Variable<M>],
+) -> Tag {
+    let dependencies = table
+        .iter()
+        .enumerate()
+        .filter(|(index, variable)| depends(*index, variable))
+        .map(|(index, _)| (index + 1).to_string())
+        .collect::<Vec<_>>();
+    Tag::new("Unknown")
+        .with("index", index + 1)
+        .with("dependencies", dependencies.join(" "))
+}
+
+/// A real number as `xs:double` writes it, with all its digits.
+struct Number(f64);
+
+impl Display for Number {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:?}", self.0)
+    }
+}
+
+/// A start tag in the making.
+struct Tag(String);
+
+impl Tag {
+    fn new(name: &str) -> Self {
+        Self(name.to_owned())
+    }
+
+    fn with(mut self, name: &str, value: impl Display) -> Self {
+        self.0
+            .push_str(&format!(" {name}=\"{}\"", escaped(&value.to_string())));
+        self
+    }
+
+    fn with_some(self, name: &str, value: Option<impl Display>) -> Self {
+        match value {
+            Some(value) => self.with(name, value),
+            None => self,
+        }
+    }
+}
+
+/// A document in the making.
+struct Xml {
+    text: String,
+    depth: usize,
+}
+
+impl Xml {
+    fn line(&mut self, line: impl Display) {
+        // Writing to a String cannot fail.
+        let _ = writeln!(self.text, "{:1$}{line}", "", 2 * self.depth);
+    }
+
+    fn open(&mut self, tag: Tag) {
+        self.line(format_args!("<{}>", tag.0));
+        self.depth += 1;
+    }
+
+    fn leaf(&mut self, tag: Tag) {
+        self.line(format_args!("<{}/>", tag.0));
+    }
+
+    fn close(&mut self, name: &str) {
+        self.depth -= 1;
+        self.line(format_args!("</{name}>"));
+    }
+}
+
+fn escaped(text: &str) -> String {
+    text.chars()
+        .fold(String::with_capacity(text.len()), |mut out, character| {
+            match character {
+                '&' => out.push_str("&amp;"),
+                '<' => out.push_str("&lt;"),
+                '>' => out.push_str("&gt;"),
+                '"' => out.push_str("&quot;"),
+                '\n' => out.push_str("&#10;"),
+                '\t' => out.push_str("&#9;"),
+                _ => out.push(character),
+            }
+            out
+        })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fmi2::lag::Lag;
+    use crate::stand::Stand;
+
+    #[test]
+    fn the_committed_description_is_fresh() {
+        let path = concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/../modelDescription/modelDescription.xml"
+        );
+        let committed = std::fs::read_to_string(path).unwrap_or_default();
+        assert!(
+            committed.replace("\r\n", "\n") == xml::<Stand>(),
+            "{path} is stale: run `cargo run -p plain-bearing-stand --bin model-description`"
+        );
+    }
+
+    #[test]
+    fn texts_are_escaped_and_types_complete() {
+        let xml = xml::<Lag>();
+        let document = roxmltree::Document::parse(&xml).unwrap();
+        let node = |name: &str| {
+            document
+                .descendants()
+                .find(|node| node.attribute("name") == Some(name))
+                .unwrap()
+        };
+        assert_eq!(
+            node("label").attribute("description"),
+            Some("A name with <&\"> in it")
+        );
+        assert_eq!(
+            node("trouble")
+                .first_element_child()
+                .unwrap()
+                .attribute("declaredType"),
+            Some("Trouble")
+        );
+        let outputs = document
+            .descendants()
+            .find(|node| node.has_tag_name("Outputs"))
+            .unwrap();
+        let feed = outputs
+            .children()
+            .find(|node| node.attribute("index") == Some("6"))
+            .unwrap();
+        assert_eq!(feed.attribute("dependencies"), Some("1 8"));
+    }
+
+    #[test]
+    fn every_table_has_its_own_guid() {
+        assert_ne!(fingerprint::<Lag>(), fingerprint::<Stand>());
+        assert_eq!(guid(1), "{00000000-0000-0000-0000-000000000001}");
+    }
+
+    /// What holds for every sound table, shown on the stand's.
+    #[test]
+    fn the_stands_table_is_sound() {
+        let initial = Stand::default();
+        let mut names = std::collections::HashSet::new();
+        for variable in Stand::variables() {
+            assert!(names.insert(variable.name), "{} twice", variable.name);
+            assert!(!variable.description.is_empty(), "{}", variable.name);
+            if let Kind::Real {
+                access,
+                unit,
+                display,
+                min,
+                max,
+                nominal,
+                ..
+            } = &variable.kind
+            {
+                let start = (access.get)(&initial);
+                let inside =
+                    min.is_none_or(|min| start >= min) && max.is_none_or(|max| start <= max);
+                assert!(inside || access.set.is_none(), "{}", variable.name);
+                let bounded = min.is_some() && max.is_some() && min < max;
+                assert!(bounded || access.set.is_none(), "{}", variable.name);
+                assert!(
+                    nominal.is_some_and(|nominal| nominal > 0.0),
+                    "{}",
+                    variable.name
+                );
+                let known = |name: &str| unit.display.iter().any(|unit| unit.name == name);
+                assert!(display.is_none_or(known), "{}", variable.name);
+            }
+        }
+        for variable in Stand::variables() {
+            for name in variable.depends_on {
+                assert!(names.contains(name), "{}: {name}", variable.name);
+            }
+        }
+    }
+}

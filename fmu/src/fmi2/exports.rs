@@ -1,0 +1,106 @@
+//! The C functions of FMI 2.0 Co-Simulation under their own names.
+
+/// Exports a model as an FMI 2.0 Co-Simulation FMU: defines the standard's 34 C functions for it.
+///
+/// Once a binary, at its root: `fmi2::export!(stand::Stand);`
+#[macro_export]
+macro_rules! export {
+    ($model:ty) => {
+        $crate::export_functions! { $model:
+            fmi2Instantiate = instantiate(name: Text, kind: c_int, guid: Text, resources: Text,
+                callbacks: *const CallbackFunctions, visible: Boolean, logging: Boolean) -> Component;
+            fmi2FreeInstance = free_instance(component: Component);
+            fmi2SetDebugLogging = set_debug_logging(component: Component, on: Boolean, n: usize,
+                categories: *const Text) -> Status;
+            fmi2SetupExperiment = setup_experiment(component: Component, tolerance_defined: Boolean,
+                tolerance: Real, start: Real, stop_defined: Boolean, stop: Real) -> Status;
+            fmi2EnterInitializationMode = enter_initialization_mode(component: Component) -> Status;
+            fmi2ExitInitializationMode = exit_initialization_mode(component: Component) -> Status;
+            fmi2Terminate = terminate(component: Component) -> Status;
+            fmi2Reset = reset(component: Component) -> Status;
+            fmi2GetReal = get_real(component: Component, references: *const ValueReference, n: usize,
+                value: *mut Real) -> Status;
+            fmi2GetInteger = get_integer(component: Component, references: *const ValueReference,
+                n: usize, value: *mut Integer) -> Status;
+            fmi2GetBoolean = get_boolean(component: Component, references: *const ValueReference,
+                n: usize, value: *mut Boolean) -> Status;
+            fmi2GetString = get_string(component: Component, references: *const ValueReference,
+                n: usize, value: *mut Text) -> Status;
+            fmi2SetReal = set_real(component: Component, references: *const ValueReference, n: usize,
+                value: *const Real) -> Status;
+            fmi2SetInteger = set_integer(component: Component, references: *const ValueReference,
+                n: usize, value: *const Integer) -> Status;
+            fmi2SetBoolean = set_boolean(component: Component, references: *const ValueReference,
+                n: usize, value: *const Boolean) -> Status;
+            fmi2SetString = set_string(component: Component, references: *const ValueReference,
+                n: usize, value: *const Text) -> Status;
+            fmi2GetFMUstate = get_fmu_state(component: Component, state: *mut FmuState) -> Status;
+            fmi2SetFMUstate = set_fmu_state(component: Component, state: FmuState) -> Status;
+            fmi2FreeFMUstate = free_fmu_state(component: Component, state: *mut FmuState) -> Status;
+            fmi2SerializedFMUstateSize = serialized_fmu_state_size(component: Component,
+                state: FmuState, size: *mut usize) -> Status;
+            fmi2SerializeFMUstate = serialize_fmu_state(component: Component, state: FmuState,
+                serialized: *mut Byte, size: usize) -> Status;
+            fmi2DeSerializeFMUstate = deserialize_fmu_state(component: Component,
+                serialized: *const Byte, size: usize, state: *mut FmuState) -> Status;
+            fmi2GetDirectionalDerivative = get_directional_derivative(component: Component,
+                unknowns: *const ValueReference, n_unknowns: usize, knowns: *const ValueReference,
+                n_knowns: usize, direction: *const Real, derivative: *mut Real) -> Status;
+            fmi2SetRealInputDerivatives = set_real_input_derivatives(component: Component,
+                references: *const ValueReference, n: usize, orders: *const Integer,
+                value: *const Real) -> Status;
+            fmi2GetRealOutputDerivatives = get_real_output_derivatives(component: Component,
+                references: *const ValueReference, n: usize, orders: *const Integer,
+                value: *mut Real) -> Status;
+            fmi2DoStep = do_step(component: Component, from: Real, step: Real,
+                no_set_state_prior: Boolean) -> Status;
+            fmi2CancelStep = cancel_step(component: Component) -> Status;
+            fmi2GetStatus = get_status(component: Component, kind: c_int, value: *mut Status) -> Status;
+            fmi2GetRealStatus = get_real_status(component: Component, kind: c_int,
+                value: *mut Real) -> Status;
+            fmi2GetIntegerStatus = get_integer_status(component: Component, kind: c_int,
+                value: *mut Integer) -> Status;
+            fmi2GetBooleanStatus = get_boolean_status(component: Component, kind: c_int,
+                value: *mut Boolean) -> Status;
+            fmi2GetStringStatus = get_string_status(component: Component, kind: c_int,
+                value: *mut Text) -> Status;
+        }
+    };
+}
+
+/// The working part of [`export!`].
+#[doc(hidden)]
+#[macro_export]
+macro_rules! export_functions {
+    ($model:ty: $($name:ident = $call:ident($($argument:ident: $of:ty),*) $(-> $result:ty)?;)*) => {
+        /// The C functions of FMI 2.0 Co-Simulation. What they ask of their callers is said at
+        /// `fmi2::calls`.
+        #[allow(non_snake_case, missing_docs)]
+        #[allow(clippy::missing_safety_doc, clippy::too_many_arguments)]
+        pub mod c_functions {
+            use std::ffi::c_int;
+            #[allow(unused_imports)]
+            use super::*;
+            use $crate::fmi2::calls;
+            use $crate::fmi2::types::*;
+
+            #[unsafe(no_mangle)]
+            pub extern "C" fn fmi2GetTypesPlatform() -> Text {
+                c"default".as_ptr()
+            }
+
+            #[unsafe(no_mangle)]
+            pub extern "C" fn fmi2GetVersion() -> Text {
+                c"2.0".as_ptr()
+            }
+
+            $(
+                #[unsafe(no_mangle)]
+                pub unsafe extern "C" fn $name($($argument: $of),*) $(-> $result)? {
+                    // SAFETY: the generic function asks the same of its caller.
+                    unsafe { calls::$call::<$model>($($argument),*) }
+                }
+            )*
+        }
+    };
+}

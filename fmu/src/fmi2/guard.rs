@@ -1,0 +1,160 @@
+//! What every call passes before it reaches an instance: is the handle ours, is no other call at
+//! work in the instance, does the state machine allow the function; and a panic stops here.
+
+use std::any::Any;
+use std::cell::UnsafeCell;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+use super::instance::Instance;
+use super::phase::{Function, Phase};
+use super::refusal::{Outcome, Refusal};
+use super::types::{Component, Status};
+use crate::model::Model;
+
+/// What stands at the start of everything that the host holds a handle of.
+///
+/// The number differs between kinds of object, between models, and between loaded libraries, so
+/// that a handle of another FMU is not taken for one of ours.
+pub fn magic<M: Model>(kind: u64) -> u64 {
+    static ANCHOR: u8 = 0;
+    let library = (&raw const ANCHOR).addr() as u64;
+    M::INFO
+        .identifier
+        .bytes()
+        .fold(library ^ kind, |hash, byte| {
+            (hash ^ u64::from(byte))
+                .wrapping_mul(0x0000_0100_0000_01b3)
+                .rotate_left(23)
+        })
+}
+
+/// What an `fmi2Component` points to.
+#[repr(C)]
+pub struct Handle<M> {
+    magic: AtomicU64,
+    busy: AtomicBool,
+    instance: UnsafeCell<Instance<M>>,
+}
+
+impl<M: Model> Handle<M> {
+    const KIND: u64 = 0x1257_a1ce;
+
+    /// Gives an instance to the host.
+    pub fn give(instance: Instance<M>) -> Component {
+        Box::into_raw(Box::new(Self {
+            magic: AtomicU64::new(magic::<M>(Self::KIND)),
+            busy: AtomicBool::new(false),
+            instance: UnsafeCell::new(instance),
+        }))
+        .cast()
+    }
+
+    /// Ends an instance that the host gives back. NULL, foreign and busy handles are left alone.
+    ///
+    /// # Safety
+    /// The component is NULL, or points to at least eight readable bytes; one of ours is given
+    /// back only once, while no other thread uses it.
+    pub unsafe fn end(component: Component) {
+        // SAFETY: as the caller says.
+        let Some(handle) = (unsafe { Self::find(component) }) else {
+            return;
+        };
+        if handle.busy.swap(true, Ordering::Acquire) {
+            return;
+        }
+        handle.magic.store(0, Ordering::Relaxed);
+        // SAFETY: made by `give`, and no longer found by anyone else.
+        let handle = unsafe { Box::from_raw(component.cast::<Self>()) };
+        let _ = catch_unwind(AssertUnwindSafe(|| drop(handle)));
+    }
+
+    /// # Safety
+    /// The component is NULL, or points to at least eight readable bytes; one of ours is alive.
+    unsafe fn find<'a>(component: Component) -> Option<&'a Self> {
+        let first = component.cast::<AtomicU64>();
+        if first.is_null() || !first.is_aligned() {
+            return None;
+        }
+        // SAFETY: not NULL, aligned, readable.
+        let found = unsafe { &*first }.load(Ordering::Relaxed);
+        // SAFETY: the number is written by `give` only, in front of a handle of this type.
+        (found == magic::<M>(Self::KIND)).then(|| unsafe { &*component.cast::<Self>() })
+    }
+}
+
+/// Resets the busy flag, also when a call unwinds.
+struct Turn<'a>(&'a AtomicBool);
+
+impl Drop for Turn<'_> {
+    fn drop(&mut self) {
+        self.0.store(false, Ordering::Release);
+    }
+}
+
+/// Runs `body` on the instance behind a component, if `function` may be called now.
+///
+/// # Safety
+/// As for [`Handle::end`], but that the component is not given back.
+pub unsafe fn enter<M: Model>(
+    component: Component,
+    function: &Function,
+    body: impl FnOnce(&mut Instance<M>) -> Outcome,
+) -> Status {
+    // SAFETY: as the caller says.
+    let Some(handle) = (unsafe { Handle::<M>::find(component) }) else {
+        return Status::Error;
+    };
+    if handle.busy.swap(true, Ordering::Acquire) {
+        // From a second thread, or from within the logger.
+        return Status::Error;
+    }
+    let _turn = Turn(&handle.busy);
+    // SAFETY: the busy flag makes this the only reference.
+    let instance = unsafe { &mut *handle.instance.get() };
+    match catch_unwind(AssertUnwindSafe(|| checked(instance, function, body))) {
+        Ok(status) => status,
+        Err(panic) => poison(instance, function, panic.as_ref()),
+    }
+}
+
+fn checked<M: Model>(
+    instance: &mut Instance<M>,
+    function: &Function,
+    body: impl FnOnce(&mut Instance<M>) -> Outcome,
+) -> Status {
+    let phase = instance.phase();
+    if phase == Phase::Fatal {
+        return Status::Fatal;
+    }
+    let outcome = if function.allowed_in(phase) {
+        body(instance)
+    } else {
+        Err(Refusal::Phase(phase))
+    };
+    outcome.unwrap_or_else(|refusal| {
+        instance.logger.refuse(function.name, &refusal);
+        refusal.status()
+    })
+}
+
+fn poison<M: Model>(
+    instance: &mut Instance<M>,
+    function: &Function,
+    panic: &(dyn Any + Send),
+) -> Status {
+    let text = panic
+        .downcast_ref::<&str>()
+        .copied()
+        .or_else(|| panic.downcast_ref::<String>().map(String::as_str))
+        .unwrap_or("no message");
+    instance.poison();
+    let message = format!(
+        "{}: internal error: {text}. The instance is unusable now: free it, and please report this.",
+        function.name
+    );
+    instance
+        .logger
+        .send(Status::Fatal, "logStatusFatal", &message);
+    Status::Fatal
+}

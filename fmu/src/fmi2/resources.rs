@@ -1,0 +1,94 @@
+//! The folder of the resources, from the URI that the host passes (RFC 8089).
+
+use std::path::PathBuf;
+
+/// The folder that a URI such as `file:/a`, `file:///a%20b` or `file://localhost/a` names.
+/// Hosts that pass a plain absolute path are understood too. `None`: not a local folder.
+pub fn folder(uri: &str) -> Option<PathBuf> {
+    let path = match scheme(uri) {
+        Some(rest) => decode(local_path(rest)?)?,
+        None => uri.to_owned(),
+    };
+    let path = without_slash_before_drive(&path);
+    let folder = PathBuf::from(path);
+    folder.is_absolute().then_some(folder)
+}
+
+/// What follows `file:`, in any case.
+fn scheme(uri: &str) -> Option<&str> {
+    let (scheme, rest) = uri.split_at_checked(5)?;
+    scheme.eq_ignore_ascii_case("file:").then_some(rest)
+}
+
+/// The path after an authority, which must be this machine.
+fn local_path(rest: &str) -> Option<&str> {
+    let Some(authority) = rest.strip_prefix("//") else {
+        return Some(rest);
+    };
+    let start = authority.find('/')?;
+    let (host, path) = authority.split_at(start);
+    (host.is_empty() || host.eq_ignore_ascii_case("localhost")).then_some(path)
+}
+
+fn decode(text: &str) -> Option<String> {
+    let mut bytes = Vec::with_capacity(text.len());
+    let mut rest = text.as_bytes();
+    while let [first, tail @ ..] = rest {
+        rest = tail;
+        if *first != b'%' {
+            bytes.push(*first);
+            continue;
+        }
+        let (digits, tail) = tail.split_at_checked(2)?;
+        if !digits.iter().all(u8::is_ascii_hexdigit) {
+            return None;
+        }
+        bytes.push(u8::from_str_radix(std::str::from_utf8(digits).ok()?, 16).ok()?);
+        rest = tail;
+    }
+    String::from_utf8(bytes).ok()
+}
+
+/// `/C:/folder` is `C:/folder` where drives have letters.
+fn without_slash_before_drive(path: &str) -> &str {
+    match path.as_bytes() {
+        [b'/', drive, b':', ..] if cfg!(windows) && drive.is_ascii_alphabetic() => &path[1..],
+        _ => path,
+    }
+}
+
+#[cfg(test)]
+#[cfg(unix)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_ways_to_write_a_local_folder() {
+        for uri in [
+            "file:/tmp/a%20b/r%C3%A9s",
+            "file:///tmp/a%20b/r%c3%a9s",
+            "file://localhost/tmp/a%20b/rés",
+            "FILE:///tmp/a b/rés",
+            "/tmp/a b/rés",
+        ] {
+            assert_eq!(folder(uri), Some(PathBuf::from("/tmp/a b/rés")), "{uri}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_local_folder() {
+        for uri in [
+            "",
+            "file:",
+            "file://",
+            "file://server/share",
+            "http://a/b",
+            "a/b",
+            "file:///%4",
+            "file:///%zz",
+            "file:///%ff",
+        ] {
+            assert_eq!(folder(uri), None, "{uri}");
+        }
+    }
+}

@@ -1,0 +1,226 @@
+//! Saved states: as a handle within the process, and as bytes that another process can take.
+//!
+//! The bytes are, little-endian: `FMUSTATE`, the format's version (2 bytes), the fingerprint of
+//! the variable table (16), the length of the rest (8), its CRC-32 (4), the rest.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use serde::{Deserialize, Serialize};
+
+use super::guard::magic;
+use super::instance::{Instance, Run};
+use super::phase::Phase;
+use super::refusal::{Outcome, Refusal};
+use super::types::{FmuState, Status};
+use crate::model::Model;
+
+const MARK: &[u8; 8] = b"FMUSTATE";
+const VERSION: u16 = 1;
+const HEADER: usize = 8 + 2 + 16 + 8 + 4;
+
+/// What an `fmi2FMUstate` points to.
+#[repr(C)]
+pub struct Saved<M> {
+    magic: AtomicU64,
+    run: Run<M>,
+}
+
+impl<M: Model> Saved<M> {
+    const KIND: u64 = 0x5a4e_d57a;
+
+    fn give(run: Run<M>) -> FmuState {
+        let magic = AtomicU64::new(magic::<M>(Self::KIND));
+        Box::into_raw(Box::new(Self { magic, run })).cast()
+    }
+
+    /// # Safety
+    /// The state is NULL, or points to at least eight readable bytes; one of ours is alive and
+    /// used by no other call during `'a`.
+    unsafe fn find<'a>(state: FmuState) -> Outcome<&'a mut Self> {
+        let first = state.cast::<AtomicU64>();
+        if first.is_null() {
+            return Err(Refusal::Null("FMUstate"));
+        }
+        if !first.is_aligned() {
+            return Err(Refusal::Pointer("FMUstate"));
+        }
+        // SAFETY: not NULL, aligned, readable.
+        if unsafe { &*first }.load(Ordering::Relaxed) != magic::<M>(Self::KIND) {
+            return Err(Refusal::Pointer("FMUstate"));
+        }
+        // SAFETY: the number is written by `give` only, in front of a state of this type.
+        Ok(unsafe { &mut *state.cast::<Self>() })
+    }
+}
+
+impl<M: Model> Instance<M> {
+    /// `fmi2GetFMUstate`: saves the state in the place of an earlier one, where there is one.
+    ///
+    /// # Safety
+    /// `place` holds NULL or a state of this FMU that was not freed.
+    pub unsafe fn save(&mut self, place: &mut FmuState) -> Outcome {
+        let run = self.run.clone();
+        if place.is_null() {
+            *place = Saved::give(run);
+        } else {
+            // SAFETY: as the caller says.
+            unsafe { Saved::<M>::find(*place) }?.run = run;
+        }
+        Ok(Status::Ok)
+    }
+
+    /// `fmi2SetFMUstate`.
+    ///
+    /// # Safety
+    /// `state` is NULL or a state of this FMU that was not freed.
+    pub unsafe fn restore(&mut self, state: FmuState) -> Outcome {
+        // SAFETY: as the caller says.
+        self.run = unsafe { Saved::<M>::find(state) }?.run.clone();
+        Ok(Status::Ok)
+    }
+
+    /// `fmi2FreeFMUstate`.
+    ///
+    /// # Safety
+    /// `place` holds NULL or a state of this FMU that was not freed.
+    pub unsafe fn free_state(place: &mut FmuState) -> Outcome {
+        if place.is_null() {
+            return Ok(Status::Ok);
+        }
+        // SAFETY: as the caller says.
+        let saved = unsafe { Saved::<M>::find(*place) }?;
+        saved.magic.store(0, Ordering::Relaxed);
+        // SAFETY: made by `give`, freed only here.
+        drop(unsafe { Box::from_raw(place.cast::<Saved<M>>()) });
+        *place = std::ptr::null_mut();
+        Ok(Status::Ok)
+    }
+
+    /// `fmi2SerializedFMUstateSize` and `fmi2SerializeFMUstate`: the bytes of a saved state.
+    ///
+    /// # Safety
+    /// `state` is NULL or a state of this FMU that was not freed.
+    pub unsafe fn serialize(&self, state: FmuState) -> Outcome<Vec<u8>> {
+        // SAFETY: as the caller says.
+        encode(&unsafe { Saved::<M>::find(state) }?.run, self.fingerprint)
+    }
+
+    /// `fmi2DeSerializeFMUstate`: makes a saved state of bytes. The place is only written to.
+    pub fn deserialize(&self, bytes: &[u8], place: &mut FmuState) -> Outcome {
+        *place = Saved::<M>::give(decode(bytes, self.fingerprint)?);
+        Ok(Status::Ok)
+    }
+}
+
+/// A run as it is written down.
+#[derive(Serialize, Deserialize)]
+struct Record {
+    phase: Phase,
+    stale: bool,
+    sloped: bool,
+    time: f64,
+    start: f64,
+    stop: Option<f64>,
+    tolerance: Option<f64>,
+    discarded: bool,
+    failed: bool,
+    model: Vec<u8>,
+    seed: Option<Vec<u8>>,
+}
+
+fn encode<M: Model>(run: &Run<M>, fingerprint: u128) -> Outcome<Vec<u8>> {
+    let record = Record {
+        phase: run.phase,
+        stale: run.stale,
+        sloped: run.sloped,
+        time: run.time,
+        start: run.start,
+        stop: run.stop,
+        tolerance: run.tolerance,
+        discarded: run.last_step == Status::Discard,
+        failed: run.last_step == Status::Error,
+        model: run.model.save(),
+        seed: run.seed.as_ref().map(Model::save),
+    };
+    let rest = postcard::to_stdvec(&record).map_err(|error| Refusal::Bytes(error.to_string()))?;
+    let mut bytes = Vec::with_capacity(HEADER + rest.len());
+    bytes.extend_from_slice(MARK);
+    bytes.extend_from_slice(&VERSION.to_le_bytes());
+    bytes.extend_from_slice(&fingerprint.to_le_bytes());
+    bytes.extend_from_slice(&(rest.len() as u64).to_le_bytes());
+    bytes.extend_from_slice(&crc32fast::hash(&rest).to_le_bytes());
+    bytes.extend_from_slice(&rest);
+    Ok(bytes)
+}
+
+fn decode<M: Model>(bytes: &[u8], fingerprint: u128) -> Outcome<Run<M>> {
+    let record = read(bytes, fingerprint)?;
+    let run = Run {
+        phase: record.phase,
+        model: model(&record.model)?,
+        seed: record.seed.as_deref().map(model).transpose()?,
+        stale: record.stale,
+        sloped: record.sloped,
+        time: record.time,
+        start: record.start,
+        stop: record.stop,
+        tolerance: record.tolerance,
+        last_step: match (record.failed, record.discarded) {
+            (true, _) => Status::Error,
+            (false, true) => Status::Discard,
+            (false, false) => Status::Ok,
+        },
+    };
+    let plausible = run.time.is_finite()
+        && run.phase != Phase::Fatal
+        && run.seed.is_some() == (run.phase == Phase::Initialization);
+    if plausible {
+        Ok(run)
+    } else {
+        Err(broken("it contradicts itself"))
+    }
+}
+
+/// Checks the head and the checksum, then reads the rest.
+fn read(bytes: &[u8], fingerprint: u128) -> Outcome<Record> {
+    let (mark, bytes) = take::<8>(bytes)?;
+    if mark != *MARK {
+        return Err(broken("they do not begin as one"));
+    }
+    let (version, bytes) = take(bytes)?;
+    if u16::from_le_bytes(version) != VERSION {
+        return Err(broken("another version of the FMU wrote them"));
+    }
+    let (table, bytes) = take(bytes)?;
+    if u128::from_le_bytes(table) != fingerprint {
+        return Err(broken("another FMU, or another version, wrote them"));
+    }
+    let (length, bytes) = take(bytes)?;
+    let (checksum, rest) = take(bytes)?;
+    if u64::from_le_bytes(length) != rest.len() as u64 {
+        return Err(broken("their number is wrong"));
+    }
+    if u32::from_le_bytes(checksum) != crc32fast::hash(rest) {
+        return Err(broken("they are damaged: the checksum differs"));
+    }
+    postcard::from_bytes(rest).map_err(|error| broken(&error.to_string()))
+}
+
+fn take<const N: usize>(bytes: &[u8]) -> Outcome<([u8; N], &[u8])> {
+    bytes
+        .split_first_chunk::<N>()
+        .map(|(first, rest)| (*first, rest))
+        .ok_or_else(|| broken("there are too few"))
+}
+
+fn model<M: Model>(bytes: &[u8]) -> Outcome<M> {
+    let mut model = M::default();
+    model
+        .restore(bytes)
+        .map_err(|fault| broken(&fault.to_string()))?;
+    Ok(model)
+}
+
+fn broken(why: &str) -> Refusal {
+    Refusal::Bytes(why.to_owned())
+}

@@ -1,0 +1,208 @@
+//! The stand as a whole, without FMI.
+
+#![allow(clippy::unwrap_used)]
+
+use plain_bearing_stand::model::{Experiment, Fault, Model};
+use plain_bearing_stand::sensors::Readings;
+use plain_bearing_stand::stand::Stand;
+use proptest::prelude::*;
+
+const NO_FILES: Experiment<'static> = Experiment {
+    start: 0.0,
+    stop: None,
+    tolerance: None,
+    resources: None,
+};
+
+/// A stand at its start.
+fn start(set: impl FnOnce(&mut Stand)) -> Stand {
+    let mut stand = Stand::default();
+    set(&mut stand);
+    stand.initialise(&NO_FILES, &mut ()).unwrap();
+    stand
+}
+
+/// Its readings after `stop` seconds in communication steps of `step`.
+fn run(stand: &mut Stand, stop: f64, step: f64) -> Readings {
+    let steps = (stop / step).round() as usize;
+    for i in 0..steps {
+        stand.advance(i as f64 * step, step, &mut ()).unwrap();
+    }
+    *stand.readings()
+}
+
+fn relative(a: f64, b: f64) -> f64 {
+    (a - b).abs() / b.abs()
+}
+
+#[test]
+fn results_do_not_depend_on_the_communication_step() {
+    let reference = run(&mut start(|_| ()), 20.0, 1e-3);
+    for step in [1e-4, 1e-2, 1e-1, 1.0 / 60.0] {
+        let other = run(&mut start(|_| ()), 20.0, step);
+        for (name, get) in [
+            ("F_N", (|r| r.load_force) as fn(&Readings) -> f64),
+            ("M", |r| r.friction_torque),
+            ("T_oil", |r| r.oil_temperature - 273.15),
+            ("T_bearing", |r| r.bearing_temperature - 273.15),
+            ("e", |r| r.eccentricity_ratio),
+        ] {
+            let difference = relative(get(&other), get(&reference));
+            assert!(
+                difference < 1e-5,
+                "{name} at a step of {step} s differs by {difference:e}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_leap_ends_where_the_resolved_turns_end() {
+    for viscosity_scale in [1.0, 60.0] {
+        let set = |multirate| {
+            move |stand: &mut Stand| {
+                stand.solver.multirate = multirate;
+                stand.oil.viscosity_scale = viscosity_scale;
+                // Far from the steady state, so that the temperatures move.
+                stand.thermal.initial_bearing = 330.0;
+            }
+        };
+        let leaped = run(&mut start(set(true)), 150.0, 150.0);
+        let resolved = run(&mut start(set(false)), 150.0, 150.0);
+        // One percent of the paper's tolerances (Table 2).
+        let apart = |get: fn(&Readings) -> f64| (get(&leaped) - get(&resolved)).abs();
+        assert!(apart(|r| r.oil_temperature) < 0.005);
+        assert!(apart(|r| r.bearing_temperature) < 0.00615);
+        assert!(apart(|r| r.friction_power) < 0.03);
+        assert!(relative(leaped.load_force, resolved.load_force) < 1e-9);
+    }
+}
+
+/// Vrublevskyi & Skonieczna (2025), Table 3: the load of every row within 0.3 N.
+#[test]
+fn the_load_of_every_row_of_the_papers_table() {
+    let file = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../studies/paper/table3_solutions.csv"
+    );
+    let mut rows = 0;
+    for row in csv::Reader::from_path(file).unwrap().deserialize() {
+        let row: std::collections::HashMap<String, f64> = row.unwrap();
+        let mut stand = start(|stand| {
+            stand.bearing.width = row["B_mm"] * 1e-3;
+            stand.bearing.diameter = row["D_mm"] * 1e-3;
+            stand.bearing.radial_clearance = row["h_mm"] * 1e-3;
+            stand.load.damping = row["beta_Nspm"];
+            stand.load.stiffness = row["C_Npm"];
+            stand.load.preload = row["F0_N"];
+            stand.load.eccentricity = row["eps_mm"] * 1e-3;
+        });
+        let force = run(&mut stand, 150.0, 150.0).load_force;
+        assert!(
+            (force - row["F_N_N"]).abs() < 0.3,
+            "point {}: {force} N",
+            row["point"]
+        );
+        rows += 1;
+    }
+    assert_eq!(rows, 12);
+}
+
+#[test]
+fn the_journal_comes_to_rest_in_mixed_lubrication() {
+    let mut stand = start(|stand| stand.inputs.speed.value = 0.0);
+    let readings = run(&mut stand, 20.0, 1.0);
+    assert!(readings.eccentricity_ratio < 1.0);
+    assert!(readings.contact_share > 0.99, "{readings:?}");
+    assert_eq!(readings.friction_torque, 0.0);
+}
+
+#[test]
+fn turning_backwards_mirrors_the_stand() {
+    let set = |sign: f64| {
+        move |stand: &mut Stand| {
+            stand.inputs.speed.value *= sign;
+            stand.load.eccentricity = 0.0;
+        }
+    };
+    let forward = run(&mut start(set(1.0)), 2.0, 0.1);
+    let backward = run(&mut start(set(-1.0)), 2.0, 0.1);
+    assert!((forward.attitude_angle + backward.attitude_angle).abs() < 1e-9);
+    assert!(relative(backward.friction_power, forward.friction_power) < 1e-9);
+}
+
+#[test]
+fn friction_heat_is_the_drives_work() {
+    // Constant load, so that the journal comes to rest and no work goes into moving it.
+    let mut stand = start(|stand| {
+        stand.load.eccentricity = 0.0;
+        stand.thermal.isothermal = true;
+    });
+    let readings = run(&mut stand, 5.0, 0.5);
+    let work = readings.friction_torque * readings.shaft_speed;
+    assert!(
+        relative(stand.heat(), work) < 1e-5,
+        "{} W, {work} W",
+        stand.heat()
+    );
+}
+
+#[test]
+fn a_restored_state_continues_bit_for_bit() {
+    let mut stand = start(|_| ());
+    run(&mut stand, 0.1, 0.01);
+    let bytes = stand.save();
+    let expected = run(&mut stand, 0.3, 0.01);
+    let mut other = Stand::default();
+    other.restore(&bytes).unwrap();
+    assert_eq!(run(&mut other, 0.3, 0.01), expected);
+    let before = other.save();
+    assert!(other.restore(&bytes[..bytes.len() / 2]).is_err());
+    assert_eq!(other.save(), before);
+}
+
+#[test]
+fn impossible_parameters_are_named() {
+    let mut stand = Stand::default();
+    stand.bearing.radial_clearance = -1e-5;
+    let Err(Fault::Invalid(message)) = stand.initialise(&NO_FILES, &mut ()) else {
+        panic!("accepted");
+    };
+    assert!(
+        message.starts_with("bearing.radialClearance = -0.00001 m"),
+        "{message}"
+    );
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+
+    #[test]
+    fn any_bearing_stays_finite(
+        clearance in -5.3..-4.0f64,
+        width_to_diameter in 0.2..1.6f64,
+        viscosity in -1.0..2.0f64,
+        roughness in prop_oneof![Just(0.0), 1e-7..5e-6f64],
+        speed in prop_oneof![Just(0.0), -300.0..300.0f64],
+        force in -5e3..5e3f64,
+        eccentricity in 0.0..2e-3f64,
+    ) {
+        let mut stand = start(|stand| {
+            stand.bearing.radial_clearance = 10f64.powf(clearance);
+            stand.bearing.width = width_to_diameter * stand.bearing.diameter;
+            stand.oil.viscosity_scale = 10f64.powf(viscosity);
+            stand.bearing.surface.roughness = roughness;
+            stand.inputs.speed.value = speed;
+            stand.inputs.external_force.value = force;
+            stand.load.eccentricity = eccentricity;
+        });
+        for i in 0..5 {
+            stand.advance(0.01 * i as f64, 0.01, &mut ()).unwrap();
+            let r = stand.readings();
+            prop_assert!(r.eccentricity_ratio < 1.0);
+            prop_assert!([r.friction_torque, r.film_temperature, r.bearing_temperature, r.attitude_angle]
+                .iter()
+                .all(|value| value.is_finite()), "{r:?}");
+        }
+    }
+}

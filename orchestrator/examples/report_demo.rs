@@ -1,0 +1,145 @@
+//! Writes the report of an invented study, to look at: `cargo run --example report_demo -- 50 target/demo`.
+
+use orchestrator::analysis::table::{Criterion, Parameter, PointTable};
+use orchestrator::report::{Report, figures::Series};
+use rand::{RngExt, SeedableRng, rngs::StdRng};
+use rand_distr::StandardNormal;
+use std::path::Path;
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let mut arguments = std::env::args().skip(1);
+    let n: usize = arguments.next().unwrap_or("50".into()).parse()?;
+    let folder = arguments.next().unwrap_or("target/demo".into());
+    let report = Report {
+        study: "Plain bearing, parameter distribution of Table 3".into(),
+        description: "An invented cloud with the shape of the paper's: a smooth law for load and power, temperatures that follow the power.".into(),
+        model: "PlainBearingStand".into(),
+        date: "2026-01-01".into(),
+        table: cloud(n),
+        history: history(),
+        provenance: vec![("Seed".into(), "1".into()), ("Points".into(), n.to_string()), ("FMU SHA-256".into(), "0f".repeat(32))],
+        command: "orchestrator verify studies/paper-table3.toml --output results/paper".into(),
+        study_text: "[design]\nmethod = \"monte-carlo\"\n".into(),
+        ..Report::default()
+    };
+    println!("{}", report.write(Path::new(&folder))?.display());
+    Ok(())
+}
+
+fn cloud(n: usize) -> PointTable {
+    let mut random = StdRng::seed_from_u64(1);
+    let laws = [
+        ("bearing.radialClearance", "mm", 0.020, 0.005),
+        ("load.stiffness", "N/m", 100.0, 10.0),
+        ("load.damping", "N.s/m", 14.0, 1.4),
+        ("load.preload", "N", 48.0, 5.5),
+        ("load.eccentricity", "mm", 0.41, 0.07),
+        ("bearing.width", "mm", 19.0, 0.19),
+        ("bearing.diameter", "mm", 25.0, 0.25),
+    ];
+    let columns: Vec<Vec<f64>> = laws
+        .iter()
+        .map(|&(_, _, mean, sd)| {
+            (0..n)
+                .map(|_| (mean + sd * random.sample::<f64, _>(StandardNormal)).max(0.25 * mean))
+                .collect()
+        })
+        .collect();
+    let failed = |i: usize| i % 41 == 40;
+    let value = |i: usize, x: f64| if failed(i) { f64::NAN } else { x };
+    let column = |k: usize, i: usize| columns[k][i];
+    let force = |i: usize| {
+        16.621 * column(3, i) + 0.2616 * column(1, i) * column(4, i) - 0.5429 * column(1, i)
+            + 0.1612 * column(2, i) * column(4, i)
+    };
+    let power = |i: usize| {
+        14.0 * (column(6, i) / 25.0).powi(3)
+            * (column(5, i) / 19.0)
+            * (column(0, i) / 0.02).powf(-0.75)
+    };
+    let criterion = |name: &str,
+                     unit: &str,
+                     group: &str,
+                     nominal: f64,
+                     tolerance: f64,
+                     law: &dyn Fn(usize) -> f64| {
+        let values: Vec<f64> = (0..n).map(|i| value(i, law(i))).collect();
+        let ok = values
+            .iter()
+            .map(|v| (v - nominal).abs() <= tolerance)
+            .collect();
+        Criterion {
+            name: name.into(),
+            source: "final value".into(),
+            unit: unit.into(),
+            nominal,
+            lower: nominal - tolerance,
+            upper: nominal + tolerance,
+            group: Some(group.into()),
+            values,
+            ok,
+        }
+    };
+    let criteria = vec![
+        criterion("T_oil", "degC", "temperature", 48.0, 0.5, &|i| {
+            47.82 + 0.0143 * power(i)
+        }),
+        criterion("T_bearing", "degC", "temperature", 82.0, 0.615, &|i| {
+            80.9 + 0.037 * power(i) + 0.0014 * power(i).powi(2)
+        }),
+        criterion("P_fr", "W", "power and load", 14.0, 3.0, &power),
+        criterion("F_N", "N", "power and load", 750.0, 52.5, &force),
+    ];
+    PointTable {
+        ids: (1..=n as u64).collect(),
+        verified: (0..n).map(|i| criteria.iter().all(|c| c.ok[i])).collect(),
+        status: (0..n)
+            .map(|i| {
+                if failed(i) {
+                    "fmi2DoStep failed at 12.4 s: the film solution did not converge".into()
+                } else {
+                    "ok".into()
+                }
+            })
+            .collect(),
+        parameters: laws
+            .iter()
+            .zip(&columns)
+            .map(|((name, unit, mean, sd), values)| Parameter {
+                name: (*name).into(),
+                unit: (*unit).into(),
+                distribution: format!("normal, {mean} ± {sd}"),
+                values: values.clone(),
+            })
+            .collect(),
+        criteria,
+    }
+}
+
+fn history() -> Vec<Series> {
+    let time: Vec<f64> = (0..15_001).map(|i| f64::from(i) * 0.01).collect();
+    let force = time
+        .iter()
+        .map(|t| 750.0 + 45.0 * (31.416 * t).sin())
+        .collect();
+    let temperature = time
+        .iter()
+        .map(|t| 82.0 - 0.4 * (1.0 - (-t / 60.0).exp()))
+        .collect();
+    vec![
+        Series {
+            name: "sensor.loadForce".into(),
+            unit: "N".into(),
+            time: time.clone(),
+            values: force,
+            accepted: Some([697.5, 802.5]),
+        },
+        Series {
+            name: "sensor.bearingTemperature".into(),
+            unit: "degC".into(),
+            time,
+            values: temperature,
+            accepted: Some([81.385, 82.615]),
+        },
+    ]
+}

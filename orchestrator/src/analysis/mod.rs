@@ -1,0 +1,10 @@
+//! From a cloud of simulated points to an answer: pure functions on tables of numbers.
+//!
+//! Nothing here runs a simulation, reads a study or knows FMI. The input is a [`table::PointTable`]
+//! or plain slices; the output is numbers with their uncertainty.
+
+pub mod from_results;
+pub mod sensitivity;
+pub mod synchronise;
+pub mod table;
+pub mod verdict;

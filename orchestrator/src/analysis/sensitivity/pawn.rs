@@ -1,0 +1,148 @@
+//! PAWN: how much the distribution of an output changes when a parameter is held in a slice of its
+//! range. It sees every influence, not only that on the variance, and works on any points.
+//!
+//! Pianosi & Wagener (2018), "Distribution-based sensitivity analysis from a generic input-output
+//! sample", Environmental Modelling & Software 108, 197-207.
+
+use super::Estimate;
+use super::stats::{ks_distance, mean, quantile, sorted};
+use rand::seq::SliceRandom;
+use rand::{RngExt, SeedableRng, rngs::StdRng};
+use serde::Serialize;
+
+/// Influence of every parameter on one output.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Pawn {
+    /// Median over the slices of the Kolmogorov-Smirnov distance between the output's distribution
+    /// in the slice and that of all points, with a bootstrap interval.
+    pub median: Vec<Estimate>,
+    /// The largest of these distances.
+    pub max: Vec<f64>,
+    /// The median distance that a parameter without influence reaches on so few points: the 95 %
+    /// point over shuffled parameters. Smaller indices tell nothing.
+    pub threshold: f64,
+    /// Points with finite values.
+    pub used: usize,
+}
+
+/// Computes the indices of columns of parameters on an output, in `slices` slices of equal content.
+/// Points without a finite value are left out. `None` where a slice would hold fewer than two points.
+pub fn pawn(
+    parameters: &[&[f64]],
+    output: &[f64],
+    slices: usize,
+    resamples: usize,
+    seed: u64,
+) -> Option<Pawn> {
+    let kept: Vec<usize> = (0..output.len())
+        .filter(|&j| output[j].is_finite() && parameters.iter().all(|p| p[j].is_finite()))
+        .collect();
+    if slices == 0 || kept.len() < 2 * slices {
+        return None;
+    }
+    let y: Vec<f64> = kept.iter().map(|&j| output[j]).collect();
+    let mut random = StdRng::seed_from_u64(seed);
+    let mut result = Pawn {
+        median: vec![],
+        max: vec![],
+        threshold: 0.0,
+        used: y.len(),
+    };
+    for parameter in parameters {
+        let x: Vec<f64> = kept.iter().map(|&j| parameter[j]).collect();
+        let found = distances(&x, &y, slices);
+        let value = quantile(&found, 0.5);
+        let again = sorted(
+            (0..resamples)
+                .map(|_| {
+                    let picks: Vec<usize> = (0..y.len())
+                        .map(|_| random.random_range(0..y.len()))
+                        .collect();
+                    let (bx, by): (Vec<f64>, Vec<f64>) =
+                        picks.iter().map(|&j| (x[j], y[j])).unzip();
+                    quantile(&distances(&bx, &by, slices), 0.5)
+                })
+                .collect(),
+        );
+        // Resampling adds distance of its own; shift it away, so that the interval is about the estimate.
+        let bias = mean(&again) - value;
+        result.median.push(Estimate {
+            value,
+            low: (quantile(&again, 0.025) - bias).clamp(0.0, value),
+            high: (quantile(&again, 0.975) - bias).clamp(value, 1.0),
+        });
+        result.max.push(found.last().copied().unwrap_or(0.0));
+    }
+    let mut shuffled: Vec<f64> = (0..y.len()).map(|k| k as f64).collect();
+    let dummy = (0..resamples.max(20)).map(|_| {
+        shuffled.shuffle(&mut random);
+        quantile(&distances(&shuffled, &y, slices), 0.5)
+    });
+    result.threshold = quantile(&sorted(dummy.collect()), 0.95);
+    Some(result)
+}
+
+/// The slices' distances, sorted. Slices are between quantiles, closed below and open above, the
+/// last closed on both sides.
+fn distances(x: &[f64], y: &[f64], slices: usize) -> Vec<f64> {
+    let all = sorted(y.to_vec());
+    let order = sorted(x.to_vec());
+    let edges: Vec<f64> = (0..=slices)
+        .map(|k| quantile(&order, k as f64 / slices as f64))
+        .collect();
+    let mut parts = vec![Vec::new(); slices];
+    for (v, out) in x.iter().zip(y) {
+        // The last slice whose lower edge is not above the value.
+        let slice = edges[..slices].partition_point(|e| e <= v).max(1) - 1;
+        parts[slice].push(*out);
+    }
+    sorted(
+        parts
+            .into_iter()
+            .filter(|p| !p.is_empty())
+            .map(|p| ks_distance(&sorted(p), &all))
+            .collect(),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::functions::ishigami;
+    use super::*;
+
+    fn sample(n: usize) -> (Vec<Vec<f64>>, Vec<f64>) {
+        let mut random = StdRng::seed_from_u64(8);
+        let x: Vec<Vec<f64>> = (0..4)
+            .map(|_| (0..n).map(|_| random.random::<f64>()).collect())
+            .collect();
+        let y = (0..n)
+            .map(|j| ishigami(&[x[0][j], x[1][j], x[2][j]]))
+            .collect();
+        (x, y)
+    }
+
+    #[test]
+    fn every_parameter_of_ishigami_matters_and_a_dummy_does_not() {
+        let (x, y) = sample(3000);
+        let views: Vec<&[f64]> = x.iter().map(Vec::as_slice).collect();
+        let p = pawn(&views, &y, 10, 40, 1).unwrap();
+        for i in 0..3 {
+            assert!(p.median[i].value > p.threshold, "{i} {p:?}");
+        }
+        assert!(p.median[3].value < 1.3 * p.threshold, "{p:?}");
+        // Pianosi & Wagener (2015), figure 4: the second parameter's influence is the largest.
+        assert!(
+            p.median[1].value > p.median[0].value && p.median[0].value > p.median[2].value,
+            "{p:?}"
+        );
+    }
+
+    #[test]
+    fn failed_points_are_left_out() {
+        let (x, mut y) = sample(500);
+        y[17] = f64::NAN;
+        let views: Vec<&[f64]> = x.iter().map(Vec::as_slice).collect();
+        assert_eq!(pawn(&views, &y, 10, 5, 1).unwrap().used, 499);
+        assert!(pawn(&views, &y[..15], 10, 5, 1).is_none());
+    }
+}

@@ -1,0 +1,67 @@
+//! What decides pass or fail: the distance between a parameter's distribution over the points that
+//! pass and over those that do not.
+//!
+//! Hornberger & Spear (1981), "An approach to the preliminary analysis of environmental systems",
+//! J. Environmental Management 12, 7-18.
+
+use super::stats::{ks_distance, ks_probability, quantile, sorted};
+use serde::Serialize;
+
+/// What one parameter has to do with pass or fail.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Split {
+    /// Kolmogorov-Smirnov distance between the two distributions: 0 nothing, 1 decides alone.
+    pub distance: f64,
+    /// Probability of a distance as large by chance.
+    pub chance: f64,
+    /// Median of the parameter over the points that pass.
+    pub passing: f64,
+    /// Median of the parameter over the points that do not.
+    pub failing: f64,
+}
+
+/// Compares every parameter over points that pass and that do not. Points for which `counted` is
+/// false (failed runs) are left out. `None` where either side has no point.
+pub fn split(parameters: &[&[f64]], pass: &[bool], counted: &[bool]) -> Option<Vec<Split>> {
+    parameters
+        .iter()
+        .map(|values| {
+            let side = |wanted: bool| -> Vec<f64> {
+                sorted(
+                    (0..pass.len())
+                        .filter(|&j| counted[j] && pass[j] == wanted && values[j].is_finite())
+                        .map(|j| values[j])
+                        .collect(),
+                )
+            };
+            let (yes, no) = (side(true), side(false));
+            if yes.is_empty() || no.is_empty() {
+                return None;
+            }
+            let distance = ks_distance(&yes, &no);
+            Some(Split {
+                distance,
+                chance: ks_probability(distance, yes.len(), no.len()),
+                passing: quantile(&yes, 0.5),
+                failing: quantile(&no, 0.5),
+            })
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_deciding_parameter_is_found() {
+        let decides: Vec<f64> = (0..200).map(f64::from).collect();
+        let other: Vec<f64> = (0..200).map(|k| f64::from(k * 37 % 200)).collect();
+        let pass: Vec<bool> = decides.iter().map(|v| *v < 60.0).collect();
+        let s = split(&[&decides, &other], &pass, &[true; 200]).unwrap();
+        assert_eq!(s[0].distance, 1.0);
+        assert!(s[0].chance < 1e-9 && s[0].passing < s[0].failing);
+        assert!(s[1].distance < 0.15 && s[1].chance > 0.3, "{s:?}");
+        assert_eq!(split(&[&decides], &[true; 200], &[true; 200]), None);
+    }
+}

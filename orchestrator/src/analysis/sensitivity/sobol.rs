@@ -1,0 +1,249 @@
+//! Sobol indices: the part of an output's variance that a parameter explains alone (first order),
+//! and with all its interactions (total).
+//!
+//! Design: Saltelli et al. (2010), "Variance based sensitivity analysis of model output",
+//! Computer Physics Communications 181, 259-270: two independent samples A and B, and for every
+//! parameter i the sample A_B^(i), which is A with column i from B.
+
+use super::Estimate;
+use super::stats::{mean, variance};
+use crate::analysis::verdict::Z95;
+use rand::{RngExt, SeedableRng, rngs::StdRng};
+use serde::Serialize;
+
+/// The estimator of the first-order index.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub enum FirstOrder {
+    /// mean(f_B (f_AB - f_A)): Saltelli et al. (2010), table 2 (b). Exact for a parameter without influence.
+    #[default]
+    Saltelli,
+    /// V - mean((f_B - f_AB)^2) / 2: Jansen (1999), "Analysis of variance designs for model output",
+    /// Computer Physics Communications 117, 35-43. Better where the index is near 1.
+    Jansen,
+}
+
+/// The rows of the design in the unit cube, in the order A, A_B^(1) .. A_B^(d), B for every pair.
+///
+/// `pairs` are points of a sample of 2 d dimensions: the first d are A's, the last d are B's.
+pub fn design(pairs: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let mut rows = Vec::new();
+    for pair in pairs {
+        let (a, b) = pair.split_at(pair.len() / 2);
+        rows.push(a.to_vec());
+        for i in 0..a.len() {
+            let mut mixed = a.to_vec();
+            mixed[i] = b[i];
+            rows.push(mixed);
+        }
+        rows.push(b.to_vec());
+    }
+    rows
+}
+
+/// Sobol indices of one output.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Indices {
+    /// First-order index of every parameter.
+    pub first: Vec<Estimate>,
+    /// Total index of every parameter.
+    pub total: Vec<Estimate>,
+    /// Base points of which every value of the parameter's comparison was there.
+    pub used: Vec<usize>,
+    /// Runs without a finite value.
+    pub failed: usize,
+}
+
+/// One base point's values: A, A_B^(i), B.
+struct Rows<'a> {
+    values: &'a [f64],
+    width: usize,
+}
+
+impl Rows<'_> {
+    fn a(&self, j: usize) -> f64 {
+        self.values[j * self.width]
+    }
+    fn ab(&self, j: usize, i: usize) -> f64 {
+        self.values[j * self.width + 1 + i]
+    }
+    fn b(&self, j: usize) -> f64 {
+        self.values[j * self.width + self.width - 1]
+    }
+}
+
+/// Computes the indices from the outputs of the rows of [`design`], in its order.
+///
+/// The outputs are first shifted to mean 0, because the estimators are biased for others. A base
+/// point of which A, B or A_B^(i) has no finite value is left out for parameter i; the variance is
+/// that of the finite values of A and B. The intervals are Gaussian with the standard deviation of
+/// `resamples` bootstrap samples of the base points. All indices of a constant output are 0.
+///
+/// Returns `None` where the number of outputs is no multiple of `parameters + 2`, or fewer than
+/// two base points are complete.
+pub fn indices(outputs: &[f64], parameters: usize, estimator: FirstOrder, resamples: usize, seed: u64) -> Option<Indices> {
+    let width = parameters + 2;
+    if parameters == 0 || outputs.is_empty() || !outputs.len().is_multiple_of(width) {
+        return None;
+    }
+    let finite: Vec<f64> = outputs.iter().copied().filter(|v| v.is_finite()).collect();
+    let centre = mean(&finite);
+    let centred: Vec<f64> = outputs.iter().map(|v| v - centre).collect();
+    let rows = Rows { values: &centred, width };
+    let n = outputs.len() / width;
+    let ends: Vec<usize> = (0..n).filter(|&j| rows.a(j).is_finite() && rows.b(j).is_finite()).collect();
+    let mut result = Indices { first: vec![], total: vec![], used: vec![], failed: outputs.len() - finite.len() };
+    for i in 0..parameters {
+        let complete: Vec<usize> = ends.iter().copied().filter(|&j| rows.ab(j, i).is_finite()).collect();
+        if complete.len() < 2 {
+            return None;
+        }
+        let (first, total) = estimate(&rows, &complete, &ends, i, estimator);
+        // Every parameter sees the same resamples, as it would with whole rows resampled.
+        let mut random = StdRng::seed_from_u64(seed);
+        let (mut firsts, mut totals) = (Vec::with_capacity(resamples), Vec::with_capacity(resamples));
+        let mut picked = vec![0; complete.len()];
+        for _ in 0..resamples {
+            picked.fill_with(|| complete[random.random_range(0..complete.len())]);
+            let (f, t) = estimate(&rows, &picked, &picked, i, estimator);
+            firsts.push(f);
+            totals.push(t);
+        }
+        result.first.push(Estimate::around(first, Z95 * variance(&firsts, 1).sqrt()));
+        result.total.push(Estimate::around(total, Z95 * variance(&totals, 1).sqrt()));
+        result.used.push(complete.len());
+    }
+    Some(result)
+}
+
+/// First-order and total index of one parameter over some base points, with the variance of others.
+fn estimate(rows: &Rows<'_>, points: &[usize], ends: &[usize], i: usize, estimator: FirstOrder) -> (f64, f64) {
+    let n = points.len() as f64;
+    let m = 2.0 * ends.len() as f64;
+    let centre = ends.iter().map(|&j| rows.a(j) + rows.b(j)).sum::<f64>() / m;
+    let v = ends.iter().map(|&j| (rows.a(j) - centre).powi(2) + (rows.b(j) - centre).powi(2)).sum::<f64>() / m;
+    if v <= f64::EPSILON * centre.powi(2).max(f64::MIN_POSITIVE) {
+        return (0.0, 0.0);
+    }
+    let total = points.iter().map(|&j| (rows.a(j) - rows.ab(j, i)).powi(2)).sum::<f64>() / (2.0 * n);
+    let first = match estimator {
+        FirstOrder::Saltelli => points.iter().map(|&j| rows.b(j) * (rows.ab(j, i) - rows.a(j))).sum::<f64>() / n,
+        FirstOrder::Jansen => v - points.iter().map(|&j| (rows.b(j) - rows.ab(j, i)).powi(2)).sum::<f64>() / (2.0 * n),
+    };
+    (first / v, total / v)
+}
+
+/// Indices from growing parts of the design, to show convergence: base points, indices.
+pub fn convergence(outputs: &[f64], parameters: usize, estimator: FirstOrder, resamples: usize, seed: u64) -> Vec<(usize, Indices)> {
+    let width = parameters + 2;
+    let n = outputs.len() / width;
+    let mut sizes: Vec<usize> = std::iter::successors(Some(n), |m| (*m / 2 >= 32).then_some(m / 2)).collect();
+    sizes.reverse();
+    sizes
+        .into_iter()
+        .filter_map(|m| Some((m, indices(&outputs[..m * width], parameters, estimator, resamples, seed)?)))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::functions::{ishigami, ishigami_indices, sobol_g, sobol_g_indices};
+    use super::*;
+
+    fn random_pairs(n: usize, d: usize, seed: u64) -> Vec<Vec<f64>> {
+        let mut random = StdRng::seed_from_u64(seed);
+        (0..n).map(|_| (0..2 * d).map(|_| random.random::<f64>()).collect()).collect()
+    }
+
+    /// A lattice that any language can write down.
+    fn lattice(n: usize, d: usize) -> Vec<Vec<f64>> {
+        let primes = [2.0f64, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0];
+        (1..=n).map(|k| primes[..2 * d].iter().map(|p| (k as f64 * p.sqrt()).fract()).collect()).collect()
+    }
+
+    fn evaluate(pairs: &[Vec<f64>], f: impl Fn(&[f64]) -> f64) -> Vec<f64> {
+        design(pairs).iter().map(|u| f(u)).collect()
+    }
+
+    /// SALib 1.5 on the same rows: `sobol.analyze(problem, Y, calc_second_order=False)`.
+    #[test]
+    fn equal_to_salib_on_the_same_design() {
+        let y = evaluate(&lattice(256, 3), ishigami);
+        let s = indices(&y, 3, FirstOrder::Saltelli, 10, 1).unwrap();
+        for (i, (first, total)) in SALIB_ISHIGAMI.into_iter().enumerate() {
+            assert!((s.first[i].value - first).abs() < 1e-10, "{i} {:?}", s.first[i]);
+            assert!((s.total[i].value - total).abs() < 1e-10, "{i} {:?}", s.total[i]);
+        }
+    }
+    const SALIB_ISHIGAMI: [(f64, f64); 3] = [(0.24393037317358926, 0.3972198967359823), (0.4862270491131861, 0.432243463350163), (-0.027736213144616974, 0.23831541149659913)];
+
+    #[test]
+    fn both_estimators_converge_to_the_exact_indices() {
+        let (first, total) = ishigami_indices();
+        let y = evaluate(&random_pairs(40_000, 3, 5), ishigami);
+        for estimator in [FirstOrder::Saltelli, FirstOrder::Jansen] {
+            let s = indices(&y, 3, estimator, 20, 1).unwrap();
+            for (found, exact) in s.first.iter().zip(first).chain(s.total.iter().zip(total)) {
+                assert!((found.value - exact).abs() < 0.03, "{estimator:?} {found:?} {exact}");
+            }
+        }
+    }
+
+    #[test]
+    fn intervals_hold_the_exact_indices_in_95_per_cent_of_repetitions() {
+        const REPETITIONS: u64 = 200;
+        let a = [0.0, 1.0, 4.5, 9.0];
+        let (gf, gt) = sobol_g_indices(&a);
+        let (hf, ht) = ishigami_indices();
+        let mut held = [0usize; 2];
+        let mut of = [0usize; 2];
+        for seed in 0..REPETITIONS {
+            let y = evaluate(&random_pairs(512, 3, 1000 + seed), ishigami);
+            let s = indices(&y, 3, FirstOrder::Saltelli, 100, seed).unwrap();
+            let z = evaluate(&random_pairs(512, 4, 2000 + seed), |u| sobol_g(u, &a));
+            let g = indices(&z, 4, FirstOrder::Saltelli, 100, seed).unwrap();
+            for i in 0..3 {
+                held[0] += usize::from(s.first[i].contains(hf[i])) + usize::from(s.total[i].contains(ht[i]));
+                of[0] += 2;
+            }
+            for i in 0..4 {
+                held[1] += usize::from(g.first[i].contains(gf[i])) + usize::from(g.total[i].contains(gt[i]));
+                of[1] += 2;
+            }
+        }
+        for k in 0..2 {
+            let coverage = held[k] as f64 / of[k] as f64;
+            assert!((coverage - 0.95).abs() <= 0.03, "{coverage}");
+        }
+    }
+
+    #[test]
+    fn failed_runs_are_left_out_and_counted() {
+        let (first, _) = ishigami_indices();
+        let mut y = evaluate(&random_pairs(20_000, 3, 9), ishigami);
+        for k in (0..y.len()).step_by(97) {
+            y[k] = f64::NAN;
+        }
+        let failed = y.iter().filter(|v| v.is_nan()).count();
+        let s = indices(&y, 3, FirstOrder::Saltelli, 20, 1).unwrap();
+        assert_eq!(s.failed, failed);
+        assert!(s.used.iter().all(|&u| u < 20_000 && u > 19_000));
+        for (found, exact) in s.first.iter().zip(first) {
+            assert!((found.value - exact).abs() < 0.04, "{found:?} {exact}");
+        }
+    }
+
+    #[test]
+    fn a_constant_output_depends_on_nothing() {
+        let s = indices(&[7.0; 40], 3, FirstOrder::Saltelli, 10, 1).unwrap();
+        assert!(s.first.iter().chain(&s.total).all(|e| e.value == 0.0));
+        assert_eq!(indices(&[1.0; 41], 3, FirstOrder::Saltelli, 10, 1), None);
+    }
+
+    #[test]
+    fn convergence_ends_with_the_whole_design() {
+        let y = evaluate(&random_pairs(256, 3, 3), ishigami);
+        let steps = convergence(&y, 3, FirstOrder::Saltelli, 10, 1);
+        assert_eq!(steps.iter().map(|s| s.0).collect::<Vec<_>>(), [32, 64, 128, 256]);
+        assert_eq!(steps[3].1, indices(&y, 3, FirstOrder::Saltelli, 10, 1).unwrap());
+    }
+}

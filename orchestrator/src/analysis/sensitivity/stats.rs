@@ -1,0 +1,108 @@
+//! What the methods share: moments, ranks, quantiles, the Kolmogorov-Smirnov distance.
+
+/// The mean; not a number of nothing.
+pub fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+/// The variance about the mean, divided by the number of values less `freedom`.
+pub fn variance(values: &[f64], freedom: usize) -> f64 {
+    let m = mean(values);
+    values.iter().map(|v| (v - m).powi(2)).sum::<f64>() / (values.len() as f64 - freedom as f64)
+}
+
+/// Ranks from 1; equal values share the mean of theirs.
+pub fn ranks(values: &[f64]) -> Vec<f64> {
+    let mut order: Vec<usize> = (0..values.len()).collect();
+    order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
+    let mut ranks = vec![0.0; values.len()];
+    let mut done = 0;
+    for tie in order.chunk_by(|&a, &b| values[a] == values[b]) {
+        let rank = done as f64 + (tie.len() as f64 + 1.0) / 2.0;
+        tie.iter().for_each(|&i| ranks[i] = rank);
+        done += tie.len();
+    }
+    ranks
+}
+
+/// The quantile of sorted values, linear between them (Hyndman & Fan 1996, type 7).
+pub fn quantile(sorted: &[f64], q: f64) -> f64 {
+    let Some(last) = sorted.len().checked_sub(1) else {
+        return f64::NAN;
+    };
+    let place = q.clamp(0.0, 1.0) * last as f64;
+    let (below, part) = (place.floor() as usize, place.fract());
+    sorted[below] + part * (sorted[(below + 1).min(last)] - sorted[below])
+}
+
+/// The largest distance between the empirical distribution functions of two sorted samples.
+pub fn ks_distance(a: &[f64], b: &[f64]) -> f64 {
+    let (mut i, mut j, mut most) = (0, 0, 0.0f64);
+    while i < a.len() && j < b.len() {
+        let x = a[i].min(b[j]);
+        while i < a.len() && a[i] <= x {
+            i += 1;
+        }
+        while j < b.len() && b[j] <= x {
+            j += 1;
+        }
+        most = most.max((i as f64 / a.len() as f64 - j as f64 / b.len() as f64).abs());
+    }
+    most
+}
+
+/// The asymptotic probability of a distance as large between two samples of one distribution
+/// (Kolmogorov's distribution with the small-sample correction of Stephens 1970).
+pub fn ks_probability(distance: f64, n: usize, m: usize) -> f64 {
+    let ne = ((n * m) as f64 / (n + m) as f64).sqrt();
+    let l = (ne + 0.12 + 0.11 / ne) * distance;
+    if l < 0.2 {
+        return 1.0;
+    }
+    let series: f64 = (1..=100)
+        .map(|k| if k % 2 == 1 { 2.0 } else { -2.0 } * (-2.0 * (f64::from(k) * l).powi(2)).exp())
+        .sum();
+    series.clamp(0.0, 1.0)
+}
+
+/// Sorted copy.
+pub fn sorted(mut values: Vec<f64>) -> Vec<f64> {
+    values.sort_by(f64::total_cmp);
+    values
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn ties_share_their_rank() {
+        assert_eq!(ranks(&[3.0, 1.0, 3.0, 2.0]), [3.5, 1.0, 3.5, 2.0]);
+    }
+
+    #[test]
+    fn quantiles_interpolate() {
+        assert_eq!(quantile(&[1.0, 2.0, 4.0], 0.5), 2.0);
+        assert_eq!(quantile(&[1.0, 2.0, 4.0], 0.75), 3.0);
+        assert!(quantile(&[], 0.5).is_nan());
+    }
+
+    #[test]
+    fn ks_of_separate_and_equal_samples() {
+        assert_eq!(ks_distance(&[1.0, 2.0], &[3.0, 4.0]), 1.0);
+        assert_eq!(ks_distance(&[1.0, 2.0], &[1.0, 2.0]), 0.0);
+        // Smirnov (1948): the 5 % point of the limit distribution is 1.3581.
+        assert!((ks_probability(1.3581 / 5000f64.sqrt(), 10_000, 10_000) - 0.05).abs() < 1e-3);
+    }
+
+    proptest! {
+        #[test]
+        fn ks_is_a_distance(a in prop::collection::vec(-5.0..5.0f64, 1..40), b in prop::collection::vec(-5.0..5.0f64, 1..40)) {
+            let (a, b) = (sorted(a), sorted(b));
+            let d = ks_distance(&a, &b);
+            prop_assert!((0.0..=1.0).contains(&d));
+            prop_assert!((d - ks_distance(&b, &a)).abs() < 1e-12);
+        }
+    }
+}

@@ -1,0 +1,113 @@
+//! The command line's words.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+
+/// Verifies FMI 2.0 Co-Simulation FMUs against measurements under uncertainty.
+#[derive(Debug, Parser)]
+#[command(version, about, max_term_width = 100, after_help = EXIT)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+const EXIT: &str = "Exit codes: 0 done (verify, judge: at least one point meets all criteria), \
+    1 not verified, 2 a mistake in what was asked for.";
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Says what an FMU is: variables, units, capabilities, platforms
+    Inspect(Inspect),
+    /// Simulates an FMU once; the first column is the time, then come the outputs
+    Simulate(Simulate),
+    /// Simulates a study's points and judges them against the measurement
+    Verify(Verify),
+    /// Judges outputs that already stand in a table; needs no FMU
+    Judge(Judge),
+}
+
+/// Options of `inspect`.
+#[derive(Debug, Args)]
+#[command(after_help = "Example: orchestrator inspect dist/PlainBearingStand.fmu")]
+pub struct Inspect {
+    /// The FMU
+    pub fmu: PathBuf,
+    /// Everything, as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Options of `simulate`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Example: orchestrator simulate dist/PlainBearingStand.fmu --stop 10 \
+    --set bearing.radialClearance=\"0.02 mm\" --output run.csv"
+)]
+pub struct Simulate {
+    /// The FMU
+    pub fmu: PathBuf,
+    /// A start value, with or without a unit; may be repeated
+    #[arg(long, value_name = "NAME=VALUE")]
+    pub set: Vec<String>,
+    /// When to start, s [default: as the FMU suggests]
+    #[arg(long, value_name = "T")]
+    pub start: Option<f64>,
+    /// When to stop, s [default: as the FMU suggests]
+    #[arg(long, value_name = "T")]
+    pub stop: Option<f64>,
+    /// The communication step, s [default: as the FMU suggests]
+    #[arg(long, value_name = "H")]
+    pub step: Option<f64>,
+    /// Where to write the trajectory [default: standard output]
+    #[arg(long, value_name = "FILE.csv")]
+    pub output: Option<PathBuf>,
+}
+
+/// Options of `verify`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Example: orchestrator verify studies/paper-table3.toml --points 10000 \
+    --output results/table3"
+)]
+pub struct Verify {
+    /// The study
+    pub study: PathBuf,
+    /// The folder for the results [default: results/ and the study's name]
+    #[arg(long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Another FMU than the study's
+    #[arg(long, value_name = "FMU")]
+    pub fmu: Option<PathBuf>,
+    /// How many points, instead of the study's number
+    #[arg(long, value_name = "N")]
+    pub points: Option<u64>,
+    /// The seed, instead of the study's
+    #[arg(long, value_name = "S")]
+    pub seed: Option<u64>,
+    /// Simulate the points of a table instead of sampling
+    #[arg(long, value_name = "TABLE.csv", conflicts_with_all = ["points", "seed"])]
+    pub points_from: Option<PathBuf>,
+    /// How many points at a time [default: the number of cores]
+    #[arg(long, value_name = "J")]
+    pub jobs: Option<usize>,
+    /// Continue a study that was interrupted
+    #[arg(long)]
+    pub resume: bool,
+}
+
+/// Options of `judge`.
+#[derive(Debug, Args)]
+#[command(after_help = "Example: orchestrator judge studies/paper-table3.toml \
+    studies/paper/table3_solutions.csv")]
+pub struct Judge {
+    /// The study
+    pub study: PathBuf,
+    /// The table
+    pub table: PathBuf,
+    /// Where to write points.csv and summary.json
+    #[arg(long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+}

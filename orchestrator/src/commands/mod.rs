@@ -1,0 +1,77 @@
+//! The commands, one file each.
+
+mod inspect;
+mod judge;
+mod output;
+mod progress;
+mod simulate;
+mod table;
+mod verify;
+
+use std::process::ExitCode;
+
+use thiserror::Error;
+
+use crate::cli::{Cli, Command};
+use crate::engine::EngineError;
+use crate::failure::Failure;
+use crate::fmu::FmuError;
+use crate::results::ResultsError;
+use crate::source::TableError;
+use crate::study::StudyError;
+
+/// The exit code for a mistake in what was asked for.
+pub const MISTAKE: u8 = 2;
+
+/// Why a command cannot do what was asked for.
+#[derive(Debug, Error)]
+pub enum CommandError {
+    /// The FMU cannot be used.
+    #[error(transparent)]
+    Fmu(#[from] FmuError),
+    /// The study cannot be used.
+    #[error(transparent)]
+    Study(#[from] StudyError),
+    /// A table cannot be used.
+    #[error(transparent)]
+    Table(#[from] TableError),
+    /// The results cannot be written or read.
+    #[error(transparent)]
+    Results(#[from] ResultsError),
+    /// The points cannot be run.
+    #[error(transparent)]
+    Engine(#[from] EngineError),
+    /// A single simulation failed.
+    #[error("the simulation failed: {0}")]
+    Simulation(#[from] Failure),
+    /// An option's value cannot be used.
+    #[error("--{option}: {message}")]
+    Option {
+        /// The option.
+        option: &'static str,
+        /// What is wrong.
+        message: String,
+    },
+}
+
+/// Does what the command line says.
+///
+/// # Errors
+/// With one clear line, for a mistake in what was asked for.
+pub fn run(cli: Cli) -> Result<ExitCode, CommandError> {
+    match cli.command {
+        Command::Inspect(options) => inspect::run(&options),
+        Command::Simulate(options) => simulate::run(&options),
+        Command::Verify(options) => verify::run(&options),
+        Command::Judge(options) => judge::run(&options),
+    }
+}
+
+/// 0 when at least one point meets all criteria, 1 when none does.
+fn verdict(verified: u64) -> ExitCode {
+    if verified > 0 {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::FAILURE
+    }
+}

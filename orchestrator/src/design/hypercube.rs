@@ -1,0 +1,82 @@
+//! Latin hypercubes (McKay, Beckman, Conover 1979): of N points, each of the N equally probable
+//! slices of every input holds exactly one.
+//!
+//! The slice of point `i` comes from a permutation that is computed for one index at a time
+//! (a Feistel network with cycle walking: Black, Rogaway 2002), so that no table of N is kept.
+
+use super::random::{self, Purpose, mix};
+
+/// A rule for N points.
+#[derive(Clone, Debug)]
+pub(super) struct Hypercube {
+    seed: u64,
+    points: u64,
+    /// Half the bits of the network's numbers.
+    half: u32,
+}
+
+impl Hypercube {
+    pub(super) fn new(seed: u64, points: u64) -> Self {
+        let bits = u64::BITS - points.saturating_sub(1).leading_zeros();
+        let half = bits.div_ceil(2).max(1);
+        Self { seed, points, half }
+    }
+
+    /// The coordinate of a point.
+    #[allow(clippy::cast_precision_loss)]
+    pub(super) fn uniform(&self, index: u64, dimension: u32) -> f64 {
+        let slice = self.slice(index, dimension);
+        let within = random::uniform(self.seed, Purpose::Jitter, index, dimension);
+        // Rounding must not reach 1.
+        ((slice as f64 + within) / self.points as f64).min(1.0 - f64::EPSILON / 2.0)
+    }
+
+    /// The slice of a point: a permutation of 0..N.
+    fn slice(&self, index: u64, dimension: u32) -> u64 {
+        let mut slice = index % self.points;
+        loop {
+            slice = self.shuffle(slice, dimension);
+            if slice < self.points {
+                return slice;
+            }
+        }
+    }
+
+    /// A bijection of the numbers of `2 * half` bits.
+    fn shuffle(&self, x: u64, dimension: u32) -> u64 {
+        const ROUNDS: u64 = 6;
+        let mask = (1 << self.half) - 1;
+        let (mut left, mut right) = (x >> self.half, x & mask);
+        for round in 0..ROUNDS {
+            let key = random::bits(self.seed, Purpose::Permutation, round, dimension);
+            (left, right) = (right, left ^ mix(right ^ key) & mask);
+        }
+        left << self.half | right
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        clippy::cast_precision_loss
+    )]
+    fn every_slice_holds_one_point() {
+        for points in [1, 2, 3, 50, 1000, 4097] {
+            let hypercube = Hypercube::new(3, points);
+            for dimension in 0..3 {
+                let mut seen = vec![false; points as usize];
+                for index in 0..points {
+                    let u = hypercube.uniform(index, dimension);
+                    let slice = (u * points as f64) as usize;
+                    assert!(!seen[slice], "slice {slice} of {points} twice");
+                    seen[slice] = true;
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,138 @@
+//! Sobol nets (Sobol 1967; direction numbers of Joe, Kuo 2008) with Owen's nested uniform
+//! scrambling (Owen 1995): every digit is flipped or not by a random bit that depends on the
+//! digits before it. The net's uniformity stays, and every point is uniformly distributed.
+
+use ::sobol::params::JoeKuoD6;
+
+use super::random::{self, Purpose, mix};
+
+const BITS: u32 = 32;
+
+/// A scrambled net.
+#[derive(Clone, Debug)]
+pub(super) struct Net {
+    seed: u64,
+    /// Direction numbers, the first digit in the highest bit.
+    directions: Vec<[u32; BITS as usize]>,
+    /// Starting values of the scrambling hash, an input each.
+    keys: Vec<u64>,
+}
+
+impl Net {
+    pub(super) fn new(seed: u64, dimensions: usize, points: u64) -> Result<Self, String> {
+        if points > 1 << BITS {
+            return Err(format!("a Sobol net has at most 2^{BITS} points"));
+        }
+        let parameters = JoeKuoD6::minimal();
+        if dimensions > parameters.max_dims {
+            let most = parameters.max_dims;
+            return Err(format!(
+                "a Sobol net has at most {most} inputs, not {dimensions}"
+            ));
+        }
+        let others = parameters.dim_params.iter();
+        let others = others.map(|dimension| directions(dimension.a, &dimension.m));
+        let directions = std::iter::once(van_der_corput())
+            .chain(others)
+            .take(dimensions)
+            .collect();
+        let key = |dimension| random::bits(seed, Purpose::Permutation, u64::MAX, dimension);
+        Ok(Self {
+            seed,
+            directions,
+            keys: (0..).take(dimensions).map(key).collect(),
+        })
+    }
+
+    /// The coordinate of a point.
+    pub(super) fn uniform(&self, index: u64, dimension: u32) -> f64 {
+        let place = dimension as usize;
+        let digits = scramble(plain(index, &self.directions[place]), self.keys[place]);
+        // The digits beyond the net's are random, as scrambling to infinity makes them.
+        let rest = random::bits(self.seed, Purpose::Jitter, index, dimension);
+        random::to_unit(u64::from(digits) << BITS | rest >> BITS)
+    }
+}
+
+/// The first input: digits reversed.
+fn van_der_corput() -> [u32; BITS as usize] {
+    std::array::from_fn(|bit| 1 << (BITS as usize - 1 - bit))
+}
+
+/// Direction numbers from a primitive polynomial with inner coefficients `coefficients`, and as
+/// many first numbers as its degree (Joe, Kuo 2008, eq. 2).
+fn directions(coefficients: u32, initial: &[u32]) -> [u32; BITS as usize] {
+    let degree = initial.len();
+    let mut v = [0_u32; BITS as usize];
+    for k in 0..v.len() {
+        v[k] = if k < degree {
+            initial[k] << (v.len() - 1 - k)
+        } else {
+            let mut next = v[k - degree] ^ v[k - degree] >> degree;
+            for j in 1..degree {
+                let coefficient = coefficients >> (degree - 1 - j) & 1;
+                next ^= coefficient * v[k - j];
+            }
+            next
+        };
+    }
+    v
+}
+
+/// A point of the unscrambled net, in the order of its index (not of the Gray code).
+fn plain(index: u64, directions: &[u32; BITS as usize]) -> u32 {
+    let set = directions
+        .iter()
+        .enumerate()
+        .filter(|(bit, _)| index >> bit & 1 == 1);
+    set.fold(0, |digits, (_, direction)| digits ^ direction)
+}
+
+/// Flips every digit or not, by a hash of the digits before it.
+fn scramble(digits: u32, key: u64) -> u32 {
+    let flips = (0..BITS).fold(0, |flips, bit| {
+        // A leading 1 tells prefixes of different length apart.
+        let prefix = 1 << bit | u64::from(digits) >> (BITS - bit);
+        flips << 1 | u32::from(mix(prefix ^ key) >> 63 == 1)
+    });
+    digits ^ flips
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_plain_net_starts_as_published() {
+        let parameters = JoeKuoD6::minimal();
+        let dimension = &parameters.dim_params[1];
+        let third = directions(dimension.a, &dimension.m);
+        let unit = |digits: u32| f64::from(digits) / 2.0_f64.powi(32);
+        let points: Vec<f64> = (0..8).map(|index| unit(plain(index, &third))).collect();
+        // m = 1, 3, and by the recurrence 6 ^ 4 ^ 1 = 3: directions 1/2, 3/4, 3/8.
+        assert_eq!(points, [0.0, 0.5, 0.75, 0.25, 0.375, 0.875, 0.625, 0.125]);
+    }
+
+    #[test]
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    fn every_elementary_interval_holds_its_share() {
+        // The first two inputs are a (0, m, 2)-net in base 2: each of the 2^m boxes of
+        // 2^a by 2^(m-a) holds one point, before and after scrambling.
+        let net = Net::new(11, 2, 1 << 8).unwrap();
+        for a in 0..=8 {
+            let mut seen = [false; 1 << 8];
+            for index in 0..1 << 8 {
+                let x = (net.uniform(index, 0) * f64::from(1 << a)) as usize;
+                let y = (net.uniform(index, 1) * f64::from(1 << (8 - a))) as usize;
+                let place = x << (8 - a) | y;
+                assert!(!seen[place]);
+                seen[place] = true;
+            }
+        }
+    }
+
+    #[test]
+    fn too_many_inputs_are_refused() {
+        assert!(Net::new(1, 101, 10).unwrap_err().contains("at most 100"));
+    }
+}

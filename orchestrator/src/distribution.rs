@@ -1,0 +1,280 @@
+//! The distributions of uncertain parameters, sampled by their quantile functions: one uniform
+//! number in (0, 1) gives one value, whatever the design that chose the number.
+
+use serde::Serialize;
+use statrs::function::erf::{erfc, erfc_inv};
+
+/// A distribution with its numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(tag = "distribution", rename_all = "kebab-case")]
+pub enum Distribution {
+    /// The normal distribution.
+    Normal {
+        /// Mean.
+        mean: f64,
+        /// Standard deviation.
+        deviation: f64,
+    },
+    /// A normal distribution that is cut and scaled up to probability 1.
+    TruncatedNormal {
+        /// Mean before the cut.
+        mean: f64,
+        /// Standard deviation before the cut.
+        deviation: f64,
+        /// Smallest value.
+        min: Option<f64>,
+        /// Largest value.
+        max: Option<f64>,
+    },
+    /// Every value equally probable.
+    Uniform {
+        /// Smallest value.
+        min: f64,
+        /// Largest value.
+        max: f64,
+    },
+    /// The density is a triangle.
+    Triangular {
+        /// Smallest value.
+        min: f64,
+        /// Most probable value.
+        mode: f64,
+        /// Largest value.
+        max: f64,
+    },
+    /// The logarithm is normal.
+    Lognormal {
+        /// Mean of the quantity itself.
+        mean: f64,
+        /// Standard deviation of the quantity itself.
+        deviation: f64,
+    },
+    /// Always the same value.
+    Fixed {
+        /// The value.
+        value: f64,
+    },
+}
+
+/// The cumulative distribution of the standard normal distribution.
+fn normal_cdf(z: f64) -> f64 {
+    0.5 * erfc(-z / std::f64::consts::SQRT_2)
+}
+
+/// The quantile of the standard normal distribution.
+fn normal_quantile(u: f64) -> f64 {
+    -std::f64::consts::SQRT_2 * erfc_inv(2.0 * u)
+}
+
+impl Distribution {
+    /// Says what is wrong with the numbers, if anything is.
+    ///
+    /// # Errors
+    /// A sentence that names the number.
+    pub fn check(&self) -> Result<(), String> {
+        let positive = |deviation: f64| {
+            if deviation > 0.0 && deviation.is_finite() {
+                Ok(())
+            } else {
+                Err(format!("deviation {deviation} must be positive"))
+            }
+        };
+        let ordered = |low: f64, high: f64| {
+            if low < high {
+                Ok(())
+            } else {
+                Err(format!("min {low} must be less than max {high}"))
+            }
+        };
+        match *self {
+            Self::Normal { deviation, .. } => positive(deviation),
+            Self::TruncatedNormal {
+                deviation,
+                min,
+                max,
+                ..
+            } => {
+                positive(deviation)?;
+                ordered(
+                    min.unwrap_or(f64::NEG_INFINITY),
+                    max.unwrap_or(f64::INFINITY),
+                )?;
+                let [low, high] = self.cut();
+                if high - low > 1e-12 {
+                    Ok(())
+                } else {
+                    Err("almost nothing is left between min and max".to_owned())
+                }
+            }
+            Self::Uniform { min, max } => ordered(min, max),
+            Self::Triangular { min, mode, max } => {
+                ordered(min, max)?;
+                if (min..=max).contains(&mode) {
+                    Ok(())
+                } else {
+                    Err(format!(
+                        "mode {mode} must lie between min {min} and max {max}"
+                    ))
+                }
+            }
+            Self::Lognormal { mean, deviation } => {
+                positive(deviation)?;
+                if mean > 0.0 {
+                    Ok(())
+                } else {
+                    Err(format!(
+                        "mean {mean} of a lognormal quantity must be positive"
+                    ))
+                }
+            }
+            Self::Fixed { .. } => Ok(()),
+        }
+    }
+
+    /// The probabilities below the cuts of a truncated distribution.
+    fn cut(&self) -> [f64; 2] {
+        let Self::TruncatedNormal {
+            mean,
+            deviation,
+            min,
+            max,
+        } = *self
+        else {
+            return [0.0, 1.0];
+        };
+        let below = |value: f64| normal_cdf((value - mean) / deviation);
+        [min.map_or(0.0, below), max.map_or(1.0, below)]
+    }
+
+    /// The value below which the quantity lies with probability `u`, 0 < u < 1.
+    pub fn quantile(&self, u: f64) -> f64 {
+        match *self {
+            Self::Normal { mean, deviation } => mean + deviation * normal_quantile(u),
+            Self::TruncatedNormal {
+                mean,
+                deviation,
+                min,
+                max,
+            } => {
+                let [low, high] = self.cut();
+                let value = mean + deviation * normal_quantile(low + u * (high - low));
+                value
+                    .max(min.unwrap_or(f64::NEG_INFINITY))
+                    .min(max.unwrap_or(f64::INFINITY))
+            }
+            Self::Uniform { min, max } => min + u * (max - min),
+            Self::Triangular { min, mode, max } => {
+                let span = max - min;
+                if u < (mode - min) / span {
+                    min + (u * span * (mode - min)).sqrt()
+                } else {
+                    max - ((1.0 - u) * span * (max - mode)).sqrt()
+                }
+            }
+            Self::Lognormal { mean, deviation } => {
+                let variance = (1.0 + (deviation / mean).powi(2)).ln();
+                (mean.ln() - variance / 2.0 + variance.sqrt() * normal_quantile(u)).exp()
+            }
+            Self::Fixed { value } => value,
+        }
+    }
+
+    /// A value in the middle: the median.
+    pub fn median(&self) -> f64 {
+        self.quantile(0.5)
+    }
+
+    /// Whether the value varies at all.
+    pub fn varies(&self) -> bool {
+        !matches!(self, Self::Fixed { .. })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn all() -> [Distribution; 5] {
+        [
+            Distribution::Normal {
+                mean: 2.0,
+                deviation: 0.5,
+            },
+            Distribution::TruncatedNormal {
+                mean: 2.0,
+                deviation: 0.5,
+                min: Some(1.5),
+                max: None,
+            },
+            Distribution::Uniform {
+                min: -1.0,
+                max: 3.0,
+            },
+            Distribution::Triangular {
+                min: 0.0,
+                mode: 1.0,
+                max: 4.0,
+            },
+            Distribution::Lognormal {
+                mean: 2.0,
+                deviation: 0.5,
+            },
+        ]
+    }
+
+    /// Mean and deviation by the midpoint rule over the quantiles.
+    fn moments(distribution: &Distribution) -> (f64, f64) {
+        const N: i32 = 100_000;
+        let values = (0..N).map(|i| distribution.quantile((f64::from(i) + 0.5) / f64::from(N)));
+        let (sum, squares) = values.fold((0.0, 0.0), |(s, q), x| (s + x, q + x * x));
+        let mean = sum / f64::from(N);
+        (mean, (squares / f64::from(N) - mean * mean).sqrt())
+    }
+
+    #[test]
+    fn moments_are_those_asked_for() {
+        let [normal, _, uniform, triangular, lognormal] = all();
+        let close = |distribution, mean: f64, deviation: f64| {
+            let (m, d) = moments(&distribution);
+            assert!((m - mean).abs() < 1e-3, "{distribution:?}: mean {m}");
+            assert!(
+                (d - deviation).abs() < 1e-3,
+                "{distribution:?}: deviation {d}"
+            );
+        };
+        close(normal, 2.0, 0.5);
+        close(lognormal, 2.0, 0.5);
+        close(uniform, 1.0, 4.0 / 12_f64.sqrt());
+        // Triangle: mean (a+b+c)/3, variance (a^2+b^2+c^2-ab-ac-bc)/18.
+        close(triangular, 5.0 / 3.0, (13.0_f64 / 18.0).sqrt());
+    }
+
+    #[test]
+    fn quantiles_of_the_normal_distribution_are_exact() {
+        assert!((normal_quantile(0.975) - 1.959_963_984_540_054).abs() < 1e-13);
+        assert!((normal_quantile(1e-10) + 6.361_340_902_404_056).abs() < 1e-11);
+    }
+
+    #[test]
+    fn wrong_numbers_are_named() {
+        let flat = Distribution::Normal {
+            mean: 0.0,
+            deviation: 0.0,
+        };
+        assert!(flat.check().unwrap_err().contains("deviation 0"));
+        let crossed = Distribution::Uniform { min: 2.0, max: 1.0 };
+        assert!(crossed.check().unwrap_err().contains("min 2"));
+    }
+
+    proptest! {
+        #[test]
+        fn quantiles_grow_and_stay_within_the_cuts(u in 1e-9..1.0_f64, v in 1e-9..1.0_f64) {
+            for distribution in all() {
+                let (low, high) = (u.min(v), u.max(v));
+                prop_assert!(distribution.quantile(low) <= distribution.quantile(high));
+            }
+            prop_assert!(all()[1].quantile(u) >= 1.5);
+        }
+    }
+}

@@ -1,0 +1,328 @@
+//! The FMU as a file: a zip archive, or a folder that holds an unpacked one.
+//!
+//! Nothing in an archive is trusted: no entry leaves the target folder, links are refused, and
+//! the number of entries and the unpacked size are limited.
+
+use std::fs::{self, File};
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+
+use tempfile::TempDir;
+use thiserror::Error;
+use zip::ZipArchive;
+use zip::result::ZipError;
+
+/// More entries than any FMU has.
+const MAX_ENTRIES: usize = 100_000;
+/// The largest unpacked size, bytes.
+const MAX_UNPACKED: u64 = 8 << 30;
+/// The largest model description, bytes.
+const MAX_DESCRIPTION: u64 = 256 << 20;
+
+const DESCRIPTION: &str = "modelDescription.xml";
+
+/// The folder name that FMI 2.0 gives to this platform's binaries.
+pub const PLATFORM: &str = if cfg!(all(target_os = "linux", target_arch = "x86_64")) {
+    "linux64"
+} else if cfg!(all(target_os = "windows", target_arch = "x86_64")) {
+    "win64"
+} else if cfg!(all(target_os = "macos", target_arch = "x86_64")) {
+    "darwin64"
+} else if cfg!(all(target_os = "linux", target_arch = "aarch64")) {
+    "aarch64-linux"
+} else if cfg!(all(target_os = "macos", target_arch = "aarch64")) {
+    "aarch64-darwin"
+} else {
+    "unknown"
+};
+
+/// The extension of a shared library on this platform.
+const EXTENSION: &str = if cfg!(target_os = "windows") {
+    "dll"
+} else if cfg!(target_os = "macos") {
+    "dylib"
+} else {
+    "so"
+};
+
+/// Why an archive cannot be used.
+#[derive(Debug, Error)]
+pub enum ArchiveError {
+    /// There is no such file.
+    #[error("no such file")]
+    Missing,
+    /// Reading or writing failed.
+    #[error("{0}")]
+    Io(#[from] io::Error),
+    /// The file is not a zip archive.
+    #[error("not a zip archive, so not an FMU")]
+    NotZip,
+    /// The archive is damaged.
+    #[error("damaged archive: {0}")]
+    Damaged(ZipError),
+    /// There is no model description.
+    #[error("not an FMU: it holds no modelDescription.xml")]
+    NoDescription,
+    /// The model description is unreasonably large.
+    #[error("modelDescription.xml is larger than {} MiB", MAX_DESCRIPTION >> 20)]
+    LargeDescription,
+    /// There is no binary for this platform.
+    #[error("no binary for this platform ({PLATFORM}); the FMU holds {}", available(.0))]
+    NoBinary(Vec<String>),
+    /// An entry would be written outside the target folder, or is a link.
+    #[error("refused: the entry `{0}` is a link or lies outside the archive")]
+    Unsafe(String),
+    /// The archive is a decompression bomb, or absurdly large.
+    #[error("refused: more than {MAX_ENTRIES} entries or {} GiB", MAX_UNPACKED >> 30)]
+    TooLarge,
+}
+
+fn available(platforms: &[String]) -> String {
+    if platforms.is_empty() {
+        "none at all (source code only?)".to_owned()
+    } else {
+        platforms.join(", ")
+    }
+}
+
+/// An FMU's files.
+#[derive(Debug)]
+pub(super) enum Archive {
+    Folder(PathBuf),
+    Zip {
+        path: PathBuf,
+        zip: ZipArchive<File>,
+    },
+}
+
+impl Archive {
+    pub(super) fn open(path: &Path) -> Result<Self, ArchiveError> {
+        let metadata = fs::metadata(path).map_err(|error| match error.kind() {
+            io::ErrorKind::NotFound => ArchiveError::Missing,
+            _ => ArchiveError::Io(error),
+        })?;
+        if metadata.is_dir() {
+            return Ok(Self::Folder(path.to_owned()));
+        }
+        let zip = ZipArchive::new(File::open(path)?).map_err(|error| match error {
+            ZipError::Io(error) => ArchiveError::Io(error),
+            _ => ArchiveError::NotZip,
+        })?;
+        if zip.len() > MAX_ENTRIES {
+            return Err(ArchiveError::TooLarge);
+        }
+        let path = path.to_owned();
+        Ok(Self::Zip { path, zip })
+    }
+
+    /// The bytes of `modelDescription.xml`.
+    pub(super) fn description(&mut self) -> Result<Vec<u8>, ArchiveError> {
+        let mut bytes = Vec::new();
+        match self {
+            Self::Folder(path) => {
+                let file =
+                    File::open(path.join(DESCRIPTION)).map_err(|_| ArchiveError::NoDescription)?;
+                file.take(MAX_DESCRIPTION + 1).read_to_end(&mut bytes)?;
+            }
+            Self::Zip { zip, .. } => {
+                let entry = zip.by_name(DESCRIPTION).map_err(|error| match error {
+                    ZipError::FileNotFound => ArchiveError::NoDescription,
+                    other => ArchiveError::Damaged(other),
+                })?;
+                entry.take(MAX_DESCRIPTION + 1).read_to_end(&mut bytes)?;
+            }
+        }
+        if bytes.len() as u64 > MAX_DESCRIPTION {
+            return Err(ArchiveError::LargeDescription);
+        }
+        Ok(bytes)
+    }
+
+    /// What identifies the content: the whole file, or the description of a folder.
+    pub(super) fn bytes(&self) -> Result<Vec<u8>, ArchiveError> {
+        Ok(match self {
+            Self::Folder(path) => fs::read(path.join(DESCRIPTION))?,
+            Self::Zip { path, .. } => fs::read(path)?,
+        })
+    }
+
+    pub(super) fn folder(&self) -> Option<&Path> {
+        match self {
+            Self::Folder(path) => Some(path),
+            Self::Zip { .. } => None,
+        }
+    }
+
+    /// The platforms with a binary of this model, sorted.
+    pub(super) fn platforms(&self, identifier: &str) -> Vec<String> {
+        let mut platforms: Vec<String> = match self {
+            Self::Folder(path) => folder_platforms(&path.join("binaries"), identifier),
+            Self::Zip { zip, .. } => zip
+                .file_names()
+                .filter_map(|name| platform_of(&name.ok()?, identifier))
+                .collect(),
+        };
+        platforms.sort();
+        platforms.dedup();
+        platforms
+    }
+
+    /// Unpacks the description, this platform's binaries and the resources into a new folder.
+    pub(super) fn unpack(&mut self, identifier: &str) -> Result<TempDir, ArchiveError> {
+        let platforms = self.platforms(identifier);
+        if !platforms.iter().any(|platform| platform == PLATFORM) {
+            return Err(ArchiveError::NoBinary(platforms));
+        }
+        let target = tempfile::Builder::new().prefix("orchestrator-").tempdir()?;
+        if let Self::Zip { zip, .. } = self {
+            unpack_needed(zip, target.path())?;
+        }
+        Ok(target)
+    }
+}
+
+/// The path of the binary below an unpacked FMU.
+pub(super) fn binary(folder: &Path, identifier: &str) -> PathBuf {
+    folder
+        .join("binaries")
+        .join(PLATFORM)
+        .join(format!("{identifier}.{EXTENSION}"))
+}
+
+fn platform_of(name: &str, identifier: &str) -> Option<String> {
+    let name = name.replace('\\', "/");
+    let (platform, file) = name.strip_prefix("binaries/")?.split_once('/')?;
+    let stem = file.rsplit_once('.')?.0;
+    (stem == identifier).then(|| platform.to_owned())
+}
+
+fn folder_platforms(binaries: &Path, identifier: &str) -> Vec<String> {
+    let platforms = fs::read_dir(binaries).into_iter().flatten().flatten();
+    platforms
+        .filter(|platform| {
+            let files = fs::read_dir(platform.path())
+                .into_iter()
+                .flatten()
+                .flatten();
+            files
+                .map(|file| file.path())
+                .any(|file| file.file_stem().is_some_and(|stem| stem == identifier))
+        })
+        .map(|platform| platform.file_name().to_string_lossy().into_owned())
+        .collect()
+}
+
+/// Whether a simulation on this platform may need the entry.
+fn needed(name: &Path) -> bool {
+    let mut parts = name
+        .components()
+        .map(|part| part.as_os_str().to_string_lossy());
+    match parts.next().as_deref() {
+        Some("binaries") => parts.next().is_some_and(|platform| platform == PLATFORM),
+        Some("documentation" | "sources") => false,
+        _ => true,
+    }
+}
+
+fn unpack_needed(zip: &mut ZipArchive<File>, target: &Path) -> Result<(), ArchiveError> {
+    let mut room = MAX_UNPACKED;
+    for index in 0..zip.len() {
+        let mut entry = zip.by_index(index).map_err(ArchiveError::Damaged)?;
+        let name = entry.enclosed_name().filter(|_| !entry.is_symlink());
+        let Some(name) = name else {
+            return Err(ArchiveError::Unsafe(
+                String::from_utf8_lossy(entry.name_raw()).into(),
+            ));
+        };
+        if !needed(&name) {
+            continue;
+        }
+        let path = target.join(name);
+        if entry.is_dir() {
+            fs::create_dir_all(&path)?;
+            continue;
+        }
+        if let Some(parent) = path.parent() {
+            fs::create_dir_all(parent)?;
+        }
+        // The size in the directory may lie: count what really comes out.
+        let mut file = File::create(&path)?;
+        let written = io::copy(&mut entry.by_ref().take(room + 1), &mut file)?;
+        room = room.checked_sub(written).ok_or(ArchiveError::TooLarge)?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Write;
+    use zip::write::{SimpleFileOptions, ZipWriter};
+
+    fn archive(entries: &[(&str, &[u8])]) -> (TempDir, PathBuf) {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.fmu");
+        let mut zip = ZipWriter::new(File::create(&path).unwrap());
+        for (name, content) in entries {
+            zip.start_file(*name, SimpleFileOptions::default()).unwrap();
+            zip.write_all(content).unwrap();
+        }
+        zip.finish().unwrap();
+        (folder, path)
+    }
+
+    #[test]
+    fn unpacks_only_what_this_platform_needs() {
+        let ours = format!("binaries/{PLATFORM}/m.{EXTENSION}");
+        let (_folder, path) = archive(&[
+            (DESCRIPTION, b"<x/>"),
+            (&ours, b"binary"),
+            ("binaries/other/m.dll", b"binary"),
+            ("resources/table.csv", b"1,2"),
+            ("sources/m.c", b"int x;"),
+        ]);
+        let mut archive = Archive::open(&path).unwrap();
+        assert_eq!(archive.description().unwrap(), b"<x/>");
+        let target = archive.unpack("m").unwrap();
+        assert!(binary(target.path(), "m").exists());
+        assert!(target.path().join("resources/table.csv").exists());
+        assert!(!target.path().join("binaries/other").exists());
+        assert!(!target.path().join("sources").exists());
+    }
+
+    #[test]
+    fn refuses_to_write_outside_the_folder() {
+        let ours = format!("binaries/{PLATFORM}/m.{EXTENSION}");
+        let (_folder, path) = archive(&[
+            (DESCRIPTION, b"<x/>"),
+            (&ours, b""),
+            ("../outside.txt", b"gotcha"),
+        ]);
+        let error = Archive::open(&path).unwrap().unpack("m").unwrap_err();
+        assert!(matches!(error, ArchiveError::Unsafe(_)), "{error}");
+    }
+
+    #[test]
+    fn names_the_platforms_when_ours_is_missing() {
+        let (_folder, path) = archive(&[(DESCRIPTION, b"<x/>"), ("binaries/other/m.dll", b"")]);
+        let error = Archive::open(&path).unwrap().unpack("m").unwrap_err();
+        assert!(error.to_string().contains("holds other"), "{error}");
+    }
+
+    #[test]
+    fn tells_what_is_no_fmu() {
+        let (folder, path) = archive(&[("readme.txt", b"")]);
+        let mut empty = Archive::open(&path).unwrap();
+        assert!(matches!(
+            empty.description(),
+            Err(ArchiveError::NoDescription)
+        ));
+        assert!(matches!(
+            Archive::open(&folder.path().join("none.fmu")),
+            Err(ArchiveError::Missing)
+        ));
+        let text = folder.path().join("text.fmu");
+        fs::write(&text, "not a zip").unwrap();
+        assert!(matches!(Archive::open(&text), Err(ArchiveError::NotZip)));
+    }
+}

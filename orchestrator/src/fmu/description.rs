@@ -1,0 +1,220 @@
+//! What `modelDescription.xml` says of an FMU.
+
+use indexmap::IndexMap;
+use serde::Serialize;
+
+use crate::units::Units;
+
+/// A model description of FMI 2.0 for Co-Simulation.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Description {
+    /// The version of FMI, `2.0`.
+    pub fmi_version: String,
+    /// The model's name, for people.
+    pub model_name: String,
+    /// The name of the binary.
+    pub model_identifier: String,
+    /// What ties the description to the binary.
+    pub guid: String,
+    /// One sentence.
+    pub description: Option<String>,
+    /// The model's version.
+    pub version: Option<String>,
+    /// The tool that wrote the FMU.
+    pub generation_tool: Option<String>,
+    /// What the FMU can do.
+    pub capabilities: Capabilities,
+    /// The suggested experiment.
+    pub default_experiment: DefaultExperiment,
+    /// The log categories.
+    pub log_categories: Vec<String>,
+    /// The unit definitions.
+    pub units: Units,
+    /// The variables by name, in the order of the file.
+    pub variables: IndexMap<String, Variable>,
+    /// What is not as the standard wants it, but does not prevent a simulation.
+    pub remarks: Vec<String>,
+}
+
+/// What an FMU says of its abilities.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct Capabilities {
+    /// The communication step may change from step to step.
+    pub can_handle_variable_communication_step_size: bool,
+    /// States can be saved and restored.
+    pub can_get_and_set_fmu_state: bool,
+    /// States can be turned into bytes.
+    pub can_serialize_fmu_state: bool,
+    /// Inputs may vary within a step.
+    pub can_interpolate_inputs: bool,
+    /// A process can hold no more than one instance.
+    pub can_be_instantiated_only_once_per_process: bool,
+    /// The FMU needs an installed tool.
+    pub needs_execution_tool: bool,
+    /// Steps may return before they are done.
+    pub can_run_asynchronuously: bool,
+}
+
+/// The suggested experiment.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct DefaultExperiment {
+    /// Start time, s.
+    pub start: Option<f64>,
+    /// Stop time, s.
+    pub stop: Option<f64>,
+    /// Relative tolerance.
+    pub tolerance: Option<f64>,
+    /// Communication step, s.
+    pub step: Option<f64>,
+}
+
+/// The part that a variable plays.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub enum Causality {
+    /// Set before the start.
+    Parameter,
+    /// Follows from other parameters.
+    CalculatedParameter,
+    /// Set by the importer.
+    Input,
+    /// Computed, for the importer.
+    Output,
+    /// Computed, for a look inside.
+    #[default]
+    Local,
+    /// The time.
+    Independent,
+}
+
+/// When a variable may change.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub enum Variability {
+    /// Never.
+    Constant,
+    /// Before the start only.
+    Fixed,
+    /// At communication points.
+    Tunable,
+    /// At events.
+    Discrete,
+    /// Always.
+    #[default]
+    Continuous,
+}
+
+/// One variable.
+#[derive(Clone, Debug, Serialize)]
+pub struct Variable {
+    /// Its unique name.
+    pub name: String,
+    /// The handle by which the binary knows it.
+    pub value_reference: u32,
+    /// One sentence.
+    pub description: Option<String>,
+    /// Its part.
+    pub causality: Causality,
+    /// When it may change.
+    pub variability: Variability,
+    /// Its type with the attributes of that type.
+    #[serde(flatten)]
+    pub kind: Kind,
+}
+
+/// A variable's type and its attributes.
+#[derive(Clone, Debug, Serialize)]
+#[serde(tag = "type")]
+pub enum Kind {
+    /// A real number.
+    Real {
+        /// The unit's name.
+        unit: Option<String>,
+        /// The unit in which people want to read it.
+        display_unit: Option<String>,
+        /// The start value.
+        start: Option<f64>,
+        /// The smallest value.
+        min: Option<f64>,
+        /// The largest value.
+        max: Option<f64>,
+        /// A typical magnitude.
+        nominal: Option<f64>,
+    },
+    /// A whole number.
+    Integer {
+        /// The start value.
+        start: Option<i32>,
+        /// The smallest value.
+        min: Option<i32>,
+        /// The largest value.
+        max: Option<i32>,
+    },
+    /// Yes or no.
+    Boolean {
+        /// The start value.
+        start: Option<bool>,
+    },
+    /// A text.
+    String {
+        /// The start value.
+        start: Option<String>,
+    },
+    /// One of several named values.
+    Enumeration {
+        /// The start value.
+        start: Option<i32>,
+        /// The names and their values.
+        items: Vec<(String, i32)>,
+    },
+}
+
+impl Description {
+    /// The variables of one causality, in the order of the file.
+    pub fn with(&self, causality: Causality) -> impl Iterator<Item = &Variable> {
+        self.variables
+            .values()
+            .filter(move |variable| variable.causality == causality)
+    }
+
+    /// The name that looks most like `name`, if any comes close.
+    pub fn nearest(&self, name: &str) -> Option<&str> {
+        crate::names::nearest(name, self.variables.keys().map(String::as_str))
+    }
+}
+
+impl Variable {
+    /// The name of its unit, where it has one.
+    pub fn unit(&self) -> Option<&str> {
+        match &self.kind {
+            Kind::Real { unit, .. } => unit.as_deref(),
+            _ => None,
+        }
+    }
+
+    /// The unit in which people want to read it: the display unit, or else the unit.
+    pub fn display_unit(&self) -> Option<&str> {
+        match &self.kind {
+            Kind::Real {
+                unit, display_unit, ..
+            } => display_unit.as_deref().or(unit.as_deref()),
+            _ => None,
+        }
+    }
+
+    /// Whether an importer may set it before the start.
+    pub fn is_settable(&self) -> bool {
+        self.variability != Variability::Constant
+            && matches!(self.causality, Causality::Parameter | Causality::Input)
+            || self.causality == Causality::Local && self.start_is_given()
+    }
+
+    fn start_is_given(&self) -> bool {
+        match &self.kind {
+            Kind::Real { start, .. } => start.is_some(),
+            Kind::Integer { start, .. } | Kind::Enumeration { start, .. } => start.is_some(),
+            Kind::Boolean { start } => start.is_some(),
+            Kind::String { start } => start.is_some(),
+        }
+    }
+}

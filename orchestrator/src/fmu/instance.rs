@@ -1,0 +1,453 @@
+//! One simulation of an FMU.
+
+use std::ffi::{CString, c_char, c_int, c_void};
+use std::fmt;
+use std::ptr;
+use std::sync::Arc;
+use std::time::Duration;
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use super::Library;
+use super::library::{Callbacks, Component};
+use super::logger::{Log, orchestrator_logger};
+
+/// The status that a function of FMI 2.0 returns.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Status {
+    /// Done.
+    Ok,
+    /// Done, but something is to be looked at.
+    Warning,
+    /// Not done; nothing has changed.
+    Discard,
+    /// Failed; the instance cannot go on.
+    Error,
+    /// Failed; the FMU cannot go on in this process.
+    Fatal,
+    /// Not yet done.
+    Pending,
+    /// A number that the standard does not know.
+    Unknown(i32),
+}
+
+impl From<c_int> for Status {
+    fn from(status: c_int) -> Self {
+        match status {
+            0 => Self::Ok,
+            1 => Self::Warning,
+            2 => Self::Discard,
+            3 => Self::Error,
+            4 => Self::Fatal,
+            5 => Self::Pending,
+            other => Self::Unknown(other),
+        }
+    }
+}
+
+impl fmt::Display for Status {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Unknown(number) => write!(f, "unknown status {number}"),
+            known => write!(f, "fmi2{known:?}"),
+        }
+    }
+}
+
+/// A call that did not succeed.
+#[derive(Clone, Debug, Error)]
+#[error("{status}: {}", self.reason())]
+pub struct Call {
+    /// The function, such as `fmi2DoStep`.
+    pub function: &'static str,
+    /// What it returned.
+    pub status: Status,
+    /// What the FMU said.
+    pub message: Option<String>,
+}
+
+impl Call {
+    fn reason(&self) -> String {
+        match &self.message {
+            Some(message) => format!("{message} ({})", self.function),
+            None => format!("{} failed without a message", self.function),
+        }
+    }
+}
+
+/// A value of a variable.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Value {
+    /// A real number, in the variable's unit.
+    Real(f64),
+    /// A whole number, or an item of an enumeration.
+    Integer(i32),
+    /// Yes or no.
+    Boolean(bool),
+    /// A text.
+    String(String),
+}
+
+/// One instance. It may move between threads, but only one at a time may use it.
+#[derive(Debug)]
+pub struct Instance {
+    library: Arc<Library>,
+    component: Component,
+    // Both are known to the FMU by address: they must outlive the component.
+    log: Box<Log>,
+    _callbacks: Box<Callbacks>,
+    dead: bool,
+}
+
+// SAFETY: FMI 2.0 ties an instance to no thread; it only forbids concurrent calls, which `&mut self`
+// and the missing `Sync` rule out.
+unsafe impl Send for Instance {}
+
+unsafe extern "C" fn step_finished(_: *mut c_void, _: c_int) {}
+
+impl Instance {
+    /// Creates an instance.
+    ///
+    /// # Errors
+    /// When the FMU refuses.
+    pub fn new(library: &Arc<Library>, name: &str) -> Result<Self, Call> {
+        let log = Box::new(Log::default());
+        let callbacks = Box::new(Callbacks {
+            logger: orchestrator_logger,
+            allocate_memory: libc::calloc,
+            free_memory: libc::free,
+            step_finished,
+            environment: ptr::from_ref::<Log>(&log).cast(),
+        });
+        let [name, guid, resources] =
+            [name, library.guid.as_str(), library.resources.as_str()].map(c_string);
+        const CO_SIMULATION: c_int = 1;
+        // SAFETY: the strings live through the call; the callbacks and the log outlive the
+        // component, since this value owns them.
+        let component = unsafe {
+            (library.functions.instantiate)(
+                name.as_ptr(),
+                CO_SIMULATION,
+                guid.as_ptr(),
+                resources.as_ptr(),
+                &raw const *callbacks,
+                0,
+                0,
+            )
+        };
+        if component.is_null() {
+            return Err(Call {
+                function: "fmi2Instantiate",
+                status: Status::Error,
+                message: log.last(),
+            });
+        }
+        let mut instance = Self {
+            library: Arc::clone(library),
+            component,
+            log,
+            _callbacks: callbacks,
+            dead: false,
+        };
+        instance.log_errors();
+        Ok(instance)
+    }
+
+    /// Asks the FMU for its error messages, where it has a category for them.
+    fn log_errors(&mut self) {
+        let library = Arc::clone(&self.library);
+        let names: Vec<CString> = library
+            .error_categories
+            .iter()
+            .map(|name| c_string(name))
+            .collect();
+        if let (Some(function), false) = (library.functions.set_debug_logging, names.is_empty()) {
+            let pointers: Vec<*const c_char> = names.iter().map(|name| name.as_ptr()).collect();
+            // SAFETY: the array holds as many valid strings as stated. What it returns does not
+            // matter: without it there are fewer messages.
+            unsafe { function(self.component, 1, pointers.len(), pointers.as_ptr()) };
+        }
+    }
+
+    /// Whether the FMU is unusable after `fmi2Fatal`: nothing may be called any more.
+    pub fn is_dead(&self) -> bool {
+        self.dead
+    }
+
+    fn check(&mut self, function: &'static str, status: c_int) -> Result<(), Call> {
+        match Status::from(status) {
+            Status::Ok | Status::Warning => Ok(()),
+            status => Err(self.failed(function, status)),
+        }
+    }
+
+    #[cold]
+    fn failed(&mut self, function: &'static str, status: Status) -> Call {
+        self.dead |= status == Status::Fatal;
+        Call {
+            function,
+            status,
+            message: self.log.last(),
+        }
+    }
+
+    /// A call of the optional function `function`, which some FMUs leave out.
+    fn missing(function: &'static str) -> Call {
+        Call {
+            function,
+            status: Status::Error,
+            message: Some("the FMU does not export the function".to_owned()),
+        }
+    }
+
+    /// Announces the experiment: start and stop time in s, and the relative tolerance.
+    ///
+    /// # Errors
+    /// When the FMU refuses.
+    pub fn setup_experiment(
+        &mut self,
+        start: f64,
+        stop: f64,
+        tolerance: Option<f64>,
+    ) -> Result<(), Call> {
+        // SAFETY: the component is alive.
+        let status = unsafe {
+            (self.library.functions.setup_experiment)(
+                self.component,
+                c_int::from(tolerance.is_some()),
+                tolerance.unwrap_or(0.0),
+                start,
+                1,
+                stop,
+            )
+        };
+        self.check("fmi2SetupExperiment", status)
+    }
+
+    /// Enters and leaves initialisation mode.
+    ///
+    /// # Errors
+    /// When the FMU cannot be initialised.
+    pub fn initialise(&mut self) -> Result<(), Call> {
+        // SAFETY: the component is alive.
+        let status = unsafe { (self.library.functions.enter_initialization_mode)(self.component) };
+        self.check("fmi2EnterInitializationMode", status)?;
+        // SAFETY: the component is alive.
+        let status = unsafe { (self.library.functions.exit_initialization_mode)(self.component) };
+        self.check("fmi2ExitInitializationMode", status)
+    }
+
+    /// Lets `step` seconds pass from `time`.
+    ///
+    /// # Errors
+    /// When the step is refused or fails.
+    #[inline]
+    pub fn step(&mut self, time: f64, step: f64) -> Result<(), Call> {
+        // SAFETY: the component is alive.
+        let status = unsafe { (self.library.functions.do_step)(self.component, time, step, 1) };
+        if status == 0 {
+            return Ok(());
+        }
+        self.slow_step(status)
+    }
+
+    #[cold]
+    fn slow_step(&mut self, mut status: c_int) -> Result<(), Call> {
+        while Status::from(status) == Status::Pending {
+            std::thread::sleep(Duration::from_micros(100));
+            status = self.pending_step()?;
+        }
+        let result = self.check("fmi2DoStep", status);
+        result.map_err(|mut call| {
+            if call.status == Status::Discard && self.wants_to_stop() {
+                call.message = Some("the FMU ended the simulation early".to_owned());
+            }
+            call
+        })
+    }
+
+    /// The present status of a step that returned before it was done.
+    fn pending_step(&mut self) -> Result<c_int, Call> {
+        const DO_STEP_STATUS: c_int = 0;
+        let function = self.library.functions.get_status;
+        let function = function.ok_or_else(|| Self::missing("fmi2GetStatus"))?;
+        let mut status: c_int = 0;
+        // SAFETY: the component is alive, and the status is a valid place to write to.
+        let call = unsafe { function(self.component, DO_STEP_STATUS, &raw mut status) };
+        self.check("fmi2GetStatus", call)?;
+        Ok(status)
+    }
+
+    /// Whether the FMU refused the step because it wants no further ones.
+    fn wants_to_stop(&self) -> bool {
+        const TERMINATED: c_int = 3;
+        let mut terminated: c_int = 0;
+        self.library
+            .functions
+            .get_boolean_status
+            .is_some_and(|function| {
+                // SAFETY: the component is alive, and the flag is a valid place to write to.
+                unsafe { function(self.component, TERMINATED, &raw mut terminated) };
+                terminated != 0
+            })
+    }
+
+    /// Reads real variables.
+    ///
+    /// # Errors
+    /// When the FMU refuses.
+    #[inline]
+    pub fn reals(&mut self, references: &[u32], into: &mut [f64]) -> Result<(), Call> {
+        let count = references.len().min(into.len());
+        // SAFETY: both arrays hold `count` elements.
+        let status = unsafe {
+            let get = self.library.functions.get_real;
+            get(
+                self.component,
+                references.as_ptr(),
+                count,
+                into.as_mut_ptr(),
+            )
+        };
+        self.check("fmi2GetReal", status)
+    }
+
+    /// Reads an integer or an item of an enumeration.
+    ///
+    /// # Errors
+    /// When the FMU refuses.
+    pub fn integer(&mut self, reference: u32) -> Result<i32, Call> {
+        let mut value: c_int = 0;
+        // SAFETY: both pointers are to one element.
+        let status = unsafe {
+            let get = self.library.functions.get_integer;
+            get(self.component, &raw const reference, 1, &raw mut value)
+        };
+        self.check("fmi2GetInteger", status)?;
+        Ok(value)
+    }
+
+    /// Reads a Boolean.
+    ///
+    /// # Errors
+    /// When the FMU refuses.
+    pub fn boolean(&mut self, reference: u32) -> Result<bool, Call> {
+        let mut value: c_int = 0;
+        // SAFETY: both pointers are to one element.
+        let status = unsafe {
+            let get = self.library.functions.get_boolean;
+            get(self.component, &raw const reference, 1, &raw mut value)
+        };
+        self.check("fmi2GetBoolean", status)?;
+        Ok(value != 0)
+    }
+
+    /// Reads a text.
+    ///
+    /// # Errors
+    /// When the FMU refuses.
+    pub fn string(&mut self, reference: u32) -> Result<String, Call> {
+        let get = self.library.functions.get_string;
+        let get = get.ok_or_else(|| Self::missing("fmi2GetString"))?;
+        let mut value: *const c_char = ptr::null();
+        // SAFETY: both pointers are to one element.
+        let status = unsafe { get(self.component, &raw const reference, 1, &raw mut value) };
+        self.check("fmi2GetString", status)?;
+        if value.is_null() {
+            return Ok(String::new());
+        }
+        // SAFETY: FMI 2.0 returns a zero-terminated string that is valid until the next call.
+        let text = unsafe { std::ffi::CStr::from_ptr(value) };
+        Ok(text.to_string_lossy().into_owned())
+    }
+
+    /// Writes real variables.
+    ///
+    /// # Errors
+    /// When the FMU refuses.
+    pub fn set_reals(&mut self, references: &[u32], values: &[f64]) -> Result<(), Call> {
+        let count = references.len().min(values.len());
+        if count == 0 {
+            return Ok(());
+        }
+        // SAFETY: both arrays hold `count` elements.
+        let status = unsafe {
+            let set = self.library.functions.set_real;
+            set(self.component, references.as_ptr(), count, values.as_ptr())
+        };
+        self.check("fmi2SetReal", status)
+    }
+
+    /// Writes one variable.
+    ///
+    /// # Errors
+    /// When the FMU refuses.
+    pub fn set(&mut self, reference: u32, value: &Value) -> Result<(), Call> {
+        let functions = self.library.functions;
+        let (component, reference) = (self.component, &raw const reference);
+        match value {
+            Value::Real(value) => {
+                // SAFETY: both pointers are to one element.
+                let status = unsafe { (functions.set_real)(component, reference, 1, value) };
+                self.check("fmi2SetReal", status)
+            }
+            Value::Integer(value) => {
+                // SAFETY: both pointers are to one element.
+                let status = unsafe { (functions.set_integer)(component, reference, 1, value) };
+                self.check("fmi2SetInteger", status)
+            }
+            Value::Boolean(value) => {
+                let value = c_int::from(*value);
+                // SAFETY: both pointers are to one element.
+                let status = unsafe { (functions.set_boolean)(component, reference, 1, &value) };
+                self.check("fmi2SetBoolean", status)
+            }
+            Value::String(value) => {
+                let set = functions.set_string;
+                let set = set.ok_or_else(|| Self::missing("fmi2SetString"))?;
+                let text = c_string(value);
+                // SAFETY: both pointers are to one element, the text lives through the call.
+                let status = unsafe { set(component, reference, 1, &text.as_ptr()) };
+                self.check("fmi2SetString", status)
+            }
+        }
+    }
+
+    /// Takes the instance back to where it was after its creation.
+    ///
+    /// # Errors
+    /// When the FMU cannot; then a new instance is needed.
+    pub fn reset(&mut self) -> Result<(), Call> {
+        let reset = self.library.functions.reset;
+        let reset = reset.ok_or_else(|| Self::missing("fmi2Reset"))?;
+        self.log.clear();
+        // SAFETY: the component is alive.
+        let status = unsafe { reset(self.component) };
+        self.check("fmi2Reset", status)
+    }
+
+    /// Ends a simulation that was initialised. What the FMU returns no longer matters.
+    pub fn terminate(&mut self) {
+        if let (Some(terminate), false) = (self.library.functions.terminate, self.dead) {
+            // SAFETY: the component is alive.
+            let status = unsafe { terminate(self.component) };
+            self.dead |= Status::from(status) == Status::Fatal;
+        }
+    }
+}
+
+impl Drop for Instance {
+    fn drop(&mut self) {
+        if !self.dead {
+            // SAFETY: the component is alive and never used again.
+            unsafe { (self.library.functions.free_instance)(self.component) };
+        }
+    }
+}
+
+/// A C string. A zero byte cannot be told to C: the text ends before it.
+fn c_string(text: &str) -> CString {
+    let end = text.find('\0').unwrap_or(text.len());
+    CString::new(&text[..end]).unwrap_or_default()
+}

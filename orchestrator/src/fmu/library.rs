@@ -1,0 +1,211 @@
+//! The binary of an FMU: its functions, loaded once and never unloaded.
+//!
+//! Unloading is left out on purpose: thread-local destructors and threads of an FMU that outlive
+//! its code crash the process, and a process loads few FMUs.
+
+use std::ffi::{c_char, c_int, c_void};
+use std::path::{Path, PathBuf};
+
+use libloading::Library as Loaded;
+use thiserror::Error;
+
+use super::Description;
+use super::archive;
+
+/// Why a binary cannot be loaded.
+#[derive(Debug, Error)]
+pub enum LibraryError {
+    /// The dynamic loader refused it.
+    #[error("cannot load {path}: {reason}")]
+    Load {
+        /// The binary.
+        path: PathBuf,
+        /// What the loader said.
+        reason: String,
+    },
+    /// A function is missing.
+    #[error("the binary does not export `{0}`")]
+    Function(&'static str),
+    /// The resource folder has no URI.
+    #[error("the folder {0} cannot be written as a URI")]
+    Folder(PathBuf),
+}
+
+pub(super) type Component = *mut c_void;
+type Get<T> = unsafe extern "C" fn(Component, *const u32, usize, *mut T) -> c_int;
+type Set<T> = unsafe extern "C" fn(Component, *const u32, usize, *const T) -> c_int;
+type Plain = unsafe extern "C" fn(Component) -> c_int;
+
+/// The struct `fmi2CallbackFunctions`.
+#[repr(C)]
+#[derive(Debug)]
+pub(super) struct Callbacks {
+    pub(super) logger: unsafe extern "C" fn(),
+    pub(super) allocate_memory: unsafe extern "C" fn(usize, usize) -> *mut c_void,
+    pub(super) free_memory: unsafe extern "C" fn(*mut c_void),
+    pub(super) step_finished: unsafe extern "C" fn(*mut c_void, c_int),
+    pub(super) environment: *const c_void,
+}
+
+/// The functions of FMI 2.0 for Co-Simulation that an importer calls.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Functions {
+    pub(super) instantiate: unsafe extern "C" fn(
+        *const c_char,
+        c_int,
+        *const c_char,
+        *const c_char,
+        *const Callbacks,
+        c_int,
+        c_int,
+    ) -> Component,
+    pub(super) free_instance: unsafe extern "C" fn(Component),
+    pub(super) set_debug_logging:
+        Option<unsafe extern "C" fn(Component, c_int, usize, *const *const c_char) -> c_int>,
+    pub(super) setup_experiment:
+        unsafe extern "C" fn(Component, c_int, f64, f64, c_int, f64) -> c_int,
+    pub(super) enter_initialization_mode: Plain,
+    pub(super) exit_initialization_mode: Plain,
+    pub(super) terminate: Option<Plain>,
+    pub(super) reset: Option<Plain>,
+    pub(super) get_real: Get<f64>,
+    pub(super) get_integer: Get<c_int>,
+    pub(super) get_boolean: Get<c_int>,
+    pub(super) get_string: Option<Get<*const c_char>>,
+    pub(super) set_real: Set<f64>,
+    pub(super) set_integer: Set<c_int>,
+    pub(super) set_boolean: Set<c_int>,
+    pub(super) set_string: Option<Set<*const c_char>>,
+    pub(super) do_step: unsafe extern "C" fn(Component, f64, f64, c_int) -> c_int,
+    pub(super) get_status: Option<unsafe extern "C" fn(Component, c_int, *mut c_int) -> c_int>,
+    pub(super) get_boolean_status:
+        Option<unsafe extern "C" fn(Component, c_int, *mut c_int) -> c_int>,
+}
+
+/// A loaded binary.
+#[derive(Debug)]
+pub struct Library {
+    pub(super) functions: Functions,
+    pub(super) guid: String,
+    pub(super) resources: String,
+    pub(super) error_categories: Vec<String>,
+    name: String,
+}
+
+impl Library {
+    /// Loads the binary of an unpacked FMU.
+    pub(super) fn load(folder: &Path, description: &Description) -> Result<Self, LibraryError> {
+        let resources = uri(&folder.join("resources"))?;
+        let functions = functions(&archive::binary(folder, &description.model_identifier))?;
+        let error_categories = description
+            .log_categories
+            .iter()
+            .filter(|name| {
+                let name = name.to_lowercase();
+                name.contains("error") || name.contains("fatal")
+            })
+            .cloned()
+            .collect();
+        Ok(Self {
+            functions,
+            guid: description.guid.clone(),
+            resources,
+            error_categories,
+            name: description.model_name.clone(),
+        })
+    }
+
+    /// The model's name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+}
+
+/// A folder as `file:///...`, percent-encoded.
+fn uri(folder: &Path) -> Result<String, LibraryError> {
+    let absolute = std::path::absolute(folder).map_err(|_| LibraryError::Folder(folder.into()))?;
+    let text = absolute
+        .to_str()
+        .ok_or_else(|| LibraryError::Folder(absolute.clone()))?;
+    let text = text.replace('\\', "/");
+    let mut uri = String::from(if text.starts_with('/') {
+        "file://"
+    } else {
+        "file:///"
+    });
+    for byte in text.bytes() {
+        match byte {
+            b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'/' | b':' | b'-' | b'.' | b'_' | b'~' => {
+                uri.push(char::from(byte));
+            }
+            _ => uri.push_str(&format!("%{byte:02X}")),
+        }
+    }
+    Ok(uri)
+}
+
+fn functions(path: &Path) -> Result<Functions, LibraryError> {
+    // The loader searches a bare relative path elsewhere.
+    let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    // SAFETY: running the initialisers of the binary is what the user asked for; the caller
+    // decides in which process.
+    let library = unsafe { Loaded::new(&path) }.map_err(|error| LibraryError::Load {
+        reason: plain(&error),
+        path,
+    })?;
+    let functions = table(&library);
+    // Never unloaded, see above.
+    std::mem::forget(library);
+    functions
+}
+
+/// The loader's own words, on one line.
+fn plain(error: &libloading::Error) -> String {
+    let source = std::error::Error::source(error);
+    let text = source.map_or_else(|| error.to_string(), ToString::to_string);
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// A symbol as a function pointer of the type that the field asks for.
+fn symbol<T: Copy>(library: &Loaded, name: &'static str) -> Result<T, LibraryError> {
+    // SAFETY: `T` is the function type that FMI 2.0 gives to this name.
+    let symbol = unsafe { library.get::<T>(name.as_bytes()) };
+    symbol
+        .map(|symbol| *symbol)
+        .map_err(|_| LibraryError::Function(name))
+}
+
+fn table(library: &Loaded) -> Result<Functions, LibraryError> {
+    Ok(Functions {
+        instantiate: symbol(library, "fmi2Instantiate")?,
+        free_instance: symbol(library, "fmi2FreeInstance")?,
+        set_debug_logging: symbol(library, "fmi2SetDebugLogging").ok(),
+        setup_experiment: symbol(library, "fmi2SetupExperiment")?,
+        enter_initialization_mode: symbol(library, "fmi2EnterInitializationMode")?,
+        exit_initialization_mode: symbol(library, "fmi2ExitInitializationMode")?,
+        terminate: symbol(library, "fmi2Terminate").ok(),
+        reset: symbol(library, "fmi2Reset").ok(),
+        get_real: symbol(library, "fmi2GetReal")?,
+        get_integer: symbol(library, "fmi2GetInteger")?,
+        get_boolean: symbol(library, "fmi2GetBoolean")?,
+        get_string: symbol(library, "fmi2GetString").ok(),
+        set_real: symbol(library, "fmi2SetReal")?,
+        set_integer: symbol(library, "fmi2SetInteger")?,
+        set_boolean: symbol(library, "fmi2SetBoolean")?,
+        set_string: symbol(library, "fmi2SetString").ok(),
+        do_step: symbol(library, "fmi2DoStep")?,
+        get_status: symbol(library, "fmi2GetStatus").ok(),
+        get_boolean_status: symbol(library, "fmi2GetBooleanStatus").ok(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn folders_become_uris() {
+        let uri = uri(Path::new("/tmp/with space/ä")).unwrap();
+        assert_eq!(uri, "file:///tmp/with%20space/%C3%A4");
+    }
+}

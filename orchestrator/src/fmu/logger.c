@@ -1,0 +1,17 @@
+/* The FMI 2.0 logger callback is C-variadic, which stable Rust cannot define.
+   This shim formats the message and hands it to a Rust function of fixed arity. */
+#include <stdarg.h>
+#include <stdio.h>
+
+void orchestrator_log(void *environment, const char *instance, int status, const char *category,
+                      const char *message);
+
+void orchestrator_logger(void *environment, const char *instance, int status, const char *category,
+                         const char *format, ...) {
+    char text[2048];
+    va_list arguments;
+    va_start(arguments, format);
+    int length = format ? vsnprintf(text, sizeof text, format, arguments) : 0;
+    va_end(arguments);
+    orchestrator_log(environment, instance, status, category, length > 0 ? text : "");
+}

@@ -1,0 +1,169 @@
+//! Functional Mock-up Units of FMI 2.0 for Co-Simulation, as an importer sees them.
+//!
+//! - [`archive`] finds and unpacks the file, trusting nothing in it;
+//! - [`description`] is what `modelDescription.xml` says, read tolerantly;
+//! - [`library`] is the binary: its functions, loaded once and never unloaded;
+//! - [`instance`] is one simulation of it.
+//!
+//! A [`Package`] is an FMU at rest. It loads no code until [`Package::load`] is called, so a
+//! process that only reads descriptions cannot be brought down by a faulty binary.
+
+pub mod archive;
+pub mod description;
+pub mod instance;
+pub mod library;
+mod logger;
+mod parse;
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use sha2::{Digest, Sha256};
+use tempfile::TempDir;
+use thiserror::Error;
+
+pub use archive::ArchiveError;
+pub use description::{Causality, Description, Kind, Variability, Variable};
+pub use instance::{Call, Instance, Status, Value};
+pub use library::{Library, LibraryError};
+pub use parse::DescriptionError;
+
+use archive::Archive;
+
+/// Why an FMU cannot be used.
+#[derive(Debug, Error)]
+pub enum FmuError {
+    /// The file cannot be read or unpacked.
+    #[error("{path}: {source}")]
+    Archive {
+        /// The FMU.
+        path: PathBuf,
+        /// What is wrong.
+        source: ArchiveError,
+    },
+    /// `modelDescription.xml` cannot be used.
+    #[error("{path}: modelDescription.xml: {source}")]
+    Description {
+        /// The FMU.
+        path: PathBuf,
+        /// What is wrong.
+        source: DescriptionError,
+    },
+    /// The binary cannot be loaded.
+    #[error("{path}: {source}")]
+    Library {
+        /// The FMU.
+        path: PathBuf,
+        /// What is wrong.
+        source: LibraryError,
+    },
+}
+
+/// An FMU at rest: its description, and its files once they are unpacked.
+#[derive(Debug)]
+pub struct Package {
+    path: PathBuf,
+    archive: Archive,
+    description: Description,
+    unpacked: Option<TempDir>,
+}
+
+impl Package {
+    /// Opens an FMU file, or a folder that holds an unpacked one, and reads its description.
+    ///
+    /// # Errors
+    /// When there is no such file, when it is not an FMU, and when it is not one of FMI 2.0 for
+    /// Co-Simulation.
+    pub fn open(path: &Path) -> Result<Self, FmuError> {
+        let archive_error = |source| FmuError::Archive {
+            path: path.to_owned(),
+            source,
+        };
+        let mut archive = Archive::open(path).map_err(archive_error)?;
+        let xml = archive.description().map_err(archive_error)?;
+        let description = parse::description(&xml).map_err(|source| FmuError::Description {
+            path: path.to_owned(),
+            source,
+        })?;
+        Ok(Self {
+            path: path.to_owned(),
+            archive,
+            description,
+            unpacked: None,
+        })
+    }
+
+    /// Where the FMU was found.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// What its `modelDescription.xml` says.
+    pub fn description(&self) -> &Description {
+        &self.description
+    }
+
+    /// The platforms for which it holds a binary, such as `linux64`.
+    pub fn platforms(&self) -> Vec<String> {
+        self.archive.platforms(&self.description.model_identifier)
+    }
+
+    /// The SHA-256 digest of the FMU file, as hexadecimal digits; of the description alone for a folder.
+    ///
+    /// # Errors
+    /// When the file cannot be read any more.
+    pub fn digest(&self) -> Result<String, FmuError> {
+        let bytes = self.archive.bytes().map_err(|source| FmuError::Archive {
+            path: self.path.clone(),
+            source,
+        })?;
+        Ok(hexadecimal(&Sha256::digest(&bytes)))
+    }
+
+    /// Unpacks what a simulation on this platform needs, once, and returns the folder.
+    /// The folder is removed with the package.
+    ///
+    /// # Errors
+    /// When there is no binary for this platform, when the archive is unsafe or damaged, and when
+    /// there is no room.
+    pub fn unpack(&mut self) -> Result<PathBuf, FmuError> {
+        if let Some(folder) = self.archive.folder() {
+            return Ok(folder.to_owned());
+        }
+        if self.unpacked.is_none() {
+            let folder = self
+                .archive
+                .unpack(&self.description.model_identifier)
+                .map_err(|source| FmuError::Archive {
+                    path: self.path.clone(),
+                    source,
+                })?;
+            self.unpacked = Some(folder);
+        }
+        let folder = self.unpacked.as_ref().map(TempDir::path);
+        Ok(folder.unwrap_or(&self.path).to_owned())
+    }
+
+    /// Unpacks the FMU and loads its binary into this process.
+    ///
+    /// # Errors
+    /// As [`unpack`](Self::unpack), and when the binary cannot be loaded.
+    pub fn load(&mut self) -> Result<Arc<Library>, FmuError> {
+        let folder = self.unpack()?;
+        let library =
+            Library::load(&folder, &self.description).map_err(|source| FmuError::Library {
+                path: self.path.clone(),
+                source,
+            })?;
+        Ok(Arc::new(library))
+    }
+}
+
+/// Bytes as lower-case hexadecimal digits.
+pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
+    use std::fmt::Write;
+    bytes.iter().fold(String::new(), |mut text, byte| {
+        let _ = write!(text, "{byte:02x}");
+        text
+    })
+}

@@ -1,0 +1,406 @@
+//! Reads `modelDescription.xml` tolerantly.
+//!
+//! Unknown attributes, annotations, foreign namespaces and missing optional parts are no error;
+//! a byte-order mark and Latin-1 are understood. What cannot be ignored silently becomes one of
+//! [`Description::remarks`].
+
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::str::FromStr;
+
+use roxmltree::{Document, Node, ParsingOptions};
+use thiserror::Error;
+
+use super::description::{
+    Capabilities, Causality, DefaultExperiment, Description, Kind, Variability, Variable,
+};
+use crate::units::{BaseUnit, DisplayUnit, Unit, Units};
+
+/// More XML nodes than any model description has.
+const MAX_NODES: u32 = 50_000_000;
+
+/// Why a model description cannot be used.
+#[derive(Debug, Error)]
+pub enum DescriptionError {
+    /// The file is not well-formed, or it defines entities.
+    #[error("{0}")]
+    Xml(#[from] roxmltree::Error),
+    /// The root element is another one.
+    #[error("the root element is `{0}`, not `fmiModelDescription`")]
+    Root(String),
+    /// The FMU is of another version.
+    #[error("the FMU is of FMI {0}; FMI 2.0 is needed")]
+    Version(String),
+    /// There is no Co-Simulation part.
+    #[error("the FMU has no Co-Simulation part (Model Exchange only); Co-Simulation is needed")]
+    NoCoSimulation,
+    /// A required attribute is missing.
+    #[error("line {line}: `{element}` has no attribute `{attribute}`")]
+    Missing {
+        /// The element's name.
+        element: String,
+        /// The attribute's name.
+        attribute: &'static str,
+        /// The line, from 1.
+        line: u32,
+    },
+    /// The model identifier would not name a file.
+    #[error("modelIdentifier `{0}` is not a plain file name")]
+    Identifier(String),
+}
+
+/// Reads a model description.
+pub(super) fn description(bytes: &[u8]) -> Result<Description, DescriptionError> {
+    let text = decode(bytes);
+    let options = ParsingOptions {
+        nodes_limit: MAX_NODES,
+        ..ParsingOptions::default()
+    };
+    let document = Document::parse_with_options(&text, options)?;
+    let root = document.root_element();
+    if root.tag_name().name() != "fmiModelDescription" {
+        return Err(DescriptionError::Root(root.tag_name().name().to_owned()));
+    }
+    let version = root.attribute("fmiVersion").unwrap_or("1.0").trim();
+    if !version.starts_with("2.") && version != "2" {
+        return Err(DescriptionError::Version(version.to_owned()));
+    }
+    let slave = child(root, "CoSimulation").ok_or(DescriptionError::NoCoSimulation)?;
+    let model_identifier = required(slave, "modelIdentifier")?.to_owned();
+    if model_identifier.is_empty() || model_identifier.contains(['/', '\\', '\0']) {
+        return Err(DescriptionError::Identifier(model_identifier));
+    }
+    let mut reader = Reader::default();
+    let types = reader.types(root);
+    let mut description = Description {
+        fmi_version: version.to_owned(),
+        model_name: root.attribute("modelName").unwrap_or("").to_owned(),
+        model_identifier,
+        guid: root.attribute("guid").unwrap_or("").to_owned(),
+        description: root.attribute("description").map(str::to_owned),
+        version: root.attribute("version").map(str::to_owned),
+        generation_tool: root.attribute("generationTool").map(str::to_owned),
+        capabilities: reader.capabilities(slave),
+        default_experiment: reader.default_experiment(root),
+        log_categories: log_categories(root),
+        units: reader.units(root),
+        ..Description::default()
+    };
+    reader.variables(root, &types, &mut description);
+    description.remarks = reader.remarks;
+    Ok(description)
+}
+
+/// The text of the bytes: UTF-8 unless a byte-order mark, the XML declaration or the bytes
+/// themselves say that it is UTF-16 or Latin-1.
+fn decode(bytes: &[u8]) -> Cow<'_, str> {
+    let utf16 = |decode: fn([u8; 2]) -> u16| {
+        let units = bytes[2..]
+            .chunks_exact(2)
+            .map(|pair| decode([pair[0], pair[1]]));
+        Cow::Owned(
+            char::decode_utf16(units)
+                .map(|c| c.unwrap_or('\u{fffd}'))
+                .collect(),
+        )
+    };
+    match bytes {
+        [0xff, 0xfe, ..] => return utf16(u16::from_le_bytes),
+        [0xfe, 0xff, ..] => return utf16(u16::from_be_bytes),
+        _ => {}
+    }
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let declaration = String::from_utf8_lossy(&bytes[..bytes.len().min(200)]).to_lowercase();
+    let declared_latin = ["iso-8859-1", "latin1", "windows-1252"]
+        .iter()
+        .any(|name| declaration.contains(name));
+    match std::str::from_utf8(bytes) {
+        Ok(text) if !declared_latin => Cow::Borrowed(text),
+        // In Latin-1 every byte is the code point of its character.
+        _ => Cow::Owned(bytes.iter().map(|&byte| char::from(byte)).collect()),
+    }
+}
+
+fn child<'a>(node: Node<'a, 'a>, name: &str) -> Option<Node<'a, 'a>> {
+    children(node, name).next()
+}
+
+/// The child elements of this name; foreign namespaces don't count.
+fn children<'a>(node: Node<'a, 'a>, name: &str) -> impl Iterator<Item = Node<'a, 'a>> {
+    node.children().filter(move |child| {
+        child.is_element()
+            && child.tag_name().name() == name
+            && child.tag_name().namespace().is_none()
+    })
+}
+
+fn line(node: Node<'_, '_>) -> u32 {
+    node.document().text_pos_at(node.range().start).row
+}
+
+fn required<'a>(node: Node<'a, 'a>, attribute: &'static str) -> Result<&'a str, DescriptionError> {
+    node.attribute(attribute)
+        .ok_or_else(|| DescriptionError::Missing {
+            element: node.tag_name().name().to_owned(),
+            attribute,
+            line: line(node),
+        })
+}
+
+fn log_categories(root: Node<'_, '_>) -> Vec<String> {
+    let categories = root
+        .children()
+        .find(|node| node.tag_name().name() == "LogCategories");
+    let names = categories.into_iter().flat_map(|node| node.children());
+    names
+        .filter_map(|category| category.attribute("name"))
+        .map(str::to_owned)
+        .collect()
+}
+
+/// Attributes that a variable takes over from its declared type.
+type Types<'a> = HashMap<&'a str, Node<'a, 'a>>;
+
+/// Collects remarks on the way.
+#[derive(Default)]
+struct Reader {
+    remarks: Vec<String>,
+}
+
+impl Reader {
+    fn remark(&mut self, node: Node<'_, '_>, text: &str) {
+        const ENOUGH: usize = 100;
+        if self.remarks.len() < ENOUGH {
+            self.remarks.push(format!("line {}: {text}", line(node)));
+        }
+    }
+
+    /// An optional attribute. One that cannot be read counts as missing, with a remark.
+    fn number<T: FromStr>(&mut self, node: Node<'_, '_>, name: &str) -> Option<T> {
+        let text = node.attribute(name)?.trim();
+        let value = text.parse().ok();
+        if value.is_none() {
+            self.remark(node, &format!("{name}=\"{text}\" is not a number"));
+        }
+        value
+    }
+
+    fn boolean(&mut self, node: Node<'_, '_>, name: &str) -> Option<bool> {
+        match node.attribute(name)?.trim() {
+            "true" | "1" => Some(true),
+            "false" | "0" => Some(false),
+            text => {
+                self.remark(
+                    node,
+                    &format!("{name}=\"{text}\" is neither true nor false"),
+                );
+                None
+            }
+        }
+    }
+
+    fn capabilities(&mut self, node: Node<'_, '_>) -> Capabilities {
+        let mut flag = |name| self.boolean(node, name).unwrap_or(false);
+        Capabilities {
+            can_handle_variable_communication_step_size: flag(
+                "canHandleVariableCommunicationStepSize",
+            ),
+            can_get_and_set_fmu_state: flag("canGetAndSetFMUstate"),
+            can_serialize_fmu_state: flag("canSerializeFMUstate"),
+            can_interpolate_inputs: flag("canInterpolateInputs"),
+            can_be_instantiated_only_once_per_process: flag("canBeInstantiatedOnlyOncePerProcess"),
+            needs_execution_tool: flag("needsExecutionTool"),
+            can_run_asynchronuously: flag("canRunAsynchronuously"),
+        }
+    }
+
+    fn default_experiment(&mut self, root: Node<'_, '_>) -> DefaultExperiment {
+        let Some(node) = child(root, "DefaultExperiment") else {
+            return DefaultExperiment::default();
+        };
+        DefaultExperiment {
+            start: self.number(node, "startTime"),
+            stop: self.number(node, "stopTime"),
+            tolerance: self.number(node, "tolerance"),
+            step: self.number(node, "stepSize"),
+        }
+    }
+
+    fn units(&mut self, root: Node<'_, '_>) -> Units {
+        let mut units = Units::default();
+        let definitions = child(root, "UnitDefinitions");
+        for node in definitions
+            .into_iter()
+            .flat_map(|node| children(node, "Unit"))
+        {
+            let Some(name) = node.attribute("name") else {
+                self.remark(node, "a unit without a name");
+                continue;
+            };
+            let base = child(node, "BaseUnit").map(|base| BaseUnit {
+                exponents: ["kg", "m", "s", "A", "K", "mol", "cd", "rad"]
+                    .map(|name| self.number(base, name).unwrap_or(0)),
+                factor: self.number(base, "factor").unwrap_or(1.0),
+                offset: self.number(base, "offset").unwrap_or(0.0),
+            });
+            let display = children(node, "DisplayUnit")
+                .filter_map(|display| {
+                    Some(DisplayUnit {
+                        name: display.attribute("name")?.to_owned(),
+                        factor: self.number(display, "factor").unwrap_or(1.0),
+                        offset: self.number(display, "offset").unwrap_or(0.0),
+                    })
+                })
+                .collect();
+            units.insert(name.to_owned(), Unit { base, display });
+        }
+        units
+    }
+
+    fn types<'a>(&mut self, root: Node<'a, 'a>) -> Types<'a> {
+        let definitions = child(root, "TypeDefinitions");
+        let types = definitions
+            .into_iter()
+            .flat_map(|node| children(node, "SimpleType"));
+        types
+            .filter_map(|node| Some((node.attribute("name")?, typed(node)?)))
+            .collect()
+    }
+
+    fn variables(&mut self, root: Node<'_, '_>, types: &Types<'_>, into: &mut Description) {
+        let list = child(root, "ModelVariables");
+        for node in list
+            .into_iter()
+            .flat_map(|node| children(node, "ScalarVariable"))
+        {
+            let Some(variable) = self.variable(node, types) else {
+                continue;
+            };
+            let name = variable.name.clone();
+            if into.variables.contains_key(&name) {
+                self.remark(
+                    node,
+                    &format!("a second variable `{name}`; the first one counts"),
+                );
+                continue;
+            }
+            into.variables.insert(name, variable);
+        }
+    }
+
+    fn variable(&mut self, node: Node<'_, '_>, types: &Types<'_>) -> Option<Variable> {
+        let Some(name) = node.attribute("name") else {
+            self.remark(node, "a variable without a name is left out");
+            return None;
+        };
+        let Some(value_reference) = self.number(node, "valueReference") else {
+            self.remark(
+                node,
+                &format!("`{name}` has no valueReference and is left out"),
+            );
+            return None;
+        };
+        let Some(element) = typed(node) else {
+            self.remark(node, &format!("`{name}` has no type and is left out"));
+            return None;
+        };
+        let declared = element
+            .attribute("declaredType")
+            .and_then(|name| types.get(name));
+        Some(Variable {
+            name: name.to_owned(),
+            value_reference,
+            description: node.attribute("description").map(str::to_owned),
+            causality: self.causality(node),
+            variability: self.variability(node),
+            kind: self.kind(element, declared.copied()),
+        })
+    }
+
+    fn causality(&mut self, node: Node<'_, '_>) -> Causality {
+        match node.attribute("causality") {
+            Some("parameter") => Causality::Parameter,
+            Some("calculatedParameter") => Causality::CalculatedParameter,
+            Some("input") => Causality::Input,
+            Some("output") => Causality::Output,
+            Some("independent") => Causality::Independent,
+            Some("local") | None => Causality::Local,
+            Some(other) => {
+                self.remark(node, &format!("unknown causality \"{other}\""));
+                Causality::Local
+            }
+        }
+    }
+
+    fn variability(&mut self, node: Node<'_, '_>) -> Variability {
+        match node.attribute("variability") {
+            Some("constant") => Variability::Constant,
+            Some("fixed") => Variability::Fixed,
+            Some("tunable") => Variability::Tunable,
+            Some("discrete") => Variability::Discrete,
+            Some("continuous") | None => Variability::Continuous,
+            Some(other) => {
+                self.remark(node, &format!("unknown variability \"{other}\""));
+                Variability::Continuous
+            }
+        }
+    }
+
+    /// The type's attributes: the variable's own, or else those of its declared type.
+    fn kind(&mut self, own: Node<'_, '_>, declared: Option<Node<'_, '_>>) -> Kind {
+        let source = |name: &str| {
+            let declared = declared.filter(|node| node.has_attribute(name));
+            if own.has_attribute(name) {
+                own
+            } else {
+                declared.unwrap_or(own)
+            }
+        };
+        let text = |name: &str| source(name).attribute(name).map(str::to_owned);
+        match own.tag_name().name() {
+            "Integer" => Kind::Integer {
+                start: self.number(own, "start"),
+                min: self.number(source("min"), "min"),
+                max: self.number(source("max"), "max"),
+            },
+            "Boolean" => Kind::Boolean {
+                start: self.boolean(own, "start"),
+            },
+            "String" => Kind::String {
+                start: own.attribute("start").map(str::to_owned),
+            },
+            "Enumeration" => Kind::Enumeration {
+                start: self.number(own, "start"),
+                items: declared.map_or_else(Vec::new, |node| self.items(node)),
+            },
+            _ => Kind::Real {
+                unit: text("unit"),
+                display_unit: text("displayUnit"),
+                start: self.number(own, "start"),
+                min: self.number(source("min"), "min"),
+                max: self.number(source("max"), "max"),
+                nominal: self.number(source("nominal"), "nominal"),
+            },
+        }
+    }
+
+    fn items(&mut self, declared: Node<'_, '_>) -> Vec<(String, i32)> {
+        children(declared, "Item")
+            .filter_map(|item| {
+                let value = self.number(item, "value")?;
+                Some((item.attribute("name")?.to_owned(), value))
+            })
+            .collect()
+    }
+}
+
+/// The element that carries the type's attributes.
+fn typed<'a>(node: Node<'a, 'a>) -> Option<Node<'a, 'a>> {
+    ["Real", "Integer", "Boolean", "String", "Enumeration"]
+        .iter()
+        .find_map(|name| child(node, name))
+}
+
+#[cfg(test)]
+#[path = "parse_tests.rs"]
+mod tests;

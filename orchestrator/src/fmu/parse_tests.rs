@@ -1,0 +1,93 @@
+//! Tests of the tolerant reader.
+
+use super::*;
+
+fn read(body: &str) -> Description {
+    let xml = format!(
+        "<?xml version=\"1.0\"?><fmiModelDescription fmiVersion=\"2.0\" modelName=\"m\" \
+         guid=\"g\"><CoSimulation modelIdentifier=\"m\"/>{body}</fmiModelDescription>"
+    );
+    description(xml.as_bytes()).unwrap()
+}
+
+#[test]
+fn declared_types_give_what_a_variable_leaves_out() {
+    let description = read(
+        r#"<TypeDefinitions><SimpleType name="Length"><Real unit="m" min="0" max="1"/></SimpleType>
+        <SimpleType name="Film"><Enumeration><Item name="A" value="1"/><Item name="B" value="7"/></Enumeration></SimpleType>
+        </TypeDefinitions><ModelVariables>
+        <ScalarVariable name="c" valueReference="3" causality="parameter" variability="fixed">
+          <Real declaredType="Length" max="0.5" start="0.1"/></ScalarVariable>
+        <ScalarVariable name="film" valueReference="4"><Enumeration declaredType="Film" start="7"/></ScalarVariable>
+        </ModelVariables>"#,
+    );
+    let Kind::Real {
+        unit,
+        min,
+        max,
+        start,
+        ..
+    } = &description.variables["c"].kind
+    else {
+        panic!("not a Real")
+    };
+    assert_eq!(
+        (unit.as_deref(), *min, *max, *start),
+        (Some("m"), Some(0.0), Some(0.5), Some(0.1))
+    );
+    let Kind::Enumeration { items, start } = &description.variables["film"].kind else {
+        panic!("not an Enumeration")
+    };
+    assert_eq!(items[1], ("B".to_owned(), 7));
+    assert_eq!(*start, Some(7));
+}
+
+#[test]
+fn foreign_parts_are_ignored_and_doubtful_ones_remarked() {
+    let description = read(
+        r#"<VendorAnnotations><Tool name="x"><any/></Tool></VendorAnnotations>
+        <ModelVariables xmlns:v="http://example.org/v">
+        <ScalarVariable name="a" valueReference="1" v:more="1" unknown="2"><Real start="abc"/>
+          <Annotations><Tool name="y"/></Annotations></ScalarVariable>
+        <ScalarVariable name="a" valueReference="2"><Real/></ScalarVariable>
+        <ScalarVariable name="b"><Real/></ScalarVariable>
+        </ModelVariables>"#,
+    );
+    assert_eq!(description.variables.len(), 1);
+    assert_eq!(description.variables["a"].value_reference, 1);
+    assert_eq!(description.remarks.len(), 3, "{:?}", description.remarks);
+}
+
+#[test]
+fn latin_1_and_byte_order_marks_are_understood() {
+    let xml = "<?xml version=\"1.0\" encoding=\"ISO-8859-1\"?><fmiModelDescription \
+               fmiVersion=\"2.0\" modelName=\"K\u{e4}lte\" guid=\"g\">\
+               <CoSimulation modelIdentifier=\"m\"/></fmiModelDescription>";
+    let latin: Vec<u8> = xml.chars().map(|c| c as u8).collect();
+    assert_eq!(description(&latin).unwrap().model_name, "Kälte");
+    let utf8 = xml.replace("ISO-8859-1", "UTF-8");
+    let marked = [b"\xef\xbb\xbf", utf8.as_bytes()].concat();
+    assert_eq!(description(&marked).unwrap().model_name, "Kälte");
+    let mut utf16 = vec![0xff, 0xfe];
+    utf16.extend(utf8.encode_utf16().flat_map(u16::to_le_bytes));
+    assert_eq!(description(&utf16).unwrap().model_name, "Kälte");
+}
+
+#[test]
+fn other_kinds_of_fmu_are_refused_by_name() {
+    let version = description(b"<fmiModelDescription fmiVersion=\"3.0\"/>").unwrap_err();
+    assert!(version.to_string().contains("FMI 3.0"), "{version}");
+    let exchange = description(b"<fmiModelDescription fmiVersion=\"2.0\"/>").unwrap_err();
+    assert!(matches!(exchange, DescriptionError::NoCoSimulation));
+    assert!(matches!(
+        description(b"<html/>"),
+        Err(DescriptionError::Root(_))
+    ));
+}
+
+#[test]
+fn entity_bombs_are_refused() {
+    let bomb = b"<!DOCTYPE x [<!ENTITY a \"aaaaaaaaaa\"><!ENTITY b \"&a;&a;&a;\">]>\
+        <fmiModelDescription fmiVersion=\"2.0\" modelName=\"&b;\"/>";
+    assert!(matches!(description(bomb), Err(DescriptionError::Xml(_))));
+}

@@ -1,0 +1,295 @@
+//! Which points agree with the measurement.
+
+use serde::{Deserialize, Serialize};
+use toml::Spanned;
+
+use crate::fmu::Description;
+use crate::names::did_you_mean;
+use crate::study::plan::find;
+use crate::study::quantity::{Scale, Sense};
+use crate::study::{Criterion as Text, Quantity, Statistic, Study, StudyError};
+
+/// What the measurement says of one quantity, in the study's unit.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Criterion {
+    /// Its name.
+    pub name: String,
+    /// The FMU's variable.
+    pub variable: String,
+    /// What becomes of it over time.
+    pub statistic: Statistic,
+    /// The unit of the numbers.
+    pub unit: Option<String>,
+    /// The measured value.
+    pub nominal: f64,
+    /// The accuracy to both sides, in the unit.
+    pub tolerance: f64,
+    /// The accuracy as the study states it.
+    pub stated_tolerance: String,
+    /// The group in which it is counted.
+    pub group: Option<String>,
+}
+
+impl Criterion {
+    /// Whether a value agrees with the measurement; the limits themselves do.
+    pub fn accepts(&self, value: f64) -> bool {
+        accepts(self.nominal, self.tolerance, value)
+    }
+}
+
+fn accepts(nominal: f64, tolerance: f64, value: f64) -> bool {
+    (value - nominal).abs() <= tolerance
+}
+
+/// Another reading of the tolerances.
+#[derive(Clone, Debug)]
+pub struct Variant {
+    /// Its name.
+    pub name: String,
+    /// What it is and why.
+    pub about: Option<String>,
+    /// A tolerance for each criterion, in its unit.
+    pub tolerances: Vec<f64>,
+}
+
+/// All criteria of a study.
+#[derive(Clone, Debug)]
+pub struct Judge {
+    /// The criteria in the order of the study.
+    pub criteria: Vec<Criterion>,
+    /// Groups with the numbers of their criteria, in the order of the study.
+    pub groups: Vec<(String, Vec<usize>)>,
+    /// Other readings of the tolerances.
+    pub variants: Vec<Variant>,
+}
+
+/// Whether a point agrees, criterion by criterion.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Verdict {
+    /// A flag for each criterion.
+    pub passed: Vec<bool>,
+}
+
+impl Verdict {
+    /// Whether the point agrees in everything.
+    pub fn verified(&self) -> bool {
+        !self.passed.is_empty() && self.passed.iter().all(|&passed| passed)
+    }
+}
+
+impl Judge {
+    /// The criteria of a study. With an FMU, units are converted by its definitions; without
+    /// one, all numbers of a criterion must be in one unit.
+    ///
+    /// # Errors
+    /// With line and column, when a number or a unit does not fit, and when there are no criteria.
+    pub fn new(study: &Study, fmu: Option<&Description>) -> Result<Self, StudyError> {
+        if study.criteria.is_empty() {
+            let message = "no criteria: add at least one [criteria.NAME] with variable, nominal \
+                           and tolerance";
+            return Err(study.error(message));
+        }
+        let mut judge = Self {
+            criteria: Vec::new(),
+            groups: Vec::new(),
+            variants: Vec::new(),
+        };
+        let mut scales = Vec::new();
+        for (name, text) in &study.criteria {
+            let variable = fmu.map(|fmu| find(fmu, text.variable.as_ref())).transpose();
+            let variable = variable.map_err(|message| study.error_at(&text.variable, message))?;
+            let scale = match (fmu, variable) {
+                (Some(fmu), Some(variable)) => {
+                    Scale::new(text.unit.as_deref(), &fmu.units, variable.unit())
+                        .map_err(|message| at_name(study, name, &message))?
+                }
+                _ => Scale::alone(text.unit.as_deref()),
+            };
+            let criterion = criterion(name.as_ref(), text, &scale)
+                .map_err(|message| at_name(study, name, &message))?;
+            judge.add_to_group(criterion.group.as_deref());
+            judge.criteria.push(criterion);
+            scales.push(scale);
+        }
+        judge.add_variants(study, &scales)?;
+        Ok(judge)
+    }
+
+    fn add_to_group(&mut self, group: Option<&str>) {
+        let number = self.criteria.len();
+        let Some(group) = group else { return };
+        match self.groups.iter_mut().find(|(name, _)| name == group) {
+            Some((_, members)) => members.push(number),
+            None => self.groups.push((group.to_owned(), vec![number])),
+        }
+    }
+
+    fn add_variants(&mut self, study: &Study, scales: &[Scale<'_>]) -> Result<(), StudyError> {
+        for (name, text) in &study.variants {
+            let mut tolerances: Vec<f64> = self
+                .criteria
+                .iter()
+                .map(|criterion| criterion.tolerance)
+                .collect();
+            for (criterion, quantity) in &text.tolerance {
+                let number = self
+                    .number_of(criterion)
+                    .map_err(|m| study.error_at(criterion, m))?;
+                let nominal = self.criteria[number].nominal;
+                tolerances[number] = tolerance(quantity, nominal, &scales[number])
+                    .map_err(|message| at_name(study, criterion, &message))?;
+            }
+            self.variants.push(Variant {
+                name: name.clone(),
+                about: text.about.clone(),
+                tolerances,
+            });
+        }
+        Ok(())
+    }
+
+    fn number_of(&self, name: &Spanned<String>) -> Result<usize, String> {
+        let name = name.as_ref();
+        let names = || {
+            self.criteria
+                .iter()
+                .map(|criterion| criterion.name.as_str())
+        };
+        names().position(|known| known == name).ok_or_else(|| {
+            let suggestion = did_you_mean(crate::names::nearest(name, names()));
+            format!("there is no criterion `{name}`{suggestion}")
+        })
+    }
+
+    /// Judges the values of one point; `None` is a point that failed.
+    pub fn verdict(&self, values: Option<&[f64]>) -> Verdict {
+        let passed = |(number, criterion): (usize, &Criterion)| {
+            values.is_some_and(|values| values.get(number).is_some_and(|&v| criterion.accepts(v)))
+        };
+        Verdict {
+            passed: self.criteria.iter().enumerate().map(passed).collect(),
+        }
+    }
+
+    /// Judges the values of one point by another reading of the tolerances.
+    pub fn variant_verdict(&self, variant: &Variant, values: Option<&[f64]>) -> Verdict {
+        let passed = |(number, criterion): (usize, &Criterion)| {
+            let tolerance = variant.tolerances[number];
+            values.is_some_and(|values| {
+                values
+                    .get(number)
+                    .is_some_and(|&v| accepts(criterion.nominal, tolerance, v))
+            })
+        };
+        Verdict {
+            passed: self.criteria.iter().enumerate().map(passed).collect(),
+        }
+    }
+
+    /// How far the values are from the measured ones: the sum of the squared deviations, each
+    /// relative to its accuracy. For independent normal errors the least sum is the most
+    /// probable point.
+    pub fn distance(&self, values: &[f64]) -> f64 {
+        let terms =
+            self.criteria.iter().zip(values).map(|(criterion, value)| {
+                ((value - criterion.nominal) / criterion.tolerance).powi(2)
+            });
+        terms.sum()
+    }
+}
+
+fn at_name(study: &Study, name: &Spanned<String>, message: &str) -> StudyError {
+    study.error_at(name, format!("{}: {message}", name.as_ref()))
+}
+
+fn criterion(name: &str, text: &Text, scale: &Scale<'_>) -> Result<Criterion, String> {
+    let nominal = scale.number(&text.nominal, Sense::Value)?;
+    Ok(Criterion {
+        name: name.to_owned(),
+        variable: text.variable.as_ref().clone(),
+        statistic: text.statistic,
+        unit: scale.unit.clone(),
+        nominal,
+        tolerance: tolerance(&text.tolerance, nominal, scale)?,
+        stated_tolerance: text.tolerance.to_string(),
+        group: text.group.clone(),
+    })
+}
+
+/// A tolerance in the study's unit. Percents are of the nominal value in that unit, as printed:
+/// 0.75 % of 82 degC is 0.615 degC.
+fn tolerance(quantity: &Quantity, nominal: f64, scale: &Scale<'_>) -> Result<f64, String> {
+    let tolerance = match quantity.unit.as_deref() {
+        Some("%") => nominal.abs() * quantity.number / 100.0,
+        _ => scale.number(quantity, Sense::Difference)?,
+    };
+    if tolerance > 0.0 && tolerance.is_finite() {
+        Ok(tolerance)
+    } else {
+        Err(format!("the tolerance {quantity} must be positive"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    const STUDY: &str = r#"
+        fmu = "a.fmu"
+        [criteria.T]
+        variable = "t"
+        nominal = 82
+        tolerance = "0.75 %"
+        unit = "degC"
+        group = "temperature"
+        [criteria.F]
+        variable = "f"
+        nominal = "750 N"
+        tolerance = "7 %"
+        unit = "N"
+        [variants.absolute]
+        tolerance.T = "0.75 degC"
+    "#;
+
+    fn judge(text: &str) -> Result<Judge, String> {
+        let study = Study::parse(Path::new("s.toml"), text.to_owned());
+        let study = study.map_err(|error| error.to_string())?;
+        Judge::new(&study, None).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn percents_are_of_the_nominal_value_as_printed() {
+        let judge = judge(STUDY).unwrap();
+        assert!((judge.criteria[0].tolerance - 0.615).abs() < 1e-12);
+        assert!((judge.criteria[1].tolerance - 52.5).abs() < 1e-12);
+        assert!(judge.verdict(Some(&[81.39, 697.5])).verified());
+        assert!(!judge.verdict(Some(&[81.33, 700.0])).verified());
+        let absolute = &judge.variants[0];
+        assert!(
+            judge
+                .variant_verdict(absolute, Some(&[81.33, 700.0]))
+                .verified()
+        );
+    }
+
+    #[test]
+    fn a_failed_point_is_not_verified() {
+        let judge = judge(STUDY).unwrap();
+        assert_eq!(judge.verdict(None).passed, [false, false]);
+    }
+
+    #[test]
+    fn errors_have_their_place() {
+        assert!(judge("fmu = \"a\"").unwrap_err().contains("no criteria"));
+        let wrong = STUDY.replace("\"0.75 %\"", "\"-1 degC\"");
+        assert_eq!(
+            judge(&wrong).unwrap_err(),
+            "s.toml:3:19: T: the tolerance -1 degC must be positive"
+        );
+        let wrong = STUDY.replace("tolerance.T =", "tolerance.TT =");
+        assert!(judge(&wrong).unwrap_err().contains("no criterion `TT`"));
+        let wrong = STUDY.replace("\"0.75 degC\"", "\"0.75 K\"");
+        assert!(judge(&wrong).unwrap_err().contains("without the FMU"));
+    }
+}

@@ -1,0 +1,45 @@
+//! Suggestions for names that were mistyped.
+
+/// The candidate that looks most like `name`, if any comes close.
+pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let wanted = name.to_lowercase();
+    candidates
+        .into_iter()
+        .map(|candidate| (closeness(&wanted, &candidate.to_lowercase()), candidate))
+        .filter(|(closeness, _)| *closeness > 0.75)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, candidate)| candidate)
+}
+
+/// 1 for equal names; a name's last component counts like the whole name, so that
+/// `clearance` finds `bearing.radialClearance`.
+fn closeness(wanted: &str, candidate: &str) -> f64 {
+    let last = candidate.rsplit('.').next().unwrap_or(candidate);
+    let contained = if wanted.len() >= 4 && candidate.contains(wanted) {
+        0.9
+    } else {
+        0.0
+    };
+    strsim::jaro_winkler(wanted, candidate)
+        .max(0.97 * strsim::jaro_winkler(wanted, last))
+        .max(contained)
+}
+
+/// The half-sentence `; did you mean ...?`, or nothing.
+pub fn did_you_mean(nearest: Option<&str>) -> String {
+    nearest.map_or_else(String::new, |name| format!("; did you mean `{name}`?"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn finds_typing_errors_and_short_names() {
+        let names = ["bearing.radialClearance", "load.preload", "load.damping"];
+        assert_eq!(nearest("bearing.radialClearence", names), Some(names[0]));
+        assert_eq!(nearest("clearance", names), Some(names[0]));
+        assert_eq!(nearest("load.dampping", names), Some(names[2]));
+        assert_eq!(nearest("zzz", names), None);
+    }
+}

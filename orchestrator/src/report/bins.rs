@@ -1,0 +1,128 @@
+//! Binning: histograms, densities and ranges that keep a plot readable at any number of points.
+
+/// The part of an axis where the points are: the data and the interval that matters, without
+/// the few far outliers that would squeeze all else. `None` without any finite value.
+///
+/// Left off are values further than six interquartile ranges outside the quartiles.
+pub fn axis_range(values: &[f64], lower: f64, upper: f64) -> Option<[f64; 2]> {
+    let mut sorted: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
+    if sorted.is_empty() {
+        return None;
+    }
+    sorted.sort_by(f64::total_cmp);
+    let at = |q: f64| sorted[((sorted.len() - 1) as f64 * q).round() as usize];
+    let reach = 6.0 * (at(0.75) - at(0.25));
+    let (mut low, mut high) = if reach > 0.0 {
+        let (a, b) = (at(0.25) - reach, at(0.75) + reach);
+        let inside = |v: &&f64| **v >= a && **v <= b;
+        (
+            *sorted.iter().find(inside)?,
+            *sorted.iter().rev().find(inside)?,
+        )
+    } else {
+        (sorted[0], sorted[sorted.len() - 1])
+    };
+    for limit in [lower, upper].into_iter().filter(|l| l.is_finite()) {
+        low = low.min(limit);
+        high = high.max(limit);
+    }
+    let margin = if high > low {
+        0.05 * (high - low)
+    } else {
+        (0.05 * high.abs()).max(1e-12)
+    };
+    Some([low - margin, high + margin])
+}
+
+/// Counts of values in equal bins over a range; what lies outside is not counted.
+pub fn histogram<'a>(
+    values: impl Iterator<Item = &'a f64>,
+    range: [f64; 2],
+    bins: usize,
+) -> Vec<usize> {
+    let mut counts = vec![0; bins];
+    for &v in values {
+        if let Some(k) = bin(v, range, bins) {
+            counts[k] += 1;
+        }
+    }
+    counts
+}
+
+/// The number of bins for so many values: the Rice rule, within what a small plot can show.
+pub fn bins_for(n: usize) -> usize {
+    ((2.0 * (n as f64).cbrt()) as usize).clamp(6, 48)
+}
+
+/// The bin of a value, if it lies in the range.
+pub fn bin(value: f64, [low, high]: [f64; 2], bins: usize) -> Option<usize> {
+    if !(value >= low && value <= high) || high <= low {
+        return None;
+    }
+    Some((((value - low) / (high - low) * bins as f64) as usize).min(bins - 1))
+}
+
+/// Counts of pairs in a square of equal bins, row by row from low `y` to high.
+pub fn density(
+    x: &[f64],
+    y: &[f64],
+    keep: impl Fn(usize) -> bool,
+    xr: [f64; 2],
+    yr: [f64; 2],
+    bins: usize,
+) -> Vec<u32> {
+    let mut counts = vec![0; bins * bins];
+    for i in (0..x.len()).filter(|&i| keep(i)) {
+        if let (Some(a), Some(b)) = (bin(x[i], xr, bins), bin(y[i], yr, bins)) {
+            counts[b * bins + a] += 1;
+        }
+    }
+    counts
+}
+
+/// Counts as levels 0 (none) to 255 (the most), logarithmic between.
+pub fn levels(counts: &[u32]) -> Vec<u8> {
+    let most = counts.iter().copied().max().unwrap_or(0);
+    let full = f64::from(most).ln().max(f64::MIN_POSITIVE);
+    let level = |c: u32| {
+        if c == 0 {
+            0
+        } else if most == 1 {
+            255
+        } else {
+            (1.0 + 254.0 * f64::from(c).ln() / full).round() as u8
+        }
+    };
+    counts.iter().map(|&c| level(c)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn an_outlier_does_not_squeeze_the_axis() {
+        let mut values: Vec<f64> = (0..100).map(|i| f64::from(i) / 100.0).collect();
+        values.push(1e9);
+        values.push(f64::NAN);
+        let [low, high] = axis_range(&values, -0.5, f64::INFINITY).unwrap();
+        assert!(low < -0.5 && high < 2.0);
+        assert_eq!(axis_range(&[f64::NAN], 0.0, 1.0), None);
+    }
+
+    #[test]
+    fn levels_mark_every_occupied_cell() {
+        assert_eq!(levels(&[0, 1, 1000]), [0, 1, 255]);
+        assert_eq!(levels(&[0, 1]), [0, 255]);
+    }
+
+    proptest! {
+        #[test]
+        fn no_value_on_the_axis_is_lost(values in prop::collection::vec(-1e6..1e6f64, 1..200), bins in 1usize..60) {
+            let range = axis_range(&values, f64::NEG_INFINITY, f64::INFINITY).unwrap();
+            let on_axis = values.iter().filter(|v| **v >= range[0] && **v <= range[1]).count();
+            prop_assert_eq!(histogram(values.iter(), range, bins).iter().sum::<usize>(), on_axis);
+        }
+    }
+}

@@ -1,0 +1,354 @@
+//! The plots that need no script: the page shows them until its script takes over, and they are
+//! written beside it as files.
+
+use super::bins::{bins_for, density, histogram, levels};
+use super::format::with_unit;
+use super::payload::PlotColumn;
+use super::svg::{Frame, Scale};
+use crate::analysis::table::PointTable;
+use std::fmt::Write as _;
+
+/// Points of one column against another, with the accepted box: one by one where `points` are
+/// all of them, else as densities.
+pub fn plane(
+    table: &PointTable,
+    x: &PlotColumn<'_>,
+    y: &PlotColumn<'_>,
+    points: &[usize],
+) -> String {
+    let frame = Frame::new(560.0, 420.0, x.range, y.range);
+    let mut out = frame.axes(&with_unit(x.name, x.unit), Some(&with_unit(y.name, y.unit)));
+    out.push_str(&acceptance(&frame, x, y));
+    if points.len() < table.len() {
+        out.push_str(&density_cells(&frame, x, y, "dens", &|_| true));
+        out.push_str(&density_cells(&frame, x, y, "dens in", &|i| {
+            table.verified[i]
+        }));
+    } else {
+        out.push_str(&marks(table, &frame, x, y, points));
+    }
+    let inside = (0..table.len())
+        .filter(|&i| within(x, i) && within(y, i))
+        .count();
+    let title = format!(
+        "{} against {}: {inside} of {} points lie in the accepted box",
+        y.name,
+        x.name,
+        table.len()
+    );
+    frame.wrap(&title, &out)
+}
+
+fn within(c: &PlotColumn<'_>, i: usize) -> bool {
+    c.values[i] >= c.accepted[0] && c.values[i] <= c.accepted[1]
+}
+
+/// The accepted box and the measured value.
+fn acceptance(frame: &Frame, x: &PlotColumn<'_>, y: &PlotColumn<'_>) -> String {
+    let mut out = String::new();
+    if x.nominal.is_none() && y.nominal.is_none() {
+        return out;
+    }
+    let (x0, x1) = (
+        frame.x.clamped(x.accepted[0]),
+        frame.x.clamped(x.accepted[1]),
+    );
+    let (y0, y1) = (
+        frame.y.clamped(y.accepted[1]),
+        frame.y.clamped(y.accepted[0]),
+    );
+    let _ = write!(
+        out,
+        "<path class=\"accept\" d=\"M{x0:.1},{y0:.1}H{x1:.1}V{y1:.1}H{x0:.1}z\"/>"
+    );
+    if let Some(v) = x.nominal {
+        let _ = write!(
+            out,
+            "<path class=\"nominal\" d=\"M{:.1},{y0:.1}V{y1:.1}\"/>",
+            frame.x.clamped(v)
+        );
+    }
+    if let Some(v) = y.nominal {
+        let _ = write!(
+            out,
+            "<path class=\"nominal\" d=\"M{x0:.1},{:.1}H{x1:.1}\"/>",
+            frame.y.clamped(v)
+        );
+    }
+    out
+}
+
+fn density_cells(
+    frame: &Frame,
+    x: &PlotColumn<'_>,
+    y: &PlotColumn<'_>,
+    class: &str,
+    keep: &dyn Fn(usize) -> bool,
+) -> String {
+    const BINS: usize = 48;
+    const SHADES: usize = 5;
+    let cells = levels(&density(x.values, y.values, keep, x.range, y.range, BINS));
+    let (w, h) = (
+        (frame.x.to - frame.x.from) / BINS as f64,
+        (frame.y.from - frame.y.to) / BINS as f64,
+    );
+    let mut paths = vec![String::new(); SHADES];
+    for (k, &level) in cells.iter().enumerate().filter(|(_, level)| **level > 0) {
+        let (left, top) = (
+            frame.x.from + (k % BINS) as f64 * w,
+            frame.y.from - (k / BINS + 1) as f64 * h,
+        );
+        let _ = write!(
+            paths[usize::from(level - 1) * SHADES / 255],
+            "M{left:.1},{top:.1}h{w:.1}v{h:.1}h-{w:.1}z"
+        );
+    }
+    paths
+        .iter()
+        .enumerate()
+        .map(|(s, d)| format!("<path class=\"{class} d{}\" d=\"{d}\"/>", s + 1))
+        .collect()
+}
+
+fn marks(
+    table: &PointTable,
+    frame: &Frame,
+    x: &PlotColumn<'_>,
+    y: &PlotColumn<'_>,
+    points: &[usize],
+) -> String {
+    let r = mark_radius(points.len());
+    let mut paths = [String::new(), String::new(), String::new()];
+    for &i in points {
+        let (vx, vy) = (x.values[i], y.values[i]);
+        if !frame.x.contains(vx) || !frame.y.contains(vy) {
+            continue;
+        }
+        let (px, py) = (frame.x.at(vx), frame.y.at(vy));
+        if table.verified[i] {
+            let _ = write!(
+                paths[2],
+                "M{:.1},{py:.1}a{r},{r} 0 1,0 {d},0a{r},{r} 0 1,0 -{d},0",
+                px - r,
+                d = 2.0 * r
+            );
+        } else if within(x, i) && within(y, i) {
+            let _ = write!(
+                paths[1],
+                "M{px:.1},{:.1}l{r},{r}l-{r},{r}l-{r},-{r}z",
+                py - r
+            );
+        } else {
+            let s = r * 0.75;
+            let _ = write!(
+                paths[0],
+                "M{:.1},{:.1}l{d},{d}m0,-{d}l-{d},{d}",
+                px - s,
+                py - s,
+                d = 2.0 * s
+            );
+        }
+    }
+    format!(
+        "<path class=\"pt out\" d=\"{}\"/><path class=\"pt part\" d=\"{}\"/><path class=\"pt in\" d=\"{}\"/>",
+        paths[0], paths[1], paths[2]
+    )
+}
+
+/// The size of a mark, so that a crowd stays readable.
+fn mark_radius(points: usize) -> f64 {
+    match points {
+        0..=150 => 4.5,
+        151..=1000 => 3.5,
+        1001..=5000 => 2.5,
+        _ => 1.8,
+    }
+}
+
+/// The distribution of a column: all points, and those that meet all criteria, each with its own
+/// scale so that the shapes compare.
+pub fn distribution(table: &PointTable, c: &PlotColumn<'_>) -> String {
+    let verified: Vec<f64> = (0..table.len())
+        .filter(|&i| table.verified[i])
+        .map(|i| c.values[i])
+        .collect();
+    let bins = bins_for(table.len());
+    let frame = Frame {
+        width: 300.0,
+        height: 190.0,
+        x: Scale {
+            low: c.range[0],
+            high: c.range[1],
+            from: 12.0,
+            to: 288.0,
+        },
+        y: Scale {
+            low: 0.0,
+            high: 1.08,
+            from: 142.0,
+            to: 10.0,
+        },
+    };
+    let mut out = frame.axes(&with_unit(c.name, c.unit), None);
+    if c.nominal.is_some() {
+        let (a, b) = (
+            frame.x.clamped(c.accepted[0]),
+            frame.x.clamped(c.accepted[1]),
+        );
+        let _ = write!(
+            out,
+            "<path class=\"accept\" d=\"M{a:.1},{:.1}H{b:.1}V{:.1}H{a:.1}z\"/>",
+            frame.y.to, frame.y.from
+        );
+    }
+    let _ = write!(
+        out,
+        "<path class=\"bar all\" d=\"{}\"/>",
+        bars(&histogram(c.values.iter(), c.range, bins), &frame, true)
+    );
+    if !verified.is_empty() {
+        // Few verified points: fewer bins, else the outline is all spikes.
+        let coarse = bins_for(verified.len()).min(bins);
+        let _ = write!(
+            out,
+            "<path class=\"bar in\" d=\"{}\"/>",
+            bars(&histogram(verified.iter(), c.range, coarse), &frame, false)
+        );
+    }
+    let title = format!(
+        "Distribution of {} over all {} points and over the {} verified points",
+        c.name,
+        table.len(),
+        verified.len()
+    );
+    frame.wrap(&title, &out)
+}
+
+/// Bars, or their outline, scaled to the highest.
+fn bars(counts: &[usize], frame: &Frame, filled: bool) -> String {
+    let most = counts.iter().copied().max().unwrap_or(0).max(1) as f64;
+    let w = (frame.x.to - frame.x.from) / counts.len() as f64;
+    let mut d = String::new();
+    if !filled {
+        let _ = write!(d, "M{:.1},{:.1}", frame.x.from, frame.y.from);
+    }
+    for (k, &n) in counts.iter().enumerate() {
+        let (left, top) = (frame.x.from + k as f64 * w, frame.y.at(n as f64 / most));
+        if filled && n > 0 {
+            let _ = write!(
+                d,
+                "M{:.1},{:.1}V{top:.1}h{:.1}V{:.1}z",
+                left + 0.5,
+                frame.y.from,
+                w - 1.0,
+                frame.y.from
+            );
+        } else if !filled {
+            let _ = write!(d, "V{top:.1}H{:.1}", left + w);
+        }
+    }
+    if !filled {
+        let _ = write!(d, "V{:.1}", frame.y.from);
+    }
+    d
+}
+
+/// A quantity over time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Series {
+    /// The variable's name.
+    pub name: String,
+    /// The unit of `values`.
+    pub unit: String,
+    /// Times, s, ascending.
+    pub time: Vec<f64>,
+    /// One value a time.
+    pub values: Vec<f64>,
+    /// The accepted interval of a criterion computed from it, in the same unit, if there is one.
+    pub accepted: Option<[f64; 2]>,
+}
+
+impl Series {
+    /// The last few periods of a series that oscillates too fast to be seen as a whole.
+    pub fn last_periods(&self) -> Option<Series> {
+        const PERIODS: usize = 6;
+        const TOO_MANY: usize = 60;
+        let mean = self.values.iter().sum::<f64>() / self.values.len().max(1) as f64;
+        let rises: Vec<usize> = (1..self.values.len())
+            .filter(|&i| self.values[i - 1] < mean && self.values[i] >= mean)
+            .collect();
+        if rises.len() < TOO_MANY {
+            return None;
+        }
+        let from = rises[rises.len() - PERIODS];
+        Some(Series {
+            time: self.time[from..].to_vec(),
+            values: self.values[from..].to_vec(),
+            ..self.clone()
+        })
+    }
+}
+
+/// A quantity over time with the accepted band; long series keep their extremes in every pixel column.
+pub fn history(series: &Series) -> Option<String> {
+    let [low, high] = series
+        .accepted
+        .unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+    let y = super::bins::axis_range(&series.values, low, high)?;
+    let (start, end) = (*series.time.first()?, *series.time.last()?);
+    let frame = Frame::new(
+        560.0,
+        220.0,
+        [start, if end > start { end } else { start + 1.0 }],
+        y,
+    );
+    let mut out = frame.axes("time (s)", Some(&series.unit));
+    if series.accepted.is_some() {
+        let (top, bottom) = (frame.y.clamped(high), frame.y.clamped(low));
+        let _ = write!(
+            out,
+            "<path class=\"accept\" d=\"M{:.1},{top:.1}H{:.1}V{bottom:.1}H{:.1}z\"/>",
+            frame.x.from, frame.x.to, frame.x.from
+        );
+    }
+    let class = if series.last_periods().is_some() {
+        "line fast"
+    } else {
+        "line"
+    };
+    let _ = write!(
+        out,
+        "<path class=\"{class}\" d=\"{}\"/>",
+        envelope(series, &frame)
+    );
+    Some(frame.wrap(&format!("{} over time", series.name), &out))
+}
+
+/// A polyline through the first, least, greatest and last value of every pixel column.
+fn envelope(series: &Series, frame: &Frame) -> String {
+    let mut d = String::new();
+    let mut pen = 'M';
+    let points: Vec<(f64, f64)> = series
+        .time
+        .iter()
+        .zip(&series.values)
+        .filter(|(_, v)| v.is_finite())
+        .map(|(t, v)| (frame.x.at(*t), frame.y.clamped(*v)))
+        .collect();
+    for column in points.chunk_by(|a, b| a.0.floor() == b.0.floor()) {
+        let least = column.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1));
+        let most = column.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1));
+        let mut kept: Vec<(f64, f64)> =
+            [column.first().copied(), least, most, column.last().copied()]
+                .into_iter()
+                .flatten()
+                .collect();
+        kept.sort_by(|a, b| a.0.total_cmp(&b.0));
+        kept.dedup();
+        for (px, py) in kept {
+            let _ = write!(d, "{pen}{px:.2},{py:.1}");
+            pen = 'L';
+        }
+    }
+    d
+}

@@ -1,0 +1,121 @@
+//! Numbers and text for people.
+
+/// A number with so many significant digits, without needless zeros: `0.02`, `1.5e-7`, `843.84`.
+/// Numbers that are none are written as a dash.
+pub fn number(value: f64, digits: usize) -> String {
+    if value.is_nan() {
+        return "–".into();
+    }
+    if value.is_infinite() {
+        return if value > 0.0 {
+            "∞".into()
+        } else {
+            "−∞".into()
+        };
+    }
+    if value == 0.0 {
+        return "0".into();
+    }
+    let digits = digits.max(1);
+    // The exponent after rounding: 9.996 with three digits is 10.0.
+    let scientific = format!("{value:.*e}", digits - 1);
+    let (mantissa, exponent) = scientific.split_once('e').unwrap_or((&scientific, "0"));
+    let exponent: i32 = exponent.parse().unwrap_or(0);
+    let text = if (-4..7).contains(&exponent) {
+        let decimals = (digits as i32 - 1 - exponent).max(0) as usize;
+        trim(&format!("{value:.decimals$}")).to_owned()
+    } else {
+        format!("{}e{exponent}", trim(mantissa))
+    };
+    text.replacen('-', "−", 1).replace("e-", "e−")
+}
+
+fn trim(text: &str) -> &str {
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.')
+    } else {
+        text
+    }
+}
+
+/// A fraction as per cent with one decimal, more where it would else read as 0 or 100.
+pub fn percent(fraction: f64) -> String {
+    let p = fraction * 100.0;
+    if p == 0.0 || p == 100.0 {
+        format!("{p:.0}")
+    } else if (0.1..=99.9).contains(&p) {
+        format!("{p:.1}")
+    } else if p < 50.0 {
+        number(p, 1)
+    } else {
+        format!("{p:.3}")
+    }
+}
+
+/// A count with thin spaces between thousands.
+pub fn count(n: usize) -> String {
+    let digits = n.to_string();
+    let mut text = String::new();
+    for (i, c) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) && digits.len() > 4 {
+            text.push('\u{202f}');
+        }
+        text.push(c);
+    }
+    text
+}
+
+/// A name with its unit in brackets; the name alone when dimensionless.
+pub fn with_unit(name: &str, unit: &str) -> String {
+    if unit.is_empty() || unit == "1" {
+        name.to_owned()
+    } else {
+        format!("{name} ({unit})")
+    }
+}
+
+/// Text made safe inside XML and HTML, attributes included.
+pub fn escape(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            '\'' => out.push_str("&#39;"),
+            _ => out.push(c),
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_read_well() {
+        assert_eq!(number(0.02, 4), "0.02");
+        assert_eq!(number(843.84, 4), "843.8");
+        assert_eq!(number(-9.996, 3), "−10");
+        assert_eq!(number(1.5e-7, 4), "1.5e−7");
+        assert_eq!(number(321.15, 6), "321.15");
+        assert_eq!(number(f64::NAN, 3), "–");
+        assert_eq!(number(1_234_567.0, 3), "1234567");
+    }
+
+    #[test]
+    fn per_cent_never_hides_a_rare_event() {
+        assert_eq!(percent(0.2), "20.0");
+        assert_eq!(percent(0.0), "0");
+        assert_eq!(percent(0.000_02), "0.002");
+        assert_eq!(percent(0.99999), "99.999");
+    }
+
+    #[test]
+    fn thousands() {
+        assert_eq!(count(1000), "1000");
+        assert_eq!(count(1_000_000), "1\u{202f}000\u{202f}000");
+    }
+}

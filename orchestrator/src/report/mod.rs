@@ -1,0 +1,106 @@
+//! The report: one self-contained page, and its plots as files.
+
+pub mod bins;
+pub mod figures;
+pub mod format;
+mod from_results;
+mod page;
+mod payload;
+pub mod svg;
+
+use crate::analysis::from_results::FolderError;
+use crate::analysis::table::PointTable;
+use figures::Series;
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// All that a report tells.
+#[derive(Clone, Debug, Default)]
+pub struct Report {
+    /// The study's name.
+    pub study: String,
+    /// What the study says of itself.
+    pub description: String,
+    /// The model's name.
+    pub model: String,
+    /// When the study was run, as people write it.
+    pub date: String,
+    /// The points.
+    pub table: PointTable,
+    /// Counts by other readings of the tolerances.
+    pub readings: Vec<Reading>,
+    /// The trajectory of the best point, if it was recorded.
+    pub history: Vec<Series>,
+    /// What is needed to get the same result again: versions, seed, hashes.
+    pub provenance: Vec<(String, String)>,
+    /// The command that reproduces the result.
+    pub command: String,
+    /// The study as a file, to be kept with the result.
+    pub study_text: String,
+}
+
+/// Counts of points by another reading of the tolerances.
+#[derive(Clone, Debug, Default)]
+pub struct Reading {
+    /// What it is called.
+    pub name: String,
+    /// What it is and why.
+    pub about: String,
+    /// Points that meet all criteria.
+    pub verified: usize,
+    /// Points that meet a criterion, by its name.
+    pub criteria: Vec<(String, usize)>,
+    /// Points that meet all criteria of a group, by its name.
+    pub groups: Vec<(String, usize)>,
+}
+
+/// Why a report could not be written.
+#[derive(Debug, Error)]
+pub enum ReportError {
+    /// There are no results to report.
+    #[error(transparent)]
+    Folder(#[from] FolderError),
+    /// A file could not be written.
+    #[error("cannot write {path}: {source}")]
+    Write {
+        /// The file or folder.
+        path: PathBuf,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// The page could not be put together.
+    #[error("cannot put the report together: {0}")]
+    Page(#[from] minijinja::Error),
+    /// The embedded data could not be put together.
+    #[error("cannot embed the points in the report: {0}")]
+    Data(#[from] serde_json::Error),
+}
+
+impl Report {
+    /// The page.
+    pub fn html(&self) -> Result<String, ReportError> {
+        page::render(self)
+    }
+
+    /// Writes `report.html` and `plots/*.svg` into a folder, and returns the page's path.
+    pub fn write(&self, folder: &Path) -> Result<PathBuf, ReportError> {
+        let plots = folder.join("plots");
+        std::fs::create_dir_all(&plots).map_err(|source| ReportError::Write {
+            path: plots.clone(),
+            source,
+        })?;
+        for (name, plot) in page::plots(self) {
+            write_file(&plots.join(format!("{name}.svg")), &svg::standalone(&plot))?;
+        }
+        let path = folder.join("report.html");
+        write_file(&path, &self.html()?)?;
+        Ok(path)
+    }
+}
+
+fn write_file(path: &Path, text: &str) -> Result<(), ReportError> {
+    std::fs::write(path, text).map_err(|source| ReportError::Write {
+        path: path.to_owned(),
+        source,
+    })
+}

@@ -1,0 +1,265 @@
+//! The data inside the page: columns of the points that can be hovered and selected, and
+//! densities of all points where there are too many to draw one by one.
+
+use super::bins;
+use crate::analysis::table::PointTable;
+use base64::{Engine, engine::general_purpose::STANDARD};
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// At most so many points are drawn one by one.
+const MOST_POINTS: usize = 20_000;
+/// At most so many bytes of embedded columns.
+const MOST_COLUMN_BYTES: usize = 2_000_000;
+/// At most so many bytes of embedded densities.
+const MOST_DENSITY_BYTES: usize = 1_500_000;
+
+/// What the page's script reads.
+#[derive(Serialize)]
+pub struct Payload {
+    total: usize,
+    /// Whether only some of the points are embedded.
+    sampled: bool,
+    columns: Vec<Column>,
+    /// Point numbers, 32-bit.
+    ids: String,
+    /// A byte a point: meets all criteria.
+    verified: String,
+    /// A byte a point: simulated to its end.
+    completed: String,
+    density: Option<Density>,
+}
+
+#[derive(Serialize)]
+struct Column {
+    name: String,
+    unit: String,
+    range: [f64; 2],
+    /// Points with a value that lies outside `range`.
+    outside: usize,
+    /// 32-bit floats.
+    data: String,
+    criterion: Option<Acceptance>,
+}
+
+#[derive(Serialize)]
+struct Acceptance {
+    nominal: f64,
+    lower: Option<f64>,
+    upper: Option<f64>,
+    /// A byte a point.
+    ok: String,
+}
+
+#[derive(Serialize)]
+struct Density {
+    bins: usize,
+    /// By "x,y" (column indices, x below y): a byte a cell.
+    all: BTreeMap<String, String>,
+    verified: BTreeMap<String, String>,
+}
+
+/// All columns of a table, parameters first, as the plots see them.
+pub struct PlotColumn<'a> {
+    /// Name of the parameter or criterion.
+    pub name: &'a str,
+    /// Its unit.
+    pub unit: &'a str,
+    /// One value a point.
+    pub values: &'a [f64],
+    /// The accepted interval; infinite for parameters.
+    pub accepted: [f64; 2],
+    /// The measured value of a criterion.
+    pub nominal: Option<f64>,
+    /// The axis.
+    pub range: [f64; 2],
+}
+
+/// Lists the columns of a table; the axis of a column without any value is 0 to 1.
+pub fn columns(table: &PointTable) -> Vec<PlotColumn<'_>> {
+    let column = |name, unit, values, accepted: [f64; 2], nominal| PlotColumn {
+        name,
+        unit,
+        values,
+        accepted,
+        nominal,
+        range: bins::axis_range(values, accepted[0], accepted[1]).unwrap_or([0.0, 1.0]),
+    };
+    let free = [f64::NEG_INFINITY, f64::INFINITY];
+    let parameters = table.parameters.iter().map(|p| {
+        column(
+            p.name.as_str(),
+            p.unit.as_str(),
+            p.values.as_slice(),
+            free,
+            None,
+        )
+    });
+    let criteria = table.criteria.iter().map(|c| {
+        column(
+            &c.name,
+            &c.unit,
+            &c.values,
+            [c.lower, c.upper],
+            Some(c.nominal),
+        )
+    });
+    parameters.chain(criteria).collect()
+}
+
+/// Which points are drawn one by one: all of them, or the best, the verified and an even choice of the rest.
+pub fn embedded(table: &PointTable, ranking: &[usize], columns: usize) -> Vec<usize> {
+    let most = MOST_POINTS.min(MOST_COLUMN_BYTES * 3 / (16 * columns.max(1)));
+    embed(table, ranking, most)
+}
+
+fn embed(table: &PointTable, ranking: &[usize], most: usize) -> Vec<usize> {
+    let n = table.len();
+    if n <= most {
+        return (0..n).collect();
+    }
+    let most = most / 2;
+    let mut keep = vec![false; n];
+    ranking.iter().take(most / 10).for_each(|&i| keep[i] = true);
+    let mut spread = |candidates: Vec<usize>, room: usize| {
+        let step = candidates.len().div_ceil(room.max(1)).max(1);
+        candidates
+            .iter()
+            .step_by(step)
+            .for_each(|&i| keep[i] = true);
+    };
+    spread(
+        (0..n).filter(|&i| table.verified[i]).collect(),
+        most * 4 / 10,
+    );
+    spread(
+        (0..n).filter(|&i| !table.verified[i]).collect(),
+        most * 5 / 10,
+    );
+    (0..n).filter(|&i| keep[i]).collect()
+}
+
+/// Collects what the page's script reads.
+pub fn payload(table: &PointTable, points: &[usize]) -> Payload {
+    let columns = columns(table);
+    let n = table.len();
+    let first_criterion = table.parameters.len();
+    let flags = |flag: &dyn Fn(usize) -> bool| {
+        STANDARD.encode(
+            points
+                .iter()
+                .map(|&i| u8::from(flag(i)))
+                .collect::<Vec<_>>(),
+        )
+    };
+    let described = columns.iter().enumerate().map(|(k, c)| Column {
+        name: c.name.to_owned(),
+        unit: c.unit.to_owned(),
+        range: c.range,
+        outside: c
+            .values
+            .iter()
+            .filter(|v| v.is_finite() && !(c.range[0]..=c.range[1]).contains(v))
+            .count(),
+        data: STANDARD.encode(
+            points
+                .iter()
+                .flat_map(|&i| (c.values[i] as f32).to_le_bytes())
+                .collect::<Vec<_>>(),
+        ),
+        criterion: k.checked_sub(first_criterion).map(|j| {
+            let criterion = &table.criteria[j];
+            let finite = |limit: f64| limit.is_finite().then_some(limit);
+            Acceptance {
+                nominal: criterion.nominal,
+                lower: finite(criterion.lower),
+                upper: finite(criterion.upper),
+                ok: flags(&|i| criterion.ok[i]),
+            }
+        }),
+    });
+    Payload {
+        total: n,
+        sampled: points.len() < n,
+        columns: described.collect(),
+        ids: STANDARD.encode(
+            points
+                .iter()
+                .flat_map(|&i| (table.ids[i] as u32).to_le_bytes())
+                .collect::<Vec<_>>(),
+        ),
+        verified: flags(&|i| table.verified[i]),
+        completed: flags(&|i| table.completed(i)),
+        density: (points.len() < n).then(|| densities(table, &columns)),
+    }
+}
+
+fn densities(table: &PointTable, columns: &[PlotColumn<'_>]) -> Density {
+    let all_pairs = |keep: &dyn Fn(usize, usize) -> bool| -> Vec<(usize, usize)> {
+        (0..columns.len())
+            .flat_map(|a| (a + 1..columns.len()).map(move |b| (a, b)))
+            .filter(|&(a, b)| keep(a, b))
+            .collect()
+    };
+    let first_criterion = table.parameters.len();
+    let fits = |pairs: &[(usize, usize)]| {
+        [64, 48, 32, 24]
+            .into_iter()
+            .find(|b| pairs.len() * b * b * 8 / 3 <= MOST_DENSITY_BYTES)
+    };
+    // With very many columns, only the pairs with a criterion.
+    let every = all_pairs(&|_, _| true);
+    let (pairs, bins) = match fits(&every) {
+        Some(bins) => (every, bins),
+        None => {
+            let some = all_pairs(&|_, b| b >= first_criterion);
+            let bins = fits(&some).unwrap_or(16);
+            (some, bins)
+        }
+    };
+    let cells = |a: usize, b: usize, keep: &dyn Fn(usize) -> bool| {
+        let (x, y) = (&columns[a], &columns[b]);
+        STANDARD.encode(bins::levels(&bins::density(
+            x.values, y.values, keep, x.range, y.range, bins,
+        )))
+    };
+    let by_pair = |keep: &dyn Fn(usize) -> bool| {
+        pairs
+            .iter()
+            .map(|&(a, b)| (format!("{a},{b}"), cells(a, b, keep)))
+            .collect()
+    };
+    Density {
+        bins,
+        all: by_pair(&|_| true),
+        verified: by_pair(&|i| table.verified[i]),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table(n: usize) -> PointTable {
+        PointTable {
+            ids: (0..n as u64).collect(),
+            verified: (0..n).map(|i| i % 50 == 0).collect(),
+            status: vec!["ok".into(); n],
+            ..PointTable::default()
+        }
+    }
+
+    #[test]
+    fn few_points_are_all_embedded() {
+        assert_eq!(embed(&table(100), &[], 100).len(), 100);
+    }
+
+    #[test]
+    fn of_many_points_the_best_and_the_verified_are_kept() {
+        let t = table(10_000);
+        let chosen = embed(&t, &[7, 3], 2000);
+        assert!(chosen.len() <= 1000, "{}", chosen.len());
+        assert!(chosen.contains(&7) && chosen.contains(&3));
+        assert_eq!(chosen.iter().filter(|&&i| t.verified[i]).count(), 200);
+    }
+}

@@ -1,0 +1,179 @@
+//! A small drawing kit: scales, ticks, a framed plot. Text and lines are styled by classes of
+//! `assets/plot.css`, so that a plot looks the same in the page and as a file of its own.
+
+use super::format::{escape, number};
+use std::fmt::Write as _;
+
+/// The style sheet of all plots.
+pub const STYLE: &str = include_str!("assets/plot.css");
+
+/// A linear map from values to pixels.
+#[derive(Clone, Copy, Debug)]
+pub struct Scale {
+    /// The value at `from`.
+    pub low: f64,
+    /// The value at `to`.
+    pub high: f64,
+    /// The pixel of `low`.
+    pub from: f64,
+    /// The pixel of `high`.
+    pub to: f64,
+}
+
+impl Scale {
+    /// The pixel of a value.
+    pub fn at(&self, value: f64) -> f64 {
+        self.from + (value - self.low) / (self.high - self.low) * (self.to - self.from)
+    }
+
+    /// Whether a value lies on the scale.
+    pub fn contains(&self, value: f64) -> bool {
+        value >= self.low && value <= self.high
+    }
+
+    /// The pixel of a value, moved onto the scale when outside; for infinite limits.
+    pub fn clamped(&self, value: f64) -> f64 {
+        self.at(value.clamp(self.low, self.high))
+    }
+}
+
+/// Round values that divide a range into about `count` parts.
+pub fn ticks(low: f64, high: f64, count: usize) -> Vec<f64> {
+    let raw = (high - low) / count.max(1) as f64;
+    if !(raw.is_finite() && raw > 0.0) {
+        return vec![low];
+    }
+    let power = 10f64.powf(raw.log10().floor());
+    let step = [1.0, 2.0, 2.5, 5.0, 10.0]
+        .into_iter()
+        .map(|m| m * power)
+        .find(|s| *s >= raw * 0.999)
+        .unwrap_or(10.0 * power);
+    let first = (low / step - 1e-9).ceil() as i64;
+    let last = (high / step + 1e-9).floor() as i64;
+    (first..=last).map(|k| k as f64 * step).collect()
+}
+
+/// A rectangular plot with two axes.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame {
+    /// Width of the whole picture.
+    pub width: f64,
+    /// Height of the whole picture.
+    pub height: f64,
+    /// The horizontal axis.
+    pub x: Scale,
+    /// The vertical axis.
+    pub y: Scale,
+}
+
+impl Frame {
+    /// A plot of the given size over the given ranges, with room for ticks and titles.
+    pub fn new(width: f64, height: f64, x: [f64; 2], y: [f64; 2]) -> Self {
+        Self {
+            width,
+            height,
+            x: Scale {
+                low: x[0],
+                high: x[1],
+                from: 64.0,
+                to: width - 14.0,
+            },
+            y: Scale {
+                low: y[0],
+                high: y[1],
+                from: height - 48.0,
+                to: 12.0,
+            },
+        }
+    }
+
+    /// The picture around some content. `title` is read by screen readers and shown on hover.
+    pub fn wrap(&self, title: &str, content: &str) -> String {
+        format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"plot\" viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{title}\">{content}</svg>",
+            self.width,
+            self.height,
+            title = escape(title)
+        )
+    }
+
+    /// Grid, ticks, tick labels and axis titles. Without a vertical title there are no vertical ticks.
+    pub fn axes(&self, x_title: &str, y_title: Option<&str>) -> String {
+        let mut out = String::new();
+        let (x, y) = (self.x, self.y);
+        for t in ticks(x.low, x.high, (((x.to - x.from) / 85.0) as usize).max(4)) {
+            let p = x.at(t);
+            let _ = write!(
+                out,
+                "<path class=\"grid\" d=\"M{p:.1},{:.1}V{:.1}\"/><text class=\"tick\" x=\"{p:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>",
+                y.from,
+                y.to,
+                y.from + 16.0,
+                number(t, 6)
+            );
+        }
+        if let Some(title) = y_title {
+            for t in ticks(y.low, y.high, (((y.from - y.to) / 55.0) as usize).max(4)) {
+                let p = y.at(t);
+                let _ = write!(
+                    out,
+                    "<path class=\"grid\" d=\"M{:.1},{p:.1}H{:.1}\"/><text class=\"tick\" x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>",
+                    x.from,
+                    x.to,
+                    x.from - 7.0,
+                    p + 4.0,
+                    number(t, 6)
+                );
+            }
+            let middle = (y.from + y.to) / 2.0;
+            let _ = write!(
+                out,
+                "<text class=\"title\" transform=\"translate(13,{middle:.1}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
+                escape(title)
+            );
+        }
+        let _ = write!(
+            out,
+            "<path class=\"axis\" d=\"M{:.1},{:.1}H{:.1}\"/><text class=\"title\" x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>",
+            x.from,
+            y.from,
+            x.to,
+            (x.from + x.to) / 2.0,
+            self.height - 8.0,
+            escape(x_title)
+        );
+        out
+    }
+}
+
+/// Turns a picture of the page into a file of its own.
+pub fn standalone(svg: &str) -> String {
+    match svg.find('>') {
+        Some(end) => format!(
+            "{}<style>{STYLE}</style><rect class=\"paper\" width=\"100%\" height=\"100%\"/>{}",
+            &svg[..=end],
+            &svg[end + 1..]
+        ),
+        None => svg.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ticks_are_round_and_inside() {
+        assert_eq!(
+            ticks(0.0, 1.0, 5),
+            [0.0, 0.2, 0.4, 0.6000000000000001, 0.8, 1.0]
+        );
+        let t = ticks(81.27, 81.93, 5);
+        assert!(
+            t.len() >= 3 && t.iter().all(|v| (81.27..=81.93).contains(v)),
+            "{t:?}"
+        );
+        assert_eq!(ticks(3.0, 3.0, 5), [3.0]);
+    }
+}

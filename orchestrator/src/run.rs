@@ -1,0 +1,244 @@
+//! Runs one point after another on one instance of an FMU.
+
+use std::sync::Arc;
+
+use crate::failure::Failure;
+use crate::fmu::{Call, Instance, Library};
+use crate::statistics::Accumulator;
+use crate::study::Statistic;
+use crate::task::{Storage, Task};
+
+/// Runs points, reusing the instance where the FMU can be reset.
+#[derive(Debug)]
+pub struct Runner {
+    library: Arc<Library>,
+    task: Task,
+    instance: Option<Instance>,
+    reuse: Reuse,
+    /// Numbers of the probes whose real values are read in one call, and their references.
+    watched: Watched,
+    /// The other probes that are read at every communication point.
+    slow: Vec<usize>,
+    accumulators: Vec<Accumulator>,
+    results: Vec<f64>,
+}
+
+#[derive(Debug, Default)]
+struct Watched {
+    probes: Vec<usize>,
+    references: Vec<u32>,
+    values: Vec<f64>,
+}
+
+/// Whether a used instance may be reset for the next point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Reuse {
+    Try,
+    Never,
+}
+
+impl Runner {
+    /// A runner of points of this task.
+    pub fn new(library: Arc<Library>, task: Task) -> Self {
+        let over_time: Vec<usize> = (0..task.observed.len())
+            .filter(|&index| task.observed[index].statistic != Statistic::Final)
+            .collect();
+        let (probes, slow): (Vec<usize>, Vec<usize>) = over_time
+            .into_iter()
+            .partition(|&index| task.observed[index].storage == Storage::Real);
+        let references: Vec<u32> = probes
+            .iter()
+            .map(|&index| task.observed[index].reference)
+            .collect();
+        Self {
+            library,
+            instance: None,
+            reuse: Reuse::Try,
+            watched: Watched {
+                values: vec![0.0; probes.len()],
+                probes,
+                references,
+            },
+            slow,
+            accumulators: vec![Accumulator::default(); task.observed.len()],
+            results: vec![0.0; task.observed.len()],
+            task,
+        }
+    }
+
+    /// Simulates one point. The values are in the FMU's units, one for each of
+    /// [`Task::varied`]; so are the results, one for each of [`Task::observed`].
+    ///
+    /// # Errors
+    /// When a value is not allowed, or the simulation fails.
+    pub fn run(&mut self, values: &[f64]) -> Result<&[f64], Failure> {
+        for (slot, &value) in self.task.varied.iter().zip(values) {
+            slot.check(value).map_err(Failure::OutOfRange)?;
+        }
+        let mut instance = self.prepared()?;
+        match self.simulate(&mut instance, values) {
+            Ok(()) => {
+                instance.terminate();
+                self.instance = Some(instance);
+            }
+            // An instance that failed is not used again.
+            Err(call) => return Err(Failure::from_call(&call)),
+        }
+        let bad = self.results.iter().position(|value| !value.is_finite());
+        match bad {
+            Some(index) => Err(Failure::NotFinite(self.task.observed[index].name.clone())),
+            None => Ok(&self.results),
+        }
+    }
+
+    /// Simulates one point and hands over the values of the given real variables at every
+    /// communication point.
+    ///
+    /// # Errors
+    /// As [`run`](Self::run), and what `sink` returns.
+    pub fn trajectory<E: From<Failure>>(
+        &mut self,
+        values: &[f64],
+        mut read: impl FnMut(f64, &mut Instance) -> Result<(), Trouble<E>>,
+    ) -> Result<(), E> {
+        for (slot, &value) in self.task.varied.iter().zip(values) {
+            slot.check(value).map_err(Failure::OutOfRange)?;
+        }
+        let mut instance = self.prepared()?;
+        let schedule = self.task.schedule;
+        let mut run = || -> Result<(), Trouble<E>> {
+            start(&self.task, &mut instance, values)?;
+            read(schedule.start, &mut instance)?;
+            for index in 0..schedule.steps() {
+                let (time, next) = (schedule.time(index), schedule.time(index + 1));
+                instance.step(time, next - time)?;
+                read(next, &mut instance)?;
+            }
+            Ok(())
+        };
+        match run() {
+            Ok(()) => {
+                instance.terminate();
+                self.instance = Some(instance);
+                Ok(())
+            }
+            Err(Trouble::Call(call)) => Err(Failure::from_call(&call).into()),
+            Err(Trouble::Other(error)) => Err(error),
+        }
+    }
+
+    /// An instance in its initial state.
+    fn prepared(&mut self) -> Result<Instance, Failure> {
+        if let Some(mut used) = self.instance.take() {
+            if self.reuse == Reuse::Try && !used.is_dead() {
+                if used.reset().is_ok() {
+                    return Ok(used);
+                }
+                self.reuse = Reuse::Never;
+            }
+            if used.is_dead() {
+                return Err(Failure::Fatal(
+                    "the FMU cannot go on in this process".to_owned(),
+                ));
+            }
+        }
+        Instance::new(&self.library, "point").map_err(|call| Failure::from_call(&call))
+    }
+
+    fn simulate(&mut self, instance: &mut Instance, values: &[f64]) -> Result<(), Call> {
+        start(&self.task, instance, values)?;
+        let schedule = self.task.schedule;
+        let steps = schedule.steps();
+        if self.watched.probes.is_empty() && self.slow.is_empty() {
+            for index in 0..steps {
+                let time = schedule.time(index);
+                instance.step(time, schedule.time(index + 1) - time)?;
+            }
+        } else {
+            self.accumulators.fill(Accumulator::default());
+            if schedule.window_start <= schedule.start {
+                self.watch(instance, schedule.start)?;
+            }
+            for index in 0..steps {
+                let (time, next) = (schedule.time(index), schedule.time(index + 1));
+                instance.step(time, next - time)?;
+                if next >= schedule.window_start {
+                    self.watch(instance, next)?;
+                }
+            }
+        }
+        self.finish(instance)
+    }
+
+    /// Reads what has a statistic over time.
+    #[inline]
+    fn watch(&mut self, instance: &mut Instance, time: f64) -> Result<(), Call> {
+        let watched = &mut self.watched;
+        if !watched.probes.is_empty() {
+            instance.reals(&watched.references, &mut watched.values)?;
+            for (&probe, &value) in watched.probes.iter().zip(&watched.values) {
+                self.accumulators[probe].add(time, value);
+            }
+        }
+        for &probe in &self.slow {
+            let value = self.task.observed[probe].read(instance)?;
+            self.accumulators[probe].add(time, value);
+        }
+        Ok(())
+    }
+
+    fn finish(&mut self, instance: &mut Instance) -> Result<(), Call> {
+        for (index, probe) in self.task.observed.iter().enumerate() {
+            self.results[index] = match probe.statistic {
+                Statistic::Final => probe.read(instance)?,
+                other => self.accumulators[index].value(other),
+            };
+        }
+        Ok(())
+    }
+}
+
+/// What interrupts a trajectory: the FMU, or who reads it.
+#[derive(Debug)]
+pub enum Trouble<E> {
+    /// A call of the FMU failed.
+    Call(Call),
+    /// The reader failed.
+    Other(E),
+}
+
+impl<E> From<Call> for Trouble<E> {
+    fn from(call: Call) -> Self {
+        Self::Call(call)
+    }
+}
+
+/// Sets the start values and initialises.
+fn start(task: &Task, instance: &mut Instance, values: &[f64]) -> Result<(), Call> {
+    let schedule = &task.schedule;
+    instance.setup_experiment(schedule.start, schedule.stop, schedule.tolerance)?;
+    for (reference, value) in &task.fixed {
+        instance.set(*reference, value)?;
+    }
+    for (slot, &value) in task.varied.iter().zip(values) {
+        instance.set(slot.reference, &slot.value(value))?;
+    }
+    instance.initialise()
+}
+
+impl crate::task::Probe {
+    /// The variable's present value as a number.
+    pub(crate) fn read(&self, instance: &mut Instance) -> Result<f64, Call> {
+        match self.storage {
+            Storage::Real => {
+                let mut value = [0.0];
+                instance.reals(&[self.reference], &mut value)?;
+                Ok(value[0])
+            }
+            Storage::Integer => instance.integer(self.reference).map(f64::from),
+            Storage::Boolean => instance
+                .boolean(self.reference)
+                .map(|yes| f64::from(u8::from(yes))),
+        }
+    }
+}

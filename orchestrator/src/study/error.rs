@@ -1,0 +1,101 @@
+//! What is wrong with a study, and where.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+use crate::names::{did_you_mean, nearest};
+
+/// Why a study cannot be used.
+#[derive(Debug, Error)]
+pub enum StudyError {
+    /// The file cannot be read.
+    #[error("{path}: {}", reading(.source))]
+    Read {
+        /// The study.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// Something at a place is wrong.
+    #[error("{path}:{line}:{column}: {message}")]
+    At {
+        /// The study.
+        path: PathBuf,
+        /// The line, from 1.
+        line: usize,
+        /// The column, from 1.
+        column: usize,
+        /// What is wrong, and the remedy.
+        message: String,
+    },
+    /// Something is missing.
+    #[error("{path}: {message}")]
+    Whole {
+        /// The study.
+        path: PathBuf,
+        /// What is wrong, and the remedy.
+        message: String,
+    },
+}
+
+fn reading(error: &io::Error) -> String {
+    match error.kind() {
+        io::ErrorKind::NotFound => "no such file".to_owned(),
+        io::ErrorKind::InvalidData => "not a text file in UTF-8".to_owned(),
+        _ => error.to_string(),
+    }
+}
+
+/// A text in which errors have a place.
+pub(super) struct Place<'a> {
+    pub(super) path: &'a Path,
+    pub(super) text: &'a str,
+}
+
+impl Place<'_> {
+    pub(super) fn error(&self, offset: usize, message: String) -> StudyError {
+        let before = self.text.get(..offset).unwrap_or(self.text);
+        let line_start = before.rfind('\n').map_or(0, |index| index + 1);
+        StudyError::At {
+            path: self.path.to_owned(),
+            line: before.matches('\n').count() + 1,
+            column: before[line_start..].chars().count() + 1,
+            message,
+        }
+    }
+
+    /// What the TOML reader says, on one line, with a suggestion for a mistyped name.
+    pub(super) fn toml(&self, error: &toml::de::Error) -> StudyError {
+        let message = suggest(error.message());
+        match error.span() {
+            Some(span) => self.error(span.start, message),
+            None => StudyError::Whole {
+                path: self.path.to_owned(),
+                message,
+            },
+        }
+    }
+}
+
+/// Shortens "unknown field `x`, expected one of `a`, `b`, ..." to the nearest name.
+fn suggest(message: &str) -> String {
+    let message = message
+        .split('\n')
+        .map(str::trim)
+        .collect::<Vec<_>>()
+        .join("; ");
+    let mut names = message.split('`').skip(1).step_by(2);
+    let unknown = message.starts_with("unknown field") || message.starts_with("unknown variant");
+    match names.next() {
+        Some(wrong) if unknown => match nearest(wrong, names) {
+            Some(right) => {
+                let start = message.split(',').next().unwrap_or_default();
+                format!("{start}{}", did_you_mean(Some(right)))
+            }
+            None => message,
+        },
+        _ => message,
+    }
+}

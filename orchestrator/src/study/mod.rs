@@ -1,0 +1,337 @@
+//! A study: what is simulated, what is uncertain, and what the measurement says.
+//!
+//! [`Study`] is the content of the TOML file, [`plan`] ties it to an FMU.
+
+mod error;
+pub mod plan;
+pub mod quantity;
+
+use std::path::{Path, PathBuf};
+
+use indexmap::IndexMap;
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+use toml::Spanned;
+
+pub use error::StudyError;
+pub use quantity::Quantity;
+
+use crate::fmu::hexadecimal;
+use error::Place;
+
+/// A name with its place in the file.
+pub type Name = Spanned<String>;
+
+/// The content of a study file.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct Study {
+    /// The title of the report.
+    pub title: Option<String>,
+    /// What the study is and why.
+    pub about: Option<String>,
+    /// The FMU, relative to the study file.
+    pub fmu: Spanned<PathBuf>,
+    /// How long and in which steps.
+    #[serde(default)]
+    pub simulation: Simulation,
+    /// Which points.
+    #[serde(default)]
+    pub design: Design,
+    /// The uncertain parameters by the names of FMU variables.
+    #[serde(default)]
+    pub parameters: IndexMap<Name, Parameter>,
+    /// Start values that stay as they are, by the names of FMU variables.
+    #[serde(default)]
+    pub fixed: IndexMap<Name, Spanned<Setting>>,
+    /// What the measurement says.
+    #[serde(default)]
+    pub criteria: IndexMap<Name, Criterion>,
+    /// Other readings of the tolerances, judged beside the criteria's own.
+    #[serde(default)]
+    pub variants: IndexMap<String, Variant>,
+    /// Settings of `identify`.
+    pub identify: Option<toml::Value>,
+    /// Settings of `sensitivity`.
+    pub sensitivity: Option<toml::Value>,
+    /// Settings of `robustness`.
+    pub robustness: Option<toml::Value>,
+    /// Where the study was read from.
+    #[serde(skip)]
+    path: PathBuf,
+    /// The text of the file.
+    #[serde(skip)]
+    text: String,
+}
+
+/// How long and in which steps.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct Simulation {
+    /// Start time, s; the FMU's default experiment otherwise.
+    pub start: Option<f64>,
+    /// Stop time, s; the FMU's default experiment otherwise.
+    pub stop: Option<f64>,
+    /// Communication step, s; the FMU's default experiment otherwise.
+    pub step: Option<f64>,
+    /// Relative tolerance passed to the FMU.
+    pub tolerance: Option<f64>,
+    /// Statistics leave out this long at the start, s.
+    pub warm_up: Option<f64>,
+    /// Statistics take this long at the end, s.
+    pub window: Option<f64>,
+}
+
+/// How points are chosen.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Method {
+    /// Independent random points.
+    #[default]
+    MonteCarlo,
+    /// One point in each of N equally probable slices of every parameter.
+    LatinHypercube,
+    /// A scrambled Sobol net.
+    Sobol,
+}
+
+/// Which points are simulated.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case", default)]
+pub struct Design {
+    /// How they are chosen.
+    pub method: Method,
+    /// How many.
+    pub points: u64,
+    /// What distinguishes one set of random points from another.
+    pub seed: u64,
+}
+
+impl Default for Design {
+    fn default() -> Self {
+        Self {
+            method: Method::default(),
+            points: 50,
+            seed: 1,
+        }
+    }
+}
+
+/// The name of a distribution.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Shape {
+    /// `mean`, `deviation`.
+    Normal,
+    /// `mean`, `deviation` of the whole bell, cut at `min` and/or `max`.
+    TruncatedNormal,
+    /// `min`, `max`.
+    Uniform,
+    /// `min`, `mode`, `max`.
+    Triangular,
+    /// `mean`, `deviation` of the quantity itself, not of its logarithm.
+    Lognormal,
+    /// `value`.
+    Fixed,
+}
+
+/// An uncertain parameter.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct Parameter {
+    /// The distribution.
+    pub distribution: Shape,
+    /// The mean.
+    pub mean: Option<Quantity>,
+    /// The standard deviation.
+    pub deviation: Option<Quantity>,
+    /// The smallest value.
+    pub min: Option<Quantity>,
+    /// The most probable value of a triangle.
+    pub mode: Option<Quantity>,
+    /// The largest value.
+    pub max: Option<Quantity>,
+    /// The value that is fixed.
+    pub value: Option<Quantity>,
+    /// The unit of the numbers, and of the column in `points.csv`.
+    pub unit: Option<String>,
+    /// Its column in a table of points; its own name otherwise.
+    pub column: Option<String>,
+    /// A remark for people.
+    pub about: Option<String>,
+}
+
+/// A start value.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(untagged)]
+pub enum Setting {
+    /// Yes or no.
+    Boolean(bool),
+    /// A number, in the variable's unit.
+    Integer(i64),
+    /// A number, in the variable's unit.
+    Number(f64),
+    /// A number with a unit, an item's name, or a text.
+    Text(String),
+}
+
+/// What becomes of a variable over time.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Statistic {
+    /// The value at the stop time.
+    #[default]
+    Final,
+    /// The mean over time.
+    Mean,
+    /// The smallest value.
+    Min,
+    /// The largest value.
+    Max,
+    /// The root of the mean square over time.
+    Rms,
+    /// Half the distance from the smallest to the largest value.
+    Amplitude,
+}
+
+/// What the measurement says of one quantity.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct Criterion {
+    /// The FMU's variable.
+    pub variable: Spanned<String>,
+    /// What becomes of it over time.
+    #[serde(default)]
+    pub statistic: Statistic,
+    /// The measured value.
+    pub nominal: Quantity,
+    /// The accuracy to both sides: `0.5 degC`, or `0.75 %` of the nominal value in the
+    /// criterion's unit.
+    pub tolerance: Quantity,
+    /// The unit of the numbers, and of the column in `points.csv`.
+    pub unit: Option<String>,
+    /// The group in which it is counted.
+    pub group: Option<String>,
+    /// Its column in a table of results; its own name, or the variable's, otherwise.
+    pub column: Option<String>,
+    /// The unit of that column, where it is another one.
+    pub column_unit: Option<String>,
+    /// A remark for people.
+    pub about: Option<String>,
+}
+
+/// Another reading of the tolerances.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct Variant {
+    /// What it is and why.
+    pub about: Option<String>,
+    /// Tolerances by the names of criteria; the others stay.
+    pub tolerance: IndexMap<Name, Quantity>,
+}
+
+impl Study {
+    /// Reads a study file.
+    ///
+    /// # Errors
+    /// When it cannot be read, with line and column when it is not understood.
+    pub fn read(path: &Path) -> Result<Self, StudyError> {
+        let text = std::fs::read_to_string(path).map_err(|source| StudyError::Read {
+            path: path.to_owned(),
+            source,
+        })?;
+        Self::parse(path, text)
+    }
+
+    /// Reads the text of a study that stands, or would stand, at `path`.
+    ///
+    /// # Errors
+    /// With line and column when the text is not understood.
+    pub fn parse(path: &Path, text: String) -> Result<Self, StudyError> {
+        let place = Place { path, text: &text };
+        let mut study: Self = toml::from_str(&text).map_err(|error| place.toml(&error))?;
+        study.path = path.to_owned();
+        study.text = text;
+        Ok(study)
+    }
+
+    /// Where the study was read from.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The FMU's path, as seen from here.
+    pub fn fmu_path(&self) -> PathBuf {
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        folder.join(self.fmu.as_ref())
+    }
+
+    /// The SHA-256 digest of the study's text, as hexadecimal digits.
+    pub fn digest(&self) -> String {
+        hexadecimal(&Sha256::digest(self.text.as_bytes()))
+    }
+
+    /// The study's text.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// An error at a place in the file.
+    pub fn error_at<T>(&self, at: &Spanned<T>, message: impl Into<String>) -> StudyError {
+        let place = Place {
+            path: &self.path,
+            text: &self.text,
+        };
+        place.error(at.span().start, message.into())
+    }
+
+    /// An error of the study as a whole.
+    pub fn error(&self, message: impl Into<String>) -> StudyError {
+        StudyError::Whole {
+            path: self.path.clone(),
+            message: message.into(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn error(text: &str) -> String {
+        let study = Study::parse(Path::new("s.toml"), text.to_owned());
+        study.unwrap_err().to_string()
+    }
+
+    #[test]
+    fn typing_errors_are_answered_with_line_column_and_the_nearest_key() {
+        let text = "fmu = \"a.fmu\"\n[design]\npionts = 3\n";
+        assert_eq!(
+            error(text),
+            "s.toml:3:1: unknown field `pionts`; did you mean `points`?"
+        );
+        let text = "fmu = \"a.fmu\"\n[design]\nmethod = \"sobel\"\n";
+        assert_eq!(
+            error(text),
+            "s.toml:3:10: unknown variant `sobel`; did you mean `sobol`?"
+        );
+        assert!(
+            error("fmu = \n").starts_with("s.toml:1:"),
+            "{}",
+            error("fmu = \n")
+        );
+    }
+
+    #[test]
+    fn the_order_of_the_file_is_kept() {
+        let text = "fmu = \"a.fmu\"\n[parameters.z]\ndistribution = \"fixed\"\nvalue = 1\n\
+                    [parameters.a]\ndistribution = \"fixed\"\nvalue = \"2 mm\"\n";
+        let study = Study::parse(Path::new("s.toml"), text.to_owned()).unwrap();
+        let names: Vec<&str> = study
+            .parameters
+            .keys()
+            .map(|name| name.as_ref().as_str())
+            .collect();
+        assert_eq!(names, ["z", "a"]);
+    }
+}

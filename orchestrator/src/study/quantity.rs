@@ -1,0 +1,156 @@
+//! Numbers with units, as a study gives them.
+
+use std::fmt;
+
+use serde::de::{self, Deserializer, Visitor};
+use serde::{Deserialize, Serialize};
+
+use crate::units::{Conversion, Units, split};
+
+/// A number in the unit of its table, or a number with a unit of its own.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Quantity {
+    /// The number.
+    pub number: f64,
+    /// Its own unit.
+    pub unit: Option<String>,
+}
+
+impl From<f64> for Quantity {
+    fn from(number: f64) -> Self {
+        Self { number, unit: None }
+    }
+}
+
+impl std::str::FromStr for Quantity {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (number, unit) = split(text)?;
+        let unit = unit.map(str::to_owned);
+        Ok(Self { number, unit })
+    }
+}
+
+impl fmt::Display for Quantity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.unit {
+            Some(unit) => write!(f, "{} {unit}", self.number),
+            None => write!(f, "{}", self.number),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Quantity {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Reader;
+        impl Visitor<'_> for Reader {
+            type Value = Quantity;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a number, or a text such as \"0.02 mm\"")
+            }
+
+            fn visit_f64<E: de::Error>(self, number: f64) -> Result<Quantity, E> {
+                Ok(number.into())
+            }
+
+            #[allow(clippy::cast_precision_loss)]
+            fn visit_i64<E: de::Error>(self, number: i64) -> Result<Quantity, E> {
+                Ok((number as f64).into())
+            }
+
+            fn visit_str<E: de::Error>(self, text: &str) -> Result<Quantity, E> {
+                text.parse().map_err(E::custom)
+            }
+        }
+        deserializer.deserialize_any(Reader)
+    }
+}
+
+/// The unit in which a study gives a quantity, and its way to the FMU's.
+#[derive(Clone, Debug)]
+pub struct Scale<'a> {
+    /// The study's unit.
+    pub unit: Option<String>,
+    /// From the study's unit to the variable's.
+    pub conversion: Conversion,
+    fmu: Option<(&'a Units, Option<&'a str>)>,
+}
+
+/// What a study's number stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub enum Sense {
+    /// A value, such as a nominal temperature.
+    Value,
+    /// A difference of values, such as a tolerance or a standard deviation.
+    Difference,
+}
+
+impl<'a> Scale<'a> {
+    /// The scale of a quantity that the study gives in `unit`, of a variable in `variable_unit`.
+    ///
+    /// # Errors
+    /// When the units don't fit.
+    pub fn new(
+        unit: Option<&str>,
+        units: &'a Units,
+        variable_unit: Option<&'a str>,
+    ) -> Result<Self, String> {
+        let conversion = match unit {
+            Some(unit) => units
+                .conversion(unit, variable_unit)
+                .map_err(|error| error.to_string())?,
+            None => Conversion::IDENTITY,
+        };
+        Ok(Self {
+            unit: unit.or(variable_unit).map(str::to_owned),
+            conversion,
+            fmu: Some((units, variable_unit)),
+        })
+    }
+
+    /// The scale of a quantity of which no FMU knows: all numbers must be in `unit`.
+    pub fn alone(unit: Option<&str>) -> Self {
+        Self {
+            unit: unit.map(str::to_owned),
+            conversion: Conversion::IDENTITY,
+            fmu: None,
+        }
+    }
+
+    /// A quantity's number in the study's unit.
+    ///
+    /// # Errors
+    /// When the quantity's own unit doesn't fit, or cannot be converted without an FMU.
+    pub fn number(&self, quantity: &Quantity, sense: Sense) -> Result<f64, String> {
+        let conversion = match &quantity.unit {
+            None => Conversion::IDENTITY,
+            Some(unit) => self.from(unit)?,
+        };
+        Ok(match sense {
+            Sense::Value => conversion.value(quantity.number),
+            Sense::Difference => conversion.difference(quantity.number),
+        })
+    }
+
+    /// From `unit` to the study's unit.
+    ///
+    /// # Errors
+    /// When the units don't fit, or cannot be converted without an FMU.
+    pub fn from(&self, unit: &str) -> Result<Conversion, String> {
+        if self.unit.as_deref() == Some(unit) {
+            return Ok(Conversion::IDENTITY);
+        }
+        let Some((units, variable_unit)) = self.fmu else {
+            let own = self.unit.as_deref().unwrap_or("no unit");
+            return Err(format!(
+                "unit `{unit}` cannot be converted to {own} without the FMU, which is missing"
+            ));
+        };
+        let to_fmu = units
+            .conversion(unit, variable_unit)
+            .map_err(|error| error.to_string())?;
+        Ok(to_fmu.then(self.conversion.inverse()))
+    }
+}

@@ -1,0 +1,206 @@
+//! What is to be done for each point, in the FMU's own terms: plain data that can be sent to
+//! another process.
+
+use serde::{Deserialize, Serialize};
+
+use crate::fmu::{Description, Kind, Value, Variable};
+use crate::study::Statistic;
+
+/// One simulation, but for the values that vary from point to point.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Task {
+    /// When.
+    pub schedule: Schedule,
+    /// Start values that stay as they are, by value reference.
+    pub fixed: Vec<(u32, Value)>,
+    /// The variables that take a point's values, in the order of those values.
+    pub varied: Vec<Slot>,
+    /// What is computed, in the order of the results.
+    pub observed: Vec<Probe>,
+}
+
+/// The times of a simulation, s.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Schedule {
+    /// Start.
+    pub start: f64,
+    /// Stop.
+    pub stop: f64,
+    /// Communication step; the last one may be shorter.
+    pub step: f64,
+    /// Where statistics begin.
+    pub window_start: f64,
+    /// Relative tolerance for the FMU.
+    pub tolerance: Option<f64>,
+}
+
+/// How a variable's value is stored in the FMU.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Storage {
+    /// As a real number.
+    Real,
+    /// As a whole number or an item of an enumeration.
+    Integer,
+    /// As yes (1) or no (0).
+    Boolean,
+}
+
+/// A variable that takes a point's value.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Slot {
+    /// Its name.
+    pub name: String,
+    /// Its value reference.
+    pub reference: u32,
+    /// How it is stored.
+    pub storage: Storage,
+    /// The smallest value that the FMU allows.
+    pub min: f64,
+    /// The largest value that the FMU allows.
+    pub max: f64,
+}
+
+/// A variable that is observed.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Probe {
+    /// Its name.
+    pub name: String,
+    /// Its value reference.
+    pub reference: u32,
+    /// How it is stored.
+    pub storage: Storage,
+    /// What becomes of it over time.
+    pub statistic: Statistic,
+}
+
+impl Storage {
+    /// How a variable is stored; a text is not a number.
+    pub fn of(variable: &Variable) -> Option<Self> {
+        match variable.kind {
+            Kind::Real { .. } => Some(Self::Real),
+            Kind::Integer { .. } | Kind::Enumeration { .. } => Some(Self::Integer),
+            Kind::Boolean { .. } => Some(Self::Boolean),
+            Kind::String { .. } => None,
+        }
+    }
+}
+
+impl Slot {
+    /// Whether the FMU allows the value.
+    ///
+    /// # Errors
+    /// Says which limit is violated.
+    pub fn check(&self, value: f64) -> Result<(), String> {
+        if value >= self.min && value <= self.max {
+            return Ok(());
+        }
+        let (word, limit) = if value < self.min {
+            ("less than the smallest", self.min)
+        } else {
+            ("more than the largest", self.max)
+        };
+        Err(format!(
+            "{} = {value} is {word} value {limit} that the FMU allows",
+            self.name
+        ))
+    }
+
+    /// The value as the FMU stores it; whole numbers are rounded.
+    #[allow(clippy::cast_possible_truncation)]
+    pub fn value(&self, value: f64) -> Value {
+        match self.storage {
+            Storage::Real => Value::Real(value),
+            // A cast of a float saturates.
+            Storage::Integer => Value::Integer(value.round() as i32),
+            Storage::Boolean => Value::Boolean(value >= 0.5),
+        }
+    }
+}
+
+impl Schedule {
+    /// The experiment that the FMU suggests; 1 s and 500 steps where it suggests nothing.
+    pub fn suggested(fmu: &Description) -> Self {
+        const STEPS: f64 = 500.0;
+        let experiment = &fmu.default_experiment;
+        let start = experiment.start.unwrap_or(0.0);
+        let stop = experiment.stop.unwrap_or(start + 1.0);
+        Self {
+            start,
+            stop,
+            step: experiment.step.unwrap_or((stop - start) / STEPS),
+            window_start: start,
+            tolerance: experiment.tolerance,
+        }
+    }
+
+    /// Whether the times make sense.
+    ///
+    /// # Errors
+    /// Says which one does not.
+    pub fn check(&self) -> Result<(), String> {
+        const MOST_STEPS: f64 = 1e12;
+        let Self {
+            start, stop, step, ..
+        } = *self;
+        if !(start.is_finite() && stop.is_finite() && stop > start) {
+            return Err(format!(
+                "the stop time {stop} s must be later than the start {start} s"
+            ));
+        }
+        if !(step > 0.0 && (stop - start) / step < MOST_STEPS) {
+            return Err(format!(
+                "the step {step} s must be positive, and not absurdly small"
+            ));
+        }
+        if !(self.window_start >= start && self.window_start <= stop) {
+            let seen = "statistics would begin outside the simulation";
+            return Err(format!("{seen}: at {} s", self.window_start));
+        }
+        if self
+            .tolerance
+            .is_some_and(|tolerance| tolerance.is_nan() || tolerance <= 0.0)
+        {
+            return Err("the tolerance must be positive".to_owned());
+        }
+        Ok(())
+    }
+
+    /// The number of steps. A last step shorter than a millionth of the others is none.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    pub fn steps(&self) -> u64 {
+        ((self.stop - self.start) / self.step - 1e-6)
+            .ceil()
+            .max(1.0) as u64
+    }
+
+    /// The `index`th communication point: `start + index * step`, so that nothing accumulates.
+    #[allow(clippy::cast_precision_loss)]
+    pub fn time(&self, index: u64) -> f64 {
+        if index == self.steps() {
+            self.stop
+        } else {
+            self.start + index as f64 * self.step
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn communication_points_end_exactly_at_the_stop_time() {
+        let schedule = |stop, step| Schedule {
+            start: 0.0,
+            stop,
+            step,
+            window_start: 0.0,
+            tolerance: None,
+        };
+        assert_eq!(schedule(1.0, 0.1).steps(), 10);
+        assert_eq!(schedule(150.0, 1.0 / 60.0).steps(), 9000);
+        assert_eq!(schedule(1.0, 0.3).steps(), 4);
+        assert_eq!(schedule(1.0, 0.3).time(4), 1.0);
+        assert_eq!(schedule(1.0, 5.0).steps(), 1);
+    }
+}

@@ -1,0 +1,300 @@
+//! Units, as the FMU itself defines them, and values with units.
+//!
+//! FMI 2.0 defines a unit by its SI base exponents with `base = factor * value + offset`, and a
+//! display unit of it by `display = factor * value + offset` (FMI 2.0.4, section 2.2.2).
+
+use indexmap::IndexMap;
+use serde::Serialize;
+use thiserror::Error;
+
+/// A unit in terms of SI base units: `base = factor * value + offset`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct BaseUnit {
+    /// Exponents of kg, m, s, A, K, mol, cd, rad.
+    pub exponents: [i32; 8],
+    /// Factor to the base unit.
+    pub factor: f64,
+    /// Offset, in the base unit.
+    pub offset: f64,
+}
+
+/// Another way to show a unit: `display = factor * value + offset`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DisplayUnit {
+    /// Its name.
+    pub name: String,
+    /// Factor from the unit.
+    pub factor: f64,
+    /// Offset, in the display unit.
+    pub offset: f64,
+}
+
+/// A unit definition.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Unit {
+    /// What it is in SI base units, where that is known.
+    pub base: Option<BaseUnit>,
+    /// Other ways to show it.
+    pub display: Vec<DisplayUnit>,
+}
+
+/// The unit definitions of an FMU.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[serde(transparent)]
+pub struct Units(IndexMap<String, Unit>);
+
+/// A change of unit: `to = factor * from + offset`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Conversion {
+    factor: f64,
+    offset: f64,
+}
+
+/// Why a unit does not fit.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[error("unit `{from}` does not fit: the value is in {to}; use {}", known.join(", "))]
+pub struct UnitError {
+    from: String,
+    to: String,
+    known: Vec<String>,
+}
+
+impl Conversion {
+    /// No change at all.
+    pub const IDENTITY: Self = Self {
+        factor: 1.0,
+        offset: 0.0,
+    };
+
+    /// Converts a value.
+    pub fn value(self, value: f64) -> f64 {
+        self.factor * value + self.offset
+    }
+
+    /// Converts a difference of two values, such as a tolerance: 0.5 degC is 0.5 K.
+    pub fn difference(self, difference: f64) -> f64 {
+        self.factor * difference
+    }
+
+    /// The way back.
+    pub fn inverse(self) -> Self {
+        Self {
+            factor: 1.0 / self.factor,
+            offset: -self.offset / self.factor,
+        }
+    }
+
+    /// This change, and then another.
+    pub fn then(self, next: Self) -> Self {
+        Self {
+            factor: self.factor * next.factor,
+            offset: next.value(self.offset),
+        }
+    }
+}
+
+impl Units {
+    /// Adds or replaces a unit.
+    pub fn insert(&mut self, name: String, unit: Unit) {
+        self.0.insert(name, unit);
+    }
+
+    /// The unit definitions by name.
+    pub fn iter(&self) -> impl Iterator<Item = (&str, &Unit)> {
+        self.0.iter().map(|(name, unit)| (name.as_str(), unit))
+    }
+
+    /// How values in `from` become values in `to`; `None` is a value without a unit.
+    ///
+    /// # Errors
+    /// When the FMU's definitions know no way from one to the other.
+    pub fn conversion(&self, from: &str, to: Option<&str>) -> Result<Conversion, UnitError> {
+        let from = plain(from);
+        let ways = self.ways(to);
+        if let Some((_, way)) = ways.iter().find(|(name, _)| plain(name) == from) {
+            return Ok(*way);
+        }
+        Err(UnitError {
+            from,
+            to: to
+                .filter(|unit| *unit != "1")
+                .unwrap_or("no unit")
+                .to_owned(),
+            known: ways.into_iter().map(|(name, _)| name).collect(),
+        })
+    }
+
+    /// Every unit in which a value of unit `to` may be given, and how it converts.
+    fn ways(&self, to: Option<&str>) -> Vec<(String, Conversion)> {
+        let Some(to) = to.filter(|unit| !matches!(*unit, "1" | "" | "-")) else {
+            let percent = Conversion {
+                factor: 0.01,
+                offset: 0.0,
+            };
+            return vec![
+                ("1".to_owned(), Conversion::IDENTITY),
+                ("%".to_owned(), percent),
+            ];
+        };
+        let mut ways = vec![(to.to_owned(), Conversion::IDENTITY)];
+        let Some(unit) = self.0.get(to) else {
+            return ways;
+        };
+        ways.extend(unit.displays());
+        let Some(base) = unit.base else { return ways };
+        for (name, other) in &self.0 {
+            let Some(other_base) = other.base else {
+                continue;
+            };
+            if name == to || other_base.exponents != base.exponents {
+                continue;
+            }
+            let way = other_base.to_base().then(base.to_base().inverse());
+            ways.push((name.clone(), way));
+            ways.extend(
+                other
+                    .displays()
+                    .map(|(name, display)| (name, display.then(way))),
+            );
+        }
+        ways
+    }
+}
+
+impl BaseUnit {
+    fn to_base(self) -> Conversion {
+        Conversion {
+            factor: self.factor,
+            offset: self.offset,
+        }
+    }
+}
+
+impl Unit {
+    /// The display units, with the conversion to this unit. One with factor 0 converts nothing.
+    fn displays(&self) -> impl Iterator<Item = (String, Conversion)> {
+        let usable = self.display.iter().filter(|display| display.factor != 0.0);
+        usable.map(|display| {
+            let from_unit = Conversion {
+                factor: display.factor,
+                offset: display.offset,
+            };
+            (display.name.clone(), from_unit.inverse())
+        })
+    }
+}
+
+/// A unit's name without typographic differences: `°C` is `degC`, `µm` is `um`.
+fn plain(name: &str) -> String {
+    name.trim()
+        .replace('°', "deg")
+        .replace(['µ', 'μ'], "u")
+        .replace('·', ".")
+        .replace('²', "2")
+        .replace('³', "3")
+}
+
+/// Splits `0.02 mm` into its number and its unit.
+///
+/// # Errors
+/// Says what is wrong when the text does not start with a number.
+pub fn split(text: &str) -> Result<(f64, Option<&str>), String> {
+    let text = text.trim();
+    let ends = text.char_indices().map(|(index, c)| index + c.len_utf8());
+    // The longest start that is a number: `1e-5 m`, `3 eV`, `5%`.
+    let end = ends
+        .filter(|&end| {
+            text[..end]
+                .chars()
+                .all(|c| c.is_ascii_digit() || "+-.eE".contains(c))
+        })
+        .filter(|&end| text[..end].parse::<f64>().is_ok())
+        .next_back()
+        .ok_or_else(|| format!("`{text}` is not a number, or a number with a unit"))?;
+    let number = text[..end].parse::<f64>().unwrap_or(f64::NAN);
+    let unit = text[end..].trim();
+    Ok((number, (!unit.is_empty()).then_some(unit)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn units() -> Units {
+        let mut units = Units::default();
+        let mut unit = |name: &str, exponents, factor, offset, display: &[(&str, f64, f64)]| {
+            let display = display.iter().map(|(name, factor, offset)| DisplayUnit {
+                name: (*name).to_owned(),
+                factor: *factor,
+                offset: *offset,
+            });
+            let base = Some(BaseUnit {
+                exponents,
+                factor,
+                offset,
+            });
+            units.insert(
+                name.to_owned(),
+                Unit {
+                    base,
+                    display: display.collect(),
+                },
+            );
+        };
+        let (length, temperature) = ([0, 1, 0, 0, 0, 0, 0, 0], [0, 0, 0, 0, 1, 0, 0, 0]);
+        unit("m", length, 1.0, 0.0, &[("mm", 1e3, 0.0), ("um", 1e6, 0.0)]);
+        unit("in", length, 0.0254, 0.0, &[("mil", 1e3, 0.0)]);
+        unit("K", temperature, 1.0, 0.0, &[("degC", 1.0, -273.15)]);
+        unit("degF", temperature, 5.0 / 9.0, 459.67 * 5.0 / 9.0, &[]);
+        units
+    }
+
+    #[test]
+    fn display_units_and_units_of_the_same_kind_convert() {
+        let units = units();
+        let close = |from: &str, to: &str, value: f64, expected: f64| {
+            let result = units.conversion(from, Some(to)).unwrap().value(value);
+            assert!(
+                (result - expected).abs() < 1e-9 * expected.abs(),
+                "{result} {expected}"
+            );
+        };
+        close("mm", "m", 0.02, 2e-5);
+        close("degC", "K", 82.0, 355.15);
+        close("°C", "K", 82.0, 355.15);
+        close("mil", "m", 10.0, 2.54e-4);
+        close("um", "in", 25_400.0, 1.0);
+        close("degC", "degF", 100.0, 212.0);
+    }
+
+    #[test]
+    fn differences_have_no_offset() {
+        let conversion = units().conversion("degC", Some("K")).unwrap();
+        assert_eq!(conversion.difference(0.5), 0.5);
+    }
+
+    #[test]
+    fn percent_goes_with_no_unit() {
+        let conversion = units().conversion("%", None).unwrap();
+        assert_eq!(conversion.value(5.0), 0.05);
+    }
+
+    #[test]
+    fn an_unfit_unit_is_answered_with_those_that_fit() {
+        let error = units().conversion("degC", Some("m")).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "unit `degC` does not fit: the value is in m; use m, mm, um, in, mil"
+        );
+    }
+
+    #[test]
+    fn texts_split_into_number_and_unit() {
+        assert_eq!(split("0.02 mm"), Ok((0.02, Some("mm"))));
+        assert_eq!(split("-1.5e-3"), Ok((-1.5e-3, None)));
+        assert_eq!(split("7%"), Ok((7.0, Some("%"))));
+        assert_eq!(split("3 eV"), Ok((3.0, Some("eV"))));
+        assert!(split("mm").is_err());
+        assert!(split("").is_err());
+    }
+}
