@@ -17,10 +17,14 @@ pub struct Thermal {
     pub shaft_capacity: f64,
     /// Volume of the oil bath, m³.
     pub oil_volume: f64,
-    /// Conductance from film to bush, W/K.
+    /// Conductance from film to bush at the reference clearance, W/K.
     pub film_bush: f64,
-    /// Conductance from film to shaft, W/K.
+    /// Conductance from film to shaft at the reference clearance, W/K.
     pub film_shaft: f64,
+    /// Radial clearance at which the film's two conductances hold, m. Heat is conducted across the
+    /// film, so they go as the reciprocal of the clearance (Fourier's law, `G = k*A/c`).
+    /// Zero: they hold at any clearance.
+    pub reference_clearance: f64,
     /// Conductance from bush and housing to the oil bath, W/K.
     pub bush_oil: f64,
     /// Conductance from shaft to the oil bath, W/K.
@@ -54,6 +58,7 @@ impl Default for Thermal {
             oil_volume: 0.3e-3,
             film_bush: 58.0,
             film_shaft: 58.0,
+            reference_clearance: 2.0e-5,
             bush_oil: 0.2,
             shaft_oil: 0.2,
             bush_ambient: 0.0,
@@ -95,6 +100,8 @@ pub struct Heat {
     pub bath: f64,
     /// Temperature of the surroundings, K.
     pub ambient: f64,
+    /// Radial clearance of the bearing, m.
+    pub clearance: f64,
 }
 
 impl Thermal {
@@ -113,8 +120,13 @@ impl Thermal {
         if self.isothermal {
             return Temperatures::default();
         }
-        let film_to_bush = self.film_bush * (t.film - t.bush);
-        let film_to_shaft = self.film_shaft * (t.film - t.shaft);
+        let across = if self.reference_clearance > 0.0 {
+            self.reference_clearance / heat.clearance
+        } else {
+            1.0
+        };
+        let film_to_bush = across * self.film_bush * (t.film - t.bush);
+        let film_to_shaft = across * self.film_shaft * (t.film - t.shaft);
         let film_to_oil = heat.side_flow * (t.film - t.oil);
         let bush_to_oil = self.bush_oil * (t.bush - t.oil);
         let shaft_to_oil = self.shaft_oil * (t.shaft - t.oil);
@@ -160,6 +172,7 @@ mod tests {
             side_flow: 0.13,
             bath: 517.0,
             ambient: 295.0,
+            clearance: 1.4e-5,
         };
         let r = thermal.rates(&t, &heat);
         let stored = r.film * thermal.film_capacity
