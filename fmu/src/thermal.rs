@@ -37,6 +37,9 @@ pub struct Thermal {
     pub oil_ambient: f64,
     /// Part of the boundary friction heat that goes into the shaft, 1; the rest goes into the bush.
     pub contact_heat_to_shaft: f64,
+    /// Part of the side flow that fresh oil from the bath replaces, 1; the rest is hot oil that is drawn
+    /// in again (hot-oil carry-over).
+    pub fresh_oil: f64,
     /// Temperature of the oil bath at the start, K.
     pub initial_oil: f64,
     /// Temperature of the bush at the start, K.
@@ -65,6 +68,7 @@ impl Default for Thermal {
             shaft_ambient: 0.0,
             oil_ambient: 0.54,
             contact_heat_to_shaft: 0.5,
+            fresh_oil: 1.0,
             initial_oil: 321.15,
             initial_bearing: 355.15,
             initial_shaft_rise: 0.0,
@@ -127,7 +131,7 @@ impl Thermal {
         };
         let film_to_bush = across * self.film_bush * (t.film - t.bush);
         let film_to_shaft = across * self.film_shaft * (t.film - t.shaft);
-        let film_to_oil = heat.side_flow * (t.film - t.oil);
+        let film_to_oil = self.fresh_oil * heat.side_flow * (t.film - t.oil);
         let bush_to_oil = self.bush_oil * (t.bush - t.oil);
         let shaft_to_oil = self.shaft_oil * (t.shaft - t.oil);
         let boundary_to_shaft = self.contact_heat_to_shaft * heat.boundary;

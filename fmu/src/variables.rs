@@ -417,6 +417,8 @@ fn thermal() -> Vec<V> {
         conductance("thermal.oilAmbientConductance", field!(thermal.oil_ambient), "Conductance from the oil bath to the surroundings"),
         tunable("thermal.contactHeatToShaft", &ONE, field!(thermal.contact_heat_to_shaft), "Part of the boundary friction heat that goes into the shaft; the rest goes into the bush")
             .within(0.0, 1.0).about(0.5),
+        tunable("thermal.freshOilShare", &ONE, field!(thermal.fresh_oil), "Part of the side flow that fresh oil from the bath replaces; the rest is hot oil drawn in again")
+            .within(0.0, 1.0).about(0.5),
         fixed("thermal.filmReferenceClearance", &METRE, field!(thermal.reference_clearance), "Radial clearance at which the film's conductances hold, as they go as its reciprocal; 0 makes them constant")
             .shown_in("mm").within(0.0, 1e-2).about(2e-5),
     ]
