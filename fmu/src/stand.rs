@@ -209,6 +209,7 @@ impl Stand {
             side_flow: flows.side_flow * oil.density(film) * oil.heat_capacity(film),
             bath: bath_mass * oil.heat_capacity(temperatures.oil),
             ambient: self.inputs.ambient_temperature.at(tau),
+            clearance: self.bearing.radial_clearance,
         };
         self.thermal.rates(temperatures, &heat)
     }
