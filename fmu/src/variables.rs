@@ -408,8 +408,8 @@ fn thermal() -> Vec<V> {
         capacity("thermal.shaftCapacity", field!(thermal.shaft_capacity), "Heat capacity of the shaft"),
         fixed("thermal.oilVolume", &CUBIC_METRE, field!(thermal.oil_volume), "Volume of the oil bath")
             .shown_in("dm3").within(1e-6, 1e3).about(3e-4),
-        conductance("thermal.filmBushConductance", field!(thermal.film_bush), "Conductance from film to bush"),
-        conductance("thermal.filmShaftConductance", field!(thermal.film_shaft), "Conductance from film to shaft"),
+        conductance("thermal.filmBushConductance", field!(thermal.film_bush), "Conductance from film to bush at the reference clearance"),
+        conductance("thermal.filmShaftConductance", field!(thermal.film_shaft), "Conductance from film to shaft at the reference clearance"),
         conductance("thermal.bushOilConductance", field!(thermal.bush_oil), "Conductance from bush and housing to the oil bath"),
         conductance("thermal.shaftOilConductance", field!(thermal.shaft_oil), "Conductance from shaft to the oil bath"),
         conductance("thermal.bushAmbientConductance", field!(thermal.bush_ambient), "Conductance from bush and housing to the surroundings"),
@@ -417,6 +417,10 @@ fn thermal() -> Vec<V> {
         conductance("thermal.oilAmbientConductance", field!(thermal.oil_ambient), "Conductance from the oil bath to the surroundings"),
         tunable("thermal.contactHeatToShaft", &ONE, field!(thermal.contact_heat_to_shaft), "Part of the boundary friction heat that goes into the shaft; the rest goes into the bush")
             .within(0.0, 1.0).about(0.5),
+        tunable("thermal.freshOilShare", &ONE, field!(thermal.fresh_oil), "Part of the side flow that fresh oil from the bath replaces; the rest is hot oil drawn in again")
+            .within(0.0, 1.0).about(0.5),
+        fixed("thermal.filmReferenceClearance", &METRE, field!(thermal.reference_clearance), "Radial clearance at which the film's conductances hold, as they go as its reciprocal; 0 makes them constant")
+            .shown_in("mm").within(0.0, 1e-2).about(2e-5),
     ]
 }
 

@@ -9,6 +9,7 @@ pub mod distribution;
 pub mod engine;
 pub mod failure;
 pub mod fmu;
+pub mod identify;
 pub mod judge;
 pub mod names;
 pub mod report;

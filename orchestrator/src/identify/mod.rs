@@ -1,0 +1,17 @@
+//! Finds the parameters that make a model's predictions most probable, given measured values with
+//! their accuracies.
+//!
+//! - [`problem`] says what is to be found, and from what;
+//! - [`objective`] is the weighted sum of squares over all cases;
+//! - [`local`] goes down to the nearest minimum, [`search`] finds the deepest one;
+//! - [`posterior`] says how well the data determine it.
+//!
+//! These know nothing of FMUs: a model is anything that implements [`problem::Simulate`].
+
+pub mod local;
+pub mod objective;
+pub mod posterior;
+pub mod problem;
+#[cfg(test)]
+mod recovery_tests;
+pub mod search;
