@@ -1,11 +1,14 @@
 //! The commands, one file each.
 
+mod batch;
 mod inspect;
 mod judge;
 mod output;
 mod progress;
 mod report;
+mod sensitivity;
 mod simulate;
+pub mod synchronise;
 mod table;
 mod verify;
 
@@ -13,6 +16,7 @@ use std::process::ExitCode;
 
 use thiserror::Error;
 
+use crate::analysis::from_results::FolderError;
 use crate::cli::{Cli, Command};
 use crate::engine::EngineError;
 use crate::failure::Failure;
@@ -40,6 +44,12 @@ pub enum CommandError {
     /// The results cannot be written or read.
     #[error(transparent)]
     Results(#[from] ResultsError),
+    /// A recording cannot be used.
+    #[error(transparent)]
+    Recording(#[from] synchronise::SettingsError),
+    /// A folder of results cannot be read.
+    #[error(transparent)]
+    Folder(#[from] FolderError),
     /// The report cannot be written.
     #[error(transparent)]
     Report(#[from] ReportError),
@@ -70,6 +80,8 @@ pub fn run(cli: Cli) -> Result<ExitCode, CommandError> {
         Command::Verify(options) => verify::run(&options),
         Command::Judge(options) => judge::run(&options),
         Command::Report(options) => report::run(&options),
+        Command::Sensitivity(options) => sensitivity::run(&options),
+        Command::Synchronise(options) => synchronise::run(&options),
     }
 }
 
