@@ -1,5 +1,6 @@
 //! The commands, one file each.
 
+mod batch;
 mod inspect;
 mod judge;
 mod limits;
@@ -8,8 +9,10 @@ mod output;
 mod progress;
 mod replay;
 mod report;
+mod sensitivity;
 mod simulate;
 mod stop;
+pub mod synchronise;
 mod table;
 mod until;
 mod verify;
@@ -20,6 +23,7 @@ use thiserror::Error;
 
 pub use until::Until;
 
+use crate::analysis::from_results::FolderError;
 use crate::cli::{Cli, Command};
 use crate::engine::{EngineError, servant};
 use crate::failure::Failure;
@@ -48,6 +52,12 @@ pub enum CommandError {
     /// The results cannot be written or read.
     #[error(transparent)]
     Results(#[from] ResultsError),
+    /// A recording cannot be used.
+    #[error(transparent)]
+    Recording(#[from] synchronise::SettingsError),
+    /// A folder of results cannot be read.
+    #[error(transparent)]
+    Folder(#[from] FolderError),
     /// The report cannot be written.
     #[error(transparent)]
     Report(#[from] ReportError),
@@ -84,6 +94,8 @@ pub fn run(cli: Cli) -> Result<ExitCode, CommandError> {
         Command::Merge(options) => merge::run(&options),
         Command::Worker => servant::end(servant::serve()),
         Command::Report(options) => report::run(&options),
+        Command::Sensitivity(options) => sensitivity::run(&options),
+        Command::Synchronise(options) => synchronise::run(&options),
     }
 }
 
