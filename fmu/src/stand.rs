@@ -142,7 +142,7 @@ const SCALES: Unknowns = [1.0, 1.0, 100.0, 100.0, 100.0, 100.0];
 const FIRST_STEP: f64 = 1e-4;
 
 /// The most internal steps in one communication step.
-const STEP_LIMIT: usize = 20_000_000;
+const STEP_LIMIT: usize = 5_000_000;
 
 /// What drive, load mechanism and bearing tell each other at one instant.
 struct Instant {

@@ -29,6 +29,11 @@ pub enum Command {
     Identify(Identify),
     /// Judges outputs that already stand in a table; needs no FMU
     Judge(Judge),
+    /// Runs points for another process of this program
+    #[command(hide = true)]
+    Worker,
+    /// Writes the page of a finished study again
+    Report(Report),
 }
 
 /// Options of `inspect`.
@@ -98,6 +103,16 @@ pub struct Verify {
     /// Continue a study that was interrupted
     #[arg(long)]
     pub resume: bool,
+    /// Run points in this process: a little faster, but a crash of the FMU ends the study
+    #[arg(long)]
+    pub in_process: bool,
+    /// The longest time that a point may take, s
+    #[arg(long, value_name = "T", default_value_t = 3600.0)]
+    pub point_timeout: f64,
+    /// The most memory that a worker process may take, such as 500MB [default: a fair share of
+    /// the machine's]
+    #[arg(long, value_name = "SIZE")]
+    pub memory_limit: Option<String>,
 }
 
 /// Options of `judge`.
@@ -165,3 +180,11 @@ The section [identify] of a study:
 
 Writes identification.json (everything) and optimum.toml (a [fixed] section to paste into a study).
 Exit codes: 0 converged, 1 ended before that, 2 a mistake in what was asked for.";
+/// Options of `report`.
+#[derive(Debug, Args)]
+#[command(after_help = "Example: orchestrator report results/table3")]
+pub struct Report {
+    /// The folder that `verify` has written
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+}

@@ -57,9 +57,9 @@ pub struct Slot {
     /// How it is stored.
     pub storage: Storage,
     /// The smallest value that the FMU allows.
-    pub min: f64,
+    pub min: Option<f64>,
     /// The largest value that the FMU allows.
-    pub max: f64,
+    pub max: Option<f64>,
 }
 
 /// A variable that is observed.
@@ -93,18 +93,16 @@ impl Slot {
     /// # Errors
     /// Says which limit is violated.
     pub fn check(&self, value: f64) -> Result<(), String> {
-        if value >= self.min && value <= self.max {
-            return Ok(());
+        let name = &self.name;
+        if !value.is_finite() {
+            return Err(format!("{name} = {value} is not a finite number"));
         }
-        let (word, limit) = if value < self.min {
-            ("less than the smallest", self.min)
-        } else {
-            ("more than the largest", self.max)
+        let limit = match (self.min, self.max) {
+            (Some(min), _) if value < min => format!("less than the smallest value {min}"),
+            (_, Some(max)) if value > max => format!("more than the largest value {max}"),
+            _ => return Ok(()),
         };
-        Err(format!(
-            "{} = {value} is {word} value {limit} that the FMU allows",
-            self.name
-        ))
+        Err(format!("{name} = {value} is {limit} that the FMU allows"))
     }
 
     /// The value as the FMU stores it; whole numbers are rounded.

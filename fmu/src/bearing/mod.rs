@@ -8,6 +8,7 @@
 pub mod contact;
 pub mod friction;
 pub mod mobility;
+pub mod profile;
 pub mod reynolds;
 
 use contact::{Contact, ContactTable};
@@ -151,7 +152,7 @@ impl Prepared {
         let ratio = length.min(LARGEST_ECCENTRICITY_RATIO);
         let contact = self.contact.at(ratio);
         let mut force = Vector2::new(load, 0.0);
-        if contact.force > 0.0 {
+        if length > 0.0 {
             force -= e * (contact.force / length);
         }
 

@@ -2,7 +2,7 @@
 
 use std::fmt::{self, Display, Write};
 
-use super::logger::CATEGORIES;
+use super::logger::categories;
 use super::values::type_name;
 use crate::model::{DisplayUnit, Enumeration, Kind, Model, Role, Unit, Variable};
 
@@ -58,7 +58,7 @@ fn with_guid<M: Model>(guid: &str) -> String {
     units::<M>(&mut xml);
     types::<M>(&mut xml);
     xml.open(Tag::new("LogCategories"));
-    for (name, description) in CATEGORIES.iter().chain(info.log_categories) {
+    for (name, description) in categories::<M>() {
         xml.leaf(
             Tag::new("Category")
                 .with("name", name)

@@ -28,8 +28,10 @@ pub fn read(folder: &Path) -> Result<(Summary, PointTable), FolderError> {
         std::io::ErrorKind::NotFound => ResultsError::Missing(folder.to_owned()),
         _ => ResultsError::io(&path)(error),
     })?;
-    let summary: Summary = serde_json::from_str(&text)
-        .map_err(|error| ResultsError::Content { path, message: error.to_string() })?;
+    let summary: Summary = serde_json::from_str(&text).map_err(|error| ResultsError::Content {
+        path,
+        message: error.to_string(),
+    })?;
     let points = Points::read(&folder.join("points.csv"), &summary)?;
     let table = table(&summary, points);
     Ok((summary, table))
@@ -37,27 +39,35 @@ pub fn read(folder: &Path) -> Result<(Summary, PointTable), FolderError> {
 
 /// Joins a summary and its points.
 pub fn table(summary: &Summary, points: Points) -> PointTable {
-    let parameters = summary.parameters.iter().zip(points.parameters).map(|(p, values)| Parameter {
-        name: p.name.clone(),
-        unit: p.unit.clone().unwrap_or_default(),
-        distribution: distribution(&p.distribution),
-        values,
-    });
-    let columns = points.values.into_iter().zip(points.passed);
-    let criteria = summary.criteria.values().zip(columns).map(|(count, (values, ok))| {
-        let c = &count.criterion;
-        Criterion {
-            name: c.name.clone(),
-            source: format!("{} of {}", statistic(c.statistic), c.variable),
-            unit: c.unit.clone().unwrap_or_default(),
-            nominal: c.nominal,
-            lower: c.nominal - c.tolerance,
-            upper: c.nominal + c.tolerance,
-            group: c.group.clone(),
+    let parameters = summary
+        .parameters
+        .iter()
+        .zip(points.parameters)
+        .map(|(p, values)| Parameter {
+            name: p.name.clone(),
+            unit: p.unit.clone().unwrap_or_default(),
+            distribution: distribution(&p.distribution),
             values,
-            ok,
-        }
-    });
+        });
+    let columns = points.values.into_iter().zip(points.passed);
+    let criteria = summary
+        .criteria
+        .values()
+        .zip(columns)
+        .map(|(count, (values, ok))| {
+            let c = &count.criterion;
+            Criterion {
+                name: c.name.clone(),
+                source: format!("{} of {}", statistic(c.statistic), c.variable),
+                unit: c.unit.clone().unwrap_or_default(),
+                nominal: c.nominal,
+                lower: c.nominal - c.tolerance,
+                upper: c.nominal + c.tolerance,
+                group: c.group.clone(),
+                values,
+                ok,
+            }
+        });
     PointTable {
         parameters: parameters.collect(),
         criteria: criteria.collect(),
@@ -85,5 +95,9 @@ fn distribution(fields: &IndexMap<String, serde_json::Value>) -> String {
         serde_json::Value::Null => None,
         other => Some(format!("{key} {other}")),
     };
-    fields.iter().filter_map(word).collect::<Vec<_>>().join(", ")
+    fields
+        .iter()
+        .filter_map(word)
+        .collect::<Vec<_>>()
+        .join(", ")
 }

@@ -118,7 +118,10 @@ impl PointTable {
                 return None;
             }
             if worst.is_none_or(|w| deviation > w.deviation) {
-                worst = Some(Binding { criterion, deviation });
+                worst = Some(Binding {
+                    criterion,
+                    deviation,
+                });
             }
         }
         worst
@@ -127,16 +130,26 @@ impl PointTable {
     /// How far a point is from the measurement: the root of the sum of its squared deviations.
     /// For independent normal errors the least distance is the most probable point.
     pub fn distance(&self, point: usize) -> f64 {
-        self.criteria.iter().map(|c| c.deviation(c.values[point]).powi(2)).sum::<f64>().sqrt()
+        self.criteria
+            .iter()
+            .map(|c| c.deviation(c.values[point]).powi(2))
+            .sum::<f64>()
+            .sqrt()
     }
 
     /// Points with values: the verified first, of these the one nearest to the measurement first.
     pub fn ranking(&self) -> Vec<Ranked> {
         let ranked = |point| {
-            Some(Ranked { point, distance: self.distance(point), binding: self.binding(point)? })
+            Some(Ranked {
+                point,
+                distance: self.distance(point),
+                binding: self.binding(point)?,
+            })
         };
-        let mut ranking: Vec<Ranked> =
-            (0..self.len()).filter(|&i| self.completed(i)).filter_map(ranked).collect();
+        let mut ranking: Vec<Ranked> = (0..self.len())
+            .filter(|&i| self.completed(i))
+            .filter_map(ranked)
+            .collect();
         let key = |r: &Ranked| (!self.verified[r.point], r.distance);
         ranking.sort_by(|a, b| {
             let (a, b) = (key(a), key(b));
@@ -206,8 +219,17 @@ mod tests {
             status: vec!["ok".into(), "solver failed".into(), "ok".into()],
             ..PointTable::default()
         };
-        assert_eq!(table.binding(0), Some(Binding { criterion: 1, deviation: 0.75 }));
+        assert_eq!(
+            table.binding(0),
+            Some(Binding {
+                criterion: 1,
+                deviation: 0.75
+            })
+        );
         assert_eq!(table.binding(1), None);
-        assert_eq!(table.ranking().iter().map(|r| r.point).collect::<Vec<_>>(), [0, 2]);
+        assert_eq!(
+            table.ranking().iter().map(|r| r.point).collect::<Vec<_>>(),
+            [0, 2]
+        );
     }
 }

@@ -3,10 +3,11 @@
 use std::process::ExitCode;
 
 use super::verify::{self, FileSet};
-use super::{CommandError, output, table, verdict};
+use super::{CommandError, output, report, table, verdict};
 use crate::cli;
 use crate::fmu::{Description, Package};
 use crate::judge::Judge;
+use crate::report::Report;
 use crate::results::summary::{Provenance, Tally};
 use crate::source::Table;
 use crate::study::Study;
@@ -37,6 +38,10 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, CommandError> {
     };
     let summary = tally.summary(study.title.clone(), provenance, Vec::new());
     files.finish(&summary)?;
+    if let Some(folder) = &options.output {
+        report::keep_study(folder, &study)?;
+        Report::from_folder(folder)?.write(folder)?;
+    }
     output::print(&table::counts(&summary));
     Ok(verdict(summary.verified))
 }

@@ -3,8 +3,10 @@
 mod identify;
 mod inspect;
 mod judge;
+mod limits;
 mod output;
 mod progress;
+mod report;
 mod simulate;
 mod table;
 mod verify;
@@ -14,9 +16,10 @@ use std::process::ExitCode;
 use thiserror::Error;
 
 use crate::cli::{Cli, Command};
-use crate::engine::EngineError;
+use crate::engine::{EngineError, servant};
 use crate::failure::Failure;
 use crate::fmu::FmuError;
+use crate::report::ReportError;
 use crate::results::ResultsError;
 use crate::source::TableError;
 use crate::study::StudyError;
@@ -39,6 +42,9 @@ pub enum CommandError {
     /// The results cannot be written or read.
     #[error(transparent)]
     Results(#[from] ResultsError),
+    /// The report cannot be written.
+    #[error(transparent)]
+    Report(#[from] ReportError),
     /// The points cannot be run.
     #[error(transparent)]
     Engine(#[from] EngineError),
@@ -69,6 +75,8 @@ pub fn run(cli: Cli) -> Result<ExitCode, CommandError> {
         Command::Verify(options) => verify::run(&options),
         Command::Identify(options) => identify::run(&options),
         Command::Judge(options) => judge::run(&options),
+        Command::Worker => servant::end(servant::serve()),
+        Command::Report(options) => report::run(&options),
     }
 }
 

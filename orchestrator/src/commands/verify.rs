@@ -11,12 +11,16 @@ use std::thread::available_parallelism;
 use std::time::{Duration, Instant};
 
 use sha2::{Digest, Sha256};
+use tempfile::TempDir;
 
+use super::limits::limits;
 use super::progress::Progress;
-use super::{CommandError, output, table, verdict};
+use super::{CommandError, output, report, table, verdict};
 use crate::cli::Verify;
 use crate::design::Design;
-use crate::engine::{self, Job, Worker, local::Local};
+use crate::engine::local::Local;
+use crate::engine::process::Process;
+use crate::engine::{self, Job, Worker};
 use crate::fmu::{Package, hexadecimal};
 use crate::judge::{Judge, Verdict};
 use crate::results::journal::{Finished, Header};
@@ -35,7 +39,13 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, CommandError> {
     let jobs = options
         .jobs
         .unwrap_or_else(|| available_parallelism().map_or(1, Into::into));
-    let computed = session.compute(&mut journal, finished.as_ref(), jobs.max(1))?;
+    let computed = session.compute(
+        options,
+        &folder,
+        &mut journal,
+        finished.as_ref(),
+        jobs.max(1),
+    )?;
     journal.sync()?;
     if before + computed < session.source.len() {
         let (done, all) = (before + computed, session.source.len());
@@ -51,6 +61,13 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, CommandError> {
         jobs,
     });
     write_summary(&folder, &summary)?;
+    report::complete(
+        &folder,
+        &session.study,
+        &session.plan,
+        &mut session.package,
+        &summary,
+    )?;
     output::print(&format!(
         "{}{}\nresults in {}\n",
         table::counts(&summary),
@@ -144,18 +161,14 @@ impl Session {
     /// Runs all points that are not finished; returns how many were.
     fn compute(
         &mut self,
+        options: &Verify,
+        folder: &Path,
         journal: &mut Journal,
         finished: Option<&Finished>,
         jobs: usize,
     ) -> Result<u64, CommandError> {
-        let library = self.package.load()?;
-        let worker = || Box::new(Local::new(&library, &self.plan.task)) as Box<dyn Worker>;
-        let once = self
-            .package
-            .description()
-            .capabilities
-            .can_be_instantiated_only_once_per_process;
-        let workers = (0..if once { 1 } else { jobs }).map(|_| worker()).collect();
+        let scratch = scratch(folder)?;
+        let workers = self.workers(options, scratch.path(), jobs)?;
         let (plan, source, judge) = (&self.plan, &self.source, &self.judge);
         let open = (0..source.len()).filter(|&index| !finished.is_some_and(|f| f.has(index)));
         let job = |index| {
@@ -185,6 +198,30 @@ impl Session {
         progress.finish();
         result?;
         Ok(tally.points())
+    }
+
+    /// As many workers as points are to be run at a time.
+    fn workers(
+        &mut self,
+        options: &Verify,
+        scratch: &Path,
+        jobs: usize,
+    ) -> Result<Vec<Box<dyn Worker>>, CommandError> {
+        let task = &self.plan.task;
+        if options.in_process {
+            let library = self.package.load()?;
+            let capabilities = self.package.description().capabilities;
+            let once = capabilities.can_be_instantiated_only_once_per_process;
+            let worker = |_| Box::new(Local::new(&library, task)) as Box<dyn Worker>;
+            return Ok((0..if once { 1 } else { jobs }).map(worker).collect());
+        }
+        let limits = limits(options, jobs)?;
+        let fmu = self.package.unpack(scratch)?;
+        let worker = |number| {
+            let process = Process::new(&fmu, task, limits, scratch, number)?;
+            Ok(Box::new(process) as Box<dyn Worker>)
+        };
+        (0..jobs).map(worker).collect()
     }
 
     /// Writes the final files from the journal, in the order of the points.
@@ -228,6 +265,20 @@ impl Session {
             ..provenance(&self.study)
         })
     }
+}
+
+/// A folder for what is needed while points run. Those of runs that were killed are removed; the
+/// journal's lock says that they are not in use.
+fn scratch(folder: &Path) -> Result<TempDir, CommandError> {
+    const PREFIX: &str = ".running-";
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        if entry.file_name().to_string_lossy().starts_with(PREFIX) {
+            // What cannot be removed only takes up room.
+            let _ = fs::remove_dir_all(entry.path());
+        }
+    }
+    let scratch = tempfile::Builder::new().prefix(PREFIX).tempdir_in(folder);
+    Ok(scratch.map_err(ResultsError::io(folder))?)
 }
 
 /// What is known of a study without its FMU.

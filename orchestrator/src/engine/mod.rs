@@ -4,7 +4,11 @@
 //! come back to the calling thread in whatever order they finish.
 
 mod batch;
+mod last_words;
 pub mod local;
+pub mod process;
+pub mod servant;
+mod wire;
 
 use std::ops::ControlFlow;
 use std::sync::Mutex;

@@ -1,6 +1,6 @@
 //! A report from the folder that `verify` leaves behind.
 
-use super::{Reading, Report, ReportError};
+use super::{Reading, Report, ReportError, history};
 use crate::analysis::from_results;
 use crate::results::Summary;
 use crate::results::summary::VariantCount;
@@ -15,13 +15,28 @@ impl Report {
         let (summary, table) = from_results::read(folder)?;
         let study_text = std::fs::read_to_string(folder.join("study.toml")).unwrap_or_default();
         let p = &summary.provenance;
-        let seed = p.seed.map(|seed| format!(" --seed {seed}")).unwrap_or_default();
+        let seed = p
+            .seed
+            .map(|seed| format!(" --seed {seed}"))
+            .unwrap_or_default();
         Ok(Self {
             study: summary.title.clone().unwrap_or_else(|| p.study.clone()),
             model: p.fmu.clone().unwrap_or_default(),
-            command: format!("orchestrator verify {} --points {}{seed}", p.study, summary.points),
+            command: match (&p.fmu, p.method.as_str()) {
+                (None, _) => format!("orchestrator judge {} TABLE.csv", p.study),
+                (_, "table") => format!("orchestrator verify {} --points-from TABLE.csv", p.study),
+                _ => format!(
+                    "orchestrator verify {} --points {}{seed}",
+                    p.study, summary.points
+                ),
+            },
             provenance: provenance(&summary),
-            readings: summary.variants.iter().map(|(name, variant)| reading(name, variant)).collect(),
+            readings: summary
+                .variants
+                .iter()
+                .map(|(name, variant)| reading(name, variant))
+                .collect(),
+            history: history::read(folder, &table),
             study_text,
             table,
             ..Self::default()
@@ -42,13 +57,23 @@ fn provenance(summary: &Summary) -> Vec<(String, String)> {
         ("Design", Some(p.method.clone())),
         ("Seed", p.seed.map(|seed| seed.to_string())),
         ("Points", Some(summary.points.to_string())),
-        ("Wall time", summary.run.as_ref().map(|run| format!("{:.1} s with {} at a time", run.wall_seconds, run.jobs))),
+        (
+            "Wall time",
+            summary
+                .run
+                .as_ref()
+                .map(|run| format!("{:.1} s with {} at a time", run.wall_seconds, run.jobs)),
+        ),
     ];
-    rows.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?))).collect()
+    rows.into_iter()
+        .filter_map(|(name, value)| Some((name.to_owned(), value?)))
+        .collect()
 }
 
 fn reading(name: &str, variant: &VariantCount) -> Reading {
-    let part = |(name, count): (&String, &crate::results::summary::Count)| (name.clone(), count.passed as usize);
+    let part = |(name, count): (&String, &crate::results::summary::Count)| {
+        (name.clone(), count.passed as usize)
+    };
     Reading {
         name: name.to_owned(),
         about: variant.about.clone().unwrap_or_default(),

@@ -4,6 +4,7 @@ pub mod bins;
 pub mod figures;
 pub mod format;
 mod from_results;
+pub mod history;
 mod page;
 mod payload;
 pub mod svg;

@@ -139,7 +139,10 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
         description: &report.description,
         model: &report.model,
         date: &report.date,
-        style: concat!(include_str!("assets/plot.css"), include_str!("assets/report.css")),
+        style: concat!(
+            include_str!("assets/plot.css"),
+            include_str!("assets/report.css")
+        ),
         script: include_str!("assets/report.js"),
         data: script_safe(&data),
         verified: counted.verified.count > 0,
@@ -149,7 +152,10 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
         failed: match counted.failed {
             0 => String::new(),
             1 => "1 point could not be simulated and counts as not verified.".into(),
-            n => format!("{} points could not be simulated and count as not verified.", count(n)),
+            n => format!(
+                "{} points could not be simulated and count as not verified.",
+                count(n)
+            ),
         },
         drawn: count(points.len()),
         sampled: points.len() < table.len(),
@@ -158,7 +164,11 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
         readings: readings(report, &counted),
         planes: planes(table, &columns, &points),
         parameters: distributions(table, &columns[..table.parameters.len()], 0),
-        criteria: distributions(table, &columns[table.parameters.len()..], table.parameters.len()),
+        criteria: distributions(
+            table,
+            &columns[table.parameters.len()..],
+            table.parameters.len(),
+        ),
         best_columns: columns.iter().map(heading).collect(),
         first_criterion: table.parameters.len(),
         best: best_rows(table, &ranking),
@@ -168,7 +178,9 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
         command: &report.command,
         study_text: &report.study_text,
     };
-    let html = environment.get_template("report.html")?.render(Serde(&page))?;
+    let html = environment
+        .get_template("report.html")?
+        .render(Serde(&page))?;
     Ok(html)
 }
 
@@ -180,19 +192,45 @@ pub fn plots(report: &Report) -> Vec<(String, String)> {
     let points = payload::embedded(table, &order, columns.len());
     let mut plots: Vec<(String, String)> = planes(table, &columns, &points)
         .into_iter()
-        .map(|p| (format!("plane-{}-{}", columns[p.x].name, columns[p.y].name), p.svg))
+        .map(|p| {
+            (
+                format!("plane-{}-{}", columns[p.x].name, columns[p.y].name),
+                p.svg,
+            )
+        })
         .collect();
-    plots.extend(columns.iter().map(|c| (format!("distribution-{}", c.name), figures::distribution(table, c))));
-    plots.extend(report.history.iter().filter_map(|s| Some((format!("history-{}", s.name), figures::history(s)?))));
+    plots.extend(columns.iter().map(|c| {
+        (
+            format!("distribution-{}", c.name),
+            figures::distribution(table, c),
+        )
+    }));
+    plots.extend(
+        report
+            .history
+            .iter()
+            .filter_map(|s| Some((format!("history-{}", s.name), figures::history(s)?))),
+    );
     for (name, _) in &mut plots {
-        *name = name.chars().map(|c| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' }).collect();
+        *name = name
+            .chars()
+            .map(|c| {
+                if c.is_alphanumeric() || "-_.".contains(c) {
+                    c
+                } else {
+                    '_'
+                }
+            })
+            .collect();
     }
     plots
 }
 
 /// JSON that cannot end the script element it stands in.
 fn script_safe(json: &str) -> String {
-    json.replace('<', "\\u003c").replace('\u{2028}', "\\u2028").replace('\u{2029}', "\\u2029")
+    json.replace('<', "\\u003c")
+        .replace('\u{2028}', "\\u2028")
+        .replace('\u{2029}', "\\u2029")
 }
 
 #[derive(Serialize)]
@@ -203,7 +241,11 @@ struct FractionText {
 }
 
 fn fraction(f: &Fraction) -> FractionText {
-    FractionText { percent: percent(f.value()), low: percent(f.low), high: percent(f.high) }
+    FractionText {
+        percent: percent(f.value()),
+        low: percent(f.low),
+        high: percent(f.high),
+    }
 }
 
 fn count_rows(table: &PointTable, counted: &Verdict) -> Vec<CountRow> {
@@ -231,19 +273,30 @@ fn count_rows(table: &PointTable, counted: &Verdict) -> Vec<CountRow> {
             accepted: format!("{} … {}", number(c.lower, 6), quantity(c.upper, &c.unit)),
             binds: count(v.binds),
             only: count(v.only_failure),
-            miss: v.median_miss.map_or_else(|| "–".into(), |m| format!("{} ×", number(m, 3))),
+            miss: v
+                .median_miss
+                .map_or_else(|| "–".into(), |m| format!("{} ×", number(m, 3))),
             ..row(&c.name, "criterion", &v.passes)
         }
     };
     let mut rows = Vec::new();
     for (group, passes) in &counted.groups {
-        let members: Vec<usize> = (0..table.criteria.len()).filter(|&k| table.criteria[k].group.as_deref() == Some(group)).collect();
+        let members: Vec<usize> = (0..table.criteria.len())
+            .filter(|&k| table.criteria[k].group.as_deref() == Some(group))
+            .collect();
         rows.extend(members.iter().map(|&k| criterion(k)));
         if members.len() > 1 {
-            rows.push(CountRow { note: format!("group of {}", members.len()), ..row(group, "group", passes) });
+            rows.push(CountRow {
+                note: format!("group of {}", members.len()),
+                ..row(group, "group", passes)
+            });
         }
     }
-    rows.extend((0..table.criteria.len()).filter(|&k| table.criteria[k].group.is_none()).map(criterion));
+    rows.extend(
+        (0..table.criteria.len())
+            .filter(|&k| table.criteria[k].group.is_none())
+            .map(criterion),
+    );
     rows.push(row("all criteria", "total", &counted.verified));
     rows
 }
@@ -255,39 +308,64 @@ fn readings(report: &Report, counted: &Verdict) -> Vec<ReadingRow> {
     };
     let row = |reading: &super::Reading| {
         let share = Fraction::wilson(reading.verified, report.table.len());
-        let changed = reading.criteria.iter().filter(|(name, passed)| own(name) != Some(*passed));
-        let words: Vec<String> = changed.map(|(name, passed)| format!("{name} {}", count(*passed))).collect();
+        let changed = reading
+            .criteria
+            .iter()
+            .filter(|(name, passed)| own(name) != Some(*passed));
+        let words: Vec<String> = changed
+            .map(|(name, passed)| format!("{name} {}", count(*passed)))
+            .collect();
         ReadingRow {
             name: reading.name.clone(),
             about: reading.about.clone(),
             verified: count(reading.verified),
             percent: percent(share.value()),
             interval: format!("{} – {}", percent(share.low), percent(share.high)),
-            changes: if words.is_empty() { "as above".into() } else { words.join(", ") },
+            changes: if words.is_empty() {
+                "as above".into()
+            } else {
+                words.join(", ")
+            },
         }
     };
     report.readings.iter().map(row).collect()
 }
 
 fn quantity(value: f64, unit: &str) -> String {
-    if unit.is_empty() || unit == "1" { number(value, 6) } else { format!("{} {unit}", number(value, 6)) }
+    if unit.is_empty() || unit == "1" {
+        number(value, 6)
+    } else {
+        format!("{} {unit}", number(value, 6))
+    }
 }
 
 /// One sentence on what decides the verdict.
 fn decisive(table: &PointTable, counted: &Verdict) -> String {
-    let binding = counted.criteria.iter().enumerate().max_by_key(|(_, c)| c.binds);
-    let alone = counted.criteria.iter().enumerate().max_by_key(|(_, c)| c.only_failure);
+    let binding = counted
+        .criteria
+        .iter()
+        .enumerate()
+        .max_by_key(|(_, c)| c.binds);
+    let alone = counted
+        .criteria
+        .iter()
+        .enumerate()
+        .max_by_key(|(_, c)| c.only_failure);
     let completed = table.len() - counted.failed;
     match (binding, alone) {
         (Some((b, binds)), Some((a, only))) if completed > 0 => {
             let mut text = format!(
                 "{} is the criterion that deviates most, in units of its tolerance, at {} of {} simulated points.",
-                table.criteria[b].name, count(binds.binds), count(completed)
+                table.criteria[b].name,
+                count(binds.binds),
+                count(completed)
             );
             if only.only_failure > 0 {
                 text += &format!(
                     " {} alone keeps {} further point{} from being verified.",
-                    table.criteria[a].name, count(only.only_failure), if only.only_failure == 1 { "" } else { "s" }
+                    table.criteria[a].name,
+                    count(only.only_failure),
+                    if only.only_failure == 1 { "" } else { "s" }
                 );
             }
             text
@@ -303,20 +381,42 @@ fn planes(table: &PointTable, columns: &[PlotColumn<'_>], points: &[usize]) -> V
     let mut pairs: Vec<(usize, usize, String)> = Vec::new();
     let mut left_over = Vec::new();
     for group in table.groups().into_iter().map(Some).chain([None]) {
-        let members: Vec<usize> = (0..table.criteria.len()).filter(|&k| table.criteria[k].group.as_deref() == group).collect();
+        let members: Vec<usize> = (0..table.criteria.len())
+            .filter(|&k| table.criteria[k].group.as_deref() == group)
+            .collect();
         match (group, members.as_slice()) {
-            (Some(name), [_, _, ..]) => pairs.extend(members.windows(2).map(|w| (first + w[0], first + w[1], name.to_owned()))),
+            (Some(name), [_, _, ..]) => pairs.extend(
+                members
+                    .windows(2)
+                    .map(|w| (first + w[0], first + w[1], name.to_owned())),
+            ),
             _ => left_over.extend(members),
         }
     }
-    pairs.extend(left_over.chunks(2).filter(|w| w.len() == 2).map(|w| (first + w[0], first + w[1], "criteria".to_owned())));
+    pairs.extend(
+        left_over
+            .chunks(2)
+            .filter(|w| w.len() == 2)
+            .map(|w| (first + w[0], first + w[1], "criteria".to_owned())),
+    );
     pairs.truncate(PLANES - 1);
     let room = if pairs.len().is_multiple_of(2) { 2 } else { 1 };
     let strongest = strongest_pairs(table).into_iter().take(room);
-    pairs.extend(strongest.map(|(x, y)| (x, first + y, format!("strongest on {}", table.criteria[y].name))));
+    pairs.extend(strongest.map(|(x, y)| {
+        (
+            x,
+            first + y,
+            format!("strongest on {}", table.criteria[y].name),
+        )
+    }));
     pairs
         .into_iter()
-        .map(|(x, y, title)| Plane { svg: figures::plane(table, &columns[x], &columns[y], points), x, y, title })
+        .map(|(x, y, title)| Plane {
+            svg: figures::plane(table, &columns[x], &columns[y], points),
+            x,
+            y,
+            title,
+        })
         .collect()
 }
 
@@ -343,9 +443,17 @@ fn strongest_pairs(table: &PointTable) -> Vec<(usize, usize)> {
 }
 
 fn correlation(x: &[f64], y: &[f64]) -> f64 {
-    let pairs: Vec<(f64, f64)> = x.iter().copied().zip(y.iter().copied()).filter(|(a, b)| a.is_finite() && b.is_finite()).collect();
+    let pairs: Vec<(f64, f64)> = x
+        .iter()
+        .copied()
+        .zip(y.iter().copied())
+        .filter(|(a, b)| a.is_finite() && b.is_finite())
+        .collect();
     let n = pairs.len() as f64;
-    let (mx, my) = (pairs.iter().map(|p| p.0).sum::<f64>() / n, pairs.iter().map(|p| p.1).sum::<f64>() / n);
+    let (mx, my) = (
+        pairs.iter().map(|p| p.0).sum::<f64>() / n,
+        pairs.iter().map(|p| p.1).sum::<f64>() / n,
+    );
     let (mut xx, mut yy, mut xy) = (0.0, 0.0, 0.0);
     for (a, b) in pairs {
         xx += (a - mx).powi(2);
@@ -361,7 +469,11 @@ fn distributions(table: &PointTable, columns: &[PlotColumn<'_>], first: usize) -
         let n = finite.len() as f64;
         let mean = finite.iter().sum::<f64>() / n;
         let deviation = (finite.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();
-        (name.to_owned(), number(mean, 4), number(if n > 1.0 { deviation } else { f64::NAN }, 3))
+        (
+            name.to_owned(),
+            number(mean, 4),
+            number(if n > 1.0 { deviation } else { f64::NAN }, 3),
+        )
     };
     columns
         .iter()
@@ -371,7 +483,12 @@ fn distributions(table: &PointTable, columns: &[PlotColumn<'_>], first: usize) -
             svg: figures::distribution(table, c),
             rows: vec![
                 row("all", &mut c.values.iter().copied()),
-                row("verified", &mut (0..table.len()).filter(|&i| table.verified[i]).map(|i| c.values[i])),
+                row(
+                    "verified",
+                    &mut (0..table.len())
+                        .filter(|&i| table.verified[i])
+                        .map(|i| c.values[i]),
+                ),
             ],
             column: first + k,
         })
@@ -388,27 +505,45 @@ fn best_rows(table: &PointTable, ranking: &[Ranked]) -> Vec<BestRow> {
     ranking
         .iter()
         .take(BEST)
-        .map(|&Ranked { point: i, distance, binding }| {
-            let plain = |text| Cell { text, note: String::new(), bad: false, bar: None };
-            let parameters = table.parameters.iter().map(|p| plain(number(p.values[i], 5)));
-            let criteria = table.criteria.iter().map(|c| {
-                let deviation = c.deviation(c.values[i]);
-                Cell {
-                    text: number(c.values[i], 5),
-                    note: format!("{} of the tolerance", number(deviation, 2)),
-                    bad: !c.ok[i],
-                    bar: Some((deviation.min(1.5) * (c.values[i] - c.nominal).signum() * 100.0).round() / 100.0),
+        .map(
+            |&Ranked {
+                 point: i,
+                 distance,
+                 binding,
+             }| {
+                let plain = |text| Cell {
+                    text,
+                    note: String::new(),
+                    bad: false,
+                    bar: None,
+                };
+                let parameters = table
+                    .parameters
+                    .iter()
+                    .map(|p| plain(number(p.values[i], 5)));
+                let criteria = table.criteria.iter().map(|c| {
+                    let deviation = c.deviation(c.values[i]);
+                    Cell {
+                        text: number(c.values[i], 5),
+                        note: format!("{} of the tolerance", number(deviation, 2)),
+                        bad: !c.ok[i],
+                        bar: Some(
+                            (deviation.min(1.5) * (c.values[i] - c.nominal).signum() * 100.0)
+                                .round()
+                                / 100.0,
+                        ),
+                    }
+                });
+                BestRow {
+                    id: table.ids[i],
+                    verified: table.verified[i],
+                    distance: number(distance, 3),
+                    deviation: number(binding.deviation, 2),
+                    binding: table.criteria[binding.criterion].name.clone(),
+                    cells: parameters.chain(criteria).collect(),
                 }
-            });
-            BestRow {
-                id: table.ids[i],
-                verified: table.verified[i],
-                distance: number(distance, 3),
-                deviation: number(binding.deviation, 2),
-                binding: table.criteria[binding.criterion].name.clone(),
-                cells: parameters.chain(criteria).collect(),
-            }
-        })
+            },
+        )
         .collect()
 }
 
@@ -428,7 +563,10 @@ fn failures(table: &PointTable) -> Vec<(String, String, String)> {
     const LISTED: usize = 12;
     let mut reasons: BTreeMap<&str, Vec<u64>> = BTreeMap::new();
     for i in (0..table.len()).filter(|&i| !table.completed(i)) {
-        reasons.entry(&table.status[i]).or_default().push(table.ids[i]);
+        reasons
+            .entry(&table.status[i])
+            .or_default()
+            .push(table.ids[i]);
     }
     let mut rows: Vec<_> = reasons.into_iter().collect();
     rows.sort_by_key(|(_, ids)| std::cmp::Reverse(ids.len()));

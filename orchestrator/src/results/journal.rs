@@ -11,7 +11,7 @@
 //! ```
 
 use std::fmt::Write as _;
-use std::fs::{self, File, OpenOptions};
+use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, BufRead, BufReader, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
@@ -108,7 +108,7 @@ impl Journal {
             io::ErrorKind::AlreadyExists => ResultsError::Begun(folder.to_owned()),
             _ => ResultsError::io(&path)(error),
         })?;
-        let mut journal = Self::new(path, file);
+        let mut journal = Self::new(folder, path, file)?;
         let header = serde_json::to_string(header).map_err(|error| ResultsError::Content {
             path: journal.path.clone(),
             message: error.to_string(),
@@ -129,18 +129,27 @@ impl Journal {
         let path = Self::path_in(folder);
         let file = OpenOptions::new().append(true).open(&path);
         let file = file.map_err(ResultsError::io(&path))?;
-        file.set_len(finished.sound)
-            .map_err(ResultsError::io(&path))?;
-        Ok((Self::new(path, file), finished))
+        let journal = Self::new(folder, path, file)?;
+        // Read again under the lock: another run may just have ended.
+        let finished = Finished::read(folder)?;
+        let cut = journal.file.set_len(finished.sound);
+        cut.map_err(ResultsError::io(&journal.path))?;
+        Ok((journal, finished))
     }
 
-    fn new(path: PathBuf, file: File) -> Self {
-        Self {
+    /// Takes the file for this run alone; the lock ends with the process, however it ends.
+    fn new(folder: &Path, path: PathBuf, file: File) -> Result<Self, ResultsError> {
+        match file.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => return Err(ResultsError::Busy(folder.to_owned())),
+            Err(TryLockError::Error(error)) => return Err(ResultsError::io(&path)(error)),
+        }
+        Ok(Self {
             path,
             file,
             line: String::new(),
             buffer: Vec::new(),
-        }
+        })
     }
 
     /// Notes a finished point; [`flush`](Self::flush) hands it to the system.

@@ -39,6 +39,11 @@ pub enum ResultsError {
         "{0} holds a study that has begun already; continue it with --resume, or choose another --output"
     )]
     Begun(PathBuf),
+    /// Another run is at work in the folder.
+    #[error(
+        "{0}: another run is writing its results here; wait for it, or choose another --output"
+    )]
+    Busy(PathBuf),
     /// There is nothing to resume or to read.
     #[error("{0} holds no study; run `verify` into it first")]
     Missing(PathBuf),

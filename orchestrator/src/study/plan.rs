@@ -303,16 +303,12 @@ pub fn find<'a>(fmu: &'a Description, name: &str) -> Result<&'a Variable, String
 }
 
 /// The smallest and largest value that the FMU's description allows, in the FMU's unit.
-fn limits(variable: &Variable) -> (f64, f64) {
-    let (min, max) = match &variable.kind {
+fn limits(variable: &Variable) -> (Option<f64>, Option<f64>) {
+    match &variable.kind {
         Kind::Real { min, max, .. } => (*min, *max),
         Kind::Integer { min, max, .. } => (min.map(f64::from), max.map(f64::from)),
         _ => (None, None),
-    };
-    (
-        min.unwrap_or(f64::NEG_INFINITY),
-        max.unwrap_or(f64::INFINITY),
-    )
+    }
 }
 
 /// How a variable takes a number before a simulation.
@@ -405,21 +401,17 @@ fn value(fmu: &Description, variable: &Variable, setting: &Setting) -> Result<Va
 }
 
 fn check_limits(variable: &Variable, number: f64) -> Result<(), String> {
-    let (min, max) = limits(variable);
     let unit = variable
         .unit()
         .map_or_else(String::new, |unit| format!(" {unit}"));
-    if !number.is_finite() {
-        Err(format!("{number} is not a finite number"))
-    } else if number < min {
-        Err(format!(
+    match limits(variable) {
+        _ if !number.is_finite() => Err(format!("{number} is not a finite number")),
+        (Some(min), _) if number < min => Err(format!(
             "{number}{unit} is less than the smallest value {min}{unit}"
-        ))
-    } else if number > max {
-        Err(format!(
+        )),
+        (_, Some(max)) if number > max => Err(format!(
             "{number}{unit} is more than the largest value {max}{unit}"
-        ))
-    } else {
-        Ok(())
+        )),
+        _ => Ok(()),
     }
 }

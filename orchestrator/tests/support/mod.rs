@@ -1,5 +1,5 @@
 //! What the tests of the command line share: an FMU of their own, and a way to run commands.
-#![allow(dead_code)]
+#![allow(dead_code, clippy::unwrap_used)]
 
 use std::fs::{self, File};
 use std::io::Write;

@@ -80,7 +80,13 @@ impl Rows<'_> {
 ///
 /// Returns `None` where the number of outputs is no multiple of `parameters + 2`, or fewer than
 /// two base points are complete.
-pub fn indices(outputs: &[f64], parameters: usize, estimator: FirstOrder, resamples: usize, seed: u64) -> Option<Indices> {
+pub fn indices(
+    outputs: &[f64],
+    parameters: usize,
+    estimator: FirstOrder,
+    resamples: usize,
+    seed: u64,
+) -> Option<Indices> {
     let width = parameters + 2;
     if parameters == 0 || outputs.is_empty() || !outputs.len().is_multiple_of(width) {
         return None;
@@ -88,19 +94,34 @@ pub fn indices(outputs: &[f64], parameters: usize, estimator: FirstOrder, resamp
     let finite: Vec<f64> = outputs.iter().copied().filter(|v| v.is_finite()).collect();
     let centre = mean(&finite);
     let centred: Vec<f64> = outputs.iter().map(|v| v - centre).collect();
-    let rows = Rows { values: &centred, width };
+    let rows = Rows {
+        values: &centred,
+        width,
+    };
     let n = outputs.len() / width;
-    let ends: Vec<usize> = (0..n).filter(|&j| rows.a(j).is_finite() && rows.b(j).is_finite()).collect();
-    let mut result = Indices { first: vec![], total: vec![], used: vec![], failed: outputs.len() - finite.len() };
+    let ends: Vec<usize> = (0..n)
+        .filter(|&j| rows.a(j).is_finite() && rows.b(j).is_finite())
+        .collect();
+    let mut result = Indices {
+        first: vec![],
+        total: vec![],
+        used: vec![],
+        failed: outputs.len() - finite.len(),
+    };
     for i in 0..parameters {
-        let complete: Vec<usize> = ends.iter().copied().filter(|&j| rows.ab(j, i).is_finite()).collect();
+        let complete: Vec<usize> = ends
+            .iter()
+            .copied()
+            .filter(|&j| rows.ab(j, i).is_finite())
+            .collect();
         if complete.len() < 2 {
             return None;
         }
         let (first, total) = estimate(&rows, &complete, &ends, i, estimator);
         // Every parameter sees the same resamples, as it would with whole rows resampled.
         let mut random = StdRng::seed_from_u64(seed);
-        let (mut firsts, mut totals) = (Vec::with_capacity(resamples), Vec::with_capacity(resamples));
+        let (mut firsts, mut totals) =
+            (Vec::with_capacity(resamples), Vec::with_capacity(resamples));
         let mut picked = vec![0; complete.len()];
         for _ in 0..resamples {
             picked.fill_with(|| complete[random.random_range(0..complete.len())]);
@@ -108,39 +129,87 @@ pub fn indices(outputs: &[f64], parameters: usize, estimator: FirstOrder, resamp
             firsts.push(f);
             totals.push(t);
         }
-        result.first.push(Estimate::around(first, Z95 * variance(&firsts, 1).sqrt()));
-        result.total.push(Estimate::around(total, Z95 * variance(&totals, 1).sqrt()));
+        result
+            .first
+            .push(Estimate::around(first, Z95 * variance(&firsts, 1).sqrt()));
+        result
+            .total
+            .push(Estimate::around(total, Z95 * variance(&totals, 1).sqrt()));
         result.used.push(complete.len());
     }
     Some(result)
 }
 
 /// First-order and total index of one parameter over some base points, with the variance of others.
-fn estimate(rows: &Rows<'_>, points: &[usize], ends: &[usize], i: usize, estimator: FirstOrder) -> (f64, f64) {
+fn estimate(
+    rows: &Rows<'_>,
+    points: &[usize],
+    ends: &[usize],
+    i: usize,
+    estimator: FirstOrder,
+) -> (f64, f64) {
     let n = points.len() as f64;
     let m = 2.0 * ends.len() as f64;
     let centre = ends.iter().map(|&j| rows.a(j) + rows.b(j)).sum::<f64>() / m;
-    let v = ends.iter().map(|&j| (rows.a(j) - centre).powi(2) + (rows.b(j) - centre).powi(2)).sum::<f64>() / m;
+    let v = ends
+        .iter()
+        .map(|&j| (rows.a(j) - centre).powi(2) + (rows.b(j) - centre).powi(2))
+        .sum::<f64>()
+        / m;
     if v <= f64::EPSILON * centre.powi(2).max(f64::MIN_POSITIVE) {
         return (0.0, 0.0);
     }
-    let total = points.iter().map(|&j| (rows.a(j) - rows.ab(j, i)).powi(2)).sum::<f64>() / (2.0 * n);
+    let total = points
+        .iter()
+        .map(|&j| (rows.a(j) - rows.ab(j, i)).powi(2))
+        .sum::<f64>()
+        / (2.0 * n);
     let first = match estimator {
-        FirstOrder::Saltelli => points.iter().map(|&j| rows.b(j) * (rows.ab(j, i) - rows.a(j))).sum::<f64>() / n,
-        FirstOrder::Jansen => v - points.iter().map(|&j| (rows.b(j) - rows.ab(j, i)).powi(2)).sum::<f64>() / (2.0 * n),
+        FirstOrder::Saltelli => {
+            points
+                .iter()
+                .map(|&j| rows.b(j) * (rows.ab(j, i) - rows.a(j)))
+                .sum::<f64>()
+                / n
+        }
+        FirstOrder::Jansen => {
+            v - points
+                .iter()
+                .map(|&j| (rows.b(j) - rows.ab(j, i)).powi(2))
+                .sum::<f64>()
+                / (2.0 * n)
+        }
     };
     (first / v, total / v)
 }
 
 /// Indices from growing parts of the design, to show convergence: base points, indices.
-pub fn convergence(outputs: &[f64], parameters: usize, estimator: FirstOrder, resamples: usize, seed: u64) -> Vec<(usize, Indices)> {
+pub fn convergence(
+    outputs: &[f64],
+    parameters: usize,
+    estimator: FirstOrder,
+    resamples: usize,
+    seed: u64,
+) -> Vec<(usize, Indices)> {
     let width = parameters + 2;
     let n = outputs.len() / width;
-    let mut sizes: Vec<usize> = std::iter::successors(Some(n), |m| (*m / 2 >= 32).then_some(m / 2)).collect();
+    let mut sizes: Vec<usize> =
+        std::iter::successors(Some(n), |m| (*m / 2 >= 32).then_some(m / 2)).collect();
     sizes.reverse();
     sizes
         .into_iter()
-        .filter_map(|m| Some((m, indices(&outputs[..m * width], parameters, estimator, resamples, seed)?)))
+        .filter_map(|m| {
+            Some((
+                m,
+                indices(
+                    &outputs[..m * width],
+                    parameters,
+                    estimator,
+                    resamples,
+                    seed,
+                )?,
+            ))
+        })
         .collect()
 }
 
@@ -151,13 +220,22 @@ mod tests {
 
     fn random_pairs(n: usize, d: usize, seed: u64) -> Vec<Vec<f64>> {
         let mut random = StdRng::seed_from_u64(seed);
-        (0..n).map(|_| (0..2 * d).map(|_| random.random::<f64>()).collect()).collect()
+        (0..n)
+            .map(|_| (0..2 * d).map(|_| random.random::<f64>()).collect())
+            .collect()
     }
 
     /// A lattice that any language can write down.
     fn lattice(n: usize, d: usize) -> Vec<Vec<f64>> {
         let primes = [2.0f64, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0];
-        (1..=n).map(|k| primes[..2 * d].iter().map(|p| (k as f64 * p.sqrt()).fract()).collect()).collect()
+        (1..=n)
+            .map(|k| {
+                primes[..2 * d]
+                    .iter()
+                    .map(|p| (k as f64 * p.sqrt()).fract())
+                    .collect()
+            })
+            .collect()
     }
 
     fn evaluate(pairs: &[Vec<f64>], f: impl Fn(&[f64]) -> f64) -> Vec<f64> {
@@ -170,11 +248,23 @@ mod tests {
         let y = evaluate(&lattice(256, 3), ishigami);
         let s = indices(&y, 3, FirstOrder::Saltelli, 10, 1).unwrap();
         for (i, (first, total)) in SALIB_ISHIGAMI.into_iter().enumerate() {
-            assert!((s.first[i].value - first).abs() < 1e-10, "{i} {:?}", s.first[i]);
-            assert!((s.total[i].value - total).abs() < 1e-10, "{i} {:?}", s.total[i]);
+            assert!(
+                (s.first[i].value - first).abs() < 1e-10,
+                "{i} {:?}",
+                s.first[i]
+            );
+            assert!(
+                (s.total[i].value - total).abs() < 1e-10,
+                "{i} {:?}",
+                s.total[i]
+            );
         }
     }
-    const SALIB_ISHIGAMI: [(f64, f64); 3] = [(0.24393037317358926, 0.3972198967359823), (0.4862270491131861, 0.432243463350163), (-0.027736213144616974, 0.23831541149659913)];
+    const SALIB_ISHIGAMI: [(f64, f64); 3] = [
+        (0.24393037317358926, 0.3972198967359823),
+        (0.4862270491131861, 0.432243463350163),
+        (-0.027736213144616974, 0.23831541149659913),
+    ];
 
     #[test]
     fn both_estimators_converge_to_the_exact_indices() {
@@ -183,7 +273,10 @@ mod tests {
         for estimator in [FirstOrder::Saltelli, FirstOrder::Jansen] {
             let s = indices(&y, 3, estimator, 20, 1).unwrap();
             for (found, exact) in s.first.iter().zip(first).chain(s.total.iter().zip(total)) {
-                assert!((found.value - exact).abs() < 0.03, "{estimator:?} {found:?} {exact}");
+                assert!(
+                    (found.value - exact).abs() < 0.03,
+                    "{estimator:?} {found:?} {exact}"
+                );
             }
         }
     }
@@ -202,11 +295,13 @@ mod tests {
             let z = evaluate(&random_pairs(512, 4, 2000 + seed), |u| sobol_g(u, &a));
             let g = indices(&z, 4, FirstOrder::Saltelli, 100, seed).unwrap();
             for i in 0..3 {
-                held[0] += usize::from(s.first[i].contains(hf[i])) + usize::from(s.total[i].contains(ht[i]));
+                held[0] += usize::from(s.first[i].contains(hf[i]))
+                    + usize::from(s.total[i].contains(ht[i]));
                 of[0] += 2;
             }
             for i in 0..4 {
-                held[1] += usize::from(g.first[i].contains(gf[i])) + usize::from(g.total[i].contains(gt[i]));
+                held[1] += usize::from(g.first[i].contains(gf[i]))
+                    + usize::from(g.total[i].contains(gt[i]));
                 of[1] += 2;
             }
         }
@@ -243,7 +338,13 @@ mod tests {
     fn convergence_ends_with_the_whole_design() {
         let y = evaluate(&random_pairs(256, 3, 3), ishigami);
         let steps = convergence(&y, 3, FirstOrder::Saltelli, 10, 1);
-        assert_eq!(steps.iter().map(|s| s.0).collect::<Vec<_>>(), [32, 64, 128, 256]);
-        assert_eq!(steps[3].1, indices(&y, 3, FirstOrder::Saltelli, 10, 1).unwrap());
+        assert_eq!(
+            steps.iter().map(|s| s.0).collect::<Vec<_>>(),
+            [32, 64, 128, 256]
+        );
+        assert_eq!(
+            steps[3].1,
+            indices(&y, 3, FirstOrder::Saltelli, 10, 1).unwrap()
+        );
     }
 }

@@ -17,12 +17,19 @@ pub fn to_toml(result: &Synchronised, amplitudes: bool) -> String {
         100.0 * result.delay.after,
         100.0 * result.delay.before,
         rounded(result.mean_friction.value, result.mean_friction.expanded()),
-        rounded(result.mean_friction.expanded(), result.mean_friction.expanded()),
+        rounded(
+            result.mean_friction.expanded(),
+            result.mean_friction.expanded()
+        ),
     );
     for warning in &result.warnings {
         let _ = writeln!(out, "# Note: {warning}.");
     }
-    for finding in result.findings.iter().filter(|f| amplitudes || f.statistic != "amplitude") {
+    for finding in result
+        .findings
+        .iter()
+        .filter(|f| amplitudes || f.statistic != "amplitude")
+    {
         out.push_str(&criterion(finding));
     }
     out
@@ -32,16 +39,36 @@ fn criterion(finding: &Finding) -> String {
     let m = &finding.measured;
     let tolerance = m.expanded();
     let mut out = format!("\n[criteria.{}]\n", finding.name);
-    let _ = writeln!(out, "# standard uncertainties: scatter {:.2e}, sensor {:.2e} {}", m.scatter, m.sensor, finding.unit);
+    let _ = writeln!(
+        out,
+        "# standard uncertainties: scatter {:.2e}, sensor {:.2e} {}",
+        m.scatter, m.sensor, finding.unit
+    );
     if let Some(s) = &finding.stationarity {
         let _ = writeln!(
             out,
             "# {}: change over the window {:.2e} ({:.2e} to {:.2e}) {}, from {} blocks",
-            if s.steady() { "steady" } else { "NOT steady" }, s.change.value, s.change.low, s.change.high, finding.unit, s.blocks
+            if s.steady() { "steady" } else { "NOT steady" },
+            s.change.value,
+            s.change.low,
+            s.change.high,
+            finding.unit,
+            s.blocks
         );
     }
-    let _ = writeln!(out, "variable = \"{}\"\nstatistic = \"{}\"", finding.variable, finding.statistic);
-    let _ = writeln!(out, "nominal = {}\ntolerance = \"{} {}\"\nunit = \"{}\"", rounded(m.value, tolerance), rounded(tolerance, tolerance), finding.unit, finding.unit);
+    let _ = writeln!(
+        out,
+        "variable = \"{}\"\nstatistic = \"{}\"",
+        finding.variable, finding.statistic
+    );
+    let _ = writeln!(
+        out,
+        "nominal = {}\ntolerance = \"{} {}\"\nunit = \"{}\"",
+        rounded(m.value, tolerance),
+        rounded(tolerance, tolerance),
+        finding.unit,
+        finding.unit
+    );
     if let Some(group) = &finding.group {
         let _ = writeln!(out, "group = \"{group}\"");
     }
@@ -50,7 +77,11 @@ fn criterion(finding: &Finding) -> String {
 
 /// A value to two digits of its uncertainty, as a TOML float.
 fn rounded(value: f64, uncertainty: f64) -> String {
-    let digits = if uncertainty > 0.0 { (1.0 - uncertainty.log10().floor()).clamp(1.0, 12.0) as usize } else { 6 };
+    let digits = if uncertainty > 0.0 {
+        (1.0 - uncertainty.log10().floor()).clamp(1.0, 12.0) as usize
+    } else {
+        6
+    };
     format!("{value:.digits$}")
 }
 

@@ -41,22 +41,37 @@ pub fn find(base: &Even, late: &Spline, longest: f64) -> Result<Delay, SignalErr
         .map(|(t, v)| (*t, *v))
         .collect();
     if kept.len() < 20 * PARTS {
-        return Err(SignalError::TooShort { name: "load".into(), found: kept.len(), needed: 20 * PARTS });
+        return Err(SignalError::TooShort {
+            name: "load".into(),
+            found: kept.len(),
+            needed: 20 * PARTS,
+        });
     }
     if kept.iter().any(|(_, v)| *v == 0.0) {
-        return Err(SignalError::Setting("the load passes through zero: M/F_N has no meaning there".into()));
+        return Err(SignalError::Setting(
+            "the load passes through zero: M/F_N has no meaning there".into(),
+        ));
     }
     // The coarse scan needs no more samples than to see the shape.
-    let thin: Vec<(f64, f64)> = kept.iter().copied().step_by((kept.len() / 4000).max(1)).collect();
+    let thin: Vec<(f64, f64)> = kept
+        .iter()
+        .copied()
+        .step_by((kept.len() / 4000).max(1))
+        .collect();
     let half = (longest / base.step).floor() as i64;
     let scan = (-half..=half).map(|k| k as f64 * base.step);
     let coarse = scan
         .min_by(|a, b| scatter(&thin, late, *a).total_cmp(&scatter(&thin, late, *b)))
         .unwrap_or(0.0);
-    let around = |points: &[(f64, f64)], centre: f64, width: f64| golden(centre - width, centre + width, |d| scatter(points, late, d));
+    let around = |points: &[(f64, f64)], centre: f64, width: f64| {
+        golden(centre - width, centre + width, |d| scatter(points, late, d))
+    };
     let reach = (2.0 * base.step).max(longest / 50.0).min(longest);
     let best = around(&kept, coarse, reach).clamp(-longest, longest);
-    let parts: Vec<f64> = kept.chunks(kept.len().div_ceil(PARTS)).map(|part| around(part, best, reach)).collect();
+    let parts: Vec<f64> = kept
+        .chunks(kept.len().div_ceil(PARTS))
+        .map(|part| around(part, best, reach))
+        .collect();
     let n = parts.len() as f64;
     let mean = parts.iter().sum::<f64>() / n;
     let error = (parts.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / (n - 1.0) / n).sqrt();
@@ -118,18 +133,40 @@ mod tests {
     fn record(seconds: f64, delay: f64, seed: u64) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
         let mut random = StdRng::seed_from_u64(seed);
         let mut noise = || random.sample::<f64, _>(StandardNormal);
-        let wave = |t: f64| 1.0 + 0.64 * (2.0 * PI * 5.0 * t).sin() + 0.05 * (2.0 * PI * 10.0 * t + 0.6).sin();
-        let time: Vec<f64> = (0..(seconds / STEP) as usize).map(|k| k as f64 * STEP).collect();
-        let load = time.iter().map(|t| 750.0 * (wave(*t) + 0.05 * noise())).collect();
-        let torque = time.iter().map(|t| 0.443 * (wave(t - delay) + 0.05 * noise())).collect();
+        let wave = |t: f64| {
+            1.0 + 0.64 * (2.0 * PI * 5.0 * t).sin() + 0.05 * (2.0 * PI * 10.0 * t + 0.6).sin()
+        };
+        let time: Vec<f64> = (0..(seconds / STEP) as usize)
+            .map(|k| k as f64 * STEP)
+            .collect();
+        let load = time
+            .iter()
+            .map(|t| 750.0 * (wave(*t) + 0.05 * noise()))
+            .collect();
+        let torque = time
+            .iter()
+            .map(|t| 0.443 * (wave(t - delay) + 0.05 * noise()))
+            .collect();
         (time, load, torque)
     }
 
     fn found(time: &[f64], load: &[f64], torque: &[f64]) -> Delay {
-        let smoothing = Smoothing::Butterworth { cutoff: 40.0, order: 4 };
-        let load = Even { start: 0.0, step: STEP, values: smoothing.apply(load, STEP).unwrap() };
+        let smoothing = Smoothing::Butterworth {
+            cutoff: 40.0,
+            order: 4,
+        };
+        let load = Even {
+            start: 0.0,
+            step: STEP,
+            values: smoothing.apply(load, STEP).unwrap(),
+        };
         let torque = smoothing.apply(torque, STEP).unwrap();
-        find(&load, &Spline::new("torque", time, &torque, 5.0).unwrap(), 0.05).unwrap()
+        find(
+            &load,
+            &Spline::new("torque", time, &torque, 5.0).unwrap(),
+            0.05,
+        )
+        .unwrap()
     }
 
     #[test]

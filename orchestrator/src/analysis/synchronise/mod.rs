@@ -134,42 +134,77 @@ pub fn synchronise(recording: &Recording) -> Result<Synchronised, SignalError> {
         let values: Vec<f64> = kept.iter().map(|&k| channel.values[k]).collect();
         Spline::new(&channel.name, &time, &values, LONGEST_GAP)
     };
-    let (load, torque, speed) = (spline(&recording.load)?, spline(&recording.torque)?, spline(&recording.speed)?);
+    let (load, torque, speed) = (
+        spline(&recording.load)?,
+        spline(&recording.torque)?,
+        spline(&recording.speed)?,
+    );
     let start = load.span().0.max(torque.span().0);
     let end = load.span().1.min(torque.span().1);
     let step = load.step();
     let even = |spline: &Spline| Even::from_spline(spline, start, end, step);
     let smooth = |spline: &Spline| -> Result<Even, SignalError> {
         let raw = even(spline);
-        Ok(Even { values: recording.smoothing.apply(&raw.values, step)?, ..raw })
+        Ok(Even {
+            values: recording.smoothing.apply(&raw.values, step)?,
+            ..raw
+        })
     };
     let (load, torque) = (smooth(&load)?, smooth(&torque)?);
-    let late = Spline::new(&recording.torque.name, &torque.times(), &torque.values, LONGEST_GAP)?;
+    let late = Spline::new(
+        &recording.torque.name,
+        &torque.times(),
+        &torque.values,
+        LONGEST_GAP,
+    )?;
     let delay = delay::find(&load, &late, recording.longest_delay)?;
-    Aligned::new(recording, &load, &late, even(&speed), delay).finish(recording, |c| Ok(even(&spline(c)?)))
+    Aligned::new(recording, &load, &late, even(&speed), delay)
+        .finish(recording, |c| Ok(even(&spline(c)?)))
 }
 
 fn check(recording: &Recording) -> Result<(), SignalError> {
     let wrong = |text: String| Err(SignalError::Setting(text));
     if !(recording.diameter.is_finite() && recording.diameter > 0.0) {
-        return wrong(format!("the bearing's diameter must be positive, not {} m", recording.diameter));
+        return wrong(format!(
+            "the bearing's diameter must be positive, not {} m",
+            recording.diameter
+        ));
     }
     if !(recording.longest_delay.is_finite() && recording.longest_delay > 0.0) {
-        return wrong(format!("the longest delay must be positive, not {} s", recording.longest_delay));
+        return wrong(format!(
+            "the longest delay must be positive, not {} s",
+            recording.longest_delay
+        ));
     }
     if !(recording.confidence > 0.5 && recording.confidence < 1.0) {
-        return wrong(format!("the confidence must lie between 0.5 and 1, not at {}", recording.confidence));
+        return wrong(format!(
+            "the confidence must lie between 0.5 and 1, not at {}",
+            recording.confidence
+        ));
     }
     let channels = [&recording.load, &recording.torque, &recording.speed];
-    match channels.into_iter().chain(&recording.others).find(|c| c.values.len() != recording.time.len()) {
-        Some(c) => wrong(format!("signal '{}' has {} rows, the time has {}", c.name, c.values.len(), recording.time.len())),
+    match channels
+        .into_iter()
+        .chain(&recording.others)
+        .find(|c| c.values.len() != recording.time.len())
+    {
+        Some(c) => wrong(format!(
+            "signal '{}' has {} rows, the time has {}",
+            c.name,
+            c.values.len(),
+            recording.time.len()
+        )),
         None => Ok(()),
     }
 }
 
 fn window(recording: &Recording) -> Vec<usize> {
-    let [from, to] = recording.window.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
-    (0..recording.time.len()).filter(|&k| recording.time[k] >= from && recording.time[k] <= to).collect()
+    let [from, to] = recording
+        .window
+        .unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+    (0..recording.time.len())
+        .filter(|&k| recording.time[k] >= from && recording.time[k] <= to)
+        .collect()
 }
 
 /// The aligned signals over their common time.
@@ -197,19 +232,37 @@ impl Aligned {
                 t >= start && t <= end
             })
             .collect();
-        let time: Vec<f64> = kept.iter().map(|&k| load.start + k as f64 * load.step).collect();
-        let turn = mean(&recording.speed.values.iter().copied().filter(|v| v.is_finite()).collect::<Vec<_>>());
+        let time: Vec<f64> = kept
+            .iter()
+            .map(|&k| load.start + k as f64 * load.step)
+            .collect();
+        let turn = mean(
+            &recording
+                .speed
+                .values
+                .iter()
+                .copied()
+                .filter(|v| v.is_finite())
+                .collect::<Vec<_>>(),
+        );
         let turn = (std::f64::consts::TAU / turn.abs() / load.step).round();
         let n = time.len();
         // Without a turning shaft any block is as good as another.
-        let turn = if turn.is_finite() && turn >= 1.0 && turn < n as f64 / 8.0 { turn as usize } else { 1 };
+        let turn = if turn.is_finite() && turn >= 1.0 && turn < n as f64 / 8.0 {
+            turn as usize
+        } else {
+            1
+        };
         let turns = (n / 30 / turn).max(1);
         Self {
             step: load.step,
             load: kept.iter().map(|&k| load.values[k]).collect(),
             torque_before: time.iter().map(|t| late.at(*t)).collect(),
             torque: time.iter().map(|t| late.at(t + shift)).collect(),
-            speed: kept.iter().map(|&k| speed.values[k.min(speed.values.len() - 1)]).collect(),
+            speed: kept
+                .iter()
+                .map(|&k| speed.values[k.min(speed.values.len() - 1)])
+                .collect(),
             block: turns * turn,
             turn,
             time,
@@ -223,16 +276,39 @@ impl Aligned {
         even: impl Fn(&Channel) -> Result<Even, SignalError>,
     ) -> Result<Synchronised, SignalError> {
         let half = recording.diameter / 2.0;
-        let friction = |torque: &[f64]| -> Vec<f64> { torque.iter().zip(&self.load).map(|(m, f)| m / (f * half)).collect() };
-        let power: Vec<f64> = self.torque.iter().zip(&self.speed).map(|(m, w)| m * w).collect();
+        let friction = |torque: &[f64]| -> Vec<f64> {
+            torque
+                .iter()
+                .zip(&self.load)
+                .map(|(m, f)| m / (f * half))
+                .collect()
+        };
+        let power: Vec<f64> = self
+            .torque
+            .iter()
+            .zip(&self.speed)
+            .map(|(m, w)| m * w)
+            .collect();
         let relative = |channel: &Channel, values: &[f64]| {
             let centre = mean(values);
-            if centre == 0.0 { 0.0 } else { channel.accuracy.standard(centre) / centre.abs() }
+            if centre == 0.0 {
+                0.0
+            } else {
+                channel.accuracy.standard(centre) / centre.abs()
+            }
         };
-        let parts = (relative(&recording.load, &self.load), relative(&recording.torque, &self.torque), relative(&recording.speed, &self.speed));
+        let parts = (
+            relative(&recording.load, &self.load),
+            relative(&recording.torque, &self.torque),
+            relative(&recording.speed, &self.speed),
+        );
         let mut findings = vec![
-            self.mean(&recording.load, &self.load, recording, |v| recording.load.accuracy.standard(v)),
-            self.mean(&recording.torque, &self.torque, recording, |v| recording.torque.accuracy.standard(v)),
+            self.mean(&recording.load, &self.load, recording, |v| {
+                recording.load.accuracy.standard(v)
+            }),
+            self.mean(&recording.torque, &self.torque, recording, |v| {
+                recording.torque.accuracy.standard(v)
+            }),
         ];
         let power_channel = Channel {
             name: "P_fr".into(),
@@ -240,15 +316,23 @@ impl Aligned {
             unit: "W".into(),
             ..recording.torque.clone()
         };
-        findings.push(self.mean(&power_channel, &power, recording, |v| of_product(v, &[parts.1, parts.2])));
+        findings.push(self.mean(&power_channel, &power, recording, |v| {
+            of_product(v, &[parts.1, parts.2])
+        }));
         for channel in &recording.others {
             let values = even(channel)?.values;
-            findings.push(self.mean(channel, &values, recording, |v| channel.accuracy.standard(v)));
+            findings.push(self.mean(channel, &values, recording, |v| {
+                channel.accuracy.standard(v)
+            }));
         }
         findings.push(self.amplitude(&recording.load, &self.load));
         findings.push(self.amplitude(&recording.torque, &self.torque));
         let coefficient = friction(&self.torque);
-        let mean_friction = self.mean(&recording.torque, &coefficient, recording, |v| of_product(v, &[parts.0, parts.1])).measured;
+        let mean_friction = self
+            .mean(&recording.torque, &coefficient, recording, |v| {
+                of_product(v, &[parts.0, parts.1])
+            })
+            .measured;
         let warnings = self.warnings(&findings);
         Ok(Synchronised {
             friction_before: friction(&self.torque_before),
@@ -265,7 +349,13 @@ impl Aligned {
         })
     }
 
-    fn mean(&self, channel: &Channel, values: &[f64], recording: &Recording, sensor: impl Fn(f64) -> f64) -> Finding {
+    fn mean(
+        &self,
+        channel: &Channel,
+        values: &[f64],
+        recording: &Recording,
+        sensor: impl Fn(f64) -> f64,
+    ) -> Finding {
         // Whole turns only: a part of one would shift the mean.
         let whole = &values[..values.len() / self.turn * self.turn];
         let blocks = block_means(whole, self.block);
@@ -276,18 +366,30 @@ impl Aligned {
             statistic: "mean",
             unit: channel.unit.clone(),
             group: channel.group.clone(),
-            measured: Measured { value, scatter: uncertainty_of_mean(&blocks), sensor: sensor(value) },
+            measured: Measured {
+                value,
+                scatter: uncertainty_of_mean(&blocks),
+                sensor: sensor(value),
+            },
             stationarity: stationarity::test(&blocks, recording.confidence),
         }
     }
 
     /// Half the distance between least and greatest value of a turn, over all turns.
     fn amplitude(&self, channel: &Channel, values: &[f64]) -> Finding {
-        let span = if self.turn > 1 { self.turn } else { values.len() };
+        let span = if self.turn > 1 {
+            self.turn
+        } else {
+            values.len()
+        };
         let halves: Vec<f64> = values
             .chunks_exact(span)
             .map(|turn| {
-                let (low, high) = turn.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
+                let (low, high) = turn
+                    .iter()
+                    .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
+                        (l.min(*v), h.max(*v))
+                    });
                 (high - low) / 2.0
             })
             .collect();
@@ -303,7 +405,11 @@ impl Aligned {
             statistic: "amplitude",
             unit: channel.unit.clone(),
             group: channel.group.clone(),
-            measured: Measured { value, scatter: uncertainty_of_mean(&halves), sensor: from_bound(gain * value) },
+            measured: Measured {
+                value,
+                scatter: uncertainty_of_mean(&halves),
+                sensor: from_bound(gain * value),
+            },
             stationarity: None,
         }
     }
@@ -318,12 +424,22 @@ impl Aligned {
         }
         for finding in findings.iter().filter(|f| f.statistic == "mean") {
             match &finding.stationarity {
-                None => warnings.push(format!("{}: the window is too short to test whether it is steady", finding.name)),
+                None => warnings.push(format!(
+                    "{}: the window is too short to test whether it is steady",
+                    finding.name
+                )),
                 Some(s) if s.trend => warnings.push(format!(
                     "{} is drifting: {:.3} {} over the window of {:.1} s (chance {:.1e})",
-                    finding.name, s.change.value, finding.unit, self.step * self.time.len() as f64, s.trend_chance
+                    finding.name,
+                    s.change.value,
+                    finding.unit,
+                    self.step * self.time.len() as f64,
+                    s.trend_chance
                 )),
-                Some(s) if s.drift => warnings.push(format!("{} wanders over the window (chance {:.1e})", finding.name, s.wander_chance)),
+                Some(s) if s.drift => warnings.push(format!(
+                    "{} wanders over the window (chance {:.1e})",
+                    finding.name, s.wander_chance
+                )),
                 Some(_) => {}
             }
         }

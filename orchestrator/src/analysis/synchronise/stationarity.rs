@@ -49,18 +49,33 @@ pub fn test(blocks: &[f64], confidence: f64) -> Option<Stationarity> {
         return None;
     }
     let n = blocks.len() as f64;
-    let places: Vec<f64> = (0..blocks.len()).map(|k| k as f64 - (n - 1.0) / 2.0).collect();
+    let places: Vec<f64> = (0..blocks.len())
+        .map(|k| k as f64 - (n - 1.0) / 2.0)
+        .collect();
     let spread: f64 = places.iter().map(|p| p * p).sum();
     let centre = mean(blocks);
-    let slope = places.iter().zip(blocks).map(|(p, v)| p * (v - centre)).sum::<f64>() / spread;
-    let rest: Vec<f64> = places.iter().zip(blocks).map(|(p, v)| v - centre - slope * p).collect();
+    let slope = places
+        .iter()
+        .zip(blocks)
+        .map(|(p, v)| p * (v - centre))
+        .sum::<f64>()
+        / spread;
+    let rest: Vec<f64> = places
+        .iter()
+        .zip(blocks)
+        .map(|(p, v)| v - centre - slope * p)
+        .collect();
     let squares: f64 = rest.iter().map(|r| r * r).sum();
     let memory = correlation(&rest, squares);
     // Dependent blocks count less: Bartlett (1935), n (1 - r) / (1 + r).
     let effective = (n * (1.0 - memory) / (1.0 + memory)).clamp(4.0, n);
     let error = (squares / (effective - 2.0) / spread * (n / effective)).sqrt();
     let student = StudentsT::new(0.0, 1.0, effective - 2.0).ok()?;
-    let chance = if error > 0.0 { 2.0 * student.sf((slope / error).abs()) } else { f64::from(slope == 0.0) };
+    let chance = if error > 0.0 {
+        2.0 * student.sf((slope / error).abs())
+    } else {
+        f64::from(slope == 0.0)
+    };
     let width = student.inverse_cdf(0.5 + confidence / 2.0) * error;
     let wander_chance = von_neumann(&rest, squares);
     Some(Stationarity {
@@ -120,7 +135,9 @@ mod tests {
 
     #[test]
     fn steady_signals_are_rarely_called_otherwise() {
-        let alarms = (0..500).filter(|s| !test(&noise(60, *s), 0.99).unwrap().steady()).count();
+        let alarms = (0..500)
+            .filter(|s| !test(&noise(60, *s), 0.99).unwrap().steady())
+            .count();
         // 1 % for either test: 10 of 500 expected, 20 at most with probability 99.8 %.
         assert!(alarms <= 20, "{alarms}");
     }
@@ -129,7 +146,10 @@ mod tests {
     fn a_drifting_signal_is_called_drifting() {
         for seed in 0..50 {
             let mut values = noise(60, seed);
-            values.iter_mut().enumerate().for_each(|(k, v)| *v += 0.08 * k as f64);
+            values
+                .iter_mut()
+                .enumerate()
+                .for_each(|(k, v)| *v += 0.08 * k as f64);
             let s = test(&values, 0.99).unwrap();
             assert!(s.trend && s.change.contains(0.08 * 59.0), "{s:?}");
         }
@@ -138,7 +158,10 @@ mod tests {
     #[test]
     fn a_wandering_signal_without_trend_is_called_drifting() {
         let mut values = noise(80, 3);
-        values.iter_mut().enumerate().for_each(|(k, v)| *v += if (20..60).contains(&k) { 4.0 } else { 0.0 });
+        values
+            .iter_mut()
+            .enumerate()
+            .for_each(|(k, v)| *v += if (20..60).contains(&k) { 4.0 } else { 0.0 });
         let s = test(&values, 0.99).unwrap();
         assert!(!s.trend && s.drift, "{s:?}");
     }
@@ -153,6 +176,9 @@ mod tests {
     fn the_mean_of_independent_blocks_has_the_usual_uncertainty() {
         let values = noise(4000, 1);
         let u = uncertainty_of_mean(&block_means(&values, 40));
-        assert!((u - 1.0 / 4000f64.sqrt()).abs() < 0.3 / 4000f64.sqrt(), "{u}");
+        assert!(
+            (u - 1.0 / 4000f64.sqrt()).abs() < 0.3 / 4000f64.sqrt(),
+            "{u}"
+        );
     }
 }
