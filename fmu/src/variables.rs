@@ -3,6 +3,7 @@
 
 use crate::bearing::FilmModel;
 use crate::model::{Access, Enumeration, Item, Kind, Role, Unit, Variable};
+use crate::oil::{PressureLaw, ShearLaw};
 use crate::sensors::Readings;
 use crate::stand::Stand;
 use crate::units::*;
@@ -31,28 +32,67 @@ pub fn table() -> &'static [V] {
     &TABLE
 }
 
-/// The film models.
-pub const FILM: Enumeration = Enumeration {
-    name: "Film",
-    description: "Film model of the bearing",
-    items: &[
-        Item {
-            name: "Mobility",
-            value: 1,
-            description: "Mobility method on the map of our own Reynolds solutions",
-        },
-        Item {
-            name: "Reynolds",
-            value: 2,
-            description: "Transient two-dimensional Reynolds equation with mass conservation",
-        },
-    ],
-};
+macro_rules! enumerations {
+    ($($(#[$doc:meta])* $id:ident = $name:literal, $about:literal, [$($item:ident = $value:literal $meaning:literal),*];)*) => {
+        $($(#[$doc])* pub const $id: Enumeration = Enumeration {
+            name: $name,
+            description: $about,
+            items: &[$(Item { name: stringify!($item), value: $value, description: $meaning }),*],
+        };)*
+    };
+}
+
+enumerations! {
+    /// The film models.
+    FILM = "Film", "Film model of the bearing", [
+        Mobility = 1 "Mobility method on the map of our own Reynolds solutions",
+        Reynolds = 2 "Transient two-dimensional Reynolds equation with mass conservation"
+    ];
+    /// The laws of the viscosity over pressure.
+    PRESSURE_LAW = "PressureLaw", "Law of the viscosity over pressure", [
+        Constant = 1 "The viscosity does not depend on pressure",
+        Barus = 2 "Barus (1893): exponential",
+        Roelands = 3 "Roelands (1966)"
+    ];
+    /// The laws of the viscosity over the shear rate.
+    SHEAR_LAW = "ShearLaw", "Law of the viscosity over the shear rate", [
+        Newtonian = 1 "The viscosity does not depend on the shear rate",
+        Cross = 2 "Cross (1965)",
+        Carreau = 3 "Carreau (1972)"
+    ];
+}
+
+/// A parameter that is one of several named values: a Rust enum and the enumeration of the same items,
+/// whose first item stands in for what is none of them (the boundary lets no such value through).
+macro_rules! choice {
+    ($name:literal, $of:ident, $type:ident { $first:ident = $first_value:literal $(, $item:ident = $value:literal)* }, $($path:ident).+, $description:literal) => {
+        variable(
+            $name,
+            Role::Parameter,
+            Kind::Enumeration {
+                access: Access {
+                    get: |s: &Stand| match s.$($path).+ {
+                        $type::$first => $first_value,
+                        $($type::$item => $value,)*
+                    },
+                    set: Some(|s: &mut Stand, v| {
+                        s.$($path).+ = match *v {
+                            $($value => $type::$item,)*
+                            _ => $type::$first,
+                        };
+                    }),
+                },
+                of: &$of,
+            },
+            $description,
+        )
+    };
+}
 
 /// Reads and writes a field of the stand.
 macro_rules! field {
-    ($($path:ident).+) => {
-        Access { get: |s: &Stand| s.$($path).+, set: Some(|s: &mut Stand, v| s.$($path).+ = *v) }
+    ($($path:tt)+) => {
+        Access { get: |s: &Stand| s.$($path)+, set: Some(|s: &mut Stand, v| s.$($path)+ = *v) }
     };
 }
 
@@ -302,23 +342,7 @@ fn bearing() -> Vec<V> {
             .shown_in("mm").within(1e-4, 10.0).about(0.02),
         fixed("bearing.diameter", &METRE, field!(bearing.diameter), "Diameter D of the bush")
             .shown_in("mm").within(1e-4, 10.0).about(0.02),
-        variable(
-            "bearing.film",
-            Role::Parameter,
-            Kind::Enumeration {
-                access: Access {
-                    get: |s: &Stand| match s.bearing.film {
-                        FilmModel::Mobility => 1,
-                        FilmModel::Reynolds => 2,
-                    },
-                    set: Some(|s, v| {
-                        s.bearing.film = if *v == 2 { FilmModel::Reynolds } else { FilmModel::Mobility };
-                    }),
-                },
-                of: &FILM,
-            },
-            "Film model",
-        ),
+        choice!("bearing.film", FILM, FilmModel { Mobility = 1, Reynolds = 2 }, bearing.film, "Film model"),
         fixed("bearing.roughness", &METRE, field!(bearing.surface.roughness), "Composite rms roughness and waviness of both surfaces; 0 switches asperity contact off")
             .shown_in("um").within(0.0, 1e-3).about(1e-6),
         variable("bearing.profileFile", Role::Parameter, Kind::String { access: text!(bearing.profile_file) },
@@ -331,6 +355,18 @@ fn bearing() -> Vec<V> {
             .shown_in("GPa").within(0.0, 1e13).about(1e11),
         tunable("bearing.boundaryFriction", &ONE, field!(bearing.surface.boundary_friction), "Friction coefficient of touching asperities")
             .within(0.0, 10.0).about(0.1),
+        variable("bearing.massConserving", Role::Parameter, Kind::Boolean { access: field!(bearing.resolution.mass_conserving) },
+            "The oil's mass is conserved where the film ruptures; else its pressure only never falls below the bath's (Reynolds film only)"),
+        fixed("bearing.sidePressure", &PASCAL, field!(bearing.resolution.side_pressure), "Pressure of the oil bath above that of the cavities (Reynolds film only)")
+            .shown_in("bar").within(0.0, 1e9).about(1e5),
+        fixed("bearing.tiltAlongLoad", &METRE, field!(bearing.resolution.tilt[0]), "Displacement of the journal's end by its tilt, along the load (Reynolds film only)")
+            .shown_in("um").within(-1e-2, 1e-2).about(1e-6),
+        fixed("bearing.tiltAcrossLoad", &METRE, field!(bearing.resolution.tilt[1]), "Displacement of the journal's end by its tilt, across the load (Reynolds film only)")
+            .shown_in("um").within(-1e-2, 1e-2).about(1e-6),
+        variable("bearing.filmColumns", Role::Parameter, Kind::Integer { access: field!(bearing.resolution.columns), min: Some(16), max: Some(2000) },
+            "Columns of the film's cells around the bush (Reynolds film only)"),
+        variable("bearing.filmRows", Role::Parameter, Kind::Integer { access: field!(bearing.resolution.rows), min: Some(2), max: Some(200) },
+            "Rows of the film's cells over half the width (Reynolds film only)"),
     ]
 }
 
@@ -378,6 +414,43 @@ fn oil() -> Vec<V> {
             },
             "csv file of measured viscosity and density over temperature; empty for the two viscosities above",
         ),
+        choice!("oil.pressureLaw", PRESSURE_LAW, PressureLaw { Constant = 1, Barus = 2, Roelands = 3 }, oil.thickening.pressure_law,
+            "Law of the viscosity over pressure (Reynolds film only)"),
+        fixed(
+            "oil.pressureCoefficient",
+            &PER_PASCAL,
+            field!(oil.thickening.pressure_coefficient),
+            "Pressure-viscosity coefficient at ambient pressure",
+        )
+        .shown_in("1/GPa")
+        .within(0.0, 1e-6)
+        .about(1e-8),
+        choice!("oil.shearLaw", SHEAR_LAW, ShearLaw { Newtonian = 1, Cross = 2, Carreau = 3 }, oil.thickening.shear_law,
+            "Law of the viscosity over the shear rate (Reynolds film only)"),
+        fixed(
+            "oil.shearTime",
+            &SECOND,
+            field!(oil.thickening.shear_time),
+            "Time constant of the shear law",
+        )
+        .within(0.0, 1.0)
+        .about(1e-7),
+        fixed(
+            "oil.shearExponent",
+            &ONE,
+            field!(oil.thickening.shear_exponent),
+            "Exponent of the shear law",
+        )
+        .within(0.0, 2.0)
+        .about(1.0),
+        fixed(
+            "oil.shearLimit",
+            &ONE,
+            field!(oil.thickening.shear_limit),
+            "Viscosity at the highest shear rates over that at the lowest",
+        )
+        .within(0.0, 1.0)
+        .about(0.5),
     ]
 }
 

@@ -4,6 +4,9 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
+use crate::commands::Until;
+use crate::session::Shard;
+
 /// Verifies FMI 2.0 Co-Simulation FMUs against measurements under uncertainty.
 #[derive(Debug, Parser)]
 #[command(version, about, max_term_width = 100, after_help = EXIT)]
@@ -29,6 +32,10 @@ pub enum Command {
     Identify(Identify),
     /// Judges outputs that already stand in a table; needs no FMU
     Judge(Judge),
+    /// Runs one point of a study again, with its trajectory
+    Replay(Replay),
+    /// Joins shards: the same result as one run
+    Merge(Merge),
     /// Runs points for another process of this program
     #[command(hide = true)]
     Worker,
@@ -103,6 +110,12 @@ pub struct Verify {
     /// Continue a study that was interrupted
     #[arg(long)]
     pub resume: bool,
+    /// Simulate only one of several equal parts of the points; `merge` joins them
+    #[arg(long, value_name = "I/N")]
+    pub shard: Option<Shard>,
+    /// End when the 95 % interval of the verified share is narrow enough, such as "ci 0.01"
+    #[arg(long, value_name = "CONDITION", conflicts_with = "shard")]
+    pub until: Option<Until>,
     /// Run points in this process: a little faster, but a crash of the FMU ends the study
     #[arg(long)]
     pub in_process: bool,
@@ -113,6 +126,40 @@ pub struct Verify {
     /// the machine's]
     #[arg(long, value_name = "SIZE")]
     pub memory_limit: Option<String>,
+}
+
+/// Options of `replay`.
+#[derive(Debug, Args)]
+#[command(after_help = "Example: orchestrator replay results/table3 17")]
+pub struct Replay {
+    /// The folder that `verify` has written
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+    /// The point, as `points.csv` calls it
+    pub point: u64,
+    /// Where the FMU is, if it has moved
+    #[arg(long, value_name = "FMU")]
+    pub fmu: Option<PathBuf>,
+    /// Where to write the trajectory [default: point-N.csv in the folder]
+    #[arg(long, value_name = "FILE.csv")]
+    pub output: Option<PathBuf>,
+}
+
+/// Options of `merge`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Example: orchestrator merge results/table3/shard-* --output results/table3"
+)]
+pub struct Merge {
+    /// The folders of the shards
+    #[arg(value_name = "DIR", required = true)]
+    pub folders: Vec<PathBuf>,
+    /// The folder for the results
+    #[arg(long, value_name = "DIR")]
+    pub output: PathBuf,
+    /// Where the FMU is, if it has moved
+    #[arg(long, value_name = "FMU")]
+    pub fmu: Option<PathBuf>,
 }
 
 /// Options of `judge`.

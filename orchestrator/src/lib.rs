@@ -15,6 +15,7 @@ pub mod names;
 pub mod report;
 pub mod results;
 pub mod run;
+pub mod session;
 pub mod source;
 pub mod statistics;
 pub mod study;

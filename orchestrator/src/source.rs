@@ -22,18 +22,12 @@ pub enum TableError {
         source: csv::Error,
     },
     /// A column is missing.
-    #[error("{path}: no column `{column}` for {purpose}{suggestion}; it has {}", known.join(", "))]
+    #[error("{path}: no column {message}")]
     Column {
         /// The table.
         path: PathBuf,
-        /// The column.
-        column: String,
-        /// What it is needed for.
-        purpose: String,
-        /// The nearest name.
-        suggestion: String,
-        /// The columns there are.
-        known: Vec<String>,
+        /// Its name, what it is needed for, and the columns there are.
+        message: String,
     },
     /// A cell is not a number.
     #[error("{path}:{line}: column `{column}`: `{text}` is not a number")]
@@ -127,14 +121,12 @@ fn find(
         .iter()
         .find_map(|name| header.iter().position(|column| column == name));
     place.ok_or_else(|| {
-        let column = names.first().cloned().unwrap_or_default();
-        let close = nearest(&column, header.iter().map(String::as_str));
+        let column = names.first().map_or("", String::as_str);
+        let suggestion = did_you_mean(nearest(column, header.iter().map(String::as_str)));
+        let known = header.join(", ");
         TableError::Column {
             path: path.to_owned(),
-            suggestion: did_you_mean(close),
-            column,
-            purpose: purpose.to_owned(),
-            known: header.to_vec(),
+            message: format!("`{column}` for {purpose}{suggestion}; it has {known}"),
         }
     })
 }

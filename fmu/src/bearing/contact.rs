@@ -59,7 +59,7 @@ impl Surface {
 }
 
 /// What the asperities of an aligned, round journal carry.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Contact {
     /// Resultant force on the journal, against the eccentricity, N.
     pub force: f64,

@@ -2,13 +2,13 @@
 
 use std::process::ExitCode;
 
-use super::verify::{self, FileSet};
 use super::{CommandError, output, report, table, verdict};
 use crate::cli;
 use crate::fmu::{Description, Package};
 use crate::judge::Judge;
 use crate::report::Report;
 use crate::results::summary::{Provenance, Tally};
+use crate::session::{FileSet, provenance};
 use crate::source::Table;
 use crate::study::Study;
 use crate::study::quantity::Scale;
@@ -23,21 +23,28 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, CommandError> {
     let conversions = conversions(&study, &judge, fmu)?;
     let mut rows = Table::read(&options.table, &columns(&study))?;
     let mut tally = Tally::new(&judge);
-    let mut files = FileSet::new(options.output.as_deref(), &[], &judge)?;
+    let folder = options.output.as_deref();
+    let mut files = folder
+        .map(|folder| FileSet::new(folder, &[], &judge))
+        .transpose()?;
     for (row, &label) in rows.rows.iter_mut().zip(&rows.labels) {
         for (value, conversion) in row.iter_mut().zip(&conversions) {
             *value = conversion.value(*value);
         }
         let outcome = Ok(std::mem::take(row));
         let verdict = tally.add(label, &[], &outcome);
-        files.write(label, &[], &outcome, &verdict)?;
+        if let Some(files) = &mut files {
+            files.write(label, &[], &outcome, &verdict)?;
+        }
     }
     let provenance = Provenance {
         method: "table".to_owned(),
-        ..verify::provenance(&study)
+        ..provenance(&study)
     };
     let summary = tally.summary(study.title.clone(), provenance, Vec::new());
-    files.finish(&summary)?;
+    if let Some(files) = files {
+        files.finish(&summary)?;
+    }
     if let Some(folder) = &options.output {
         report::keep_study(folder, &study)?;
         Report::from_folder(folder)?.write(folder)?;

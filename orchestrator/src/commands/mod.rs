@@ -4,16 +4,22 @@ mod identify;
 mod inspect;
 mod judge;
 mod limits;
+mod merge;
 mod output;
 mod progress;
+mod replay;
 mod report;
 mod simulate;
+mod stop;
 mod table;
+mod until;
 mod verify;
 
 use std::process::ExitCode;
 
 use thiserror::Error;
+
+pub use until::Until;
 
 use crate::cli::{Cli, Command};
 use crate::engine::{EngineError, servant};
@@ -21,6 +27,7 @@ use crate::failure::Failure;
 use crate::fmu::FmuError;
 use crate::report::ReportError;
 use crate::results::ResultsError;
+use crate::session::SessionError;
 use crate::source::TableError;
 use crate::study::StudyError;
 
@@ -48,6 +55,9 @@ pub enum CommandError {
     /// The points cannot be run.
     #[error(transparent)]
     Engine(#[from] EngineError),
+    /// The study cannot be run.
+    #[error(transparent)]
+    Session(#[from] SessionError),
     /// A single simulation failed.
     #[error("the simulation failed: {0}")]
     Simulation(#[from] Failure),
@@ -75,6 +85,8 @@ pub fn run(cli: Cli) -> Result<ExitCode, CommandError> {
         Command::Verify(options) => verify::run(&options),
         Command::Identify(options) => identify::run(&options),
         Command::Judge(options) => judge::run(&options),
+        Command::Replay(options) => replay::run(&options),
+        Command::Merge(options) => merge::run(&options),
         Command::Worker => servant::end(servant::serve()),
         Command::Report(options) => report::run(&options),
     }

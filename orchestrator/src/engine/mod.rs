@@ -13,7 +13,7 @@ mod wire;
 use std::ops::ControlFlow;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::sync_channel;
+use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
 use std::thread;
 
 use thiserror::Error;
@@ -44,6 +44,15 @@ pub struct Job {
 /// The results of a point in the FMU's units, or why there are none.
 pub type Answer = Result<Vec<f64>, Failure>;
 
+/// What happens while points run.
+#[derive(Debug)]
+pub enum Event {
+    /// The point of this index is done.
+    Answer(u64, Answer),
+    /// All answers so far have been handed over; the next one is waited for.
+    Idle,
+}
+
 /// Something that runs points one after another.
 pub trait Worker: Send {
     /// Runs the jobs and reports each one as soon as it is done, exactly once; may stop early
@@ -68,7 +77,7 @@ pub fn run<E: From<EngineError>>(
     workers: Vec<Box<dyn Worker>>,
     jobs: impl Iterator<Item = Job> + Send,
     stop: &AtomicBool,
-    mut receive: impl FnMut(u64, Answer) -> Result<ControlFlow<()>, E>,
+    mut receive: impl FnMut(Event) -> Result<ControlFlow<()>, E>,
 ) -> Result<(), E> {
     // Bounded, so that slow storage holds the workers back instead of filling the memory.
     const WAITING: usize = 4096;
@@ -108,27 +117,46 @@ pub fn run<E: From<EngineError>>(
             });
         }
         drop(send);
-        let mut outcome = Ok(());
-        for message in &receiver {
-            // After an error or a break, answers are only drained.
-            if outcome.is_err() {
-                continue;
-            }
-            let step = match message {
-                Ok((index, answer)) => receive(index, answer),
-                Err(error) => Err(error.into()),
-            };
-            match step {
-                Ok(ControlFlow::Continue(())) => {}
-                Ok(ControlFlow::Break(())) => done.store(true, Ordering::Relaxed),
-                Err(error) => {
-                    done.store(true, Ordering::Relaxed);
-                    outcome = Err(error);
-                }
+        collect(&receiver, &done, &mut receive)
+    })
+}
+
+/// Hands over everything that comes, until all workers have ended.
+fn collect<E: From<EngineError>>(
+    receiver: &Receiver<Result<(u64, Answer), EngineError>>,
+    done: &AtomicBool,
+    receive: &mut impl FnMut(Event) -> Result<ControlFlow<()>, E>,
+) -> Result<(), E> {
+    let mut outcome = Ok(());
+    let mut handle = |step: Result<Event, EngineError>| {
+        // After an error, answers are only drained.
+        if outcome.is_err() {
+            return;
+        }
+        match step.map_err(E::from).and_then(&mut *receive) {
+            Ok(ControlFlow::Continue(())) => {}
+            Ok(ControlFlow::Break(())) => done.store(true, Ordering::Relaxed),
+            Err(error) => {
+                done.store(true, Ordering::Relaxed);
+                outcome = Err(error);
             }
         }
-        outcome
-    })
+    };
+    loop {
+        let message = match receiver.try_recv() {
+            Ok(message) => message,
+            Err(TryRecvError::Disconnected) => break,
+            Err(TryRecvError::Empty) => {
+                handle(Ok(Event::Idle));
+                match receiver.recv() {
+                    Ok(message) => message,
+                    Err(_) => break,
+                }
+            }
+        };
+        handle(message.map(|(index, answer)| Event::Answer(index, answer)));
+    }
+    outcome
 }
 
 #[cfg(test)]
@@ -178,7 +206,10 @@ mod tests {
     fn every_point_is_answered_once() {
         let mut seen = vec![0; 10_000];
         let stop = AtomicBool::new(false);
-        run::<EngineError>(workers(3), jobs(10_000), &stop, |index, answer| {
+        run::<EngineError>(workers(3), jobs(10_000), &stop, |event| {
+            let Event::Answer(index, answer) = event else {
+                return Ok(ControlFlow::Continue(()));
+            };
             seen[index as usize] += 1;
             match answer {
                 Ok(values) => assert_eq!(values[0], 2.0 * (index as f64 - 3.0)),
@@ -194,8 +225,8 @@ mod tests {
     fn a_run_ends_early_when_asked_to() {
         let stop = AtomicBool::new(false);
         let mut count = 0;
-        run::<EngineError>(workers(2), jobs(1_000_000), &stop, |_, _| {
-            count += 1;
+        run::<EngineError>(workers(2), jobs(1_000_000), &stop, |event| {
+            count += u64::from(matches!(event, Event::Answer(..)));
             Ok(if count == 10 {
                 ControlFlow::Break(())
             } else {

@@ -53,9 +53,14 @@ pub(super) fn read_frame(mut from: impl Read, payload: &mut Vec<u8>) -> io::Resu
     if length > MAX_FRAME {
         return Err(io::Error::other("a message is damaged"));
     }
-    payload.resize(length as usize, 0);
-    from.read_exact(payload)?;
-    Ok(true)
+    payload.clear();
+    // Grows with what really comes, whatever the length says.
+    let read = from.take(length.into()).read_to_end(payload)?;
+    if read == length as usize {
+        Ok(true)
+    } else {
+        Err(io::ErrorKind::UnexpectedEof.into())
+    }
 }
 
 /// Appends a job.

@@ -39,6 +39,14 @@ pub struct Header {
 }
 
 impl Header {
+    /// What the journal of a folder belongs to.
+    ///
+    /// # Errors
+    /// When there is none, and when its first line is damaged.
+    pub fn read(folder: &Path) -> Result<Self, ResultsError> {
+        Ok(open(folder)?.1)
+    }
+
     /// Refuses points that were computed for something else.
     ///
     /// # Errors
@@ -171,12 +179,27 @@ impl Journal {
             }
         }
         self.finish_line();
-        const ENOUGH: usize = 1 << 16;
-        if self.buffer.len() > ENOUGH {
+        self.flush_when_full()
+    }
+
+    fn flush_when_full(&mut self) -> Result<(), ResultsError> {
+        const FULL: usize = 1 << 16;
+        if self.buffer.len() > FULL {
             self.flush()
         } else {
             Ok(())
         }
+    }
+
+    /// Removes the journal of a folder.
+    ///
+    /// # Errors
+    /// When another run writes it, and when the system says no.
+    pub fn remove(folder: &Path) -> Result<(), ResultsError> {
+        let path = Self::path_in(folder);
+        let file = OpenOptions::new().append(true).open(&path);
+        let _lock = Self::new(folder, path.clone(), file.map_err(ResultsError::io(&path))?)?;
+        fs::remove_file(&path).map_err(ResultsError::io(&path))
     }
 
     fn finish_line(&mut self) {
@@ -206,6 +229,38 @@ impl Journal {
     }
 }
 
+/// Opens the journal of a folder and reads its first line.
+fn open(folder: &Path) -> Result<(Lines, Header), ResultsError> {
+    let path = Journal::path_in(folder);
+    let file = File::open(&path).map_err(|error| match error.kind() {
+        io::ErrorKind::NotFound => ResultsError::Missing(folder.to_owned()),
+        _ => ResultsError::io(&path)(error),
+    })?;
+    let mut lines = Lines::new(file);
+    let header = lines.next_line().map_err(ResultsError::io(&path))?;
+    let header = header.and_then(|line| serde_json::from_str(line).ok());
+    let header = header.ok_or_else(|| ResultsError::Content {
+        path,
+        message: "the first line is damaged; delete the folder and begin again".to_owned(),
+    })?;
+    Ok((lines, header))
+}
+
+/// Appends all points of a folder's journal to another one.
+///
+/// # Errors
+/// When either cannot be read or written.
+pub fn copy(folder: &Path, into: &mut Journal) -> Result<(), ResultsError> {
+    let (mut lines, _) = open(folder)?;
+    let path = Journal::path_in(folder);
+    while let Some(line) = lines.next_line().map_err(ResultsError::io(&path))? {
+        into.line.push_str(line);
+        into.finish_line();
+        into.flush_when_full()?;
+    }
+    into.flush()
+}
+
 /// What a journal holds: where the line of each finished point is.
 #[derive(Debug)]
 pub struct Finished {
@@ -228,22 +283,11 @@ impl Finished {
     /// # Errors
     /// When there is none, when its first line is damaged, and when the system says no.
     pub fn read(folder: &Path) -> Result<Self, ResultsError> {
-        let path = Journal::path_in(folder);
-        let file = File::open(&path).map_err(|error| match error.kind() {
-            io::ErrorKind::NotFound => ResultsError::Missing(folder.to_owned()),
-            _ => ResultsError::io(&path)(error),
-        })?;
-        let mut lines = Lines::new(file);
-        let header = lines.next_line().map_err(ResultsError::io(&path))?;
-        let header = header.and_then(|line| serde_json::from_str(line).ok());
-        let header: Header = header.ok_or_else(|| ResultsError::Content {
-            path: path.clone(),
-            message: "the first line is damaged; delete the folder and begin again".to_owned(),
-        })?;
+        let (mut lines, header) = open(folder)?;
         let mut finished = Self {
             places: vec![NOWHERE; usize::try_from(header.points).unwrap_or(0)],
             header,
-            path,
+            path: Journal::path_in(folder),
             count: 0,
             sound: lines.sound,
         };
