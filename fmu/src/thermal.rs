@@ -1,8 +1,9 @@
 //! Heat transfer between film, bush with housing, shaft, oil bath and surroundings: a network of
 //! lumped capacities and conductances, as the paper's Fig. 3 draws it.
 //!
-//! The paper publishes none of its thermal constants. The defaults are those with which the
-//! measured temperatures (Table 2) are the steady state of the measured friction power.
+//! The paper publishes none of its thermal constants. The conductances to oil and surroundings are
+//! calibrated (`studies/calibration-rig.toml`): with them the measured temperatures of Table 2 are the
+//! steady state of the measured friction power. `docs/calibration.md` says what that determines.
 
 use serde::{Deserialize, Serialize};
 
@@ -62,11 +63,11 @@ impl Default for Thermal {
             film_bush: 58.0,
             film_shaft: 58.0,
             reference_clearance: 2.0e-5,
-            bush_oil: 0.2,
-            shaft_oil: 0.2,
+            bush_oil: 0.102,
+            shaft_oil: 0.102,
             bush_ambient: 0.0,
             shaft_ambient: 0.0,
-            oil_ambient: 0.54,
+            oil_ambient: 0.532,
             contact_heat_to_shaft: 0.5,
             fresh_oil: 1.0,
             initial_oil: 321.15,

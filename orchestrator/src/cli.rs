@@ -28,6 +28,8 @@ pub enum Command {
     Simulate(Simulate),
     /// Simulates a study's points and judges them against the measurement
     Verify(Verify),
+    /// Finds the parameters that make the FMU's outputs most probable, given measured values
+    Identify(Identify),
     /// Judges outputs that already stand in a table; needs no FMU
     Judge(Judge),
     /// Runs one point of a study again, with its trajectory
@@ -178,6 +180,57 @@ pub struct Judge {
     pub output: Option<PathBuf>,
 }
 
+/// Options of `identify`.
+#[derive(Debug, Args)]
+#[command(after_help = IDENTIFY)]
+pub struct Identify {
+    /// The study
+    pub study: PathBuf,
+    /// The folder for the results [default: results/ and the study's name]
+    #[arg(long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Another FMU than the study's
+    #[arg(long, value_name = "FMU")]
+    pub fmu: Option<PathBuf>,
+    /// How many starts are screened, instead of the study's number
+    #[arg(long, value_name = "N")]
+    pub starts: Option<u64>,
+    /// The seed of the starts, instead of the study's
+    #[arg(long, value_name = "S")]
+    pub seed: Option<u64>,
+    /// How many simulations at a time [default: the number of cores]
+    #[arg(long, value_name = "J")]
+    pub jobs: Option<usize>,
+    /// End the search after this long and report the best so far
+    #[arg(long, value_name = "SECONDS")]
+    pub time_limit: Option<f64>,
+    /// Continue a search that was interrupted
+    #[arg(long)]
+    pub resume: bool,
+}
+
+const IDENTIFY: &str = "Example: orchestrator identify studies/calibration-table3.toml
+
+The section [identify] of a study:
+  cases = \"table.csv\"                      a measured case each row; one case without it
+  [identify.free.\"oil.viscosityScale\"]     to be found, the same for all cases
+  min = 1
+  max = 1000
+  scale = \"log\"                            with median and factor as prior; linear: mean, deviation
+  [identify.known.\"bearing.width\"]         from the table
+  column = \"B_mm\"
+  unit = \"mm\"
+  [identify.latent.\"bearing.radialClearance\"]   known to an interval only, case by case
+  column = \"h_mm\"
+  within = 0.005
+  unit = \"mm\"
+  [identify.measured.P_fr]
+  variable = \"sensor.frictionPower\"
+  column = \"P_fr_W\"                        or value = \"14 W\"
+  accuracy = \"1 %\"                         one standard deviation
+
+Writes identification.json (everything) and optimum.toml (a [fixed] section to paste into a study).
+Exit codes: 0 converged, 1 ended before that, 2 a mistake in what was asked for.";
 /// Options of `report`.
 #[derive(Debug, Args)]
 #[command(after_help = "Example: orchestrator report results/table3")]

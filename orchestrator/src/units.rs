@@ -76,6 +76,14 @@ impl Conversion {
         self.factor * difference
     }
 
+    /// The change of a difference of two values, which has no offset.
+    pub fn of_differences(self) -> Self {
+        Self {
+            offset: 0.0,
+            ..self
+        }
+    }
+
     /// The way back.
     pub fn inverse(self) -> Self {
         Self {

@@ -99,7 +99,10 @@ impl Batch {
         let mut outcomes: Vec<Option<Outcome>> = vec![None; points.len()];
         let (mut verified, mut failed, mut done) = (0, 0, 0);
         let jobs = points.iter().enumerate().map(job);
-        engine::run(workers, jobs, &AtomicBool::new(false), |index, answer| {
+        engine::run(workers, jobs, &AtomicBool::new(false), |event| {
+            let engine::Event::Answer(index, answer) = event else {
+                return Ok(ControlFlow::Continue(()));
+            };
             let outcome: Outcome = answer.map(|mut values| {
                 plan.to_study(&mut values);
                 values

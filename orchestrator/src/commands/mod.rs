@@ -1,6 +1,7 @@
 //! The commands, one file each.
 
 mod batch;
+mod identify;
 mod inspect;
 mod judge;
 mod limits;
@@ -70,6 +71,9 @@ pub enum CommandError {
     /// A single simulation failed.
     #[error("the simulation failed: {0}")]
     Simulation(#[from] Failure),
+    /// A search found nothing.
+    #[error("the search failed: {0}")]
+    Search(String),
     /// An option's value cannot be used.
     #[error("--{option}: {message}")]
     Option {
@@ -89,6 +93,7 @@ pub fn run(cli: Cli) -> Result<ExitCode, CommandError> {
         Command::Inspect(options) => inspect::run(&options),
         Command::Simulate(options) => simulate::run(&options),
         Command::Verify(options) => verify::run(&options),
+        Command::Identify(options) => identify::run(&options),
         Command::Judge(options) => judge::run(&options),
         Command::Replay(options) => replay::run(&options),
         Command::Merge(options) => merge::run(&options),

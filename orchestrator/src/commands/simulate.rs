@@ -56,6 +56,7 @@ fn schedule(options: &Simulate, fmu: &Description) -> Result<Schedule, CommandEr
         stop: options.stop.unwrap_or(suggested.stop),
         step: options.step.unwrap_or(suggested.step),
         window_start: start,
+        leap: false,
         tolerance: suggested.tolerance,
     };
     schedule.check().map_err(|message| CommandError::Option {

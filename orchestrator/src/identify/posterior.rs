@@ -25,6 +25,8 @@ pub const UNDETERMINED: f64 = 0.5;
 pub struct Posterior {
     /// Covariance of all unknowns, the free parameters first.
     pub covariance: DMatrix<f64>,
+    /// Precision of the free parameters' places before the measurement.
+    pub prior: Vec<f64>,
     /// Directions in the space of the free parameters, the least determined first.
     pub directions: Vec<Direction>,
 }
@@ -67,6 +69,7 @@ impl Posterior {
         let directions = directions(&covariance, &prior);
         Ok(Self {
             covariance,
+            prior,
             directions,
         })
     }

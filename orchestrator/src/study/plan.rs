@@ -97,10 +97,8 @@ impl Binder<'_> {
             let at = |message: String| self.study.error_at(name, message);
             let name = name.as_ref().clone();
             let at = |message: String| at(format!("{name}: {message}"));
-            settable(variable).map_err(at)?;
-            let storage = Storage::of(variable)
-                .ok_or_else(|| at("a text cannot vary; set it under [fixed]".to_owned()))?;
-            let (input, slot) = self.parameter(variable, parameter, storage).map_err(at)?;
+            let slot = slot_of(variable).map_err(at)?;
+            let input = self.parameter(variable, parameter, &slot).map_err(at)?;
             Ok((input, slot))
         };
         self.study.parameters.iter().map(bind).collect()
@@ -110,28 +108,19 @@ impl Binder<'_> {
         &self,
         variable: &Variable,
         parameter: &Parameter,
-        storage: Storage,
-    ) -> Result<(Input, Slot), String> {
+        slot: &Slot,
+    ) -> Result<Input, String> {
         let unit = parameter.unit.as_deref().or(parameter.first_unit());
         let scale = Scale::new(unit, &self.fmu.units, variable.unit())?;
         let distribution = parameter.distribution(&scale)?;
         distribution.check()?;
-        let (min, max) = limits(variable);
-        let slot = Slot {
-            name: variable.name.clone(),
-            reference: variable.value_reference,
-            storage,
-            min,
-            max,
-        };
         slot.check(scale.conversion.value(distribution.median()))?;
-        let input = Input {
+        Ok(Input {
             name: variable.name.clone(),
             unit: scale.unit.clone(),
             distribution,
             conversion: scale.conversion,
-        };
-        Ok((input, slot))
+        })
     }
 
     fn criteria(&self) -> Result<(Vec<Conversion>, Vec<Probe>), StudyError> {
@@ -179,6 +168,7 @@ impl Binder<'_> {
             stop,
             step: simulation.step.unwrap_or(experiment.step),
             window_start: start,
+            leap: simulation.leap,
             tolerance: simulation.tolerance.or(experiment.tolerance),
         };
         schedule.window_start = match (simulation.warm_up, simulation.window) {
@@ -319,6 +309,23 @@ fn limits(variable: &Variable) -> (Option<f64>, Option<f64>) {
         Kind::Integer { min, max, .. } => (min.map(f64::from), max.map(f64::from)),
         _ => (None, None),
     }
+}
+
+/// How a variable takes a number before a simulation.
+///
+/// # Errors
+/// When it cannot be set, or is a text.
+pub fn slot_of(variable: &Variable) -> Result<Slot, String> {
+    settable(variable)?;
+    let storage = Storage::of(variable).ok_or("a text cannot vary; set it under [fixed]")?;
+    let (min, max) = limits(variable);
+    Ok(Slot {
+        name: variable.name.clone(),
+        reference: variable.value_reference,
+        storage,
+        min,
+        max,
+    })
 }
 
 fn settable(variable: &Variable) -> Result<(), String> {
