@@ -6,6 +6,7 @@ mod judge;
 mod output;
 mod progress;
 mod report;
+mod robustness;
 mod sensitivity;
 mod simulate;
 pub mod synchronise;
@@ -81,6 +82,7 @@ pub fn run(cli: Cli) -> Result<ExitCode, CommandError> {
         Command::Judge(options) => judge::run(&options),
         Command::Report(options) => report::run(&options),
         Command::Sensitivity(options) => sensitivity::run(&options),
+        Command::Robustness(options) => robustness::run(&options),
         Command::Synchronise(options) => synchronise::run(&options),
     }
 }
