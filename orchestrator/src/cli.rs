@@ -43,6 +43,8 @@ pub enum Command {
     Report(Report),
     /// Tells which parameter matters: Sobol indices, screening, or from existing points
     Sensitivity(Sensitivity),
+    /// Tells how far the parameters may go: maps, the largest box and ellipsoid, margins
+    Robustness(Robustness),
     /// Aligns measured signals and derives criteria with their uncertainty
     Synchronise(Synchronise),
 }
@@ -291,4 +293,36 @@ pub struct Synchronise {
     /// The folder for the results
     #[arg(long, value_name = "DIR", default_value = "results/measured")]
     pub output: PathBuf,
+}
+
+/// Options of `robustness`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Example: orchestrator robustness studies/paper-table3.toml \
+    --from results/paper-table3 --level 0.9"
+)]
+pub struct Robustness {
+    /// The study
+    pub study: PathBuf,
+    /// The folder of the finished study [default: results/ and the study's name]
+    #[arg(long, value_name = "DIR")]
+    pub from: Option<PathBuf>,
+    /// The verification probability that box and ellipsoid must hold
+    #[arg(long, value_name = "P", default_value_t = 0.9)]
+    pub level: f64,
+    /// Confirm the box by so many new runs
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub confirm: usize,
+    /// The seed
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    pub seed: u64,
+    /// Another FMU than the study's
+    #[arg(long, value_name = "FMU")]
+    pub fmu: Option<PathBuf>,
+    /// How many runs at a time [default: the number of cores]
+    #[arg(long, value_name = "J")]
+    pub jobs: Option<usize>,
+    /// The folder for the results [default: that of the study]
+    #[arg(long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
 }
