@@ -109,20 +109,40 @@ fn jacobian(
     Ok(matrix)
 }
 
-/// A periodic orbit: where it begins, and its flows averaged over the turn.
+/// A periodic orbit: where it begins, and the logarithms of its flows averaged over the turn. The flows
+/// go nearly as powers of the viscosity, so their logarithms are nearly straight over its logarithm.
 #[derive(Clone, Copy, Debug, Default)]
 struct Orbit([f64; 5]);
 
+/// Boundary heat is stored on top of this part of the viscous heat: a logarithm wants no zero.
+const PEDESTAL: f64 = 1e-3;
+/// The least viscous heat, W, and side flow, m³/s, for the same reason.
+const LEAST: f64 = 1e-18;
+
 impl Orbit {
+    fn new(start: Vector2<f64>, flows: &Flows) -> Self {
+        let viscous = flows.viscous.max(LEAST);
+        let boundary = flows.boundary.max(0.0) + PEDESTAL * viscous;
+        let side_flow = flows.side_flow.max(LEAST);
+        Self([
+            start.x,
+            start.y,
+            viscous.ln(),
+            boundary.ln(),
+            side_flow.ln(),
+        ])
+    }
+
     fn start(&self) -> [f64; 2] {
         [self.0[0], self.0[1]]
     }
 
     fn flows(&self) -> Flows {
+        let viscous = self.0[2].exp();
         Flows {
-            viscous: self.0[2],
-            boundary: self.0[3],
-            side_flow: self.0[4],
+            viscous,
+            boundary: self.0[3].exp() - PEDESTAL * viscous,
+            side_flow: self.0[4].exp(),
         }
     }
 }
@@ -139,7 +159,7 @@ struct Curve<'a, M> {
 }
 
 /// Spacing of the orbits in the logarithm of the viscosity.
-const SPACING: f64 = 0.2;
+const SPACING: f64 = 0.3;
 
 impl<'a, M: TwoScales> Curve<'a, M> {
     fn new(model: &'a M, tolerance: f64, from: &Landing) -> Self {
@@ -182,29 +202,41 @@ impl<'a, M: TwoScales> Curve<'a, M> {
             return Ok(*orbit);
         }
         let viscosity = (self.origin + f64::from(k) * SPACING).exp();
-        let nearest = self.nodes.iter().min_by_key(|(j, _)| j.abs_diff(k));
-        let guess = nearest.map_or(self.guess, |(_, orbit)| orbit.start());
-        let orbit = self.search(viscosity, guess)?;
+        let orbit = self.search(viscosity, self.guess(k))?;
         self.nodes.insert(k, orbit);
         Ok(orbit)
+    }
+
+    /// Where the orbit of node `k` may begin: on the line through the two nearest nodes.
+    fn guess(&self, k: i32) -> [f64; 2] {
+        let mut known: Vec<_> = self.nodes.iter().collect();
+        known.sort_by_key(|(j, _)| j.abs_diff(k));
+        match known[..] {
+            [] => self.guess,
+            [(_, orbit)] => orbit.start(),
+            [(&a, near), (&b, far), ..] => {
+                let t = f64::from(k - a) / f64::from(b - a);
+                let on_line = |i: usize| near.0[i] + t * (far.0[i] - near.0[i]);
+                let guess = [on_line(0), on_line(1)];
+                if guess[0].hypot(guess[1]) < 1.0 {
+                    guess
+                } else {
+                    near.start()
+                }
+            }
+        }
     }
 
     /// Finds the beginning that a turn returns to, by Broyden's method (Broyden 1965, Math. Comp. 19).
     fn search(&mut self, viscosity: f64, guess: [f64; 2]) -> Result<Orbit, NoLeap> {
         const TURNS: usize = 60;
-        let close = (10.0 * self.tolerance).clamp(1e-9, 1e-4);
+        let close = (1e3 * self.tolerance).clamp(1e-9, 1e-3);
         let mut start = Vector2::from(guess);
         let (mut end, mut flows) = self.turn(viscosity, start)?;
         for _ in 0..TURNS {
             let miss = end - start;
             if miss.amax() < close {
-                return Ok(Orbit([
-                    end.x,
-                    end.y,
-                    flows.viscous,
-                    flows.boundary,
-                    flows.side_flow,
-                ]));
+                return Ok(Orbit::new(end, &flows));
             }
             let newton = self
                 .slope

@@ -112,7 +112,7 @@ impl<M: Model> Instance<M> {
 
     /// `fmi2SetDebugLogging`.
     pub fn set_logging(&mut self, on: bool, categories: &[&str]) -> Outcome {
-        self.logger.switch(on, categories, M::INFO.log_categories)?;
+        self.logger.switch::<M>(on, categories)?;
         Ok(Status::Ok)
     }
 

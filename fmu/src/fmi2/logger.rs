@@ -5,10 +5,10 @@ use std::fmt;
 
 use super::refusal::Refusal;
 use super::types::{CallbackFunctions, CallbackLogger, ComponentEnvironment, Status};
-use crate::model::Log;
+use crate::model::{Log, Model};
 
 /// Categories of the boundary itself, beside the model's own. The names are the standard's.
-pub const CATEGORIES: &[(&str, &str)] = &[
+const CATEGORIES: &[(&str, &str)] = &[
     (
         "logStatusWarning",
         "What is odd, but does not stop the simulation.",
@@ -21,6 +21,16 @@ pub const CATEGORIES: &[(&str, &str)] = &[
     ("logStatusFatal", "Why an instance became unusable."),
     ("logAll", "All messages."),
 ];
+
+/// All categories of an FMU: the boundary's, then those that only the model has.
+pub fn categories<M: Model>() -> impl Iterator<Item = (&'static str, &'static str)> {
+    let own = |name: &str| CATEGORIES.iter().any(|(category, _)| *category == name);
+    let models = M::INFO
+        .log_categories
+        .iter()
+        .filter(move |(name, _)| !own(name));
+    CATEGORIES.iter().chain(models).copied()
+}
 
 /// An instance's way to the host's logger.
 ///
@@ -48,18 +58,13 @@ impl Logger {
     }
 
     /// Switches debug logging; without categories, for all.
-    pub fn switch(
-        &mut self,
-        on: bool,
-        categories: &[&str],
-        known: &[(&'static str, &'static str)],
-    ) -> Result<(), Refusal> {
-        let chosen = categories
+    pub fn switch<M: Model>(&mut self, on: bool, chosen: &[&str]) -> Result<(), Refusal> {
+        let chosen = chosen
             .iter()
             .map(|category| {
-                let mut all = CATEGORIES.iter().chain(known);
-                all.find(|(name, _)| name == category)
-                    .map(|(name, _)| *name)
+                categories::<M>()
+                    .map(|(name, _)| name)
+                    .find(|name| name == category)
                     .ok_or_else(|| Refusal::Category((*category).to_owned()))
             })
             .collect::<Result<Vec<_>, _>>()?;

@@ -4,7 +4,7 @@ use super::figures;
 use super::format::{count, number, percent, with_unit};
 use super::payload::{self, PlotColumn};
 use super::{Report, ReportError};
-use crate::analysis::table::{Binding, PointTable};
+use crate::analysis::table::{PointTable, Ranked};
 use crate::analysis::verdict::{Fraction, Verdict, verdict};
 use minijinja::{Environment, value::Serde};
 use serde::Serialize;
@@ -34,6 +34,7 @@ struct Page<'a> {
     sampled: bool,
     rows: Vec<CountRow>,
     decisive: String,
+    readings: Vec<ReadingRow>,
     planes: Vec<Plane>,
     parameters: Vec<Small>,
     criteria: Vec<Small>,
@@ -42,6 +43,8 @@ struct Page<'a> {
     best: Vec<BestRow>,
     failures: Vec<(String, String, String)>,
     histories: Vec<History>,
+    sensitivity: Option<super::sensitivity::View>,
+    robustness: Option<super::robustness::View>,
     provenance: &'a [(String, String)],
     command: &'a str,
     study_text: &'a str,
@@ -83,6 +86,17 @@ struct CountRow {
     miss: String,
 }
 
+/// Another reading of the tolerances, and how its counts differ from the study's own.
+#[derive(Serialize)]
+struct ReadingRow {
+    name: String,
+    about: String,
+    verified: String,
+    percent: String,
+    interval: String,
+    changes: String,
+}
+
 #[derive(Serialize)]
 struct Cell {
     text: String,
@@ -96,6 +110,7 @@ struct Cell {
 struct BestRow {
     id: u64,
     verified: bool,
+    distance: String,
     deviation: String,
     binding: String,
     cells: Vec<Cell>,
@@ -114,7 +129,7 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
     let table = &report.table;
     let columns = payload::columns(table);
     let ranking = table.ranking();
-    let order: Vec<usize> = ranking.iter().map(|r| r.0).collect();
+    let order: Vec<usize> = ranking.iter().map(|r| r.point).collect();
     let points = payload::embedded(table, &order, columns.len());
     let counted = verdict(table);
     let data = serde_json::to_string(&payload::payload(table, &points))?;
@@ -148,6 +163,7 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
         sampled: points.len() < table.len(),
         rows: count_rows(table, &counted),
         decisive: decisive(table, &counted),
+        readings: readings(report, &counted),
         planes: planes(table, &columns, &points),
         parameters: distributions(table, &columns[..table.parameters.len()], 0),
         criteria: distributions(
@@ -155,11 +171,13 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
             &columns[table.parameters.len()..],
             table.parameters.len(),
         ),
-        best_columns: columns.iter().map(|c| heading(c)).collect(),
+        best_columns: columns.iter().map(heading).collect(),
         first_criterion: table.parameters.len(),
         best: best_rows(table, &ranking),
         failures: failures(table),
         histories: histories(report),
+        sensitivity: report.sensitivity.as_ref().map(super::sensitivity::view),
+        robustness: report.robustness.as_ref().map(super::robustness::view),
         provenance: &report.provenance,
         command: &report.command,
         study_text: &report.study_text,
@@ -174,7 +192,7 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
 pub fn plots(report: &Report) -> Vec<(String, String)> {
     let table = &report.table;
     let columns = payload::columns(table);
-    let order: Vec<usize> = table.ranking().iter().map(|r| r.0).collect();
+    let order: Vec<usize> = table.ranking().iter().map(|r| r.point).collect();
     let points = payload::embedded(table, &order, columns.len());
     let mut plots: Vec<(String, String)> = planes(table, &columns, &points)
         .into_iter()
@@ -287,6 +305,36 @@ fn count_rows(table: &PointTable, counted: &Verdict) -> Vec<CountRow> {
     rows
 }
 
+fn readings(report: &Report, counted: &Verdict) -> Vec<ReadingRow> {
+    let own = |name: &str| {
+        let criterion = report.table.criteria.iter().position(|c| c.name == name);
+        criterion.map(|k| counted.criteria[k].passes.count)
+    };
+    let row = |reading: &super::Reading| {
+        let share = Fraction::wilson(reading.verified, report.table.len());
+        let changed = reading
+            .criteria
+            .iter()
+            .filter(|(name, passed)| own(name) != Some(*passed));
+        let words: Vec<String> = changed
+            .map(|(name, passed)| format!("{name} {}", count(*passed)))
+            .collect();
+        ReadingRow {
+            name: reading.name.clone(),
+            about: reading.about.clone(),
+            verified: count(reading.verified),
+            percent: percent(share.value()),
+            interval: format!("{} – {}", percent(share.low), percent(share.high)),
+            changes: if words.is_empty() {
+                "as above".into()
+            } else {
+                words.join(", ")
+            },
+        }
+    };
+    report.readings.iter().map(row).collect()
+}
+
 fn quantity(value: f64, unit: &str) -> String {
     if unit.is_empty() || unit == "1" {
         number(value, 6)
@@ -356,7 +404,7 @@ fn planes(table: &PointTable, columns: &[PlotColumn<'_>], points: &[usize]) -> V
             .map(|w| (first + w[0], first + w[1], "criteria".to_owned())),
     );
     pairs.truncate(PLANES - 1);
-    let room = if pairs.len() % 2 == 0 { 2 } else { 1 };
+    let room = if pairs.len().is_multiple_of(2) { 2 } else { 1 };
     let strongest = strongest_pairs(table).into_iter().take(room);
     pairs.extend(strongest.map(|(x, y)| {
         (
@@ -457,41 +505,49 @@ fn heading<'a>(c: &PlotColumn<'a>) -> (&'a str, &'a str, &'a str) {
     (path, name, c.unit)
 }
 
-fn best_rows(table: &PointTable, ranking: &[(usize, Binding)]) -> Vec<BestRow> {
+fn best_rows(table: &PointTable, ranking: &[Ranked]) -> Vec<BestRow> {
     ranking
         .iter()
         .take(BEST)
-        .map(|&(i, binding)| {
-            let plain = |text| Cell {
-                text,
-                note: String::new(),
-                bad: false,
-                bar: None,
-            };
-            let parameters = table
-                .parameters
-                .iter()
-                .map(|p| plain(number(p.values[i], 5)));
-            let criteria = table.criteria.iter().map(|c| {
-                let deviation = c.deviation(c.values[i]);
-                Cell {
-                    text: number(c.values[i], 5),
-                    note: format!("{} of the tolerance", number(deviation, 2)),
-                    bad: !c.ok[i],
-                    bar: Some(
-                        (deviation.min(1.5) * (c.values[i] - c.nominal).signum() * 100.0).round()
-                            / 100.0,
-                    ),
+        .map(
+            |&Ranked {
+                 point: i,
+                 distance,
+                 binding,
+             }| {
+                let plain = |text| Cell {
+                    text,
+                    note: String::new(),
+                    bad: false,
+                    bar: None,
+                };
+                let parameters = table
+                    .parameters
+                    .iter()
+                    .map(|p| plain(number(p.values[i], 5)));
+                let criteria = table.criteria.iter().map(|c| {
+                    let deviation = c.deviation(c.values[i]);
+                    Cell {
+                        text: number(c.values[i], 5),
+                        note: format!("{} of the tolerance", number(deviation, 2)),
+                        bad: !c.ok[i],
+                        bar: Some(
+                            (deviation.min(1.5) * (c.values[i] - c.nominal).signum() * 100.0)
+                                .round()
+                                / 100.0,
+                        ),
+                    }
+                });
+                BestRow {
+                    id: table.ids[i],
+                    verified: table.verified[i],
+                    distance: number(distance, 3),
+                    deviation: number(binding.deviation, 2),
+                    binding: table.criteria[binding.criterion].name.clone(),
+                    cells: parameters.chain(criteria).collect(),
                 }
-            });
-            BestRow {
-                id: table.ids[i],
-                verified: table.verified[i],
-                deviation: number(binding.deviation, 2),
-                binding: table.criteria[binding.criterion].name.clone(),
-                cells: parameters.chain(criteria).collect(),
-            }
-        })
+            },
+        )
         .collect()
 }
 

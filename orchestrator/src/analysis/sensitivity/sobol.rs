@@ -9,10 +9,10 @@ use super::Estimate;
 use super::stats::{mean, variance};
 use crate::analysis::verdict::Z95;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// The estimator of the first-order index.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum FirstOrder {
     /// mean(f_B (f_AB - f_A)): Saltelli et al. (2010), table 2 (b). Exact for a parameter without influence.
     #[default]
@@ -41,7 +41,7 @@ pub fn design(pairs: &[Vec<f64>]) -> Vec<Vec<f64>> {
 }
 
 /// Sobol indices of one output.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Indices {
     /// First-order index of every parameter.
     pub first: Vec<Estimate>,
@@ -272,16 +272,10 @@ mod tests {
         let y = evaluate(&random_pairs(40_000, 3, 5), ishigami);
         for estimator in [FirstOrder::Saltelli, FirstOrder::Jansen] {
             let s = indices(&y, 3, estimator, 20, 1).unwrap();
-            for i in 0..3 {
+            for (found, exact) in s.first.iter().zip(first).chain(s.total.iter().zip(total)) {
                 assert!(
-                    (s.first[i].value - first[i]).abs() < 0.03,
-                    "{estimator:?} {i} {:?}",
-                    s.first[i]
-                );
-                assert!(
-                    (s.total[i].value - total[i]).abs() < 0.03,
-                    "{estimator:?} {i} {:?}",
-                    s.total[i]
+                    (found.value - exact).abs() < 0.03,
+                    "{estimator:?} {found:?} {exact}"
                 );
             }
         }
@@ -328,12 +322,8 @@ mod tests {
         let s = indices(&y, 3, FirstOrder::Saltelli, 20, 1).unwrap();
         assert_eq!(s.failed, failed);
         assert!(s.used.iter().all(|&u| u < 20_000 && u > 19_000));
-        for i in 0..3 {
-            assert!(
-                (s.first[i].value - first[i]).abs() < 0.04,
-                "{i} {:?}",
-                s.first[i]
-            );
+        for (found, exact) in s.first.iter().zip(first) {
+            assert!((found.value - exact).abs() < 0.04, "{found:?} {exact}");
         }
     }
 

@@ -1,0 +1,81 @@
+"""The gates that every binary passes: exported functions, imported libraries, glibc version."""
+
+import re
+import shutil
+
+from .common import ROOT, Failure, run
+
+GLIBC = (2, 17)
+LIBRARIES = {
+    "elf": {"libc.so.6", "libm.so.6", "libdl.so.2", "libpthread.so.0", "librt.so.1",
+            "ld-linux-x86-64.so.2", "ld-linux-aarch64.so.1"},
+    # What every Windows has.
+    "dll": re.compile(r"(kernel32|ntdll|msvcrt|ucrtbase|userenv|ws2_32|bcrypt(primitives)?|advapi32"
+                      r"|api-ms-win-[\w-]+|vcruntime140)\.dll", re.IGNORECASE),
+}
+
+
+def check(row):
+    """Raises a Failure where a binary does not pass; notes what it found."""
+    if row.platform == "darwin64":
+        exports, libraries = macho(row.file)
+    elif row.platform == "win64":
+        exports, libraries = dll(row.file)
+    else:
+        exports, libraries = elf(row)
+    if exports is None:
+        row.notes.append("gates not checked: no binutils")
+        return
+    expected = functions()
+    if set(exports) != expected:
+        extra, missing = set(exports) - expected, expected - set(exports)
+        raise Failure(f"exports: too many {sorted(extra)[:5]}, too few {sorted(missing)[:5]}")
+    row.notes.append(f"{len(exports)} functions; needs {' '.join(sorted(libraries)) or 'nothing'}")
+
+
+def functions():
+    """The names of the C functions, from the place in the source where they are exported."""
+    source = (ROOT / "fmu/src/fmi2/exports.rs").read_text()
+    return set(re.findall(r"\b(fmi2\w+)(?= = |\(\) -> Text)", source))
+
+
+def elf(row):
+    if not shutil.which("readelf"):
+        return None, None
+    symbols = run(["readelf", "--wide", "--dyn-syms", row.file])
+    exports = [fields[7].split("@")[0] for fields in map(str.split, symbols.splitlines())
+               if len(fields) >= 8 and fields[4] in ("GLOBAL", "WEAK") and fields[6].isdigit()]
+    libraries = set(re.findall(r"\(NEEDED\).*\[(.*)\]", run(["readelf", "--dynamic", row.file])))
+    versions = [tuple(map(int, version.split("."))) for version in
+                re.findall(r"@GLIBC_([\d.]+)", symbols)]
+    highest = max(versions, default=(0,))
+    text = ".".join(map(str, highest))
+    baseline = not any("without the old glibc" in note for note in row.notes)
+    if baseline and highest > GLIBC:
+        raise Failure(f"needs glibc {text}, more than {'.'.join(map(str, GLIBC))}")
+    if baseline and libraries - LIBRARIES["elf"]:
+        raise Failure(f"needs {sorted(libraries - LIBRARIES['elf'])}, which not every Linux has")
+    row.notes.append(f"glibc {text}")
+    return exports, libraries
+
+
+def dll(file):
+    if not shutil.which("objdump"):
+        return None, None
+    text = run(["objdump", "--private-headers", file])
+    table = text.partition("[Ordinal/Name Pointer] Table")[2]
+    exports = re.findall(r"^\s*\[\s*\d+\]\s+(?:\+base\[\s*\d+\]\s+)?(?:[0-9a-f]+\s+)?(\w+)\s*$", table, re.MULTILINE)
+    libraries = set(re.findall(r"DLL Name: (\S+)", text))
+    strange = {name for name in libraries if not LIBRARIES["dll"].fullmatch(name)}
+    if strange:
+        raise Failure(f"needs {sorted(strange)}, which not every Windows has")
+    return exports, libraries
+
+
+def macho(file):
+    if not (shutil.which("nm") and shutil.which("otool")):
+        return None, None
+    symbols = run(["nm", "-gU", file]).splitlines()
+    exports = [line.split()[-1].removeprefix("_") for line in symbols if line.strip()]
+    lines = run(["otool", "-L", file]).splitlines()[2:]
+    return exports, {line.split()[0] for line in lines if line.strip()}

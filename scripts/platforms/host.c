@@ -1,0 +1,92 @@
+/* A small FMI 2.0 Co-Simulation host: loads a binary, steps it, prints its outputs.
+ * Usage: host BINARY GUID RESOURCE_URI STEPS OUTPUT_REFERENCE...
+ * Prints "result" with the outputs in full precision; exit code 1 with the reason on failure. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#ifdef _WIN32
+#include <windows.h>
+static void *open_library(const char *path) { return (void *)LoadLibraryA(path); }
+static void *symbol(void *library, const char *name) {
+    return (void *)GetProcAddress((HMODULE)library, name);
+}
+#else
+#include <dlfcn.h>
+static void *open_library(const char *path) {
+    void *library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
+    if (!library) fprintf(stderr, "%s\n", dlerror());
+    return library;
+}
+static void *symbol(void *library, const char *name) { return dlsym(library, name); }
+#endif
+
+typedef void (*logger_t)(void *, const char *, int, const char *, const char *, ...);
+typedef struct {
+    logger_t logger;
+    void *(*allocate)(size_t, size_t);
+    void (*release)(void *);
+    void (*finished)(void *, int);
+    void *environment;
+} callbacks_t;
+
+static void logger(void *environment, const char *instance, int status, const char *category,
+                   const char *format, ...) {
+    va_list list;
+    (void)environment;
+    fprintf(stderr, "[%s] %d %s: ", instance, status, category);
+    va_start(list, format);
+    vfprintf(stderr, format, list);
+    va_end(list);
+    fputc('\n', stderr);
+}
+
+static void need(int condition, const char *what) {
+    if (condition) return;
+    fprintf(stderr, "host: %s failed\n", what);
+    exit(1);
+}
+
+#define CALL(type, name, ...) \
+    do { \
+        int (*function) type = (int(*) type)symbol(library, #name); \
+        need(function != NULL, "finding " #name); \
+        need(function(__VA_ARGS__) == 0, #name); \
+    } while (0)
+
+int main(int count, char **arguments) {
+    need(count > 5, "reading the arguments");
+    callbacks_t callbacks = {logger, calloc, free, NULL, NULL};
+    void *library = open_library(arguments[1]);
+    need(library != NULL, "loading the binary");
+    void *(*instantiate)(const char *, int, const char *, const char *, const callbacks_t *, int,
+                         int) = (void *(*)(const char *, int, const char *, const char *,
+                                           const callbacks_t *, int, int))
+        symbol(library, "fmi2Instantiate");
+    need(instantiate != NULL, "finding fmi2Instantiate");
+    void *instance = instantiate("host", 1, arguments[2], arguments[3], &callbacks, 0, 0);
+    need(instance != NULL, "fmi2Instantiate");
+    CALL((void *, int, double, double, int, double), fmi2SetupExperiment, instance, 0, 0.0, 0.0, 0,
+         0.0);
+    CALL((void *), fmi2EnterInitializationMode, instance);
+    CALL((void *), fmi2ExitInitializationMode, instance);
+    int steps = atoi(arguments[4]);
+    for (int i = 0; i < steps; i++) {
+        CALL((void *, double, double, int), fmi2DoStep, instance, 0.01 * i, 0.01, 1);
+    }
+    printf("result");
+    for (int i = 5; i < count; i++) {
+        unsigned reference = (unsigned)atoi(arguments[i]);
+        double value = 0.0;
+        CALL((void *, const unsigned *, size_t, double *), fmi2GetReal, instance, &reference, 1,
+             &value);
+        printf(" %.17g", value);
+    }
+    printf("\n");
+    CALL((void *), fmi2Terminate, instance);
+    void (*release)(void *) = (void (*)(void *))symbol(library, "fmi2FreeInstance");
+    need(release != NULL, "finding fmi2FreeInstance");
+    release(instance);
+    return 0;
+}

@@ -1,0 +1,79 @@
+"""Runs a binary in a small C host: natively, under wine, or under qemu-user."""
+
+import re
+import shutil
+import sys
+import tempfile
+from pathlib import Path
+
+from .common import CACHE, ROOT, Failure, native, run
+
+SOURCE = Path(__file__).with_name("host.c")
+STEPS = 100
+
+
+def run_with(row):
+    """The compiler and the runner for a platform's host, or why there is none."""
+    if row.platform == native():
+        compiler = shutil.which("cc") or shutil.which("gcc")
+        return ([compiler] if compiler else None), [], "no C compiler here"
+    if row.platform == "win64":
+        wine = shutil.which("wine64") or shutil.which("wine") or wine_of_debian()
+        compiler = shutil.which("x86_64-w64-mingw32-gcc")
+        return (([compiler] if compiler and wine else None), [wine], "no wine or mingw here")
+    if row.platform == "aarch64-linux":
+        qemu = shutil.which("qemu-aarch64") or shutil.which("qemu-aarch64-static")
+        compiler = shutil.which("aarch64-linux-gnu-gcc")
+        libraries = "/usr/aarch64-linux-gnu"
+        return (([compiler] if compiler and qemu else None), [qemu, "-L", libraries],
+                "no qemu-user or aarch64-linux-gnu-gcc here")
+    return None, [], "no such machine here"
+
+
+def wine_of_debian():
+    path = Path("/usr/lib/wine/wine64")
+    return str(path) if path.exists() else None
+
+
+def run_host(row, compiler, runner):
+    description = (ROOT / "modelDescription/modelDescription.xml").read_text(encoding="utf-8")
+    guid = re.search(r'guid="([^"]*)"', description)[1]
+    outputs = [tag[0] for tag in re.findall(
+        r'valueReference="(\d+)"([^>]*causality="output")[^>]*>\s*<Real', description)]
+    folder = CACHE / "host" / row.platform
+    folder.mkdir(parents=True, exist_ok=True)
+    program = folder / ("host.exe" if row.platform == "win64" else "host")
+    if not program.exists() or program.stat().st_mtime < SOURCE.stat().st_mtime:
+        dynamic = ["-ldl"] if row.platform != "win64" and sys.platform == "linux" else []
+        run([*compiler, "-O1", "-Wall", "-o", program, SOURCE, *dynamic])
+    binary = Path(row.file).resolve()
+    resources = ROOT / "modelDescription/resources"
+    drive = "/Z:" if row.platform == "win64" and runner else ""
+    uri = f"file://{drive}{resources.as_posix()}"
+    with tempfile.TemporaryDirectory() as away:
+        return run([*runner, program, binary, guid, uri, STEPS, *outputs], cwd=away, timeout=300,
+                   env={"WINEDEBUG": "-all", "WINEPREFIX": str(CACHE / "wine")})
+
+
+def step(row):
+    """Runs a platform's binary; says what it did, or why it could not."""
+    compiler, runner, why = run_with(row)
+    if compiler is None:
+        return f"not run: {why}"
+    text = run_host(row, compiler, runner)
+    values = [line for line in text.splitlines() if line.startswith("result ")]
+    if len(values) != 1:
+        raise Failure(f"the host printed no result:\n{text}")
+    row.result = values[0].removeprefix("result ")
+    under = f" under {Path(runner[0]).name}" if runner else ""
+    return f"run{under}, {STEPS} steps"
+
+
+def compare(rows):
+    """Notes how far the platforms' results are from the first one's."""
+    first, *others = [row for row in rows if row.result] or [None]
+    for row in others:
+        pairs = zip(map(float, row.result.split()), map(float, first.result.split()))
+        error = max(abs(ours - theirs) / max(abs(theirs), 1e-300) if theirs else abs(ours)
+                    for ours, theirs in pairs)
+        row.run += f", within {error:.1e} of {first.platform}"
