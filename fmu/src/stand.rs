@@ -170,7 +170,7 @@ impl Stand {
         // What cannot be advanced has no rate.
         let moved = ahead
             .resolve(AHEAD)
-            .and_then(|()| Ok(ahead.read(0.0, &unknowns(&ahead.state))));
+            .map(|()| ahead.read(0.0, &unknowns(&ahead.state)));
         moved.map_or(0.0, |then| (output(&then) - output(&self.readings)) / AHEAD)
     }
 

@@ -41,6 +41,12 @@ pub enum Command {
     Worker,
     /// Writes the page of a finished study again
     Report(Report),
+    /// Tells which parameter matters: Sobol indices, screening, or from existing points
+    Sensitivity(Sensitivity),
+    /// Tells how far the parameters may go: maps, the largest box and ellipsoid, margins
+    Robustness(Robustness),
+    /// Aligns measured signals and derives criteria with their uncertainty
+    Synchronise(Synchronise),
 }
 
 /// Options of `inspect`.
@@ -234,4 +240,89 @@ pub struct Report {
     /// The folder that `verify` has written
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
+}
+
+/// Options of `sensitivity`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples: orchestrator sensitivity studies/paper-table3.toml --base 256\n\
+    \u{20}         orchestrator sensitivity studies/paper-table3.toml --from results/paper-table3"
+)]
+pub struct Sensitivity {
+    /// The study
+    pub study: PathBuf,
+    /// Use the points of a finished study instead of new runs
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["morris", "fmu", "jobs"])]
+    pub from: Option<PathBuf>,
+    /// Base points of the Sobol indices; the runs are this many times the parameters and two more
+    #[arg(long, value_name = "N", default_value_t = 256)]
+    pub base: u64,
+    /// Morris screening with so many trajectories instead of Sobol indices
+    #[arg(long, value_name = "R", conflicts_with = "base")]
+    pub morris: Option<usize>,
+    /// The seed
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    pub seed: u64,
+    /// Another FMU than the study's
+    #[arg(long, value_name = "FMU")]
+    pub fmu: Option<PathBuf>,
+    /// How many runs at a time [default: the number of cores]
+    #[arg(long, value_name = "J")]
+    pub jobs: Option<usize>,
+    /// The folder for the results [default: results/ and the study's name, or DIR of --from]
+    #[arg(long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+}
+
+/// Options of `synchronise`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Example: orchestrator synchronise measured.csv --settings measured.toml \
+    --output results/measured"
+)]
+pub struct Synchronise {
+    /// The recording: a column a signal
+    #[arg(value_name = "MEASURED.csv")]
+    pub measured: PathBuf,
+    /// What the columns are: names, units, accuracies, smoothing
+    #[arg(long, value_name = "SETTINGS.toml")]
+    pub settings: PathBuf,
+    /// Criteria for the amplitudes of load and torque, too
+    #[arg(long)]
+    pub amplitudes: bool,
+    /// The folder for the results
+    #[arg(long, value_name = "DIR", default_value = "results/measured")]
+    pub output: PathBuf,
+}
+
+/// Options of `robustness`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Example: orchestrator robustness studies/paper-table3.toml \
+    --from results/paper-table3 --level 0.9"
+)]
+pub struct Robustness {
+    /// The study
+    pub study: PathBuf,
+    /// The folder of the finished study [default: results/ and the study's name]
+    #[arg(long, value_name = "DIR")]
+    pub from: Option<PathBuf>,
+    /// The verification probability that box and ellipsoid must hold
+    #[arg(long, value_name = "P", default_value_t = 0.9)]
+    pub level: f64,
+    /// Confirm the box by so many new runs
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub confirm: usize,
+    /// The seed
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    pub seed: u64,
+    /// Another FMU than the study's
+    #[arg(long, value_name = "FMU")]
+    pub fmu: Option<PathBuf>,
+    /// How many runs at a time [default: the number of cores]
+    #[arg(long, value_name = "J")]
+    pub jobs: Option<usize>,
+    /// The folder for the results [default: that of the study]
+    #[arg(long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
 }

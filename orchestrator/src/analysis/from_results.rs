@@ -1,8 +1,10 @@
 //! The table of points from what `verify` leaves behind.
 
 use super::table::{Criterion, Parameter, PointTable};
-use crate::results::{Points, PointsError, ResultsError, Summary};
+use crate::judge::{Judge, Verdict};
+use crate::results::{Outcome, Points, PointsError, ResultsError, Summary};
 use crate::study::Statistic;
+use crate::study::plan::Input;
 use indexmap::IndexMap;
 use std::path::Path;
 use thiserror::Error;
@@ -100,4 +102,51 @@ fn distribution(fields: &IndexMap<String, serde_json::Value>) -> String {
         .filter_map(word)
         .collect::<Vec<_>>()
         .join(", ")
+}
+
+/// The table of runs that an analysis made itself: the parameters that vary, and the criteria.
+pub fn from_runs(
+    inputs: &[Input],
+    varied: &[usize],
+    judge: &Judge,
+    points: &[Vec<f64>],
+    outcomes: Vec<Outcome>,
+) -> PointTable {
+    let verdicts: Vec<Verdict> = outcomes
+        .iter()
+        .map(|o| judge.verdict(o.as_deref().ok()))
+        .collect();
+    let parameters = varied.iter().map(|&k| Parameter {
+        name: inputs[k].name.clone(),
+        unit: inputs[k].unit.clone().unwrap_or_default(),
+        distribution: String::new(),
+        values: points.iter().map(|p| p[k]).collect(),
+    });
+    let criteria = judge.criteria.iter().enumerate().map(|(j, c)| Criterion {
+        name: c.name.clone(),
+        source: format!("{} of {}", statistic(c.statistic), c.variable),
+        unit: c.unit.clone().unwrap_or_default(),
+        nominal: c.nominal,
+        lower: c.nominal - c.tolerance,
+        upper: c.nominal + c.tolerance,
+        group: c.group.clone(),
+        values: outcomes
+            .iter()
+            .map(|o| o.as_ref().map_or(f64::NAN, |values| values[j]))
+            .collect(),
+        ok: verdicts.iter().map(|v| v.passed[j]).collect(),
+    });
+    PointTable {
+        ids: (1..=points.len() as u64).collect(),
+        parameters: parameters.collect(),
+        criteria: criteria.collect(),
+        verified: verdicts.iter().map(Verdict::verified).collect(),
+        status: outcomes
+            .iter()
+            .map(|o| {
+                o.as_ref()
+                    .map_or_else(ToString::to_string, |_| "ok".to_owned())
+            })
+            .collect(),
+    }
 }

@@ -93,6 +93,34 @@ impl PointTable {
         self.ids.is_empty()
     }
 
+    /// Some of the points, in the order asked for.
+    pub fn subset(&self, points: &[usize]) -> Self {
+        let numbers = |values: &[f64]| points.iter().map(|&i| values[i]).collect();
+        let flags = |values: &[bool]| points.iter().map(|&i| values[i]).collect();
+        Self {
+            ids: points.iter().map(|&i| self.ids[i]).collect(),
+            parameters: self
+                .parameters
+                .iter()
+                .map(|p| Parameter {
+                    values: numbers(&p.values),
+                    ..p.clone()
+                })
+                .collect(),
+            criteria: self
+                .criteria
+                .iter()
+                .map(|c| Criterion {
+                    values: numbers(&c.values),
+                    ok: flags(&c.ok),
+                    ..c.clone()
+                })
+                .collect(),
+            verified: flags(&self.verified),
+            status: points.iter().map(|&i| self.status[i].clone()).collect(),
+        }
+    }
+
     /// Whether the point was simulated to its end.
     pub fn completed(&self, point: usize) -> bool {
         self.status[point] == "ok"

@@ -1,5 +1,6 @@
 //! The commands, one file each.
 
+mod batch;
 mod identify;
 mod inspect;
 mod judge;
@@ -9,8 +10,11 @@ mod output;
 mod progress;
 mod replay;
 mod report;
+mod robustness;
+mod sensitivity;
 mod simulate;
 mod stop;
+pub mod synchronise;
 mod table;
 mod until;
 mod verify;
@@ -21,6 +25,7 @@ use thiserror::Error;
 
 pub use until::Until;
 
+use crate::analysis::from_results::FolderError;
 use crate::cli::{Cli, Command};
 use crate::engine::{EngineError, servant};
 use crate::failure::Failure;
@@ -49,6 +54,12 @@ pub enum CommandError {
     /// The results cannot be written or read.
     #[error(transparent)]
     Results(#[from] ResultsError),
+    /// A recording cannot be used.
+    #[error(transparent)]
+    Recording(#[from] synchronise::SettingsError),
+    /// A folder of results cannot be read.
+    #[error(transparent)]
+    Folder(#[from] FolderError),
     /// The report cannot be written.
     #[error(transparent)]
     Report(#[from] ReportError),
@@ -89,6 +100,9 @@ pub fn run(cli: Cli) -> Result<ExitCode, CommandError> {
         Command::Merge(options) => merge::run(&options),
         Command::Worker => servant::end(servant::serve()),
         Command::Report(options) => report::run(&options),
+        Command::Sensitivity(options) => sensitivity::run(&options),
+        Command::Robustness(options) => robustness::run(&options),
+        Command::Synchronise(options) => synchronise::run(&options),
     }
 }
 

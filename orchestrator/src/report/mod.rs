@@ -7,9 +7,13 @@ mod from_results;
 pub mod history;
 mod page;
 mod payload;
+pub mod robustness;
+pub mod sensitivity;
 pub mod svg;
 
 use crate::analysis::from_results::FolderError;
+use crate::analysis::robustness::Robustness;
+use crate::analysis::sensitivity::study::Sensitivity;
 use crate::analysis::table::PointTable;
 use figures::Series;
 use std::path::{Path, PathBuf};
@@ -32,6 +36,10 @@ pub struct Report {
     pub readings: Vec<Reading>,
     /// The trajectory of the best point, if it was recorded.
     pub history: Vec<Series>,
+    /// Which parameter matters, where that was computed.
+    pub sensitivity: Option<Sensitivity>,
+    /// How far the parameters may go, where that was computed.
+    pub robustness: Option<Robustness>,
     /// What is needed to get the same result again: versions, seed, hashes.
     pub provenance: Vec<(String, String)>,
     /// The command that reproduces the result.

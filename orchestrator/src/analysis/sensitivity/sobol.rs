@@ -9,10 +9,10 @@ use super::Estimate;
 use super::stats::{mean, variance};
 use crate::analysis::verdict::Z95;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// The estimator of the first-order index.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum FirstOrder {
     /// mean(f_B (f_AB - f_A)): Saltelli et al. (2010), table 2 (b). Exact for a parameter without influence.
     #[default]
@@ -41,7 +41,7 @@ pub fn design(pairs: &[Vec<f64>]) -> Vec<Vec<f64>> {
 }
 
 /// Sobol indices of one output.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Indices {
     /// First-order index of every parameter.
     pub first: Vec<Estimate>,
