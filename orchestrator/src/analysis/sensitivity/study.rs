@@ -68,7 +68,7 @@ pub fn from_points(table: &PointTable, seed: u64) -> Sensitivity {
         .collect();
     Sensitivity {
         parameters: table.parameters.iter().map(|p| p.name.clone()).collect(),
-        method: "rank correlations and PAWN of existing points".into(),
+        method: "Rank correlations and PAWN of existing points".into(),
         runs: table.len(),
         failed: completed.iter().filter(|c| !**c).count(),
         outputs,
