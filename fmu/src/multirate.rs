@@ -174,7 +174,7 @@ struct Curve<'a, M> {
 }
 
 /// Spacing of the orbits in the logarithm of the viscosity, at first; it is halved where they bend.
-const SPACING: f64 = 0.6;
+const SPACING: f64 = 0.35;
 /// The most halvings.
 const HALVINGS: i32 = 4;
 /// The third difference of the heat's logarithm from which on the spacing is halved.
