@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
+use crate::analysis::sensitivity::sobol::FirstOrder;
+
 use crate::commands::Until;
 use crate::session::Shard;
 
@@ -257,6 +259,9 @@ pub struct Sensitivity {
     /// Base points of the Sobol indices; the runs are this many times the parameters and two more
     #[arg(long, value_name = "N", default_value_t = 256)]
     pub base: u64,
+    /// How first-order indices are estimated
+    #[arg(long, value_enum, default_value_t)]
+    pub estimator: FirstOrder,
     /// Morris screening with so many trajectories instead of Sobol indices
     #[arg(long, value_name = "R", conflicts_with = "base")]
     pub morris: Option<usize>,

@@ -1,5 +1,7 @@
 //! The commands that make an answer of points and signals, seen from outside.
 
+#![allow(clippy::unwrap_used)]
+
 mod support;
 
 use std::f64::consts::TAU;

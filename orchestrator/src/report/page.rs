@@ -4,8 +4,9 @@ use super::figures;
 use super::format::{count, number, percent, with_unit};
 use super::payload::{self, PlotColumn};
 use super::{Report, ReportError};
+use crate::analysis::pareto;
 use crate::analysis::table::{PointTable, Ranked};
-use crate::analysis::verdict::{Fraction, Verdict, verdict};
+use crate::analysis::verdict::{Fraction, Verdict, truly_inside, verdict};
 use minijinja::{Environment, value::Serde};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -35,6 +36,7 @@ struct Page<'a> {
     rows: Vec<CountRow>,
     decisive: String,
     readings: Vec<ReadingRow>,
+    expected: String,
     planes: Vec<Plane>,
     parameters: Vec<Small>,
     criteria: Vec<Small>,
@@ -113,6 +115,8 @@ struct BestRow {
     distance: String,
     deviation: String,
     binding: String,
+    sure: String,
+    pareto: bool,
     cells: Vec<Cell>,
 }
 
@@ -132,6 +136,7 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
     let order: Vec<usize> = ranking.iter().map(|r| r.point).collect();
     let points = payload::embedded(table, &order, columns.len());
     let counted = verdict(table);
+    let sure = truly_inside(table);
     let data = serde_json::to_string(&payload::payload(table, &points))?;
 
     let mut environment = Environment::new();
@@ -164,6 +169,7 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
         rows: count_rows(table, &counted),
         decisive: decisive(table, &counted),
         readings: readings(report, &counted),
+        expected: number(sure.iter().sum(), 4),
         planes: planes(table, &columns, &points),
         parameters: distributions(table, &columns[..table.parameters.len()], 0),
         criteria: distributions(
@@ -173,7 +179,7 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
         ),
         best_columns: columns.iter().map(heading).collect(),
         first_criterion: table.parameters.len(),
-        best: best_rows(table, &ranking),
+        best: best_rows(table, &ranking, &sure),
         failures: failures(table),
         histories: histories(report),
         sensitivity: report.sensitivity.as_ref().map(super::sensitivity::view),
@@ -505,49 +511,51 @@ fn heading<'a>(c: &PlotColumn<'a>) -> (&'a str, &'a str, &'a str) {
     (path, name, c.unit)
 }
 
-fn best_rows(table: &PointTable, ranking: &[Ranked]) -> Vec<BestRow> {
+fn best_rows(table: &PointTable, ranking: &[Ranked], sure: &[f64]) -> Vec<BestRow> {
+    let shown: Vec<usize> = ranking.iter().take(BEST).map(|r| r.point).collect();
+    let unbeaten = pareto::unbeaten(table, &shown);
     ranking
         .iter()
-        .take(BEST)
-        .map(
-            |&Ranked {
-                 point: i,
-                 distance,
-                 binding,
-             }| {
-                let plain = |text| Cell {
-                    text,
-                    note: String::new(),
-                    bad: false,
-                    bar: None,
-                };
-                let parameters = table
-                    .parameters
-                    .iter()
-                    .map(|p| plain(number(p.values[i], 5)));
-                let criteria = table.criteria.iter().map(|c| {
-                    let deviation = c.deviation(c.values[i]);
-                    Cell {
-                        text: number(c.values[i], 5),
-                        note: format!("{} of the tolerance", number(deviation, 2)),
-                        bad: !c.ok[i],
-                        bar: Some(
-                            (deviation.min(1.5) * (c.values[i] - c.nominal).signum() * 100.0)
-                                .round()
-                                / 100.0,
-                        ),
-                    }
-                });
-                BestRow {
-                    id: table.ids[i],
-                    verified: table.verified[i],
-                    distance: number(distance, 3),
-                    deviation: number(binding.deviation, 2),
-                    binding: table.criteria[binding.criterion].name.clone(),
-                    cells: parameters.chain(criteria).collect(),
+        .zip(unbeaten)
+        .map(|(ranked, beaten_by_none)| {
+            let Ranked {
+                point: i,
+                distance,
+                binding,
+            } = *ranked;
+            let plain = |text| Cell {
+                text,
+                note: String::new(),
+                bad: false,
+                bar: None,
+            };
+            let parameters = table
+                .parameters
+                .iter()
+                .map(|p| plain(number(p.values[i], 5)));
+            let criteria = table.criteria.iter().map(|c| {
+                let deviation = c.deviation(c.values[i]);
+                Cell {
+                    text: number(c.values[i], 5),
+                    note: format!("{} of the tolerance", number(deviation, 2)),
+                    bad: !c.ok[i],
+                    bar: Some(
+                        (deviation.min(1.5) * (c.values[i] - c.nominal).signum() * 100.0).round()
+                            / 100.0,
+                    ),
                 }
-            },
-        )
+            });
+            BestRow {
+                id: table.ids[i],
+                verified: table.verified[i],
+                distance: number(distance, 3),
+                deviation: number(binding.deviation, 2),
+                binding: table.criteria[binding.criterion].name.clone(),
+                sure: percent(sure[i]),
+                pareto: beaten_by_none,
+                cells: parameters.chain(criteria).collect(),
+            }
+        })
         .collect()
 }
 

@@ -27,11 +27,13 @@
 //! under a finite load the journal never reaches the bush.
 
 mod coordinates;
+mod family;
 mod generate;
 mod map;
 mod slice;
 mod spline;
 
+pub use family::SliceFamily;
 pub use generate::{Sample, exact, generate};
 pub use map::{MapError, MobilityMap};
 pub use slice::{Film, MobilitySlice};

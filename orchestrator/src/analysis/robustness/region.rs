@@ -141,8 +141,8 @@ pub fn largest_box(cloud: &[Vec<f64>], verdicts: &[f64], level: f64) -> Option<R
             return None;
         }
         let mut best: Option<(f64, usize, usize, f64)> = None;
-        for k in 0..d {
-            let column = sorted(inside.iter().map(|&j| cloud[j][k]).collect());
+        let columns = (0..d).map(|k| sorted(inside.iter().map(|&j| cloud[j][k]).collect()));
+        for (k, column) in columns.enumerate() {
             for (side, q) in [(0, PEEL), (1, 1.0 - PEEL)] {
                 let cut = quantile(&column, q);
                 let keeps = |j: &&usize| {
