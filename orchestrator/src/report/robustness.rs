@@ -144,7 +144,7 @@ fn groups(result: &Robustness) -> Vec<Group> {
 /// One map in nine shades.
 fn picture(result: &Robustness, map: &Map, what: &str, values: &[f64], range: [f64; 2]) -> String {
     const SHADES: usize = 9;
-    const LEFT: f64 = 46.0;
+    const LEFT: f64 = 56.0;
     const SIDE: f64 = 180.0;
     let cell = SIDE / CELLS as f64;
     let span = (range[1] - range[0]).max(f64::MIN_POSITIVE);
@@ -211,7 +211,7 @@ fn picture(result: &Robustness, map: &Map, what: &str, values: &[f64], range: [f
         number(high, 4)
     );
     format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"plot map\" viewBox=\"0 0 236 {:.0}\" role=\"img\" aria-label=\"{}\">{out}</svg>",
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"plot map\" viewBox=\"0 0 246 {:.0}\" role=\"img\" aria-label=\"{}\">{out}</svg>",
         SIDE + 58.0,
         escape(&format!(
             "{what} over {} and {}: {} to {}",
