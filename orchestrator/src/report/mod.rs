@@ -1,12 +1,15 @@
 //! The report: one self-contained page, and its plots as files.
 
+mod best;
 pub mod bins;
+mod counts;
 pub mod figures;
 pub mod format;
 mod from_results;
 pub mod history;
 mod page;
 mod payload;
+mod planes;
 pub mod robustness;
 pub mod sensitivity;
 pub mod svg;

@@ -39,46 +39,108 @@ pub struct Robustness {
 
 /// The model's stand-in: a surrogate a criterion.
 pub struct Stand {
-    criteria: Vec<(Criterion, Surrogate)>,
+    criteria: Vec<Part>,
+}
+
+/// One criterion's surrogate.
+struct Part {
+    criterion: Criterion,
+    surrogate: Surrogate,
+    /// Where the surrogate is of asinh((value - measured) / scale): true near the measurement and
+    /// logarithmic far from it, where errors no longer matter; `None` where it is of the value.
+    scale: Option<f64>,
+    /// In the criterion's unit, near the measurement.
+    quality: Quality,
+}
+
+impl Part {
+    /// Fits the value and its transform, and keeps what errs less near the measurement.
+    fn fit(criterion: &Criterion, inputs: &[Vec<f64>]) -> Option<Self> {
+        let bare = || Criterion {
+            values: vec![],
+            ok: vec![],
+            ..criterion.clone()
+        };
+        let plain = Surrogate::fit(inputs, &criterion.values)?;
+        let plain = Self {
+            criterion: bare(),
+            scale: None,
+            quality: plain.quality,
+            surrogate: plain,
+        };
+        let room = (criterion.upper - criterion.nominal).min(criterion.nominal - criterion.lower);
+        if !(room.is_finite() && room > 0.0) {
+            return Some(plain);
+        }
+        let bent: Vec<f64> = criterion
+            .values
+            .iter()
+            .map(|v| ((v - criterion.nominal) / room).asinh())
+            .collect();
+        match Surrogate::fit(inputs, &bent) {
+            Some(surrogate) if surrogate.quality.error * room < plain.quality.error => {
+                let quality = Quality {
+                    error: surrogate.quality.error * room,
+                    ..surrogate.quality
+                };
+                Some(Self {
+                    criterion: bare(),
+                    scale: Some(room),
+                    quality,
+                    surrogate,
+                })
+            }
+            _ => Some(plain),
+        }
+    }
+
+    fn value(&self, x: &[f64]) -> f64 {
+        let value = self.surrogate.at(x);
+        // The transform is not to be trusted beyond what it has seen: sinh grows fast.
+        self.scale.map_or(value, |scale| {
+            self.criterion.nominal + scale * value.clamp(-12.0, 12.0).sinh()
+        })
+    }
+
+    /// The probability that the criterion is met.
+    fn probability(&self, x: &[f64]) -> f64 {
+        let c = &self.criterion;
+        let bend = |limit: f64| {
+            self.scale
+                .map_or(limit, |scale| ((limit - c.nominal) / scale).asinh())
+        };
+        let error = self
+            .surrogate
+            .quality
+            .error
+            .max(1e-12 * c.nominal.abs())
+            .max(f64::MIN_POSITIVE);
+        let value = self.surrogate.at(x);
+        let normal = Normal::standard();
+        normal.cdf((bend(c.upper) - value) / error) - normal.cdf((bend(c.lower) - value) / error)
+    }
 }
 
 impl Stand {
     /// Fits all criteria; `None` where one of them cannot be.
     pub fn fit(table: &PointTable) -> Option<Self> {
         let inputs = rows(table);
-        let fit = |c: &Criterion| {
-            let bare = Criterion {
-                values: vec![],
-                ok: vec![],
-                ..c.clone()
-            };
-            Some((bare, Surrogate::fit(&inputs, &c.values)?))
-        };
+        let parts = table.criteria.iter().map(|c| Part::fit(c, &inputs));
         Some(Self {
-            criteria: table.criteria.iter().map(fit).collect::<Option<_>>()?,
+            criteria: parts.collect::<Option<_>>()?,
         })
     }
 
     /// The predicted value of a criterion.
     pub fn value(&self, criterion: usize, x: &[f64]) -> f64 {
-        self.criteria[criterion].1.at(x)
+        self.criteria[criterion].value(x)
     }
 
     /// The probability that all criteria are met at a point, given the surrogates' errors.
     pub fn probability(&self, x: &[f64]) -> f64 {
-        let normal = Normal::standard();
         self.criteria
             .iter()
-            .map(|(c, s)| {
-                let (value, error) = (
-                    s.at(x),
-                    s.quality
-                        .error
-                        .max(1e-12 * c.nominal.abs())
-                        .max(f64::MIN_POSITIVE),
-                );
-                normal.cdf((c.upper - value) / error) - normal.cdf((c.lower - value) / error)
-            })
+            .map(|part| part.probability(x))
             .product()
     }
 }
@@ -121,7 +183,7 @@ pub fn robustness(table: &PointTable, cloud: &[Vec<f64>], level: f64) -> Option<
         criteria: stand
             .criteria
             .iter()
-            .map(|(c, s)| (c.name.clone(), s.quality))
+            .map(|p| (p.criterion.name.clone(), p.quality))
             .collect(),
         maps: maps::maps(table, &stand, &inputs),
         level,
