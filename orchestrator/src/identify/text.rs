@@ -164,7 +164,7 @@ fn goodness(text: &mut String, outcome: &Outcome) {
     {
         let _ = writeln!(
             text,
-            "the model misses the measurement by more than the accuracies allow: they, or the model, are too good to be true"
+            "the model misses the measurement by more than the stated accuracies allow"
         );
     }
     let close = search
