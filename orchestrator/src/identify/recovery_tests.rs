@@ -146,7 +146,6 @@ fn known_parameters_are_recovered_within_the_stated_uncertainty() {
     // Sixty pulls: none beyond 3.5 standard deviations, and their mean square near one (too small a
     // value would mean that the stated uncertainty is too large).
     let mean_square = pulls.iter().map(|pull| pull * pull).sum::<f64>() / pulls.len() as f64;
-    println!("PULLS {mean_square} {:?}", pulls.iter().map(|p| p.abs()).fold(0.0, f64::max));
     assert!(pulls.iter().all(|pull| pull.abs() < 3.5), "{pulls:?}");
     assert!(
         (0.5..1.7).contains(&mean_square),
