@@ -60,30 +60,40 @@ def stand():
     return unpack(ROOT / "dist" / "PlainBearingStand.fmu", "sensor.loadForce", "load.preload", 48)
 
 
-def lag():
-    """The first-order lag of the FMU's examples, packed here: hardly any work a step."""
-    xml = cost([TARGET / "examples" / "lag-description"]).text
+def pack(name, xml, library):
+    """An FMU of a model description and a library."""
     identifier = re.search(r'modelIdentifier="([^"]*)"', xml)[1]
-    suffix = PLATFORMS[native()]
-    file = WORK / "lag.fmu"
+    file = WORK / f"{name}.fmu"
     with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("modelDescription.xml", xml)
-        prefix = "" if suffix == ".dll" else "lib"
-        archive.write(TARGET / "examples" / f"{prefix}lag{suffix}",
-                      f"binaries/{native()}/{identifier}{suffix}")
-    return unpack(file, "output", "gain", 2)
+        archive.write(library, f"binaries/{native()}/{identifier}{PLATFORMS[native()]}")
+    return file
 
 
-class Minimal:
-    """The minimal loop, compiled here."""
+def lag():
+    """The first-order lag of the FMU's examples: the stand's boundary with hardly any work behind it."""
+    xml = cost([TARGET / "examples" / "lag-description"]).text
+    library = TARGET / "examples" / f"liblag{PLATFORMS[native()]}"
+    return unpack(pack("lag", xml, library), "output", "gain", 2)
 
-    def __init__(self):
-        self.program = WORK / "minimal"
-        cost(["cc", "-O2", "-Wall", "-o", self.program, HERE / "minimal.c", "-ldl"])
 
-    def cpu(self, fmu, step, steps, runs, get):
-        reference = [fmu.reference] if get else []
-        return cost([self.program, fmu.binary, fmu.guid, fmu.resources, step, steps, runs, *reference]).cpu
+def trivial():
+    """A first-order lag in a few lines of C: a step costs nothing but what its host spends on it."""
+    library = WORK / f"trivial{PLATFORMS[native()]}"
+    cost(["cc", "-O2", "-shared", "-fPIC", "-o", library, HERE / "trivial" / "trivial.c"])
+    xml = (HERE / "trivial" / "modelDescription.xml").read_text(encoding="utf-8")
+    return unpack(pack("trivial", xml, library), "y", "rate", 1)
+
+
+def compile_minimal():
+    """Compiles the minimal loop."""
+    cost(["cc", "-O2", "-Wall", "-o", WORK / "minimal", HERE / "minimal.c", "-ldl"])
+
+
+def minimal(fmu, step, steps, runs, get=False):
+    """CPU time of the minimal loop."""
+    reference = [fmu.reference] if get else []
+    return cost([WORK / "minimal", fmu.binary, fmu.guid, fmu.resources, step, steps, runs, *reference]).cpu
 
 
 def direct(step, steps, runs):

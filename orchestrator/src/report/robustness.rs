@@ -144,7 +144,7 @@ fn groups(result: &Robustness) -> Vec<Group> {
 /// One map in nine shades.
 fn picture(result: &Robustness, map: &Map, what: &str, values: &[f64], range: [f64; 2]) -> String {
     const SHADES: usize = 9;
-    const LEFT: f64 = 46.0;
+    const LEFT: f64 = 56.0;
     const SIDE: f64 = 180.0;
     let cell = SIDE / CELLS as f64;
     let span = (range[1] - range[0]).max(f64::MIN_POSITIVE);
@@ -202,9 +202,17 @@ fn picture(result: &Robustness, map: &Map, what: &str, values: &[f64], range: [f
         .fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], v| {
             [l.min(*v), h.max(*v)]
         });
+    let _ = write!(
+        out,
+        "<text class=\"tick\" x=\"{:.0}\" y=\"{:.0}\" text-anchor=\"middle\">{} … {}</text>",
+        LEFT + SIDE / 2.0,
+        SIDE + 53.0,
+        number(low, 4),
+        number(high, 4)
+    );
     format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"plot map\" viewBox=\"0 0 236 {:.0}\" role=\"img\" aria-label=\"{}\">{out}</svg>",
-        SIDE + 44.0,
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"plot map\" viewBox=\"0 0 246 {:.0}\" role=\"img\" aria-label=\"{}\">{out}</svg>",
+        SIDE + 58.0,
         escape(&format!(
             "{what} over {} and {}: {} to {}",
             name(map.x),

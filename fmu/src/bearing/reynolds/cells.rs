@@ -63,6 +63,8 @@ pub(super) struct Cells {
     pub(super) content: Vec<f64>,
     /// Which cells are full (in the set).
     pub(super) full: Vec<bool>,
+    /// How often each cell has moved into or out of the set in this stage.
+    moves: Vec<u8>,
     /// Conductances of the edge before each cell around the bush.
     conduct_along: Vec<f64>,
     /// Conductances of the edge before each cell's row, and a last row's to the open end.
@@ -77,6 +79,9 @@ pub(super) struct Cells {
 /// A share of the clearance that is lost in rounding: less inflow or suction than makes this much in a stage
 /// does not move a cell into or out of the set.
 const ROUNDING: f64 = 1e-13;
+
+/// A cell changes sides at most this often in a stage.
+const MOVES: u8 = 6;
 
 /// What drives the film in one implicit Euler stage.
 #[derive(Clone, Copy, Debug)]
@@ -131,6 +136,7 @@ impl Cells {
             pressure: vec![0.0; cells],
             content: vec![1.0; cells],
             full: vec![true; cells],
+            moves: vec![0; cells],
             conduct_along: vec![0.0; cells],
             conduct_across: vec![0.0; columns * (rows + 1)],
             matrix: ProfileLu::default(),
@@ -260,11 +266,11 @@ impl Cells {
         let tension = -ROUNDING / stage.duration;
         for cell in 0..self.count() {
             if self.full[cell] {
-                if self.pressure[cell] < tension {
+                if self.pressure[cell] < tension && self.may_move(cell) {
                     self.full[cell] = false;
                     moved += 1;
                 }
-            } else if self.content[cell] > 1.0 + ROUNDING {
+            } else if self.content[cell] > 1.0 + ROUNDING && self.may_move(cell) {
                 self.full[cell] = true;
                 moved += 1;
             }
@@ -292,9 +298,12 @@ impl Cells {
                     }
                     inflow > ROUNDING * self.area(i, j) / stage.duration
                 };
-                if fills != self.full[cell] {
+                let fills = if fills != self.full[cell] && self.may_move(cell) {
                     moved += 1;
-                }
+                    fills
+                } else {
+                    self.full[cell]
+                };
                 // The flag of this pass; `full` must stay as it is until all cells are seen.
                 self.content[cell] = if fills { 1.0 } else { 0.0 };
             }
@@ -307,6 +316,18 @@ impl Cells {
             }
         }
         moved
+    }
+
+    /// Begins a stage: every cell may move again.
+    pub(super) fn begin(&mut self) {
+        self.moves.fill(0);
+    }
+
+    /// Whether a cell that should change sides may: one that keeps going to and fro, on the brink of
+    /// rupture, stays where it is for the rest of the stage. Its balance is solved all the same.
+    fn may_move(&mut self, cell: usize) -> bool {
+        self.moves[cell] = self.moves[cell].saturating_add(1);
+        self.moves[cell] <= MOVES
     }
 
     /// Volume rate that would have to leave a full cell by pressure alone.

@@ -496,6 +496,7 @@ impl ReynoldsFilm {
         if floats {
             return Ok(self.float(start, rotation * duration));
         }
+        self.cells.begin();
         let mut eps = self.reachable(guess);
         if self.cells.is_empty() {
             self.cells.fill_towards(load);

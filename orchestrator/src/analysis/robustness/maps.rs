@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 /// Cells along each side.
 pub const CELLS: usize = 20;
 /// So many samples of the other parameters a cell.
-const OTHERS: usize = 40;
+const OTHERS: usize = 100;
 
 /// A map over two parameters.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
