@@ -1,11 +1,10 @@
 //! Ties the section `[identify]` of a study to its FMU and its table.
 
-use toml::Spanned;
-
+use super::cases::Columns;
 use super::problem::{Case, Free, Interval, Latent, Measured, Prior, Problem, Quantity, Scale};
 use super::settings::{Exception, FreeText, LatentText, MeasuredText, Settings};
 use crate::fmu::{Description, Variable};
-use crate::source::{Table, TableError};
+use crate::source::TableError;
 use crate::study::plan::{Plan, find, slot_of};
 use crate::study::quantity::{Scale as UnitScale, Sense};
 use crate::study::{Name, Quantity as Text, Statistic, Study, StudyError};
@@ -366,80 +365,4 @@ fn accuracy(text: &MeasuredText, value: f64, scale: &UnitScale<'_>) -> Result<f6
             text.accuracy
         ))
     }
-}
-
-/// The columns of the table that the section names, or a single case without any.
-struct Columns {
-    names: Vec<String>,
-    rows: Vec<Vec<f64>>,
-    labels: Vec<u64>,
-}
-
-impl Columns {
-    fn read(study: &Study, settings: &Settings) -> Result<Self, BindError> {
-        let known = settings
-            .known
-            .iter()
-            .map(|(name, known)| (name, Some(&known.column)));
-        let latent = settings
-            .latent
-            .iter()
-            .map(|(name, latent)| (name, latent.column.as_ref()));
-        let measured = settings
-            .measured
-            .iter()
-            .map(|(name, text)| (name, text.column.as_ref()));
-        let named: Vec<(&Name, &String)> = known
-            .chain(latent)
-            .chain(measured)
-            .filter_map(|(name, column)| Some((name, column?)))
-            .collect();
-        let Some(path) = &settings.cases else {
-            if let Some((name, column)) = named.first() {
-                let message = format!(
-                    "column `{column}` of which table? `cases` is missing under [identify]"
-                );
-                return Err(study.error_at(name, message).into());
-            }
-            return Ok(Self {
-                names: Vec::new(),
-                rows: vec![Vec::new()],
-                labels: vec![1],
-            });
-        };
-        let wanted: Vec<(Vec<String>, String)> = named
-            .iter()
-            .map(|(name, column)| (vec![(*column).clone()], name.as_ref().clone()))
-            .collect();
-        let table = Table::read(&beside(study, path), &wanted)?;
-        Ok(Self {
-            names: named
-                .into_iter()
-                .map(|(_, column)| column.clone())
-                .collect(),
-            rows: table.rows,
-            labels: table.labels,
-        })
-    }
-
-    fn cases(&self) -> usize {
-        self.rows.len()
-    }
-
-    fn column(&self, name: &str) -> Vec<f64> {
-        // Every column that the section names was read.
-        let place = self.names.iter().position(|own| own == name);
-        place.map_or_else(Vec::new, |place| {
-            self.rows.iter().map(|row| row[place]).collect()
-        })
-    }
-}
-
-/// A path that the study gives relative to itself.
-fn beside(study: &Study, path: &Spanned<std::path::PathBuf>) -> std::path::PathBuf {
-    study
-        .path()
-        .parent()
-        .unwrap_or("".as_ref())
-        .join(path.as_ref())
 }

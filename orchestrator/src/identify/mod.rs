@@ -13,6 +13,7 @@
 //! - [`outcome`] is the result for programs and for people.
 
 pub mod bind;
+mod cases;
 pub mod local;
 pub mod model;
 pub mod objective;

@@ -158,13 +158,11 @@ fn goodness(text: &mut String, outcome: &Outcome) {
         digits(*cost)
     );
     const DOUBTFUL: f64 = 0.001;
-    if outcome
-        .probability
-        .is_some_and(|probability| probability < DOUBTFUL)
-    {
+    let doubtful = |probability| probability < DOUBTFUL;
+    if outcome.end == End::Converged && outcome.probability.is_some_and(doubtful) {
         let _ = writeln!(
             text,
-            "the model misses the measurement by more than the accuracies allow: they, or the model, are too good to be true"
+            "the model misses the measurement by more than the stated accuracies allow"
         );
     }
     let close = search
