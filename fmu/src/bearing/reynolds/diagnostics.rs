@@ -167,7 +167,7 @@ fn sum(film: &ReynoldsFilm, stage: &Stage<'_>, drive: &Drive) -> Sums {
             // Oil that comes into a full cell from a less full one, or fills it up, arrives without
             // the pressure: its work is lost.
             let conserving = cells.conserves_mass();
-            if p > 0.0 && conserving {
+            if p != 0.0 && conserving {
                 let upstream = if stage.rotation > 0.0 {
                     left
                 } else {
