@@ -171,7 +171,7 @@ def boundary(scale, fmu):
     return rows
 
 
-def isolation(scale, stand, trivial):
+def isolation(scale, trivial):
     """Worker processes over the orchestrator's own process, a point, all CPU time counted."""
     rows = []
     for name, study, few, many in [
