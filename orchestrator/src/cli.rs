@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
+use crate::analysis::sensitivity::sobol::FirstOrder;
+
 use crate::commands::Until;
 use crate::session::Shard;
 
@@ -43,6 +45,8 @@ pub enum Command {
     Report(Report),
     /// Tells which parameter matters: Sobol indices, screening, or from existing points
     Sensitivity(Sensitivity),
+    /// Tells how far the parameters may go: maps, the largest box and ellipsoid, margins
+    Robustness(Robustness),
     /// Aligns measured signals and derives criteria with their uncertainty
     Synchronise(Synchronise),
 }
@@ -255,6 +259,9 @@ pub struct Sensitivity {
     /// Base points of the Sobol indices; the runs are this many times the parameters and two more
     #[arg(long, value_name = "N", default_value_t = 256)]
     pub base: u64,
+    /// How first-order indices are estimated
+    #[arg(long, value_enum, default_value_t)]
+    pub estimator: FirstOrder,
     /// Morris screening with so many trajectories instead of Sobol indices
     #[arg(long, value_name = "R", conflicts_with = "base")]
     pub morris: Option<usize>,
@@ -291,4 +298,36 @@ pub struct Synchronise {
     /// The folder for the results
     #[arg(long, value_name = "DIR", default_value = "results/measured")]
     pub output: PathBuf,
+}
+
+/// Options of `robustness`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Example: orchestrator robustness studies/paper-table3.toml \
+    --from results/paper-table3 --level 0.9"
+)]
+pub struct Robustness {
+    /// The study
+    pub study: PathBuf,
+    /// The folder of the finished study [default: results/ and the study's name]
+    #[arg(long, value_name = "DIR")]
+    pub from: Option<PathBuf>,
+    /// The verification probability that box and ellipsoid must hold
+    #[arg(long, value_name = "P", default_value_t = 0.9)]
+    pub level: f64,
+    /// Confirm the box by so many new runs
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub confirm: usize,
+    /// The seed
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    pub seed: u64,
+    /// Another FMU than the study's
+    #[arg(long, value_name = "FMU")]
+    pub fmu: Option<PathBuf>,
+    /// How many runs at a time [default: the number of cores]
+    #[arg(long, value_name = "J")]
+    pub jobs: Option<usize>,
+    /// The folder for the results [default: that of the study]
+    #[arg(long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
 }

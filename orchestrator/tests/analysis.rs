@@ -1,5 +1,7 @@
 //! The commands that make an answer of points and signals, seen from outside.
 
+#![allow(clippy::unwrap_used)]
+
 mod support;
 
 use std::f64::consts::TAU;
@@ -102,6 +104,43 @@ fn sensitivity_from_existing_points_and_by_screening() {
         json(&bench, "m/sensitivity.json")["outputs"][0]["dominant"],
         "lag.rate"
     );
+}
+
+#[test]
+fn robustness_finds_the_room_and_confirms_it() {
+    let bench = bench();
+    bench.run(&["verify", "study.toml", "--output", "out"]);
+    let said = bench.run(&[
+        "robustness",
+        "study.toml",
+        "--from",
+        "out",
+        "--confirm",
+        "200",
+    ]);
+    assert_eq!(said.code, 0, "{}{}", said.out, said.err);
+    let result = json(&bench, "out/robustness.json");
+    // y = 1 - exp(-2 rate) within 0.86 +- 0.02 is rate = 0.9163 .. 1.0601.
+    let margin = |side: &str| result["margins"][0][side][0].as_f64().unwrap();
+    assert!(
+        (margin("low") - 0.9163).abs() < 0.01 && (margin("high") - 1.0601).abs() < 0.01,
+        "{result}"
+    );
+    assert!(said.out.contains("200 fresh runs"), "{}", said.out);
+    assert!(bench.read("out/report.html").contains("id=\"robustness\""));
+    bench
+        .run(&[
+            "robustness",
+            "study.toml",
+            "--from",
+            "out",
+            "--level",
+            "1.5",
+        ])
+        .is_mistake(&["--level"]);
+    bench
+        .run(&["robustness", "study.toml", "--from", "none"])
+        .is_mistake(&["none holds no study"]);
 }
 
 const SETTINGS: &str = r#"

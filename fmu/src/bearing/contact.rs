@@ -22,11 +22,11 @@ pub struct Surface {
 impl Default for Surface {
     fn default() -> Self {
         Self {
-            roughness: 2.2e-6,
+            roughness: 5.0e-6,
             asperity_density: 0.05,
             asperity_slope: 0.01,
             composite_modulus: 80e9,
-            boundary_friction: 0.10,
+            boundary_friction: 0.05,
         }
     }
 }

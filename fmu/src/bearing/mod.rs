@@ -13,7 +13,7 @@ pub mod resolved;
 pub mod reynolds;
 
 use contact::{Contact, ContactTable};
-use mobility::{MapError, MobilityMap, MobilitySlice};
+use mobility::{MapError, MobilityMap, MobilitySlice, SliceFamily};
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 use std::sync::LazyLock;
@@ -115,8 +115,9 @@ pub struct Prepared {
 /// The journal never reaches the bush: beyond this ratio the film is computed as at it.
 const LARGEST_ECCENTRICITY_RATIO: f64 = 1.0 - 1e-9;
 
-/// The map as it was shipped; decoded once.
-static MAP: LazyLock<Result<MobilityMap, MapError>> = LazyLock::new(MobilityMap::built_in);
+/// The map as it was shipped; prepared once.
+static MAP: LazyLock<Result<SliceFamily, MapError>> =
+    LazyLock::new(|| MobilityMap::built_in().map(|map| SliceFamily::new(&map)));
 
 impl Prepared {
     /// Prepares a bearing.

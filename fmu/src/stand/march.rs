@@ -10,9 +10,11 @@ use crate::thermal::Temperatures;
 /// Fewer turns than this are resolved, each.
 const FEWEST_TURNS: f64 = 12.0;
 /// The turns that are resolved at the end of a leap.
-const TURNS_AT_THE_END: usize = 2;
+const TURNS_AT_THE_END: usize = 1;
 /// The journal is near its orbit when a turn moves it by less than this part of the clearance.
-const SETTLED: f64 = 1e-3;
+const SETTLED: f64 = 1e-2;
+/// After so many turns it leaps from wherever it is: what is left of its way to the orbit is little heat.
+const MOST_SETTLING_TURNS: usize = 2;
 /// Steps of the Reynolds film in a turn, at the least: load and speed vary linearly within one.
 const FILM_STEPS_PER_TURN: f64 = 100.0;
 /// The longest step of the Reynolds film, s.
@@ -91,12 +93,14 @@ impl Stand {
         let before = self.state;
         let period = self.period();
         let mut left = (span / period) as usize;
+        let mut settling = MOST_SETTLING_TURNS;
         while left > TURNS_AT_THE_END {
             let start = self.state.eccentricity;
             self.resolve(period)?;
             left -= 1;
             let end = self.state.eccentricity;
-            let settled = (end[0] - start[0]).hypot(end[1] - start[1]) < SETTLED;
+            settling -= 1;
+            let settled = settling == 0 || (end[0] - start[0]).hypot(end[1] - start[1]) < SETTLED;
             if !settled || left <= TURNS_AT_THE_END {
                 continue;
             }

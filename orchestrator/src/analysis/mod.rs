@@ -4,6 +4,8 @@
 //! or plain slices; the output is numbers with their uncertainty.
 
 pub mod from_results;
+pub mod pareto;
+pub mod robustness;
 pub mod sensitivity;
 pub mod synchronise;
 pub mod table;

@@ -68,6 +68,7 @@ pub(super) fn run(options: &Identify) -> Result<ExitCode, CommandError> {
     });
     let outcome = found.map_err(|error: SearchError| CommandError::Search(error.to_string()))?;
     write(&folder, &study, &outcome)?;
+    write_cases(&folder, &study, &settings, &outcome)?;
     output::print(&format!(
         "{}results in {}\n",
         text::summary(&outcome),
@@ -118,11 +119,7 @@ struct Key {
 
 fn key(study: &Study, package: &Package, settings: &Settings) -> Result<Key, CommandError> {
     let table = settings.cases.as_ref().map(|path| {
-        let path = study
-            .path()
-            .parent()
-            .unwrap_or("".as_ref())
-            .join(path.as_ref());
+        let path = beside(study, path.as_ref());
         fs::read_to_string(&path).map_err(ResultsError::io(&path))
     });
     Ok(Key {
@@ -197,6 +194,56 @@ fn write(folder: &Path, study: &Study, outcome: &Outcome) -> Result<(), CommandE
         write!(out, "{}", text::fixed_section(&name, outcome))
     })?;
     Ok(())
+}
+
+/// The table of cases with the latent parameters' most probable values in place of what it had.
+fn write_cases(
+    folder: &Path,
+    study: &Study,
+    settings: &Settings,
+    outcome: &Outcome,
+) -> Result<(), CommandError> {
+    let Some(path) = &settings.cases else {
+        return Ok(());
+    };
+    let path = beside(study, path.as_ref());
+    let failed = |error: csv::Error| ResultsError::Content {
+        path: path.clone(),
+        message: error.to_string(),
+    };
+    let mut reader = csv::ReaderBuilder::new()
+        .trim(csv::Trim::All)
+        .comment(Some(b'#'))
+        .from_path(&path)
+        .map_err(failed)?;
+    let header = reader.headers().map_err(failed)?.clone();
+    let latents = settings.latent.values();
+    let places: Vec<Option<usize>> = latents
+        .map(|latent| {
+            header
+                .iter()
+                .position(|name| Some(name) == latent.column.as_deref())
+        })
+        .collect();
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record(&header).map_err(failed)?;
+    for (record, case) in reader.records().zip(&outcome.cases) {
+        let mut cells: Vec<String> = record.map_err(failed)?.iter().map(str::to_owned).collect();
+        for (place, latent) in places.iter().zip(&case.latents) {
+            if let Some(cell) = place.and_then(|place| cells.get_mut(place)) {
+                *cell = text::digits(latent.value).to_string();
+            }
+        }
+        writer.write_record(&cells).map_err(failed)?;
+    }
+    let bytes = writer.into_inner().unwrap_or_default();
+    write_atomically(&folder.join("cases.csv"), |out| out.write_all(&bytes))?;
+    Ok(())
+}
+
+/// A path that the study gives relative to itself.
+fn beside(study: &Study, path: &Path) -> PathBuf {
+    study.path().parent().unwrap_or("".as_ref()).join(path)
 }
 
 /// Progress on standard error, when that is a terminal.

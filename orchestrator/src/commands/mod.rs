@@ -10,6 +10,7 @@ mod output;
 mod progress;
 mod replay;
 mod report;
+mod robustness;
 mod sensitivity;
 mod simulate;
 mod stop;
@@ -100,6 +101,7 @@ pub fn run(cli: Cli) -> Result<ExitCode, CommandError> {
         Command::Worker => servant::end(servant::serve()),
         Command::Report(options) => report::run(&options),
         Command::Sensitivity(options) => sensitivity::run(&options),
+        Command::Robustness(options) => robustness::run(&options),
         Command::Synchronise(options) => synchronise::run(&options),
     }
 }

@@ -27,20 +27,24 @@ pub(super) fn complete(
     folder: &Path,
     study: &Study,
     plan: &Plan,
-    package: &mut Package,
+    package: &Package,
     summary: &Summary,
 ) -> Result<(), CommandError> {
     keep_study(folder, study)?;
     let trajectory = folder.join(history::FILE);
     // A failure here takes nothing away from the verdict: the page then shows no trajectory.
-    match summary
+    let recorded = summary
         .best_point
         .as_ref()
         .map(|best| record(best, plan, package))
-    {
-        Some(Ok(text)) => fs::write(&trajectory, text).map_err(ResultsError::io(&trajectory))?,
-        _ => {
+        .transpose();
+    match recorded {
+        Ok(Some(text)) => fs::write(&trajectory, text).map_err(ResultsError::io(&trajectory))?,
+        other => {
             let _ = fs::remove_file(&trajectory);
+            if let Err(error) = other {
+                eprintln!("note: the page shows no trajectory of the best point: {error}");
+            }
         }
     }
     Report::from_folder(folder)?.write(folder)?;
@@ -55,7 +59,7 @@ pub(super) fn keep_study(folder: &Path, study: &Study) -> Result<(), CommandErro
 }
 
 /// The best point's criteria over time, as a table.
-fn record(best: &BestPoint, plan: &Plan, package: &mut Package) -> Result<String, CommandError> {
+fn record(best: &BestPoint, plan: &Plan, package: &Package) -> Result<String, CommandError> {
     let parameters: Vec<f64> = best.parameters.values().copied().collect();
     let mut values = Vec::new();
     plan.to_fmu(&parameters, &mut values);
@@ -75,7 +79,9 @@ fn record(best: &BestPoint, plan: &Plan, package: &mut Package) -> Result<String
     });
     text.push('\n');
     let mut row = vec![0.0; references.len()];
-    Runner::new(package.load()?, task).trajectory(&values, |time, instance| {
+    // The run's own copy of the FMU may be gone by now.
+    let library = Package::open(package.path())?.load()?;
+    Runner::new(library, task).trajectory(&values, |time, instance| {
         instance.reals(&references, &mut row)?;
         text.push_str(&time.to_string());
         for (value, &k) in row.iter().zip(&probes) {

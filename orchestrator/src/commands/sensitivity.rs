@@ -14,7 +14,7 @@ use crate::analysis::table::PointTable;
 use crate::cli;
 use crate::report::format::number;
 use crate::report::{Report, sensitivity};
-use crate::results::{ResultsError, write_atomically};
+use crate::results::{ResultsError, points, write_atomically};
 
 pub(super) fn run(options: &cli::Sensitivity) -> Result<ExitCode, CommandError> {
     let (folder, result) = match &options.from {
@@ -30,8 +30,8 @@ pub(super) fn run(options: &cli::Sensitivity) -> Result<ExitCode, CommandError> 
                 PathBuf::from("results").join(stem)
             });
             let result = match options.morris {
-                Some(trajectories) => screen(&mut batch, trajectories, options.seed)?,
-                None => indices(&mut batch, options.base, options.seed)?,
+                Some(trajectories) => screen(&mut batch, trajectories, options.seed, &folder)?,
+                None => indices(&mut batch, options, &folder)?,
             };
             (folder, result)
         }
@@ -49,7 +49,12 @@ pub(super) fn run(options: &cli::Sensitivity) -> Result<ExitCode, CommandError> 
     Ok(ExitCode::SUCCESS)
 }
 
-fn indices(batch: &mut Batch, base: u64, seed: u64) -> Result<Sensitivity, CommandError> {
+fn indices(
+    batch: &mut Batch,
+    options: &cli::Sensitivity,
+    folder: &Path,
+) -> Result<Sensitivity, CommandError> {
+    let (base, seed) = (options.base, options.seed);
     let varied = batch.varied();
     let pairs =
         batch::cube(2 * varied.len(), base, seed).map_err(|message| CommandError::Option {
@@ -57,10 +62,16 @@ fn indices(batch: &mut Batch, base: u64, seed: u64) -> Result<Sensitivity, Comma
             message,
         })?;
     let rows = simulate(batch, &sobol::design(&pairs))?;
-    Ok(from_sobol(&rows, seed))
+    keep_runs(folder, &rows)?;
+    Ok(from_sobol(&rows, options.estimator, seed))
 }
 
-fn screen(batch: &mut Batch, trajectories: usize, seed: u64) -> Result<Sensitivity, CommandError> {
+fn screen(
+    batch: &mut Batch,
+    trajectories: usize,
+    seed: u64,
+    folder: &Path,
+) -> Result<Sensitivity, CommandError> {
     const LEVELS: usize = 4;
     // The ends of a distribution may reach far; the grid covers its middle 98 %.
     let cube = morris::design(batch.varied().len(), trajectories.max(2), LEVELS, seed);
@@ -69,6 +80,7 @@ fn screen(batch: &mut Batch, trajectories: usize, seed: u64) -> Result<Sensitivi
         .map(|row| row.iter().map(|u| 0.01 + 0.98 * u).collect())
         .collect();
     let rows = simulate(batch, &middle)?;
+    keep_runs(folder, &rows)?;
     Ok(from_morris(&cube, &rows, seed))
 }
 
@@ -91,6 +103,35 @@ fn write(folder: &Path, result: &Sensitivity) -> Result<(), CommandError> {
     write_atomically(&folder.join(sensitivity::FILE), |out| {
         serde_json::to_writer_pretty(&mut *out, result)?;
         writeln!(out)
+    })?;
+    Ok(())
+}
+
+/// Writes the runs in the order of their design, for other programs to analyse.
+fn keep_runs(folder: &Path, rows: &PointTable) -> Result<(), CommandError> {
+    std::fs::create_dir_all(folder).map_err(ResultsError::io(folder))?;
+    let parameters = rows
+        .parameters
+        .iter()
+        .map(|p| (p.name.as_str(), p.values.as_slice()));
+    let criteria = rows
+        .criteria
+        .iter()
+        .map(|c| (c.name.as_str(), c.values.as_slice()));
+    let columns: Vec<(&str, &[f64])> = parameters.chain(criteria).collect();
+    write_atomically(&folder.join("sensitivity-runs.csv"), |out| {
+        let mut table = csv::Writer::from_writer(out);
+        let names = columns.iter().map(|(name, _)| *name);
+        table.write_record(names.chain(["verified", "status"]))?;
+        for row in 0..rows.len() {
+            let cell = |(_, values): &(&str, &[f64])| match values[row] {
+                value if value.is_finite() => points::number(value),
+                _ => String::new(),
+            };
+            let verdict = [rows.verified[row].to_string(), rows.status[row].clone()];
+            table.write_record(columns.iter().map(cell).chain(verdict))?;
+        }
+        table.flush()
     })?;
     Ok(())
 }

@@ -124,7 +124,7 @@ fn residuals(text: &mut String, outcome: &Outcome) {
                 text,
                 "  {:>12} {:>+9}",
                 digits(residual.predicted),
-                digits(residual.difference)
+                Digits(residual.difference, 3)
             );
         }
     }
@@ -139,7 +139,7 @@ fn residuals(text: &mut String, outcome: &Outcome) {
             text,
             "largest misfit of {}: {} {unit} ({:.2} %)",
             worst.quantity,
-            digits(worst.difference),
+            Digits(worst.difference, 3),
             100.0 * worst.relative
         );
     }
@@ -188,22 +188,23 @@ fn goodness(text: &mut String, outcome: &Outcome) {
 }
 
 /// A number with six significant digits.
-fn digits(number: f64) -> Digits {
-    Digits(number)
+pub fn digits(number: f64) -> Digits {
+    Digits(number, 6)
 }
 
-struct Digits(f64);
+/// A number that shows so many significant digits.
+pub struct Digits(f64, i32);
 
 impl std::fmt::Display for Digits {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        const SIGNIFICANT: i32 = 6;
+        let significant = self.1;
         let magnitude = if self.0 == 0.0 {
             0
         } else {
             self.0.abs().log10().floor() as i32
         };
-        let rounded = if (-5..SIGNIFICANT).contains(&magnitude) {
-            let places = (SIGNIFICANT - 1 - magnitude).max(0) as usize;
+        let rounded = if (-5..6).contains(&magnitude) {
+            let places = (significant - 1 - magnitude).max(0) as usize;
             format!("{:.places$}", self.0)
         } else {
             format!("{:.5e}", self.0)

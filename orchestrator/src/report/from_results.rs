@@ -1,6 +1,6 @@
 //! A report from the folder that `verify` leaves behind.
 
-use super::{Reading, Report, ReportError, history, sensitivity};
+use super::{Reading, Report, ReportError, history, robustness, sensitivity};
 use crate::analysis::from_results;
 use crate::results::Summary;
 use crate::results::summary::VariantCount;
@@ -37,6 +37,7 @@ impl Report {
                 .map(|(name, variant)| reading(name, variant))
                 .collect(),
             history: history::read(folder, &table),
+            robustness: robustness::read(folder),
             sensitivity: sensitivity::read(folder),
             study_text,
             table,

@@ -1,16 +1,21 @@
 //! The report: one self-contained page, and its plots as files.
 
+mod best;
 pub mod bins;
+mod counts;
 pub mod figures;
 pub mod format;
 mod from_results;
 pub mod history;
 mod page;
 mod payload;
+mod planes;
+pub mod robustness;
 pub mod sensitivity;
 pub mod svg;
 
 use crate::analysis::from_results::FolderError;
+use crate::analysis::robustness::Robustness;
 use crate::analysis::sensitivity::study::Sensitivity;
 use crate::analysis::table::PointTable;
 use figures::Series;
@@ -36,6 +41,8 @@ pub struct Report {
     pub history: Vec<Series>,
     /// Which parameter matters, where that was computed.
     pub sensitivity: Option<Sensitivity>,
+    /// How far the parameters may go, where that was computed.
+    pub robustness: Option<Robustness>,
     /// What is needed to get the same result again: versions, seed, hashes.
     pub provenance: Vec<(String, String)>,
     /// The command that reproduces the result.

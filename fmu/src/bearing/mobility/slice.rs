@@ -7,7 +7,7 @@ use super::map::CHANNELS;
 use super::spline::{End, hermite, slopes};
 
 /// Of each quantity: value, slope over `u`, slope over `s` and twist.
-type Node = [[f64; CHANNELS]; 4];
+pub(super) type Node = [[f64; CHANNELS]; 4];
 
 /// The mobility of bearings of one `B/D`: the map's quantities over `u` and `s`, once continuously
 /// differentiable.
@@ -51,14 +51,14 @@ const SYMMETRY: [End; CHANNELS] = [End::Even, End::Odd, End::Even, End::Even];
 
 impl MobilitySlice {
     /// From node values, by `u`, then `s`, then channel.
-    pub(super) fn new(values: &[f64], us: usize, ss: usize, last_u: f64) -> Self {
+    pub(super) fn new(values: &[f32], us: usize, ss: usize, last_u: f64) -> Self {
         let mut nodes = vec![Node::default(); us * ss];
         for (channel, symmetry) in SYMMETRY.into_iter().enumerate() {
             let values: Vec<f64> = values
                 .iter()
                 .skip(channel)
                 .step_by(CHANNELS)
-                .copied()
+                .map(|&value| f64::from(value))
                 .collect();
             let over_u = over_u(&values, us, ss);
             let ends = [symmetry; 2];
@@ -83,6 +83,16 @@ impl MobilitySlice {
             last_s: (ss - 1) as f64,
             per_u: last / last_u,
         }
+    }
+
+    /// The nodes, by `u`, then `s`.
+    pub(super) fn nodes(&self) -> &[Node] {
+        &self.nodes
+    }
+
+    /// A slice over the same points.
+    pub(super) fn with_nodes(&self, nodes: Vec<Node>) -> Self {
+        Self { nodes, ..*self }
     }
 
     /// The mobility along the eccentricity and 90 degrees ahead of it, at the eccentricity ratio

@@ -63,6 +63,8 @@ pub(super) struct Cells {
     pub(super) content: Vec<f64>,
     /// Which cells are full (in the set).
     pub(super) full: Vec<bool>,
+    /// How often each cell has moved into or out of the set in this stage.
+    moves: Vec<u8>,
     /// Conductances of the edge before each cell around the bush.
     conduct_along: Vec<f64>,
     /// Conductances of the edge before each cell's row, and a last row's to the open end.
@@ -73,6 +75,13 @@ pub(super) struct Cells {
     /// The place of each column in the linear system.
     place: Vec<usize>,
 }
+
+/// A share of the clearance that is lost in rounding: less inflow or suction than makes this much in a stage
+/// does not move a cell into or out of the set.
+const ROUNDING: f64 = 1e-13;
+
+/// A cell changes sides at most this often in a stage.
+const MOVES: u8 = 6;
 
 /// What drives the film in one implicit Euler stage.
 #[derive(Clone, Copy, Debug)]
@@ -91,6 +100,8 @@ pub(super) struct Stage<'a> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Response {
     pub(super) load: Vector2<f64>,
+    /// The sum of the sizes of what adds up to the load.
+    pub(super) size: f64,
     pub(super) slope: nalgebra::Matrix2<f64>,
 }
 
@@ -125,6 +136,7 @@ impl Cells {
             pressure: vec![0.0; cells],
             content: vec![1.0; cells],
             full: vec![true; cells],
+            moves: vec![0; cells],
             conduct_along: vec![0.0; cells],
             conduct_across: vec![0.0; columns * (rows + 1)],
             matrix: ProfileLu::default(),
@@ -206,6 +218,7 @@ impl Cells {
         let rows = self.grid.rows();
         let mut sums = Response {
             load: Vector2::zeros(),
+            size: 0.0,
             slope: nalgebra::Matrix2::zeros(),
         };
         for (i, mean) in self.directions.mean.iter().enumerate() {
@@ -220,6 +233,7 @@ impl Cells {
             }
             let normal = mean * self.grid.theta_width(i);
             sums.load += normal * sum[0];
+            sums.size += (sum[0] * self.grid.theta_width(i)).abs();
             sums.slope -= normal * Vector2::new(sum[1], sum[2]).transpose();
         }
         sums
@@ -242,20 +256,21 @@ impl Cells {
             }
         }
         match self.cavitation {
-            Cavitation::MassConserving => self.move_by_content(),
+            Cavitation::MassConserving => self.move_by_content(stage),
             Cavitation::NonNegative => self.move_by_inflow(gap, stage),
         }
     }
 
-    fn move_by_content(&mut self) -> usize {
+    fn move_by_content(&mut self, stage: &Stage<'_>) -> usize {
         let mut moved = 0;
+        let tension = -ROUNDING / stage.duration;
         for cell in 0..self.count() {
             if self.full[cell] {
-                if self.pressure[cell] < 0.0 {
+                if self.pressure[cell] < tension && self.may_move(cell) {
                     self.full[cell] = false;
                     moved += 1;
                 }
-            } else if self.content[cell] > 1.0 {
+            } else if self.content[cell] > 1.0 + ROUNDING && self.may_move(cell) {
                 self.full[cell] = true;
                 moved += 1;
             }
@@ -281,11 +296,14 @@ impl Cells {
                     for side in self.couplings(i, j, gap, stage.rotation) {
                         inflow += side.conductance * self.pressure[side.cell];
                     }
-                    inflow > 0.0
+                    inflow > ROUNDING * self.area(i, j) / stage.duration
                 };
-                if fills != self.full[cell] {
+                let fills = if fills != self.full[cell] && self.may_move(cell) {
                     moved += 1;
-                }
+                    fills
+                } else {
+                    self.full[cell]
+                };
                 // The flag of this pass; `full` must stay as it is until all cells are seen.
                 self.content[cell] = if fills { 1.0 } else { 0.0 };
             }
@@ -298,6 +316,18 @@ impl Cells {
             }
         }
         moved
+    }
+
+    /// Begins a stage: every cell may move again.
+    pub(super) fn begin(&mut self) {
+        self.moves.fill(0);
+    }
+
+    /// Whether a cell that should change sides may: one that keeps going to and fro, on the brink of
+    /// rupture, stays where it is for the rest of the stage. Its balance is solved all the same.
+    fn may_move(&mut self, cell: usize) -> bool {
+        self.moves[cell] = self.moves[cell].saturating_add(1);
+        self.moves[cell] <= MOVES
     }
 
     /// Volume rate that would have to leave a full cell by pressure alone.
@@ -512,6 +542,12 @@ impl Cells {
         !self.full.contains(&true)
     }
 
+    /// Takes all pressure off.
+    pub(super) fn empty(&mut self) {
+        self.full.fill(false);
+        self.pressure.fill(0.0);
+    }
+
     /// Where a film without conserved mass is empty, lets a load find something to press on.
     pub(super) fn fill_towards(&mut self, load: Vector2<f64>) {
         if self.cavitation == Cavitation::NonNegative {
@@ -556,11 +592,17 @@ impl Cells {
 
     /// The flow that the mean rotation carries around, averaged over the columns.
     pub(super) fn circulating(&self, gap: &Gap, rotation: f64) -> f64 {
+        rotation.abs() * self.held(gap) / std::f64::consts::TAU
+    }
+
+    /// The mass in the film.
+    pub(super) fn held(&self, gap: &Gap) -> f64 {
         let rows = self.grid.rows();
-        let carried: f64 = (0..self.count())
-            .map(|c| self.share[c % rows] * self.density[c] * self.content[c] * gap.cell[c])
-            .sum();
-        rotation.abs() * carried / self.grid.columns() as f64
+        (0..self.count())
+            .map(|c| {
+                self.area(c / rows, c % rows) * self.density[c] * self.content[c] * gap.cell[c]
+            })
+            .sum()
     }
 }
 

@@ -32,6 +32,9 @@ mod quasi_static;
 mod rheology;
 mod skyline;
 
+#[cfg(test)]
+mod film_tests;
+
 pub use asperities::Asperities;
 pub use cells::Cavitation;
 pub use diagnostics::Diagnostics;

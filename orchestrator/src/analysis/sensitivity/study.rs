@@ -68,7 +68,7 @@ pub fn from_points(table: &PointTable, seed: u64) -> Sensitivity {
         .collect();
     Sensitivity {
         parameters: table.parameters.iter().map(|p| p.name.clone()).collect(),
-        method: "rank correlations and PAWN of existing points".into(),
+        method: "Rank correlations and PAWN of existing points".into(),
         runs: table.len(),
         failed: completed.iter().filter(|c| !**c).count(),
         outputs,
@@ -78,7 +78,7 @@ pub fn from_points(table: &PointTable, seed: u64) -> Sensitivity {
 
 /// Sobol indices from the rows of [`sobol::design`], and everything that points as they are tell:
 /// that from the rows of A and B, which are a plain sample.
-pub fn from_sobol(rows: &PointTable, seed: u64) -> Sensitivity {
+pub fn from_sobol(rows: &PointTable, estimator: sobol::FirstOrder, seed: u64) -> Sensitivity {
     let d = rows.parameters.len();
     let width = d + 2;
     let plain: Vec<usize> = (0..rows.len())
@@ -86,8 +86,8 @@ pub fn from_sobol(rows: &PointTable, seed: u64) -> Sensitivity {
         .collect();
     let mut result = from_points(&rows.subset(&plain), seed);
     for (output, (_, values)) in result.outputs.iter_mut().zip(outputs(rows)) {
-        output.sobol = sobol::indices(&values, d, sobol::FirstOrder::default(), RESAMPLES, seed);
-        output.convergence = sobol::convergence(&values, d, sobol::FirstOrder::default(), 0, seed)
+        output.sobol = sobol::indices(&values, d, estimator, RESAMPLES, seed);
+        output.convergence = sobol::convergence(&values, d, estimator, 0, seed)
             .into_iter()
             .map(|(n, s)| (n, s.total.iter().map(|e| e.value).collect()))
             .collect();
