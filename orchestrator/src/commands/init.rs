@@ -97,7 +97,7 @@ fn criterion(text: &mut String, variable: &Variable) {
     let _ = writeln!(
         text,
         "\n# {about}\n# [criteria.{:?}]\n# variable = {:?}\n# statistic = \"final\" # or mean, min, max, rms, amplitude\n\
-         # nominal = 0\n# tolerance = \"5 %\"",
+         # nominal = 1 # the measured value\n# tolerance = \"5 %\"",
         variable.name.replace('.', "_"),
         variable.name
     );
