@@ -26,6 +26,10 @@ const EXIT: &str = "Exit codes: 0 done (verify, judge: at least one point meets 
 pub enum Command {
     /// Says what an FMU is: variables, units, capabilities, platforms
     Inspect(Inspect),
+    /// Looks at an FMU before it is used: exit code 0 when nothing was found, 1 with findings
+    Check(Check),
+    /// Writes a commented starting study from an FMU's own variables
+    Init(Init),
     /// Simulates an FMU once; the first column is the time, then come the outputs
     Simulate(Simulate),
     /// Simulates a study's points and judges them against the measurement
@@ -38,6 +42,8 @@ pub enum Command {
     Replay(Replay),
     /// Joins shards: the same result as one run
     Merge(Merge),
+    /// Writes the completion script of a shell to standard output
+    Completion(Completion),
     /// Runs points for another process of this program
     #[command(hide = true)]
     Worker,
@@ -60,6 +66,35 @@ pub struct Inspect {
     /// Everything, as JSON
     #[arg(long)]
     pub json: bool,
+}
+
+/// Options of `check`.
+#[derive(Debug, Args)]
+#[command(after_help = "Example: orchestrator check dist/PlainBearingStand.fmu")]
+pub struct Check {
+    /// The FMU
+    pub fmu: PathBuf,
+}
+
+/// Options of `init`.
+#[derive(Debug, Args)]
+#[command(after_help = "Example: orchestrator init dist/PlainBearingStand.fmu --output study.toml")]
+pub struct Init {
+    /// The FMU
+    pub fmu: PathBuf,
+    /// Where to write the study [default: standard output]
+    #[arg(long, value_name = "STUDY.toml")]
+    pub output: Option<PathBuf>,
+}
+
+/// Options of `completion`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Example: orchestrator completion bash > ~/.local/share/bash-completion/completions/orchestrator"
+)]
+pub struct Completion {
+    /// The shell
+    pub shell: clap_complete::Shell,
 }
 
 /// Options of `simulate`.
@@ -115,6 +150,9 @@ pub struct Verify {
     /// How many points at a time [default: the number of cores]
     #[arg(long, value_name = "J")]
     pub jobs: Option<usize>,
+    /// Only say what would be done: points, design, criteria
+    #[arg(long)]
+    pub dry_run: bool,
     /// Continue a study that was interrupted
     #[arg(long)]
     pub resume: bool,

@@ -1,7 +1,10 @@
 //! The commands, one file each.
 
 mod batch;
+mod check;
+mod completion;
 mod identify;
+mod init;
 mod inspect;
 mod judge;
 mod limits;
@@ -92,6 +95,9 @@ pub enum CommandError {
 pub fn run(cli: Cli) -> Result<ExitCode, CommandError> {
     match cli.command {
         Command::Inspect(options) => inspect::run(&options),
+        Command::Check(options) => check::run(&options),
+        Command::Init(options) => init::run(&options),
+        Command::Completion(options) => Ok(completion::run(&options)),
         Command::Simulate(options) => simulate::run(&options),
         Command::Verify(options) => verify::run(&options),
         Command::Identify(options) => identify::run(&options),

@@ -30,6 +30,10 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, CommandError> {
         });
     }
     let folder = output_folder(options);
+    if options.dry_run {
+        output::print(&plan(&session, &folder));
+        return Ok(ExitCode::SUCCESS);
+    }
     let jobs = options
         .jobs
         .unwrap_or_else(|| available_parallelism().map_or(1, Into::into))
@@ -87,6 +91,33 @@ pub(super) fn conclude(
         folder.display()
     ));
     Ok(verdict(summary.verified))
+}
+
+/// What would be done.
+fn plan(session: &Session, folder: &Path) -> String {
+    let schedule = &session.plan.task.schedule;
+    let steps = schedule.steps();
+    let mut text = format!(
+        "{} points of {} steps ({} to {} s) into {}\n",
+        session.expected(),
+        steps,
+        schedule.start,
+        schedule.stop,
+        folder.display()
+    );
+    for input in &session.plan.inputs {
+        let unit = input.unit.as_deref().unwrap_or("");
+        let [low, high] = [0.025, 0.975].map(|u| input.distribution.quantile(u));
+        text += &format!("  {} {low:.5} .. {high:.5} {unit} (95 %)\n", input.name);
+    }
+    text += "accepted when\n";
+    for criterion in &session.judge.criteria {
+        let unit = criterion.unit.as_deref().unwrap_or("");
+        let low = criterion.nominal - criterion.tolerance;
+        let high = criterion.nominal + criterion.tolerance;
+        text += &format!("  {} is {low:.5} .. {high:.5} {unit}\n", criterion.name);
+    }
+    text
 }
 
 fn request(options: &Verify) -> Request {
