@@ -1,1 +1,141 @@
 //! What the integration tests share.
+
+use std::collections::HashMap;
+use std::path::PathBuf;
+
+use orchestrator::fmu::{Description, Package, Value};
+use orchestrator::identify::bind::Bound;
+use orchestrator::identify::problem::Simulate;
+use orchestrator::statistics::Accumulator;
+use orchestrator::study::Statistic;
+use orchestrator::task::Task;
+use plain_bearing_stand::model::{Access, Experiment, Kind, Model, Variable};
+use plain_bearing_stand::stand::Stand;
+
+/// A file of the repository.
+pub fn file(path: &str) -> PathBuf {
+    PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/..")).join(path)
+}
+
+/// The stand's own description, without a binary.
+pub fn package() -> Package {
+    Package::open(&file("modelDescription")).expect("the committed description is readable")
+}
+
+/// The stand without the FMI boundary: an identification's model that needs no packaged FMU.
+#[derive(Debug)]
+pub struct StandModel<'a> {
+    bound: &'a Bound,
+    start: Stand,
+}
+
+impl<'a> StandModel<'a> {
+    /// The stand with the start values that the study fixes.
+    pub fn new(bound: &'a Bound, description: &Description) -> Self {
+        Self {
+            bound,
+            start: stand(&bound.task, description),
+        }
+    }
+
+    /// The stand before one simulation.
+    pub fn stand(&self, case: usize, free: &[f64], latents: &[f64]) -> Stand {
+        let found = free.iter().chain(latents).zip(&self.bound.inputs);
+        let found = found.map(|(&value, conversion)| conversion.value(value));
+        let values = self.bound.known[case].iter().copied().chain(found);
+        let mut stand = self.start.clone();
+        for (slot, value) in self.bound.task.varied.iter().zip(values) {
+            set(&mut stand, &slot.name, &Value::Real(value));
+        }
+        stand
+    }
+}
+
+impl Simulate for StandModel<'_> {
+    fn simulate(&self, case: usize, free: &[f64], latents: &[f64]) -> Result<Vec<f64>, String> {
+        let results = run(self.stand(case, free, latents), &self.bound.task)?;
+        let pairs = results.iter().zip(&self.bound.outputs);
+        Ok(pairs
+            .map(|(&value, conversion)| conversion.value(value))
+            .collect())
+    }
+}
+
+/// The stand with the start values that a task fixes.
+pub fn stand(task: &Task, description: &Description) -> Stand {
+    let variables = description.variables.values();
+    let names: HashMap<u32, &str> = variables
+        .map(|variable| (variable.value_reference, variable.name.as_str()))
+        .collect();
+    let mut stand = Stand::default();
+    for (reference, value) in &task.fixed {
+        set(&mut stand, names[reference], value);
+    }
+    stand
+}
+
+/// Runs a stand as a task says, and returns what it observes, in SI units.
+///
+/// # Errors
+/// Says why the simulation failed.
+pub fn run(mut stand: Stand, task: &Task) -> Result<Vec<f64>, String> {
+    let schedule = task.schedule;
+    let experiment = Experiment {
+        start: schedule.start,
+        stop: Some(schedule.stop),
+        tolerance: schedule.tolerance,
+        resources: None,
+    };
+    stand
+        .initialise(&experiment, &mut ())
+        .map_err(|fault| fault.to_string())?;
+    let mut accumulators = vec![Accumulator::default(); task.observed.len()];
+    for index in 0..schedule.steps() {
+        let (time, next) = (schedule.time(index), schedule.time(index + 1));
+        stand
+            .advance(time, next - time, &mut ())
+            .map_err(|fault| fault.to_string())?;
+        if next >= schedule.window_start {
+            for (accumulator, probe) in accumulators.iter_mut().zip(&task.observed) {
+                accumulator.add(next, get(&stand, &probe.name));
+            }
+        }
+    }
+    let pairs = accumulators.iter().zip(&task.observed);
+    let value =
+        |(accumulator, probe): (&Accumulator, &orchestrator::task::Probe)| match probe.statistic {
+            Statistic::Final => get(&stand, &probe.name),
+            other => accumulator.value(other),
+        };
+    Ok(pairs.map(value).collect())
+}
+
+fn variable(name: &str) -> &'static Variable<Stand> {
+    let variable = Stand::variables()
+        .iter()
+        .find(|variable| variable.name == name);
+    variable.expect("the description has the stand's own variables")
+}
+
+/// Reads a variable of a stand, in SI units.
+pub fn get(stand: &Stand, name: &str) -> f64 {
+    match &variable(name).kind {
+        Kind::Real { access, .. } => (access.get)(stand),
+        _ => panic!("{name} is not a real number"),
+    }
+}
+
+fn set(stand: &mut Stand, name: &str, value: &Value) {
+    match (&variable(name).kind, value) {
+        (
+            Kind::Real {
+                access: Access { set: Some(set), .. },
+                ..
+            },
+            Value::Real(value),
+        ) => {
+            set(stand, value);
+        }
+        _ => panic!("{name} cannot be set to {value:?}"),
+    }
+}

@@ -5,6 +5,7 @@
 //! What they share is [`model`]: a model with variables. Start reading at [`stand`].
 
 pub mod bearing;
+pub mod documentation;
 pub mod drive;
 pub mod fmi2;
 pub mod load;

@@ -5,7 +5,7 @@
 //! Nothing here knows FMI, and nothing here knows bearings.
 
 use std::fmt;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
@@ -70,6 +70,17 @@ pub struct Experiment<'a> {
     pub tolerance: Option<f64>,
     /// The folder of the model's resource files, where there is one.
     pub resources: Option<&'a Path>,
+}
+
+impl Experiment<'_> {
+    /// Where a file that a parameter names is: a relative name is looked up among the model's resources first,
+    /// then in the working directory.
+    pub fn file(&self, name: &str) -> PathBuf {
+        let shipped = self.resources.map(|folder| folder.join(name));
+        shipped
+            .filter(|path| path.is_file())
+            .unwrap_or_else(|| PathBuf::from(name))
+    }
 }
 
 /// Why a model cannot go on.

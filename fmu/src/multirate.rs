@@ -61,22 +61,46 @@ pub fn leap(
             .at(model.viscosity(t[0]))
             .map(|o| o.flows())
     };
-    let rates = |t: &Vector4| -> Result<Vector4, NoLeap> {
-        Ok(vector(&model.thermal_rates(&temperatures(t), &flows(t)?)))
+    let rates = |t: &Vector4, flows: &Flows| vector(&model.thermal_rates(&temperatures(t), flows));
+    // The flows depend on the first unknown, the film's temperature, alone.
+    let jacobian = |t: &Vector4| -> Result<_, NoLeap> {
+        let here = flows(t)?;
+        let at_here = rates(t, &here);
+        let mut matrix = SMatrix::<f64, 4, 4>::zeros();
+        for column in 0..4 {
+            let mut beside = *t;
+            beside[column] += NUDGE;
+            let changed = if column == 0 { flows(&beside)? } else { here };
+            matrix.set_column(column, &((rates(&beside, &changed) - at_here) / NUDGE));
+        }
+        Ok(matrix)
     };
     let integrator = Rodas3 {
-        allowed: [100.0 * tolerance; 4],
+        allowed: [DRIFT_ERROR * tolerance; 4],
         limit: 100_000,
     };
     let mut t = vector(&from.temperatures);
     let span = turns as f64 * model.period();
-    integrator.integrate(rates, |t| jacobian(rates, t), &mut t, span, model.period())?;
-    let orbit = curve.borrow_mut().at(model.viscosity(t[0]))?;
+    integrator.integrate(
+        |t| Ok(rates(t, &flows(t)?)),
+        jacobian,
+        &mut t,
+        span,
+        model.period(),
+    )?;
+    let viscosity = model.viscosity(t[0]);
+    let mut curve = curve.into_inner();
+    let near = curve.at(viscosity)?.start();
     Ok(Landing {
-        eccentricity: orbit.start(),
+        eccentricity: curve.search(viscosity, near, Aim::Place)?.start(),
         temperatures: temperatures(&t),
     })
 }
+
+/// The change of a temperature from which derivatives are taken, K.
+const NUDGE: f64 = 1e-3;
+/// The error allowed in each temperature per step, K, at a relative tolerance of one.
+const DRIFT_ERROR: f64 = 300.0;
 
 type Vector4 = SVector<f64, 4>;
 
@@ -93,36 +117,46 @@ fn temperatures(t: &Vector4) -> Temperatures {
     }
 }
 
-/// Derivatives of the rates over the temperatures by one-sided differences.
-fn jacobian(
-    rates: impl Fn(&Vector4) -> Result<Vector4, NoLeap>,
-    at: &Vector4,
-) -> Result<SMatrix<f64, 4, 4>, NoLeap> {
-    const CHANGE: f64 = 1e-3;
-    let here = rates(at)?;
-    let mut matrix = SMatrix::<f64, 4, 4>::zeros();
-    for column in 0..4 {
-        let mut beside = *at;
-        beside[column] += CHANGE;
-        matrix.set_column(column, &((rates(&beside)? - here) / CHANGE));
-    }
-    Ok(matrix)
-}
-
-/// A periodic orbit: where it begins, and its flows averaged over the turn.
+/// A periodic orbit: where it begins, and the logarithms of its flows averaged over the turn. The flows
+/// go nearly as powers of the viscosity, so their logarithms are nearly straight over its logarithm.
 #[derive(Clone, Copy, Debug, Default)]
 struct Orbit([f64; 5]);
 
+/// Boundary heat is stored on top of this part of the viscous heat: a logarithm wants no zero.
+const PEDESTAL: f64 = 1e-3;
+/// The least viscous heat, W, and side flow, m³/s, for the same reason.
+const LEAST: f64 = 1e-18;
+
 impl Orbit {
+    fn new(start: Vector2<f64>, flows: &Flows) -> Self {
+        let viscous = flows.viscous.max(LEAST);
+        let boundary = flows.boundary.max(0.0) + PEDESTAL * viscous;
+        let side_flow = flows.side_flow.max(LEAST);
+        Self([
+            start.x,
+            start.y,
+            viscous.ln(),
+            boundary.ln(),
+            side_flow.ln(),
+        ])
+    }
+
     fn start(&self) -> [f64; 2] {
         [self.0[0], self.0[1]]
     }
 
+    /// Logarithm of the whole heat.
+    fn log_heat(&self) -> f64 {
+        let flows = self.flows();
+        (flows.viscous + flows.boundary).ln()
+    }
+
     fn flows(&self) -> Flows {
+        let viscous = self.0[2].exp();
         Flows {
-            viscous: self.0[2],
-            boundary: self.0[3],
-            side_flow: self.0[4],
+            viscous,
+            boundary: self.0[3].exp() - PEDESTAL * viscous,
+            side_flow: self.0[4].exp(),
         }
     }
 }
@@ -132,14 +166,43 @@ struct Curve<'a, M> {
     model: &'a M,
     tolerance: f64,
     origin: f64,
+    spacing: f64,
     guess: [f64; 2],
     nodes: BTreeMap<i32, Orbit>,
     /// Approximate derivative of a turn's end over its beginning, minus one.
     slope: Matrix2<f64>,
 }
 
-/// Spacing of the orbits in the logarithm of the viscosity.
-const SPACING: f64 = 0.2;
+/// Spacing of the orbits in the logarithm of the viscosity, at first; it is halved where they bend.
+const SPACING: f64 = 0.35;
+/// The most halvings.
+const HALVINGS: i32 = 4;
+/// The third difference of the heat's logarithm from which on the spacing is halved.
+const BEND: f64 = 0.1;
+
+/// What an orbit is wanted for, which says how closely a turn must come back to its beginning.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Aim {
+    /// For its heat, which feels the place the less the wider the film.
+    Heat,
+    /// For the place itself.
+    Place,
+}
+
+impl Aim {
+    /// How far a turn is from coming back.
+    fn distance(self, start: Vector2<f64>, end: Vector2<f64>) -> f64 {
+        let miss = (end - start).norm();
+        match self {
+            // The film's shear goes as 1/sqrt(1 - e^2), contact as a power of 1/(1 - e).
+            Self::Heat => {
+                let e = start.norm().max(end.norm());
+                miss * e / (1.0 - e).max(1e-6)
+            }
+            Self::Place => miss,
+        }
+    }
+}
 
 impl<'a, M: TwoScales> Curve<'a, M> {
     fn new(model: &'a M, tolerance: f64, from: &Landing) -> Self {
@@ -148,6 +211,7 @@ impl<'a, M: TwoScales> Curve<'a, M> {
             tolerance,
             // The start lies between the two middle nodes of four.
             origin: model.viscosity(from.temperatures.film).ln() - 0.5 * SPACING,
+            spacing: SPACING,
             guess: from.eccentricity,
             nodes: BTreeMap::new(),
             slope: -Matrix2::identity(),
@@ -155,56 +219,91 @@ impl<'a, M: TwoScales> Curve<'a, M> {
     }
 
     fn at(&mut self, viscosity: f64) -> Result<Orbit, NoLeap> {
-        let position = (viscosity.ln() - self.origin) / SPACING;
-        if !position.is_finite() || position.abs() > 1e3 {
-            return Err(NoLeap::NoOrbit(viscosity));
-        }
-        let cell = position.floor();
-        let (s, k) = (position - cell, cell as i32);
-        let weights = [
-            -s * (s - 1.0) * (s - 2.0) / 6.0,
-            (s + 1.0) * (s - 1.0) * (s - 2.0) / 2.0,
-            -(s + 1.0) * s * (s - 2.0) / 2.0,
-            (s + 1.0) * s * (s - 1.0) / 6.0,
-        ];
-        let mut blend = [0.0; 5];
-        for (weight, offset) in weights.into_iter().zip(-1..) {
-            let node = self.node(k + offset)?;
-            for (sum, value) in blend.iter_mut().zip(node.0) {
-                *sum += weight * value;
+        loop {
+            let position = (viscosity.ln() - self.origin) / self.spacing;
+            if !position.is_finite() || position.abs() > 1e3 {
+                return Err(NoLeap::NoOrbit(viscosity));
             }
+            let cell = position.floor();
+            let (s, k) = (position - cell, cell as i32);
+            let nodes = [
+                self.node(k - 1)?,
+                self.node(k)?,
+                self.node(k + 1)?,
+                self.node(k + 2)?,
+            ];
+            let [a, b, c, d] = nodes.map(|node| node.log_heat());
+            let bend = (d - a - 3.0 * (c - b)).abs();
+            if bend > BEND && self.spacing > SPACING * 0.5f64.powi(HALVINGS) {
+                self.halve();
+                continue;
+            }
+            let weights = [
+                -s * (s - 1.0) * (s - 2.0) / 6.0,
+                (s + 1.0) * (s - 1.0) * (s - 2.0) / 2.0,
+                -(s + 1.0) * s * (s - 2.0) / 2.0,
+                (s + 1.0) * s * (s - 1.0) / 6.0,
+            ];
+            let mut blend = [0.0; 5];
+            for (weight, node) in weights.into_iter().zip(nodes) {
+                for (sum, value) in blend.iter_mut().zip(node.0) {
+                    *sum += weight * value;
+                }
+            }
+            return Ok(Orbit(blend));
         }
-        Ok(Orbit(blend))
+    }
+
+    /// Halves the spacing; the orbits stay where they are.
+    fn halve(&mut self) {
+        self.spacing *= 0.5;
+        let nodes = std::mem::take(&mut self.nodes);
+        self.nodes = nodes.into_iter().map(|(k, orbit)| (2 * k, orbit)).collect();
     }
 
     fn node(&mut self, k: i32) -> Result<Orbit, NoLeap> {
         if let Some(orbit) = self.nodes.get(&k) {
             return Ok(*orbit);
         }
-        let viscosity = (self.origin + f64::from(k) * SPACING).exp();
-        let nearest = self.nodes.iter().min_by_key(|(j, _)| j.abs_diff(k));
-        let guess = nearest.map_or(self.guess, |(_, orbit)| orbit.start());
-        let orbit = self.search(viscosity, guess)?;
+        let viscosity = (self.origin + f64::from(k) * self.spacing).exp();
+        let orbit = self.search(viscosity, self.guess(k), Aim::Heat)?;
         self.nodes.insert(k, orbit);
         Ok(orbit)
     }
 
+    /// Where the orbit of node `k` may begin: on the line through the two nearest nodes.
+    fn guess(&self, k: i32) -> [f64; 2] {
+        let mut known: Vec<_> = self.nodes.iter().collect();
+        known.sort_by_key(|(j, _)| j.abs_diff(k));
+        match known[..] {
+            [] => self.guess,
+            [(_, orbit)] => orbit.start(),
+            [(&a, near), (&b, far), ..] => {
+                let t = f64::from(k - a) / f64::from(b - a);
+                let on_line = |i: usize| near.0[i] + t * (far.0[i] - near.0[i]);
+                let guess = [on_line(0), on_line(1)];
+                if guess[0].hypot(guess[1]) < 1.0 {
+                    guess
+                } else {
+                    near.start()
+                }
+            }
+        }
+    }
+
     /// Finds the beginning that a turn returns to, by Broyden's method (Broyden 1965, Math. Comp. 19).
-    fn search(&mut self, viscosity: f64, guess: [f64; 2]) -> Result<Orbit, NoLeap> {
+    fn search(&mut self, viscosity: f64, guess: [f64; 2], aim: Aim) -> Result<Orbit, NoLeap> {
         const TURNS: usize = 60;
-        let close = (10.0 * self.tolerance).clamp(1e-9, 1e-4);
+        let close = match aim {
+            Aim::Heat => (1e3 * self.tolerance).clamp(1e-9, 1e-2),
+            Aim::Place => (1e2 * self.tolerance).clamp(1e-9, 1e-3),
+        };
         let mut start = Vector2::from(guess);
         let (mut end, mut flows) = self.turn(viscosity, start)?;
         for _ in 0..TURNS {
             let miss = end - start;
-            if miss.amax() < close {
-                return Ok(Orbit([
-                    end.x,
-                    end.y,
-                    flows.viscous,
-                    flows.boundary,
-                    flows.side_flow,
-                ]));
+            if aim.distance(start, end) < close {
+                return Ok(Orbit::new(end, &flows));
             }
             let newton = self
                 .slope

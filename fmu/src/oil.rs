@@ -2,9 +2,9 @@
 
 pub mod measured;
 
-use crate::model::Fault;
+use crate::bearing::reynolds::{PressureViscosity, Rheology, ShearThinning};
+use crate::model::{Experiment, Fault};
 use serde::{Deserialize, Serialize};
-use std::path::{Path, PathBuf};
 
 /// The oil's parameters: two points of its viscosity and one of its density.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -19,6 +19,88 @@ pub struct Oil {
     pub viscosity_scale: f64,
     /// A csv file of measured properties that replaces the two viscosities and the density; empty for none.
     pub properties_file: String,
+    /// How the viscosity depends on pressure and shear rate (Reynolds film only).
+    pub thickening: Thickening,
+}
+
+/// How the viscosity depends on pressure and shear rate.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Thickening {
+    /// The law over pressure.
+    pub pressure_law: PressureLaw,
+    /// Pressure-viscosity coefficient, 1/Pa.
+    pub pressure_coefficient: f64,
+    /// The law over the shear rate.
+    pub shear_law: ShearLaw,
+    /// Time constant of the shear law, s.
+    pub shear_time: f64,
+    /// Exponent of the shear law, 1.
+    pub shear_exponent: f64,
+    /// Viscosity at the highest shear rates over that at the lowest, 1.
+    pub shear_limit: f64,
+}
+
+/// The viscosity's law over pressure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum PressureLaw {
+    /// Constant.
+    Constant,
+    /// Barus (1893).
+    Barus,
+    /// Roelands (1966).
+    Roelands,
+}
+
+/// The viscosity's law over the shear rate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ShearLaw {
+    /// Newtonian.
+    Newtonian,
+    /// Cross (1965).
+    Cross,
+    /// Carreau (1972).
+    Carreau,
+}
+
+impl Default for Thickening {
+    fn default() -> Self {
+        Self {
+            pressure_law: PressureLaw::Constant,
+            pressure_coefficient: 2e-8,
+            shear_law: ShearLaw::Newtonian,
+            shear_time: 1e-7,
+            shear_exponent: 0.7,
+            shear_limit: 0.5,
+        }
+    }
+}
+
+impl Thickening {
+    /// The laws as the film's cells use them.
+    pub fn rheology(&self) -> Rheology {
+        let alpha = self.pressure_coefficient;
+        let (limit, time, exponent) = (self.shear_limit, self.shear_time, self.shear_exponent);
+        Rheology {
+            pressure: match self.pressure_law {
+                PressureLaw::Constant => PressureViscosity::None,
+                PressureLaw::Barus => PressureViscosity::Barus { alpha },
+                PressureLaw::Roelands => PressureViscosity::Roelands { alpha },
+            },
+            shear: match self.shear_law {
+                ShearLaw::Newtonian => ShearThinning::None,
+                ShearLaw::Cross => ShearThinning::Cross {
+                    limit,
+                    time,
+                    exponent,
+                },
+                ShearLaw::Carreau => ShearThinning::Carreau {
+                    limit,
+                    time,
+                    exponent,
+                },
+            },
+        }
+    }
 }
 
 impl Default for Oil {
@@ -30,6 +112,7 @@ impl Default for Oil {
             density_15: 880.0,
             viscosity_scale: 1.0,
             properties_file: String::new(),
+            thickening: Thickening::default(),
         }
     }
 }
@@ -54,17 +137,12 @@ pub struct Properties {
 
 impl Oil {
     /// The oil that the parameters describe: that of the properties file where one is named, else the one
-    /// through the two viscosities and the density. A relative file name is looked up in the model's
-    /// `resources` first, then in the working directory.
-    pub fn properties(&self, resources: Option<&Path>) -> Result<Properties, Fault> {
+    /// through the two viscosities and the density.
+    pub fn properties(&self, experiment: &Experiment<'_>) -> Result<Properties, Fault> {
         if self.properties_file.is_empty() {
             return Ok(self.through_two_points());
         }
-        let named = PathBuf::from(&self.properties_file);
-        let shipped = resources
-            .map(|folder| folder.join(&named))
-            .filter(|path| path.is_file());
-        let rows = measured::read(&shipped.unwrap_or(named))?;
+        let rows = measured::read(&experiment.file(&self.properties_file))?;
         Ok(self.fitted(&rows))
     }
 
@@ -204,7 +282,14 @@ mod tests {
     /// SAE J300 (2021), Table 1: limits of the kinematic viscosity at 100 °C for each grade.
     #[test]
     fn shipped_grades_are_inside_sae_j300() {
-        let resources = Path::new(env!("CARGO_MANIFEST_DIR")).join("../modelDescription/resources");
+        let resources =
+            std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../modelDescription/resources");
+        let experiment = Experiment {
+            start: 0.0,
+            stop: None,
+            tolerance: None,
+            resources: Some(&resources),
+        };
         for (file, least, below) in [
             ("sae-0w-20.csv", 6.9, 9.3),
             ("sae-5w-30.csv", 9.3, 12.5),
@@ -217,7 +302,7 @@ mod tests {
                 ..Oil::default()
             };
             let at_100 = oil
-                .properties(Some(&resources))
+                .properties(&experiment)
                 .unwrap()
                 .kinematic_viscosity(373.15)
                 * 1e6;

@@ -11,14 +11,16 @@
 //! The drive's angle follows in closed form. The unknowns of the time integration are the journal's
 //! eccentricity-ratio vector and the four temperatures.
 
+mod march;
+
+use crate::bearing::profile::Profile;
+use crate::bearing::resolved::ResolvedFilm;
 use crate::bearing::{Bearing, FilmModel, Flows, Motion, Prepared};
 use crate::drive::{Command, Drive};
 use crate::load::Load;
 use crate::model::{self, Experiment, Fault, Info, Log, Model, Variable};
-use crate::multirate::{self, Landing, TwoScales};
 use crate::oil::{Oil, Properties};
 use crate::sensors::{self, Readings};
-use crate::solver::{DormandPrince, Failure};
 use crate::thermal::{Heat, Temperatures, Thermal};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -125,6 +127,8 @@ pub struct Stand {
     pub inputs: Inputs,
     /// The oil law of `oil`, which may come from a file that is read only once.
     fluid: Properties,
+    /// The film with its journal where it is solved by the Reynolds equation.
+    film: Option<Box<ResolvedFilm>>,
     state: State,
     readings: Readings,
     /// Follows from the bearing's parameters; shared by the snapshots.
@@ -142,7 +146,7 @@ const SCALES: Unknowns = [1.0, 1.0, 100.0, 100.0, 100.0, 100.0];
 const FIRST_STEP: f64 = 1e-4;
 
 /// The most internal steps in one communication step.
-const STEP_LIMIT: usize = 20_000_000;
+const STEP_LIMIT: usize = 5_000_000;
 
 /// What drive, load mechanism and bearing tell each other at one instant.
 struct Instant {
@@ -162,12 +166,12 @@ impl Stand {
     /// Time derivative of an output at the present communication point, per second.
     pub fn rate_of(&self, output: fn(&Readings) -> f64) -> f64 {
         const AHEAD: f64 = 1e-6;
-        let now = unknowns(&self.state);
-        let mut then = now;
-        for (value, rate) in then.iter_mut().zip(self.rates(0.0, &now)) {
-            *value += AHEAD * rate;
-        }
-        (output(&self.read(AHEAD, &then)) - output(&self.read(0.0, &now))) / AHEAD
+        let mut ahead = self.clone();
+        // What cannot be advanced has no rate.
+        let moved = ahead
+            .resolve(AHEAD)
+            .map(|()| ahead.read(0.0, &unknowns(&ahead.state)));
+        moved.map_or(0.0, |then| (output(&then) - output(&self.readings)) / AHEAD)
     }
 
     /// The friction heat that goes into film, bush and shaft at the present communication point, W.
@@ -186,9 +190,12 @@ impl Stand {
         let speed = self.drive.speed(&command, tau);
         let angle = self.state.angle + self.drive.turned(&command, tau);
         let load = self.load.force(angle, speed) + self.inputs.external_force.at(tau);
-        let motion = self
-            .prepared
-            .motion(&self.bearing, load, eccentricity, viscosity, speed);
+        let motion = match &self.film {
+            Some(film) => film.motion(),
+            None => self
+                .prepared
+                .motion(&self.bearing, load, eccentricity, viscosity, speed),
+        };
         Instant {
             speed,
             angle,
@@ -196,6 +203,13 @@ impl Stand {
             viscosity,
             motion,
         }
+    }
+
+    /// The load on the bearing, N, `tau` seconds into the step.
+    fn load_at(&self, tau: f64) -> f64 {
+        let command = self.command();
+        let angle = self.state.angle + self.drive.turned(&command, tau);
+        self.load.force(angle, self.drive.speed(&command, tau)) + self.inputs.external_force.at(tau)
     }
 
     /// The lower half of Fig. 3: the heat that friction makes, and where it goes. K/s.
@@ -209,6 +223,7 @@ impl Stand {
             side_flow: flows.side_flow * oil.density(film) * oil.heat_capacity(film),
             bath: bath_mass * oil.heat_capacity(temperatures.oil),
             ambient: self.inputs.ambient_temperature.at(tau),
+            clearance: self.bearing.radial_clearance,
         };
         self.thermal.rates(temperatures, &heat)
     }
@@ -244,12 +259,8 @@ impl Stand {
             shaft_temperature: temperatures.shaft,
             eccentricity_ratio: motion.eccentricity_ratio,
             attitude_angle: y[1].atan2(y[0]),
-            min_film_thickness: self.bearing.radial_clearance * (1.0 - motion.eccentricity_ratio),
-            max_film_pressure: self.prepared.max_film_pressure(
-                &self.bearing,
-                [y[0], y[1]],
-                motion.film_force,
-            ),
+            min_film_thickness: motion.min_film_thickness,
+            max_film_pressure: motion.max_film_pressure,
             film_viscosity: viscosity,
             film_temperature: temperatures.film,
             side_flow: motion.flows.side_flow,
@@ -260,121 +271,33 @@ impl Stand {
         }
     }
 
+    /// The Reynolds film, where it is asked for.
+    fn resolved_film(
+        &self,
+        experiment: &Experiment<'_>,
+    ) -> Result<Option<Box<ResolvedFilm>>, Fault> {
+        if self.bearing.film == FilmModel::Mobility {
+            return Ok(None);
+        }
+        let invalid = |error: String| Fault::Invalid(format!("bearing.profileFile: {error}"));
+        let profile = match self.bearing.profile_file.as_str() {
+            "" => Profile::default(),
+            file => {
+                Profile::from_csv(&experiment.file(file)).map_err(|e| invalid(e.to_string()))?
+            }
+        };
+        let rheology = self.oil.thickening.rheology();
+        let film = ResolvedFilm::new(&self.bearing, rheology, profile)
+            .map_err(|error| Fault::Invalid(error.to_string()))?;
+        Ok(Some(Box::new(film)))
+    }
+
     fn command(&self) -> Command {
         Command {
             time: self.state.time,
             speed: self.inputs.speed.value,
             slope: self.inputs.speed.slope,
         }
-    }
-
-    /// Lets `span` seconds pass with every turn resolved.
-    fn resolve(&mut self, span: f64) -> Result<(), Failure> {
-        let integrator = DormandPrince {
-            allowed: SCALES.map(|scale| self.solver.tolerance * scale),
-            limit: STEP_LIMIT,
-        };
-        let mut y = unknowns(&self.state);
-        let mut next_step = self.state.next_step;
-        integrator.integrate(|tau, y| self.rates(tau, y), &mut y, span, &mut next_step)?;
-        self.state.next_step = next_step;
-        self.arrive(span, [y[0], y[1]], temperatures(&y));
-        Ok(())
-    }
-
-    /// Moves time, angle and inputs on by `span` seconds, to given unknowns.
-    fn arrive(&mut self, span: f64, eccentricity: [f64; 2], temperatures: Temperatures) {
-        self.state.angle += self.drive.turned(&self.command(), span);
-        self.state.time += span;
-        self.state.eccentricity = eccentricity;
-        self.state.temperatures = temperatures;
-        for input in self.inputs.all() {
-            input.value = input.at(span);
-        }
-    }
-
-    /// Lets `span` seconds pass, most of them in a leap over whole turns where that can be done:
-    /// some turns until the journal is near its orbit, the leap, and the last turns resolved.
-    fn leap(&mut self, span: f64) -> Result<(), Failure> {
-        let before = self.state;
-        let period = self.period();
-        let mut left = (span / period) as usize;
-        while left > TURNS_AT_THE_END {
-            let start = self.state.eccentricity;
-            self.resolve(period)?;
-            left -= 1;
-            let end = self.state.eccentricity;
-            let settled = (end[0] - start[0]).hypot(end[1] - start[1]) < SETTLED;
-            if !settled || left <= TURNS_AT_THE_END {
-                continue;
-            }
-            let turns = left - TURNS_AT_THE_END;
-            let State {
-                eccentricity,
-                temperatures,
-                ..
-            } = self.state;
-            let from = Landing {
-                eccentricity,
-                temperatures,
-            };
-            if let Ok(landing) = multirate::leap(self, self.solver.tolerance, turns, from) {
-                self.arrive(
-                    turns as f64 * period,
-                    landing.eccentricity,
-                    landing.temperatures,
-                );
-            }
-            break;
-        }
-        self.resolve(span - (self.state.time - before.time))
-    }
-
-    /// Whether speed and load repeat themselves every turn throughout a step, and there are enough turns.
-    fn can_leap(&self, span: f64) -> bool {
-        let Inputs {
-            speed,
-            external_force,
-            ambient_temperature,
-        } = &self.inputs;
-        let steady = [speed, external_force, ambient_temperature]
-            .iter()
-            .all(|input| input.slope == 0.0);
-        self.solver.multirate
-            && steady
-            && self.drive.fluctuation_amplitude == 0.0
-            && self.bearing.film == FilmModel::Mobility
-            && span > FEWEST_TURNS * self.period()
-    }
-
-    fn period(&self) -> f64 {
-        std::f64::consts::TAU / self.inputs.speed.value.abs()
-    }
-}
-
-/// Fewer turns than this are resolved, each.
-const FEWEST_TURNS: f64 = 12.0;
-/// The turns that are resolved at the end of a leap.
-const TURNS_AT_THE_END: usize = 2;
-/// The journal is near its orbit when a turn moves it by less than this part of the clearance.
-const SETTLED: f64 = 1e-3;
-
-impl TwoScales for Stand {
-    fn period(&self) -> f64 {
-        self.period()
-    }
-
-    fn journal(&self, tau: f64, eccentricity: [f64; 2], viscosity: f64) -> ([f64; 2], Flows) {
-        let motion = self.instant(tau, eccentricity, viscosity).motion;
-        (motion.velocity, motion.flows)
-    }
-
-    fn viscosity(&self, film_temperature: f64) -> f64 {
-        self.fluid.viscosity(film_temperature)
-    }
-
-    fn thermal_rates(&self, temperatures: &Temperatures, flows: &Flows) -> Temperatures {
-        self.thermal_rates(0.0, temperatures, flows)
     }
 }
 
@@ -428,8 +351,9 @@ impl Model for Stand {
         if let Some(tolerance) = experiment.tolerance {
             self.solver.tolerance = tolerance.clamp(1e-12, 1e-2);
         }
-        self.fluid = self.oil.properties(experiment.resources)?;
+        self.fluid = self.oil.properties(experiment)?;
         self.prepared = prepare(&self.bearing)?;
+        self.film = self.resolved_film(experiment)?;
         self.state = State {
             time: experiment.start,
             angle: 0.0,
@@ -448,14 +372,14 @@ impl Model for Stand {
 
     fn advance(&mut self, time: f64, step: f64, _: &mut dyn Log) -> Result<(), Fault> {
         self.state.time = time;
-        let before = (self.state, self.inputs);
+        let before = (self.state, self.inputs, self.film.clone());
         let done = if self.can_leap(step) {
             self.leap(step)
         } else {
             self.resolve(step)
         };
         if let Err(failure) = done {
-            (self.state, self.inputs) = before;
+            (self.state, self.inputs, self.film) = before;
             return Err(Fault::Failed(format!(
                 "the step from {time} s over {step} s failed: {failure}"
             )));

@@ -1,8 +1,9 @@
 //! Heat transfer between film, bush with housing, shaft, oil bath and surroundings: a network of
 //! lumped capacities and conductances, as the paper's Fig. 3 draws it.
 //!
-//! The paper publishes none of its thermal constants. The defaults are those with which the
-//! measured temperatures (Table 2) are the steady state of the measured friction power.
+//! The paper publishes none of its thermal constants. The conductances to oil and surroundings are
+//! calibrated (`studies/calibration-rig.toml`): with them the measured temperatures of Table 2 are the
+//! steady state of the measured friction power. `docs/calibration.md` says what that determines.
 
 use serde::{Deserialize, Serialize};
 
@@ -17,10 +18,14 @@ pub struct Thermal {
     pub shaft_capacity: f64,
     /// Volume of the oil bath, m³.
     pub oil_volume: f64,
-    /// Conductance from film to bush, W/K.
+    /// Conductance from film to bush at the reference clearance, W/K.
     pub film_bush: f64,
-    /// Conductance from film to shaft, W/K.
+    /// Conductance from film to shaft at the reference clearance, W/K.
     pub film_shaft: f64,
+    /// Radial clearance at which the film's two conductances hold, m. Heat is conducted across the
+    /// film, so they go as the reciprocal of the clearance (Fourier's law, `G = k*A/c`).
+    /// Zero: they hold at any clearance.
+    pub reference_clearance: f64,
     /// Conductance from bush and housing to the oil bath, W/K.
     pub bush_oil: f64,
     /// Conductance from shaft to the oil bath, W/K.
@@ -33,6 +38,9 @@ pub struct Thermal {
     pub oil_ambient: f64,
     /// Part of the boundary friction heat that goes into the shaft, 1; the rest goes into the bush.
     pub contact_heat_to_shaft: f64,
+    /// Part of the side flow that fresh oil from the bath replaces, 1; the rest is hot oil that is drawn
+    /// in again (hot-oil carry-over).
+    pub fresh_oil: f64,
     /// Temperature of the oil bath at the start, K.
     pub initial_oil: f64,
     /// Temperature of the bush at the start, K.
@@ -54,12 +62,14 @@ impl Default for Thermal {
             oil_volume: 0.3e-3,
             film_bush: 58.0,
             film_shaft: 58.0,
-            bush_oil: 0.2,
-            shaft_oil: 0.2,
+            reference_clearance: 2.0e-5,
+            bush_oil: 0.124,
+            shaft_oil: 0.125,
             bush_ambient: 0.0,
             shaft_ambient: 0.0,
-            oil_ambient: 0.54,
+            oil_ambient: 0.532,
             contact_heat_to_shaft: 0.5,
+            fresh_oil: 1.0,
             initial_oil: 321.15,
             initial_bearing: 355.15,
             initial_shaft_rise: 0.0,
@@ -95,6 +105,8 @@ pub struct Heat {
     pub bath: f64,
     /// Temperature of the surroundings, K.
     pub ambient: f64,
+    /// Radial clearance of the bearing, m.
+    pub clearance: f64,
 }
 
 impl Thermal {
@@ -113,9 +125,14 @@ impl Thermal {
         if self.isothermal {
             return Temperatures::default();
         }
-        let film_to_bush = self.film_bush * (t.film - t.bush);
-        let film_to_shaft = self.film_shaft * (t.film - t.shaft);
-        let film_to_oil = heat.side_flow * (t.film - t.oil);
+        let across = if self.reference_clearance > 0.0 {
+            self.reference_clearance / heat.clearance
+        } else {
+            1.0
+        };
+        let film_to_bush = across * self.film_bush * (t.film - t.bush);
+        let film_to_shaft = across * self.film_shaft * (t.film - t.shaft);
+        let film_to_oil = self.fresh_oil * heat.side_flow * (t.film - t.oil);
         let bush_to_oil = self.bush_oil * (t.bush - t.oil);
         let shaft_to_oil = self.shaft_oil * (t.shaft - t.oil);
         let boundary_to_shaft = self.contact_heat_to_shaft * heat.boundary;
@@ -160,6 +177,7 @@ mod tests {
             side_flow: 0.13,
             bath: 517.0,
             ambient: 295.0,
+            clearance: 1.4e-5,
         };
         let r = thermal.rates(&t, &heat);
         let stored = r.film * thermal.film_capacity

@@ -43,6 +43,8 @@ units! {
     WATT = "W", [1, 2, -3, 0, 0], [];
     /// Pressure.
     PASCAL = "Pa", [1, -1, -2, 0, 0], [scaled("MPa", 1e-6), scaled("GPa", 1e-9), scaled("bar", 1e-5)];
+    /// Pressure-viscosity coefficient.
+    PER_PASCAL = "1/Pa", [-1, 1, 2, 0, 0], [scaled("1/GPa", 1e9)];
     /// Dynamic viscosity.
     PASCAL_SECOND = "Pa.s", [1, -1, -1, 0, 0], [scaled("mPa.s", 1e3)];
     /// Kinematic viscosity.

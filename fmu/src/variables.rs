@@ -3,6 +3,7 @@
 
 use crate::bearing::FilmModel;
 use crate::model::{Access, Enumeration, Item, Kind, Role, Unit, Variable};
+use crate::oil::{PressureLaw, ShearLaw};
 use crate::sensors::Readings;
 use crate::stand::Stand;
 use crate::units::*;
@@ -31,28 +32,67 @@ pub fn table() -> &'static [V] {
     &TABLE
 }
 
-/// The film models.
-pub const FILM: Enumeration = Enumeration {
-    name: "Film",
-    description: "Film model of the bearing",
-    items: &[
-        Item {
-            name: "Mobility",
-            value: 1,
-            description: "Mobility method on the map of our own Reynolds solutions",
-        },
-        Item {
-            name: "Reynolds",
-            value: 2,
-            description: "Transient two-dimensional Reynolds equation with mass conservation",
-        },
-    ],
-};
+macro_rules! enumerations {
+    ($($(#[$doc:meta])* $id:ident = $name:literal, $about:literal, [$($item:ident = $value:literal $meaning:literal),*];)*) => {
+        $($(#[$doc])* pub const $id: Enumeration = Enumeration {
+            name: $name,
+            description: $about,
+            items: &[$(Item { name: stringify!($item), value: $value, description: $meaning }),*],
+        };)*
+    };
+}
+
+enumerations! {
+    /// The film models.
+    FILM = "Film", "Film model of the bearing", [
+        Mobility = 1 "Mobility method on the map of our own Reynolds solutions",
+        Reynolds = 2 "Transient two-dimensional Reynolds equation with mass conservation"
+    ];
+    /// The laws of the viscosity over pressure.
+    PRESSURE_LAW = "PressureLaw", "Law of the viscosity over pressure", [
+        Constant = 1 "The viscosity does not depend on pressure",
+        Barus = 2 "Barus (1893): exponential",
+        Roelands = 3 "Roelands (1966)"
+    ];
+    /// The laws of the viscosity over the shear rate.
+    SHEAR_LAW = "ShearLaw", "Law of the viscosity over the shear rate", [
+        Newtonian = 1 "The viscosity does not depend on the shear rate",
+        Cross = 2 "Cross (1965)",
+        Carreau = 3 "Carreau (1972)"
+    ];
+}
+
+/// A parameter that is one of several named values: a Rust enum and the enumeration of the same items,
+/// whose first item stands in for what is none of them (the boundary lets no such value through).
+macro_rules! choice {
+    ($name:literal, $of:ident, $type:ident { $first:ident = $first_value:literal $(, $item:ident = $value:literal)* }, $($path:ident).+, $description:literal) => {
+        variable(
+            $name,
+            Role::Parameter,
+            Kind::Enumeration {
+                access: Access {
+                    get: |s: &Stand| match s.$($path).+ {
+                        $type::$first => $first_value,
+                        $($type::$item => $value,)*
+                    },
+                    set: Some(|s: &mut Stand, v| {
+                        s.$($path).+ = match *v {
+                            $($value => $type::$item,)*
+                            _ => $type::$first,
+                        };
+                    }),
+                },
+                of: &$of,
+            },
+            $description,
+        )
+    };
+}
 
 /// Reads and writes a field of the stand.
 macro_rules! field {
-    ($($path:ident).+) => {
-        Access { get: |s: &Stand| s.$($path).+, set: Some(|s: &mut Stand, v| s.$($path).+ = *v) }
+    ($($path:tt)+) => {
+        Access { get: |s: &Stand| s.$($path)+, set: Some(|s: &mut Stand, v| s.$($path)+ = *v) }
     };
 }
 
@@ -302,23 +342,7 @@ fn bearing() -> Vec<V> {
             .shown_in("mm").within(1e-4, 10.0).about(0.02),
         fixed("bearing.diameter", &METRE, field!(bearing.diameter), "Diameter D of the bush")
             .shown_in("mm").within(1e-4, 10.0).about(0.02),
-        variable(
-            "bearing.film",
-            Role::Parameter,
-            Kind::Enumeration {
-                access: Access {
-                    get: |s: &Stand| match s.bearing.film {
-                        FilmModel::Mobility => 1,
-                        FilmModel::Reynolds => 2,
-                    },
-                    set: Some(|s, v| {
-                        s.bearing.film = if *v == 2 { FilmModel::Reynolds } else { FilmModel::Mobility };
-                    }),
-                },
-                of: &FILM,
-            },
-            "Film model",
-        ),
+        choice!("bearing.film", FILM, FilmModel { Mobility = 1, Reynolds = 2 }, bearing.film, "Film model"),
         fixed("bearing.roughness", &METRE, field!(bearing.surface.roughness), "Composite rms roughness and waviness of both surfaces; 0 switches asperity contact off")
             .shown_in("um").within(0.0, 1e-3).about(1e-6),
         variable("bearing.profileFile", Role::Parameter, Kind::String { access: text!(bearing.profile_file) },
@@ -331,6 +355,18 @@ fn bearing() -> Vec<V> {
             .shown_in("GPa").within(0.0, 1e13).about(1e11),
         tunable("bearing.boundaryFriction", &ONE, field!(bearing.surface.boundary_friction), "Friction coefficient of touching asperities")
             .within(0.0, 10.0).about(0.1),
+        variable("bearing.massConserving", Role::Parameter, Kind::Boolean { access: field!(bearing.resolution.mass_conserving) },
+            "The oil's mass is conserved where the film ruptures; else its pressure only never falls below the bath's (Reynolds film only)"),
+        fixed("bearing.sidePressure", &PASCAL, field!(bearing.resolution.side_pressure), "Pressure of the oil bath above that of the cavities (Reynolds film only)")
+            .shown_in("bar").within(0.0, 1e9).about(1e5),
+        fixed("bearing.tiltAlongLoad", &METRE, field!(bearing.resolution.tilt[0]), "Displacement of the journal's end by its tilt, along the load (Reynolds film only)")
+            .shown_in("um").within(-1e-2, 1e-2).about(1e-6),
+        fixed("bearing.tiltAcrossLoad", &METRE, field!(bearing.resolution.tilt[1]), "Displacement of the journal's end by its tilt, across the load (Reynolds film only)")
+            .shown_in("um").within(-1e-2, 1e-2).about(1e-6),
+        variable("bearing.filmColumns", Role::Parameter, Kind::Integer { access: field!(bearing.resolution.columns), min: Some(16), max: Some(2000) },
+            "Columns of the film's cells around the bush (Reynolds film only)"),
+        variable("bearing.filmRows", Role::Parameter, Kind::Integer { access: field!(bearing.resolution.rows), min: Some(2), max: Some(200) },
+            "Rows of the film's cells over half the width (Reynolds film only)"),
     ]
 }
 
@@ -378,6 +414,43 @@ fn oil() -> Vec<V> {
             },
             "csv file of measured viscosity and density over temperature; empty for the two viscosities above",
         ),
+        choice!("oil.pressureLaw", PRESSURE_LAW, PressureLaw { Constant = 1, Barus = 2, Roelands = 3 }, oil.thickening.pressure_law,
+            "Law of the viscosity over pressure (Reynolds film only)"),
+        fixed(
+            "oil.pressureCoefficient",
+            &PER_PASCAL,
+            field!(oil.thickening.pressure_coefficient),
+            "Pressure-viscosity coefficient at ambient pressure",
+        )
+        .shown_in("1/GPa")
+        .within(0.0, 1e-6)
+        .about(1e-8),
+        choice!("oil.shearLaw", SHEAR_LAW, ShearLaw { Newtonian = 1, Cross = 2, Carreau = 3 }, oil.thickening.shear_law,
+            "Law of the viscosity over the shear rate (Reynolds film only)"),
+        fixed(
+            "oil.shearTime",
+            &SECOND,
+            field!(oil.thickening.shear_time),
+            "Time constant of the shear law",
+        )
+        .within(0.0, 1.0)
+        .about(1e-7),
+        fixed(
+            "oil.shearExponent",
+            &ONE,
+            field!(oil.thickening.shear_exponent),
+            "Exponent of the shear law",
+        )
+        .within(0.0, 2.0)
+        .about(1.0),
+        fixed(
+            "oil.shearLimit",
+            &ONE,
+            field!(oil.thickening.shear_limit),
+            "Viscosity at the highest shear rates over that at the lowest",
+        )
+        .within(0.0, 1.0)
+        .about(0.5),
     ]
 }
 
@@ -408,8 +481,8 @@ fn thermal() -> Vec<V> {
         capacity("thermal.shaftCapacity", field!(thermal.shaft_capacity), "Heat capacity of the shaft"),
         fixed("thermal.oilVolume", &CUBIC_METRE, field!(thermal.oil_volume), "Volume of the oil bath")
             .shown_in("dm3").within(1e-6, 1e3).about(3e-4),
-        conductance("thermal.filmBushConductance", field!(thermal.film_bush), "Conductance from film to bush"),
-        conductance("thermal.filmShaftConductance", field!(thermal.film_shaft), "Conductance from film to shaft"),
+        conductance("thermal.filmBushConductance", field!(thermal.film_bush), "Conductance from film to bush at the reference clearance"),
+        conductance("thermal.filmShaftConductance", field!(thermal.film_shaft), "Conductance from film to shaft at the reference clearance"),
         conductance("thermal.bushOilConductance", field!(thermal.bush_oil), "Conductance from bush and housing to the oil bath"),
         conductance("thermal.shaftOilConductance", field!(thermal.shaft_oil), "Conductance from shaft to the oil bath"),
         conductance("thermal.bushAmbientConductance", field!(thermal.bush_ambient), "Conductance from bush and housing to the surroundings"),
@@ -417,6 +490,10 @@ fn thermal() -> Vec<V> {
         conductance("thermal.oilAmbientConductance", field!(thermal.oil_ambient), "Conductance from the oil bath to the surroundings"),
         tunable("thermal.contactHeatToShaft", &ONE, field!(thermal.contact_heat_to_shaft), "Part of the boundary friction heat that goes into the shaft; the rest goes into the bush")
             .within(0.0, 1.0).about(0.5),
+        tunable("thermal.freshOilShare", &ONE, field!(thermal.fresh_oil), "Part of the side flow that fresh oil from the bath replaces; the rest is hot oil drawn in again")
+            .within(0.0, 1.0).about(0.5),
+        fixed("thermal.filmReferenceClearance", &METRE, field!(thermal.reference_clearance), "Radial clearance at which the film's conductances hold, as they go as its reciprocal; 0 makes them constant")
+            .shown_in("mm").within(0.0, 1e-2).about(2e-5),
     ]
 }
 
@@ -431,24 +508,24 @@ fn solver() -> Vec<V> {
 
 fn outputs() -> Vec<V> {
     vec![
-        output!("sensor.loadForce", &NEWTON, load_force, ["drive.speed", "load.externalForce"], "Force on the bearing F_N").about(1e3),
-        output!("sensor.frictionTorque", &NEWTON_METRE, friction_torque, ["drive.speed", "load.externalForce"], "Friction torque on the shaft M").about(1.0),
-        output!("sensor.frictionPower", &WATT, friction_power, ["drive.speed", "load.externalForce"], "Friction power M*omega").about(10.0),
-        output!("sensor.frictionCoefficient", &ONE, friction_coefficient, ["drive.speed", "load.externalForce"], "Friction coefficient M/(F_N*D/2)").about(0.1),
-        output!("sensor.oilTemperature", &KELVIN, oil_temperature, [], "Temperature of the oil bath").shown_in("degC").about(300.0),
-        output!("sensor.bearingTemperature", &KELVIN, bearing_temperature, [], "Temperature of the bush").shown_in("degC").about(300.0),
-        output!("bearing.eccentricityRatio", &ONE, eccentricity_ratio, [], "Eccentricity of the journal over the radial clearance").about(1.0),
-        output!("bearing.attitudeAngle", &RADIAN, attitude_angle, [], "Angle from the load line to the eccentricity, positive in the direction of positive rotation").shown_in("deg").about(1.0),
-        output!("bearing.minFilmThickness", &METRE, min_film_thickness, [], "Smallest film thickness").shown_in("um").about(1e-6),
-        output!("bearing.maxFilmPressure", &PASCAL, max_film_pressure, ["drive.speed", "load.externalForce"], "Largest film pressure").shown_in("MPa").about(1e7),
-        output!("bearing.filmViscosity", &PASCAL_SECOND, film_viscosity, [], "Dynamic viscosity of the film").shown_in("mPa.s").about(0.01),
-        output!("bearing.filmTemperature", &KELVIN, film_temperature, [], "Temperature of the film").shown_in("degC").about(300.0),
-        output!("bearing.sideFlow", &CUBIC_METRE_PER_SECOND, side_flow, ["drive.speed", "load.externalForce"], "Oil that leaves the film at both ends").shown_in("mm3/s").about(1e-7),
-        output!("bearing.contactShare", &ONE, contact_share, ["drive.speed", "load.externalForce"], "Force of the touching asperities over the load").shown_in("%").about(1.0),
-        output!("bearing.contactTorque", &NEWTON_METRE, contact_torque, ["drive.speed"], "Friction torque of the touching asperities").about(1.0),
-        output!("thermal.shaftTemperature", &KELVIN, shaft_temperature, [], "Temperature of the shaft").shown_in("degC").about(300.0),
-        output!("drive.angle", &RADIAN, shaft_angle, [], "Shaft angle, from 0 at the start").shown_in("deg").about(100.0),
-        output!("drive.shaftSpeed", &RADIAN_PER_SECOND, shaft_speed, ["drive.speed"], "Shaft speed with its fluctuation").shown_in("rpm").about(30.0),
+        output!("sensor.loadForce", &NEWTON, load_force, ["drive.speed", "load.externalForce"], "Force on the bearing F_N").within(-1e7, 1e7).about(1e3),
+        output!("sensor.frictionTorque", &NEWTON_METRE, friction_torque, ["drive.speed", "load.externalForce"], "Friction torque on the shaft M").within(-1e9, 1e9).about(1.0),
+        output!("sensor.frictionPower", &WATT, friction_power, ["drive.speed", "load.externalForce"], "Friction power M*omega").within(-1e12, 1e12).about(10.0),
+        output!("sensor.frictionCoefficient", &ONE, friction_coefficient, ["drive.speed", "load.externalForce"], "Friction coefficient M/(F_N*D/2)").within(-1e9, 1e9).about(0.1),
+        output!("sensor.oilTemperature", &KELVIN, oil_temperature, [], "Temperature of the oil bath").shown_in("degC").within(0.0, 1e4).about(300.0),
+        output!("sensor.bearingTemperature", &KELVIN, bearing_temperature, [], "Temperature of the bush").shown_in("degC").within(0.0, 1e4).about(300.0),
+        output!("bearing.eccentricityRatio", &ONE, eccentricity_ratio, [], "Eccentricity of the journal over the radial clearance").within(0.0, 1.0).about(1.0),
+        output!("bearing.attitudeAngle", &RADIAN, attitude_angle, [], "Angle from the load line to the eccentricity, positive in the direction of positive rotation").shown_in("deg").within(-4.0, 4.0).about(1.0),
+        output!("bearing.minFilmThickness", &METRE, min_film_thickness, [], "Smallest film thickness").shown_in("um").within(0.0, 1e-2).about(1e-6),
+        output!("bearing.maxFilmPressure", &PASCAL, max_film_pressure, ["drive.speed", "load.externalForce"], "Largest film pressure").shown_in("MPa").within(0.0, 1e15).about(1e7),
+        output!("bearing.filmViscosity", &PASCAL_SECOND, film_viscosity, [], "Dynamic viscosity of the film").shown_in("mPa.s").within(0.0, 1e6).about(0.01),
+        output!("bearing.filmTemperature", &KELVIN, film_temperature, [], "Temperature of the film").shown_in("degC").within(0.0, 1e4).about(300.0),
+        output!("bearing.sideFlow", &CUBIC_METRE_PER_SECOND, side_flow, ["drive.speed", "load.externalForce"], "Oil that leaves the film at both ends").shown_in("mm3/s").within(0.0, 1.0).about(1e-7),
+        output!("bearing.contactShare", &ONE, contact_share, ["drive.speed", "load.externalForce"], "Force of the touching asperities over the load").shown_in("%").within(0.0, 1e9).about(1.0),
+        output!("bearing.contactTorque", &NEWTON_METRE, contact_torque, ["drive.speed"], "Friction torque of the touching asperities").within(-1e9, 1e9).about(1.0),
+        output!("thermal.shaftTemperature", &KELVIN, shaft_temperature, [], "Temperature of the shaft").shown_in("degC").within(0.0, 1e4).about(300.0),
+        output!("drive.angle", &RADIAN, shaft_angle, [], "Shaft angle, from 0 at the start").shown_in("deg").within(-1e12, 1e12).about(100.0),
+        output!("drive.shaftSpeed", &RADIAN_PER_SECOND, shaft_speed, ["drive.speed"], "Shaft speed with its fluctuation").shown_in("rpm").within(-4000.0, 4000.0).about(30.0),
     ]
 }
 

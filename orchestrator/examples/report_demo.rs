@@ -1,5 +1,7 @@
 //! Writes the report of an invented study, to look at: `cargo run --example report_demo -- 50 target/demo`.
 
+use orchestrator::analysis::robustness::{region, robustness, rows};
+use orchestrator::analysis::sensitivity::study::from_points;
 use orchestrator::analysis::table::{Criterion, Parameter, PointTable};
 use orchestrator::report::{Report, figures::Series};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
@@ -10,16 +12,20 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
     let n: usize = arguments.next().unwrap_or("50".into()).parse()?;
     let folder = arguments.next().unwrap_or("target/demo".into());
+    let table = cloud(n);
     let report = Report {
+        robustness: if n <= 5000 { robustness(&table, &region::cloud(&rows(&table), 1), 0.8) } else { None },
+        sensitivity: (n <= 5000).then(|| from_points(&table, 1)),
         study: "Plain bearing, parameter distribution of Table 3".into(),
         description: "An invented cloud with the shape of the paper's: a smooth law for load and power, temperatures that follow the power.".into(),
         model: "PlainBearingStand".into(),
         date: "2026-01-01".into(),
-        table: cloud(n),
+        table,
         history: history(),
         provenance: vec![("Seed".into(), "1".into()), ("Points".into(), n.to_string()), ("FMU SHA-256".into(), "0f".repeat(32))],
         command: "orchestrator verify studies/paper-table3.toml --output results/paper".into(),
         study_text: "[design]\nmethod = \"monte-carlo\"\n".into(),
+        ..Report::default()
     };
     println!("{}", report.write(Path::new(&folder))?.display());
     Ok(())

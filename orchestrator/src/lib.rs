@@ -2,14 +2,21 @@
 //! parameters and the measurement are uncertain.
 
 pub mod analysis;
+pub mod cli;
+pub mod commands;
 pub mod design;
 pub mod distribution;
+pub mod engine;
 pub mod failure;
 pub mod fmu;
+pub mod identify;
 pub mod judge;
 pub mod names;
 pub mod report;
+pub mod results;
 pub mod run;
+pub mod session;
+pub mod source;
 pub mod statistics;
 pub mod study;
 pub mod task;

@@ -30,6 +30,8 @@ pub struct Schedule {
     pub step: f64,
     /// Where statistics begin.
     pub window_start: f64,
+    /// Go there in a single step.
+    pub leap: bool,
     /// Relative tolerance for the FMU.
     pub tolerance: Option<f64>,
 }
@@ -55,9 +57,9 @@ pub struct Slot {
     /// How it is stored.
     pub storage: Storage,
     /// The smallest value that the FMU allows.
-    pub min: f64,
+    pub min: Option<f64>,
     /// The largest value that the FMU allows.
-    pub max: f64,
+    pub max: Option<f64>,
 }
 
 /// A variable that is observed.
@@ -91,18 +93,16 @@ impl Slot {
     /// # Errors
     /// Says which limit is violated.
     pub fn check(&self, value: f64) -> Result<(), String> {
-        if value >= self.min && value <= self.max {
-            return Ok(());
+        let name = &self.name;
+        if !value.is_finite() {
+            return Err(format!("{name} = {value} is not a finite number"));
         }
-        let (word, limit) = if value < self.min {
-            ("less than the smallest", self.min)
-        } else {
-            ("more than the largest", self.max)
+        let limit = match (self.min, self.max) {
+            (Some(min), _) if value < min => format!("less than the smallest value {min}"),
+            (_, Some(max)) if value > max => format!("more than the largest value {max}"),
+            _ => return Ok(()),
         };
-        Err(format!(
-            "{} = {value} is {word} value {limit} that the FMU allows",
-            self.name
-        ))
+        Err(format!("{name} = {value} is {limit} that the FMU allows"))
     }
 
     /// The value as the FMU stores it; whole numbers are rounded.
@@ -129,6 +129,7 @@ impl Schedule {
             stop,
             step: experiment.step.unwrap_or((stop - start) / STEPS),
             window_start: start,
+            leap: false,
             tolerance: experiment.tolerance,
         }
     }
@@ -156,7 +157,10 @@ impl Schedule {
             let seen = "statistics would begin outside the simulation";
             return Err(format!("{seen}: at {} s", self.window_start));
         }
-        if self.tolerance.is_some_and(|tolerance| !(tolerance > 0.0)) {
+        if self
+            .tolerance
+            .is_some_and(|tolerance| tolerance.is_nan() || tolerance <= 0.0)
+        {
             return Err("the tolerance must be positive".to_owned());
         }
         Ok(())
@@ -165,18 +169,30 @@ impl Schedule {
     /// The number of steps. A last step shorter than a millionth of the others is none.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     pub fn steps(&self) -> u64 {
-        ((self.stop - self.start) / self.step - 1e-6)
-            .ceil()
-            .max(1.0) as u64
+        let (leap, even) = self.even();
+        let steps = leap + ((self.stop - even) / self.step - 1e-6).ceil().max(0.0) as u64;
+        steps.max(1)
     }
 
-    /// The `index`th communication point: `start + index * step`, so that nothing accumulates.
+    /// The `index`th communication point: a multiple of the step, so that nothing accumulates.
     #[allow(clippy::cast_precision_loss)]
     pub fn time(&self, index: u64) -> f64 {
-        if index == self.steps() {
+        let (leap, even) = self.even();
+        if index >= self.steps() {
             self.stop
+        } else if index < leap {
+            self.start
         } else {
-            self.start + index as f64 * self.step
+            even + (index - leap) as f64 * self.step
+        }
+    }
+
+    /// The number of steps before the even ones, and where those begin.
+    fn even(&self) -> (u64, f64) {
+        if self.leap && self.window_start > self.start {
+            (1, self.window_start)
+        } else {
+            (0, self.start)
         }
     }
 }
@@ -192,6 +208,7 @@ mod tests {
             stop,
             step,
             window_start: 0.0,
+            leap: false,
             tolerance: None,
         };
         assert_eq!(schedule(1.0, 0.1).steps(), 10);
@@ -199,5 +216,24 @@ mod tests {
         assert_eq!(schedule(1.0, 0.3).steps(), 4);
         assert_eq!(schedule(1.0, 0.3).time(4), 1.0);
         assert_eq!(schedule(1.0, 5.0).steps(), 1);
+    }
+    #[test]
+    fn a_leap_is_one_step() {
+        let schedule = Schedule {
+            start: 0.0,
+            stop: 100.0,
+            step: 0.25,
+            window_start: 99.0,
+            leap: true,
+            tolerance: None,
+        };
+        assert_eq!(schedule.steps(), 5);
+        let times: Vec<f64> = (0..=5).map(|index| schedule.time(index)).collect();
+        assert_eq!(times, [0.0, 99.0, 99.25, 99.5, 99.75, 100.0]);
+        let all = Schedule {
+            window_start: 100.0,
+            ..schedule
+        };
+        assert_eq!((all.steps(), all.time(1)), (1, 100.0));
     }
 }

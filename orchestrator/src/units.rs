@@ -76,6 +76,14 @@ impl Conversion {
         self.factor * difference
     }
 
+    /// The change of a difference of two values, which has no offset.
+    pub fn of_differences(self) -> Self {
+        Self {
+            offset: 0.0,
+            ..self
+        }
+    }
+
     /// The way back.
     pub fn inverse(self) -> Self {
         Self {
@@ -200,16 +208,15 @@ fn plain(name: &str) -> String {
 /// Says what is wrong when the text does not start with a number.
 pub fn split(text: &str) -> Result<(f64, Option<&str>), String> {
     let text = text.trim();
-    let ends = text.char_indices().map(|(index, c)| index + c.len_utf8());
+    let numeric = |start: &str| {
+        start
+            .chars()
+            .all(|c| c.is_ascii_digit() || "+-.eE".contains(c))
+    };
     // The longest start that is a number: `1e-5 m`, `3 eV`, `5%`.
-    let end = ends
-        .filter(|&end| {
-            text[..end]
-                .chars()
-                .all(|c| c.is_ascii_digit() || "+-.eE".contains(c))
-        })
-        .filter(|&end| text[..end].parse::<f64>().is_ok())
-        .last()
+    let end = (1..=text.len())
+        .filter(|&end| text.is_char_boundary(end) && numeric(&text[..end]))
+        .rfind(|&end| text[..end].parse::<f64>().is_ok())
         .ok_or_else(|| format!("`{text}` is not a number, or a number with a unit"))?;
     let number = text[..end].parse::<f64>().unwrap_or(f64::NAN);
     let unit = text[end..].trim();

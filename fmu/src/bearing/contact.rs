@@ -22,11 +22,11 @@ pub struct Surface {
 impl Default for Surface {
     fn default() -> Self {
         Self {
-            roughness: 2.2e-6,
+            roughness: 5.0e-6,
             asperity_density: 0.05,
             asperity_slope: 0.01,
             composite_modulus: 80e9,
-            boundary_friction: 0.10,
+            boundary_friction: 0.05,
         }
     }
 }
@@ -59,7 +59,7 @@ impl Surface {
 }
 
 /// What the asperities of an aligned, round journal carry.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Contact {
     /// Resultant force on the journal, against the eccentricity, N.
     pub force: f64,
@@ -70,7 +70,8 @@ pub struct Contact {
 /// The contact of an aligned, round journal over its eccentricity ratio, tabulated.
 ///
 /// Force and normal are integrals of the contact pressure around the circumference. They span many
-/// decades, so their logarithms are interpolated, by cubic Hermite polynomials with exact slopes.
+/// decades, so the logarithms of force over eccentricity ratio and of normal are interpolated, by cubic
+/// Hermite polynomials with exact slopes.
 #[derive(Clone, Debug, Default)]
 pub struct ContactTable {
     start: f64,
@@ -126,14 +127,11 @@ impl ContactTable {
         let cell = (position as usize).min(self.nodes.len() - 2);
         let t = position - cell as f64;
         let (left, right) = (&self.nodes[cell], &self.nodes[cell + 1]);
-        // Smoothly to nothing within the first cell, so that the force has no jump.
-        let fade = if cell == 0 {
-            t * t * (3.0 - 2.0 * t)
-        } else {
-            1.0
-        };
+        // Where contact begins at a distance, smoothly from nothing: the force has no jump.
+        let begins = cell == 0 && self.start > 0.0;
+        let fade = if begins { t * t * (3.0 - 2.0 * t) } else { 1.0 };
         Contact {
-            force: fade * hermite(left[0], right[0], t).exp(),
+            force: fade * eccentricity_ratio * hermite(left[0], right[0], t).exp(),
             normal: fade * hermite(left[1], right[1], t).exp(),
         }
     }
@@ -145,9 +143,12 @@ fn hermite(left: Node, right: Node, t: f64) -> f64 {
         + t * t * ((1.0 + 2.0 * s) * right.value - s * right.slope)
 }
 
-/// Logarithms of the integrals of `F_5/2(H)*cos(theta)` and `F_5/2(H)` over the circumference,
+/// Logarithms of the integrals of `F_5/2(H)*cos(theta)/e` and `F_5/2(H)` over the circumference,
 /// `H = ratio*(1 - e*cos(theta))`, with their slopes over e.
 fn log_integrals(e: f64, ratio: f64, spacing: f64) -> [Node; 2] {
+    // Both are even in e. At e = 0 the first is a quotient of zeros: take it close by.
+    let near_centre = e < 1e-5;
+    let e = e.max(1e-5);
     // Relative to the largest value, which may underflow by itself.
     let reference = ratio * (1.0 - e);
     let exponent = |h: f64| -h * (1.72386 + h * (0.29584 + h * 0.013204));
@@ -165,14 +166,14 @@ fn log_integrals(e: f64, ratio: f64, spacing: f64) -> [Node; 2] {
         }
     }
     let base = (0.61663 * 2.0 * PI / QUADRATURE as f64).ln() + exponent(reference);
-    [0, 1].map(|j| {
-        // A concentric journal has no resultant; keep the logarithm finite there.
-        let sum = f64::max(sums[j], 1e-300);
-        Node {
-            value: base + sum.ln(),
-            slope: (slopes[j] / sum * spacing).clamp(-1e3, 1e3),
-        }
-    })
+    let node = |value: f64, slope: f64| Node {
+        value: base + value,
+        slope: if near_centre { 0.0 } else { slope * spacing },
+    };
+    [
+        node((sums[0] / e).ln(), slopes[0] / sums[0] - 1.0 / e),
+        node(sums[1].ln(), slopes[1] / sums[1]),
+    ]
 }
 
 #[cfg(test)]
@@ -202,24 +203,28 @@ mod tests {
     #[test]
     fn the_table_is_the_integral_of_the_pressure() {
         let surface = Surface::default();
-        let (c, width, diameter) = (2e-5, 0.019, 0.025);
-        let table = ContactTable::new(&surface, c, width, diameter);
-        for e in [0.5, 0.7, 0.83, 0.9, 0.95, 0.99, 0.9999] {
-            let n = 4000;
-            let (mut force, mut normal) = (0.0, 0.0);
-            for k in 0..n {
-                let cos = (2.0 * PI * k as f64 / n as f64).cos();
-                let p = surface.pressure(c * (1.0 - e * cos));
-                force += p * cos;
-                normal += p;
+        let (width, diameter) = (0.019, 0.025);
+        for (c, eccentricities) in [
+            (2e-5, &[0.5, 0.7, 0.83, 0.9, 0.95, 0.99, 0.9999][..]),
+            (8e-6, &[1e-3, 0.01, 0.02, 0.1, 0.5, 0.9, 0.9999]),
+            (2e-6, &[1e-3, 0.3, 0.9]),
+        ] {
+            let table = ContactTable::new(&surface, c, width, diameter);
+            for &e in eccentricities {
+                let n = 4000;
+                let (mut force, mut normal) = (0.0, 0.0);
+                for k in 0..n {
+                    let cos = (2.0 * PI * k as f64 / n as f64).cos();
+                    let p = surface.pressure(c * (1.0 - e * cos));
+                    force += p * cos;
+                    normal += p;
+                }
+                let element = 2.0 * PI / n as f64 * 0.5 * diameter * width;
+                let contact = table.at(e);
+                let apart = (contact.force / (force * element) - 1.0).abs();
+                assert!(apart < 1e-5, "c = {c}, e = {e}: {contact:?}");
+                assert!((contact.normal / (normal * element) - 1.0).abs() < 1e-5);
             }
-            let element = 2.0 * PI / n as f64 * 0.5 * diameter * width;
-            let contact = table.at(e);
-            assert!(
-                (contact.force / (force * element) - 1.0).abs() < 1e-5,
-                "e = {e}: {contact:?}"
-            );
-            assert!((contact.normal / (normal * element) - 1.0).abs() < 1e-5);
         }
     }
 

@@ -43,7 +43,7 @@ mod tests {
     fn boundary_friction_opposes_either_direction() {
         let bearing = Bearing::default();
         let forward = boundary(&bearing, 100.0, 31.4);
-        assert!((forward - 0.1 * 100.0 * 0.0125).abs() < 1e-12);
+        assert!((forward - bearing.surface.boundary_friction * 100.0 * 0.0125).abs() < 1e-12);
         assert_eq!(boundary(&bearing, 100.0, -31.4), -forward);
         assert_eq!(boundary(&bearing, 100.0, 0.0), 0.0);
     }

@@ -8,10 +8,12 @@
 pub mod contact;
 pub mod friction;
 pub mod mobility;
+pub mod profile;
+pub mod resolved;
 pub mod reynolds;
 
 use contact::{Contact, ContactTable};
-use mobility::{MapError, MobilityMap, MobilitySlice};
+use mobility::{MapError, MobilityMap, MobilitySlice, SliceFamily};
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 use std::sync::LazyLock;
@@ -40,6 +42,8 @@ pub struct Bearing {
     pub profile_file: String,
     /// The surfaces' asperities.
     pub surface: contact::Surface,
+    /// How the Reynolds film is solved.
+    pub resolution: resolved::Resolution,
 }
 
 impl Default for Bearing {
@@ -51,6 +55,7 @@ impl Default for Bearing {
             film: FilmModel::Mobility,
             profile_file: String::new(),
             surface: contact::Surface::default(),
+            resolution: resolved::Resolution::default(),
         }
     }
 }
@@ -68,7 +73,7 @@ impl Bearing {
 }
 
 /// What the film takes in, per unit of time.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Flows {
     /// Viscous friction heat, W.
     pub viscous: f64,
@@ -79,7 +84,7 @@ pub struct Flows {
 }
 
 /// The journal at one instant.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Motion {
     /// Eccentricity ratio, 1.
     pub eccentricity_ratio: f64,
@@ -91,8 +96,10 @@ pub struct Motion {
     pub boundary_torque: f64,
     /// What the asperities carry.
     pub contact: Contact,
-    /// The load that is left to the film, N.
-    pub film_force: [f64; 2],
+    /// Smallest film thickness, m.
+    pub min_film_thickness: f64,
+    /// Largest film pressure, Pa.
+    pub max_film_pressure: f64,
     /// Heat and side flow.
     pub flows: Flows,
 }
@@ -108,8 +115,9 @@ pub struct Prepared {
 /// The journal never reaches the bush: beyond this ratio the film is computed as at it.
 const LARGEST_ECCENTRICITY_RATIO: f64 = 1.0 - 1e-9;
 
-/// The map as it was shipped; decoded once.
-static MAP: LazyLock<Result<MobilityMap, MapError>> = LazyLock::new(MobilityMap::built_in);
+/// The map as it was shipped; prepared once.
+static MAP: LazyLock<Result<SliceFamily, MapError>> =
+    LazyLock::new(|| MobilityMap::built_in().map(|map| SliceFamily::new(&map)));
 
 impl Prepared {
     /// Prepares a bearing.
@@ -151,18 +159,20 @@ impl Prepared {
         let ratio = length.min(LARGEST_ECCENTRICITY_RATIO);
         let contact = self.contact.at(ratio);
         let mut force = Vector2::new(load, 0.0);
-        if contact.force > 0.0 {
+        if length > 0.0 {
             force -= e * (contact.force / length);
         }
 
-        let (mut squeeze, mut side_flow) = (Vector2::zeros(), 0.0);
+        let (mut squeeze, mut side_flow, mut max_film_pressure) = (Vector2::zeros(), 0.0, 0.0);
         let magnitude = force.norm();
         if let Some(film) = self.film.as_ref().filter(|_| magnitude > 0.0) {
             let direction = force / magnitude;
             let psi = bearing.relative_clearance();
             let film = film.film(e, direction);
             squeeze = film.mobility * (magnitude * psi * psi / (viscosity * width * diameter));
-            side_flow = film.side_flow() * magnitude * c.powi(3) / (3.0 * viscosity * width * width);
+            side_flow =
+                film.side_flow() * magnitude * c.powi(3) / (3.0 * viscosity * width * width);
+            max_film_pressure = film.max_pressure() * magnitude / (width * diameter);
         }
         let couette = viscosity * speed * friction::couette(bearing, ratio);
         let poiseuille = friction::poiseuille(c, [load, 0.0], eccentricity);
@@ -173,7 +183,8 @@ impl Prepared {
             torque: couette + poiseuille + boundary_torque,
             boundary_torque,
             contact,
-            film_force: force.into(),
+            min_film_thickness: c * (1.0 - ratio),
+            max_film_pressure,
             // Of the film's whole dissipation M*omega + F*de/dt, the terms with the mean rotation cancel.
             flows: Flows {
                 viscous: couette * speed + c * force.dot(&squeeze),
@@ -183,21 +194,8 @@ impl Prepared {
         }
     }
 
-    /// Largest film pressure, Pa, at an eccentricity-ratio vector under the film's share of the load, N.
-    pub fn max_film_pressure(
-        &self,
-        bearing: &Bearing,
-        eccentricity: [f64; 2],
-        force: [f64; 2],
-    ) -> f64 {
-        let force = Vector2::from(force);
-        let magnitude = force.norm();
-        let film = self.film.as_ref().filter(|_| magnitude > 0.0);
-        film.map_or(0.0, |film| {
-            film.film(eccentricity.into(), force / magnitude)
-                .max_pressure()
-                * magnitude
-                / (bearing.width * bearing.diameter)
-        })
+    /// The contact of the aligned, round journal.
+    pub fn contact(&self) -> &ContactTable {
+        &self.contact
     }
 }

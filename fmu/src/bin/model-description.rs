@@ -1,19 +1,24 @@
-//! Writes `modelDescription/modelDescription.xml` from the stand's variable table.
+//! Writes what of `modelDescription/` follows from the stand's variable table: `modelDescription.xml`
+//! and the documentation page.
 
 use std::path::Path;
 use std::process::ExitCode;
 
+use plain_bearing_stand::documentation;
 use plain_bearing_stand::fmi2::description;
 use plain_bearing_stand::stand::Stand;
 
 fn main() -> ExitCode {
-    let path =
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("../modelDescription/modelDescription.xml");
-    match std::fs::write(&path, description::xml::<Stand>()) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../modelDescription");
+    for (name, text) in [
+        ("modelDescription.xml", description::xml::<Stand>()),
+        ("documentation/index.html", documentation::page()),
+    ] {
+        let path = folder.join(name);
+        if let Err(error) = std::fs::write(&path, text) {
             eprintln!("{}: {error}", path.display());
-            ExitCode::FAILURE
+            return ExitCode::FAILURE;
         }
     }
+    ExitCode::SUCCESS
 }

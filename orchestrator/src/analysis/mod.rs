@@ -3,6 +3,10 @@
 //! Nothing here runs a simulation, reads a study or knows FMI. The input is a [`table::PointTable`]
 //! or plain slices; the output is numbers with their uncertainty.
 
+pub mod from_results;
+pub mod pareto;
+pub mod robustness;
 pub mod sensitivity;
+pub mod synchronise;
 pub mod table;
 pub mod verdict;

@@ -93,6 +93,34 @@ impl PointTable {
         self.ids.is_empty()
     }
 
+    /// Some of the points, in the order asked for.
+    pub fn subset(&self, points: &[usize]) -> Self {
+        let numbers = |values: &[f64]| points.iter().map(|&i| values[i]).collect();
+        let flags = |values: &[bool]| points.iter().map(|&i| values[i]).collect();
+        Self {
+            ids: points.iter().map(|&i| self.ids[i]).collect(),
+            parameters: self
+                .parameters
+                .iter()
+                .map(|p| Parameter {
+                    values: numbers(&p.values),
+                    ..p.clone()
+                })
+                .collect(),
+            criteria: self
+                .criteria
+                .iter()
+                .map(|c| Criterion {
+                    values: numbers(&c.values),
+                    ok: flags(&c.ok),
+                    ..c.clone()
+                })
+                .collect(),
+            verified: flags(&self.verified),
+            status: points.iter().map(|&i| self.status[i].clone()).collect(),
+        }
+    }
+
     /// Whether the point was simulated to its end.
     pub fn completed(&self, point: usize) -> bool {
         self.status[point] == "ok"
@@ -127,19 +155,47 @@ impl PointTable {
         worst
     }
 
-    /// Points with values, the one nearest to nominal first: ordered by their largest deviation.
-    pub fn ranking(&self) -> Vec<(usize, Binding)> {
-        let mut ranking: Vec<_> = (0..self.len())
+    /// How far a point is from the measurement: the root of the sum of its squared deviations.
+    /// For independent normal errors the least distance is the most probable point.
+    pub fn distance(&self, point: usize) -> f64 {
+        self.criteria
+            .iter()
+            .map(|c| c.deviation(c.values[point]).powi(2))
+            .sum::<f64>()
+            .sqrt()
+    }
+
+    /// Points with values: the verified first, of these the one nearest to the measurement first.
+    pub fn ranking(&self) -> Vec<Ranked> {
+        let ranked = |point| {
+            Some(Ranked {
+                point,
+                distance: self.distance(point),
+                binding: self.binding(point)?,
+            })
+        };
+        let mut ranking: Vec<Ranked> = (0..self.len())
             .filter(|&i| self.completed(i))
-            .filter_map(|i| self.binding(i).map(|b| (i, b)))
+            .filter_map(ranked)
             .collect();
+        let key = |r: &Ranked| (!self.verified[r.point], r.distance);
         ranking.sort_by(|a, b| {
-            (!self.verified[a.0])
-                .cmp(&!self.verified[b.0])
-                .then(a.1.deviation.total_cmp(&b.1.deviation))
+            let (a, b) = (key(a), key(b));
+            a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
         });
         ranking
     }
+}
+
+/// A point's place among the others.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ranked {
+    /// Index of the point.
+    pub point: usize,
+    /// Its [distance](PointTable::distance) from the measurement.
+    pub distance: f64,
+    /// The criterion that binds.
+    pub binding: Binding,
 }
 
 #[cfg(test)]
@@ -200,7 +256,7 @@ mod tests {
         );
         assert_eq!(table.binding(1), None);
         assert_eq!(
-            table.ranking().iter().map(|r| r.0).collect::<Vec<_>>(),
+            table.ranking().iter().map(|r| r.point).collect::<Vec<_>>(),
             [0, 2]
         );
     }

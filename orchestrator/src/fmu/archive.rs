@@ -167,13 +167,18 @@ impl Archive {
         platforms
     }
 
-    /// Unpacks the description, this platform's binaries and the resources into a new folder.
-    pub(super) fn unpack(&mut self, identifier: &str) -> Result<TempDir, ArchiveError> {
+    /// Unpacks the description, this platform's binaries and the resources into a new folder
+    /// within `parent`.
+    pub(super) fn unpack(
+        &mut self,
+        identifier: &str,
+        parent: &Path,
+    ) -> Result<TempDir, ArchiveError> {
         let platforms = self.platforms(identifier);
         if !platforms.iter().any(|platform| platform == PLATFORM) {
             return Err(ArchiveError::NoBinary(platforms));
         }
-        let target = tempfile::Builder::new().prefix("orchestrator-").tempdir()?;
+        let target = tempfile::Builder::new().prefix("fmu-").tempdir_in(parent)?;
         if let Self::Zip { zip, .. } = self {
             unpack_needed(zip, target.path())?;
         }
@@ -283,7 +288,7 @@ mod tests {
         ]);
         let mut archive = Archive::open(&path).unwrap();
         assert_eq!(archive.description().unwrap(), b"<x/>");
-        let target = archive.unpack("m").unwrap();
+        let target = archive.unpack("m", &std::env::temp_dir()).unwrap();
         assert!(binary(target.path(), "m").exists());
         assert!(target.path().join("resources/table.csv").exists());
         assert!(!target.path().join("binaries/other").exists());
@@ -298,14 +303,20 @@ mod tests {
             (&ours, b""),
             ("../outside.txt", b"gotcha"),
         ]);
-        let error = Archive::open(&path).unwrap().unpack("m").unwrap_err();
+        let error = Archive::open(&path)
+            .unwrap()
+            .unpack("m", &std::env::temp_dir())
+            .unwrap_err();
         assert!(matches!(error, ArchiveError::Unsafe(_)), "{error}");
     }
 
     #[test]
     fn names_the_platforms_when_ours_is_missing() {
         let (_folder, path) = archive(&[(DESCRIPTION, b"<x/>"), ("binaries/other/m.dll", b"")]);
-        let error = Archive::open(&path).unwrap().unpack("m").unwrap_err();
+        let error = Archive::open(&path)
+            .unwrap()
+            .unpack("m", &std::env::temp_dir())
+            .unwrap_err();
         assert!(error.to_string().contains("holds other"), "{error}");
     }
 

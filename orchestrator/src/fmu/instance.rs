@@ -121,7 +121,7 @@ impl Instance {
             environment: ptr::from_ref::<Log>(&log).cast(),
         });
         let [name, guid, resources] =
-            [name, &library.guid, &library.resources].map(|text| c_string(text));
+            [name, library.guid.as_str(), library.resources.as_str()].map(c_string);
         const CO_SIMULATION: c_int = 1;
         // SAFETY: the strings live through the call; the callbacks and the log outlive the
         // component, since this value owns them.

@@ -120,20 +120,20 @@ impl Package {
         Ok(hexadecimal(&Sha256::digest(&bytes)))
     }
 
-    /// Unpacks what a simulation on this platform needs, once, and returns the folder.
-    /// The folder is removed with the package.
+    /// Unpacks what a simulation on this platform needs, once, into a new folder within `parent`,
+    /// and returns that. The folder is removed with the package.
     ///
     /// # Errors
     /// When there is no binary for this platform, when the archive is unsafe or damaged, and when
     /// there is no room.
-    pub fn unpack(&mut self) -> Result<PathBuf, FmuError> {
+    pub fn unpack(&mut self, parent: &Path) -> Result<PathBuf, FmuError> {
         if let Some(folder) = self.archive.folder() {
             return Ok(folder.to_owned());
         }
         if self.unpacked.is_none() {
             let folder = self
                 .archive
-                .unpack(&self.description.model_identifier)
+                .unpack(&self.description.model_identifier, parent)
                 .map_err(|source| FmuError::Archive {
                     path: self.path.clone(),
                     source,
@@ -149,7 +149,7 @@ impl Package {
     /// # Errors
     /// As [`unpack`](Self::unpack), and when the binary cannot be loaded.
     pub fn load(&mut self) -> Result<Arc<Library>, FmuError> {
-        let folder = self.unpack()?;
+        let folder = self.unpack(&std::env::temp_dir())?;
         let library =
             Library::load(&folder, &self.description).map_err(|source| FmuError::Library {
                 path: self.path.clone(),

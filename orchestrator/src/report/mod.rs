@@ -1,12 +1,22 @@
 //! The report: one self-contained page, and its plots as files.
 
+mod best;
 pub mod bins;
+mod counts;
 pub mod figures;
 pub mod format;
+mod from_results;
+pub mod history;
 mod page;
 mod payload;
+mod planes;
+pub mod robustness;
+pub mod sensitivity;
 pub mod svg;
 
+use crate::analysis::from_results::FolderError;
+use crate::analysis::robustness::Robustness;
+use crate::analysis::sensitivity::study::Sensitivity;
 use crate::analysis::table::PointTable;
 use figures::Series;
 use std::path::{Path, PathBuf};
@@ -25,8 +35,14 @@ pub struct Report {
     pub date: String,
     /// The points.
     pub table: PointTable,
+    /// Counts by other readings of the tolerances.
+    pub readings: Vec<Reading>,
     /// The trajectory of the best point, if it was recorded.
     pub history: Vec<Series>,
+    /// Which parameter matters, where that was computed.
+    pub sensitivity: Option<Sensitivity>,
+    /// How far the parameters may go, where that was computed.
+    pub robustness: Option<Robustness>,
     /// What is needed to get the same result again: versions, seed, hashes.
     pub provenance: Vec<(String, String)>,
     /// The command that reproduces the result.
@@ -35,9 +51,27 @@ pub struct Report {
     pub study_text: String,
 }
 
+/// Counts of points by another reading of the tolerances.
+#[derive(Clone, Debug, Default)]
+pub struct Reading {
+    /// What it is called.
+    pub name: String,
+    /// What it is and why.
+    pub about: String,
+    /// Points that meet all criteria.
+    pub verified: usize,
+    /// Points that meet a criterion, by its name.
+    pub criteria: Vec<(String, usize)>,
+    /// Points that meet all criteria of a group, by its name.
+    pub groups: Vec<(String, usize)>,
+}
+
 /// Why a report could not be written.
 #[derive(Debug, Error)]
 pub enum ReportError {
+    /// There are no results to report.
+    #[error(transparent)]
+    Folder(#[from] FolderError),
     /// A file could not be written.
     #[error("cannot write {path}: {source}")]
     Write {

@@ -1,19 +1,17 @@
 //! Puts the page together: the numbers of the report as the template wants them.
 
+use super::best::{BestRow, best_rows, heading};
+use super::counts::{CountRow, FractionText, ReadingRow, count_rows, decisive, fraction, readings};
 use super::figures;
-use super::format::{count, number, percent, with_unit};
+use super::format::{count, number, with_unit};
 use super::payload::{self, PlotColumn};
+use super::planes::{Plane, planes};
 use super::{Report, ReportError};
-use crate::analysis::table::{Binding, PointTable};
-use crate::analysis::verdict::{Fraction, Verdict, verdict};
+use crate::analysis::table::PointTable;
+use crate::analysis::verdict::{truly_inside, verdict};
 use minijinja::{Environment, value::Serde};
 use serde::Serialize;
 use std::collections::BTreeMap;
-
-/// So many points are listed as the best ones.
-const BEST: usize = 12;
-/// So many planes of two criteria are shown at most.
-const PLANES: usize = 4;
 
 /// What the template reads.
 #[derive(Serialize)]
@@ -34,6 +32,8 @@ struct Page<'a> {
     sampled: bool,
     rows: Vec<CountRow>,
     decisive: String,
+    readings: Vec<ReadingRow>,
+    expected: String,
     planes: Vec<Plane>,
     parameters: Vec<Small>,
     criteria: Vec<Small>,
@@ -42,6 +42,8 @@ struct Page<'a> {
     best: Vec<BestRow>,
     failures: Vec<(String, String, String)>,
     histories: Vec<History>,
+    sensitivity: Option<super::sensitivity::View>,
+    robustness: Option<super::robustness::View>,
     provenance: &'a [(String, String)],
     command: &'a str,
     study_text: &'a str,
@@ -53,52 +55,6 @@ struct History {
     name: String,
     svg: String,
     detail: Option<String>,
-}
-
-/// A plane of two columns.
-#[derive(Serialize)]
-struct Plane {
-    x: usize,
-    y: usize,
-    title: String,
-    svg: String,
-}
-
-#[derive(Serialize)]
-struct CountRow {
-    name: String,
-    kind: &'static str,
-    note: String,
-    nominal: String,
-    accepted: String,
-    count: String,
-    percent: String,
-    interval: String,
-    /// Per cent, for the bar.
-    value: f64,
-    low: f64,
-    high: f64,
-    binds: String,
-    only: String,
-    miss: String,
-}
-
-#[derive(Serialize)]
-struct Cell {
-    text: String,
-    note: String,
-    bad: bool,
-    /// Signed deviation, clipped to -1.5 to 1.5, for the little bar.
-    bar: Option<f64>,
-}
-
-#[derive(Serialize)]
-struct BestRow {
-    id: u64,
-    verified: bool,
-    deviation: String,
-    binding: String,
-    cells: Vec<Cell>,
 }
 
 #[derive(Serialize)]
@@ -114,9 +70,10 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
     let table = &report.table;
     let columns = payload::columns(table);
     let ranking = table.ranking();
-    let order: Vec<usize> = ranking.iter().map(|r| r.0).collect();
+    let order: Vec<usize> = ranking.iter().map(|r| r.point).collect();
     let points = payload::embedded(table, &order, columns.len());
     let counted = verdict(table);
+    let sure = truly_inside(table);
     let data = serde_json::to_string(&payload::payload(table, &points))?;
 
     let mut environment = Environment::new();
@@ -148,6 +105,8 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
         sampled: points.len() < table.len(),
         rows: count_rows(table, &counted),
         decisive: decisive(table, &counted),
+        readings: readings(report, &counted),
+        expected: number(sure.iter().sum(), 4),
         planes: planes(table, &columns, &points),
         parameters: distributions(table, &columns[..table.parameters.len()], 0),
         criteria: distributions(
@@ -155,11 +114,13 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
             &columns[table.parameters.len()..],
             table.parameters.len(),
         ),
-        best_columns: columns.iter().map(|c| heading(c)).collect(),
+        best_columns: columns.iter().map(heading).collect(),
         first_criterion: table.parameters.len(),
-        best: best_rows(table, &ranking),
+        best: best_rows(table, &ranking, &sure),
         failures: failures(table),
         histories: histories(report),
+        sensitivity: report.sensitivity.as_ref().map(super::sensitivity::view),
+        robustness: report.robustness.as_ref().map(super::robustness::view),
         provenance: &report.provenance,
         command: &report.command,
         study_text: &report.study_text,
@@ -174,7 +135,7 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
 pub fn plots(report: &Report) -> Vec<(String, String)> {
     let table = &report.table;
     let columns = payload::columns(table);
-    let order: Vec<usize> = table.ranking().iter().map(|r| r.0).collect();
+    let order: Vec<usize> = table.ranking().iter().map(|r| r.point).collect();
     let points = payload::embedded(table, &order, columns.len());
     let mut plots: Vec<(String, String)> = planes(table, &columns, &points)
         .into_iter()
@@ -219,206 +180,6 @@ fn script_safe(json: &str) -> String {
         .replace('\u{2029}', "\\u2029")
 }
 
-#[derive(Serialize)]
-struct FractionText {
-    percent: String,
-    low: String,
-    high: String,
-}
-
-fn fraction(f: &Fraction) -> FractionText {
-    FractionText {
-        percent: percent(f.value()),
-        low: percent(f.low),
-        high: percent(f.high),
-    }
-}
-
-fn count_rows(table: &PointTable, counted: &Verdict) -> Vec<CountRow> {
-    let row = |name: &str, kind, f: &Fraction| CountRow {
-        name: name.to_owned(),
-        kind,
-        note: String::new(),
-        nominal: String::new(),
-        accepted: String::new(),
-        count: count(f.count),
-        percent: percent(f.value()),
-        interval: format!("{} – {}", percent(f.low), percent(f.high)),
-        value: 100.0 * f.value(),
-        low: 100.0 * f.low,
-        high: 100.0 * f.high,
-        binds: String::new(),
-        only: String::new(),
-        miss: String::new(),
-    };
-    let criterion = |k: usize| {
-        let (c, v) = (&table.criteria[k], &counted.criteria[k]);
-        CountRow {
-            note: c.source.clone(),
-            nominal: quantity(c.nominal, &c.unit),
-            accepted: format!("{} … {}", number(c.lower, 6), quantity(c.upper, &c.unit)),
-            binds: count(v.binds),
-            only: count(v.only_failure),
-            miss: v
-                .median_miss
-                .map_or_else(|| "–".into(), |m| format!("{} ×", number(m, 3))),
-            ..row(&c.name, "criterion", &v.passes)
-        }
-    };
-    let mut rows = Vec::new();
-    for (group, passes) in &counted.groups {
-        let members: Vec<usize> = (0..table.criteria.len())
-            .filter(|&k| table.criteria[k].group.as_deref() == Some(group))
-            .collect();
-        rows.extend(members.iter().map(|&k| criterion(k)));
-        if members.len() > 1 {
-            rows.push(CountRow {
-                note: format!("group of {}", members.len()),
-                ..row(group, "group", passes)
-            });
-        }
-    }
-    rows.extend(
-        (0..table.criteria.len())
-            .filter(|&k| table.criteria[k].group.is_none())
-            .map(criterion),
-    );
-    rows.push(row("all criteria", "total", &counted.verified));
-    rows
-}
-
-fn quantity(value: f64, unit: &str) -> String {
-    if unit.is_empty() || unit == "1" {
-        number(value, 6)
-    } else {
-        format!("{} {unit}", number(value, 6))
-    }
-}
-
-/// One sentence on what decides the verdict.
-fn decisive(table: &PointTable, counted: &Verdict) -> String {
-    let binding = counted
-        .criteria
-        .iter()
-        .enumerate()
-        .max_by_key(|(_, c)| c.binds);
-    let alone = counted
-        .criteria
-        .iter()
-        .enumerate()
-        .max_by_key(|(_, c)| c.only_failure);
-    let completed = table.len() - counted.failed;
-    match (binding, alone) {
-        (Some((b, binds)), Some((a, only))) if completed > 0 => {
-            let mut text = format!(
-                "{} is the criterion that deviates most, in units of its tolerance, at {} of {} simulated points.",
-                table.criteria[b].name,
-                count(binds.binds),
-                count(completed)
-            );
-            if only.only_failure > 0 {
-                text += &format!(
-                    " {} alone keeps {} further point{} from being verified.",
-                    table.criteria[a].name,
-                    count(only.only_failure),
-                    if only.only_failure == 1 { "" } else { "s" }
-                );
-            }
-            text
-        }
-        _ => "No point was simulated to its end.".into(),
-    }
-}
-
-/// The planes to start with: neighbouring criteria of every group, then the criteria left over in
-/// pairs, and at the end the parameter and criterion that go together most.
-fn planes(table: &PointTable, columns: &[PlotColumn<'_>], points: &[usize]) -> Vec<Plane> {
-    let first = table.parameters.len();
-    let mut pairs: Vec<(usize, usize, String)> = Vec::new();
-    let mut left_over = Vec::new();
-    for group in table.groups().into_iter().map(Some).chain([None]) {
-        let members: Vec<usize> = (0..table.criteria.len())
-            .filter(|&k| table.criteria[k].group.as_deref() == group)
-            .collect();
-        match (group, members.as_slice()) {
-            (Some(name), [_, _, ..]) => pairs.extend(
-                members
-                    .windows(2)
-                    .map(|w| (first + w[0], first + w[1], name.to_owned())),
-            ),
-            _ => left_over.extend(members),
-        }
-    }
-    pairs.extend(
-        left_over
-            .chunks(2)
-            .filter(|w| w.len() == 2)
-            .map(|w| (first + w[0], first + w[1], "criteria".to_owned())),
-    );
-    pairs.truncate(PLANES - 1);
-    let room = if pairs.len() % 2 == 0 { 2 } else { 1 };
-    let strongest = strongest_pairs(table).into_iter().take(room);
-    pairs.extend(strongest.map(|(x, y)| {
-        (
-            x,
-            first + y,
-            format!("strongest on {}", table.criteria[y].name),
-        )
-    }));
-    pairs
-        .into_iter()
-        .map(|(x, y, title)| Plane {
-            svg: figures::plane(table, &columns[x], &columns[y], points),
-            x,
-            y,
-            title,
-        })
-        .collect()
-}
-
-/// For every criterion the parameter with the largest linear correlation, the strongest first,
-/// every parameter once.
-fn strongest_pairs(table: &PointTable) -> Vec<(usize, usize)> {
-    let mut all: Vec<(f64, usize, usize)> = Vec::new();
-    for (p, parameter) in table.parameters.iter().enumerate() {
-        for (c, criterion) in table.criteria.iter().enumerate() {
-            let r = correlation(&parameter.values, &criterion.values).abs();
-            if r.is_finite() {
-                all.push((r, p, c));
-            }
-        }
-    }
-    all.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let mut chosen: Vec<(usize, usize)> = Vec::new();
-    for (_, p, c) in all {
-        if chosen.iter().all(|&(q, d)| p != q && c != d) {
-            chosen.push((p, c));
-        }
-    }
-    chosen
-}
-
-fn correlation(x: &[f64], y: &[f64]) -> f64 {
-    let pairs: Vec<(f64, f64)> = x
-        .iter()
-        .copied()
-        .zip(y.iter().copied())
-        .filter(|(a, b)| a.is_finite() && b.is_finite())
-        .collect();
-    let n = pairs.len() as f64;
-    let (mx, my) = (
-        pairs.iter().map(|p| p.0).sum::<f64>() / n,
-        pairs.iter().map(|p| p.1).sum::<f64>() / n,
-    );
-    let (mut xx, mut yy, mut xy) = (0.0, 0.0, 0.0);
-    for (a, b) in pairs {
-        xx += (a - mx).powi(2);
-        yy += (b - my).powi(2);
-        xy += (a - mx) * (b - my);
-    }
-    xy / (xx * yy).sqrt()
-}
-
 fn distributions(table: &PointTable, columns: &[PlotColumn<'_>], first: usize) -> Vec<Small> {
     let row = |name: &str, values: &mut dyn Iterator<Item = f64>| {
         let finite: Vec<f64> = values.filter(|v| v.is_finite()).collect();
@@ -447,50 +208,6 @@ fn distributions(table: &PointTable, columns: &[PlotColumn<'_>], first: usize) -
                 ),
             ],
             column: first + k,
-        })
-        .collect()
-}
-
-/// A structured name in its two parts, and the unit.
-fn heading<'a>(c: &PlotColumn<'a>) -> (&'a str, &'a str, &'a str) {
-    let (path, name) = c.name.rsplit_once('.').unwrap_or(("", c.name));
-    (path, name, c.unit)
-}
-
-fn best_rows(table: &PointTable, ranking: &[(usize, Binding)]) -> Vec<BestRow> {
-    ranking
-        .iter()
-        .take(BEST)
-        .map(|&(i, binding)| {
-            let plain = |text| Cell {
-                text,
-                note: String::new(),
-                bad: false,
-                bar: None,
-            };
-            let parameters = table
-                .parameters
-                .iter()
-                .map(|p| plain(number(p.values[i], 5)));
-            let criteria = table.criteria.iter().map(|c| {
-                let deviation = c.deviation(c.values[i]);
-                Cell {
-                    text: number(c.values[i], 5),
-                    note: format!("{} of the tolerance", number(deviation, 2)),
-                    bad: !c.ok[i],
-                    bar: Some(
-                        (deviation.min(1.5) * (c.values[i] - c.nominal).signum() * 100.0).round()
-                            / 100.0,
-                    ),
-                }
-            });
-            BestRow {
-                id: table.ids[i],
-                verified: table.verified[i],
-                deviation: number(binding.deviation, 2),
-                binding: table.criteria[binding.criterion].name.clone(),
-                cells: parameters.chain(criteria).collect(),
-            }
         })
         .collect()
 }

@@ -80,6 +80,9 @@ pub struct Simulation {
     pub warm_up: Option<f64>,
     /// Statistics take this long at the end, s.
     pub window: Option<f64>,
+    /// Reach the first time that statistics look at in a single communication step.
+    #[serde(default)]
+    pub leap: bool,
 }
 
 /// How points are chosen.
@@ -253,6 +256,19 @@ impl Study {
         study.path = path.to_owned();
         study.text = text;
         Ok(study)
+    }
+
+    /// Reads the text once more for what another command wants of it: a type with the sections that it
+    /// knows, with places for its errors.
+    ///
+    /// # Errors
+    /// With line and column when the text is not understood.
+    pub fn section<T: serde::de::DeserializeOwned>(&self) -> Result<T, StudyError> {
+        let place = Place {
+            path: &self.path,
+            text: &self.text,
+        };
+        toml::from_str(&self.text).map_err(|error| place.toml(&error))
     }
 
     /// Where the study was read from.

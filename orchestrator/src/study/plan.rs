@@ -97,10 +97,8 @@ impl Binder<'_> {
             let at = |message: String| self.study.error_at(name, message);
             let name = name.as_ref().clone();
             let at = |message: String| at(format!("{name}: {message}"));
-            settable(variable).map_err(at)?;
-            let storage = Storage::of(variable)
-                .ok_or_else(|| at("a text cannot vary; set it under [fixed]".to_owned()))?;
-            let (input, slot) = self.parameter(variable, parameter, storage).map_err(at)?;
+            let slot = slot_of(variable).map_err(at)?;
+            let input = self.parameter(variable, parameter, &slot).map_err(at)?;
             Ok((input, slot))
         };
         self.study.parameters.iter().map(bind).collect()
@@ -110,28 +108,19 @@ impl Binder<'_> {
         &self,
         variable: &Variable,
         parameter: &Parameter,
-        storage: Storage,
-    ) -> Result<(Input, Slot), String> {
+        slot: &Slot,
+    ) -> Result<Input, String> {
         let unit = parameter.unit.as_deref().or(parameter.first_unit());
         let scale = Scale::new(unit, &self.fmu.units, variable.unit())?;
         let distribution = parameter.distribution(&scale)?;
         distribution.check()?;
-        let (min, max) = limits(variable);
-        let slot = Slot {
-            name: variable.name.clone(),
-            reference: variable.value_reference,
-            storage,
-            min,
-            max,
-        };
         slot.check(scale.conversion.value(distribution.median()))?;
-        let input = Input {
+        Ok(Input {
             name: variable.name.clone(),
             unit: scale.unit.clone(),
             distribution,
             conversion: scale.conversion,
-        };
-        Ok((input, slot))
+        })
     }
 
     fn criteria(&self) -> Result<(Vec<Conversion>, Vec<Probe>), StudyError> {
@@ -179,6 +168,7 @@ impl Binder<'_> {
             stop,
             step: simulation.step.unwrap_or(experiment.step),
             window_start: start,
+            leap: simulation.leap,
             tolerance: simulation.tolerance.or(experiment.tolerance),
         };
         schedule.window_start = match (simulation.warm_up, simulation.window) {
@@ -313,16 +303,29 @@ pub fn find<'a>(fmu: &'a Description, name: &str) -> Result<&'a Variable, String
 }
 
 /// The smallest and largest value that the FMU's description allows, in the FMU's unit.
-fn limits(variable: &Variable) -> (f64, f64) {
-    let (min, max) = match &variable.kind {
+fn limits(variable: &Variable) -> (Option<f64>, Option<f64>) {
+    match &variable.kind {
         Kind::Real { min, max, .. } => (*min, *max),
         Kind::Integer { min, max, .. } => (min.map(f64::from), max.map(f64::from)),
         _ => (None, None),
-    };
-    (
-        min.unwrap_or(f64::NEG_INFINITY),
-        max.unwrap_or(f64::INFINITY),
-    )
+    }
+}
+
+/// How a variable takes a number before a simulation.
+///
+/// # Errors
+/// When it cannot be set, or is a text.
+pub fn slot_of(variable: &Variable) -> Result<Slot, String> {
+    settable(variable)?;
+    let storage = Storage::of(variable).ok_or("a text cannot vary; set it under [fixed]")?;
+    let (min, max) = limits(variable);
+    Ok(Slot {
+        name: variable.name.clone(),
+        reference: variable.value_reference,
+        storage,
+        min,
+        max,
+    })
 }
 
 fn settable(variable: &Variable) -> Result<(), String> {
@@ -398,21 +401,17 @@ fn value(fmu: &Description, variable: &Variable, setting: &Setting) -> Result<Va
 }
 
 fn check_limits(variable: &Variable, number: f64) -> Result<(), String> {
-    let (min, max) = limits(variable);
     let unit = variable
         .unit()
         .map_or_else(String::new, |unit| format!(" {unit}"));
-    if !number.is_finite() {
-        Err(format!("{number} is not a finite number"))
-    } else if number < min {
-        Err(format!(
+    match limits(variable) {
+        _ if !number.is_finite() => Err(format!("{number} is not a finite number")),
+        (Some(min), _) if number < min => Err(format!(
             "{number}{unit} is less than the smallest value {min}{unit}"
-        ))
-    } else if number > max {
-        Err(format!(
+        )),
+        (_, Some(max)) if number > max => Err(format!(
             "{number}{unit} is more than the largest value {max}{unit}"
-        ))
-    } else {
-        Ok(())
+        )),
+        _ => Ok(()),
     }
 }

@@ -1,15 +1,15 @@
 //! The coordinates in which the mobility is smooth.
 //!
-//! Near the bush, what matters is the load's direction measured in `sqrt(1 - e)`, the angle over
-//! which the gap is narrow; far round the bush it is the direction itself. The coordinate
+//! Near the bush, the mobility turns from radial to tangential within a direction of about `1 - e`, changes
+//! its size over `sqrt(1 - e)`, the angle over which the gap is narrow, and further round the bush. The coordinate
 //!
 //! ```text
-//! s = asinh(tan(phi/4) / d) / asinh(1/d),   d = 0.3 sqrt(1 - e)
+//! s = asinh(tan(phi/4) / d) / asinh(1/d),   d = 0.3 (1 - e)
 //! ```
 //!
-//! serves both: 0 with the load along the eccentricity, 1 against it.
+//! serves all: 0 with the load along the eccentricity, 1 against it.
 
-/// Ratio of `d` to `sqrt(1 - e)`.
+/// Ratio of `d` to `1 - e`.
 const CORE: f64 = 0.3;
 
 /// The gap is taken to be no narrower than this share of the clearance.
@@ -27,7 +27,7 @@ impl Point {
     /// cosine and (absolute) sine are given.
     pub(super) fn new(e: f64, cos: f64, sin: f64) -> Self {
         let gap = (1.0 - e).clamp(NARROWEST, 1.0);
-        let core = CORE * gap.sqrt();
+        let core = CORE * gap;
         Self {
             u: -gap.ln(),
             s: asinh(quarter_tangent(cos, sin.abs()) / core) / asinh(1.0 / core),
@@ -41,7 +41,7 @@ impl Point {
 
     /// The angle between eccentricity and load, rad, 0..=pi.
     pub(super) fn angle(self) -> f64 {
-        let core = CORE * (-0.5 * self.u).exp();
+        let core = CORE * (-self.u).exp();
         4.0 * (core * (self.s * asinh(1.0 / core)).sinh()).min(1.0).atan()
     }
 }

@@ -7,7 +7,6 @@ use thiserror::Error;
 
 use super::coordinates::Point;
 use super::slice::MobilitySlice;
-use super::spline::weights;
 
 /// The committed table, made by [`generate`](super::generate).
 static COMMITTED: &[u8] = include_bytes!("map.bin");
@@ -81,37 +80,13 @@ impl MobilityMap {
         postcard::to_stdvec(self).map_err(|error| MapError(error.to_string()))
     }
 
-    /// The map at one width-to-diameter ratio `B/D > 0`, prepared for fast look-ups.
-    ///
-    /// The table reaches from 0.1 to 4. Narrower bearings continue with the power of `B/D` found
-    /// at its end (the short bearing's, `|M| ~ (D/B)^2`); wider ones are taken as 4.
-    pub fn slice(&self, width_to_diameter: f64) -> MobilitySlice {
-        let [count, us, ss] = self.nodes.map(usize::from);
-        let position = (width_to_diameter.ln() - self.widths[0]) / self.width_spacing();
-        let last = (count - 1) as f64;
-        let per_width = us * ss * CHANNELS;
-        let blend = |weights: &[f64]| -> Vec<f64> {
-            let mut blended = vec![0.0; per_width];
-            for (weight, values) in weights.iter().zip(self.values.chunks_exact(per_width)) {
-                for (sum, &value) in blended.iter_mut().zip(values) {
-                    *sum += weight * f64::from(value);
-                }
-            }
-            blended
-        };
-        let inside = if position.is_nan() {
-            last
-        } else {
-            position.clamp(0.0, last)
-        };
-        let mut values = blend(&weights(count, inside));
-        if position < 0.0 {
-            let (near, far) = (blend(&weights(count, 0.0)), blend(&weights(count, 1.0)));
-            for ((value, near), far) in values.iter_mut().zip(near).zip(far) {
-                *value += position * (far - near);
-            }
-        }
-        MobilitySlice::new(&values, us, ss, self.last_u)
+    /// The tabulated slices, by `B/D`.
+    pub(super) fn slices(&self) -> Vec<MobilitySlice> {
+        let [_, us, ss] = self.nodes.map(usize::from);
+        self.values
+            .chunks_exact(us * ss * CHANNELS)
+            .map(|values| MobilitySlice::new(values, us, ss, self.last_u))
+            .collect()
     }
 
     /// `B/D` of the slice `k`.

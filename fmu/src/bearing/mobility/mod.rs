@@ -21,17 +21,100 @@
 //!
 //! # What is interpolated
 //! The logarithm of `|M|` and the angle by which `M` leads the load, over
-//! `u = -ln(1 - e)`, over the load direction stretched by `sqrt(1 - e)` (see [`coordinates`]), and
+//! `u = -ln(1 - e)`, over the load direction stretched by `1 - e` (see [`coordinates`]), and
 //! over `ln(B/D)`. Powers of the smallest gap and of `B/D`, the asymptotes of the lubrication
 //! theory, are straight lines in these coordinates; beyond the table they are continued as such:
 //! under a finite load the journal never reaches the bush.
 
 mod coordinates;
+mod family;
 mod generate;
 mod map;
 mod slice;
 mod spline;
 
+pub use family::SliceFamily;
 pub use generate::{Sample, exact, generate};
 pub use map::{MapError, MobilityMap};
 pub use slice::{Film, MobilitySlice};
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Vector2;
+    use std::f64::consts::PI;
+
+    /// The map's errors against direct solutions on a finer grid, at points off its nodes; the
+    /// generating command prints those of a larger sample.
+    #[test]
+    fn agrees_with_direct_solutions() {
+        let map = SliceFamily::new(&MobilityMap::built_in().unwrap());
+        let (mut sum, mut worst, mut count) = (0.0, 0.0_f64, 0.0);
+        for width in [0.27, 0.5, 0.76, 1.1, 1.47] {
+            let slice = map.slice(width);
+            for e in [0.05, 0.33, 0.61, 0.85, 0.93, 0.98] {
+                for angle in [0.03_f64, -0.4, 1.3, -2.2, 3.0] {
+                    let direct = exact(width, e, angle, [192, 16]).unwrap().mobility;
+                    let (radial, tangential) = slice.mobility(e, angle.cos(), angle.sin());
+                    let error = (Vector2::new(radial, tangential) - direct).norm() / direct.norm();
+                    sum += error;
+                    worst = worst.max(error);
+                    count += 1.0;
+                }
+            }
+        }
+        assert!(sum / count < 0.003, "mean {}", sum / count);
+        assert!(worst < 0.02, "largest {worst}");
+    }
+
+    /// Booker (1965): for a short bearing `M = (D/B)^2 (1 - e)^(5/2) / pi` along the line of centres.
+    #[test]
+    fn a_narrow_bearing_is_a_short_one() {
+        let slice = SliceFamily::new(&MobilityMap::built_in().unwrap()).slice(0.02);
+        for e in [0.0_f64, 0.4] {
+            let short = (1.0 - e).powf(2.5) / (PI * 0.02_f64.powi(2));
+            let (radial, tangential) = slice.mobility(e, 1.0, 0.0);
+            assert!((radial / short - 1.0).abs() < 0.05, "{e}: {radial} {short}");
+            assert!(tangential.abs() < 1e-9 * radial);
+        }
+    }
+
+    /// Beyond the table the journal still cannot reach the bush: the mobility keeps falling as the
+    /// power 3/2 of the gap.
+    #[test]
+    fn the_mobility_vanishes_at_the_bush() {
+        let slice = SliceFamily::new(&MobilityMap::built_in().unwrap()).slice(0.76);
+        let at = |gap: f64| slice.mobility(1.0 - gap, 1.0, 0.0).0;
+        for gap in [1e-4, 1e-6, 1e-8] {
+            let power = (at(gap) / at(0.1 * gap)).log10();
+            assert!((power - 1.5).abs() < 0.05, "{gap}: {power}");
+        }
+        assert!(at(0.0) > 0.0 && at(0.0) < 1e-12);
+    }
+
+    #[test]
+    fn values_and_slopes_are_continuous_across_the_nodes() {
+        let slice = SliceFamily::new(&MobilityMap::built_in().unwrap()).slice(0.76);
+        let of = |e: f64, angle: f64| slice.mobility(e, angle.cos(), angle.sin()).0;
+        let node = 1.0 - 1e-4_f64.powf(0.25);
+        let step = 1e-5;
+        for angle in [0.0, 0.2, PI] {
+            let before = (of(node, angle) - of(node - step, angle)) / step;
+            let after = (of(node + step, angle) - of(node, angle)) / step;
+            assert!(
+                (before - after).abs() < 1e-2 * before.abs(),
+                "{before} {after}"
+            );
+        }
+        // Around the line of centres the radial mobility is even, so flat.
+        assert!((of(0.6, 1e-6) - of(0.6, -1e-6)).abs() < 1e-12);
+        assert!((of(0.6, PI - 1e-6) - of(0.6, -PI + 1e-6)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_damaged_map_is_refused() {
+        let bytes = MobilityMap::built_in().unwrap().to_bytes().unwrap();
+        assert!(MobilityMap::from_bytes(&bytes[..bytes.len() - 5]).is_err());
+        assert!(MobilityMap::from_bytes(&[]).is_err());
+    }
+}

@@ -7,7 +7,7 @@ use super::map::CHANNELS;
 use super::spline::{End, hermite, slopes};
 
 /// Of each quantity: value, slope over `u`, slope over `s` and twist.
-type Node = [[f64; CHANNELS]; 4];
+pub(super) type Node = [[f64; CHANNELS]; 4];
 
 /// The mobility of bearings of one `B/D`: the map's quantities over `u` and `s`, once continuously
 /// differentiable.
@@ -51,10 +51,15 @@ const SYMMETRY: [End; CHANNELS] = [End::Even, End::Odd, End::Even, End::Even];
 
 impl MobilitySlice {
     /// From node values, by `u`, then `s`, then channel.
-    pub(super) fn new(values: &[f64], us: usize, ss: usize, last_u: f64) -> Self {
+    pub(super) fn new(values: &[f32], us: usize, ss: usize, last_u: f64) -> Self {
         let mut nodes = vec![Node::default(); us * ss];
         for (channel, symmetry) in SYMMETRY.into_iter().enumerate() {
-            let values: Vec<f64> = values.iter().skip(channel).step_by(CHANNELS).copied().collect();
+            let values: Vec<f64> = values
+                .iter()
+                .skip(channel)
+                .step_by(CHANNELS)
+                .map(|&value| f64::from(value))
+                .collect();
             let over_u = over_u(&values, us, ss);
             let ends = [symmetry; 2];
             let (mut over_s, mut twist) = (vec![0.0; ss], vec![0.0; ss]);
@@ -80,6 +85,16 @@ impl MobilitySlice {
         }
     }
 
+    /// The nodes, by `u`, then `s`.
+    pub(super) fn nodes(&self) -> &[Node] {
+        &self.nodes
+    }
+
+    /// A slice over the same points.
+    pub(super) fn with_nodes(&self, nodes: Vec<Node>) -> Self {
+        Self { nodes, ..*self }
+    }
+
     /// The mobility along the eccentricity and 90 degrees ahead of it, at the eccentricity ratio
     /// `e` (0 up to, but not, 1) under a load whose angle ahead of the eccentricity has this cosine and sine.
     ///
@@ -99,11 +114,15 @@ impl MobilitySlice {
         let e = eps.norm();
         let (cos, sin) = if e > 0.0 {
             let inverse = 1.0 / e;
-            (eps.dot(&direction) * inverse, eps.perp(&direction) * inverse)
+            (
+                eps.dot(&direction) * inverse,
+                eps.perp(&direction) * inverse,
+            )
         } else {
             (1.0, 0.0)
         };
-        let [log_mobility, lead, log_max_pressure, log_side_flow] = self.at(Point::new(e, cos, sin));
+        let [log_mobility, lead, log_max_pressure, log_side_flow] =
+            self.at(Point::new(e, cos, sin));
         // The lead is odd in the angle from eccentricity to load.
         let (sin, cos) = if sin < 0.0 { -lead } else { lead }.sin_cos();
         let mobility = log_mobility.exp()

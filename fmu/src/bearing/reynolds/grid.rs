@@ -27,6 +27,30 @@ impl Grid {
         }
     }
 
+    /// Cells for a film whose smallest gap may be anywhere: even around the bush, and crowding along
+    /// the open ends as fits the heavily loaded film of a bearing of `width_to_diameter`.
+    pub fn standard(columns: usize, rows: usize, width_to_diameter: f64) -> Self {
+        Self {
+            zeta: Self::clustered(4, rows, 0.93, width_to_diameter).zeta,
+            ..Self::uniform(columns, 1)
+        }
+    }
+
+    /// The grid over the whole width, `zeta` from -1 to 1, for a film that is not symmetric. It has
+    /// twice the rows.
+    pub fn whole_width(&self) -> Self {
+        let below = self.zeta.iter().skip(1).rev().map(|z| -z);
+        Self {
+            theta: self.theta.clone(),
+            zeta: below.chain(self.zeta.iter().copied()).collect(),
+        }
+    }
+
+    /// Whether the grid reaches over the whole width.
+    pub fn is_whole_width(&self) -> bool {
+        self.zeta[0] < 0.0
+    }
+
     /// Cells that crowd where a film of eccentricity ratio `eccentricity` (0..1, smallest gap at
     /// `theta = 0`) varies fast: around the smallest gap, over the angle `sqrt(1 - e)`, and along
     /// the open ends, over a like length.
@@ -105,6 +129,7 @@ impl Grid {
     /// even rows it does; on strongly stretched ones the outermost row is narrow enough as it is.
     pub(crate) fn end_distance(&self) -> f64 {
         let inside: f64 = (1..self.rows())
+            .filter(|&j| self.zeta[j] > 0.0)
             .map(|j| self.zeta[j].powi(2) * self.zeta_distance(j))
             .sum();
         let outermost = self.zeta_width(self.rows() - 1);

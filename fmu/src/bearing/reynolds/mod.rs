@@ -21,9 +21,24 @@
 //! and the external load that the film carries is `F = 12 eta (R/c)^2 R B W`, `W` the integral of
 //! `P n` over `theta` and `zeta` in 0..1 (the mean over the width).
 
+mod asperities;
+mod cells;
+mod diagnostics;
+mod film;
+mod gap;
 mod grid;
+mod profile_lu;
 mod quasi_static;
+mod rheology;
 mod skyline;
 
+#[cfg(test)]
+mod film_tests;
+
+pub use asperities::Asperities;
+pub use cells::Cavitation;
+pub use diagnostics::Diagnostics;
+pub use film::{Drive, FilmError, FilmSettings, ReynoldsFilm};
 pub use grid::Grid;
 pub use quasi_static::{Boundary, Carried, NotConverged, QuasiStatic};
+pub use rheology::{PressureViscosity, Rheology, ShearThinning};

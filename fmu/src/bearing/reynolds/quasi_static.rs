@@ -413,27 +413,55 @@ mod tests {
     }
 
     #[test]
-    fn print_raimondi_boyd() {
-        for [e, s, a, f] in RAIMONDI_BOYD {
-            let g = |n, m| Grid::uniform(n, m);
-            let c = |n, m| Grid::clustered(n, m, e, 1.0);
-            println!("{e} ref {s} {a} {f}");
-            for (name, grid) in [
-                ("u96x8", g(96, 8)),
-                ("u192x16", g(192, 16)),
-                ("u384x32", g(384, 32)),
-                ("c96x8", c(96, 8)),
-                ("c192x16", c(192, 16)),
-                ("c256x16", c(256, 16)),
-                ("c384x32", c(384, 32)),
-            ] {
-                let [s1, a1, f1] = steady(grid, e, 1.0, Boundary::Seam);
-                println!(
-                    "  {name} {s1:.5} {:+.2}% {a1:.2} {f1:.4} {:+.2}%",
-                    100.0 * (s1 / s - 1.0),
-                    100.0 * (f1 / f - 1.0)
-                );
-            }
+    fn raimondi_and_boyd() {
+        for [e, s, attitude, friction] in RAIMONDI_BOYD {
+            let found = steady(Grid::clustered(96, 8, e, 1.0), e, 1.0, Boundary::Seam);
+            assert!((found[0] / s - 1.0).abs() < 0.015, "S at {e}: {found:?}");
+            assert!((found[1] - attitude).abs() < 1.0, "angle at {e}: {found:?}");
+            assert!(
+                (found[2] / friction - 1.0).abs() < 0.015,
+                "friction at {e}: {found:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn the_boundary_conditions_differ_as_known() {
+        // At L/D = 1: 2 % in load and 4.4 degrees at e = 0.1, less than 0.4 % above 0.8.
+        for (e, largest, smallest) in [(0.1, 0.025, 0.015), (0.8, 0.004, 0.0), (0.95, 0.004, 0.0)] {
+            let of = |boundary| steady(Grid::clustered(192, 16, e, 1.0), e, 1.0, boundary);
+            let (free, seam) = (of(Boundary::Free), of(Boundary::Seam));
+            let difference = (seam[0] / free[0] - 1.0).abs();
+            assert!(
+                difference < largest && difference >= smallest,
+                "{e}: {difference}"
+            );
+        }
+    }
+
+    /// Loads on finer and finer even grids, against the extrapolated load of fine clustered ones.
+    #[test]
+    fn converges_with_second_order_and_the_default_grids_are_close() {
+        for (e, width) in [(0.5, 0.76), (0.9, 0.76), (0.97, 1.0), (0.9, 0.25)] {
+            let load = |grid| steady(grid, e, width, Boundary::Free)[0].recip();
+            let clustered = |k: usize| load(Grid::clustered(64 * k, 6 * k, e, width));
+            let (middle, fine) = (clustered(3), clustered(6));
+            let extrapolated = fine + (fine - middle) / 3.0;
+            let error = |load: f64| (load / extrapolated - 1.0).abs();
+            let even = [96, 192, 384].map(|n| error(load(Grid::uniform(n, n / 12))));
+            // Twice finer twice; the free boundary, which moves in cells, scatters single figures.
+            let order = 0.5 * (even[0] / even[2]).log2();
+            let default = error(load(Grid::standard(96, 8, width)));
+            let map = error(load(Grid::clustered(160, 14, e, width)));
+            println!(
+                "e {e}, B/D {width}: order {order:.2}, errors {even:.6?}, film's default grid {default:.6}, map's {map:.6}"
+            );
+            assert!(order > 1.6, "order {order} at {e}, {width}");
+            // 0.3 % is the aim. At B/D = 0.25 and e = 0.9, 96 columns miss it (0.53 %): a known
+            // shortfall, held here so that it does not grow.
+            let limit = if width < 0.5 { 0.006 } else { 0.003 };
+            assert!(default < limit, "default grid {default} at {e}, {width}");
+            assert!(map < 0.001, "map's grid {map} at {e}, {width}");
         }
     }
 

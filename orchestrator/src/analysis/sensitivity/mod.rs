@@ -10,18 +10,27 @@ pub mod rank;
 pub mod regional;
 pub mod sobol;
 pub mod stats;
+pub mod study;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// A number with its 95 % interval.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
     /// The estimate.
+    #[serde(deserialize_with = "or_not_a_number")]
     pub value: f64,
     /// Lower end of the interval.
+    #[serde(deserialize_with = "or_not_a_number")]
     pub low: f64,
     /// Upper end of the interval.
+    #[serde(deserialize_with = "or_not_a_number")]
     pub high: f64,
+}
+
+/// JSON has no word for a number that is none but `null`.
+fn or_not_a_number<'de, D: serde::Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+    Ok(Option::deserialize(from)?.unwrap_or(f64::NAN))
 }
 
 impl Estimate {

@@ -10,7 +10,7 @@ use super::stats::{mean, variance};
 use crate::analysis::verdict::Z95;
 use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Trajectories in the unit cube: each has `parameters + 1` points, and one parameter changes a step,
 /// by delta = levels / (2 (levels - 1)) on a grid of that many levels (an even number).
@@ -40,7 +40,7 @@ pub fn design(parameters: usize, trajectories: usize, levels: usize, seed: u64) 
 }
 
 /// Elementary effects of one parameter on one output.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Effect {
     /// Mean effect: the output's change for a parameter's change over its whole range.
     pub mu: f64,

@@ -8,10 +8,10 @@ use super::Estimate;
 use super::stats::{ks_distance, mean, quantile, sorted};
 use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Influence of every parameter on one output.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Pawn {
     /// Median over the slices of the Kolmogorov-Smirnov distance between the output's distribution
     /// in the slice and that of all points, with a bootstrap interval.

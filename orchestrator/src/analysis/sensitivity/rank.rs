@@ -9,10 +9,10 @@ use super::Estimate;
 use super::stats::{mean, ranks};
 use crate::analysis::verdict::Z95;
 use nalgebra::DMatrix;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Rank correlations of every parameter with one output.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Correlations {
     /// Spearman's rank correlation.
     pub spearman: Vec<Estimate>,

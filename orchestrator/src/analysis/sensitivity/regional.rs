@@ -5,10 +5,10 @@
 //! J. Environmental Management 12, 7-18.
 
 use super::stats::{ks_distance, ks_probability, quantile, sorted};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// What one parameter has to do with pass or fail.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Split {
     /// Kolmogorov-Smirnov distance between the two distributions: 0 nothing, 1 decides alone.
     pub distance: f64,

@@ -160,7 +160,7 @@
       sx = scale(cx.range, 64, WIDTH - 14);
       sy = scale(cy.range, HEIGHT - 48, 12);
       picture.replaceChildren();
-      svg = draw(picture, "svg", { class: size > 1500 ? "plot crowd" : "plot", viewBox: `0 0 ${WIDTH} ${HEIGHT}`, tabindex: 0, role: "application",
+      svg = draw(picture, "svg", { class: size > 300 ? "plot crowd" : "plot", viewBox: `0 0 ${WIDTH} ${HEIGHT}`, tabindex: 0, role: "application",
         "aria-label": `${cy.title} against ${cx.title}. Arrow keys step through the points, Enter selects.` });
       frame(cx, cy);
       acceptance(cx, cy);

@@ -1,0 +1,78 @@
+//! Speed of the film models: `cargo bench -p plain-bearing-stand --bench film`.
+
+use std::hint::black_box;
+
+use divan::Bencher;
+use nalgebra::Vector2;
+use plain_bearing_stand::bearing::mobility::{MobilityMap, SliceFamily};
+use plain_bearing_stand::bearing::reynolds::{
+    Boundary, Cavitation, Drive, FilmSettings, Grid, QuasiStatic, ReynoldsFilm,
+};
+
+fn main() {
+    divan::main();
+}
+
+/// Speed and viscosity of the stand.
+const SPEED: f64 = 31.416;
+const VISCOSITY: f64 = 0.02;
+
+/// One internal step (two implicit stages) of the transient film, warm, over the stand's cycle.
+#[divan::bench(args = [Cavitation::NonNegative, Cavitation::MassConserving])]
+fn transient_step_96x8(bencher: Bencher<'_, '_>, cavitation: Cavitation) {
+    let settings = FilmSettings {
+        cavitation,
+        tolerance: 1.0,
+        ..FilmSettings::new(0.019, 0.025, 20e-6)
+    };
+    let Ok(mut film) = ReynoldsFilm::new(settings) else {
+        return;
+    };
+    let load = |t: f64| Vector2::new(750.0 * (1.0 + 0.2 * (SPEED * t).sin()), 0.0);
+    let step = 1e-3;
+    let mut t = 0.0;
+    let mut go = || {
+        let drive = Drive {
+            load_before: load(t),
+            load_after: load(t + step),
+            ..Drive::steady(Vector2::zeros(), SPEED, VISCOSITY)
+        };
+        t += step;
+        film.advance(step, &drive, &|_| 0.0)
+    };
+    for _ in 0..600 {
+        let _ = black_box(go());
+    }
+    bencher.bench_local(go);
+}
+
+/// The quasi-static film's velocity under a load that turns a little from step to step, warm.
+#[divan::bench]
+fn quasi_static_96x8(bencher: Bencher<'_, '_>) {
+    let mut film = QuasiStatic::new(Grid::standard(96, 8, 0.76), 0.76, Boundary::Free);
+    let mut angle: f64 = 0.4;
+    bencher.bench_local(|| {
+        angle += 1e-3;
+        film.place(Vector2::new(0.89, 0.0));
+        film.velocity_under(Vector2::new(
+            (0.4 * angle.sin()).cos(),
+            (0.4 * angle.sin()).sin(),
+        ))
+    });
+}
+
+/// One look-up of the mobility vector.
+#[divan::bench]
+fn mobility(bencher: Bencher<'_, '_>) {
+    let Ok(map) = MobilityMap::built_in() else {
+        return;
+    };
+    let slice = SliceFamily::new(&map).slice(0.76);
+    let direction = Vector2::new(1.0, 0.0);
+    let mut k = 0_u32;
+    bencher.bench_local(|| {
+        k = k.wrapping_add(1) & 63;
+        let eps = Vector2::new(0.8, 0.3 + 0.001 * f64::from(k));
+        black_box(slice.mobility_vector(black_box(eps), black_box(direction)))
+    });
+}

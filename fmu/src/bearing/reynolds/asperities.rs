@@ -1,0 +1,77 @@
+//! Asperity contact in the film's cells, for surfaces that are not round or not aligned.
+
+use nalgebra::{Matrix2, Vector2};
+use serde::{Deserialize, Serialize};
+
+use super::cells::Cells;
+use super::film::FilmSettings;
+use super::gap::Gap;
+use crate::bearing::contact::{Surface, f_5_2};
+
+/// Greenwood-Tripp contact, evaluated at each cell's own gap.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Asperities(pub Surface);
+
+/// Film ratio beyond which asperities do not touch.
+const NO_CONTACT: f64 = 7.0;
+
+/// The slope of `F_5/2` over the film ratio.
+fn f_5_2_slope(h: f64) -> f64 {
+    -(1.72386 + h * (0.59168 + h * 0.039612)) * f_5_2(h)
+}
+
+impl Asperities {
+    /// The contact's push on the load's side, N, and its derivative over the eccentricity ratio.
+    pub(super) fn push(
+        &self,
+        cells: &Cells,
+        gap: &Gap,
+        settings: &FilmSettings,
+    ) -> (Vector2<f64>, Matrix2<f64>) {
+        let ratio = settings.clearance / self.0.roughness;
+        let mut force = Vector2::zeros();
+        let mut slope = Matrix2::zeros();
+        if !ratio.is_finite() {
+            return (force, slope);
+        }
+        self.each(cells, gap, settings, |normal, area, h| {
+            let scale = self.0.pressure_scale() * area;
+            force += normal * (scale * f_5_2(h));
+            slope -= normal * normal.transpose() * (scale * ratio * f_5_2_slope(h));
+        });
+        (force, slope)
+    }
+
+    /// The contact pressure integrated over the surface, N: what boundary friction acts on.
+    pub(super) fn normal(&self, cells: &Cells, gap: &Gap, settings: &FilmSettings) -> f64 {
+        let mut sum = 0.0;
+        self.each(cells, gap, settings, |_, area, h| {
+            sum += self.0.pressure_scale() * area * f_5_2(h);
+        });
+        sum
+    }
+
+    /// Visits every touching cell with its direction, area (m2) and film ratio.
+    fn each(
+        &self,
+        cells: &Cells,
+        gap: &Gap,
+        settings: &FilmSettings,
+        mut visit: impl FnMut(Vector2<f64>, f64, f64),
+    ) {
+        let ratio = settings.clearance / self.0.roughness;
+        let developed = 0.5 * settings.diameter * settings.width;
+        let rows = cells.grid.rows();
+        for (cell, &gap) in gap.cell.iter().enumerate() {
+            let h = gap * ratio;
+            if h < NO_CONTACT {
+                let (i, j) = (cell / rows, cell % rows);
+                visit(
+                    cells.directions.mean[i],
+                    cells.area(i, j) * developed,
+                    h.max(0.0),
+                );
+            }
+        }
+    }
+}

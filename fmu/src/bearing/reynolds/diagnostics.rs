@@ -1,0 +1,187 @@
+//! What a step of the film gives: forces, torques, flows, and how well the balances close.
+
+use nalgebra::Vector2;
+
+use super::cells::Stage;
+use super::film::{Drive, ReynoldsFilm};
+
+/// The film after an interval, and its means over it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Diagnostics {
+    /// External load that the film's pressure carries, N.
+    pub film_load: Vector2<f64>,
+    /// Rate of the eccentricity ratio, 1/s.
+    pub velocity: Vector2<f64>,
+    /// Torque with which the film brakes a journal that turns ahead of the bush, N.m.
+    pub journal_torque: f64,
+    /// Torque with which the film drags the bush along, N.m.
+    pub bush_torque: f64,
+    /// Largest pressure above that of the bath, Pa.
+    pub max_pressure: f64,
+    /// Smallest gap, m.
+    pub smallest_gap: f64,
+    /// Contact pressure of the cells' asperities integrated over the surface, N.
+    pub contact_normal: f64,
+    /// Oil that leaves at both ends, m3/s.
+    pub outflow: f64,
+    /// Oil that comes in at both ends, m3/s.
+    pub inflow: f64,
+    /// Heat that the film makes, W.
+    pub heat: f64,
+    /// Mean of the journal's torque over the interval, N.m.
+    pub mean_journal_torque: f64,
+    /// Mean of the heat over the interval, W.
+    pub mean_heat: f64,
+    /// Mean of the outflow over the interval, m3/s.
+    pub mean_outflow: f64,
+    /// Internal steps.
+    pub steps: usize,
+    /// Largest error of an internal step's mass balance, over the flow. Zero by definition where mass is not conserved.
+    pub mass_error: f64,
+    /// Largest error of an internal step's energy balance, over the power that goes through.
+    pub energy_error: f64,
+}
+
+impl Diagnostics {
+    /// Adds an internal step.
+    pub(super) fn add(&mut self, step: Self, duration: f64) {
+        let before = *self;
+        *self = step;
+        self.mean_journal_torque = before.mean_journal_torque + step.journal_torque * duration;
+        self.mean_heat = before.mean_heat + step.heat * duration;
+        self.mean_outflow = before.mean_outflow + step.outflow * duration;
+        self.steps = before.steps + 1;
+        self.mass_error = before.mass_error.max(step.mass_error);
+        self.energy_error = before.energy_error.max(step.energy_error);
+    }
+
+    /// Turns the sums over the steps into means.
+    pub(super) fn over(mut self, interval: f64) -> Self {
+        if interval > 0.0 {
+            self.mean_journal_torque /= interval;
+            self.mean_heat /= interval;
+            self.mean_outflow /= interval;
+        }
+        self
+    }
+}
+
+/// Sums over the cells and edges, dimensionless.
+#[derive(Default)]
+struct Sums {
+    load: Vector2<f64>,
+    /// Integral of content over viscous gap: the shear of the sliding surfaces.
+    shear: f64,
+    /// Integral of the gap times the pressure's rise around the bush.
+    rise: f64,
+    /// Moment of the pressure on the surfaces' form errors, by turning journal and bush.
+    form: [f64; 2],
+    /// Dissipation of the pressure flow, and of oil that fills an emptier gap.
+    loss: f64,
+    /// What the bath's pressure spends on oil coming in, less what it takes up.
+    bath: f64,
+    max_pressure: f64,
+}
+
+/// Evaluates the end of a step whose last implicit stage was `stage`.
+pub(super) fn diagnose(film: &ReynoldsFilm, stage: &Stage<'_>, drive: &Drive) -> Diagnostics {
+    let settings = &film.settings;
+    let radius = 0.5 * settings.diameter;
+    let psi = settings.clearance / radius;
+    let scale = film.force_scale(drive.viscosity);
+    let moment = scale * settings.clearance;
+    let sums = sum(film, stage, drive);
+    let sliding = drive.journal_speed - drive.bush_speed;
+    let viscous = drive.viscosity * sliding * radius.powi(3) * settings.width / settings.clearance;
+    let shear = viscous * sums.shear;
+    let journal_torque = shear + moment * (0.5 * sums.rise - sums.form[0]);
+    let bush_torque = shear - moment * (0.5 * sums.rise - sums.form[1]);
+    let velocity = film.state.velocity;
+    let heat = shear * sliding + moment * sums.loss;
+    let works = [
+        journal_torque * drive.journal_speed,
+        -bush_torque * drive.bush_speed,
+        moment * sums.load.dot(&velocity),
+        moment * sums.bath,
+    ];
+    // A film that next to nothing moves is judged by what moving it a millionth of the clearance takes.
+    let still = moment * (1e-6 / stage.duration).powi(2);
+    let through = works.iter().map(|work| work.abs()).sum::<f64>() + heat.abs() + still;
+    let flow = film.cells.end_flow(stage.side);
+    let volume = settings.clearance * radius * settings.width;
+    let asperities = settings.asperities.as_ref();
+    Diagnostics {
+        film_load: sums.load * scale,
+        velocity,
+        journal_torque,
+        bush_torque,
+        max_pressure: (sums.max_pressure - stage.side) * 12.0 * drive.viscosity / (psi * psi),
+        smallest_gap: film.smallest_gap(),
+        contact_normal: asperities
+            .map_or(0.0, |touch| touch.normal(&film.cells, &film.gap, settings)),
+        outflow: flow.out * volume,
+        inflow: flow.into * volume,
+        heat,
+        energy_error: (works.iter().sum::<f64>() - heat).abs() / through,
+        ..Diagnostics::default()
+    }
+}
+
+/// Sums what the cells and edges contribute.
+fn sum(film: &ReynoldsFilm, stage: &Stage<'_>, drive: &Drive) -> Sums {
+    let (cells, gap) = (&film.cells, &film.gap);
+    let grid = &cells.grid;
+    let (columns, rows) = (grid.columns(), grid.rows());
+    let profile = &film.settings.profile;
+    let mut sums = Sums::default();
+    for i in 0..columns {
+        let before = (i + columns - 1) % columns * rows;
+        let mean = cells.directions.mean[i];
+        // How fast turning the journal, or the bush, by an angle opens the gap here.
+        let opening = profile
+            .opening_rates(grid.theta_centre(i), film.state.angles)
+            .map(|rate| rate / film.settings.clearance);
+        let turning = opening[0] * drive.journal_speed + opening[1] * drive.bush_speed;
+        for j in 0..rows {
+            let (cell, left) = (i * rows + j, before + j);
+            let (p, h, area) = (cells.pressure[cell], gap.cell[cell], cells.area(i, j));
+            sums.max_pressure = sums.max_pressure.max(p);
+            sums.load += mean * (p * area);
+            sums.shear += area * cells.content[cell].max(0.0) / (h * cells.fluidity[cell]);
+            sums.form[0] += opening[0] * p * area;
+            sums.form[1] += opening[1] * p * area;
+
+            let fall = p - cells.pressure[left];
+            sums.rise += cells.share[j] * gap.edge[cell] * fall;
+            sums.loss += cells.conductance_along(cell) * fall * fall;
+            if j > 0 {
+                let fall = p - cells.pressure[cell - 1];
+                sums.loss += cells.conductance_across(i, j) * fall * fall;
+            }
+            let ends = [(j + 1 == rows, rows), (j == 0 && grid.is_whole_width(), 0)];
+            for (_, edge) in ends.into_iter().filter(|end| end.0) {
+                let conductance = cells.conductance_across(i, edge);
+                sums.loss += conductance * (p - stage.side).powi(2);
+                sums.bath -= conductance * (p - stage.side) * stage.side;
+            }
+            // Oil that comes into a full cell from a less full one, or fills it up, arrives without
+            // the pressure: its work is lost.
+            let conserving = cells.conserves_mass();
+            if p != 0.0 && conserving {
+                let upstream = if stage.rotation > 0.0 {
+                    left
+                } else {
+                    (i + 1) % columns * rows + j
+                };
+                let edge = if stage.rotation > 0.0 { cell } else { upstream };
+                let lack = 1.0 - cells.content[upstream];
+                let swept = stage.rotation.abs() * cells.share[j] * gap.edge[edge];
+                let squeezed = film.state.velocity.dot(&mean)
+                    + (h - stage.mass[cell]) / stage.duration
+                    - turning;
+                sums.loss += p * (swept * lack + area * squeezed);
+            }
+        }
+    }
+    sums
+}

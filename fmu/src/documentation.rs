@@ -1,0 +1,120 @@
+//! The page that goes into the FMU's documentation folder: the text, and a table of all variables.
+
+use crate::model::{Access, Kind, Model, Role, Unit, Variable};
+use crate::stand::Stand;
+use std::fmt::Write;
+
+/// The page, complete.
+pub fn page() -> String {
+    include_str!("documentation.html")
+        .replace("{{version}}", env!("CARGO_PKG_VERSION"))
+        .replace("{{variables}}", &tables())
+}
+
+fn tables() -> String {
+    let stand = Stand::default();
+    let mut html = String::new();
+    for (heading, roles) in [
+        ("Inputs", &[Role::Input][..]),
+        ("Parameters", &[Role::Parameter, Role::TunableParameter]),
+        ("Outputs", &[Role::Output]),
+    ] {
+        let _ = writeln!(
+            html,
+            "<h3>{heading}</h3>\n<table>\n<thead><tr><th>variable</th><th>start</th><th>unit</th><th>description</th></tr></thead>\n<tbody>"
+        );
+        for variable in Stand::variables()
+            .iter()
+            .filter(|v| roles.contains(&v.role))
+        {
+            let (start, unit) = start(&stand, variable);
+            let tunable = if variable.role == Role::TunableParameter {
+                "; tunable"
+            } else {
+                ""
+            };
+            let _ = writeln!(
+                html,
+                "<tr><td><code>{}</code></td><td class=\"number\">{start}</td><td>{unit}</td><td>{}{tunable}</td></tr>",
+                variable.name, variable.description
+            );
+        }
+        html.push_str("</tbody>\n</table>\n");
+    }
+    html
+}
+
+/// Start value and unit, as users like to read them; outputs have none.
+fn start(stand: &Stand, variable: &Variable<Stand>) -> (String, &'static str) {
+    let settable = variable.role != Role::Output;
+    let (value, unit) = match &variable.kind {
+        Kind::Real {
+            access,
+            unit,
+            display,
+            ..
+        } => shown(stand, access, unit, *display),
+        Kind::Integer { access, .. } => ((access.get)(stand).to_string(), ""),
+        Kind::Boolean { access } => ((access.get)(stand).to_string(), ""),
+        Kind::Enumeration { access, of } => {
+            let value = (access.get)(stand);
+            let item = of.items.iter().find(|item| item.value == value);
+            (
+                item.map_or_else(|| value.to_string(), |item| item.name.to_owned()),
+                "",
+            )
+        }
+        Kind::String { access } => (format!("\"{}\"", (access.get)(stand)), ""),
+    };
+    (if settable { value } else { String::new() }, unit)
+}
+
+/// A value in its display unit, to twelve digits: what is left of rounding is not worth reading.
+fn shown(
+    stand: &Stand,
+    access: &Access<Stand, f64, f64>,
+    unit: &'static Unit,
+    display: Option<&str>,
+) -> (String, &'static str) {
+    let value = (access.get)(stand);
+    let display = unit
+        .display
+        .iter()
+        .find(|known| Some(known.name) == display);
+    let (value, name) = display.map_or((value, unit.name), |known| {
+        (value * known.factor + known.offset, known.name)
+    });
+    let rounded: f64 = format!("{value:.11e}").parse().unwrap_or(value);
+    let text = match rounded.abs() {
+        x if x == 0.0 || (1e-4..1e7).contains(&x) => rounded.to_string(),
+        _ => format!("{rounded:e}"),
+    };
+    (text, name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_committed_page_is_fresh() {
+        let path = concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/../modelDescription/documentation/index.html"
+        );
+        let committed = std::fs::read_to_string(path).unwrap_or_default();
+        assert!(
+            committed.replace("\r\n", "\n") == page(),
+            "{path} is stale: run `cargo run -p plain-bearing-stand --bin model-description`"
+        );
+    }
+
+    #[test]
+    fn values_are_shown_in_their_display_units() {
+        let html = tables();
+        assert!(html.contains(
+            "<code>bearing.radialClearance</code></td><td class=\"number\">0.02</td><td>mm</td>"
+        ));
+        assert!(html.contains("<code>bearing.film</code></td><td class=\"number\">Mobility</td>"));
+    }
+}

@@ -1,0 +1,168 @@
+//! How time passes in the stand: turn by turn, or in leaps over whole turns.
+
+use super::{Inputs, SCALES, STEP_LIMIT, Stand, State, temperatures, unknowns};
+use crate::bearing::resolved::{ResolvedFilm, Stuck};
+use crate::bearing::{FilmModel, Flows};
+use crate::multirate::{self, Landing, TwoScales};
+use crate::solver::{DormandPrince, Failure};
+use crate::thermal::Temperatures;
+
+/// Fewer turns than this are resolved, each.
+const FEWEST_TURNS: f64 = 12.0;
+/// The turns that are resolved at the end of a leap.
+const TURNS_AT_THE_END: usize = 1;
+/// The journal is near its orbit when a turn moves it by less than this part of the clearance.
+const SETTLED: f64 = 1e-2;
+/// After so many turns it leaps from wherever it is: what is left of its way to the orbit is little heat.
+const MOST_SETTLING_TURNS: usize = 2;
+/// Steps of the Reynolds film in a turn, at the least: load and speed vary linearly within one.
+const FILM_STEPS_PER_TURN: f64 = 100.0;
+/// The longest step of the Reynolds film, s.
+const LONGEST_FILM_STEP: f64 = 2e-3;
+
+impl Stand {
+    /// Lets `span` seconds pass with every turn resolved.
+    pub(super) fn resolve(&mut self, span: f64) -> Result<(), Stuck> {
+        if let Some(mut film) = self.film.take() {
+            let done = self.resolve_film(&mut film, span);
+            self.film = Some(film);
+            return done;
+        }
+        let integrator = DormandPrince {
+            allowed: SCALES.map(|scale| self.solver.tolerance * scale),
+            limit: STEP_LIMIT,
+        };
+        let mut y = unknowns(&self.state);
+        let mut next_step = self.state.next_step;
+        integrator.integrate(|tau, y| self.rates(tau, y), &mut y, span, &mut next_step)?;
+        self.state.next_step = next_step;
+        self.arrive(span, [y[0], y[1]], temperatures(&y));
+        Ok(())
+    }
+
+    /// The same with the Reynolds film: in steps in which film and temperatures go one after the other.
+    fn resolve_film(&mut self, film: &mut ResolvedFilm, span: f64) -> Result<(), Stuck> {
+        let longest = LONGEST_FILM_STEP.min(self.period() / FILM_STEPS_PER_TURN);
+        let steps = (span / longest).ceil().max(1.0);
+        let step = span / steps;
+        for _ in 0..steps as usize {
+            let load = [0.0, step].map(|tau| self.load_at(tau));
+            let speed = self.drive.speed(&self.command(), 0.5 * step);
+            let viscosity = self.fluid.viscosity(self.state.temperatures.film);
+            let contact = self.prepared.contact();
+            let flows = film.advance(&self.bearing, contact, step, load, speed, viscosity)?;
+            let temperatures = self.warm(step, &flows)?;
+            self.arrive(step, film.eccentricity(), temperatures);
+        }
+        Ok(())
+    }
+
+    /// The temperatures after `span` seconds under constant flows.
+    fn warm(&self, span: f64, flows: &Flows) -> Result<Temperatures, Failure> {
+        let pack = |t: Temperatures| [t.film, t.bush, t.shaft, t.oil];
+        let unpack = |&[film, bush, shaft, oil]: &[f64; 4]| Temperatures {
+            film,
+            bush,
+            shaft,
+            oil,
+        };
+        let integrator = DormandPrince {
+            allowed: [100.0 * self.solver.tolerance; 4],
+            limit: STEP_LIMIT,
+        };
+        let mut t = pack(self.state.temperatures);
+        let rates = |tau: f64, t: &[f64; 4]| pack(self.thermal_rates(tau, &unpack(t), flows));
+        integrator.integrate(rates, &mut t, span, &mut span.clone())?;
+        Ok(unpack(&t))
+    }
+
+    /// Moves time, angle and inputs on by `span` seconds, to given unknowns.
+    fn arrive(&mut self, span: f64, eccentricity: [f64; 2], temperatures: Temperatures) {
+        self.state.angle += self.drive.turned(&self.command(), span);
+        self.state.time += span;
+        self.state.eccentricity = eccentricity;
+        self.state.temperatures = temperatures;
+        for input in self.inputs.all() {
+            input.value = input.at(span);
+        }
+    }
+
+    /// Lets `span` seconds pass, most of them in a leap over whole turns where that can be done:
+    /// some turns until the journal is near its orbit, the leap, and the last turns resolved.
+    pub(super) fn leap(&mut self, span: f64) -> Result<(), Stuck> {
+        let before = self.state;
+        let period = self.period();
+        let mut left = (span / period) as usize;
+        let mut settling = MOST_SETTLING_TURNS;
+        while left > TURNS_AT_THE_END {
+            let start = self.state.eccentricity;
+            self.resolve(period)?;
+            left -= 1;
+            let end = self.state.eccentricity;
+            settling -= 1;
+            let settled = settling == 0 || (end[0] - start[0]).hypot(end[1] - start[1]) < SETTLED;
+            if !settled || left <= TURNS_AT_THE_END {
+                continue;
+            }
+            let turns = left - TURNS_AT_THE_END;
+            let State {
+                eccentricity,
+                temperatures,
+                ..
+            } = self.state;
+            let from = Landing {
+                eccentricity,
+                temperatures,
+            };
+            if let Ok(landing) = multirate::leap(self, self.solver.tolerance, turns, from) {
+                self.arrive(
+                    turns as f64 * period,
+                    landing.eccentricity,
+                    landing.temperatures,
+                );
+            }
+            break;
+        }
+        self.resolve(span - (self.state.time - before.time))
+    }
+
+    /// Whether speed and load repeat themselves every turn throughout a step, and there are enough turns.
+    pub(super) fn can_leap(&self, span: f64) -> bool {
+        let Inputs {
+            speed,
+            external_force,
+            ambient_temperature,
+        } = &self.inputs;
+        let steady = [speed, external_force, ambient_temperature]
+            .iter()
+            .all(|input| input.slope == 0.0);
+        self.solver.multirate
+            && steady
+            && self.drive.fluctuation_amplitude == 0.0
+            && self.bearing.film == FilmModel::Mobility
+            && span > FEWEST_TURNS * self.period()
+    }
+
+    fn period(&self) -> f64 {
+        std::f64::consts::TAU / self.inputs.speed.value.abs()
+    }
+}
+
+impl TwoScales for Stand {
+    fn period(&self) -> f64 {
+        self.period()
+    }
+
+    fn journal(&self, tau: f64, eccentricity: [f64; 2], viscosity: f64) -> ([f64; 2], Flows) {
+        let motion = self.instant(tau, eccentricity, viscosity).motion;
+        (motion.velocity, motion.flows)
+    }
+
+    fn viscosity(&self, film_temperature: f64) -> f64 {
+        self.fluid.viscosity(film_temperature)
+    }
+
+    fn thermal_rates(&self, temperatures: &Temperatures, flows: &Flows) -> Temperatures {
+        self.thermal_rates(0.0, temperatures, flows)
+    }
+}

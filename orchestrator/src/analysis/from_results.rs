@@ -1,0 +1,152 @@
+//! The table of points from what `verify` leaves behind.
+
+use super::table::{Criterion, Parameter, PointTable};
+use crate::judge::{Judge, Verdict};
+use crate::results::{Outcome, Points, PointsError, ResultsError, Summary};
+use crate::study::Statistic;
+use crate::study::plan::Input;
+use indexmap::IndexMap;
+use std::path::Path;
+use thiserror::Error;
+
+/// Why the results of a study cannot be read.
+#[derive(Debug, Error)]
+pub enum FolderError {
+    /// There is no summary, or it cannot be read.
+    #[error(transparent)]
+    Results(#[from] ResultsError),
+    /// The table does not fit.
+    #[error(transparent)]
+    Points(#[from] PointsError),
+}
+
+/// Reads `summary.json` and `points.csv` of a finished study.
+///
+/// # Errors
+/// When there is no finished study in the folder, or one of the files is damaged.
+pub fn read(folder: &Path) -> Result<(Summary, PointTable), FolderError> {
+    let path = folder.join("summary.json");
+    let text = std::fs::read_to_string(&path).map_err(|error| match error.kind() {
+        std::io::ErrorKind::NotFound => ResultsError::Missing(folder.to_owned()),
+        _ => ResultsError::io(&path)(error),
+    })?;
+    let summary: Summary = serde_json::from_str(&text).map_err(|error| ResultsError::Content {
+        path,
+        message: error.to_string(),
+    })?;
+    let points = Points::read(&folder.join("points.csv"), &summary)?;
+    let table = table(&summary, points);
+    Ok((summary, table))
+}
+
+/// Joins a summary and its points.
+pub fn table(summary: &Summary, points: Points) -> PointTable {
+    let parameters = summary
+        .parameters
+        .iter()
+        .zip(points.parameters)
+        .map(|(p, values)| Parameter {
+            name: p.name.clone(),
+            unit: p.unit.clone().unwrap_or_default(),
+            distribution: distribution(&p.distribution),
+            values,
+        });
+    let columns = points.values.into_iter().zip(points.passed);
+    let criteria = summary
+        .criteria
+        .values()
+        .zip(columns)
+        .map(|(count, (values, ok))| {
+            let c = &count.criterion;
+            Criterion {
+                name: c.name.clone(),
+                source: format!("{} of {}", statistic(c.statistic), c.variable),
+                unit: c.unit.clone().unwrap_or_default(),
+                nominal: c.nominal,
+                lower: c.nominal - c.tolerance,
+                upper: c.nominal + c.tolerance,
+                group: c.group.clone(),
+                values,
+                ok,
+            }
+        });
+    PointTable {
+        parameters: parameters.collect(),
+        criteria: criteria.collect(),
+        ids: points.labels,
+        verified: points.verified,
+        status: points.status,
+    }
+}
+
+fn statistic(statistic: Statistic) -> &'static str {
+    match statistic {
+        Statistic::Final => "final value",
+        Statistic::Mean => "mean",
+        Statistic::Min => "least",
+        Statistic::Max => "greatest",
+        Statistic::Rms => "rms",
+        Statistic::Amplitude => "amplitude",
+    }
+}
+
+/// The distribution as words: its name and its numbers.
+fn distribution(fields: &IndexMap<String, serde_json::Value>) -> String {
+    let word = |(key, value): (&String, &serde_json::Value)| match value {
+        serde_json::Value::String(text) => Some(text.clone()),
+        serde_json::Value::Null => None,
+        other => Some(format!("{key} {other}")),
+    };
+    fields
+        .iter()
+        .filter_map(word)
+        .collect::<Vec<_>>()
+        .join(", ")
+}
+
+/// The table of runs that an analysis made itself: the parameters that vary, and the criteria.
+pub fn from_runs(
+    inputs: &[Input],
+    varied: &[usize],
+    judge: &Judge,
+    points: &[Vec<f64>],
+    outcomes: Vec<Outcome>,
+) -> PointTable {
+    let verdicts: Vec<Verdict> = outcomes
+        .iter()
+        .map(|o| judge.verdict(o.as_deref().ok()))
+        .collect();
+    let parameters = varied.iter().map(|&k| Parameter {
+        name: inputs[k].name.clone(),
+        unit: inputs[k].unit.clone().unwrap_or_default(),
+        distribution: String::new(),
+        values: points.iter().map(|p| p[k]).collect(),
+    });
+    let criteria = judge.criteria.iter().enumerate().map(|(j, c)| Criterion {
+        name: c.name.clone(),
+        source: format!("{} of {}", statistic(c.statistic), c.variable),
+        unit: c.unit.clone().unwrap_or_default(),
+        nominal: c.nominal,
+        lower: c.nominal - c.tolerance,
+        upper: c.nominal + c.tolerance,
+        group: c.group.clone(),
+        values: outcomes
+            .iter()
+            .map(|o| o.as_ref().map_or(f64::NAN, |values| values[j]))
+            .collect(),
+        ok: verdicts.iter().map(|v| v.passed[j]).collect(),
+    });
+    PointTable {
+        ids: (1..=points.len() as u64).collect(),
+        parameters: parameters.collect(),
+        criteria: criteria.collect(),
+        verified: verdicts.iter().map(Verdict::verified).collect(),
+        status: outcomes
+            .iter()
+            .map(|o| {
+                o.as_ref()
+                    .map_or_else(ToString::to_string, |_| "ok".to_owned())
+            })
+            .collect(),
+    }
+}

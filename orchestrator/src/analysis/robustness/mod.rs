@@ -1,0 +1,218 @@
+//! How far the parameters may go: maps over pairs, the largest box and ellipsoid in which the model
+//! stays verified, and the margins of every parameter alone.
+//!
+//! From existing points, by surrogates whose cross-validated errors are stated and taken into
+//! account: a point counts as verified with the probability that its true criteria lie inside.
+
+pub mod maps;
+pub mod margins;
+pub mod region;
+pub mod surrogate;
+
+use crate::analysis::table::{Criterion, PointTable};
+use serde::{Deserialize, Serialize};
+use statrs::distribution::{ContinuousCDF, Normal};
+use surrogate::{Quality, Surrogate};
+
+/// A study's robustness.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Robustness {
+    /// The parameters.
+    pub parameters: Vec<String>,
+    /// Their units.
+    pub units: Vec<String>,
+    /// The criteria with the quality of their surrogates.
+    pub criteria: Vec<(String, Quality)>,
+    /// Maps over all pairs of parameters.
+    pub maps: Vec<maps::Map>,
+    /// The verification probability that box and ellipsoid were asked to hold.
+    pub level: f64,
+    /// The largest box found; `None` where the level is reached nowhere.
+    pub region: Option<region::Region>,
+    /// The largest ellipsoid found.
+    pub ellipsoid: Option<region::Ellipsoid>,
+    /// One parameter at a time, from the best point.
+    pub margins: Vec<margins::Margin>,
+    /// What a careful reader should know.
+    pub warnings: Vec<String>,
+}
+
+/// The model's stand-in: a surrogate a criterion.
+pub struct Stand {
+    criteria: Vec<Part>,
+}
+
+/// One criterion's surrogate.
+struct Part {
+    criterion: Criterion,
+    surrogate: Surrogate,
+    /// Where the surrogate is of asinh((value - measured) / scale): true near the measurement and
+    /// logarithmic far from it, where errors no longer matter; `None` where it is of the value.
+    scale: Option<f64>,
+    /// In the criterion's unit, near the measurement.
+    quality: Quality,
+}
+
+impl Part {
+    /// Fits the value and its transform, and keeps what errs less near the measurement.
+    fn fit(criterion: &Criterion, inputs: &[Vec<f64>]) -> Option<Self> {
+        let bare = || Criterion {
+            values: vec![],
+            ok: vec![],
+            ..criterion.clone()
+        };
+        let plain = Surrogate::fit(inputs, &criterion.values)?;
+        let plain = Self {
+            criterion: bare(),
+            scale: None,
+            quality: plain.quality,
+            surrogate: plain,
+        };
+        let room = (criterion.upper - criterion.nominal).min(criterion.nominal - criterion.lower);
+        if !(room.is_finite() && room > 0.0) {
+            return Some(plain);
+        }
+        let bent: Vec<f64> = criterion
+            .values
+            .iter()
+            .map(|v| ((v - criterion.nominal) / room).asinh())
+            .collect();
+        match Surrogate::fit(inputs, &bent) {
+            Some(surrogate) if surrogate.quality.error * room < plain.quality.error => {
+                let quality = Quality {
+                    error: surrogate.quality.error * room,
+                    ..surrogate.quality
+                };
+                Some(Self {
+                    criterion: bare(),
+                    scale: Some(room),
+                    quality,
+                    surrogate,
+                })
+            }
+            _ => Some(plain),
+        }
+    }
+
+    fn value(&self, x: &[f64]) -> f64 {
+        let value = self.surrogate.at(x);
+        // The transform is not to be trusted beyond what it has seen: sinh grows fast.
+        self.scale.map_or(value, |scale| {
+            self.criterion.nominal + scale * value.clamp(-12.0, 12.0).sinh()
+        })
+    }
+
+    /// The probability that the criterion is met.
+    fn probability(&self, x: &[f64]) -> f64 {
+        let c = &self.criterion;
+        let bend = |limit: f64| {
+            self.scale
+                .map_or(limit, |scale| ((limit - c.nominal) / scale).asinh())
+        };
+        let error = self
+            .surrogate
+            .quality
+            .error
+            .max(1e-12 * c.nominal.abs())
+            .max(f64::MIN_POSITIVE);
+        let value = self.surrogate.at(x);
+        let normal = Normal::standard();
+        normal.cdf((bend(c.upper) - value) / error) - normal.cdf((bend(c.lower) - value) / error)
+    }
+}
+
+impl Stand {
+    /// Fits all criteria; `None` where one of them cannot be.
+    pub fn fit(table: &PointTable) -> Option<Self> {
+        let inputs = rows(table);
+        let parts = table.criteria.iter().map(|c| Part::fit(c, &inputs));
+        Some(Self {
+            criteria: parts.collect::<Option<_>>()?,
+        })
+    }
+
+    /// The predicted value of a criterion.
+    pub fn value(&self, criterion: usize, x: &[f64]) -> f64 {
+        self.criteria[criterion].value(x)
+    }
+
+    /// The probability that all criteria are met at a point, given the surrogates' errors.
+    pub fn probability(&self, x: &[f64]) -> f64 {
+        self.criteria
+            .iter()
+            .map(|part| part.probability(x))
+            .product()
+    }
+}
+
+/// The parameters of every point.
+pub fn rows(table: &PointTable) -> Vec<Vec<f64>> {
+    (0..table.len())
+        .map(|i| table.parameters.iter().map(|p| p.values[i]).collect())
+        .collect()
+}
+
+/// Below this, a surrogate is not trusted without a warning.
+const TRUSTED: f64 = 0.9;
+
+/// Derives everything from the points of a study. `cloud` is a large sample of the same parameters
+/// from their distributions, which the probabilities refer to; [`region::cloud`] makes one from the
+/// points where the distributions are not known. `None` where the points are too few, or nothing varies.
+pub fn robustness(table: &PointTable, cloud: &[Vec<f64>], level: f64) -> Option<Robustness> {
+    let varying: Vec<usize> = (0..table.parameters.len())
+        .filter(|&k| table.parameters[k].values.windows(2).any(|w| w[0] != w[1]))
+        .collect();
+    let table = &PointTable {
+        parameters: varying
+            .iter()
+            .map(|&k| table.parameters[k].clone())
+            .collect(),
+        ..table.clone()
+    };
+    let stand = Stand::fit(table)?;
+    let inputs = rows(table);
+    let best = table.ranking().first()?.point;
+    let cloud: Vec<Vec<f64>> = cloud
+        .iter()
+        .map(|x| varying.iter().map(|&k| x[k]).collect())
+        .collect();
+    let verdicts: Vec<f64> = cloud.iter().map(|x| stand.probability(x)).collect();
+    let mut result = Robustness {
+        parameters: table.parameters.iter().map(|p| p.name.clone()).collect(),
+        units: table.parameters.iter().map(|p| p.unit.clone()).collect(),
+        criteria: stand
+            .criteria
+            .iter()
+            .map(|p| (p.criterion.name.clone(), p.quality))
+            .collect(),
+        maps: maps::maps(table, &stand, &inputs),
+        level,
+        region: region::largest_box(&cloud, &verdicts, level),
+        ellipsoid: region::largest_ellipsoid(&cloud, &verdicts, level),
+        margins: margins::margins(table, &stand, &inputs[best]),
+        warnings: vec![],
+    };
+    if let Some(region) = &mut result.region {
+        region.confirm(&inputs, &table.verified);
+    }
+    if let Some(ellipsoid) = &mut result.ellipsoid {
+        ellipsoid.confirm(&inputs, &table.verified);
+    }
+    for (name, quality) in &result.criteria {
+        if quality.predicted < TRUSTED {
+            result.warnings.push(format!(
+                "the surrogate of {name} predicts only {:.0} % of its variance: maps and margins that depend on it are rough; use more points",
+                100.0 * quality.predicted.max(0.0)
+            ));
+        }
+    }
+    if result.region.is_none() {
+        result.warnings.push(format!(
+            "no box holds a verification probability of {level}: the criteria leave too little room"
+        ));
+    }
+    Some(result)
+}
+
+#[cfg(test)]
+mod tests;

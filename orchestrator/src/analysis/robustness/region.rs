@@ -1,0 +1,299 @@
+//! The largest part of the parameter space with a verification probability above a level.
+
+use crate::analysis::sensitivity::stats::{mean, quantile, sorted};
+use crate::analysis::verdict::Fraction;
+use nalgebra::{DMatrix, DVector};
+use rand::{RngExt, SeedableRng, rngs::StdRng};
+use serde::{Deserialize, Serialize};
+
+/// How many of the study's own points a region holds, and how many of them are verified.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Confirmed {
+    /// Points inside.
+    pub points: usize,
+    /// Of these, verified.
+    pub verified: usize,
+    /// 95 % interval of the verified share.
+    pub interval: [f64; 2],
+}
+
+impl Confirmed {
+    fn count(inside: impl Iterator<Item = bool>) -> Self {
+        let (mut points, mut verified) = (0, 0);
+        for ok in inside {
+            points += 1;
+            verified += usize::from(ok);
+        }
+        let share = Fraction::wilson(verified, points);
+        Self {
+            points,
+            verified,
+            interval: [share.low, share.high],
+        }
+    }
+}
+
+/// A box.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Region {
+    /// Least and greatest value of every parameter.
+    pub limits: Vec<[f64; 2]>,
+    /// The part of the sampled probability that lies inside.
+    pub share: f64,
+    /// Probability of verification inside, by the surrogates.
+    pub probability: f64,
+    /// What the study's own points say.
+    pub confirmed: Confirmed,
+}
+
+impl Region {
+    /// Whether a point lies inside.
+    pub fn contains(&self, x: &[f64]) -> bool {
+        x.iter()
+            .zip(&self.limits)
+            .all(|(v, [low, high])| v >= low && v <= high)
+    }
+
+    /// Counts points inside.
+    pub fn confirm(&mut self, points: &[Vec<f64>], verified: &[bool]) {
+        self.confirmed = Confirmed::count(
+            points
+                .iter()
+                .zip(verified)
+                .filter(|(x, _)| self.contains(x))
+                .map(|(_, v)| *v),
+        );
+    }
+}
+
+/// An ellipsoid: (x - centre)' shape (x - centre) <= 1.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Ellipsoid {
+    /// Its centre.
+    pub centre: Vec<f64>,
+    /// Its matrix, row by row.
+    pub shape: Vec<Vec<f64>>,
+    /// The part of the sampled probability that lies inside.
+    pub share: f64,
+    /// Probability of verification inside, by the surrogates.
+    pub probability: f64,
+    /// What the study's own points say.
+    pub confirmed: Confirmed,
+}
+
+impl Ellipsoid {
+    /// Whether a point lies inside.
+    pub fn contains(&self, x: &[f64]) -> bool {
+        let off: Vec<f64> = x.iter().zip(&self.centre).map(|(a, b)| a - b).collect();
+        let sum: f64 = self
+            .shape
+            .iter()
+            .zip(&off)
+            .map(|(row, a)| a * row.iter().zip(&off).map(|(s, b)| s * b).sum::<f64>())
+            .sum();
+        sum <= 1.0
+    }
+
+    /// Counts points inside.
+    pub fn confirm(&mut self, points: &[Vec<f64>], verified: &[bool]) {
+        self.confirmed = Confirmed::count(
+            points
+                .iter()
+                .zip(verified)
+                .filter(|(x, _)| self.contains(x))
+                .map(|(_, v)| *v),
+        );
+    }
+}
+
+/// A large sample of the parameter space from the study's points: every parameter from a point of
+/// its own, which keeps the distributions and, as they were sampled, their independence.
+pub fn cloud(points: &[Vec<f64>], seed: u64) -> Vec<Vec<f64>> {
+    const SIZE: usize = 20_000;
+    let mut random = StdRng::seed_from_u64(seed);
+    let d = points.first().map_or(0, Vec::len);
+    let columns: Vec<Vec<f64>> = (0..d)
+        .map(|k| sorted(points.iter().map(|p| p[k]).collect()))
+        .collect();
+    // Between the samples: the smoothed distribution, so that few points do not leave gaps.
+    (0..SIZE)
+        .map(|_| {
+            columns
+                .iter()
+                .map(|c| quantile(c, random.random::<f64>()))
+                .collect()
+        })
+        .collect()
+}
+
+/// The box by patient rule induction, Friedman & Fisher (1999), "Bump hunting in high-dimensional
+/// data", Statistics and Computing 9, 123-143: peel a thin slice off the side whose loss raises the
+/// mean most, until the level is reached; then paste slices back while the level holds.
+pub fn largest_box(cloud: &[Vec<f64>], verdicts: &[f64], level: f64) -> Option<Region> {
+    const PEEL: f64 = 0.03;
+    const FEWEST: usize = 100;
+    let d = cloud.first()?.len();
+    let mut limits = vec![[f64::NEG_INFINITY, f64::INFINITY]; d];
+    let mut inside: Vec<usize> = (0..cloud.len()).collect();
+    let average = |points: &[usize]| mean(&points.iter().map(|&j| verdicts[j]).collect::<Vec<_>>());
+    while average(&inside) < level {
+        if inside.len() < FEWEST {
+            return None;
+        }
+        let mut best: Option<(f64, usize, usize, f64)> = None;
+        let columns = (0..d).map(|k| sorted(inside.iter().map(|&j| cloud[j][k]).collect()));
+        for (k, column) in columns.enumerate() {
+            for (side, q) in [(0, PEEL), (1, 1.0 - PEEL)] {
+                let cut = quantile(&column, q);
+                let keeps = |j: &&usize| {
+                    if side == 0 {
+                        cloud[**j][k] >= cut
+                    } else {
+                        cloud[**j][k] <= cut
+                    }
+                };
+                let kept: Vec<usize> = inside.iter().filter(keeps).copied().collect();
+                let score = average(&kept);
+                if kept.len() < inside.len() && best.is_none_or(|b| score > b.0) {
+                    best = Some((score, k, side, cut));
+                }
+            }
+        }
+        let (_, k, side, cut) = best?;
+        limits[k][side] = cut;
+        inside.retain(|&j| {
+            if side == 0 {
+                cloud[j][k] >= cut
+            } else {
+                cloud[j][k] <= cut
+            }
+        });
+    }
+    paste(cloud, verdicts, level, &mut limits);
+    let region = Region {
+        limits: closed(cloud, &limits),
+        share: 0.0,
+        probability: 0.0,
+        confirmed: Confirmed::default(),
+    };
+    let held: Vec<f64> = cloud
+        .iter()
+        .zip(verdicts)
+        .filter(|(x, _)| region.contains(x))
+        .map(|(_, v)| *v)
+        .collect();
+    Some(Region {
+        share: held.len() as f64 / cloud.len() as f64,
+        probability: mean(&held),
+        ..region
+    })
+}
+
+/// Moves each limit back out in small steps while the level holds.
+fn paste(cloud: &[Vec<f64>], verdicts: &[f64], level: f64, limits: &mut [[f64; 2]]) {
+    let holds = |limits: &[[f64; 2]]| {
+        let region = |x: &Vec<f64>| x.iter().zip(limits).all(|(v, [l, h])| v >= l && v <= h);
+        let (mut n, mut sum) = (0usize, 0.0);
+        for (_, v) in cloud.iter().zip(verdicts).filter(|(x, _)| region(x)) {
+            n += 1;
+            sum += v;
+        }
+        n > 0 && sum / n as f64 >= level
+    };
+    for k in 0..limits.len() {
+        let column = sorted(cloud.iter().map(|x| x[k]).collect());
+        for side in 0..2 {
+            loop {
+                let now = limits[k][side];
+                let rank = column.partition_point(|v| *v < now) as f64 / column.len() as f64;
+                let wider = if side == 0 {
+                    rank - 0.005
+                } else {
+                    rank + 0.005
+                };
+                if !now.is_finite() || !(0.0..=1.0).contains(&wider) {
+                    break;
+                }
+                limits[k][side] = quantile(&column, wider);
+                if !holds(limits) {
+                    limits[k][side] = now;
+                    break;
+                }
+            }
+        }
+    }
+}
+
+/// Sides that were never cut end where the samples do.
+fn closed(cloud: &[Vec<f64>], limits: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let ends = |k: usize| {
+        cloud
+            .iter()
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], x| {
+                [l.min(x[k]), h.max(x[k])]
+            })
+    };
+    limits
+        .iter()
+        .enumerate()
+        .map(|(k, [l, h])| {
+            let [a, b] = ends(k);
+            [l.max(a), h.min(b)]
+        })
+        .collect()
+}
+
+/// The ellipsoid with centre and shape of the verified points, as large as the level allows.
+pub fn largest_ellipsoid(cloud: &[Vec<f64>], verdicts: &[f64], level: f64) -> Option<Ellipsoid> {
+    const FEWEST: usize = 100;
+    let d = cloud.first()?.len();
+    let weight: f64 = verdicts.iter().sum();
+    if weight <= 0.0 {
+        return None;
+    }
+    let centre = DVector::from_fn(d, |k, _| {
+        cloud
+            .iter()
+            .zip(verdicts)
+            .map(|(x, v)| v * x[k])
+            .sum::<f64>()
+            / weight
+    });
+    let covariance = DMatrix::from_fn(d, d, |a, b| {
+        cloud
+            .iter()
+            .zip(verdicts)
+            .map(|(x, v)| v * (x[a] - centre[a]) * (x[b] - centre[b]))
+            .sum::<f64>()
+            / weight
+    });
+    let inverse = covariance.cholesky()?.inverse();
+    let distance = |x: &Vec<f64>| {
+        let off = DVector::from_fn(d, |k, _| x[k] - centre[k]);
+        (off.transpose() * &inverse * off)[0]
+    };
+    let mut order: Vec<(f64, f64)> = cloud
+        .iter()
+        .map(distance)
+        .zip(verdicts.iter().copied())
+        .collect();
+    order.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (mut sum, mut last) = (0.0, None);
+    for (k, (_, v)) in order.iter().enumerate() {
+        sum += v;
+        if k + 1 >= FEWEST && sum / (k + 1) as f64 >= level {
+            last = Some((k, sum / (k + 1) as f64));
+        }
+    }
+    let (k, probability) = last?;
+    let size = order[k].0;
+    Some(Ellipsoid {
+        centre: centre.iter().copied().collect(),
+        shape: (0..d)
+            .map(|a| (0..d).map(|b| inverse[(a, b)] / size).collect())
+            .collect(),
+        share: (k + 1) as f64 / cloud.len() as f64,
+        probability,
+        confirmed: Confirmed::default(),
+    })
+}

@@ -1,0 +1,235 @@
+//! A polynomial that stands in for the model, with its cross-validated error.
+//!
+//! Polynomial chaos by regression: Hermite polynomials of the standardised parameters, total degree
+//! and interactions limited by a hyperbolic norm; Blatman & Sudret (2011), "Adaptive sparse
+//! polynomial chaos expansion based on least angle regression", J. Computational Physics 230,
+//! equations 14-16. The degree is the one with the least leave-one-out error.
+
+use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
+
+/// How well a surrogate predicts points that it was not fitted to.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Quality {
+    /// Highest total degree.
+    pub degree: usize,
+    /// Number of terms.
+    pub terms: usize,
+    /// Points fitted.
+    pub points: usize,
+    /// Root mean square of the leave-one-out errors, in the output's unit.
+    pub error: f64,
+    /// Part of the variance that is predicted, by leave-one-out: 1 perfect, 0 no better than the mean.
+    pub predicted: f64,
+}
+
+/// A fitted polynomial.
+#[derive(Clone, Debug)]
+pub struct Surrogate {
+    centre: Vec<f64>,
+    scale: Vec<f64>,
+    terms: Vec<Vec<u8>>,
+    coefficients: Vec<f64>,
+    degree: usize,
+    /// Its quality.
+    pub quality: Quality,
+}
+
+/// More points than this are thinned evenly before a fit.
+const MOST_POINTS: usize = 4000;
+/// A fit has at least this many points a term.
+const POINTS_A_TERM: f64 = 2.0;
+/// The hyperbolic norm: below 1, interactions of high degree are left out first.
+const NORM: f64 = 0.7;
+
+impl Surrogate {
+    /// Fits an output to parameters (rows of `inputs`). `None` where the points are too few for a line,
+    /// or nothing varies.
+    pub fn fit(inputs: &[Vec<f64>], output: &[f64]) -> Option<Self> {
+        let kept: Vec<usize> = (0..output.len())
+            .filter(|&j| output[j].is_finite() && inputs[j].iter().all(|v| v.is_finite()))
+            .collect();
+        let kept: Vec<usize> = kept
+            .iter()
+            .copied()
+            .step_by(kept.len().div_ceil(MOST_POINTS).max(1))
+            .collect();
+        let d = inputs.first()?.len();
+        let column = |k: usize| kept.iter().map(move |&j| inputs[j][k]);
+        let n = kept.len() as f64;
+        let centre: Vec<f64> = (0..d).map(|k| column(k).sum::<f64>() / n).collect();
+        let spread =
+            |k: usize| (column(k).map(|v| (v - centre[k]).powi(2)).sum::<f64>() / n).sqrt();
+        let scale: Vec<f64> = (0..d).map(|k| spread(k).max(f64::MIN_POSITIVE)).collect();
+        let y = DVector::from_iterator(kept.len(), kept.iter().map(|&j| output[j]));
+        let mut best: Option<Self> = None;
+        for degree in 1..=6 {
+            let terms = terms(d, degree);
+            if terms.len() as f64 * POINTS_A_TERM > n {
+                break;
+            }
+            let candidate = Self {
+                centre: centre.clone(),
+                scale: scale.clone(),
+                terms,
+                coefficients: vec![],
+                degree,
+                quality: NONE,
+            };
+            let Some(fitted) = candidate.solve(inputs, &kept, &y) else {
+                continue;
+            };
+            if best
+                .as_ref()
+                .is_none_or(|b| fitted.quality.error < b.quality.error)
+            {
+                best = Some(fitted);
+            }
+        }
+        best
+    }
+
+    fn solve(mut self, inputs: &[Vec<f64>], kept: &[usize], y: &DVector<f64>) -> Option<Self> {
+        let rows: Vec<Vec<f64>> = kept.iter().map(|&j| self.basis(&inputs[j])).collect();
+        let matrix = DMatrix::from_fn(rows.len(), self.terms.len(), |r, c| rows[r][c]);
+        let qr = matrix.qr();
+        let (q, r) = (qr.q(), qr.r());
+        let size = r.diagonal().iter().fold(0.0f64, |m, v| m.max(v.abs()));
+        if r.diagonal().iter().any(|v| v.abs() < 1e-10 * size) {
+            return None;
+        }
+        let coefficients = r.solve_upper_triangular(&(q.transpose() * y))?;
+        let fitted = &q * (q.transpose() * y);
+        // Allen (1974): the leave-one-out error is the residual over one minus the leverage.
+        let errors = (0..y.len()).map(|j| {
+            let leverage = q.row(j).iter().map(|v| v * v).sum::<f64>();
+            (y[j] - fitted[j]) / (1.0 - leverage).max(1e-9)
+        });
+        let mean_square = errors.map(|e| e * e).sum::<f64>() / y.len() as f64;
+        let variance = y.variance();
+        self.quality = Quality {
+            degree: self.degree,
+            terms: self.terms.len(),
+            points: y.len(),
+            error: mean_square.sqrt(),
+            predicted: if variance > 0.0 {
+                1.0 - mean_square / variance
+            } else {
+                1.0
+            },
+        };
+        self.coefficients = coefficients.iter().copied().collect();
+        Some(self)
+    }
+
+    fn basis(&self, x: &[f64]) -> Vec<f64> {
+        let powers: Vec<Vec<f64>> = x
+            .iter()
+            .enumerate()
+            .map(|(k, v)| hermite((v - self.centre[k]) / self.scale[k], self.degree))
+            .collect();
+        self.terms
+            .iter()
+            .map(|term| {
+                term.iter()
+                    .enumerate()
+                    .filter(|(_, p)| **p > 0)
+                    .map(|(k, p)| powers[k][usize::from(*p)])
+                    .product()
+            })
+            .collect()
+    }
+
+    /// The predicted output.
+    pub fn at(&self, x: &[f64]) -> f64 {
+        self.basis(x)
+            .iter()
+            .zip(&self.coefficients)
+            .map(|(b, c)| b * c)
+            .sum()
+    }
+}
+
+const NONE: Quality = Quality {
+    degree: 0,
+    terms: 0,
+    points: 0,
+    error: f64::INFINITY,
+    predicted: 0.0,
+};
+
+/// Orthonormal Hermite polynomials of degree 0 to `degree` (probabilists').
+fn hermite(z: f64, degree: usize) -> Vec<f64> {
+    let mut h = vec![1.0, z];
+    for k in 1..degree {
+        h.push((z * h[k] - (k as f64).sqrt() * h[k - 1]) / (k as f64 + 1.0).sqrt());
+    }
+    h
+}
+
+/// All combinations of degrees within the hyperbolic norm.
+fn terms(d: usize, degree: usize) -> Vec<Vec<u8>> {
+    let limit = (degree as f64).powf(NORM) + 1e-9;
+    let mut found = vec![vec![]];
+    for _ in 0..d {
+        found = found
+            .iter()
+            .flat_map(|head: &Vec<u8>| {
+                (0..=degree as u8)
+                    .map(move |p| head.iter().copied().chain([p]).collect::<Vec<u8>>())
+            })
+            .filter(|t| t.iter().map(|p| f64::from(*p).powf(NORM)).sum::<f64>() <= limit)
+            .collect();
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng, rngs::StdRng};
+
+    pub fn points(n: usize, d: usize, seed: u64) -> Vec<Vec<f64>> {
+        let mut random = StdRng::seed_from_u64(seed);
+        (0..n)
+            .map(|_| (0..d).map(|_| random.random_range(-1.0..1.0)).collect())
+            .collect()
+    }
+
+    #[test]
+    fn a_polynomial_is_found_exactly() {
+        let x = points(80, 3, 1);
+        let f = |p: &[f64]| 2.0 + p[0] - 3.0 * p[1] * p[1] + 0.5 * p[0].powi(3);
+        let y: Vec<f64> = x.iter().map(|p| f(p)).collect();
+        let s = Surrogate::fit(&x, &y).unwrap();
+        assert!(s.quality.predicted > 1.0 - 1e-12, "{:?}", s.quality);
+        assert!((s.at(&[0.3, -0.2, 0.9]) - f(&[0.3, -0.2, 0.9])).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_stated_error_is_that_on_fresh_points() {
+        let f = |p: &[f64]| (2.0 * p[0]).exp() / (1.5 + p[1]) + (3.0 * p[2]).sin();
+        let x = points(200, 3, 2);
+        let s = Surrogate::fit(&x, &x.iter().map(|p| f(p)).collect::<Vec<_>>()).unwrap();
+        let fresh = points(2000, 3, 3);
+        let error = (fresh.iter().map(|p| (s.at(p) - f(p)).powi(2)).sum::<f64>() / 2000.0).sqrt();
+        assert!(s.quality.predicted > 0.95, "{:?}", s.quality);
+        assert!(
+            error < 1.5 * s.quality.error && error > 0.5 * s.quality.error,
+            "{error} {:?}",
+            s.quality
+        );
+    }
+
+    #[test]
+    fn failed_points_are_left_out_and_noise_is_not_fitted() {
+        let x = points(60, 2, 4);
+        let mut random = StdRng::seed_from_u64(5);
+        let mut y: Vec<f64> = x.iter().map(|_| random.random_range(-1.0..1.0)).collect();
+        y[7] = f64::NAN;
+        let s = Surrogate::fit(&x, &y).unwrap();
+        assert_eq!(s.quality.points, 59);
+        assert!(s.quality.predicted < 0.3);
+        assert!(Surrogate::fit(&x[..3], &y[..3]).is_none());
+    }
+}

@@ -1,0 +1,254 @@
+//! The signals once they are aligned, and what follows from them.
+
+use super::delay::Delay;
+use super::signal::{Even, SignalError, Spline};
+use super::stationarity::{self, block_means, uncertainty_of_mean};
+use super::uncertainty::{Measured, from_bound, of_product};
+use super::{Accuracy, Channel, Finding, Recording, Synchronised};
+use crate::analysis::sensitivity::stats::mean;
+
+/// The aligned signals over their common time.
+pub(super) struct Aligned {
+    delay: Delay,
+    step: f64,
+    time: Vec<f64>,
+    load: Vec<f64>,
+    torque_before: Vec<f64>,
+    torque: Vec<f64>,
+    speed: Vec<f64>,
+    /// Samples in a whole number of turns, about a thirtieth of the record.
+    block: usize,
+    /// Samples in one turn.
+    turn: usize,
+}
+
+impl Aligned {
+    pub(super) fn new(
+        recording: &Recording,
+        load: &Even,
+        late: &Spline,
+        speed: Even,
+        delay: Delay,
+    ) -> Self {
+        let (start, end) = late.span();
+        let shift = delay.delay.value;
+        let kept: Vec<usize> = (0..load.values.len())
+            .filter(|&k| {
+                let t = load.start + k as f64 * load.step + shift;
+                t >= start && t <= end
+            })
+            .collect();
+        let time: Vec<f64> = kept
+            .iter()
+            .map(|&k| load.start + k as f64 * load.step)
+            .collect();
+        let turn = mean(
+            &recording
+                .speed
+                .values
+                .iter()
+                .copied()
+                .filter(|v| v.is_finite())
+                .collect::<Vec<_>>(),
+        );
+        let turn = (std::f64::consts::TAU / turn.abs() / load.step).round();
+        let n = time.len();
+        // Without a turning shaft any block is as good as another.
+        let turn = if turn.is_finite() && turn >= 1.0 && turn < n as f64 / 8.0 {
+            turn as usize
+        } else {
+            1
+        };
+        let turns = (n / 30 / turn).max(1);
+        Self {
+            step: load.step,
+            load: kept.iter().map(|&k| load.values[k]).collect(),
+            torque_before: time.iter().map(|t| late.at(*t)).collect(),
+            torque: time.iter().map(|t| late.at(t + shift)).collect(),
+            speed: kept
+                .iter()
+                .map(|&k| speed.values[k.min(speed.values.len() - 1)])
+                .collect(),
+            block: turns * turn,
+            turn,
+            time,
+            delay,
+        }
+    }
+
+    pub(super) fn finish(
+        self,
+        recording: &Recording,
+        even: impl Fn(&Channel) -> Result<Even, SignalError>,
+    ) -> Result<Synchronised, SignalError> {
+        let half = recording.diameter / 2.0;
+        let friction = |torque: &[f64]| -> Vec<f64> {
+            torque
+                .iter()
+                .zip(&self.load)
+                .map(|(m, f)| m / (f * half))
+                .collect()
+        };
+        let power: Vec<f64> = self
+            .torque
+            .iter()
+            .zip(&self.speed)
+            .map(|(m, w)| m * w)
+            .collect();
+        let relative = |channel: &Channel, values: &[f64]| {
+            let centre = mean(values);
+            if centre == 0.0 {
+                0.0
+            } else {
+                channel.accuracy.standard(centre) / centre.abs()
+            }
+        };
+        let parts = (
+            relative(&recording.load, &self.load),
+            relative(&recording.torque, &self.torque),
+            relative(&recording.speed, &self.speed),
+        );
+        let mut findings = vec![
+            self.mean(&recording.load, &self.load, recording, |v| {
+                recording.load.accuracy.standard(v)
+            }),
+            self.mean(&recording.torque, &self.torque, recording, |v| {
+                recording.torque.accuracy.standard(v)
+            }),
+        ];
+        let power_channel = Channel {
+            name: "P_fr".into(),
+            variable: "sensor.frictionPower".into(),
+            unit: "W".into(),
+            ..recording.torque.clone()
+        };
+        findings.push(self.mean(&power_channel, &power, recording, |v| {
+            of_product(v, &[parts.1, parts.2])
+        }));
+        for channel in &recording.others {
+            let values = even(channel)?.values;
+            findings.push(self.mean(channel, &values, recording, |v| {
+                channel.accuracy.standard(v)
+            }));
+        }
+        findings.push(self.amplitude(&recording.load, &self.load));
+        findings.push(self.amplitude(&recording.torque, &self.torque));
+        let coefficient = friction(&self.torque);
+        let mean_friction = self
+            .mean(&recording.torque, &coefficient, recording, |v| {
+                of_product(v, &[parts.0, parts.1])
+            })
+            .measured;
+        let warnings = self.warnings(&findings);
+        Ok(Synchronised {
+            friction_before: friction(&self.torque_before),
+            friction: coefficient,
+            power,
+            mean_friction,
+            findings,
+            warnings,
+            delay: self.delay,
+            time: self.time,
+            load: self.load,
+            torque_before: self.torque_before,
+            torque: self.torque,
+        })
+    }
+
+    fn mean(
+        &self,
+        channel: &Channel,
+        values: &[f64],
+        recording: &Recording,
+        sensor: impl Fn(f64) -> f64,
+    ) -> Finding {
+        // Whole turns only: a part of one would shift the mean.
+        let whole = &values[..values.len() / self.turn * self.turn];
+        let blocks = block_means(whole, self.block);
+        let value = mean(whole);
+        Finding {
+            name: channel.name.clone(),
+            variable: channel.variable.clone(),
+            statistic: "mean",
+            unit: channel.unit.clone(),
+            group: channel.group.clone(),
+            measured: Measured {
+                value,
+                scatter: uncertainty_of_mean(&blocks),
+                sensor: sensor(value),
+            },
+            stationarity: stationarity::test(&blocks, recording.confidence),
+        }
+    }
+
+    /// Half the distance between least and greatest value of a turn, over all turns.
+    fn amplitude(&self, channel: &Channel, values: &[f64]) -> Finding {
+        let span = if self.turn > 1 {
+            self.turn
+        } else {
+            values.len()
+        };
+        let halves: Vec<f64> = values
+            .chunks_exact(span)
+            .map(|turn| {
+                let (low, high) = turn
+                    .iter()
+                    .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
+                        (l.min(*v), h.max(*v))
+                    });
+                (high - low) / 2.0
+            })
+            .collect();
+        let value = mean(&halves);
+        // An offset of the sensor does not change an amplitude; a wrong gain does.
+        let gain = match channel.accuracy {
+            Accuracy::Relative(part) => part,
+            Accuracy::Absolute(bound) => bound / mean(values).abs(),
+        };
+        Finding {
+            name: format!("{}_amplitude", channel.name),
+            variable: channel.variable.clone(),
+            statistic: "amplitude",
+            unit: channel.unit.clone(),
+            group: channel.group.clone(),
+            measured: Measured {
+                value,
+                scatter: uncertainty_of_mean(&halves),
+                sensor: from_bound(gain * value),
+            },
+            stationarity: None,
+        }
+    }
+
+    fn warnings(&self, findings: &[Finding]) -> Vec<String> {
+        let mut warnings = Vec::new();
+        if self.delay.at_edge {
+            warnings.push("the least variance lies at the edge of the searched delays: it is no minimum; allow a longer delay".into());
+        }
+        if self.delay.after > 0.9 * self.delay.before {
+            warnings.push("the shift hardly reduces the variance of the friction coefficient: the record tells little about the delay".into());
+        }
+        for finding in findings.iter().filter(|f| f.statistic == "mean") {
+            match &finding.stationarity {
+                None => warnings.push(format!(
+                    "{}: the window is too short to test whether it is steady",
+                    finding.name
+                )),
+                Some(s) if s.trend => warnings.push(format!(
+                    "{} is drifting: {:.3} {} over the window of {:.1} s (chance {:.1e})",
+                    finding.name,
+                    s.change.value,
+                    finding.unit,
+                    self.step * self.time.len() as f64,
+                    s.trend_chance
+                )),
+                Some(s) if s.drift => warnings.push(format!(
+                    "{} wanders over the window (chance {:.1e})",
+                    finding.name, s.wander_chance
+                )),
+                Some(_) => {}
+            }
+        }
+        warnings
+    }
+}

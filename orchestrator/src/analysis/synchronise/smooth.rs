@@ -1,0 +1,274 @@
+//! Smoothing without delay.
+
+use super::signal::SignalError;
+use nalgebra::{DMatrix, DVector};
+use serde::Deserialize;
+use std::f64::consts::PI;
+
+/// How a signal is smoothed.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(tag = "method", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Smoothing {
+    /// Not at all.
+    None,
+    /// Savitzky & Golay (1964), "Smoothing and differentiation of data by simplified least squares
+    /// procedures", Analytical Chemistry 36, 1627-1639: a polynomial fitted in a sliding window.
+    SavitzkyGolay {
+        /// Samples in the window, odd.
+        window: usize,
+        /// Degree of the polynomial.
+        order: usize,
+    },
+    /// A Butterworth low pass run forwards and backwards: no phase, twice the damping.
+    Butterworth {
+        /// The frequency at which one run damps by 3 dB, Hz.
+        cutoff: f64,
+        /// Order of one run.
+        order: usize,
+    },
+}
+
+impl Smoothing {
+    /// Smooths evenly spaced samples, `step` seconds apart.
+    pub fn apply(self, values: &[f64], step: f64) -> Result<Vec<f64>, SignalError> {
+        match self {
+            Self::None => Ok(values.to_vec()),
+            Self::SavitzkyGolay { window, order } => savitzky_golay(values, window, order),
+            Self::Butterworth { cutoff, order } => butterworth(values, cutoff * step, order),
+        }
+    }
+}
+
+/// Fits a polynomial in every window; the first and last half windows take the values of the end
+/// windows' polynomials.
+fn savitzky_golay(values: &[f64], window: usize, order: usize) -> Result<Vec<f64>, SignalError> {
+    if window.is_multiple_of(2) || window <= order || window > values.len() {
+        return Err(SignalError::Setting(format!(
+            "Savitzky-Golay needs an odd window longer than its order {order} and not longer than the {} samples, not {window}",
+            values.len()
+        )));
+    }
+    let half = window / 2;
+    // Rows of the hat matrix: the fitted value at each place of a window as weights of its samples.
+    let place = |k: usize| (k as f64 - half as f64) / half.max(1) as f64;
+    let powers = DMatrix::from_fn(window, order + 1, |r, c| place(r).powi(c as i32));
+    let inverse = powers.clone().pseudo_inverse(1e-14).map_err(|e| {
+        SignalError::Setting(format!(
+            "Savitzky-Golay of order {order} cannot be solved: {e}"
+        ))
+    })?;
+    let hat = powers * inverse;
+    let n = values.len();
+    let fitted = |start: usize, row: usize| {
+        (0..window)
+            .map(|k| hat[(row, k)] * values[start + k])
+            .sum::<f64>()
+    };
+    Ok((0..n)
+        .map(|i| {
+            let start = i.saturating_sub(half).min(n - window);
+            fitted(start, i - start)
+        })
+        .collect())
+}
+
+/// A second-order section in direct form: b0 b1 b2 over 1 a1 a2.
+#[derive(Clone, Copy, Debug)]
+struct Section {
+    b: [f64; 3],
+    a: [f64; 2],
+}
+
+/// Runs a Butterworth low pass forwards and backwards. `cutoff` is in cycles a sample.
+///
+/// Sections by the bilinear transform with prewarping; the ends are extended by their mirror image
+/// (odd), and each run starts in the steady state of its first sample, so that no transient stays
+/// (Gustafsson 1996, "Determining the initial states in forward-backward filtering").
+fn butterworth(values: &[f64], cutoff: f64, order: usize) -> Result<Vec<f64>, SignalError> {
+    if !(cutoff > 0.0 && cutoff < 0.5) || order == 0 {
+        return Err(SignalError::Setting(format!(
+            "a Butterworth filter needs an order of at least 1 and a cutoff between 0 and half the sampling frequency; {cutoff} of the sampling frequency is not"
+        )));
+    }
+    let sections = sections(cutoff, order);
+    let pad = (3 * (order + 1))
+        .max((1.5 / cutoff) as usize)
+        .min(values.len() - 1);
+    let (first, last) = (values[0], values[values.len() - 1]);
+    let n = values.len();
+    let mut extended: Vec<f64> = (1..=pad).rev().map(|k| 2.0 * first - values[k]).collect();
+    extended.extend_from_slice(values);
+    extended.extend((1..=pad).map(|k| 2.0 * last - values[n - 1 - k]));
+    for _ in 0..2 {
+        for section in &sections {
+            section.run(&mut extended);
+        }
+        extended.reverse();
+    }
+    Ok(extended[pad..pad + n].to_vec())
+}
+
+fn sections(cutoff: f64, order: usize) -> Vec<Section> {
+    let w = (PI * cutoff).tan();
+    let mut sections: Vec<Section> = (0..order / 2)
+        .map(|k| {
+            // Pole pair at angle theta from the negative real axis.
+            let damping = 2.0 * (PI * (2 * k + 1) as f64 / (2 * order) as f64).sin();
+            let scale = 1.0 + damping * w + w * w;
+            let b = w * w / scale;
+            Section {
+                b: [b, 2.0 * b, b],
+                a: [
+                    2.0 * (w * w - 1.0) / scale,
+                    (1.0 - damping * w + w * w) / scale,
+                ],
+            }
+        })
+        .collect();
+    if order % 2 == 1 {
+        let b = w / (1.0 + w);
+        sections.push(Section {
+            b: [b, b, 0.0],
+            a: [(w - 1.0) / (1.0 + w), 0.0],
+        });
+    }
+    sections
+}
+
+impl Section {
+    /// Filters in place, from the steady state of the first sample (the gain at rest is 1).
+    fn run(&self, x: &mut [f64]) {
+        let Some(&rest) = x.first() else { return };
+        let mut s1 = rest * (self.b[2] - self.a[1] + self.b[1] - self.a[0]);
+        let mut s2 = rest * (self.b[2] - self.a[1]);
+        for v in x {
+            let input = *v;
+            let y = self.b[0] * input + s1;
+            s1 = self.b[1] * input - self.a[0] * y + s2;
+            s2 = self.b[2] * input - self.a[1] * y;
+            *v = y;
+        }
+    }
+}
+
+/// Amplitude ratio of [`Smoothing`] at a frequency, so that a choice can be shown; `step` in s, frequency in Hz.
+pub fn gain(smoothing: Smoothing, step: f64, frequency: f64) -> f64 {
+    match smoothing {
+        Smoothing::None => 1.0,
+        Smoothing::Butterworth { cutoff, order } => {
+            let ratio = (PI * frequency * step).tan() / (PI * cutoff * step).tan();
+            1.0 / (1.0 + ratio.powi(2 * order as i32))
+        }
+        Smoothing::SavitzkyGolay { window, order } => {
+            savitzky_golay_gain(window, order, frequency * step)
+        }
+    }
+}
+
+fn savitzky_golay_gain(window: usize, order: usize, cycles: f64) -> f64 {
+    let half = window / 2;
+    let place = |k: usize| (k as f64 - half as f64) / half.max(1) as f64;
+    let powers = DMatrix::from_fn(window, order + 1, |r, c| place(r).powi(c as i32));
+    let wave = DVector::from_fn(window, |r, _| {
+        (2.0 * PI * cycles * (r as f64 - half as f64)).cos()
+    });
+    powers
+        .pseudo_inverse(1e-14)
+        .map_or(f64::NAN, |inverse| (inverse * wave)[0])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn signal() -> Vec<f64> {
+        (0..40)
+            .map(|k| {
+                (f64::from(k) * 0.7).sin() + 0.3 * (f64::from(k) * 2.9).cos() + 0.01 * f64::from(k)
+            })
+            .collect()
+    }
+
+    fn close(found: &[f64], places: [usize; 4], expected: [f64; 4], tolerance: f64) {
+        for (p, e) in places.into_iter().zip(expected) {
+            assert!((found[p] - e).abs() < tolerance, "{p}: {} {e}", found[p]);
+        }
+    }
+
+    /// SciPy 1.x: `savgol_filter(x, 7, 3)`.
+    #[test]
+    fn savitzky_golay_equals_scipy() {
+        close(
+            &savitzky_golay(&signal(), 7, 3).unwrap(),
+            [0, 2, 20, 39],
+            SAVGOL,
+            1e-10,
+        );
+    }
+    const SAVGOL: [f64; 4] = [
+        0.17408515386742826,
+        0.9220469955168947,
+        1.1127388784709775,
+        1.4226553793500574,
+    ];
+
+    /// SciPy 1.x: `sosfiltfilt(butter(N, 0.3, output="sos"), x, padlen=...)` with the same padding.
+    #[test]
+    fn butterworth_equals_scipy() {
+        close(
+            &butterworth(&signal(), 0.15, 4).unwrap(),
+            [0, 2, 20, 39],
+            BUTTER4,
+            1e-10,
+        );
+        close(
+            &butterworth(&signal(), 0.15, 3).unwrap(),
+            [0, 2, 20, 39],
+            BUTTER3,
+            1e-10,
+        );
+    }
+    const BUTTER4: [f64; 4] = [
+        0.2985894878113545,
+        0.9354826675063309,
+        1.1271413055083337,
+        1.5111685752928512,
+    ];
+    const BUTTER3: [f64; 4] = [
+        0.29889007191768063,
+        0.8832945872967664,
+        1.0726724893379518,
+        1.5188581687981568,
+    ];
+
+    #[test]
+    fn smoothing_moves_no_zero_crossing() {
+        let step = 1e-3;
+        let wave: Vec<f64> = (0..4000)
+            .map(|k| (2.0 * PI * 5.0 * f64::from(k) * step + 0.4).sin())
+            .collect();
+        for s in [
+            Smoothing::Butterworth {
+                cutoff: 40.0,
+                order: 4,
+            },
+            Smoothing::SavitzkyGolay {
+                window: 31,
+                order: 3,
+            },
+        ] {
+            let smooth = s.apply(&wave, step).unwrap();
+            let g = gain(s, step, 5.0);
+            for k in 1000..3000 {
+                assert!((smooth[k] - g * wave[k]).abs() < 1e-6, "{s:?} {k}");
+            }
+        }
+    }
+
+    #[test]
+    fn unsuitable_settings_are_refused() {
+        assert!(savitzky_golay(&signal(), 8, 3).is_err());
+        assert!(savitzky_golay(&signal(), 41, 3).is_err());
+        assert!(butterworth(&signal(), 0.5, 4).is_err());
+    }
+}

@@ -1,0 +1,152 @@
+use super::*;
+use rand::{RngExt, SeedableRng, rngs::StdRng};
+use rand_distr::StandardNormal;
+use std::f64::consts::TAU;
+
+fn channel(
+    name: &str,
+    variable: &str,
+    unit: &str,
+    accuracy: Accuracy,
+    values: Vec<f64>,
+) -> Channel {
+    Channel {
+        name: name.into(),
+        variable: variable.into(),
+        unit: unit.into(),
+        values,
+        accuracy,
+        group: None,
+    }
+}
+
+/// 30 s at 300 rpm with the torque 16 ms late and a friction coefficient of 0.0472; `creep` K of
+/// the oil over the record.
+fn recording(creep: f64) -> Recording {
+    let mut random = StdRng::seed_from_u64(11);
+    let mut noise = || random.sample::<f64, _>(StandardNormal);
+    let time: Vec<f64> = (0..30_000).map(|k| f64::from(k) * 1e-3).collect();
+    let force = |t: f64| 750.0 * (1.0 + 0.5 * (TAU * 5.0 * t).sin());
+    let load = time.iter().map(|t| force(*t) + 10.0 * noise()).collect();
+    let torque = time
+        .iter()
+        .map(|t| 0.0472 * 0.0125 * force(t - 0.016) + 0.005 * noise())
+        .collect();
+    let oil = time
+        .iter()
+        .map(|t| 48.0 + creep * (t / 30.0 - 0.5) + 0.1 * noise())
+        .collect();
+    Recording {
+        load: channel(
+            "F_N",
+            "sensor.loadForce",
+            "N",
+            Accuracy::Relative(0.01),
+            load,
+        ),
+        torque: channel(
+            "M",
+            "sensor.frictionTorque",
+            "N.m",
+            Accuracy::Relative(0.02),
+            torque,
+        ),
+        speed: channel(
+            "speed",
+            "drive.speed",
+            "rad/s",
+            Accuracy::Relative(0.005),
+            vec![TAU * 5.0; 30_000],
+        ),
+        others: vec![channel(
+            "T_oil",
+            "sensor.oilTemperature",
+            "degC",
+            Accuracy::Absolute(0.5),
+            oil,
+        )],
+        diameter: 0.025,
+        window: None,
+        smoothing: Smoothing::Butterworth {
+            cutoff: 60.0,
+            order: 4,
+        },
+        longest_delay: 0.05,
+        confidence: 0.99,
+        time,
+    }
+}
+
+#[test]
+fn a_record_becomes_criteria() {
+    let s = synchronise(&recording(0.0)).unwrap();
+    assert!((s.delay.delay.value - 0.016).abs() < 1e-4, "{:?}", s.delay);
+    assert!(s.warnings.is_empty(), "{:?}", s.warnings);
+    let [load, torque, power, oil, swing, _] = s.findings.as_slice() else {
+        panic!("{:?}", s.findings)
+    };
+    assert!((load.measured.value - 750.0).abs() < 1.0);
+    assert!((torque.measured.value - 0.4425).abs() < 1e-3);
+    assert!((power.measured.value - 0.4425 * TAU * 5.0).abs() < 0.03);
+    assert!((oil.measured.value - 48.0).abs() < 0.01);
+    assert!((swing.measured.value - 375.0).abs() < 6.0, "{swing:?}");
+    // 2 % bound of torque and 0.5 % of speed, rectangular.
+    let relative = (0.02f64.hypot(0.005)) / 3f64.sqrt();
+    assert!((power.measured.sensor / power.measured.value - relative).abs() < 1e-9);
+    assert!((s.mean_friction.value - 0.0472).abs() < 1e-4);
+    assert!((oil.measured.expanded() - 2.0 * 0.5 / 3f64.sqrt()).abs() < 0.01);
+}
+
+#[test]
+fn a_creeping_temperature_is_reported() {
+    let s = synchronise(&recording(0.2)).unwrap();
+    assert_eq!(s.warnings.len(), 1, "{:?}", s.warnings);
+    assert!(
+        s.warnings[0].starts_with("T_oil is drifting"),
+        "{:?}",
+        s.warnings
+    );
+    let oil = s.findings.iter().find(|f| f.name == "T_oil").unwrap();
+    assert!(oil.stationarity.as_ref().unwrap().change.contains(0.2));
+}
+
+#[test]
+fn the_window_is_used_and_wrong_settings_are_named() {
+    let mut r = recording(0.0);
+    r.window = Some([5.0, 20.0]);
+    let s = synchronise(&r).unwrap();
+    assert!(s.time[0] >= 5.0 && *s.time.last().unwrap() <= 20.0);
+    r.diameter = -0.025;
+    assert!(
+        synchronise(&r)
+            .unwrap_err()
+            .to_string()
+            .contains("diameter")
+    );
+    let mut r = recording(0.0);
+    r.torque.values.pop();
+    assert!(
+        synchronise(&r)
+            .unwrap_err()
+            .to_string()
+            .contains("'M' has 29999 rows")
+    );
+}
+
+#[test]
+fn the_text_is_a_table_of_criteria() {
+    let text = criteria::to_toml(&synchronise(&recording(0.0)).unwrap(), true);
+    let lines: Vec<&str> = text.lines().filter(|l| l.starts_with('[')).collect();
+    assert_eq!(
+        lines,
+        [
+            "[criteria.F_N]",
+            "[criteria.M]",
+            "[criteria.P_fr]",
+            "[criteria.T_oil]",
+            "[criteria.F_N_amplitude]",
+            "[criteria.M_amplitude]"
+        ]
+    );
+    assert!(text.contains("torque shifted by 1"), "{text}");
+}

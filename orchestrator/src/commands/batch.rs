@@ -1,0 +1,139 @@
+//! Runs of a study's model at points that an analysis chooses.
+
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+use std::thread::available_parallelism;
+
+use super::CommandError;
+use super::progress::Progress;
+use crate::design::Design;
+use crate::distribution::Distribution;
+use crate::engine::{self, Job, Worker, local::Local};
+use crate::fmu::Package;
+use crate::judge::Judge;
+use crate::results::Outcome;
+use crate::study::plan::Plan;
+use crate::study::{self, Method, Study};
+
+/// A study that is ready to run.
+pub(super) struct Batch {
+    pub(super) plan: Plan,
+    pub(super) judge: Judge,
+    package: Package,
+    jobs: usize,
+}
+
+impl Batch {
+    pub(super) fn new(
+        path: &Path,
+        fmu: Option<&Path>,
+        jobs: Option<usize>,
+    ) -> Result<Self, CommandError> {
+        let study = Study::read(path)?;
+        let package = Package::open(&fmu.map_or_else(|| study.fmu_path(), Path::to_owned))?;
+        let judge = Judge::new(&study, Some(package.description()))?;
+        let plan = Plan::new(&study, package.description())?;
+        let cores = || available_parallelism().map_or(1, Into::into);
+        let jobs = jobs.unwrap_or_else(cores).max(1);
+        Ok(Self {
+            plan,
+            judge,
+            package,
+            jobs,
+        })
+    }
+
+    /// The parameters that vary, by their place among the plan's inputs.
+    pub(super) fn varied(&self) -> Vec<usize> {
+        let inputs = &self.plan.inputs;
+        (0..inputs.len())
+            .filter(|&k| inputs[k].distribution.varies())
+            .collect()
+    }
+
+    /// The parameters at a point of the unit cube of those that vary.
+    pub(super) fn parameters(&self, cube: &[f64]) -> Vec<f64> {
+        let mut places = cube.iter();
+        let value = |distribution: &Distribution| {
+            let place = if distribution.varies() {
+                places.next()
+            } else {
+                None
+            };
+            place.map_or_else(
+                || distribution.median(),
+                |&u| distribution.quantile(inside(u)),
+            )
+        };
+        self.plan
+            .inputs
+            .iter()
+            .map(|input| &input.distribution)
+            .map(value)
+            .collect()
+    }
+
+    /// Simulates points given by their parameters; the outcomes are in the study's units.
+    pub(super) fn run(&mut self, points: &[Vec<f64>]) -> Result<Vec<Outcome>, CommandError> {
+        let library = self.package.load()?;
+        let single = self
+            .package
+            .description()
+            .capabilities
+            .can_be_instantiated_only_once_per_process;
+        let worker = || Box::new(Local::new(&library, &self.plan.task)) as Box<dyn Worker>;
+        let workers = (0..if single { 1 } else { self.jobs })
+            .map(|_| worker())
+            .collect();
+        let plan = &self.plan;
+        let job = |(index, parameters): (usize, &Vec<f64>)| {
+            let mut values = Vec::new();
+            plan.to_fmu(parameters, &mut values);
+            Job {
+                index: index as u64,
+                values,
+            }
+        };
+        let progress = Progress::new(points.len() as u64, 0);
+        let mut outcomes: Vec<Option<Outcome>> = vec![None; points.len()];
+        let (mut verified, mut failed, mut done) = (0, 0, 0);
+        let jobs = points.iter().enumerate().map(job);
+        engine::run(workers, jobs, &AtomicBool::new(false), |event| {
+            let engine::Event::Answer(index, answer) = event else {
+                return Ok(ControlFlow::Continue(()));
+            };
+            let outcome: Outcome = answer.map(|mut values| {
+                plan.to_study(&mut values);
+                values
+            });
+            done += 1;
+            failed += u64::from(outcome.is_err());
+            verified += u64::from(self.judge.verdict(outcome.as_deref().ok()).verified());
+            progress.step(verified, failed, done);
+            if let Some(place) = outcomes.get_mut(index as usize) {
+                *place = Some(outcome);
+            }
+            Ok::<_, CommandError>(ControlFlow::Continue(()))
+        })?;
+        progress.finish();
+        Ok(outcomes.into_iter().flatten().collect())
+    }
+}
+
+/// Keeps away from the ends of the unit interval, where a distribution may reach to infinity.
+fn inside(u: f64) -> f64 {
+    u.clamp(1e-6, 1.0 - 1e-6)
+}
+
+/// Points of a scrambled Sobol sequence in the unit cube.
+pub(super) fn cube(dimensions: usize, points: u64, seed: u64) -> Result<Vec<Vec<f64>>, String> {
+    let design = study::Design {
+        method: Method::Sobol,
+        points,
+        seed,
+    };
+    let unit = Distribution::Uniform { min: 0.0, max: 1.0 };
+    let design = Design::new(&design, vec![unit; dimensions])?;
+    Ok((0..points).map(|index| design.point(index)).collect())
+}

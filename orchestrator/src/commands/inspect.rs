@@ -1,0 +1,142 @@
+//! `inspect`: what an FMU is.
+
+use std::fmt::Write;
+use std::process::ExitCode;
+
+use serde_json::json;
+
+use super::{CommandError, output};
+use crate::cli::Inspect;
+use crate::fmu::{Causality, Description, Kind, Package, Variable};
+use crate::results::points::number;
+
+pub(super) fn run(options: &Inspect) -> Result<ExitCode, CommandError> {
+    let package = Package::open(&options.fmu)?;
+    let fmu = package.description();
+    let platforms = package.platforms();
+    if options.json {
+        let mut value = json!(fmu);
+        value["platforms"] = json!(platforms);
+        value["variables"] = fmu
+            .variables
+            .values()
+            .map(|variable| json!(variable))
+            .collect();
+        output::print(&format!("{value:#}\n"));
+    } else {
+        output::print(&text(fmu, &platforms));
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn text(fmu: &Description, platforms: &[String]) -> String {
+    let mut text = String::new();
+    // Writing to a String cannot fail.
+    let _ = writeln!(
+        text,
+        "{} (FMI {} for Co-Simulation)",
+        fmu.model_name, fmu.fmi_version
+    );
+    if let Some(description) = &fmu.description {
+        let _ = writeln!(text, "{description}");
+    }
+    let mut row = |key: &str, value: &str| {
+        if !value.is_empty() {
+            let _ = writeln!(text, "  {key:<14}{value}");
+        }
+    };
+    row("version", fmu.version.as_deref().unwrap_or(""));
+    row("written by", fmu.generation_tool.as_deref().unwrap_or(""));
+    row("platforms", &platforms.join(", "));
+    row("experiment", &experiment(fmu));
+    row("capabilities", &capabilities(fmu));
+    row("remarks", &fmu.remarks.join("; "));
+    let sections = [
+        ("Inputs", Causality::Input),
+        ("Parameters", Causality::Parameter),
+        ("Outputs", Causality::Output),
+    ];
+    for (title, causality) in sections {
+        section(&mut text, fmu, title, causality);
+    }
+    let locals = fmu.with(Causality::Local).count();
+    if locals > 0 {
+        let _ = writeln!(text, "\nand {locals} local variables (--json lists them)");
+    }
+    text
+}
+
+fn experiment(fmu: &Description) -> String {
+    let experiment = &fmu.default_experiment;
+    let times = [
+        ("start", experiment.start),
+        ("stop", experiment.stop),
+        ("step", experiment.step),
+    ];
+    let times = times
+        .iter()
+        .filter_map(|(name, time)| Some(format!("{name} {} s", (*time)?)));
+    times.collect::<Vec<_>>().join(", ")
+}
+
+fn capabilities(fmu: &Description) -> String {
+    let flags = json!(fmu.capabilities);
+    let set = flags
+        .as_object()
+        .into_iter()
+        .flatten()
+        .filter(|(_, flag)| flag.as_bool() == Some(true));
+    let names: Vec<String> = set.map(|(name, _)| name.replace('_', " ")).collect();
+    names.join(", ")
+}
+
+fn section(text: &mut String, fmu: &Description, title: &str, causality: Causality) {
+    let variables: Vec<&Variable> = fmu.with(causality).collect();
+    if variables.is_empty() {
+        return;
+    }
+    let longest = variables
+        .iter()
+        .map(|variable| variable.name.chars().count())
+        .max();
+    let width = longest.unwrap_or(0).min(48);
+    let _ = writeln!(text, "\n{title}");
+    for variable in variables {
+        let description = variable.description.as_deref().unwrap_or("");
+        let value = value(fmu, variable);
+        let line = format!("  {:width$}  {value:<24}  {description}", variable.name);
+        let _ = writeln!(text, "{}", line.trim_end());
+    }
+}
+
+/// The start value in the unit for people, or that unit alone, or the type.
+fn value(fmu: &Description, variable: &Variable) -> String {
+    match &variable.kind {
+        Kind::Real { start, unit, .. } => {
+            let shown = variable.display_unit();
+            let conversion = shown.and_then(|shown| {
+                let to_unit = fmu.units.conversion(shown, unit.as_deref()).ok()?;
+                Some(to_unit.inverse())
+            });
+            let start = start.map(|start| conversion.map_or(start, |way| way.value(start)));
+            // Twelve digits hide what the conversion rounds.
+            let start = start.map(|start| format!("{start:.11e}").parse().unwrap_or(start));
+            let unit = if conversion.is_some() {
+                shown
+            } else {
+                unit.as_deref()
+            };
+            let parts = [start.map(number), unit.map(str::to_owned)];
+            parts.into_iter().flatten().collect::<Vec<_>>().join(" ")
+        }
+        Kind::Integer { start, .. } => start.map_or("Integer".to_owned(), |v| v.to_string()),
+        Kind::Boolean { start } => start.map_or("Boolean".to_owned(), |v| v.to_string()),
+        Kind::String { start } => start
+            .as_ref()
+            .map_or("String".to_owned(), |v| format!("{v:?}")),
+        Kind::Enumeration { start, items } => {
+            let item = items.iter().find(|(_, value)| Some(*value) == *start);
+            item.map_or("Enumeration".to_owned(), |(name, _)| name.clone())
+        }
+    }
+}

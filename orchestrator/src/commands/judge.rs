@@ -1,0 +1,89 @@
+//! `judge`: applies a study's criteria to outputs that already stand in a table.
+
+use std::process::ExitCode;
+
+use super::{CommandError, output, report, table, verdict};
+use crate::cli;
+use crate::fmu::{Description, Package};
+use crate::judge::Judge;
+use crate::report::Report;
+use crate::results::summary::{Provenance, Tally};
+use crate::session::{FileSet, provenance};
+use crate::source::Table;
+use crate::study::Study;
+use crate::study::quantity::Scale;
+use crate::units::Conversion;
+
+pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, CommandError> {
+    let study = Study::read(&options.study)?;
+    // The FMU only helps to convert units; without it the table must be in the study's.
+    let package = Package::open(&study.fmu_path()).ok();
+    let fmu = package.as_ref().map(Package::description);
+    let judge = Judge::new(&study, fmu)?;
+    let conversions = conversions(&study, &judge, fmu)?;
+    let mut rows = Table::read(&options.table, &columns(&study))?;
+    let mut tally = Tally::new(&judge);
+    let folder = options.output.as_deref();
+    let mut files = folder
+        .map(|folder| FileSet::new(folder, &[], &judge))
+        .transpose()?;
+    for (row, &label) in rows.rows.iter_mut().zip(&rows.labels) {
+        for (value, conversion) in row.iter_mut().zip(&conversions) {
+            *value = conversion.value(*value);
+        }
+        let outcome = Ok(std::mem::take(row));
+        let verdict = tally.add(label, &[], &outcome);
+        if let Some(files) = &mut files {
+            files.write(label, &[], &outcome, &verdict)?;
+        }
+    }
+    let provenance = Provenance {
+        method: "table".to_owned(),
+        ..provenance(&study)
+    };
+    let summary = tally.summary(study.title.clone(), provenance, Vec::new());
+    if let Some(files) = files {
+        files.finish(&summary)?;
+    }
+    if let Some(folder) = &options.output {
+        report::keep_study(folder, &study)?;
+        Report::from_folder(folder)?.write(folder)?;
+    }
+    output::print(&table::counts(&summary));
+    Ok(verdict(summary.verified))
+}
+
+/// The columns of the criteria: the study's mapping, the criterion's name, or the variable's.
+fn columns(study: &Study) -> Vec<(Vec<String>, String)> {
+    let names = study.criteria.iter().map(|(name, criterion)| {
+        let mapped = criterion.column.clone();
+        let own = [name.as_ref().clone(), criterion.variable.as_ref().clone()];
+        let names = mapped.into_iter().chain(own).collect();
+        (names, format!("the criterion {}", name.as_ref()))
+    });
+    names.collect()
+}
+
+/// From each column's unit to the criterion's.
+fn conversions(
+    study: &Study,
+    judge: &Judge,
+    fmu: Option<&Description>,
+) -> Result<Vec<Conversion>, CommandError> {
+    let pairs = study.criteria.iter().zip(&judge.criteria);
+    let conversion = |(name, text): (&crate::study::Name, &crate::study::Criterion), unit| {
+        let Some(column_unit) = text.column_unit.as_deref() else {
+            return Ok(Conversion::IDENTITY);
+        };
+        let variable = fmu.and_then(|fmu| fmu.variables.get(text.variable.as_ref().as_str()));
+        let scale = match (fmu, variable) {
+            (Some(fmu), Some(variable)) => Scale::new(unit, &fmu.units, variable.unit()),
+            _ => Ok(Scale::alone(unit)),
+        };
+        let conversion = scale.and_then(|scale| scale.from(column_unit));
+        conversion.map_err(|message| study.error_at(name, message).into())
+    };
+    pairs
+        .map(|(entry, criterion)| conversion(entry, criterion.unit.as_deref()))
+        .collect()
+}

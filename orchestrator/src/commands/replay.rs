@@ -1,0 +1,62 @@
+//! `replay`: runs one point of a study again, with its trajectory.
+
+use std::fs::File;
+use std::process::ExitCode;
+
+use super::simulate::{Columns, trajectory};
+use super::{CommandError, output};
+use crate::cli::Replay;
+use crate::results::ResultsError;
+use crate::results::points::number;
+use crate::run::Runner;
+use crate::session::Session;
+
+pub(super) fn run(options: &Replay) -> Result<ExitCode, CommandError> {
+    let mut session = Session::reopen(&options.folder, options.fmu.clone())?;
+    let index = session
+        .source
+        .index_of(options.point)
+        .ok_or_else(|| CommandError::Option {
+            option: "point",
+            message: format!("the study has no point {}", options.point),
+        })?;
+    let job = session.job(index);
+    let library = session.package.load()?;
+    let mut runner = Runner::new(library, session.plan.task.clone());
+    let outcome = session.outcome(runner.run(&job.values).map(<[f64]>::to_vec));
+    let columns = Columns::new(session.package.description());
+    let usual = options.folder.join(format!("point-{}.csv", options.point));
+    let path = options.output.clone().unwrap_or(usual);
+    let file = File::create(&path).map_err(ResultsError::io(&path))?;
+    let written = trajectory(&mut runner, &job.values, &columns, file);
+    // The trajectory of a point that fails ends where it fails.
+    if outcome.is_ok() {
+        written.map_err(|error| error.into_command(&path))?;
+    }
+    let mut text = format!("point {}\n", options.point);
+    let parameters = session.source.parameters(index);
+    for (input, value) in session.plan.inputs.iter().zip(parameters) {
+        let unit = input.unit.as_deref().unwrap_or("");
+        text += format!("  {} = {} {unit}", input.name, number(value)).trim_end();
+        text += "\n";
+    }
+    let values = outcome.as_deref().ok();
+    let verdict = session.judge.verdict(values);
+    for (number_of, criterion) in session.judge.criteria.iter().enumerate() {
+        let value = values.map_or("no value".to_owned(), |values| number(values[number_of]));
+        let unit = criterion.unit.as_deref().unwrap_or("");
+        let sign = if verdict.passed[number_of] {
+            "ok"
+        } else {
+            "not met"
+        };
+        text += &format!("  {} = {value} {unit}: {sign}\n", criterion.name);
+    }
+    match &outcome {
+        Ok(_) => {}
+        Err(failure) => text += &format!("  failed: {failure}\n"),
+    }
+    text += &format!("trajectory in {}\n", path.display());
+    output::print(&text);
+    Ok(super::verdict(u64::from(verdict.verified())))
+}

@@ -1,0 +1,199 @@
+//! `sensitivity`: which parameter matters.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use super::batch::{self, Batch};
+use super::{CommandError, output};
+use crate::analysis::from_results;
+use crate::analysis::sensitivity::study::{
+    Output, Sensitivity, from_morris, from_points, from_sobol,
+};
+use crate::analysis::sensitivity::{morris, sobol};
+use crate::analysis::table::PointTable;
+use crate::cli;
+use crate::report::format::number;
+use crate::report::{Report, sensitivity};
+use crate::results::{ResultsError, points, write_atomically};
+
+pub(super) fn run(options: &cli::Sensitivity) -> Result<ExitCode, CommandError> {
+    let (folder, result) = match &options.from {
+        Some(folder) => {
+            let (_, table) = from_results::read(folder)?;
+            let target = options.output.clone().unwrap_or_else(|| folder.clone());
+            (target, from_points(&table, options.seed))
+        }
+        None => {
+            let mut batch = Batch::new(&options.study, options.fmu.as_deref(), options.jobs)?;
+            let folder = options.output.clone().unwrap_or_else(|| {
+                let stem = options.study.file_stem().unwrap_or("study".as_ref());
+                PathBuf::from("results").join(stem)
+            });
+            let result = match options.morris {
+                Some(trajectories) => screen(&mut batch, trajectories, options.seed, &folder)?,
+                None => indices(&mut batch, options, &folder)?,
+            };
+            (folder, result)
+        }
+    };
+    write(&folder, &result)?;
+    // A finished study in the same folder shows the result on its page.
+    if folder.join("summary.json").exists() {
+        Report::from_folder(&folder)?.write(&folder)?;
+    }
+    output::print(&format!(
+        "{}\nresults in {}\n",
+        text(&result),
+        folder.display()
+    ));
+    Ok(ExitCode::SUCCESS)
+}
+
+fn indices(
+    batch: &mut Batch,
+    options: &cli::Sensitivity,
+    folder: &Path,
+) -> Result<Sensitivity, CommandError> {
+    let (base, seed) = (options.base, options.seed);
+    let varied = batch.varied();
+    let pairs =
+        batch::cube(2 * varied.len(), base, seed).map_err(|message| CommandError::Option {
+            option: "base",
+            message,
+        })?;
+    let rows = simulate(batch, &sobol::design(&pairs))?;
+    keep_runs(folder, &rows)?;
+    Ok(from_sobol(&rows, options.estimator, seed))
+}
+
+fn screen(
+    batch: &mut Batch,
+    trajectories: usize,
+    seed: u64,
+    folder: &Path,
+) -> Result<Sensitivity, CommandError> {
+    const LEVELS: usize = 4;
+    // The ends of a distribution may reach far; the grid covers its middle 98 %.
+    let cube = morris::design(batch.varied().len(), trajectories.max(2), LEVELS, seed);
+    let middle: Vec<Vec<f64>> = cube
+        .iter()
+        .map(|row| row.iter().map(|u| 0.01 + 0.98 * u).collect())
+        .collect();
+    let rows = simulate(batch, &middle)?;
+    keep_runs(folder, &rows)?;
+    Ok(from_morris(&cube, &rows, seed))
+}
+
+/// Simulates points of the unit cube of the parameters that vary.
+fn simulate(batch: &mut Batch, cube: &[Vec<f64>]) -> Result<PointTable, CommandError> {
+    let points: Vec<Vec<f64>> = cube.iter().map(|u| batch.parameters(u)).collect();
+    let outcomes = batch.run(&points)?;
+    let varied = batch.varied();
+    Ok(from_results::from_runs(
+        &batch.plan.inputs,
+        &varied,
+        &batch.judge,
+        &points,
+        outcomes,
+    ))
+}
+
+fn write(folder: &Path, result: &Sensitivity) -> Result<(), CommandError> {
+    std::fs::create_dir_all(folder).map_err(ResultsError::io(folder))?;
+    write_atomically(&folder.join(sensitivity::FILE), |out| {
+        serde_json::to_writer_pretty(&mut *out, result)?;
+        writeln!(out)
+    })?;
+    Ok(())
+}
+
+/// Writes the runs in the order of their design, for other programs to analyse.
+fn keep_runs(folder: &Path, rows: &PointTable) -> Result<(), CommandError> {
+    std::fs::create_dir_all(folder).map_err(ResultsError::io(folder))?;
+    let parameters = rows
+        .parameters
+        .iter()
+        .map(|p| (p.name.as_str(), p.values.as_slice()));
+    let criteria = rows
+        .criteria
+        .iter()
+        .map(|c| (c.name.as_str(), c.values.as_slice()));
+    let columns: Vec<(&str, &[f64])> = parameters.chain(criteria).collect();
+    write_atomically(&folder.join("sensitivity-runs.csv"), |out| {
+        let mut table = csv::Writer::from_writer(out);
+        let names = columns.iter().map(|(name, _)| *name);
+        table.write_record(names.chain(["verified", "status"]))?;
+        for row in 0..rows.len() {
+            let cell = |(_, values): &(&str, &[f64])| match values[row] {
+                value if value.is_finite() => points::number(value),
+                _ => String::new(),
+            };
+            let verdict = [rows.verified[row].to_string(), rows.status[row].clone()];
+            table.write_record(columns.iter().map(cell).chain(verdict))?;
+        }
+        table.flush()
+    })?;
+    Ok(())
+}
+
+/// A table an output.
+fn text(result: &Sensitivity) -> String {
+    let mut out = format!("{}\n", result.method);
+    if result.failed > 0 {
+        out += &format!(
+            "{} of {} runs failed; their comparisons are left out\n",
+            result.failed, result.runs
+        );
+    }
+    for output in &result.outputs {
+        out += &format!("\n{}\n", output.name);
+        out += &rows(&result.parameters, output);
+        out += &match &output.dominant {
+            Some(name) => format!("most important: {name}\n"),
+            None => {
+                "the intervals overlap: no parameter can be called the most important\n".to_owned()
+            }
+        };
+    }
+    out
+}
+
+fn rows(parameters: &[String], output: &Output) -> String {
+    let width = parameters.iter().map(String::len).max().unwrap_or(0);
+    let interval = |e: &crate::analysis::sensitivity::Estimate| {
+        format!(
+            "{:>8} [{}, {}]",
+            number(e.value, 3),
+            number(e.low, 3),
+            number(e.high, 3)
+        )
+    };
+    let row = |(k, name): (usize, &String)| {
+        let mut line = format!("  {name:width$}");
+        if let Some(s) = &output.sobol {
+            line += &format!(
+                "  first {}  total {}",
+                interval(&s.first[k]),
+                interval(&s.total[k])
+            );
+        }
+        if let Some(effects) = &output.morris {
+            line += &format!(
+                "  mu* {}  sigma {}",
+                interval(&effects[k].mu_star),
+                number(effects[k].sigma, 3)
+            );
+        }
+        if let (None, None, Some(p)) = (&output.sobol, &output.morris, &output.pawn) {
+            line += &format!("  PAWN {}", interval(&p.median[k]));
+        }
+        if let (None, Some(partial)) = (
+            &output.morris,
+            output.ranks.as_ref().and_then(|r| r.partial.get(k)),
+        ) {
+            line += &format!("  PRCC {}", interval(partial));
+        }
+        line + "\n"
+    };
+    parameters.iter().enumerate().map(row).collect()
+}

@@ -1,0 +1,118 @@
+//! The table of counts, as the paper prints it.
+
+use std::fmt::Write;
+
+use indexmap::IndexMap;
+
+use crate::results::Summary;
+use crate::results::summary::Count;
+
+/// The summary for people: what meets which criterion.
+pub(super) fn counts(summary: &Summary) -> String {
+    let mut text = String::new();
+    let failed = match summary.failed {
+        0 => String::new(),
+        failed => format!(", {failed} of them failed ({})", reasons(&summary.failures)),
+    };
+    // Writing to a String cannot fail.
+    let _ = writeln!(text, "{} points{failed}\n", summary.points);
+    let _ = writeln!(
+        text,
+        "{:<34}{:>10}{:>10}   95 % interval",
+        "meets", "points", "share"
+    );
+    let criteria = summary.criteria.iter().map(|(name, entry)| {
+        let unit = entry
+            .criterion
+            .unit
+            .as_deref()
+            .map_or_else(String::new, |u| format!(" {u}"));
+        let criterion = &entry.criterion;
+        let condition = format!(
+            "{name}  {}{unit} +-{}",
+            criterion.nominal, criterion.stated_tolerance
+        );
+        (condition, entry.count)
+    });
+    for (condition, count) in criteria {
+        line(&mut text, &condition, &count);
+    }
+    groups(&mut text, &summary.groups);
+    let all = Count::new(summary.verified, summary.points);
+    line(&mut text, "all criteria: verified", &all);
+    for (name, variant) in &summary.variants {
+        let _ = writeln!(text, "\n{}", variant.about.as_deref().unwrap_or(name));
+        for (criterion, count) in &variant.criteria {
+            let own = &summary.criteria[criterion].criterion;
+            if own.tolerance != variant.tolerances[criterion] {
+                let unit = own
+                    .unit
+                    .as_deref()
+                    .map_or_else(String::new, |unit| format!(" {unit}"));
+                let tolerance = variant.tolerances[criterion];
+                let condition = format!("{criterion}  {}{unit} +-{tolerance}{unit}", own.nominal);
+                line(&mut text, &condition, count);
+            }
+        }
+        groups(&mut text, &variant.groups);
+        line(&mut text, "all criteria: verified", &variant.verified);
+    }
+    text
+}
+
+fn groups(text: &mut String, groups: &IndexMap<String, Count>) {
+    for (name, count) in groups {
+        line(text, &format!("group {name}"), count);
+    }
+}
+
+fn line(text: &mut String, what: &str, count: &Count) {
+    let [low, high] = count.interval.map(|bound| 100.0 * bound);
+    let share = 100.0 * count.fraction;
+    let _ = writeln!(
+        text,
+        "{what:<34}{:>10}{share:>8.1} %   {low:.1} .. {high:.1} %",
+        count.passed
+    );
+}
+
+fn reasons(failures: &IndexMap<String, u64>) -> String {
+    let reasons: Vec<String> = failures
+        .iter()
+        .map(|(reason, count)| format!("{reason}: {count}"))
+        .collect();
+    reasons.join(", ")
+}
+
+/// The best point for people.
+pub(super) fn best(summary: &Summary) -> String {
+    let Some(best) = &summary.best_point else {
+        return String::new();
+    };
+    let with_unit = |name: &str, value: f64, unit: Option<&str>| {
+        let unit = unit.map_or_else(String::new, |unit| format!(" {unit}"));
+        format!("{name} {value:.5}{unit}")
+    };
+    let parameters = summary.parameters.iter().map(|parameter| {
+        let value = best
+            .parameters
+            .get(&parameter.name)
+            .copied()
+            .unwrap_or(f64::NAN);
+        with_unit(&parameter.name, value, parameter.unit.as_deref())
+    });
+    let values = best.values.iter().map(|(name, &value)| {
+        let unit = summary
+            .criteria
+            .get(name)
+            .and_then(|entry| entry.criterion.unit.as_deref());
+        with_unit(name, value, unit)
+    });
+    let kind = if best.verified {
+        "most probable verified point"
+    } else {
+        "nearest point"
+    };
+    let parts: Vec<String> = values.chain(parameters).collect();
+    format!("\n{kind}: {}\n  {}\n", best.point, parts.join("\n  "))
+}

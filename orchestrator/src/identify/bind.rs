@@ -1,0 +1,368 @@
+//! Ties the section `[identify]` of a study to its FMU and its table.
+
+use super::cases::Columns;
+use super::problem::{Case, Free, Interval, Latent, Measured, Prior, Problem, Quantity, Scale};
+use super::settings::{Exception, FreeText, LatentText, MeasuredText, Settings};
+use crate::fmu::{Description, Variable};
+use crate::source::TableError;
+use crate::study::plan::{Plan, find, slot_of};
+use crate::study::quantity::{Scale as UnitScale, Sense};
+use crate::study::{Name, Quantity as Text, Statistic, Study, StudyError};
+use crate::task::{Probe, Slot, Storage, Task};
+use crate::units::Conversion;
+
+/// Why a study cannot be used for identification.
+#[derive(Debug, thiserror::Error)]
+pub enum BindError {
+    /// The study does not fit.
+    #[error(transparent)]
+    Study(#[from] StudyError),
+    /// The table does not fit.
+    #[error(transparent)]
+    Table(#[from] TableError),
+}
+
+/// An identification in terms of an FMU.
+#[derive(Clone, Debug)]
+pub struct Bound {
+    /// What is to be found.
+    pub problem: Problem,
+    /// What is to be done for each simulation.
+    pub task: Task,
+    /// Each case's known parameters, in the FMU's units.
+    pub known: Vec<Vec<f64>>,
+    /// To the FMU's units: the free parameters, then the latent ones.
+    pub inputs: Vec<Conversion>,
+    /// From the FMU's units: the measured quantities.
+    pub outputs: Vec<Conversion>,
+}
+
+impl Bound {
+    /// Ties everything together.
+    ///
+    /// # Errors
+    /// When a name, a unit, a number or a column does not fit.
+    pub fn new(study: &Study, settings: &Settings, fmu: &Description) -> Result<Self, BindError> {
+        Binder {
+            study,
+            settings,
+            fmu,
+            table: Columns::read(study, settings)?,
+        }
+        .bind()
+    }
+}
+
+/// A parameter of the FMU: how it is set, and its unit in the study.
+struct Input<'a> {
+    slot: Slot,
+    scale: UnitScale<'a>,
+}
+
+struct Binder<'a> {
+    study: &'a Study,
+    settings: &'a Settings,
+    fmu: &'a Description,
+    table: Columns,
+}
+
+impl Binder<'_> {
+    fn bind(&self) -> Result<Bound, BindError> {
+        let settings = self.settings;
+        if !self.study.parameters.is_empty() {
+            let message = "identify does not use [parameters]: give each under [fixed], \
+                           [identify.free], [identify.known] or [identify.latent]";
+            return Err(self.study.error(message).into());
+        }
+        if settings.free.is_empty() || settings.measured.is_empty() {
+            let message =
+                "identify needs at least one [identify.free.NAME] and one [identify.measured.NAME]";
+            return Err(self.study.error(message).into());
+        }
+        if !(settings.difference > 0.0 && settings.difference < 0.5) {
+            let message = "[identify] difference must lie between 0 and 0.5";
+            return Err(self.study.error(message).into());
+        }
+        self.refuse_doubles()?;
+        let mut task = Plan::new(self.study, self.fmu)?.task;
+        (task.varied, task.observed) = (Vec::new(), Vec::new());
+        let mut bound = Bound {
+            problem: Problem::default(),
+            task,
+            known: vec![Vec::new(); self.table.cases()],
+            inputs: Vec::new(),
+            outputs: Vec::new(),
+        };
+        let labels = self.table.labels.iter();
+        bound.problem.cases = labels
+            .map(|label| Case {
+                label: label.to_string(),
+                latents: Vec::new(),
+                measured: Vec::new(),
+            })
+            .collect();
+        self.bind_known(&mut bound)?;
+        self.bind_free(&mut bound)?;
+        self.bind_latent(&mut bound)?;
+        self.bind_measured(&mut bound)?;
+        Ok(bound)
+    }
+
+    fn refuse_doubles(&self) -> Result<(), StudyError> {
+        let fixed = self.study.fixed.keys().map(|name| (name, "[fixed]"));
+        let known = self
+            .settings
+            .known
+            .keys()
+            .map(|name| (name, "[identify.known]"));
+        let free = self
+            .settings
+            .free
+            .keys()
+            .map(|name| (name, "[identify.free]"));
+        let latent = self
+            .settings
+            .latent
+            .keys()
+            .map(|name| (name, "[identify.latent]"));
+        let mut seen: Vec<(&Name, &str)> = Vec::new();
+        for (name, section) in fixed.chain(known).chain(free).chain(latent) {
+            if let Some((_, other)) = seen
+                .iter()
+                .find(|(known, _)| known.as_ref() == name.as_ref())
+            {
+                let message = format!("{} is under {other} and {section}; keep one", name.as_ref());
+                return Err(self.study.error_at(name, message));
+            }
+            seen.push((name, section));
+        }
+        Ok(())
+    }
+
+    fn at(&self, name: &Name, message: &str) -> StudyError {
+        self.study
+            .error_at(name, format!("{}: {message}", name.as_ref()))
+    }
+
+    fn input(&self, name: &Name, unit: Option<&str>) -> Result<Input<'_>, StudyError> {
+        let variable =
+            find(self.fmu, name.as_ref()).map_err(|message| self.study.error_at(name, message))?;
+        let slot = slot_of(variable).map_err(|message| self.at(name, &message))?;
+        let scale = self
+            .scale(unit, variable)
+            .map_err(|message| self.at(name, &message))?;
+        Ok(Input { slot, scale })
+    }
+
+    fn scale<'a>(
+        &'a self,
+        unit: Option<&str>,
+        variable: &'a Variable,
+    ) -> Result<UnitScale<'a>, String> {
+        UnitScale::new(unit, &self.fmu.units, variable.unit())
+    }
+
+    fn bind_known(&self, bound: &mut Bound) -> Result<(), BindError> {
+        for (name, known) in &self.settings.known {
+            let input = self.input(name, known.unit.as_deref())?;
+            let values = self.table.column(&known.column);
+            for (case, value) in bound.known.iter_mut().zip(values) {
+                let value = input.scale.conversion.value(value);
+                input
+                    .slot
+                    .check(value)
+                    .map_err(|message| self.at(name, &message))?;
+                case.push(value);
+            }
+            bound.task.varied.push(input.slot);
+        }
+        Ok(())
+    }
+
+    fn bind_free(&self, bound: &mut Bound) -> Result<(), BindError> {
+        for (name, text) in &self.settings.free {
+            let unit = text.unit.as_deref().or(text.min.unit.as_deref());
+            let input = self.input(name, unit)?;
+            let free = free(name.as_ref(), text, &input.scale);
+            let free = free.map_err(|message| self.at(name, &message))?;
+            for bound in [free.min, free.max] {
+                let value = input.scale.conversion.value(bound);
+                input
+                    .slot
+                    .check(value)
+                    .map_err(|message| self.at(name, &message))?;
+            }
+            bound.problem.free.push(free);
+            bound.inputs.push(input.scale.conversion);
+            bound.task.varied.push(input.slot);
+        }
+        Ok(())
+    }
+
+    fn bind_latent(&self, bound: &mut Bound) -> Result<(), BindError> {
+        for (name, text) in &self.settings.latent {
+            let input = self.input(name, text.unit.as_deref())?;
+            for exception in &text.except {
+                if !self.table.labels.contains(exception.case.as_ref()) {
+                    let message = format!("there is no case {}", exception.case.as_ref());
+                    return Err(self.study.error_at(&exception.case, message).into());
+                }
+            }
+            let middles = self.values(text.column.as_deref(), text.value.as_ref(), &input.scale);
+            let middles = middles.map_err(|message| self.at(name, &message))?;
+            for ((case, label), middle) in bound
+                .problem
+                .cases
+                .iter_mut()
+                .zip(&self.table.labels)
+                .zip(middles)
+            {
+                let exception = text.except.iter().find(|e| e.case.as_ref() == label);
+                let interval = interval(middle, text, exception, &input.scale)
+                    .map_err(|message| self.at(name, &message))?;
+                for end in [interval.min, interval.max] {
+                    let value = input.scale.conversion.value(end);
+                    input
+                        .slot
+                        .check(value)
+                        .map_err(|message| self.at(name, &message))?;
+                }
+                case.latents.push(interval);
+            }
+            bound.problem.latents.push(Latent {
+                name: name.as_ref().clone(),
+                unit: input.scale.unit.clone(),
+            });
+            bound.inputs.push(input.scale.conversion);
+            bound.task.varied.push(input.slot);
+        }
+        Ok(())
+    }
+
+    fn bind_measured(&self, bound: &mut Bound) -> Result<(), BindError> {
+        for (name, text) in &self.settings.measured {
+            let (probe, scale) = self.probe(text)?;
+            let values = self.values(text.column.as_deref(), text.value.as_ref(), &scale);
+            let values = values.map_err(|message| self.at(name, &message))?;
+            for (case, value) in bound.problem.cases.iter_mut().zip(values) {
+                let accuracy = accuracy(text, value, &scale).map_err(|m| self.at(name, &m))?;
+                case.measured.push(Measured { value, accuracy });
+            }
+            bound.problem.quantities.push(Quantity {
+                name: name.as_ref().clone(),
+                unit: scale.unit.clone(),
+            });
+            let back = scale.conversion.inverse();
+            bound.outputs.push(match text.statistic {
+                Statistic::Amplitude => back.of_differences(),
+                _ => back,
+            });
+            bound.task.observed.push(probe);
+        }
+        Ok(())
+    }
+
+    fn probe(&self, text: &MeasuredText) -> Result<(Probe, UnitScale<'_>), StudyError> {
+        let at = |message: String| self.study.error_at::<String>(&text.variable, message);
+        let variable = find(self.fmu, text.variable.as_ref()).map_err(at)?;
+        let storage = Storage::of(variable)
+            .ok_or_else(|| at("a text cannot be compared with a measurement".to_owned()))?;
+        let scale = self.scale(text.unit.as_deref(), variable).map_err(at)?;
+        let probe = Probe {
+            name: variable.name.clone(),
+            reference: variable.value_reference,
+            storage,
+            statistic: text.statistic,
+        };
+        Ok((probe, scale))
+    }
+
+    /// A value for each case, from a column or the same for all.
+    fn values(
+        &self,
+        column: Option<&str>,
+        value: Option<&Text>,
+        scale: &UnitScale<'_>,
+    ) -> Result<Vec<f64>, String> {
+        match (column, value) {
+            (Some(column), None) => Ok(self.table.column(column)),
+            (None, Some(value)) => Ok(vec![scale.number(value, Sense::Value)?; self.table.cases()]),
+            _ => Err("give either `column` or `value`".to_owned()),
+        }
+    }
+}
+
+fn free(name: &str, text: &FreeText, scale: &UnitScale<'_>) -> Result<Free, String> {
+    let number = |quantity: &Text, sense| scale.number(quantity, sense);
+    let prior = match (
+        text.scale,
+        &text.mean,
+        &text.deviation,
+        &text.median,
+        text.factor,
+    ) {
+        (_, None, None, None, None) => None,
+        (Scale::Linear, Some(mean), Some(deviation), None, None) => Some(Prior {
+            centre: number(mean, Sense::Value)?,
+            spread: number(deviation, Sense::Difference)?,
+        }),
+        (Scale::Log, None, None, Some(median), Some(factor)) => Some(Prior {
+            centre: number(median, Sense::Value)?,
+            spread: factor,
+        }),
+        (Scale::Linear, ..) => {
+            return Err("a prior on a linear scale has `mean` and `deviation`".to_owned());
+        }
+        (Scale::Log, ..) => {
+            return Err("a prior on a logarithmic scale has `median` and `factor`".to_owned());
+        }
+    };
+    let free = Free {
+        name: name.to_owned(),
+        unit: scale.unit.clone(),
+        scale: text.scale,
+        min: number(&text.min, Sense::Value)?,
+        max: number(&text.max, Sense::Value)?,
+        prior,
+    };
+    free.check()?;
+    Ok(free)
+}
+
+fn interval(
+    middle: f64,
+    text: &LatentText,
+    exception: Option<&Exception>,
+    scale: &UnitScale<'_>,
+) -> Result<Interval, String> {
+    let distance = |side: Option<&Text>| {
+        let own = exception.and_then(|e| e.within.as_ref());
+        let distance = scale.number(side.or(own).unwrap_or(&text.within), Sense::Difference)?;
+        if distance > 0.0 {
+            Ok(distance)
+        } else {
+            Err(format!(
+                "an interval's end must be more than {distance} away from its middle"
+            ))
+        }
+    };
+    Ok(Interval {
+        min: middle - distance(exception.and_then(|e| e.below.as_ref()))?,
+        max: middle + distance(exception.and_then(|e| e.above.as_ref()))?,
+    })
+}
+
+fn accuracy(text: &MeasuredText, value: f64, scale: &UnitScale<'_>) -> Result<f64, String> {
+    let accuracy = match text.accuracy.unit.as_deref() {
+        Some("%") => 0.01 * text.accuracy.number * value.abs(),
+        _ => scale.number(&text.accuracy, Sense::Difference)?,
+    };
+    if accuracy > 0.0 && accuracy.is_finite() {
+        Ok(accuracy)
+    } else {
+        Err(format!(
+            "the accuracy {} of {value} must be positive",
+            text.accuracy
+        ))
+    }
+}

@@ -1,0 +1,27 @@
+//! Finds the parameters that make a model's predictions most probable, given measured values with
+//! their accuracies.
+//!
+//! - [`problem`] says what is to be found, and from what;
+//! - [`objective`] is the weighted sum of squares over all cases;
+//! - [`local`] goes down to the nearest minimum, [`search`] finds the deepest one;
+//! - [`posterior`] says how well the data determine it.
+//!
+//! These know nothing of FMUs: a model is anything that implements [`problem::Simulate`].
+//!
+//! - [`settings`] is the section `[identify]` of a study, [`bind`] ties it to an FMU and a table,
+//!   [`model`] asks the FMU for predictions;
+//! - [`outcome`] is the result for programs and for people.
+
+pub mod bind;
+mod cases;
+pub mod local;
+pub mod model;
+pub mod objective;
+pub mod outcome;
+pub mod posterior;
+pub mod problem;
+#[cfg(test)]
+mod recovery_tests;
+pub mod search;
+pub mod settings;
+pub mod text;

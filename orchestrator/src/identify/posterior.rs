@@ -1,0 +1,115 @@
+//! How well the measurement determines the parameters.
+//!
+//! Around the most probable values the posterior is nearly Gaussian, with the inverse of the
+//! curvature as its covariance (Tarantola 2005, Inverse Problem Theory, section 3.2). Latent
+//! parameters are integrated out. What the data add is seen where posterior and prior are compared
+//! direction by direction: the eigenvectors of the posterior covariance in units of the prior's
+//! (Spantini et al. 2015, SIAM J. Sci. Comput. 37, A2451-A2487, section 2).
+
+use nalgebra::{Cholesky, DMatrix};
+use serde::Serialize;
+
+use super::local::Minimum;
+use super::objective::{Differences, Objective};
+
+/// The precision of a place of which only the bounds are known: the inverse variance of the uniform
+/// distribution from 0 to 1.
+const UNIFORM: f64 = 12.0;
+
+/// A direction counts as undetermined where the data leave more than this part of the prior's
+/// standard deviation.
+pub const UNDETERMINED: f64 = 0.5;
+
+/// The posterior around the most probable values, in places between the bounds.
+#[derive(Clone, Debug)]
+pub struct Posterior {
+    /// Covariance of all unknowns, the free parameters first.
+    pub covariance: DMatrix<f64>,
+    /// Precision of the free parameters' places before the measurement.
+    pub prior: Vec<f64>,
+    /// Directions in the space of the free parameters, the least determined first.
+    pub directions: Vec<Direction>,
+}
+
+/// A combination of free parameters that the data determine apart from all others.
+#[derive(Clone, Debug, Serialize)]
+pub struct Direction {
+    /// Posterior over prior standard deviation: 1 where the data say nothing.
+    pub left: f64,
+    /// The free parameters' weights, in units of their prior standard deviations; of length 1.
+    pub weights: Vec<f64>,
+}
+
+impl Posterior {
+    /// The posterior at a minimum.
+    ///
+    /// # Errors
+    /// When a simulation fails.
+    pub fn at(objective: &Objective<'_>, minimum: &Minimum) -> Result<Self, String> {
+        let linear = objective.linear(&minimum.places, &minimum.misfit, Differences::Central)?;
+        let problem = objective.problem;
+        let n = problem.free.len();
+        let mut precision = linear.curvature;
+        let mut prior = vec![UNIFORM; n];
+        for (index, free) in problem.free.iter().enumerate() {
+            if let Some((_, deviation)) = free.prior_place() {
+                // The curvature has it already; where it is wider than the bounds, they count.
+                prior[index] = deviation.powi(-2).max(UNIFORM);
+                precision[(index, index)] += prior[index] - deviation.powi(-2);
+            } else {
+                precision[(index, index)] += UNIFORM;
+            }
+        }
+        for index in n..problem.unknowns() {
+            precision[(index, index)] += UNIFORM;
+        }
+        let covariance = Cholesky::new(precision)
+            .ok_or("the curvature at the minimum is not positive: the simulations are too rough")?
+            .inverse();
+        let directions = directions(&covariance, &prior);
+        Ok(Self {
+            covariance,
+            prior,
+            directions,
+        })
+    }
+
+    /// The standard deviation of an unknown's place.
+    pub fn deviation(&self, unknown: usize) -> f64 {
+        self.covariance[(unknown, unknown)].sqrt()
+    }
+
+    /// The correlation of two unknowns.
+    pub fn correlation(&self, a: usize, b: usize) -> f64 {
+        self.covariance[(a, b)] / (self.deviation(a) * self.deviation(b))
+    }
+
+    /// The directions of which the data leave more than half of the prior's uncertainty.
+    pub fn undetermined(&self) -> impl Iterator<Item = &Direction> {
+        self.directions
+            .iter()
+            .filter(|direction| direction.left > UNDETERMINED)
+    }
+}
+
+fn directions(covariance: &DMatrix<f64>, prior: &[f64]) -> Vec<Direction> {
+    let n = prior.len();
+    let scaled = DMatrix::from_fn(n, n, |i, j| {
+        covariance[(i, j)] * (prior[i] * prior[j]).sqrt()
+    });
+    let eigen = scaled.symmetric_eigen();
+    let direction = |index: usize| {
+        let vector = eigen.eigenvectors.column(index);
+        let strongest = vector[vector.icamax()];
+        Direction {
+            left: eigen.eigenvalues[index].max(0.0).sqrt(),
+            weights: vector
+                .iter()
+                .map(|weight| weight * strongest.signum())
+                .collect(),
+        }
+    };
+    let mut directions: Vec<Direction> = (0..n).map(direction).collect();
+    directions.sort_by(|a, b| b.left.total_cmp(&a.left));
+    directions
+}

@@ -1,0 +1,247 @@
+//! What is to be found, and from what.
+
+use serde::{Deserialize, Serialize};
+
+/// How a parameter is measured out between its bounds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Scale {
+    /// Equal differences count equally.
+    #[default]
+    Linear,
+    /// Equal ratios count equally: for quantities known only by their order of magnitude.
+    Log,
+}
+
+/// What was known of a parameter before the measurement, beyond its bounds.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Prior {
+    /// The most probable value; on a logarithmic scale the median.
+    pub centre: f64,
+    /// The standard deviation; on a logarithmic scale the factor that stands for one.
+    pub spread: f64,
+}
+
+/// A parameter to be found, the same in all cases.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Free {
+    /// Its name.
+    pub name: String,
+    /// The unit of its numbers.
+    pub unit: Option<String>,
+    /// How it is measured out.
+    pub scale: Scale,
+    /// The smallest value.
+    pub min: f64,
+    /// The largest value.
+    pub max: f64,
+    /// What was known of it; within the bounds everything is equally probable otherwise.
+    pub prior: Option<Prior>,
+}
+
+impl Free {
+    /// The value at a place between the bounds: 0 is the lower one, 1 the upper one.
+    pub fn value(&self, place: f64) -> f64 {
+        // The bounds themselves are hit exactly: rounding must not lead out of them.
+        if place <= 0.0 {
+            return self.min;
+        }
+        if place >= 1.0 {
+            return self.max;
+        }
+        match self.scale {
+            Scale::Linear => self.min + place * (self.max - self.min),
+            Scale::Log => self.min * (place * self.span()).exp(),
+        }
+    }
+
+    /// The place of a value between the bounds.
+    pub fn place(&self, value: f64) -> f64 {
+        match self.scale {
+            Scale::Linear => (value - self.min) / (self.max - self.min),
+            Scale::Log => (value / self.min).ln() / self.span(),
+        }
+    }
+
+    /// The distance of the bounds: a difference, or the logarithm of a ratio.
+    fn span(&self) -> f64 {
+        match self.scale {
+            Scale::Linear => self.max - self.min,
+            Scale::Log => (self.max / self.min).ln(),
+        }
+    }
+
+    /// Centre and standard deviation of the prior as places.
+    pub fn prior_place(&self) -> Option<(f64, f64)> {
+        let prior = self.prior?;
+        let spread = match self.scale {
+            Scale::Linear => prior.spread,
+            Scale::Log => prior.spread.ln(),
+        };
+        Some((self.place(prior.centre), spread / self.span()))
+    }
+
+    /// A standard deviation of the place as one of the value: a difference, or a factor above 1.
+    pub fn spread(&self, deviation: f64) -> f64 {
+        match self.scale {
+            Scale::Linear => deviation * self.span(),
+            Scale::Log => (deviation * self.span()).exp(),
+        }
+    }
+
+    /// Whether the numbers make sense.
+    ///
+    /// # Errors
+    /// Says which do not.
+    pub fn check(&self) -> Result<(), String> {
+        let Self { min, max, .. } = *self;
+        if !(min.is_finite() && max.is_finite() && min < max) {
+            return Err(format!(
+                "the bounds {min} and {max} must be two numbers in rising order"
+            ));
+        }
+        if self.scale == Scale::Log && min <= 0.0 {
+            return Err(format!(
+                "a logarithmic scale needs a lower bound above 0, not {min}"
+            ));
+        }
+        let Some(Prior { centre, spread }) = self.prior else {
+            return Ok(());
+        };
+        let above = |limit: f64, number: f64| number.is_finite() && number > limit;
+        match self.scale {
+            Scale::Linear if !above(0.0, spread) => {
+                Err(format!("the deviation {spread} must be positive"))
+            }
+            Scale::Log if !above(1.0, spread) => {
+                Err(format!("the factor {spread} must be more than 1"))
+            }
+            Scale::Log if !above(0.0, centre) => Err(format!(
+                "the median {centre} must be positive on a logarithmic scale"
+            )),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// The interval in which a case's latent parameter lies; within it everything is equally probable.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Interval {
+    /// The lower end.
+    pub min: f64,
+    /// The upper end.
+    pub max: f64,
+}
+
+impl Interval {
+    /// The value at a place between the ends: 0 is the lower one, 1 the upper one.
+    pub fn value(&self, place: f64) -> f64 {
+        (self.min + place * (self.max - self.min)).clamp(self.min, self.max)
+    }
+}
+
+/// A measured value.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Measured {
+    /// The value.
+    pub value: f64,
+    /// Its standard uncertainty, in the same unit: one standard deviation.
+    pub accuracy: f64,
+}
+
+/// A measured quantity.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Quantity {
+    /// Its name.
+    pub name: String,
+    /// The unit of its numbers.
+    pub unit: Option<String>,
+}
+
+/// A parameter that no case knows better than an interval.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Latent {
+    /// Its name.
+    pub name: String,
+    /// The unit of its numbers.
+    pub unit: Option<String>,
+}
+
+/// A measured case.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Case {
+    /// What it is called.
+    pub label: String,
+    /// Where its latent parameters lie, in the order of [`Problem::latents`].
+    pub latents: Vec<Interval>,
+    /// What was measured, in the order of [`Problem::quantities`].
+    pub measured: Vec<Measured>,
+}
+
+/// What is to be found, and from what.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Problem {
+    /// The parameters that all cases share.
+    pub free: Vec<Free>,
+    /// The parameters that each case has to itself.
+    pub latents: Vec<Latent>,
+    /// The measured quantities.
+    pub quantities: Vec<Quantity>,
+    /// The measured cases.
+    pub cases: Vec<Case>,
+}
+
+impl Problem {
+    /// How many unknowns there are.
+    pub fn unknowns(&self) -> usize {
+        self.free.len() + self.cases.len() * self.latents.len()
+    }
+
+    /// How many measured values there are.
+    pub fn values(&self) -> usize {
+        self.cases.len() * self.quantities.len()
+    }
+
+    /// Where a case's latent parameters stand among the unknowns.
+    pub fn latents_of(&self, case: usize) -> std::ops::Range<usize> {
+        let start = self.free.len() + case * self.latents.len();
+        start..start + self.latents.len()
+    }
+
+    /// The free parameters' values at given places.
+    pub fn free_values(&self, places: &[f64]) -> Vec<f64> {
+        self.free
+            .iter()
+            .zip(places)
+            .map(|(free, &place)| free.value(place))
+            .collect()
+    }
+
+    /// A case's latent values at given places of all unknowns.
+    pub fn latent_values(&self, case: usize, places: &[f64]) -> Vec<f64> {
+        let intervals = self.cases[case].latents.iter();
+        let places = &places[self.latents_of(case)];
+        intervals
+            .zip(places)
+            .map(|(interval, &place)| interval.value(place))
+            .collect()
+    }
+}
+
+/// Predicts what would be measured.
+pub trait Simulate: Sync {
+    /// The measured quantities of a case, from the free parameters and the case's latent ones.
+    ///
+    /// # Errors
+    /// Says why there is no prediction; the search then keeps away from there.
+    fn simulate(&self, case: usize, free: &[f64], latents: &[f64]) -> Result<Vec<f64>, String>;
+}
+
+impl<F> Simulate for F
+where
+    F: Fn(usize, &[f64], &[f64]) -> Result<Vec<f64>, String> + Sync,
+{
+    fn simulate(&self, case: usize, free: &[f64], latents: &[f64]) -> Result<Vec<f64>, String> {
+        self(case, free, latents)
+    }
+}

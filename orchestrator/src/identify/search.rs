@@ -1,0 +1,174 @@
+//! The deepest minimum: many local searches from a space-filling set of starts.
+//!
+//! Multi-start Levenberg-Marquardt is the strategy that served best in the comparison of Raue et
+//! al. 2013 (Lessons learned from quantitative dynamical modeling in systems biology, PLoS ONE 8,
+//! e74335): unlike evolution strategies it uses the structure of a sum of squares, a local search
+//! that ends at the same minimum from many starts is evidence that nothing deeper was missed, and one that
+//! doesn't shows where the others are. Starts are first screened by their misfit alone.
+
+use serde::{Deserialize, Serialize};
+use std::time::Instant;
+
+use super::local::{End, Limits, Minimum, minimise};
+use super::objective::{Differences, Objective};
+
+/// How much to search.
+#[derive(Clone, Copy, Debug)]
+pub struct Settings {
+    /// How many of the screened starts are followed down to a minimum.
+    pub descents: usize,
+    /// The most iterations of each.
+    pub iterations: usize,
+    /// When time is up.
+    pub deadline: Option<Instant>,
+}
+
+/// A local search that ended.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Descent {
+    /// The number of its start.
+    pub start: usize,
+    /// Where it ended; `None` where simulations failed.
+    pub found: Option<Found>,
+}
+
+/// Where a local search ended.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Found {
+    /// The unknowns, as places between their bounds.
+    pub places: Vec<f64>,
+    /// The sum of squares.
+    pub cost: f64,
+    /// Why it ended.
+    pub end: End,
+}
+
+/// How far a search has got: enough to go on with.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct State {
+    /// The sum of squares at each start; `None` where a simulation failed.
+    pub screened: Vec<Option<f64>>,
+    /// The local searches.
+    pub descents: Vec<Descent>,
+}
+
+impl State {
+    /// The deepest place so far.
+    pub fn best(&self) -> Option<&Found> {
+        let found = self
+            .descents
+            .iter()
+            .filter_map(|descent| descent.found.as_ref());
+        found.min_by(|a, b| a.cost.total_cmp(&b.cost))
+    }
+}
+
+/// Why there is no result.
+#[derive(Debug, thiserror::Error)]
+pub enum SearchError {
+    /// No start could be simulated.
+    #[error("none of the {0} starts could be simulated; the last one failed with: {1}")]
+    NoStart(usize, String),
+    /// Time was up before anything was found.
+    #[error("the time limit ended the search before the first start was simulated")]
+    NoTime,
+    /// The observer gave up.
+    #[error(transparent)]
+    Observer(#[from] std::io::Error),
+    /// The simulations around the minimum failed.
+    #[error("around the minimum: {0}")]
+    Simulation(String),
+}
+
+/// What a search reports while it runs.
+pub type Observer<'a> = dyn FnMut(&State) -> std::io::Result<()> + 'a;
+
+/// Searches from starts (free parameters as places); goes on from an earlier state.
+///
+/// # Errors
+/// When nothing can be simulated, or time is up before anything was.
+pub fn search(
+    objective: &Objective<'_>,
+    starts: &[Vec<f64>],
+    settings: &Settings,
+    state: &mut State,
+    observe: &mut Observer<'_>,
+) -> Result<Minimum, SearchError> {
+    let in_time = || {
+        settings
+            .deadline
+            .is_none_or(|deadline| Instant::now() < deadline)
+    };
+    let mut last_error = String::new();
+    for start in starts.iter().skip(state.screened.len()) {
+        if !in_time() {
+            break;
+        }
+        let misfit = objective.misfit(&unknowns(objective, start));
+        let cost = misfit
+            .map(|misfit| misfit.cost())
+            .map_err(|error| last_error = error);
+        state.screened.push(cost.ok());
+        observe(state)?;
+    }
+    if state.screened.is_empty() {
+        return Err(SearchError::NoTime);
+    }
+    let ranked = ranked(&state.screened);
+    let Some(&first) = ranked.first() else {
+        return Err(SearchError::NoStart(state.screened.len(), last_error));
+    };
+    let limits = Limits {
+        iterations: settings.iterations,
+        decrease: 1e-4,
+        deadline: settings.deadline,
+    };
+    for &start in ranked.iter().take(settings.descents) {
+        if state.descents.iter().any(|descent| descent.start == start) || !in_time() {
+            continue;
+        }
+        let from = unknowns(objective, &starts[start]);
+        let minimum = minimise(objective, from, &[], Differences::Forward, &limits).ok();
+        // One that time cut short is taken up again from its start.
+        if minimum
+            .as_ref()
+            .is_some_and(|minimum| minimum.end == End::Time)
+            && state.best().is_some()
+        {
+            break;
+        }
+        let found = minimum.map(|minimum| Found {
+            cost: minimum.misfit.cost(),
+            places: minimum.places,
+            end: minimum.end,
+        });
+        state.descents.push(Descent { start, found });
+        observe(state)?;
+    }
+    let from = state.best().map(|found| found.places.clone());
+    let from = from.unwrap_or_else(|| unknowns(objective, &starts[first]));
+    let limits = Limits {
+        iterations: 2 * settings.iterations,
+        decrease: 1e-7,
+        ..limits
+    };
+    minimise(objective, from, &[], Differences::Central, &limits).map_err(SearchError::Simulation)
+}
+
+/// All unknowns at a start: latent parameters begin in the middle of their intervals.
+fn unknowns(objective: &Objective<'_>, free: &[f64]) -> Vec<f64> {
+    let mut places = free.to_vec();
+    places.resize(objective.problem.unknowns(), 0.5);
+    places
+}
+
+/// The starts that could be simulated, the best first.
+fn ranked(screened: &[Option<f64>]) -> Vec<usize> {
+    let mut order: Vec<(usize, f64)> = screened
+        .iter()
+        .enumerate()
+        .filter_map(|(i, cost)| Some((i, (*cost)?)))
+        .collect();
+    order.sort_by(|a, b| a.1.total_cmp(&b.1));
+    order.into_iter().map(|(index, _)| index).collect()
+}

@@ -1,0 +1,165 @@
+//! The section `[identify]` of a study.
+
+use std::path::PathBuf;
+
+use indexmap::IndexMap;
+use serde::Deserialize;
+use toml::Spanned;
+
+use super::problem::Scale;
+use crate::study::{Name, Quantity, Statistic};
+
+/// A study, as far as `identify` has words of its own in it.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Document {
+    /// The section.
+    pub identify: Option<Settings>,
+}
+
+/// What is to be found, from what, and how hard to search.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct Settings {
+    /// The table whose rows are the measured cases, relative to the study; one case otherwise.
+    pub cases: Option<Spanned<PathBuf>>,
+    /// Starts that are screened.
+    #[serde(default = "starts")]
+    pub starts: u64,
+    /// Starts that are followed to a minimum.
+    #[serde(default = "descents")]
+    pub descents: usize,
+    /// The most iterations of each.
+    #[serde(default = "iterations")]
+    pub iterations: usize,
+    /// What distinguishes one set of starts from another.
+    #[serde(default = "seed")]
+    pub seed: u64,
+    /// How far apart simulations stand for a derivative, as a part of the distance between the bounds.
+    #[serde(default = "difference")]
+    pub difference: f64,
+    /// The parameters to be found, by the names of FMU variables.
+    #[serde(default)]
+    pub free: IndexMap<Name, FreeText>,
+    /// The parameters that the table has for each case.
+    #[serde(default)]
+    pub known: IndexMap<Name, KnownText>,
+    /// The parameters that each case knows to an interval only.
+    #[serde(default)]
+    pub latent: IndexMap<Name, LatentText>,
+    /// What was measured.
+    #[serde(default)]
+    pub measured: IndexMap<Name, MeasuredText>,
+}
+
+const fn starts() -> u64 {
+    64
+}
+
+const fn descents() -> usize {
+    8
+}
+
+const fn iterations() -> usize {
+    40
+}
+
+const fn seed() -> u64 {
+    1
+}
+
+const fn difference() -> f64 {
+    1e-3
+}
+
+/// A parameter to be found.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct FreeText {
+    /// The smallest value.
+    pub min: Quantity,
+    /// The largest value.
+    pub max: Quantity,
+    /// How it is measured out between them.
+    #[serde(default)]
+    pub scale: Scale,
+    /// The most probable value before the measurement, on a linear scale.
+    pub mean: Option<Quantity>,
+    /// Its standard deviation.
+    pub deviation: Option<Quantity>,
+    /// The most probable value before the measurement, on a logarithmic scale.
+    pub median: Option<Quantity>,
+    /// The factor that stands for one standard deviation.
+    pub factor: Option<f64>,
+    /// The unit of the numbers.
+    pub unit: Option<String>,
+    /// A remark for people.
+    pub about: Option<String>,
+}
+
+/// A parameter that the table has for each case.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct KnownText {
+    /// Its column.
+    pub column: String,
+    /// The unit of the column.
+    pub unit: Option<String>,
+    /// A remark for people.
+    pub about: Option<String>,
+}
+
+/// A parameter that each case knows to an interval only.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct LatentText {
+    /// The column of the intervals' middles.
+    pub column: Option<String>,
+    /// The middle of the interval, where the table has no column of it.
+    pub value: Option<Quantity>,
+    /// The distance of the ends from the middle.
+    pub within: Quantity,
+    /// The unit of the numbers and the column.
+    pub unit: Option<String>,
+    /// Cases with other intervals.
+    #[serde(default)]
+    pub except: Vec<Exception>,
+    /// A remark for people.
+    pub about: Option<String>,
+}
+
+/// A case with another interval.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct Exception {
+    /// The case: its `point` in the table, or its row from 1.
+    pub case: Spanned<u64>,
+    /// The distance of both ends from the middle.
+    pub within: Option<Quantity>,
+    /// The distance of the lower end.
+    pub below: Option<Quantity>,
+    /// The distance of the upper end.
+    pub above: Option<Quantity>,
+    /// A remark for people.
+    pub about: Option<String>,
+}
+
+/// What was measured.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct MeasuredText {
+    /// The FMU's variable.
+    pub variable: Spanned<String>,
+    /// What becomes of it over time.
+    #[serde(default)]
+    pub statistic: Statistic,
+    /// The column of the measured values.
+    pub column: Option<String>,
+    /// The measured value, where the table has no column of it.
+    pub value: Option<Quantity>,
+    /// The standard uncertainty: one standard deviation, or percents of the value.
+    pub accuracy: Quantity,
+    /// The unit of the numbers and the column.
+    pub unit: Option<String>,
+    /// A remark for people.
+    pub about: Option<String>,
+}

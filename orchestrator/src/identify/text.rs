@@ -1,0 +1,228 @@
+//! What an identification found, for people and for the next study.
+
+use std::fmt::Write;
+
+use super::local::End;
+use super::outcome::{FreeOutcome, Outcome};
+
+/// The free parameters as the section `[fixed]` of a study.
+pub fn fixed_section(study: &str, outcome: &Outcome) -> String {
+    let mut text = format!("# The optimum of {study}.\n[fixed]\n");
+    for free in &outcome.free {
+        let number = digits(free.value);
+        let _ = match &free.unit {
+            Some(unit) if unit != "1" => writeln!(text, "\"{}\" = \"{number} {unit}\"", free.name),
+            _ => writeln!(text, "\"{}\" = {number}", free.name),
+        };
+    }
+    text
+}
+
+/// A summary for people.
+pub fn summary(outcome: &Outcome) -> String {
+    let mut text = String::new();
+    parameters(&mut text, outcome);
+    undetermined(&mut text, outcome);
+    residuals(&mut text, outcome);
+    goodness(&mut text, outcome);
+    text
+}
+
+fn parameters(text: &mut String, outcome: &Outcome) {
+    let width = outcome
+        .free
+        .iter()
+        .map(|free| free.name.len())
+        .max()
+        .unwrap_or(0);
+    let _ = writeln!(
+        text,
+        "{:width$}  {:>11}  95 % interval",
+        "parameter", "value"
+    );
+    for free in &outcome.free {
+        let unit = free
+            .unit
+            .as_deref()
+            .filter(|unit| *unit != "1")
+            .unwrap_or("");
+        let [low, high] = free.interval.map(digits);
+        let _ = writeln!(
+            text,
+            "{:width$}  {:>11}  {low} .. {high} {unit}{}",
+            free.name,
+            digits(free.value),
+            remark(free)
+        );
+    }
+}
+
+fn remark(free: &FreeOutcome) -> String {
+    const LITTLE: f64 = 0.5;
+    let bound = free.at_bound.map(|side| format!("; at its {side} bound"));
+    let prior = (free.left > LITTLE).then(|| {
+        format!(
+            "; the data leave {:.0} % of the prior's uncertainty",
+            100.0 * free.left
+        )
+    });
+    [bound, prior].into_iter().flatten().collect()
+}
+
+fn undetermined(text: &mut String, outcome: &Outcome) {
+    let open: Vec<_> = outcome
+        .directions
+        .iter()
+        .filter(|d| d.undetermined)
+        .collect();
+    if open.is_empty() {
+        let _ = writeln!(text, "\nThe data determine every parameter.");
+        return;
+    }
+    let _ = writeln!(text, "\nThe data do not determine:");
+    for direction in open {
+        let left = 100.0 * direction.left;
+        let names: Vec<String> = direction
+            .weights
+            .iter()
+            .filter(|(_, weight)| weight.abs() > 0.3)
+            .map(|(name, weight)| format!("{} {name}", if *weight < 0.0 { '-' } else { '+' }))
+            .collect();
+        let _ = match names.len() {
+            1 => writeln!(
+                text,
+                "  {}: {left:.0} % of the prior's uncertainty is left",
+                &names[0][2..]
+            ),
+            _ => writeln!(
+                text,
+                "  {}: they are not separable; when all change together so, {left:.0} % of the prior's uncertainty is left",
+                names.join(" ")
+            ),
+        };
+    }
+}
+
+fn residuals(text: &mut String, outcome: &Outcome) {
+    let _ = write!(text, "\n{:>8}", "case");
+    if let Some(first) = outcome.cases.first() {
+        for latent in &first.latents {
+            let short = latent.name.rsplit('.').next().unwrap_or_default();
+            let _ = write!(text, "  {short:>15}");
+        }
+        for residual in &first.residuals {
+            let _ = write!(text, "  {:>12} {:>9}", residual.quantity, "misfit");
+        }
+    }
+    for case in &outcome.cases {
+        let _ = write!(text, "\n{:>8}", case.label);
+        for latent in &case.latents {
+            let _ = write!(text, "  {:>15}", digits(latent.value));
+        }
+        for residual in &case.residuals {
+            let _ = write!(
+                text,
+                "  {:>12} {:>+9}",
+                digits(residual.predicted),
+                Digits(residual.difference, 3)
+            );
+        }
+    }
+    let _ = writeln!(text);
+    for worst in &outcome.worst {
+        let unit = worst
+            .unit
+            .as_deref()
+            .filter(|unit| *unit != "1")
+            .unwrap_or("");
+        let _ = writeln!(
+            text,
+            "largest misfit of {}: {} {unit} ({:.2} %)",
+            worst.quantity,
+            Digits(worst.difference, 3),
+            100.0 * worst.relative
+        );
+    }
+}
+
+fn goodness(text: &mut String, outcome: &Outcome) {
+    let Outcome {
+        cost,
+        degrees_of_freedom,
+        search,
+        ..
+    } = outcome;
+    let _ = writeln!(
+        text,
+        "\nsum of squares {} with {degrees_of_freedom} degrees of freedom",
+        digits(*cost)
+    );
+    const DOUBTFUL: f64 = 0.001;
+    let doubtful = |probability| probability < DOUBTFUL;
+    if outcome.end == End::Converged && outcome.probability.is_some_and(doubtful) {
+        let _ = writeln!(
+            text,
+            "the model misses the measurement by more than the stated accuracies allow"
+        );
+    }
+    let close = search
+        .minima
+        .iter()
+        .filter(|cost| **cost < 1.05 * outcome.cost + 0.1)
+        .count();
+    let _ = writeln!(
+        text,
+        "{} starts screened ({} failed), {} followed down, {close} of these to about this minimum",
+        search.screened,
+        search.failed,
+        search.minima.len()
+    );
+    if outcome.end != End::Converged {
+        let _ = writeln!(
+            text,
+            "the search ended before it converged; --resume goes on"
+        );
+    }
+}
+
+/// A number with six significant digits.
+pub fn digits(number: f64) -> Digits {
+    Digits(number, 6)
+}
+
+/// A number that shows so many significant digits.
+pub struct Digits(f64, i32);
+
+impl std::fmt::Display for Digits {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let significant = self.1;
+        let magnitude = if self.0 == 0.0 {
+            0
+        } else {
+            self.0.abs().log10().floor() as i32
+        };
+        let rounded = if (-5..6).contains(&magnitude) {
+            let places = (significant - 1 - magnitude).max(0) as usize;
+            format!("{:.places$}", self.0)
+        } else {
+            format!("{:.5e}", self.0)
+        };
+        let plain = match rounded.split_once('e') {
+            None if rounded.contains('.') => rounded
+                .trim_end_matches('0')
+                .trim_end_matches('.')
+                .to_owned(),
+            _ => rounded,
+        };
+        let plus = if f.sign_plus() && self.0 >= 0.0 {
+            "+"
+        } else {
+            ""
+        };
+        let text = format!("{plus}{plain}");
+        match f.width() {
+            Some(width) => write!(f, "{text:>width$}"),
+            None => f.write_str(&text),
+        }
+    }
+}

@@ -1,0 +1,85 @@
+//! The page's table of the best points.
+
+use super::format::{number, percent};
+use super::payload::PlotColumn;
+use crate::analysis::pareto;
+use crate::analysis::table::{PointTable, Ranked};
+use serde::Serialize;
+
+/// So many points are listed as the best ones.
+pub(super) const BEST: usize = 12;
+
+#[derive(Serialize)]
+pub(super) struct Cell {
+    text: String,
+    note: String,
+    bad: bool,
+    /// Signed deviation, clipped to -1.5 to 1.5, for the little bar.
+    bar: Option<f64>,
+}
+
+#[derive(Serialize)]
+pub(super) struct BestRow {
+    id: u64,
+    verified: bool,
+    distance: String,
+    deviation: String,
+    binding: String,
+    sure: String,
+    pareto: bool,
+    cells: Vec<Cell>,
+}
+
+/// A structured name in its two parts, and the unit.
+pub(super) fn heading<'a>(c: &PlotColumn<'a>) -> (&'a str, &'a str, &'a str) {
+    let (path, name) = c.name.rsplit_once('.').unwrap_or(("", c.name));
+    (path, name, c.unit)
+}
+
+pub(super) fn best_rows(table: &PointTable, ranking: &[Ranked], sure: &[f64]) -> Vec<BestRow> {
+    let shown: Vec<usize> = ranking.iter().take(BEST).map(|r| r.point).collect();
+    let unbeaten = pareto::unbeaten(table, &shown);
+    ranking
+        .iter()
+        .zip(unbeaten)
+        .map(|(ranked, beaten_by_none)| {
+            let Ranked {
+                point: i,
+                distance,
+                binding,
+            } = *ranked;
+            let plain = |text| Cell {
+                text,
+                note: String::new(),
+                bad: false,
+                bar: None,
+            };
+            let parameters = table
+                .parameters
+                .iter()
+                .map(|p| plain(number(p.values[i], 5)));
+            let criteria = table.criteria.iter().map(|c| {
+                let deviation = c.deviation(c.values[i]);
+                Cell {
+                    text: number(c.values[i], 5),
+                    note: format!("{} of the tolerance", number(deviation, 2)),
+                    bad: !c.ok[i],
+                    bar: Some(
+                        (deviation.min(1.5) * (c.values[i] - c.nominal).signum() * 100.0).round()
+                            / 100.0,
+                    ),
+                }
+            });
+            BestRow {
+                id: table.ids[i],
+                verified: table.verified[i],
+                distance: number(distance, 3),
+                deviation: number(binding.deviation, 2),
+                binding: table.criteria[binding.criterion].name.clone(),
+                sure: percent(sure[i]),
+                pareto: beaten_by_none,
+                cells: parameters.chain(criteria).collect(),
+            }
+        })
+        .collect()
+}

@@ -1,0 +1,178 @@
+//! The page's counts: how many points pass, and what decides.
+
+use super::Report;
+use super::format::{count, number, percent};
+use crate::analysis::table::PointTable;
+use crate::analysis::verdict::{Fraction, Verdict};
+use serde::Serialize;
+
+#[derive(Serialize)]
+pub(super) struct CountRow {
+    name: String,
+    kind: &'static str,
+    note: String,
+    nominal: String,
+    accepted: String,
+    count: String,
+    percent: String,
+    interval: String,
+    /// Per cent, for the bar.
+    value: f64,
+    low: f64,
+    high: f64,
+    binds: String,
+    only: String,
+    miss: String,
+}
+
+/// Another reading of the tolerances, and how its counts differ from the study's own.
+#[derive(Serialize)]
+pub(super) struct ReadingRow {
+    name: String,
+    about: String,
+    verified: String,
+    percent: String,
+    interval: String,
+    changes: String,
+}
+
+#[derive(Serialize)]
+pub(super) struct FractionText {
+    percent: String,
+    low: String,
+    high: String,
+}
+
+pub(super) fn fraction(f: &Fraction) -> FractionText {
+    FractionText {
+        percent: percent(f.value()),
+        low: percent(f.low),
+        high: percent(f.high),
+    }
+}
+
+pub(super) fn count_rows(table: &PointTable, counted: &Verdict) -> Vec<CountRow> {
+    let row = |name: &str, kind, f: &Fraction| CountRow {
+        name: name.to_owned(),
+        kind,
+        note: String::new(),
+        nominal: String::new(),
+        accepted: String::new(),
+        count: count(f.count),
+        percent: percent(f.value()),
+        interval: format!("{} – {}", percent(f.low), percent(f.high)),
+        value: 100.0 * f.value(),
+        low: 100.0 * f.low,
+        high: 100.0 * f.high,
+        binds: String::new(),
+        only: String::new(),
+        miss: String::new(),
+    };
+    let criterion = |k: usize| {
+        let (c, v) = (&table.criteria[k], &counted.criteria[k]);
+        CountRow {
+            note: c.source.clone(),
+            nominal: quantity(c.nominal, &c.unit),
+            accepted: format!("{} … {}", number(c.lower, 6), quantity(c.upper, &c.unit)),
+            binds: count(v.binds),
+            only: count(v.only_failure),
+            miss: v
+                .median_miss
+                .map_or_else(|| "–".into(), |m| format!("{} ×", number(m, 3))),
+            ..row(&c.name, "criterion", &v.passes)
+        }
+    };
+    let mut rows = Vec::new();
+    for (group, passes) in &counted.groups {
+        let members: Vec<usize> = (0..table.criteria.len())
+            .filter(|&k| table.criteria[k].group.as_deref() == Some(group))
+            .collect();
+        rows.extend(members.iter().map(|&k| criterion(k)));
+        if members.len() > 1 {
+            rows.push(CountRow {
+                note: format!("group of {}", members.len()),
+                ..row(group, "group", passes)
+            });
+        }
+    }
+    rows.extend(
+        (0..table.criteria.len())
+            .filter(|&k| table.criteria[k].group.is_none())
+            .map(criterion),
+    );
+    rows.push(row("all criteria", "total", &counted.verified));
+    rows
+}
+
+pub(super) fn readings(report: &Report, counted: &Verdict) -> Vec<ReadingRow> {
+    let own = |name: &str| {
+        let criterion = report.table.criteria.iter().position(|c| c.name == name);
+        criterion.map(|k| counted.criteria[k].passes.count)
+    };
+    let row = |reading: &super::Reading| {
+        let share = Fraction::wilson(reading.verified, report.table.len());
+        let changed = reading
+            .criteria
+            .iter()
+            .filter(|(name, passed)| own(name) != Some(*passed));
+        let words: Vec<String> = changed
+            .map(|(name, passed)| format!("{name} {}", count(*passed)))
+            .collect();
+        ReadingRow {
+            name: reading.name.clone(),
+            about: reading.about.clone(),
+            verified: count(reading.verified),
+            percent: percent(share.value()),
+            interval: format!("{} – {}", percent(share.low), percent(share.high)),
+            changes: if words.is_empty() {
+                "as above".into()
+            } else {
+                words.join(", ")
+            },
+        }
+    };
+    report.readings.iter().map(row).collect()
+}
+
+pub(super) fn quantity(value: f64, unit: &str) -> String {
+    if unit.is_empty() || unit == "1" {
+        number(value, 6)
+    } else {
+        format!("{} {unit}", number(value, 6))
+    }
+}
+
+/// One sentence on what decides the verdict.
+pub(super) fn decisive(table: &PointTable, counted: &Verdict) -> String {
+    let binding = counted
+        .criteria
+        .iter()
+        .enumerate()
+        .max_by_key(|(_, c)| c.binds);
+    let alone = counted
+        .criteria
+        .iter()
+        .enumerate()
+        .max_by_key(|(_, c)| c.only_failure);
+    let completed = table.len() - counted.failed;
+    match (binding, alone) {
+        (Some((b, binds)), Some((a, only))) if completed > 0 => {
+            let mut text = format!(
+                "{} is the criterion that deviates most, in units of its tolerance, at {} of {} simulated points.",
+                table.criteria[b].name,
+                count(binds.binds),
+                count(completed)
+            );
+            if only.only_failure > 0 {
+                text += &format!(
+                    " {} alone keeps {} further point{} from being verified.",
+                    table.criteria[a].name,
+                    count(only.only_failure),
+                    if only.only_failure == 1 { "" } else { "s" }
+                );
+            }
+            text
+        }
+        _ => "No point was simulated to its end.".into(),
+    }
+}

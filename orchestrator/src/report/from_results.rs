@@ -1,0 +1,86 @@
+//! A report from the folder that `verify` leaves behind.
+
+use super::{Reading, Report, ReportError, history, robustness, sensitivity};
+use crate::analysis::from_results;
+use crate::results::Summary;
+use crate::results::summary::VariantCount;
+use std::path::Path;
+
+impl Report {
+    /// Reads `summary.json` and `points.csv`, and `study.toml` where it is kept beside them.
+    ///
+    /// # Errors
+    /// When there is no finished study in the folder, or one of the files is damaged.
+    pub fn from_folder(folder: &Path) -> Result<Self, ReportError> {
+        let (summary, table) = from_results::read(folder)?;
+        let study_text = std::fs::read_to_string(folder.join("study.toml")).unwrap_or_default();
+        let p = &summary.provenance;
+        let seed = p
+            .seed
+            .map(|seed| format!(" --seed {seed}"))
+            .unwrap_or_default();
+        Ok(Self {
+            study: summary.title.clone().unwrap_or_else(|| p.study.clone()),
+            model: p.fmu.clone().unwrap_or_default(),
+            command: match (&p.fmu, p.method.as_str()) {
+                (None, _) => format!("orchestrator judge {} TABLE.csv", p.study),
+                (_, "table") => format!("orchestrator verify {} --points-from TABLE.csv", p.study),
+                _ => format!(
+                    "orchestrator verify {} --points {}{seed}",
+                    p.study, summary.points
+                ),
+            },
+            provenance: provenance(&summary),
+            readings: summary
+                .variants
+                .iter()
+                .map(|(name, variant)| reading(name, variant))
+                .collect(),
+            history: history::read(folder, &table),
+            robustness: robustness::read(folder),
+            sensitivity: sensitivity::read(folder),
+            study_text,
+            table,
+            ..Self::default()
+        })
+    }
+}
+
+fn provenance(summary: &Summary) -> Vec<(String, String)> {
+    let p = &summary.provenance;
+    let rows = [
+        ("Program", Some(format!("orchestrator {}", p.orchestrator))),
+        ("Study", Some(p.study.clone())),
+        ("Study SHA-256", Some(p.study_sha256.clone())),
+        ("Model", p.fmu.clone()),
+        ("Model version", p.fmu_version.clone()),
+        ("FMU GUID", p.fmu_guid.clone()),
+        ("FMU SHA-256", p.fmu_sha256.clone()),
+        ("Design", Some(p.method.clone())),
+        ("Seed", p.seed.map(|seed| seed.to_string())),
+        ("Points", Some(summary.points.to_string())),
+        (
+            "Wall time",
+            summary
+                .run
+                .as_ref()
+                .map(|run| format!("{:.1} s with {} at a time", run.wall_seconds, run.jobs)),
+        ),
+    ];
+    rows.into_iter()
+        .filter_map(|(name, value)| Some((name.to_owned(), value?)))
+        .collect()
+}
+
+fn reading(name: &str, variant: &VariantCount) -> Reading {
+    let part = |(name, count): (&String, &crate::results::summary::Count)| {
+        (name.clone(), count.passed as usize)
+    };
+    Reading {
+        name: name.to_owned(),
+        about: variant.about.clone().unwrap_or_default(),
+        verified: variant.verified.passed as usize,
+        criteria: variant.criteria.iter().map(part).collect(),
+        groups: variant.groups.iter().map(part).collect(),
+    }
+}

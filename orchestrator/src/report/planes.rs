@@ -1,0 +1,111 @@
+//! The planes that the page starts with.
+
+use super::figures;
+use super::payload::PlotColumn;
+use crate::analysis::table::PointTable;
+use serde::Serialize;
+
+/// So many planes of two criteria are shown at most.
+pub(super) const PLANES: usize = 4;
+
+/// A plane of two columns.
+#[derive(Serialize)]
+pub(super) struct Plane {
+    pub(super) x: usize,
+    pub(super) y: usize,
+    pub(super) title: String,
+    pub(super) svg: String,
+}
+
+/// The planes to start with: neighbouring criteria of every group, then the criteria left over in
+/// pairs, and at the end the parameter and criterion that go together most.
+pub(super) fn planes(
+    table: &PointTable,
+    columns: &[PlotColumn<'_>],
+    points: &[usize],
+) -> Vec<Plane> {
+    let first = table.parameters.len();
+    let mut pairs: Vec<(usize, usize, String)> = Vec::new();
+    let mut left_over = Vec::new();
+    for group in table.groups().into_iter().map(Some).chain([None]) {
+        let members: Vec<usize> = (0..table.criteria.len())
+            .filter(|&k| table.criteria[k].group.as_deref() == group)
+            .collect();
+        match (group, members.as_slice()) {
+            (Some(name), [_, _, ..]) => pairs.extend(
+                members
+                    .windows(2)
+                    .map(|w| (first + w[0], first + w[1], name.to_owned())),
+            ),
+            _ => left_over.extend(members),
+        }
+    }
+    pairs.extend(
+        left_over
+            .chunks(2)
+            .filter(|w| w.len() == 2)
+            .map(|w| (first + w[0], first + w[1], "criteria".to_owned())),
+    );
+    pairs.truncate(PLANES - 1);
+    let room = if pairs.len().is_multiple_of(2) { 2 } else { 1 };
+    let strongest = strongest_pairs(table).into_iter().take(room);
+    pairs.extend(strongest.map(|(x, y)| {
+        (
+            x,
+            first + y,
+            format!("strongest on {}", table.criteria[y].name),
+        )
+    }));
+    pairs
+        .into_iter()
+        .map(|(x, y, title)| Plane {
+            svg: figures::plane(table, &columns[x], &columns[y], points),
+            x,
+            y,
+            title,
+        })
+        .collect()
+}
+
+/// For every criterion the parameter with the largest linear correlation, the strongest first,
+/// every parameter once.
+pub(super) fn strongest_pairs(table: &PointTable) -> Vec<(usize, usize)> {
+    let mut all: Vec<(f64, usize, usize)> = Vec::new();
+    for (p, parameter) in table.parameters.iter().enumerate() {
+        for (c, criterion) in table.criteria.iter().enumerate() {
+            let r = correlation(&parameter.values, &criterion.values).abs();
+            if r.is_finite() {
+                all.push((r, p, c));
+            }
+        }
+    }
+    all.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut chosen: Vec<(usize, usize)> = Vec::new();
+    for (_, p, c) in all {
+        if chosen.iter().all(|&(q, d)| p != q && c != d) {
+            chosen.push((p, c));
+        }
+    }
+    chosen
+}
+
+pub(super) fn correlation(x: &[f64], y: &[f64]) -> f64 {
+    let pairs: Vec<(f64, f64)> = x
+        .iter()
+        .copied()
+        .zip(y.iter().copied())
+        .filter(|(a, b)| a.is_finite() && b.is_finite())
+        .collect();
+    let n = pairs.len() as f64;
+    let (mx, my) = (
+        pairs.iter().map(|p| p.0).sum::<f64>() / n,
+        pairs.iter().map(|p| p.1).sum::<f64>() / n,
+    );
+    let (mut xx, mut yy, mut xy) = (0.0, 0.0, 0.0);
+    for (a, b) in pairs {
+        xx += (a - mx).powi(2);
+        yy += (b - my).powi(2);
+        xy += (a - mx) * (b - my);
+    }
+    xy / (xx * yy).sqrt()
+}

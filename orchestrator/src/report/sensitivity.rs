@@ -1,0 +1,210 @@
+//! The page's part on sensitivity: bars with intervals, an output each.
+
+use super::format::{escape, number};
+use crate::analysis::sensitivity::Estimate;
+use crate::analysis::sensitivity::study::{Output, Sensitivity};
+use serde::Serialize;
+use std::fmt::Write as _;
+use std::path::Path;
+
+/// The result's file in a folder of results.
+pub const FILE: &str = "sensitivity.json";
+
+/// Reads the result of a folder; nothing where there is none that can be read.
+pub fn read(folder: &Path) -> Option<Sensitivity> {
+    serde_json::from_str(&std::fs::read_to_string(folder.join(FILE)).ok()?).ok()
+}
+
+/// What the template shows.
+#[derive(Serialize)]
+pub struct View {
+    method: String,
+    outputs: Vec<OutputView>,
+    verdict: Vec<[String; 5]>,
+}
+
+#[derive(Serialize)]
+struct OutputView {
+    name: String,
+    svg: String,
+    note: String,
+    heads: Vec<String>,
+    rows: Vec<(String, Vec<String>)>,
+}
+
+/// One kind of bar.
+struct Measure<'a> {
+    name: &'static str,
+    class: &'static str,
+    estimates: &'a [Estimate],
+}
+
+/// Prepares a result for the template.
+pub fn view(result: &Sensitivity) -> View {
+    let failed = match result.failed {
+        0 => String::new(),
+        n => format!(" {n} runs failed; the comparisons that need them are left out."),
+    };
+    let split = |(name, s): (&String, &crate::analysis::sensitivity::regional::Split)| {
+        [
+            name.clone(),
+            number(s.distance, 3),
+            number(s.chance, 2),
+            number(s.passing, 5),
+            number(s.failing, 5),
+        ]
+    };
+    View {
+        method: format!("{}.{failed}", result.method),
+        outputs: result
+            .outputs
+            .iter()
+            .map(|o| output(&result.parameters, o))
+            .collect(),
+        verdict: result
+            .parameters
+            .iter()
+            .zip(&result.verdict)
+            .map(split)
+            .collect(),
+    }
+}
+
+fn output(parameters: &[String], output: &Output) -> OutputView {
+    let effects: Vec<Estimate> = output.morris.iter().flatten().map(|e| e.mu_star).collect();
+    let mut shown: Vec<Measure<'_>> = Vec::new();
+    let mut limit = None;
+    if let Some(s) = &output.sobol {
+        shown.push(Measure {
+            name: "total",
+            class: "in",
+            estimates: &s.total,
+        });
+        shown.push(Measure {
+            name: "first order",
+            class: "all",
+            estimates: &s.first,
+        });
+    } else if !effects.is_empty() {
+        shown.push(Measure {
+            name: "mu*",
+            class: "in",
+            estimates: &effects,
+        });
+    } else if let Some(p) = &output.pawn {
+        shown.push(Measure {
+            name: "PAWN",
+            class: "in",
+            estimates: &p.median,
+        });
+        limit = Some(p.threshold);
+    }
+    let partial = output
+        .ranks
+        .as_ref()
+        .map_or(&[] as &[Estimate], |r| &r.partial);
+    let mut columns: Vec<(&str, &[Estimate])> =
+        shown.iter().map(|m| (m.name, m.estimates)).collect();
+    if partial.len() == parameters.len() {
+        columns.push(("PRCC", partial));
+    }
+    let rows = parameters.iter().enumerate().map(|(k, name)| {
+        (
+            name.clone(),
+            columns.iter().map(|(_, e)| interval(&e[k])).collect(),
+        )
+    });
+    OutputView {
+        name: output.name.clone(),
+        svg: bars(&output.name, parameters, &shown, limit),
+        note: match &output.dominant {
+            Some(name) => format!("{name} matters most."),
+            None => "The intervals overlap: no parameter can be called the most important.".into(),
+        },
+        heads: columns.iter().map(|(name, _)| (*name).to_owned()).collect(),
+        rows: rows.collect(),
+    }
+}
+
+fn interval(e: &Estimate) -> String {
+    format!(
+        "{} ({} … {})",
+        number(e.value, 3),
+        number(e.low, 2),
+        number(e.high, 2)
+    )
+}
+
+/// Horizontal bars with whiskers, the most important parameter on top.
+fn bars(
+    output: &str,
+    parameters: &[String],
+    measures: &[Measure<'_>],
+    limit: Option<f64>,
+) -> String {
+    let Some(first) = measures.first() else {
+        return String::new();
+    };
+    let mut order: Vec<usize> = (0..parameters.len()).collect();
+    order.sort_by(|&a, &b| {
+        first.estimates[b]
+            .value
+            .total_cmp(&first.estimates[a].value)
+    });
+    let finite = |v: f64| if v.is_finite() { v } else { 0.0 };
+    let most = measures
+        .iter()
+        .flat_map(|m| m.estimates)
+        .map(|e| finite(e.high))
+        .fold(1e-12, f64::max);
+    let (left, width, band) = (170.0, 560.0, 16.0 * measures.len() as f64 + 12.0);
+    let at = |v: f64| left + (finite(v) / most).clamp(0.0, 1.0) * (width - left - 16.0);
+    let height = band * parameters.len() as f64 + 34.0;
+    let mut out = String::new();
+    for t in super::svg::ticks(0.0, most, 5) {
+        let _ = write!(
+            out,
+            "<path class=\"grid\" d=\"M{x:.1},4V{:.1}\"/><text class=\"tick\" x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>",
+            height - 26.0,
+            height - 10.0,
+            number(t, 4),
+            x = at(t)
+        );
+    }
+    for (row, &k) in order.iter().enumerate() {
+        let top = 8.0 + row as f64 * band;
+        let _ = write!(
+            out,
+            "<text class=\"title\" x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>",
+            left - 8.0,
+            top + band / 2.0 - 1.0,
+            escape(&parameters[k])
+        );
+        for (m, measure) in measures.iter().enumerate() {
+            let (e, y) = (&measure.estimates[k], top + m as f64 * 16.0);
+            let _ = write!(
+                out,
+                "<path class=\"bar solid {}\" d=\"M{left},{y:.1}H{:.1}v11H{left}z\"/><path class=\"whisker\" d=\"M{low:.1},{c:.1}H{high:.1}M{low:.1},{:.1}v6M{high:.1},{:.1}v6\"/>",
+                measure.class,
+                at(e.value),
+                y + 2.5,
+                y + 2.5,
+                low = at(e.low),
+                high = at(e.high),
+                c = y + 5.5
+            );
+        }
+    }
+    if let Some(limit) = limit {
+        let _ = write!(
+            out,
+            "<path class=\"limit\" d=\"M{x:.1},4V{:.1}\"/>",
+            height - 26.0,
+            x = at(limit)
+        );
+    }
+    format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"plot\" viewBox=\"0 0 {width} {height:.0}\" role=\"img\" aria-label=\"Sensitivity of {}; the table below tells the same in numbers\">{out}</svg>",
+        escape(output)
+    )
+}

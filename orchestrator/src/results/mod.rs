@@ -1,0 +1,135 @@
+//! What a study leaves behind: the journal while it runs, `points.csv` and `summary.json` when
+//! it is done.
+//!
+//! The final files are a function of the study, the FMU and the journal's content alone, so they
+//! are the same, byte for byte, however the points were computed; only [`Summary::run`] tells
+//! how long it took.
+
+pub mod journal;
+pub mod points;
+pub mod summary;
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+use crate::failure::Failure;
+
+pub use journal::Journal;
+pub use points::{Points, PointsError};
+pub use summary::Summary;
+
+/// A point's values of the criteria, in the study's units, or why there are none.
+pub type Outcome = Result<Vec<f64>, Failure>;
+
+/// Why results cannot be written or read.
+#[derive(Debug, Error)]
+pub enum ResultsError {
+    /// The system says no.
+    #[error("{path}: {source}")]
+    Io {
+        /// The file or folder.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// There is a study in the folder already.
+    #[error(
+        "{0} holds a study that has begun already; continue it with --resume, or choose another --output"
+    )]
+    Begun(PathBuf),
+    /// Another run is at work in the folder.
+    #[error(
+        "{0}: another run is writing its results here; wait for it, or choose another --output"
+    )]
+    Busy(PathBuf),
+    /// There is nothing to resume or to read.
+    #[error("{0} holds no study; run `verify` into it first")]
+    Missing(PathBuf),
+    /// What would be resumed is something else.
+    #[error(
+        "{path} was made with another {what} ({then} then, {now} now); choose another --output"
+    )]
+    Changed {
+        /// The folder.
+        path: PathBuf,
+        /// What differs.
+        what: &'static str,
+        /// As it was.
+        then: String,
+        /// As it is.
+        now: String,
+    },
+    /// Points are missing.
+    #[error("{path}: {missing} of {points} points are not computed yet; continue with --resume")]
+    Incomplete {
+        /// The folder.
+        path: PathBuf,
+        /// How many are missing.
+        missing: u64,
+        /// How many there should be.
+        points: u64,
+    },
+    /// A file's content is not what this program writes.
+    #[error("{path}: {message}")]
+    Content {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        message: String,
+    },
+}
+
+impl ResultsError {
+    /// Turns an error of the system into one that names the file.
+    pub fn io(path: &Path) -> impl FnOnce(io::Error) -> Self {
+        let path = path.to_owned();
+        move |source| Self::Io { path, source }
+    }
+}
+
+/// Writes a file all at once: it is either as before or complete.
+///
+/// # Errors
+/// When the system says no.
+pub fn write_atomically(
+    path: &Path,
+    write: impl FnOnce(&mut dyn io::Write) -> io::Result<()>,
+) -> Result<(), ResultsError> {
+    let folder = path.parent().unwrap_or(Path::new("."));
+    let attempt = || {
+        let mut file = tempfile::Builder::new()
+            .prefix(".writing-")
+            .tempfile_in(folder)?;
+        let mut buffered = io::BufWriter::new(&mut file);
+        write(&mut buffered)?;
+        io::Write::flush(&mut buffered)?;
+        drop(buffered);
+        Ok(file)
+    };
+    keep(attempt().map_err(ResultsError::io(path))?, path)
+}
+
+/// Gives a finished temporary file its name.
+///
+/// # Errors
+/// When the system says no.
+pub fn keep(file: tempfile::NamedTempFile, path: &Path) -> Result<(), ResultsError> {
+    set_usual_permissions(file.as_file()).map_err(ResultsError::io(path))?;
+    file.persist(path)
+        .map(drop)
+        .map_err(|error| ResultsError::io(path)(error.error))
+}
+
+/// Temporary files are private; results are as any file that the user writes.
+#[cfg(unix)]
+fn set_usual_permissions(file: &std::fs::File) -> io::Result<()> {
+    use std::os::unix::fs::PermissionsExt;
+    file.set_permissions(std::fs::Permissions::from_mode(0o644))
+}
+
+#[cfg(not(unix))]
+fn set_usual_permissions(_: &std::fs::File) -> io::Result<()> {
+    Ok(())
+}

@@ -1,0 +1,378 @@
+//! `summary.json`, and the counts in it.
+
+use indexmap::IndexMap;
+use serde::{Deserialize, Serialize};
+
+use super::Outcome;
+use crate::judge::{Criterion, Judge, Variant, Verdict};
+use crate::statistics::wilson;
+
+/// The content of `summary.json`.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Summary {
+    /// The study's title.
+    pub title: Option<String>,
+    /// What was computed with what.
+    pub provenance: Provenance,
+    /// How many points there are.
+    pub points: u64,
+    /// How many of them have no result.
+    pub failed: u64,
+    /// How many meet all criteria.
+    pub verified: u64,
+    /// The share of all points that meet all criteria.
+    pub verified_fraction: f64,
+    /// Its 95 % interval (Wilson 1927).
+    pub verified_interval: [f64; 2],
+    /// Counts by criterion.
+    pub criteria: IndexMap<String, CriterionCount>,
+    /// Counts by group of criteria: points that meet all of the group.
+    pub groups: IndexMap<String, Count>,
+    /// Counts by other readings of the tolerances.
+    pub variants: IndexMap<String, VariantCount>,
+    /// How many points failed for which reason.
+    pub failures: IndexMap<String, u64>,
+    /// The uncertain parameters.
+    pub parameters: Vec<ParameterSummary>,
+    /// The point nearest to the measurement, among those that meet all criteria if any does.
+    pub best_point: Option<BestPoint>,
+    /// How the computation went. All else is the same for every run of the study.
+    pub run: Option<Run>,
+}
+
+/// What was computed with what.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Provenance {
+    /// The version of this program.
+    pub orchestrator: String,
+    /// The study's file name.
+    pub study: String,
+    /// The SHA-256 digest of the study's text.
+    pub study_sha256: String,
+    /// The model's name.
+    pub fmu: Option<String>,
+    /// The version of the model.
+    pub fmu_version: Option<String>,
+    /// The identifier that ties the FMU's description to its binary.
+    pub fmu_guid: Option<String>,
+    /// The SHA-256 digest of the FMU.
+    pub fmu_sha256: Option<String>,
+    /// How points were chosen: a design's name, or `table`.
+    pub method: String,
+    /// The design's seed.
+    pub seed: Option<u64>,
+}
+
+/// How many points meet a condition.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub struct Count {
+    /// Points that do.
+    pub passed: u64,
+    /// Their share of all points.
+    pub fraction: f64,
+    /// Its 95 % interval.
+    pub interval: [f64; 2],
+}
+
+/// A criterion and how many points meet it.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct CriterionCount {
+    /// The count.
+    #[serde(flatten)]
+    pub count: Count,
+    /// The criterion.
+    #[serde(flatten)]
+    pub criterion: Criterion,
+}
+
+/// The counts of another reading of the tolerances.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct VariantCount {
+    /// What it is and why.
+    pub about: Option<String>,
+    /// Points that meet all criteria.
+    #[serde(flatten)]
+    pub verified: Count,
+    /// By criterion.
+    pub criteria: IndexMap<String, Count>,
+    /// By group.
+    pub groups: IndexMap<String, Count>,
+    /// The tolerances, in the criteria's units.
+    pub tolerances: IndexMap<String, f64>,
+}
+
+/// An uncertain parameter.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct ParameterSummary {
+    /// The FMU's variable.
+    pub name: String,
+    /// The unit of its numbers.
+    pub unit: Option<String>,
+    /// The distribution's name and its numbers.
+    #[serde(flatten)]
+    pub distribution: IndexMap<String, serde_json::Value>,
+}
+
+/// A point with its parameters and values.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct BestPoint {
+    /// What it is called.
+    pub point: u64,
+    /// Whether it meets all criteria.
+    pub verified: bool,
+    /// The sum of its squared deviations from the measurement, each relative to the accuracy.
+    pub distance: f64,
+    /// Its parameters.
+    pub parameters: IndexMap<String, f64>,
+    /// Its values.
+    pub values: IndexMap<String, f64>,
+}
+
+/// How the computation went.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Run {
+    /// Wall time of this run, s.
+    pub wall_seconds: f64,
+    /// Points computed in this run; the others were there before.
+    pub computed: u64,
+    /// How many points were computed at a time.
+    pub jobs: usize,
+}
+
+impl Count {
+    /// The count of `passed` out of `points`.
+    #[allow(clippy::cast_precision_loss)]
+    pub fn new(passed: u64, points: u64) -> Self {
+        Self {
+            passed,
+            fraction: passed as f64 / points.max(1) as f64,
+            interval: wilson(passed, points),
+        }
+    }
+}
+
+/// Counts points one by one, in constant memory.
+#[derive(Clone, Debug)]
+pub struct Tally<'a> {
+    judge: &'a Judge,
+    points: u64,
+    failures: IndexMap<String, u64>,
+    own: Counts,
+    variants: Vec<Counts>,
+    best: Option<Best>,
+}
+
+#[derive(Clone, Debug)]
+struct Counts {
+    verified: u64,
+    criteria: Vec<u64>,
+    groups: Vec<u64>,
+}
+
+#[derive(Clone, Debug)]
+struct Best {
+    label: u64,
+    verified: bool,
+    distance: f64,
+    parameters: Vec<f64>,
+    values: Vec<f64>,
+}
+
+impl Counts {
+    fn new(judge: &Judge) -> Self {
+        Self {
+            verified: 0,
+            criteria: vec![0; judge.criteria.len()],
+            groups: vec![0; judge.groups.len()],
+        }
+    }
+
+    fn add(&mut self, judge: &Judge, verdict: &Verdict) {
+        self.verified += u64::from(verdict.verified());
+        for (count, passed) in self.criteria.iter_mut().zip(&verdict.passed) {
+            *count += u64::from(*passed);
+        }
+        for (count, (_, members)) in self.groups.iter_mut().zip(&judge.groups) {
+            *count += u64::from(members.iter().all(|&member| verdict.passed[member]));
+        }
+    }
+
+    fn by_criterion(&self, judge: &Judge, points: u64) -> IndexMap<String, Count> {
+        let names = judge
+            .criteria
+            .iter()
+            .map(|criterion| criterion.name.clone());
+        names
+            .zip(
+                self.criteria
+                    .iter()
+                    .map(|&passed| Count::new(passed, points)),
+            )
+            .collect()
+    }
+
+    fn by_group(&self, judge: &Judge, points: u64) -> IndexMap<String, Count> {
+        let names = judge.groups.iter().map(|(name, _)| name.clone());
+        names
+            .zip(self.groups.iter().map(|&passed| Count::new(passed, points)))
+            .collect()
+    }
+}
+
+impl<'a> Tally<'a> {
+    /// No points yet.
+    pub fn new(judge: &'a Judge) -> Self {
+        Self {
+            judge,
+            points: 0,
+            failures: IndexMap::new(),
+            own: Counts::new(judge),
+            variants: judge.variants.iter().map(|_| Counts::new(judge)).collect(),
+            best: None,
+        }
+    }
+
+    /// Counts a point and returns the verdict on it.
+    pub fn add(&mut self, label: u64, parameters: &[f64], outcome: &Outcome) -> Verdict {
+        self.points += 1;
+        let values = outcome.as_deref().ok();
+        let verdict = self.judge.verdict(values);
+        self.own.add(self.judge, &verdict);
+        for (counts, variant) in self.variants.iter_mut().zip(&self.judge.variants) {
+            counts.add(self.judge, &self.judge.variant_verdict(variant, values));
+        }
+        match outcome {
+            Ok(values) => self.compare(label, parameters, values, verdict.verified()),
+            Err(failure) => {
+                *self.failures.entry(failure.class().to_owned()).or_default() += 1;
+            }
+        }
+        verdict
+    }
+
+    /// Keeps the point if it is better than the best so far; of equals the first one stays.
+    fn compare(&mut self, label: u64, parameters: &[f64], values: &[f64], verified: bool) {
+        let distance = self.judge.distance(values);
+        let better = self
+            .best
+            .as_ref()
+            .is_none_or(|best| (verified, -distance) > (best.verified, -best.distance));
+        if better {
+            self.best = Some(Best {
+                label,
+                verified,
+                distance,
+                parameters: parameters.to_vec(),
+                values: values.to_vec(),
+            });
+        }
+    }
+
+    /// How many points were counted.
+    pub fn points(&self) -> u64 {
+        self.points
+    }
+
+    /// How many of them meet all criteria.
+    pub fn verified(&self) -> u64 {
+        self.own.verified
+    }
+
+    /// How many of them have no result.
+    pub fn failed(&self) -> u64 {
+        self.failures.values().sum()
+    }
+
+    /// The summary of what was counted.
+    pub fn summary(
+        &self,
+        title: Option<String>,
+        provenance: Provenance,
+        parameters: Vec<ParameterSummary>,
+    ) -> Summary {
+        let (judge, points) = (self.judge, self.points);
+        let all = Count::new(self.own.verified, points);
+        let own = self.own.by_criterion(judge, points);
+        let criteria = judge
+            .criteria
+            .iter()
+            .zip(own)
+            .map(|(criterion, (name, count))| {
+                let criterion = criterion.clone();
+                (name, CriterionCount { count, criterion })
+            });
+        let variants = judge.variants.iter().zip(&self.variants);
+        let mut failures = self.failures.clone();
+        failures.sort_unstable_keys();
+        Summary {
+            title,
+            provenance,
+            points,
+            failed: self.failed(),
+            verified: all.passed,
+            verified_fraction: all.fraction,
+            verified_interval: all.interval,
+            criteria: criteria.collect(),
+            groups: self.own.by_group(judge, points),
+            variants: variants
+                .map(|(variant, counts)| self.variant(variant, counts))
+                .collect(),
+            failures,
+            best_point: self
+                .best
+                .as_ref()
+                .map(|best| self.best_point(best, &parameters)),
+            parameters,
+            run: None,
+        }
+    }
+
+    fn variant(&self, variant: &Variant, counts: &Counts) -> (String, VariantCount) {
+        let names = self
+            .judge
+            .criteria
+            .iter()
+            .map(|criterion| criterion.name.clone());
+        let count = VariantCount {
+            about: variant.about.clone(),
+            verified: Count::new(counts.verified, self.points),
+            criteria: counts.by_criterion(self.judge, self.points),
+            groups: counts.by_group(self.judge, self.points),
+            tolerances: names.zip(variant.tolerances.iter().copied()).collect(),
+        };
+        (variant.name.clone(), count)
+    }
+
+    fn best_point(&self, best: &Best, parameters: &[ParameterSummary]) -> BestPoint {
+        let names = parameters.iter().map(|parameter| parameter.name.clone());
+        let criteria = self
+            .judge
+            .criteria
+            .iter()
+            .map(|criterion| criterion.name.clone());
+        BestPoint {
+            point: best.label,
+            verified: best.verified,
+            distance: best.distance,
+            parameters: names.zip(best.parameters.iter().copied()).collect(),
+            values: criteria.zip(best.values.iter().copied()).collect(),
+        }
+    }
+}
+
+impl ParameterSummary {
+    /// What the summary says of a study's parameter.
+    pub fn new(input: &crate::study::plan::Input) -> Self {
+        let distribution = serde_json::to_value(input.distribution).ok();
+        let numbers = distribution.as_ref().and_then(serde_json::Value::as_object);
+        Self {
+            name: input.name.clone(),
+            unit: input.unit.clone(),
+            distribution: numbers
+                .into_iter()
+                .flatten()
+                .map(|(k, v)| (k.clone(), v.clone()))
+                .collect(),
+        }
+    }
+}

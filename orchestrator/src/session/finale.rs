@@ -1,0 +1,150 @@
+//! The final files of a study, made from its journal.
+
+use std::fs::{self, File};
+use std::io::{self, BufWriter};
+use std::path::{Path, PathBuf};
+
+use tempfile::NamedTempFile;
+
+use super::{Session, SessionError};
+use crate::judge::{Judge, Verdict};
+use crate::results::journal::Finished;
+use crate::results::summary::{ParameterSummary, Provenance, Run, Summary, Tally};
+use crate::results::{Outcome, ResultsError, keep, points, write_atomically};
+use crate::study::Study;
+use crate::study::plan::Input;
+
+impl Session {
+    /// Writes `points.csv` and `summary.json` from the journal, in the order of the points;
+    /// ends where `enough` says so after a point.
+    ///
+    /// # Errors
+    /// When points are missing, and when the system says no.
+    pub fn conclude(
+        &self,
+        folder: &Path,
+        run: Option<Run>,
+        enough: impl Fn(&Tally<'_>) -> bool,
+    ) -> Result<Summary, SessionError> {
+        let finished = Finished::read(folder)?;
+        let mut outcomes = finished.outcomes()?;
+        let mut tally = Tally::new(&self.judge);
+        let mut files = FileSet::new(folder, &self.plan.inputs, &self.judge)?;
+        for index in 0..self.source.len() {
+            let incomplete = || ResultsError::Incomplete {
+                path: folder.to_owned(),
+                missing: self.source.len() - finished.count,
+                points: self.source.len(),
+            };
+            let outcome = outcomes.get(index)?.ok_or_else(incomplete)?;
+            let (label, parameters) = (self.source.label(index), self.source.parameters(index));
+            let verdict = tally.add(label, &parameters, &outcome);
+            files.write(label, &parameters, &outcome, &verdict)?;
+            if enough(&tally) {
+                break;
+            }
+        }
+        let parameters = self.plan.inputs.iter().map(ParameterSummary::new).collect();
+        let mut summary = tally.summary(self.study.title.clone(), self.provenance(), parameters);
+        summary.run = run;
+        files.finish(&summary)?;
+        Ok(summary)
+    }
+
+    /// What this study is computed with.
+    pub fn provenance(&self) -> Provenance {
+        let fmu = self.package.description();
+        let header = self.header();
+        let method = serde_json::to_value(self.study.design.method).ok();
+        let method = method.and_then(|name| name.as_str().map(str::to_owned));
+        let given = header.table.is_some();
+        Provenance {
+            study: name(&self.request.study),
+            fmu: Some(fmu.model_name.clone()),
+            fmu_version: fmu.version.clone(),
+            fmu_guid: Some(fmu.guid.clone()),
+            fmu_sha256: Some(header.fmu.clone()),
+            method: method
+                .filter(|_| !given)
+                .unwrap_or_else(|| "table".to_owned()),
+            seed: (!given).then_some(header.seed),
+            ..provenance(&self.study)
+        }
+    }
+}
+
+/// What is known of a study without its FMU.
+pub fn provenance(study: &Study) -> Provenance {
+    Provenance {
+        orchestrator: env!("CARGO_PKG_VERSION").to_owned(),
+        study: name(study.path()),
+        study_sha256: study.digest(),
+        ..Provenance::default()
+    }
+}
+
+fn name(path: &Path) -> String {
+    path.file_name()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .into_owned()
+}
+
+/// `points.csv` and `summary.json`, which appear when they are complete.
+pub struct FileSet {
+    folder: PathBuf,
+    file: NamedTempFile,
+    points: points::Writer<BufWriter<File>>,
+}
+
+impl FileSet {
+    /// Begins the files of a folder.
+    ///
+    /// # Errors
+    /// When the system says no.
+    pub fn new(folder: &Path, inputs: &[Input], judge: &Judge) -> Result<Self, ResultsError> {
+        let begin = || -> io::Result<Self> {
+            fs::create_dir_all(folder)?;
+            let file = tempfile::Builder::new()
+                .prefix(".points-")
+                .tempfile_in(folder)?;
+            let writer = BufWriter::with_capacity(1 << 16, file.reopen()?);
+            let points = points::Writer::new(writer, inputs, judge)?;
+            Ok(Self {
+                folder: folder.to_owned(),
+                file,
+                points,
+            })
+        };
+        begin().map_err(ResultsError::io(folder))
+    }
+
+    /// Writes a point.
+    ///
+    /// # Errors
+    /// When the system says no.
+    pub fn write(
+        &mut self,
+        label: u64,
+        parameters: &[f64],
+        outcome: &Outcome,
+        verdict: &Verdict,
+    ) -> Result<(), ResultsError> {
+        let written = self.points.write(label, parameters, outcome, verdict);
+        written.map_err(ResultsError::io(&self.folder))
+    }
+
+    /// Puts the files in place; each one is either as before or complete.
+    ///
+    /// # Errors
+    /// When the system says no.
+    pub fn finish(self, summary: &Summary) -> Result<(), ResultsError> {
+        let path = self.folder.join("points.csv");
+        self.points.finish().map_err(ResultsError::io(&path))?;
+        keep(self.file, &path)?;
+        write_atomically(&self.folder.join("summary.json"), |out| {
+            serde_json::to_writer_pretty(&mut *out, summary)?;
+            writeln!(out)
+        })
+    }
+}

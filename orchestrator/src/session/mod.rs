@@ -1,0 +1,253 @@
+//! A study with everything that its run needs: tied to its FMU, its points known.
+
+mod finale;
+mod request;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use sha2::{Digest, Sha256};
+use tempfile::TempDir;
+use thiserror::Error;
+
+use crate::design::Design;
+use crate::engine::local::Local;
+use crate::engine::process::{Limits, Process};
+use crate::engine::{EngineError, Job, Worker};
+use crate::fmu::{FmuError, Package, hexadecimal};
+use crate::judge::Judge;
+use crate::results::journal::{Finished, Header};
+use crate::results::{Journal, Outcome, ResultsError};
+use crate::source::{Source, TableError};
+use crate::study::plan::Plan;
+use crate::study::{Method, Study, StudyError};
+
+pub use finale::{FileSet, provenance};
+pub use request::{Request, Shard};
+
+/// Why a study cannot be run.
+#[derive(Debug, Error)]
+pub enum SessionError {
+    /// The FMU cannot be used.
+    #[error(transparent)]
+    Fmu(#[from] FmuError),
+    /// The study cannot be used.
+    #[error(transparent)]
+    Study(#[from] StudyError),
+    /// A table cannot be used.
+    #[error(transparent)]
+    Table(#[from] TableError),
+    /// The results cannot be written or read.
+    #[error(transparent)]
+    Results(#[from] ResultsError),
+    /// The points cannot be run.
+    #[error(transparent)]
+    Engine(#[from] EngineError),
+}
+
+/// A study that is ready to run.
+#[derive(Debug)]
+pub struct Session {
+    /// What was asked for.
+    pub request: Request,
+    /// The study.
+    pub study: Study,
+    /// The FMU.
+    pub package: Package,
+    /// The study, tied to the FMU.
+    pub plan: Plan,
+    /// The criteria.
+    pub judge: Judge,
+    /// The points.
+    pub source: Source,
+    header: Header,
+}
+
+/// Where points are run.
+#[derive(Clone, Copy, Debug)]
+pub enum Place {
+    /// In this process.
+    Here,
+    /// In worker processes, within limits.
+    Workers(Limits),
+}
+
+impl Session {
+    /// Reads the study, the FMU and, where one is given, the table of points.
+    ///
+    /// # Errors
+    /// When any of them cannot be used.
+    pub fn open(request: Request) -> Result<Self, SessionError> {
+        let mut study = Study::read(&request.study)?;
+        study.design.points = request.points.unwrap_or(study.design.points);
+        study.design.seed = request.seed.unwrap_or(study.design.seed);
+        let fmu = request.fmu.clone().unwrap_or_else(|| study.fmu_path());
+        let package = Package::open(&fmu)?;
+        let judge = Judge::new(&study, Some(package.description()))?;
+        let plan = Plan::new(&study, package.description())?;
+        let (source, table) = match &request.points_from {
+            Some(path) => {
+                let source = Source::from_table(&study, &plan.inputs, path)?;
+                let bytes = fs::read(path).map_err(ResultsError::io(path))?;
+                (source, Some(hexadecimal(&Sha256::digest(&bytes))))
+            }
+            None => {
+                let inputs = plan.inputs.iter().map(|input| input.distribution).collect();
+                let design = Design::new(&study.design, inputs);
+                let design =
+                    design.map_err(|message| study.error(format!("[design] {message}")))?;
+                (Source::Design(design), None)
+            }
+        };
+        let header = Header {
+            orchestrator: env!("CARGO_PKG_VERSION").to_owned(),
+            study: study.digest(),
+            fmu: package.digest()?,
+            table,
+            seed: study.design.seed,
+            points: source.len(),
+            shard: request.shard.map(|shard| shard.to_string()),
+        };
+        Ok(Self {
+            request,
+            study,
+            package,
+            plan,
+            judge,
+            source,
+            header,
+        })
+    }
+
+    /// Opens the study of a folder again, as it was run there; `fmu` is another place of the FMU.
+    ///
+    /// # Errors
+    /// When there is none, or the FMU is another one.
+    pub fn reopen(folder: &Path, fmu: Option<PathBuf>) -> Result<Self, SessionError> {
+        let mut request = Request::read(folder)?;
+        request.fmu = fmu.or(request.fmu);
+        let session = Self::open(request)?;
+        let then = Header::read(folder)?;
+        session.header.check(&then, folder)?;
+        Ok(session)
+    }
+
+    /// What the journal of this session belongs to.
+    pub fn header(&self) -> &Header {
+        &self.header
+    }
+
+    /// The indexes of the points of this session: all, or those of its shard.
+    pub fn indexes(&self) -> impl Iterator<Item = u64> + Send + use<> {
+        let (first, step) = match self.request.shard {
+            Some(shard) => (shard.number - 1, shard.of),
+            None => (0, 1),
+        };
+        let step = usize::try_from(step).unwrap_or(usize::MAX);
+        (first..self.source.len()).step_by(step)
+    }
+
+    /// How many points this session has.
+    pub fn expected(&self) -> u64 {
+        match self.request.shard {
+            Some(shard) => (self.source.len() + shard.of - shard.number) / shard.of,
+            None => self.source.len(),
+        }
+    }
+
+    /// How many points may be enough already: a Latin hypercube needs all of its points.
+    pub fn is_extensible(&self) -> bool {
+        self.header.table.is_some() || self.study.design.method != Method::LatinHypercube
+    }
+
+    /// The journal of a folder: a new one, or with `resume` the one that is there. A study that
+    /// is complete is simply done again.
+    ///
+    /// # Errors
+    /// When the folder holds something else, and when the system says no.
+    pub fn journal(
+        &self,
+        folder: &Path,
+        resume: bool,
+    ) -> Result<(Journal, Option<Finished>), SessionError> {
+        if resume && Journal::path_in(folder).exists() {
+            let (journal, finished) = Journal::resume(folder, &self.header)?;
+            return Ok((journal, Some(finished)));
+        }
+        let complete = folder.join("summary.json").exists();
+        if complete && Journal::path_in(folder).exists() {
+            Journal::remove(folder)?;
+        }
+        let journal = Journal::create(folder, &self.header)?;
+        self.request.write(folder, &self.study)?;
+        Ok((journal, None))
+    }
+
+    /// A point to run.
+    pub fn job(&self, index: u64) -> Job {
+        let mut values = Vec::new();
+        self.plan
+            .to_fmu(&self.source.parameters(index), &mut values);
+        Job { index, values }
+    }
+
+    /// An answer in the study's units.
+    pub fn outcome(&self, answer: crate::engine::Answer) -> Outcome {
+        answer.map(|mut values| {
+            self.plan.to_study(&mut values);
+            values
+        })
+    }
+
+    /// As many workers as points are to be run at a time; `scratch` is a folder for their files.
+    ///
+    /// # Errors
+    /// When the FMU cannot be unpacked or loaded.
+    pub fn workers(
+        &mut self,
+        place: Place,
+        scratch: &Path,
+        jobs: usize,
+    ) -> Result<Vec<Box<dyn Worker>>, SessionError> {
+        let task = &self.plan.task;
+        match place {
+            Place::Here => {
+                let library = self.package.load()?;
+                let capabilities = self.package.description().capabilities;
+                let once = capabilities.can_be_instantiated_only_once_per_process;
+                let worker = |_| Box::new(Local::new(&library, task)) as Box<dyn Worker>;
+                Ok((0..if once { 1 } else { jobs }).map(worker).collect())
+            }
+            Place::Workers(limits) => {
+                let fmu = self.package.unpack(scratch)?;
+                let worker = |number| {
+                    let process = Process::new(&fmu, task, limits, scratch, number)?;
+                    Ok(Box::new(process) as Box<dyn Worker>)
+                };
+                (0..jobs).map(worker).collect()
+            }
+        }
+    }
+}
+
+/// A folder within `folder` for what is needed while points run. Those of runs that were killed
+/// are removed; the journal's lock says that they are not in use.
+///
+/// # Errors
+/// When the system says no.
+pub fn scratch(folder: &Path) -> Result<TempDir, ResultsError> {
+    const PREFIX: &str = ".running-";
+    const LEFT_OVERS: [&str; 3] = [PREFIX, ".points-", ".writing-"];
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        if LEFT_OVERS
+            .iter()
+            .any(|prefix| name.to_string_lossy().starts_with(prefix))
+        {
+            // What cannot be removed only takes up room.
+            let _ = fs::remove_dir_all(entry.path()).or_else(|_| fs::remove_file(entry.path()));
+        }
+    }
+    let scratch = tempfile::Builder::new().prefix(PREFIX).tempdir_in(folder);
+    scratch.map_err(ResultsError::io(folder))
+}

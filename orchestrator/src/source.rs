@@ -1,0 +1,234 @@
+//! Where points come from: a design, or a table.
+
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+use crate::design::Design;
+use crate::distribution::Distribution;
+use crate::names::{did_you_mean, nearest};
+use crate::study::Study;
+use crate::study::plan::Input;
+
+/// Why a table cannot be used.
+#[derive(Debug, Error)]
+pub enum TableError {
+    /// It cannot be read.
+    #[error("{path}: {source}")]
+    Read {
+        /// The table.
+        path: PathBuf,
+        /// What is wrong.
+        source: csv::Error,
+    },
+    /// A column is missing.
+    #[error("{path}: no column {message}")]
+    Column {
+        /// The table.
+        path: PathBuf,
+        /// Its name, what it is needed for, and the columns there are.
+        message: String,
+    },
+    /// A cell is not a number.
+    #[error("{path}:{line}: column `{column}`: `{text}` is not a number")]
+    Number {
+        /// The table.
+        path: PathBuf,
+        /// The line, from 1.
+        line: u64,
+        /// The column.
+        column: String,
+        /// The cell.
+        text: String,
+    },
+    /// There are no rows.
+    #[error("{0}: the table has no rows")]
+    Empty(PathBuf),
+}
+
+/// Columns of numbers from a csv file, with the rows' own numbers where it has a column `point`.
+#[derive(Clone, Debug)]
+pub struct Table {
+    /// A row's numbers, in the order of the columns asked for.
+    pub rows: Vec<Vec<f64>>,
+    /// What the rows are called.
+    pub labels: Vec<u64>,
+}
+
+impl Table {
+    /// Reads columns; `columns` gives for each the names that it may have, and its purpose.
+    ///
+    /// # Errors
+    /// When the table cannot be read, a column is missing, or a cell is not a number.
+    pub fn read(path: &Path, columns: &[(Vec<String>, String)]) -> Result<Self, TableError> {
+        let failed = |source| TableError::Read {
+            path: path.to_owned(),
+            source,
+        };
+        let mut reader = csv::ReaderBuilder::new()
+            .trim(csv::Trim::All)
+            .comment(Some(b'#'))
+            .from_path(path)
+            .map_err(failed)?;
+        let header: Vec<String> = reader
+            .headers()
+            .map_err(failed)?
+            .iter()
+            .map(str::to_owned)
+            .collect();
+        let places = columns
+            .iter()
+            .map(|(names, purpose)| find(path, &header, names, purpose))
+            .collect::<Result<Vec<usize>, _>>()?;
+        let label = header
+            .iter()
+            .position(|name| name.eq_ignore_ascii_case("point"));
+        let mut table = Self {
+            rows: Vec::new(),
+            labels: Vec::new(),
+        };
+        for record in reader.records() {
+            let record = record.map_err(failed)?;
+            let number = |&place: &usize| {
+                let text = record.get(place).unwrap_or("");
+                text.parse::<f64>().map_err(|_| TableError::Number {
+                    path: path.to_owned(),
+                    line: record.position().map_or(0, csv::Position::line),
+                    column: header[place].clone(),
+                    text: text.to_owned(),
+                })
+            };
+            table
+                .rows
+                .push(places.iter().map(number).collect::<Result<_, _>>()?);
+            let own = label.and_then(|place| record.get(place)?.parse().ok());
+            table.labels.push(own.unwrap_or(table.rows.len() as u64));
+        }
+        if table.rows.is_empty() {
+            return Err(TableError::Empty(path.to_owned()));
+        }
+        Ok(table)
+    }
+}
+
+fn find(
+    path: &Path,
+    header: &[String],
+    names: &[String],
+    purpose: &str,
+) -> Result<usize, TableError> {
+    let place = names
+        .iter()
+        .find_map(|name| header.iter().position(|column| column == name));
+    place.ok_or_else(|| {
+        let column = names.first().map_or("", String::as_str);
+        let suggestion = did_you_mean(nearest(column, header.iter().map(String::as_str)));
+        let known = header.join(", ");
+        TableError::Column {
+            path: path.to_owned(),
+            message: format!("`{column}` for {purpose}{suggestion}; it has {known}"),
+        }
+    })
+}
+
+/// The points of a run, by index from 0.
+#[derive(Clone, Debug)]
+pub enum Source {
+    /// Points of a design.
+    Design(Design),
+    /// Given points.
+    Table(Table),
+}
+
+impl Source {
+    /// The parameters of a study from a table, in the study's units. A fixed parameter needs
+    /// no column.
+    ///
+    /// # Errors
+    /// As [`Table::read`].
+    pub fn from_table(study: &Study, inputs: &[Input], path: &Path) -> Result<Self, TableError> {
+        let fixed = |input: &Input| match input.distribution {
+            Distribution::Fixed { value } => Some(value),
+            _ => None,
+        };
+        let columns: Vec<(Vec<String>, String)> = study
+            .parameters
+            .values()
+            .zip(inputs)
+            .filter(|(parameter, input)| parameter.column.is_some() || fixed(input).is_none())
+            .map(|(parameter, input)| {
+                let names = parameter
+                    .column
+                    .iter()
+                    .chain([&input.name])
+                    .cloned()
+                    .collect();
+                (names, format!("the parameter {}", input.name))
+            })
+            .collect();
+        let mut table = Table::read(path, &columns)?;
+        for row in &mut table.rows {
+            let mut given = row.iter().copied();
+            let values = study
+                .parameters
+                .values()
+                .zip(inputs)
+                .map(|(parameter, input)| {
+                    let constant = fixed(input).filter(|_| parameter.column.is_none());
+                    constant.or_else(|| given.next()).unwrap_or(f64::NAN)
+                });
+            *row = values.collect();
+        }
+        Ok(Self::Table(table))
+    }
+
+    /// How many points there are.
+    pub fn len(&self) -> u64 {
+        match self {
+            Self::Design(design) => design.len(),
+            Self::Table(table) => table.rows.len() as u64,
+        }
+    }
+
+    /// Whether there is no point at all.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// A point's parameters, in the study's units.
+    pub fn parameters(&self, index: u64) -> Vec<f64> {
+        match self {
+            Self::Design(design) => design.point(index),
+            Self::Table(table) => row(table, index).cloned().unwrap_or_default(),
+        }
+    }
+
+    /// What a point is called: counted from 1, or the table's own number.
+    pub fn label(&self, index: u64) -> u64 {
+        match self {
+            Self::Design(_) => index + 1,
+            Self::Table(table) => {
+                let place = usize::try_from(index).ok();
+                place
+                    .and_then(|place| table.labels.get(place))
+                    .copied()
+                    .unwrap_or(index + 1)
+            }
+        }
+    }
+
+    /// The index of the point that is called so.
+    pub fn index_of(&self, label: u64) -> Option<u64> {
+        match self {
+            Self::Design(design) => (1..=design.len()).contains(&label).then(|| label - 1),
+            Self::Table(table) => {
+                let place = table.labels.iter().position(|&own| own == label);
+                place.map(|place| place as u64)
+            }
+        }
+    }
+}
+
+fn row(table: &Table, index: u64) -> Option<&Vec<f64>> {
+    table.rows.get(usize::try_from(index).ok()?)
+}

@@ -1,0 +1,211 @@
+//! The commands that make an answer of points and signals, seen from outside.
+
+#![allow(clippy::unwrap_used)]
+
+mod support;
+
+use std::f64::consts::TAU;
+
+use support::Bench;
+
+const STUDY: &str = r#"
+fmu = "lag.fmu"
+
+[simulation]
+stop = 2
+
+[design]
+points = 60
+
+[parameters."lag.rate"]
+distribution = "normal"
+mean = 1
+deviation = 0.1
+
+[parameters."lag.length"]
+distribution = "uniform"
+min = 0.01
+max = 0.03
+unit = "mm"
+
+[criteria.Y]
+variable = "lag.y"
+nominal = 0.86
+tolerance = 0.02
+"#;
+
+fn bench() -> Bench {
+    let bench = Bench::new();
+    bench.write("study.toml", STUDY);
+    bench
+}
+
+fn json(bench: &Bench, file: &str) -> serde_json::Value {
+    serde_json::from_str(&bench.read(file)).unwrap()
+}
+
+#[test]
+fn verify_leaves_a_page_and_report_writes_it_again() {
+    let bench = bench();
+    assert_eq!(
+        bench.run(&["verify", "study.toml", "--output", "out"]).code,
+        0
+    );
+    let page = bench.read("out/report.html");
+    assert!(page.contains("points meet all criteria") && page.contains("Time histories"));
+    assert!(bench.path("out/plots/distribution-Y.svg").exists());
+    std::fs::remove_file(bench.path("out/report.html")).unwrap();
+    assert_eq!(bench.run(&["report", "out"]).code, 0);
+    assert_eq!(bench.read("out/report.html"), page);
+    bench
+        .run(&["report", "nowhere"])
+        .is_mistake(&["nowhere holds no study"]);
+}
+
+#[test]
+fn sensitivity_finds_the_only_parameter_that_matters() {
+    let bench = bench();
+    let said = bench.run(&["sensitivity", "study.toml", "--base", "64", "--output", "s"]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    let result = json(&bench, "s/sensitivity.json");
+    assert_eq!(result["runs"], 64 * 4);
+    let y = &result["outputs"][0];
+    assert_eq!(y["name"], "Y");
+    assert_eq!(y["dominant"], "lag.rate");
+    assert!(
+        (y["sobol"]["total"][0]["value"].as_f64().unwrap() - 1.0).abs() < 0.15,
+        "{y}"
+    );
+    assert_eq!(y["sobol"]["total"][1]["value"], 0.0);
+    assert_eq!(result["outputs"][1]["name"], "verified");
+}
+
+#[test]
+fn sensitivity_from_existing_points_and_by_screening() {
+    let bench = bench();
+    bench.run(&["verify", "study.toml", "--output", "out"]);
+    let said = bench.run(&["sensitivity", "study.toml", "--from", "out"]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    assert_eq!(
+        json(&bench, "out/sensitivity.json")["outputs"][0]["dominant"],
+        "lag.rate"
+    );
+    assert!(bench.read("out/report.html").contains("id=\"sensitivity\""));
+    let said = bench.run(&[
+        "sensitivity",
+        "study.toml",
+        "--morris",
+        "8",
+        "--output",
+        "m",
+    ]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    assert_eq!(
+        json(&bench, "m/sensitivity.json")["outputs"][0]["dominant"],
+        "lag.rate"
+    );
+}
+
+#[test]
+fn robustness_finds_the_room_and_confirms_it() {
+    let bench = bench();
+    bench.run(&["verify", "study.toml", "--output", "out"]);
+    let said = bench.run(&[
+        "robustness",
+        "study.toml",
+        "--from",
+        "out",
+        "--confirm",
+        "200",
+    ]);
+    assert_eq!(said.code, 0, "{}{}", said.out, said.err);
+    let result = json(&bench, "out/robustness.json");
+    // y = 1 - exp(-2 rate) within 0.86 +- 0.02 is rate = 0.9163 .. 1.0601.
+    let margin = |side: &str| result["margins"][0][side][0].as_f64().unwrap();
+    assert!(
+        (margin("low") - 0.9163).abs() < 0.01 && (margin("high") - 1.0601).abs() < 0.01,
+        "{result}"
+    );
+    assert!(said.out.contains("200 fresh runs"), "{}", said.out);
+    assert!(bench.read("out/report.html").contains("id=\"robustness\""));
+    bench
+        .run(&[
+            "robustness",
+            "study.toml",
+            "--from",
+            "out",
+            "--level",
+            "1.5",
+        ])
+        .is_mistake(&["--level"]);
+    bench
+        .run(&["robustness", "study.toml", "--from", "none"])
+        .is_mistake(&["none holds no study"]);
+}
+
+const SETTINGS: &str = r#"
+diameter = "25 mm"
+smoothing = { method = "savitzky-golay", window = 21, order = 3 }
+time = { column = "t", unit = "ms" }
+load = { column = "F", variable = "sensor.loadForce", unit = "kN", accuracy = "1 %", group = "power" }
+torque = { column = "M", variable = "sensor.frictionTorque", unit = "N.m", accuracy = 0.01 }
+speed = { value = 300, unit = "rpm", accuracy = "2.5 rpm" }
+signals.T_oil = { column = "T", variable = "sensor.oilTemperature", unit = "degC", accuracy = "0.5 degC" }
+"#;
+
+fn recording() -> String {
+    let force = |t: f64| 0.75 * (1.0 + 0.4 * (TAU * 5.0 * t).sin());
+    let row = |k: i32| {
+        let t = f64::from(k) * 1e-3;
+        let (f, m) = (force(t), 0.047 * 0.0125 * 1e3 * force(t - 0.0123));
+        format!("{k},{f},{m},{}\n", 48.0 + 0.01 * f64::from(k % 7))
+    };
+    String::from("t,F,M,T\n") + &(0..12_000).map(row).collect::<String>()
+}
+
+#[test]
+fn synchronise_writes_criteria() {
+    let bench = Bench::empty();
+    bench.write("measured.csv", &recording());
+    bench.write("settings.toml", SETTINGS);
+    let said = bench.run(&[
+        "synchronise",
+        "measured.csv",
+        "--settings",
+        "settings.toml",
+        "--output",
+        "m",
+    ]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    let text = bench.read("m/criteria.toml");
+    assert!(text.contains("torque shifted by 12.30"), "{text}");
+    let criteria: toml::Table = text.parse().unwrap();
+    let nominal = |name: &str| criteria["criteria"][name]["nominal"].as_float().unwrap();
+    assert!((nominal("F_N") - 750.0).abs() < 1.0);
+    assert!((nominal("T_oil") - 48.03).abs() < 0.05);
+    assert!((nominal("P_fr") - 0.440_6 * TAU * 5.0).abs() < 0.1);
+    assert_eq!(criteria["criteria"]["F_N"]["group"].as_str(), Some("power"));
+    assert!(bench.path("m/friction.svg").exists());
+}
+
+#[test]
+fn mistakes_of_a_recording_are_named() {
+    let bench = Bench::empty();
+    bench.write("measured.csv", &recording());
+    let say = |from: &str, to: &str| {
+        assert!(SETTINGS.contains(from));
+        bench.write("settings.toml", &SETTINGS.replace(from, to));
+        bench.run(&[
+            "synchronise",
+            "measured.csv",
+            "--settings",
+            "settings.toml",
+            "--output",
+            "m",
+        ])
+    };
+    say("column = \"F\"", "column = \"G\"").is_mistake(&["measured.csv", "no column `G`"]);
+    say("\"kN\"", "\"lbf\"").is_mistake(&["settings.toml", "unit `lbf`", "kN"]);
+    say("accuracy = 0.01", "acuracy = 0.01").is_mistake(&["settings.toml", "line 6"]);
+    say("\"25 mm\"", "\"-25 mm\"").is_mistake(&["diameter must be positive"]);
+}

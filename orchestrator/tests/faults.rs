@@ -1,0 +1,210 @@
+//! Whatever an FMU does, only its points are lost.
+
+mod support;
+
+use support::Bench;
+
+/// Points of which number 5 has the given fault; the rate tells the points apart.
+fn verify(bench: &Bench, fmu: &str, fault: u32, options: &[&str]) -> support::Said {
+    let study = format!(
+        r#"
+fmu = "{fmu}"
+[parameters."lag.rate"]
+distribution = "uniform"
+min = 0.5
+max = 2
+column = "rate"
+[parameters."lag.fault"]
+distribution = "uniform"
+min = 0
+max = 12
+column = "fault"
+[criteria.Y]
+variable = "lag.y"
+nominal = 0.8
+tolerance = 0.1
+[criteria.mean]
+variable = "lag.y"
+statistic = "mean"
+nominal = 0.5
+tolerance = 10
+"#
+    );
+    bench.write("study.toml", &study);
+    let mut table = String::from("point,rate,fault\n");
+    for point in 1..=20 {
+        let fault = if point == 5 { fault } else { 0 };
+        table += &format!("{point},{},{fault}\n", 0.5 + 0.07 * f64::from(point));
+    }
+    bench.write("points.csv", &table);
+    let command = [
+        "verify",
+        "study.toml",
+        "--points-from",
+        "points.csv",
+        "--output",
+        "out",
+    ];
+    bench.run(&[&command, options].concat())
+}
+
+/// The status of point 5, after checking that all others are right.
+fn status(bench: &Bench, said: &support::Said) -> String {
+    assert_eq!(said.code, 0, "{}{}", said.out, said.err);
+    let table = bench.read("out/points.csv");
+    let mut rows = csv::Reader::from_reader(table.as_bytes());
+    let mut status = String::new();
+    let number = |cell: &str| cell.parse::<f64>().unwrap_or(f64::NAN);
+    for (row, point) in rows.records().map(Result::unwrap).zip(1..) {
+        if point == 5 {
+            status = row[row.len() - 1].to_owned();
+            continue;
+        }
+        assert_eq!(&row[row.len() - 1], "ok", "point {point}");
+        let (rate, y) = (number(&row[1]), number(&row[3]));
+        let exact = 1.0 - (-2.0 * rate).exp();
+        assert!((y - exact).abs() < 1e-9, "point {point}: {y} {exact}");
+    }
+    status
+}
+
+fn fault(number: u32, options: &[&str]) -> (String, serde_json::Value) {
+    let bench = Bench::new();
+    let said = verify(&bench, "lag.fmu", number, options);
+    (status(&bench, &said), bench.summary("out"))
+}
+
+fn is_confined(number: u32, options: &[&str], class: &str, words: &str) {
+    let (status, summary) = fault(number, options);
+    assert!(
+        status.starts_with(class) && status.contains(words),
+        "{status}"
+    );
+    assert_eq!(summary["failed"], 1);
+    assert_eq!(summary["failures"][class], 1);
+    assert_eq!(summary["points"], 20);
+}
+
+#[test]
+fn a_crash() {
+    is_confined(1, &[], "crashed", "SIGSEGV");
+}
+
+#[test]
+fn an_abort_with_its_last_words() {
+    is_confined(2, &[], "crashed", "SIGABRT: lag: assertion failed");
+}
+
+#[test]
+fn an_endless_loop() {
+    is_confined(3, &["--point-timeout", "0.2"], "timeout", "");
+}
+
+#[test]
+fn a_small_leak_costs_nothing() {
+    let (status, summary) = fault(4, &["--memory-limit", "60MB", "--jobs", "1"]);
+    assert_eq!(status, "ok");
+    assert_eq!(summary["failed"], 0);
+}
+
+#[test]
+fn exit_is_called() {
+    is_confined(5, &[], "exited", "code 3");
+}
+
+#[test]
+fn an_error_with_its_message() {
+    is_confined(6, &[], "fmi2Error", "the spring broke (fmi2DoStep)");
+    is_confined(
+        6,
+        &["--in-process"],
+        "fmi2Error",
+        "the spring broke (fmi2DoStep)",
+    );
+}
+
+#[test]
+fn a_step_is_refused() {
+    is_confined(7, &[], "fmi2Discard", "fmi2DoStep");
+}
+
+#[test]
+fn a_fatal_error() {
+    is_confined(8, &[], "fmi2Fatal", "beyond repair");
+}
+
+#[test]
+fn not_a_number() {
+    is_confined(9, &[], "not finite", "lag.y");
+}
+
+#[test]
+fn a_flood_of_messages() {
+    let (status, summary) = fault(10, &[]);
+    assert_eq!(status, "ok");
+    assert_eq!(summary["failed"], 0);
+}
+
+#[test]
+fn too_much_memory() {
+    is_confined(11, &["--memory-limit", "300MB"], "out of memory", "");
+}
+
+#[test]
+fn a_warning_is_no_failure() {
+    assert_eq!(fault(12, &[]).0, "ok");
+}
+
+#[test]
+fn an_fmu_without_reset() {
+    let bench = Bench::empty();
+    bench.fmu("plain.fmu", &["NO_RESET"], &support::model("", ""));
+    let said = verify(&bench, "plain.fmu", 0, &[]);
+    assert_eq!(status(&bench, &said), "ok");
+}
+
+#[test]
+fn an_fmu_that_is_not_thread_safe() {
+    let bench = Bench::empty();
+    bench.fmu("global.fmu", &["GLOBAL"], &support::model("", ""));
+    let said = verify(&bench, "global.fmu", 0, &["--jobs", "4"]);
+    assert_eq!(status(&bench, &said), "ok");
+}
+
+#[test]
+fn all_kinds_at_once() {
+    let bench = Bench::new();
+    verify(&bench, "lag.fmu", 0, &[]);
+    let mut table = String::from("point,rate,fault\n");
+    for point in 0..120 {
+        let fault = if point % 10 == 3 { point / 10 + 1 } else { 0 };
+        table += &format!("{point},1,{fault}\n");
+    }
+    bench.write("points.csv", &table);
+    let limits = [
+        "--point-timeout",
+        "2",
+        "--memory-limit",
+        "300MB",
+        "--jobs",
+        "3",
+    ];
+    let command = [
+        "verify",
+        "study.toml",
+        "--points-from",
+        "points.csv",
+        "--output",
+        "all",
+    ];
+    let said = bench.run(&[&command[..], &limits].concat());
+    assert_eq!(said.code, 0, "{}", said.err);
+    let summary = bench.summary("all");
+    // Leak, flood and warning do no harm.
+    assert_eq!(
+        (&summary["points"], &summary["failed"]),
+        (&120.into(), &9.into()),
+        "{}",
+        said.out
+    );
+}

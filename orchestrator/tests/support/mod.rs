@@ -1,0 +1,128 @@
+//! What the tests of the command line share: an FMU of their own, and a way to run commands.
+#![allow(dead_code, clippy::unwrap_used)]
+
+use std::fs::{self, File};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use tempfile::TempDir;
+use zip::write::{SimpleFileOptions, ZipWriter};
+
+/// A folder of its own, gone at the end.
+pub struct Bench {
+    folder: TempDir,
+}
+
+/// What a command said.
+pub struct Said {
+    pub code: i32,
+    pub out: String,
+    pub err: String,
+}
+
+const MODEL: &str = include_str!("../fixtures/lag.xml");
+
+impl Bench {
+    /// A folder with `lag.fmu` in it.
+    pub fn new() -> Self {
+        let bench = Self::empty();
+        bench.fmu("lag.fmu", &[], MODEL);
+        bench
+    }
+
+    pub fn empty() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        Self { folder }
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    /// Compiles the fixture with these macros and packs it with a model description.
+    pub fn fmu(&self, name: &str, macros: &[&str], description: &str) {
+        let source = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/fixtures/lag.c");
+        let binary = self.path("lag.so");
+        let status = Command::new("cc")
+            .args(["-shared", "-fPIC", "-O2", "-o"])
+            .arg(&binary)
+            .args(macros.iter().map(|name| format!("-D{name}")))
+            .args([source, "-lm"])
+            .status()
+            .unwrap();
+        assert!(status.success());
+        let binary = fs::read(binary).unwrap();
+        let entries: [(&str, &[u8]); 2] = [
+            ("modelDescription.xml", description.as_bytes()),
+            ("binaries/linux64/lag.so", &binary),
+        ];
+        self.zip(name, &entries);
+    }
+
+    pub fn zip(&self, name: &str, entries: &[(&str, &[u8])]) {
+        let mut zip = ZipWriter::new(File::create(self.path(name)).unwrap());
+        for (name, content) in entries {
+            zip.start_file(*name, SimpleFileOptions::default()).unwrap();
+            zip.write_all(content).unwrap();
+        }
+        zip.finish().unwrap();
+    }
+
+    pub fn write(&self, name: &str, text: &str) {
+        fs::write(self.path(name), text).unwrap();
+    }
+
+    pub fn read(&self, name: &str) -> String {
+        fs::read_to_string(self.path(name)).unwrap()
+    }
+
+    /// A command in this folder.
+    pub fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_orchestrator"));
+        command.args(arguments).current_dir(self.folder.path());
+        command
+    }
+
+    pub fn run(&self, arguments: &[&str]) -> Said {
+        self.command(arguments).output().unwrap().into()
+    }
+
+    /// The summary that a command left in a folder.
+    pub fn summary(&self, folder: &str) -> serde_json::Value {
+        serde_json::from_str(&self.read(&format!("{folder}/summary.json"))).unwrap()
+    }
+}
+
+impl From<Output> for Said {
+    fn from(output: Output) -> Self {
+        let text = |bytes| String::from_utf8_lossy(bytes).into_owned();
+        Self {
+            code: output.status.code().unwrap_or(-1),
+            out: text(&output.stdout),
+            err: text(&output.stderr),
+        }
+    }
+}
+
+impl Said {
+    /// A mistake is one clear line that holds all the words, and exit code 2.
+    pub fn is_mistake(&self, words: &[&str]) {
+        assert_eq!(self.code, 2, "{}{}", self.out, self.err);
+        assert_eq!(self.err.trim_end().lines().count(), 1, "{}", self.err);
+        for word in words {
+            assert!(self.err.contains(word), "no `{word}` in: {}", self.err);
+        }
+    }
+}
+
+/// The model description with a part replaced.
+pub fn model(from: &str, to: &str) -> String {
+    assert!(MODEL.contains(from));
+    MODEL.replace(from, to)
+}
+
+/// The path of a file of the repository.
+pub fn repository(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(name)
+}

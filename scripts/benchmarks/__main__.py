@@ -1,0 +1,127 @@
+"""Measures the orchestrator and the FMU side by side with others and writes docs/benchmarks.md."""
+
+import argparse
+import datetime
+import os
+import sys
+from dataclasses import dataclass
+
+import page
+import parts
+import subjects
+from measure import Ratio, Trouble
+from parts import Row
+
+
+@dataclass
+class Scale:
+    """How much work is done."""
+
+    work: float
+    repetitions: int
+    points: int
+    sizes: list
+
+
+def arguments():
+    parser = argparse.ArgumentParser(prog="scripts/bench", description=__doc__)
+    parser.add_argument("--quick", action="store_true", help="rough figures within two minutes")
+    parser.add_argument("--points", type=int, metavar="N",
+                        help="random points on which leaps are compared with resolved turns [200]")
+    parser.add_argument("--most", type=int, metavar="N", help="largest study of the scaling series [100000]")
+    parser.add_argument("--repetitions", type=int, metavar="R", help="how often everything is measured [5]")
+    return parser.parse_args()
+
+
+def scale(options):
+    quick = options.quick
+    most = options.most or (1_000 if quick else 100_000)
+    sizes = [10 ** power for power in range(2, 8) if 10 ** power <= most] or [most]
+    return Scale(0.4 if quick else 1.0, options.repetitions or (3 if quick else 5),
+                 options.points or (40 if quick else 200), sizes)
+
+
+def say(text):
+    print(f"== {text}", file=sys.stderr, flush=True)
+
+
+def measure(size):
+    """All sections of the page, and the scaling series."""
+    subjects.compile_minimal()
+    stand, lag, trivial = subjects.stand(), subjects.lag(), subjects.trivial()
+    sections = []
+    say("orchestrator and minimal loop")
+    sections.append(("Orchestrator / minimal dlopen loop, a step", OVERHEAD, parts.overhead(size, [
+        ("the trivial FMU", trivial, 20_000, 3_000), ("the lag through the stand's boundary", lag, 20_000, 200),
+        ("the stand, 1 ms steps", stand, 2_000, 100)])))
+    say("other importers")
+    away = "" if parts.omsimulator_is_here() else " OMSimulator is not in `.venv`, so it is left out."
+    sections.append(("Other importers / orchestrator, a run", IMPORTERS + away, parts.importers(size, [
+        ("the trivial FMU, 1,000 steps", trivial, 1e-3, 1000, 1_000),
+        ("the trivial FMU, 1,000 steps, a larger batch", trivial, 1e-3, 1000, 10_000),
+        ("the stand, 1,000 steps of 1 ms", stand, 1e-3, 1000, 200),
+        ("the stand, one 150 s step", stand, 150.0, 1, 500)])))
+    say("leaps and resolved turns")
+    rows, errors = parts.multirate(size)
+    rows += [Row(f"largest error of {error.name}, of its tolerance", Ratio([error.worst]), "<= 1",
+                 error.worst <= 1, " %", f"{size.points} points") for error in errors]
+    sections.append(("Multirate / resolved", MULTIRATE, rows))
+    sections.append(("The errors of leaps", f"Over {size.points} random points of `studies/paper-table3.toml`, in per cent "
+                     "of the criterion's tolerance.", page.errors(errors)))
+    say("boundary")
+    sections.append(("FMU doStep / direct Rust call of the stand", BOUNDARY, parts.boundary(size, stand)))
+    say("isolation")
+    sections.append(("Worker processes / in process, a point", ISOLATION, parts.isolation(size, trivial)))
+    say("the paper's verification")
+    sections.append(("The paper's verification", PAPER, parts.paper(size)))
+    sizes = parts.scaling(size, say)
+    sections.append(("Scaling", SCALING, page.scaling(sizes)))
+    largest = [one for one in sizes if one.points == max(size.sizes)]
+    sections.append(("At the largest size", "A million points in 15 minutes on two cores are 1.8 ms of CPU time a point.", [
+        *[Row(f"CPU time a point, {one.jobs} at a time, {one.place}", Ratio([1e3 * one.cpu / one.points]), "<= 1.8",
+              1e3 * one.cpu / one.points <= 1.8, " ms", f"{one.points:,} points, all included") for one in largest],
+        *[Row(f"peak resident memory, {one.jobs} at a time, {one.place}", Ratio([one.memory]), "<= 200",
+              one.memory <= 200, " MB", f"{one.points:,} points") for one in largest]]))
+    sections.append(("Reynolds step / its flop bound", "Left out: the film has no benchmark of its own yet.", []))
+    return sections, sizes
+
+
+OVERHEAD = """\
+`verify --in-process --jobs 1` against `scripts/benchmarks/minimal.c`, one run after another on one instance. The trivial FMU
+(`scripts/benchmarks/trivial`) takes a multiplication or two a step, so that its
+ratio is that of the bare loops. The report's one replay of the best point, with its trajectory, is not a step of this
+comparison and cancels out. "An output read each step" is the mean over time as statistic; the minimal
+loop reads and adds up."""
+IMPORTERS = """\
+CPU time of a run with one output read at each step. fmpy: only the runs, with a model description and an
+unpacked FMU handed over, importing and loading left out. Orchestrator: the whole process, from its start to the written
+report, divided by its points; a ratio above 1 is in its favour. The goals of issue 8 are those of a trivial FMU
+and 1,000 runs, of which the orchestrator's start and report are a good part."""
+MULTIRATE = "One communication step of 150 s, with `solver.multirate` on (the default) and off."
+BOUNDARY = """\
+`fmu/examples/direct.rs` calls the stand without FMI; the minimal loop steps the packaged FMU. Both read one output after
+each step. A step of 150 s is compared with initialisation and all, on default parameters."""
+ISOLATION = "One worker process against the orchestrator's own process, one at a time, CPU time of all processes."
+PAPER = "CPU time of the whole process, the page and the files included."
+SCALING = """\
+`verify` of `studies/paper-table3.toml` with one 150 s step a point, the report and all files included. Peak memory is the sum
+of the peaks of the orchestrator and its workers.
+
+![CPU time a point over the number of points](images/benchmarks-scaling.svg)"""
+
+
+def main():
+    options = arguments()
+    os.chdir(subjects.ROOT)
+    subjects.WORK.mkdir(parents=True, exist_ok=True)
+    began, before = datetime.datetime.now(), os.getloadavg()[0]
+    try:
+        sections, sizes = measure(scale(options))
+    except Trouble as trouble:
+        raise SystemExit(f"bench: {trouble}") from trouble
+    command = " ".join(["scripts/bench", *sys.argv[1:]])
+    print(page.write(command, began, [before, os.getloadavg()[0]], sections, sizes))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,229 @@
+"""The parts of the benchmark. Each measures its subjects in turns and gives rows for the page."""
+
+import csv
+import json
+import statistics
+from dataclasses import dataclass
+
+import subjects
+from measure import Ratio, Trouble, in_turns
+from subjects import WORK, alone, constant, direct, importer, minimal, table3, verify
+
+
+@dataclass
+class Row:
+    """A line of a table: what is compared, the ratio, and what issue and goal say of it."""
+
+    what: str
+    ratio: Ratio
+    goal: str = ""
+    met: bool | None = None
+    unit: str = ""
+    note: str = ""
+
+
+def longer(measure, few, many):
+    """The cost of one out of `many - few`: what is spent once a process cancels out."""
+    return lambda: (measure(many) - measure(few)) / (many - few)
+
+
+def at_most(ratio, limit):
+    return {"goal": f"<= {limit:g}", "met": ratio.median <= limit}
+
+
+def at_least(ratio, limit):
+    return {"goal": f">= {limit:g}", "met": ratio.median >= limit}
+
+
+def overhead(scale, fmus):
+    """Orchestrator over the minimal loop, a step. The difference is one of runs, not of steps: each
+    verification replays its best point once, with its trajectory, for the report."""
+    rows = []
+    few = 5
+    for name, fmu, steps, runs in fmus:
+        many = few + max(5, round(runs * scale.work))
+        for reading, statistic in [("", "final"), (", an output read each step", "mean")]:
+            study = constant(fmu, 1e-3, steps, statistic)
+
+            def loop(count):
+                return minimal(fmu, 1e-3, steps, count, statistic == "mean")
+
+            def ours(count):
+                return alone(study, count)
+
+            [ratio], times = in_turns(scale.repetitions, longer(loop, few, many), longer(ours, few, many))
+            nanoseconds = [1e9 * statistics.median(time) / steps for time in times]
+            note = f"minimal loop {nanoseconds[0]:.1f} ns a step, orchestrator {nanoseconds[1]:.1f} ns"
+            rows.append(Row(f"{name}{reading}", ratio, note=note, **at_most(ratio, 1.05)))
+    return rows
+
+
+def importers(scale, fmus):
+    """Other importers over the orchestrator, a run, the orchestrator's start and report included."""
+    rows = []
+    for name, fmu, step, steps, batch in fmus:
+        study = constant(fmu, step, steps, "mean")
+        kinds = [("fmpy.simulate_fmu", "simulate", 300), ("fmpy, doStep loop", "loop", 150)]
+        if omsimulator_is_here():
+            kinds.append(("OMSimulator", "omsimulator", 100))
+        runs = max(3, round((20 if steps > 1 else 60) * scale.work))
+
+        def others(kind):
+            return lambda: importer(kind, fmu, step, steps, runs)[0]
+
+        def loop():
+            return minimal(fmu, step, steps, batch, True) / batch
+
+        def ours():
+            return alone(study, batch) / batch
+
+        ratios, times = in_turns(scale.repetitions, ours, loop, *[others(kind) for _, kind, _ in kinds])
+        note = f"{batch:,} points; orchestrator {1e3 * statistics.median(times[0]):.3f} ms a point, all included"
+        rows.append(Row(f"{name}: minimal loop, a run", ratios[0], note=note))
+        goals = batch == 1000 and name.startswith("the trivial")
+        for (kind, _, goal), ratio, time in zip(kinds, ratios[1:], times[2:]):
+            note = f"{1e3 * statistics.median(time):.2f} ms a run"
+            rows.append(Row(f"{name}: {kind}", ratio, note=note, **(at_least(ratio, goal) if goals else {})))
+    return rows
+
+
+def omsimulator_is_here():
+    try:
+        import OMSimulator  # noqa: F401
+    except ImportError:
+        return False
+    return True
+
+
+def multirate(scale):
+    """Leaping over turns against resolving them, in speed and in what the criteria become."""
+    leaping = table3("multirate")
+    resolved = table3("resolved", fixed='"solver.multirate" = false\n')
+    # The speed needs fewer points than the errors do.
+    points = min(scale.points, 200)
+    few = max(2, points // 20)
+
+    def measure(study):
+        return longer(lambda count: alone(study, count), few, points)
+
+    [ratio], times = in_turns(scale.repetitions, measure(leaping), measure(resolved))
+    note = (f"leaping {1e3 * statistics.median(times[0]):.2f} ms a point, "
+            f"resolved {1e3 * statistics.median(times[1]):.2f} ms")
+    rows = [Row("150 s in one step: resolved / multirate", ratio, note=note, **at_least(ratio, 50))]
+    return rows, errors(leaping, resolved, scale.points)
+
+
+@dataclass
+class Error:
+    """How far a criterion's value with leaps is from the resolved one, in per cent of its tolerance."""
+
+    name: str
+    median: float
+    high: float
+    worst: float
+    point: str
+    above: int
+    other: int
+
+
+def errors(leaping, resolved, points):
+    """An error for every criterion."""
+    tables = []
+    for study in [leaping, resolved]:
+        verify(study, "--in-process", "--points", points)
+        folder = WORK / "verification"
+        with open(folder / "points.csv", encoding="utf-8", newline="") as file:
+            tables.append(list(csv.DictReader(file)))
+        summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+    if any(row["status"] != "ok" for table in tables for row in table):
+        failed = [row["point"] for table in tables for row in table if row["status"] != "ok"]
+        raise Trouble(f"points {', '.join(failed)} failed")
+    found = []
+    for name, criterion in summary["criteria"].items():
+        apart = [(100 * abs(float(a[name]) - float(b[name])) / criterion["tolerance"], a["point"])
+                 for a, b in zip(*tables, strict=True)]
+        values = sorted(value for value, _ in apart)
+        worst, point = max(apart)
+        found.append(Error(name, statistics.median(values), values[int(0.99 * (len(values) - 1))], worst, point,
+                           sum(value > 1 for value in values),
+                           sum(a[f"{name}.ok"] != b[f"{name}.ok"] for a, b in zip(*tables))))
+    return found
+
+
+def boundary(scale, fmu):
+    """The FMU's doStep over the stand called from Rust."""
+    rows = []
+    for name, step, few, many in [("1 ms steps", 1e-3, 500, 5000), ("one 150 s step a run", 150.0, 30, 300)]:
+        many = max(few + 1, int(many * scale.work * (4 if step < 1 else 1)))
+        runs = 20
+
+        def by_steps(call):
+            return longer(lambda steps: call(step, steps, runs), few, many)
+
+        def by_runs(call):
+            return longer(lambda runs: call(step, 1, runs), few, many)
+
+        how = by_steps if step < 1 else by_runs
+        [ratio], times = in_turns(2 * scale.repetitions, how(direct),
+                                  how(lambda *sizes: minimal(fmu, *sizes, get=True)))
+        per = runs if step < 1 else 1
+        note = f"direct {1e6 * statistics.median(times[0]) / per:.2f} us, FMU {1e6 * statistics.median(times[1]) / per:.2f} us"
+        rows.append(Row(f"the stand, {name}, a get each", ratio, note=note, **at_most(ratio, 1.05)))
+    return rows
+
+
+def isolation(scale, trivial):
+    """Worker processes over the orchestrator's own process, a point, all CPU time counted."""
+    rows = []
+    for name, study, few, many in [
+            ("the stand, one 150 s step a point", table3("multirate"), 50, 1000),
+            ("the trivial FMU, one step a point", constant(trivial, 1e-3, 1, "final"), 1000, 30000)]:
+        many = max(2 * few, int(many * scale.work))
+
+        def measure(*options):
+            return longer(lambda count: verify(study, "--jobs", 1, "--points", count, *options).cpu, few, many)
+
+        [ratio], times = in_turns(scale.repetitions, measure("--in-process"), measure())
+        note = f"in process {1e6 * statistics.median(times[0]):.1f} us a point, isolated {1e6 * statistics.median(times[1]):.1f} us"
+        rows.append(Row(name, ratio, note=note))
+    return rows
+
+
+def paper(scale):
+    """The paper's 50 points, from the start of the process to the report, against the goal of 0.5 s."""
+    rows = []
+    for name, study in [("as shipped", table3("shipped", step=shipped_step())), ("one 150 s step", table3("multirate"))]:
+        seconds = Ratio([verify(study, "--points", 50).cpu for _ in range(2 * scale.repetitions)])
+        rows.append(Row(f"paper-table3.toml, {name}: CPU time of 50 points", seconds, unit=" s", **at_most(seconds, 0.5)))
+    return rows
+
+
+def shipped_step():
+    """The communication step of the shipped study, s."""
+    text = (subjects.ROOT / "studies" / "paper-table3.toml").read_text(encoding="utf-8")
+    [line] = [line for line in text.splitlines() if line.startswith("step =")]
+    return line.split("=")[1].split("#")[0].strip()
+
+
+@dataclass
+class Size:
+    """One run of a scaling series."""
+
+    points: int
+    jobs: int
+    place: str
+    cpu: float
+    wall: float
+    memory: float
+
+
+def scaling(scale, progress):
+    """Verifications of more and more points, with one and two workers, and in one process."""
+    study = table3("multirate")
+    sizes = []
+    for points in scale.sizes:
+        for jobs, options in [(1, []), (2, []), (2, ["--in-process"])]:
+            progress(f"scaling: {points:,} points, {jobs} at a time {' '.join(options)}")
+            seen = verify(study, "--points", points, "--jobs", jobs, *options, watch=True)
+            sizes.append(Size(points, jobs, "in process" if options else "isolated", seen.cpu, seen.wall, seen.memory))
+    return sizes

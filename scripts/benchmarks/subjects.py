@@ -1,0 +1,153 @@
+"""What is measured: the orchestrator, the minimal loop, the direct calls, other importers."""
+
+import os
+import re
+import shutil
+import sys
+import zipfile
+from dataclasses import dataclass
+from pathlib import Path
+
+from measure import Trouble, cost
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(ROOT / "scripts"))
+from platforms.common import PLATFORMS, native  # noqa: E402
+
+TARGET = ROOT / os.environ.get("CARGO_TARGET_DIR", "target") / "release"
+ORCHESTRATOR = TARGET / "orchestrator"
+WORK = ROOT / "results" / "bench"
+
+
+@dataclass
+class Fmu:
+    """An FMU with what a host needs to know to step it."""
+
+    file: Path
+    binary: Path
+    guid: str
+    output: str
+    reference: int
+    parameter: str
+    value: float
+
+    @property
+    def resources(self):
+        return (self.binary.parent / "resources").as_uri()
+
+
+def unpack(file, output, parameter, value):
+    """An FMU from its archive, unpacked beside the other results."""
+    folder = WORK / file.stem
+    shutil.rmtree(folder, ignore_errors=True)
+    with zipfile.ZipFile(file) as archive:
+        archive.extractall(folder)
+    xml = (folder / "modelDescription.xml").read_text(encoding="utf-8")
+    identifier = re.search(r'modelIdentifier="([^"]*)"', xml)[1]
+    tag = re.search(rf'<ScalarVariable[^>]*\bname="{re.escape(output)}"[^>]*>', xml)[0]
+    platform = native()
+    binary = folder / "binaries" / platform / (identifier + PLATFORMS[platform])
+    place = folder / binary.name
+    binary.rename(place)
+    (folder / "resources").mkdir(exist_ok=True)
+    return Fmu(file, place, re.search(r'guid="([^"]*)"', xml)[1], output,
+               int(re.search(r'valueReference="(\d+)"', tag)[1]), parameter, value)
+
+
+def stand():
+    """The stand as it is shipped."""
+    return unpack(ROOT / "dist" / "PlainBearingStand.fmu", "sensor.loadForce", "load.preload", 48)
+
+
+def pack(name, xml, library):
+    """An FMU of a model description and a library."""
+    identifier = re.search(r'modelIdentifier="([^"]*)"', xml)[1]
+    file = WORK / f"{name}.fmu"
+    with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("modelDescription.xml", xml)
+        archive.write(library, f"binaries/{native()}/{identifier}{PLATFORMS[native()]}")
+    return file
+
+
+def lag():
+    """The first-order lag of the FMU's examples: the stand's boundary with hardly any work behind it."""
+    xml = cost([TARGET / "examples" / "lag-description"]).text
+    library = TARGET / "examples" / f"liblag{PLATFORMS[native()]}"
+    return unpack(pack("lag", xml, library), "output", "gain", 2)
+
+
+def trivial():
+    """A first-order lag in a few lines of C: a step costs nothing but what its host spends on it."""
+    library = WORK / f"trivial{PLATFORMS[native()]}"
+    cost(["cc", "-O2", "-shared", "-fPIC", "-o", library, HERE / "trivial" / "trivial.c"])
+    xml = (HERE / "trivial" / "modelDescription.xml").read_text(encoding="utf-8")
+    return unpack(pack("trivial", xml, library), "y", "rate", 1)
+
+
+def compile_minimal():
+    """Compiles the minimal loop."""
+    cost(["cc", "-O2", "-Wall", "-o", WORK / "minimal", HERE / "minimal.c", "-ldl"])
+
+
+def minimal(fmu, step, steps, runs, get=False):
+    """CPU time of the minimal loop."""
+    reference = [fmu.reference] if get else []
+    return cost([WORK / "minimal", fmu.binary, fmu.guid, fmu.resources, step, steps, runs, *reference]).cpu
+
+
+def direct(step, steps, runs):
+    """CPU time of the stand called from Rust."""
+    return cost([TARGET / "examples" / "direct", step, steps, runs]).cpu
+
+
+def importer(kind, fmu, step, steps, runs):
+    """CPU seconds a run of another importer, loading left out, and the output's last value."""
+    text = cost([sys.executable, HERE / "importer.py", kind, fmu.file, step, steps, runs, fmu.output]).text
+    seconds, value = text.split()[-2:]
+    return float(seconds) / runs, float(value)
+
+
+def verify(study, *options, watch=False):
+    """A verification; its verdict is not the point here."""
+    command = [ORCHESTRATOR, "verify", study, "--output", WORK / "verification", *options]
+    return cost(command, allowed=(0, 1), watch=watch)
+
+
+def alone(study, points, *options):
+    """CPU time of points in the orchestrator's own process, one at a time."""
+    return verify(study, "--in-process", "--jobs", 1, "--points", points, *options).cpu
+
+
+def constant(fmu, step, steps, statistic):
+    """A study whose points are all the same, at the FMU's start values."""
+    file = WORK / f"{fmu.file.stem}-{step:g}-{steps}-{statistic}.toml"
+    file.write_text(f"""\
+fmu = "{fmu.file.as_posix()}"
+[simulation]
+stop = {step * steps!r}
+step = {step!r}
+[parameters."{fmu.parameter}"]
+distribution = "fixed"
+value = {fmu.value}
+[criteria.output]
+variable = "{fmu.output}"
+statistic = "{statistic}"
+nominal = 1
+tolerance = 1e9
+""", encoding="utf-8")
+    return file
+
+
+def table3(name, fixed="", step=150):
+    """The shipped study of Table 3 with another communication step and further start values."""
+    text = (ROOT / "studies" / "paper-table3.toml").read_text(encoding="utf-8")
+    fmu = (ROOT / "dist" / "PlainBearingStand.fmu").as_posix()
+    text, found = re.subn(r'(?m)^fmu = .*$', f'fmu = "{fmu}"', text)
+    text, again = re.subn(r'(?m)^step = .*$', f"step = {step}", text)
+    text, third = re.subn(r"(?m)^\[fixed\]\s*$", f"[fixed]\n{fixed}", text)
+    if (found, again, third) != (1, 1, 1):
+        raise Trouble("studies/paper-table3.toml has no fmu, step or [fixed] that could be replaced")
+    file = WORK / f"{name}.toml"
+    file.write_text(text, encoding="utf-8")
+    return file

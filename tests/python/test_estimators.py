@@ -1,0 +1,111 @@
+"""Sensitivity indices against SALib and OpenTURNS, on the runs of the stand itself."""
+
+import csv
+import json
+import os
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import openturns as ot
+import pytest
+from SALib.analyze import morris, pawn, sobol
+
+ROOT = Path(__file__).resolve().parents[2]
+STUDY = ROOT / "studies" / "paper-table3.toml"
+PARAMETERS, BASE = 7, 128
+CRITERIA = ["T_oil", "T_bearing", "F_N", "P_fr"]
+
+
+def orchestrator(*arguments):
+    program = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release" / "orchestrator"
+    subprocess.run([program, *map(str, arguments)], cwd=ROOT, check=True, capture_output=True)
+
+
+def results(folder):
+    """The result, and the runs as columns."""
+    with (folder / "sensitivity-runs.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert all(row["status"] == "ok" for row in rows)
+    names = list(rows[0])[:-2]
+    columns = {name: np.array([float(row[name]) for row in rows]) for name in names}
+    columns["verified"] = np.array([float(row["verified"] == "true") for row in rows])
+    result = json.loads((folder / "sensitivity.json").read_text())
+    return {output["name"]: output for output in result["outputs"]}, columns, names[:PARAMETERS]
+
+
+def values(estimates):
+    return np.array([estimate["value"] for estimate in estimates])
+
+
+def problem(names):
+    return {"num_vars": len(names), "names": names, "bounds": [[0, 1]] * len(names)}
+
+
+@pytest.fixture(scope="module", params=["saltelli", "jansen"])
+def indices(request, tmp_path_factory):
+    folder = tmp_path_factory.mktemp(request.param)
+    orchestrator("sensitivity", STUDY, "--base", BASE, "--estimator", request.param, "--output", folder)
+    return request.param, *results(folder)
+
+
+def blocks(y):
+    """A, B and the mixed samples, a column a parameter."""
+    y = y.reshape(BASE, PARAMETERS + 2)
+    return y[:, 0], y[:, -1], y[:, 1:-1]
+
+
+@pytest.mark.parametrize("name", [*CRITERIA, "verified"])
+def test_sobol_indices_equal_salib(indices, name):
+    estimator, outputs, columns, names = indices
+    expected = sobol.analyze(problem(names), columns[name], calc_second_order=False, seed=1)
+    found = outputs[name]["sobol"]
+    np.testing.assert_allclose(values(found["total"]), expected["ST"], rtol=0, atol=1e-10)
+    if estimator == "saltelli":
+        np.testing.assert_allclose(values(found["first"]), expected["S1"], rtol=0, atol=1e-10)
+
+
+@pytest.mark.parametrize("name", ["F_N", "P_fr"])
+def test_sobol_indices_agree_with_openturns(indices, name):
+    _, outputs, columns, names = indices
+    a, b, mixed = blocks(columns[name])
+    inputs = ot.Sample(np.zeros((BASE * (PARAMETERS + 2), PARAMETERS)))
+    stacked = ot.Sample(np.concatenate([a, b, *mixed.T])[:, None])
+    theirs = ot.JansenSensitivityAlgorithm(inputs, stacked, BASE)
+    theirs.setBootstrapSize(300)
+    interval = theirs.getTotalOrderIndicesInterval()
+    low, high = np.array(interval.getLowerBound()), np.array(interval.getUpperBound())
+    ours = values(outputs[name]["sobol"]["total"])
+    margin = 0.02
+    assert np.all(ours >= low - margin) and np.all(ours <= high + margin)
+
+
+def test_pawn_agrees_with_salib(indices):
+    _, outputs, columns, names = indices
+    plain = np.arange(BASE * (PARAMETERS + 2)) % (PARAMETERS + 2)
+    plain = (plain == 0) | (plain == PARAMETERS + 1)
+    x = np.column_stack([columns[name][plain] for name in names])
+    expected = pawn.analyze(problem(names), x, columns["P_fr"][plain], S=10, seed=1)
+    # SALib leaves the largest value of each parameter out of the last slice: one in 26.
+    np.testing.assert_allclose(values(outputs["P_fr"]["pawn"]["median"]), expected["median"], atol=0.04)
+
+
+def test_elementary_effects_equal_salib(tmp_path):
+    orchestrator("sensitivity", STUDY, "--morris", "12", "--output", tmp_path)
+    outputs, columns, names = results(tmp_path)
+    # The grid behind the parameters: the ranks of their four levels.
+    grid = np.column_stack([np.unique(columns[name].round(12), return_inverse=True)[1] / 3 for name in names])
+    for name in CRITERIA:
+        expected = morris.analyze(problem(names), grid, columns[name], num_levels=4, seed=1)
+        effects = outputs[name]["morris"]
+        scale = max(np.abs(expected["mu"]).max(), 1)
+        assert np.allclose([e["mu"] for e in effects], expected["mu"], rtol=0, atol=1e-10 * scale)
+        assert np.allclose([e["mu_star"]["value"] for e in effects], expected["mu_star"], rtol=0, atol=1e-10 * scale)
+        assert np.allclose([e["sigma"] for e in effects], expected["sigma"], rtol=0, atol=1e-10 * scale)
+
+
+def test_the_clearance_dominates_the_bearing_temperature(tmp_path):
+    orchestrator("sensitivity", STUDY, "--base", "512", "--output", tmp_path)
+    outputs, _, names = results(tmp_path)
+    assert outputs["T_bearing"]["dominant"] == "bearing.radialClearance"
+    assert values(outputs["T_bearing"]["sobol"]["total"])[names.index("bearing.radialClearance")] > 0.8

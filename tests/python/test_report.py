@@ -1,0 +1,145 @@
+"""The report in a real browser: no error, hovering, selecting, the keyboard, any number of points.
+
+Needs Chromium and its driver (Debian: chromium, chromium-driver) and the selenium package.
+"""
+
+import os
+import shutil
+import subprocess
+import time
+from pathlib import Path
+
+import pytest
+
+selenium = pytest.importorskip("selenium")
+from selenium import webdriver  # noqa: E402
+from selenium.webdriver.chrome.options import Options  # noqa: E402
+from selenium.webdriver.chrome.service import Service  # noqa: E402
+from selenium.webdriver.common.action_chains import ActionChains  # noqa: E402
+from selenium.webdriver.common.by import By  # noqa: E402
+from selenium.webdriver.common.keys import Keys  # noqa: E402
+
+ROOT = Path(__file__).resolve().parents[2]
+CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
+pytestmark = pytest.mark.skipif(not (CHROMIUM and DRIVER), reason="Chromium or its driver is not installed")
+
+SWITCHES = """--headless=new --no-sandbox --disable-gpu --no-first-run --disable-background-networking
+--disable-component-update --disable-sync --window-size=1300,1000""".split()
+
+
+def report(folder, points):
+    command = ["cargo", "run", "-q", "-p", "orchestrator", "--example", "report_demo", "--", str(points), str(folder)]
+    subprocess.run(command, cwd=ROOT, check=True, env={**os.environ, "CARGO_TERM_COLOR": "never"})
+    return folder / "report.html"
+
+
+@pytest.fixture(scope="module")
+def browser():
+    options = Options()
+    options.binary_location = CHROMIUM
+    for switch in SWITCHES:
+        options.add_argument(switch)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    driver = webdriver.Chrome(options=options, service=Service(DRIVER))
+    yield driver
+    driver.quit()
+
+
+@pytest.fixture(scope="module")
+def small(tmp_path_factory):
+    return report(tmp_path_factory.mktemp("small"), 50)
+
+
+def opened(browser, page):
+    browser.get(page.as_uri())
+    plot = browser.find_elements(By.CSS_SELECTOR, "figure.plane svg")[1]
+    browser.execute_script("arguments[0].scrollIntoView({block: 'center', behavior: 'instant'})", plot)
+    return plot
+
+
+def settle(browser):
+    """Lets the page draw what has changed."""
+    browser.execute_async_script("const done = arguments[0]; requestAnimationFrame(() => requestAnimationFrame(done))")
+    time.sleep(0.05)
+
+
+def verified_mark(browser, plot):
+    """Where the first verified point is, from the middle of the plot."""
+    return browser.execute_script(
+        """const m = arguments[0].querySelector('.pt.in').getAttribute('d').match(/M([\\d.]+),([\\d.]+)a([\\d.]+)/);
+        const box = arguments[0].getBoundingClientRect(), view = arguments[0].viewBox.baseVal;
+        return [(+m[1] + +m[3]) * box.width / view.width - box.width / 2, +m[2] * box.height / view.height - box.height / 2]""",
+        plot,
+    )
+
+
+def selected(browser):
+    settle(browser)
+    return browser.find_element(By.ID, "selection-count").text
+
+
+def test_no_errors_and_nothing_from_outside(browser, small):
+    opened(browser, small)
+    assert browser.get_log("browser") == []
+    assert browser.execute_script("return performance.getEntriesByType('resource').length") == 0
+    assert "http" not in small.read_text().replace("http://www.w3.org/2000/svg", "").replace("http-equiv", "")
+
+
+def test_hovering_shows_the_point_everywhere(browser, small):
+    plot = opened(browser, small)
+    x, y = verified_mark(browser, plot)
+    ActionChains(browser).move_to_element_with_offset(plot, round(x), round(y)).perform()
+    settle(browser)
+    tip = browser.find_element(By.ID, "tip")
+    assert tip.is_displayed() and "meets all criteria" in tip.text and "bearing.radialClearance" in tip.text
+    rings = browser.find_elements(By.CSS_SELECTOR, "figure.plane .ring")
+    assert len(rings) == 4 and all(ring.get_attribute("d") for ring in rings)
+
+
+def test_dragging_selects_and_lists(browser, small):
+    plot = opened(browser, small)
+    assert selected(browser) == "None selected."
+    drag = ActionChains(browser).move_to_element_with_offset(plot, -180, -150).click_and_hold()
+    drag.move_by_offset(200, 150).move_by_offset(200, 150).release().perform()
+    text = selected(browser)
+    count = int(text.split()[0])
+    assert count > 5
+    assert len(browser.find_elements(By.CSS_SELECTOR, "#selection-table tbody tr")) == count
+    browser.find_element(By.TAG_NAME, "body").send_keys(Keys.ESCAPE)
+    assert selected(browser) == "None selected."
+
+
+def test_the_keyboard_reaches_the_points(browser, small):
+    plot = opened(browser, small)
+    plot.send_keys(Keys.ARROW_RIGHT, Keys.ARROW_RIGHT, Keys.ENTER)
+    assert selected(browser).startswith("1 selected")
+    assert browser.find_element(By.ID, "tip").text.startswith("Point")
+
+
+def test_other_axes_can_be_chosen(browser, small):
+    opened(browser, small)
+    choice = browser.find_element(By.CSS_SELECTOR, "figure.plane select")
+    choice.send_keys("load.stiffness")
+    settle(browser)
+    titles = [t.text for t in browser.find_elements(By.CSS_SELECTOR, "figure.plane:first-of-type .title")]
+    assert "load.stiffness (N/m)" in titles
+
+
+def test_every_plot_has_a_name_for_screen_readers(browser, small):
+    opened(browser, small)
+    nameless = browser.execute_script(
+        "return [...document.querySelectorAll('svg')].filter(s => !s.getAttribute('aria-label') && !s.closest('[aria-hidden]')"
+        " && !s.hasAttribute('aria-hidden') && !s.classList.contains('key')).length"
+    )
+    assert nameless == 0
+
+
+def test_a_million_points_stay_small_and_work(browser, tmp_path):
+    page = report(tmp_path, 1_000_000)
+    assert page.stat().st_size < 5_000_000
+    plot = opened(browser, page)
+    assert browser.get_log("browser") == []
+    assert plot.find_elements(By.CSS_SELECTOR, ".dens.in")
+    ActionChains(browser).move_to_element(plot).perform()
+    settle(browser)
+    assert browser.find_element(By.ID, "tip").text.startswith("Point")
