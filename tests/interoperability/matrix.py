@@ -1,0 +1,229 @@
+#!/usr/bin/env python3
+"""Runs the FMU through every importer that installs, and compares their outputs with our own.
+
+The same start values, the same communication points; each importer in a Python environment of
+its own under .cache/importers. With --readme the table goes into the README, between its markers.
+Exit code 1 when an importer that runs here fails or differs by more than 1e-12.
+"""
+
+import argparse
+import csv
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parent.parent
+CACHE = ROOT / ".cache" / "importers"
+FMU = ROOT / "dist" / "PlainBearingStand.fmu"
+TOLERANCE = 1e-12
+BEGIN, END = "<!-- interoperability:begin -->", "<!-- interoperability:end -->"
+
+sys.path.insert(0, str(HERE / "importers"))
+from scenario import OUTPUTS, START, STEP, STEPS, STOP  # noqa: E402
+
+# name, its runner, its packages (the first names the environment)
+PYTHON = [
+    ("FMPy", "use_fmpy", ["fmpy"]),
+    ("libcosimpy (libcosim, FMI Library)", "use_libcosimpy", ["libcosimpy"]),
+    ("ecospy (ECOS)", "use_ecos", ["ecospy"]),
+    ("FMU Manipulation Toolbox", "use_toolbox", ["fmu-manipulation-toolbox", "fmpy"]),
+    ("GEMSEO (gemseo-fmu)", "use_gemseo", ["gemseo-fmu"]),
+    ("PathSim (pathsim-fmi)", "use_pathsim", ["pathsim-fmi"]),
+    ("estim8", "use_estim8", ["estim8", "psutil"]),
+    ("fmuloader", "use_fmuloader", ["fmuloader"]),
+    ("OMSimulator", None, ["omsimulator"]),
+    ("PyFMI", None, ["pyfmi"]),
+]
+RUST = [("fmi", "use-fmi"), ("fmi-sim", "use-fmi-sim"), ("fmu-runner", "use-fmu-runner")]
+# Why a tool cannot run this FMU, or any like it, where that is known.
+KNOWN = {
+    "fmuloader": ("undefined symbol: fmi2EnterEventMode",
+                  "needs the Model-Exchange functions in every FMU"),
+}
+
+
+class Trouble(Exception):
+    """Why an importer has no result."""
+
+
+@dataclass
+class Row:
+    tool: str
+    version: str = ""
+    result: str = ""
+    difference: float | None = None
+    good: bool = True
+
+
+def last_line(text):
+    lines = [line.strip() for line in text.splitlines() if line.strip()]
+    errors = [line for line in lines if "rror" in line]
+    return (errors or lines or ["no output"])[-1]
+
+
+def run(command, **options):
+    done = subprocess.run([str(part) for part in command], capture_output=True, text=True,
+                          timeout=900, **options)
+    if done.returncode != 0:
+        raise Trouble(last_line(done.stdout + done.stderr))
+    return done.stdout
+
+
+def environment(name, packages):
+    """The Python of an environment with these packages."""
+    folder = CACHE / name
+    python = folder / "bin" / "python"
+    if not (folder / ".ready").exists():
+        shutil.rmtree(folder, ignore_errors=True)
+        run([sys.executable, "-m", "venv", folder])
+        try:
+            run([python, "-m", "pip", "install", "--quiet", *packages])
+        except Trouble as trouble:
+            raise Trouble(f"does not install here: {trouble}") from trouble
+        (folder / ".ready").touch()
+    return python
+
+
+def samples_of(runner, python):
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder) / "samples.json"
+        run([python, HERE / "importers" / f"{runner}.py", FMU, out], cwd=folder)
+        found = json.loads(out.read_text())
+    samples = [[float.fromhex(value) for value in sample] for sample in found["samples"]]
+    return samples, found["version"], found["note"]
+
+
+def rust_programs():
+    """The folder of the Rust importers, built when that is needed."""
+    target = ROOT / ".cache" / "rust-importers"
+    run(["cargo", "build", "--locked"], cwd=HERE / "rust",
+        env={**os.environ, "CARGO_TARGET_DIR": str(target)})
+    return target / "debug"
+
+
+def rust_version(package):
+    lock = (HERE / "rust" / "Cargo.lock").read_text()
+    return lock.split(f'name = "{package}"\nversion = "', 1)[1].split('"', 1)[0]
+
+
+def rust_samples(program):
+    start = ",".join(f"{name}={value!r}" for name, value in START.items())
+    text = run([program, FMU, repr(STEP), str(STEPS), start, ",".join(OUTPUTS)])
+    return [[float(value) for value in line.split(",")] for line in text.splitlines()]
+
+
+def orchestrator_samples(program):
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder) / "out.csv"
+        start = [part for name, value in START.items() for part in ("--set", f"{name}={value!r}")]
+        run([program, "simulate", FMU, *start, "--stop", STOP, "--step", STEP, "--output", out])
+        rows = list(csv.DictReader(out.open()))
+    return [[float(row[name]) for name in OUTPUTS] for row in rows]
+
+
+def difference(samples, reference):
+    """The largest relative difference; a tool may leave out the sample at the start."""
+    if len(samples) not in (len(reference), len(reference) - 1):
+        raise Trouble(f"{len(samples)} samples in place of {len(reference)}")
+    return max(abs(ours - theirs) / max(abs(ours), 1e-300) if ours != theirs else 0.0
+               for sample, expected in zip(samples, reference[-len(samples):])
+               for theirs, ours in zip(sample, expected, strict=True))
+
+
+def judged(row, samples, reference, note):
+    row.difference = difference(samples, reference)
+    row.good = row.difference <= TOLERANCE
+    row.result = "identical" if row.difference == 0.0 else f"differs by {row.difference:.0e}"
+    row.result += f"; {note}" if note else ""
+
+
+def python_row(tool, runner, packages, reference):
+    row = Row(tool)
+    try:
+        python = environment(packages[0], packages)
+        if runner is None:
+            raise Trouble("installs, but no runner is written for it yet")
+        samples, row.version, note = samples_of(runner, python)
+        judged(row, samples, reference, note)
+    except (Trouble, subprocess.TimeoutExpired) as trouble:
+        symptom, why = KNOWN.get(tool, ("", ""))
+        known = why and symptom in str(trouble)
+        row.result = f"cannot: {why}" if known else str(trouble)
+        row.good = bool(known) or runner is None
+    return row
+
+
+def rust_rows(reference):
+    rows = []
+    for package, program in RUST:
+        row = Row(f"Rust crate {package}")
+        rows.append(row)
+        try:
+            row.version = rust_version(package)
+            judged(row, rust_samples(rust_programs() / program), reference, "")
+        except Trouble as trouble:
+            row.result, row.good = str(trouble), False
+    return rows
+
+
+def own_rows(reference):
+    program = ROOT / os.environ.get("CARGO_TARGET_DIR", "target") / "release" / "orchestrator"
+    if not program.exists():
+        return []
+    row = Row("orchestrator simulate (ours)")
+    try:
+        row.version = run([program, "--version"]).split()[-1]
+        judged(row, orchestrator_samples(program), reference, "")
+    except Trouble as trouble:
+        row.result, row.good = str(trouble), False
+    return [row]
+
+
+def table(rows):
+    lines = ["| Importer | Version | Outputs against direct C calls |", "|---|---|---|"]
+    for row in rows:
+        lines.append(f"| {row.tool} | {row.version or '-'} | {row.result.replace('|', '/')} |")
+    return "\n".join(lines)
+
+
+def into_readme(text):
+    readme = ROOT / "README.md"
+    before, begin, rest = readme.read_text(encoding="utf-8").partition(BEGIN)
+    _, end, after = rest.partition(END)
+    if not begin or not end:
+        raise SystemExit(f"README.md has no {BEGIN} ... {END}")
+    readme.write_text(f"{before}{BEGIN}\n{text}\n{END}{after}", encoding="utf-8")
+
+
+def measure():
+    python = environment("fmpy", ["fmpy"])
+    reference, _, _ = samples_of("reference", python)
+    rows = own_rows(reference)
+    for tool, runner, packages in PYTHON:
+        print(f"== {tool}", file=sys.stderr, flush=True)
+        rows.append(python_row(tool, runner, packages, reference))
+    print("== Rust crates", file=sys.stderr, flush=True)
+    return rows + rust_rows(reference)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--readme", action="store_true", help="write the table into the README")
+    options = parser.parse_args()
+    if not FMU.is_file():
+        raise SystemExit(f"{FMU} is missing: run scripts/package-fmu first")
+    rows = measure()
+    print(table(rows))
+    if options.readme:
+        into_readme(table(rows))
+    return 0 if all(row.good for row in rows) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
