@@ -14,6 +14,7 @@ from .build import GLIBC, cargo, zig
 from .common import CACHE, Failure, run, say, target_dir
 
 # Suites that carry newer compilers than the stable release does.
+KEYRING = "/usr/share/keyrings/debian-archive-keyring.gpg"
 SUITES = ["trixie-backports", "bookworm-backports", "sid"]
 BUILD_STD = "std,panic_unwind"
 
@@ -86,7 +87,7 @@ def library_source(version):
     apt = CACHE / "apt"
     (apt / "lists/partial").mkdir(parents=True, exist_ok=True)
     for suite in SUITES:
-        (apt / "sources.list").write_text(f"deb [trusted=yes] {uri} {suite} main\n")
+        (apt / "sources.list").write_text(f"deb [signed-by={KEYRING}] {uri} {suite} main\n")
         options = [f"-oDir::Etc::SourceList={apt}/sources.list", "-oDir::Etc::SourceParts=/dev/null",
                    f"-oDir::State::Lists={apt}/lists", "-oAPT::Get::List-Cleanup=0",
                    f"-oDir::Cache::pkgcache={apt}/p", f"-oDir::Cache::srcpkgcache={apt}/s"]
