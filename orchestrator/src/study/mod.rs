@@ -5,6 +5,8 @@
 mod error;
 pub mod plan;
 pub mod quantity;
+#[cfg(test)]
+mod schema_tests;
 
 use std::path::{Path, PathBuf};
 

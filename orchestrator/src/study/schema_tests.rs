@@ -1,0 +1,205 @@
+//! `studies/study.schema.json` says what the reader reads: the same keys, the same words.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+
+use super::Study;
+use crate::identify::settings::Document;
+
+fn studies() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../studies")
+}
+
+fn schema() -> Value {
+    let text = fs::read_to_string(studies().join("study.schema.json")).unwrap();
+    serde_json::from_str(&text).unwrap()
+}
+
+/// The names that the reader would have taken instead of `unheard-of`, as its error tells them.
+fn expected(text: &str) -> BTreeSet<String> {
+    let error = match toml::from_str::<Study>(text) {
+        Err(error) => error,
+        Ok(_) => toml::from_str::<Document>(text).unwrap_err(),
+    };
+    let mut names = error.message().split('`').skip(1).step_by(2);
+    assert_eq!(names.next(), Some("unheard-of"), "{error}");
+    names.map(str::to_owned).collect()
+}
+
+fn keys(schema: &Value) -> BTreeSet<String> {
+    schema["properties"]
+        .as_object()
+        .unwrap()
+        .keys()
+        .cloned()
+        .collect()
+}
+
+#[test]
+fn the_schema_has_exactly_the_keys_that_the_reader_takes() {
+    let schema = schema();
+    assert_eq!(keys(&schema), expected("unheard-of = 1"), "a study");
+    let places = [
+        ("simulation", "[simulation]\n"),
+        ("design", "[design]\n"),
+        ("parameter", "[parameters.x]\n"),
+        ("criterion", "[criteria.x]\n"),
+        ("variant", "[variants.x]\n"),
+        ("identify", "[identify]\n"),
+        ("free", "[identify.free.x]\n"),
+        ("known", "[identify.known.x]\n"),
+        ("latent", "[identify.latent.x]\n"),
+        ("exception", "[[identify.latent.x.except]]\n"),
+        ("measured", "[identify.measured.x]\n"),
+    ];
+    for (name, section) in places {
+        let text = format!("fmu = \"a.fmu\"\n{section}unheard-of = 1\n");
+        assert_eq!(keys(&schema["$defs"][name]), expected(&text), "{name}");
+    }
+}
+
+#[test]
+fn the_schema_has_exactly_the_words_that_the_reader_takes() {
+    let defs = &schema()["$defs"];
+    let places = [
+        (&defs["design"]["properties"]["method"], "[design]\nmethod"),
+        (
+            &defs["parameter"]["properties"]["distribution"],
+            "[parameters.x]\ndistribution",
+        ),
+        (&defs["statistic"], "[criteria.x]\nstatistic"),
+        (
+            &defs["free"]["properties"]["scale"],
+            "[identify.free.x]\nscale",
+        ),
+    ];
+    for (schema, place) in places {
+        let words = schema["enum"].as_array().unwrap().iter();
+        let words: BTreeSet<String> = words.map(|word| word.as_str().unwrap().into()).collect();
+        let text = format!("fmu = \"a.fmu\"\n{place} = \"unheard-of\"\n");
+        assert_eq!(words, expected(&text), "{place}");
+    }
+}
+
+/// What is wrong with a value, by as much of JSON Schema as the schema of studies uses.
+fn faults(root: &Value, schema: &Value, value: &Value, at: &str) -> Vec<String> {
+    if *schema == Value::Bool(false) {
+        return vec![format!("{at} has no place here")];
+    }
+    let mut found = Vec::new();
+    if let Some(name) = schema["$ref"].as_str() {
+        let target = root.pointer(name.trim_start_matches('#')).unwrap();
+        found.extend(faults(root, target, value, at));
+    }
+    let is = |kind: &str| match kind {
+        "object" => value.is_object(),
+        "array" => value.is_array(),
+        "string" => value.is_string(),
+        "boolean" => value.is_boolean(),
+        "integer" => value.is_u64() || value.is_i64(),
+        "number" => value.is_number(),
+        other => panic!("the schema has the type {other}"),
+    };
+    let typed = match &schema["type"] {
+        Value::String(kind) => is(kind),
+        Value::Array(kinds) => kinds.iter().any(|kind| is(kind.as_str().unwrap())),
+        _ => true,
+    };
+    if !typed {
+        found.push(format!("{at} is no {}", schema["type"]));
+    }
+    let words = schema["enum"].as_array();
+    if words.is_some_and(|words| !words.contains(value))
+        || schema.get("const").is_some_and(|word| word != value)
+    {
+        found.push(format!("{at} is {value}"));
+    }
+    for bound in ["minimum", "exclusiveMinimum"] {
+        if let (Some(min), Some(number)) = (schema[bound].as_f64(), value.as_f64())
+            && (number < min || bound != "minimum" && number == min)
+        {
+            found.push(format!("{at} is {number}"));
+        }
+    }
+    for part in schema["allOf"].as_array().into_iter().flatten() {
+        if faults(root, &part["if"], value, at).is_empty() {
+            found.extend(faults(root, &part["then"], value, at));
+        }
+    }
+    for item in value.as_array().into_iter().flatten() {
+        found.extend(faults(root, &schema["items"], item, at));
+    }
+    let Some(table) = value.as_object() else {
+        return found;
+    };
+    for name in schema["required"].as_array().into_iter().flatten() {
+        if !table.contains_key(name.as_str().unwrap()) {
+            found.push(format!("{at} lacks {name}"));
+        }
+    }
+    for (key, value) in table {
+        let own = schema["properties"].get(key);
+        if let Some(schema) = own.or(schema.get("additionalProperties")) {
+            found.extend(faults(root, schema, value, &format!("{at}.{key}")));
+        }
+    }
+    found
+}
+
+fn faults_of(text: &str) -> Vec<String> {
+    let value: Value = toml::from_str(text).unwrap();
+    let schema = schema();
+    faults(&schema, &schema, &value, "study")
+}
+
+#[test]
+fn every_shipped_study_is_valid() {
+    let mut count = 0;
+    for entry in fs::read_dir(studies()).unwrap() {
+        let path = entry.unwrap().path();
+        if path
+            .extension()
+            .is_some_and(|extension| extension == "toml")
+        {
+            let text = fs::read_to_string(&path).unwrap();
+            assert_eq!(faults_of(&text), [""; 0], "{}", path.display());
+            count += 1;
+        }
+    }
+    assert!(count >= 5, "{count} studies");
+}
+
+#[test]
+fn the_schema_refuses_what_the_reader_refuses() {
+    let mistakes = [
+        ("title = \"no FMU\"", "study lacks \"fmu\""),
+        ("fmu = 3", "study.fmu is no"),
+        ("fmu = \"a\"\n[design]\npionts = 3", "study.design.pionts"),
+        (
+            "fmu = \"a\"\n[design]\nmethod = \"sobel\"",
+            "study.design.method",
+        ),
+        (
+            "fmu = \"a\"\n[parameters.x]\ndistribution = \"normal\"\nmean = 1",
+            "study.parameters.x lacks \"deviation\"",
+        ),
+        (
+            "fmu = \"a\"\n[parameters.x]\ndistribution = \"fixed\"\nvalue = 1\nmax = 2",
+            "study.parameters.x.max",
+        ),
+        (
+            "fmu = \"a\"\n[criteria.x]\nvariable = \"y\"\nnominal = 1",
+            "study.criteria.x lacks \"tolerance\"",
+        ),
+    ];
+    for (text, words) in mistakes {
+        let found = faults_of(text);
+        assert!(
+            found.iter().any(|fault| fault.starts_with(words)),
+            "{text}: {found:?}"
+        );
+    }
+}
