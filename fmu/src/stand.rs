@@ -186,10 +186,7 @@ impl Stand {
 
     /// The upper half of Fig. 3: drive, load mechanism and bearing, `tau` seconds into the step.
     fn instant(&self, tau: f64, eccentricity: [f64; 2], viscosity: f64) -> Instant {
-        let command = self.command();
-        let speed = self.drive.speed(&command, tau);
-        let angle = self.state.angle + self.drive.turned(&command, tau);
-        let load = self.load.force(angle, speed) + self.inputs.external_force.at(tau);
+        let (speed, angle, load) = self.driven(tau);
         let motion = match &self.film {
             Some(film) => film.motion(),
             None => self
@@ -205,11 +202,13 @@ impl Stand {
         }
     }
 
-    /// The load on the bearing, N, `tau` seconds into the step.
-    fn load_at(&self, tau: f64) -> f64 {
+    /// Shaft speed (rad/s) and angle (rad) and the load on the bearing (N), `tau` seconds into the step.
+    fn driven(&self, tau: f64) -> (f64, f64, f64) {
         let command = self.command();
+        let speed = self.drive.speed(&command, tau);
         let angle = self.state.angle + self.drive.turned(&command, tau);
-        self.load.force(angle, self.drive.speed(&command, tau)) + self.inputs.external_force.at(tau)
+        let load = self.load.force(angle, speed) + self.inputs.external_force.at(tau);
+        (speed, angle, load)
     }
 
     /// The lower half of Fig. 3: the heat that friction makes, and where it goes. K/s.

@@ -46,7 +46,7 @@ impl Stand {
         let steps = (span / longest).ceil().max(1.0);
         let step = span / steps;
         for _ in 0..steps as usize {
-            let load = [0.0, step].map(|tau| self.load_at(tau));
+            let load = [0.0, step].map(|tau| self.driven(tau).2);
             let speed = self.drive.speed(&self.command(), 0.5 * step);
             let viscosity = self.fluid.viscosity(self.state.temperatures.film);
             let contact = self.prepared.contact();
