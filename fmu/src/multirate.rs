@@ -8,7 +8,7 @@
 //! Dynamical Systems, ch. 2). The turn at the end is for the caller to resolve.
 
 use crate::bearing::Flows;
-use crate::solver::{DormandPrince, Failure, Rodas3};
+use crate::solver::{DormandPrince, Failure, Quadrature, Rodas3};
 use crate::thermal::Temperatures;
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 use std::cell::RefCell;
@@ -56,24 +56,22 @@ pub fn leap(
 ) -> Result<Landing, NoLeap> {
     let curve = RefCell::new(Curve::new(model, tolerance, &from));
     let flows = |t: &Vector4| {
-        curve
-            .borrow_mut()
-            .at(model.viscosity(t[0]))
-            .map(|o| o.flows())
+        let viscosity = model.viscosity(t[0]);
+        curve.borrow_mut().at(viscosity).map(|o| o.flows())
     };
     let rates = |t: &Vector4, flows: &Flows| vector(&model.thermal_rates(&temperatures(t), flows));
     // The flows depend on the first unknown, the film's temperature, alone.
-    let jacobian = |t: &Vector4| -> Result<_, NoLeap> {
+    let linear = |t: &Vector4| -> Result<_, NoLeap> {
         let here = flows(t)?;
         let at_here = rates(t, &here);
-        let mut matrix = SMatrix::<f64, 4, 4>::zeros();
+        let mut jacobian = SMatrix::<f64, 4, 4>::zeros();
         for column in 0..4 {
             let mut beside = *t;
             beside[column] += NUDGE;
             let changed = if column == 0 { flows(&beside)? } else { here };
-            matrix.set_column(column, &((rates(&beside, &changed) - at_here) / NUDGE));
+            jacobian.set_column(column, &((rates(&beside, &changed) - at_here) / NUDGE));
         }
-        Ok(matrix)
+        Ok((at_here, jacobian))
     };
     let integrator = Rodas3 {
         allowed: [DRIFT_ERROR * tolerance; 4],
@@ -83,7 +81,7 @@ pub fn leap(
     let span = turns as f64 * model.period();
     integrator.integrate(
         |t| Ok(rates(t, &flows(t)?)),
-        jacobian,
+        linear,
         &mut t,
         span,
         model.period(),
@@ -100,7 +98,7 @@ pub fn leap(
 /// The change of a temperature from which derivatives are taken, K.
 const NUDGE: f64 = 1e-3;
 /// The error allowed in each temperature per step, K, at a relative tolerance of one.
-const DRIFT_ERROR: f64 = 300.0;
+const DRIFT_ERROR: f64 = 1000.0;
 
 type Vector4 = SVector<f64, 4>;
 
@@ -159,6 +157,17 @@ impl Orbit {
             side_flow: self.0[4].exp(),
         }
     }
+
+    /// A sum of orbits with weights.
+    fn blend<'a>(parts: impl Iterator<Item = (f64, &'a Self)>) -> Self {
+        let mut sum = [0.0; 5];
+        for (weight, orbit) in parts {
+            for (sum, value) in sum.iter_mut().zip(orbit.0) {
+                *sum += weight * value;
+            }
+        }
+        Self(sum)
+    }
 }
 
 /// Orbits over the logarithm of the viscosity, found where they are needed and interpolated by cubics.
@@ -167,10 +176,17 @@ struct Curve<'a, M> {
     tolerance: f64,
     origin: f64,
     spacing: f64,
-    guess: [f64; 2],
     nodes: BTreeMap<i32, Orbit>,
+    /// The cell that was asked for last, and its four nodes.
+    cell: Option<(i32, [Orbit; 4])>,
+    /// Where the journal is before any orbit is known.
+    guess: [f64; 2],
     /// Approximate derivative of a turn's end over its beginning, minus one.
     slope: Matrix2<f64>,
+    /// Mean heat of the last turn, W.
+    heat: f64,
+    /// The step within a turn to try next, s.
+    step: f64,
 }
 
 /// Spacing of the orbits in the logarithm of the viscosity, at first; it is halved where they bend.
@@ -179,6 +195,10 @@ const SPACING: f64 = 0.35;
 const HALVINGS: i32 = 4;
 /// The third difference of the heat's logarithm from which on the spacing is halved.
 const BEND: f64 = 0.1;
+/// Error allowed in the place per step within a turn, at a relative tolerance of one.
+const PLACE_ERROR: f64 = 100.0;
+/// The same of a turn's mean heat, as a part of it.
+const HEAT_ERROR: f64 = 100.0;
 
 /// What an orbit is wanted for, which says how closely a turn must come back to its beginning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -206,15 +226,20 @@ impl Aim {
 
 impl<'a, M: TwoScales> Curve<'a, M> {
     fn new(model: &'a M, tolerance: f64, from: &Landing) -> Self {
+        let viscosity = model.viscosity(from.temperatures.film);
+        let (_, flows) = model.journal(0.0, from.eccentricity, viscosity);
         Self {
             model,
             tolerance,
             // The start lies between the two middle nodes of four.
-            origin: model.viscosity(from.temperatures.film).ln() - 0.5 * SPACING,
+            origin: viscosity.ln() - 0.5 * SPACING,
             spacing: SPACING,
-            guess: from.eccentricity,
             nodes: BTreeMap::new(),
+            cell: None,
+            guess: from.eccentricity,
             slope: -Matrix2::identity(),
+            heat: flows.viscous + flows.boundary,
+            step: model.period() / 50.0,
         }
     }
 
@@ -226,37 +251,43 @@ impl<'a, M: TwoScales> Curve<'a, M> {
             }
             let cell = position.floor();
             let (s, k) = (position - cell, cell as i32);
-            let nodes = [
-                self.node(k - 1)?,
-                self.node(k)?,
-                self.node(k + 1)?,
-                self.node(k + 2)?,
-            ];
-            let [a, b, c, d] = nodes.map(|node| node.log_heat());
-            let bend = (d - a - 3.0 * (c - b)).abs();
-            if bend > BEND && self.spacing > SPACING * 0.5f64.powi(HALVINGS) {
-                self.halve();
-                continue;
-            }
+            let Some(nodes) = self.cell(k)? else { continue };
             let weights = [
                 -s * (s - 1.0) * (s - 2.0) / 6.0,
                 (s + 1.0) * (s - 1.0) * (s - 2.0) / 2.0,
                 -(s + 1.0) * s * (s - 2.0) / 2.0,
                 (s + 1.0) * s * (s - 1.0) / 6.0,
             ];
-            let mut blend = [0.0; 5];
-            for (weight, node) in weights.into_iter().zip(nodes) {
-                for (sum, value) in blend.iter_mut().zip(node.0) {
-                    *sum += weight * value;
-                }
-            }
-            return Ok(Orbit(blend));
+            return Ok(Orbit::blend(weights.into_iter().zip(&nodes)));
         }
+    }
+
+    /// The nodes about the cell from node `k` to the next; none when they bend so much that the spacing
+    /// was halved.
+    fn cell(&mut self, k: i32) -> Result<Option<[Orbit; 4]>, NoLeap> {
+        if let Some((_, nodes)) = self.cell.filter(|(known, _)| *known == k) {
+            return Ok(Some(nodes));
+        }
+        let nodes = [
+            self.node(k - 1)?,
+            self.node(k)?,
+            self.node(k + 1)?,
+            self.node(k + 2)?,
+        ];
+        let [a, b, c, d] = nodes.map(|node| node.log_heat());
+        let bend = (d - a - 3.0 * (c - b)).abs();
+        if bend > BEND && self.spacing > SPACING * 0.5f64.powi(HALVINGS) {
+            self.halve();
+            return Ok(None);
+        }
+        self.cell = Some((k, nodes));
+        Ok(Some(nodes))
     }
 
     /// Halves the spacing; the orbits stay where they are.
     fn halve(&mut self) {
         self.spacing *= 0.5;
+        self.cell = None;
         let nodes = std::mem::take(&mut self.nodes);
         self.nodes = nodes.into_iter().map(|(k, orbit)| (2 * k, orbit)).collect();
     }
@@ -271,23 +302,24 @@ impl<'a, M: TwoScales> Curve<'a, M> {
         Ok(orbit)
     }
 
-    /// Where the orbit of node `k` may begin: on the line through the two nearest nodes.
+    /// Where the orbit of node `k` may begin: on the parabola through the three nearest nodes.
     fn guess(&self, k: i32) -> [f64; 2] {
         let mut known: Vec<_> = self.nodes.iter().collect();
         known.sort_by_key(|(j, _)| j.abs_diff(k));
-        match known[..] {
-            [] => self.guess,
-            [(_, orbit)] => orbit.start(),
-            [(&a, near), (&b, far), ..] => {
-                let t = f64::from(k - a) / f64::from(b - a);
-                let on_line = |i: usize| near.0[i] + t * (far.0[i] - near.0[i]);
-                let guess = [on_line(0), on_line(1)];
-                if guess[0].hypot(guess[1]) < 1.0 {
-                    guess
-                } else {
-                    near.start()
-                }
-            }
+        known.truncate(3);
+        let Some((_, nearest)) = known.first() else {
+            return self.guess;
+        };
+        let weight = |j: i32| -> f64 {
+            let others = known.iter().filter(|(i, _)| **i != j);
+            let part = |(i, _): &(&i32, _)| f64::from(k - **i) / f64::from(j - **i);
+            others.map(part).product()
+        };
+        let guess = Orbit::blend(known.iter().map(|(j, orbit)| (weight(**j), *orbit))).start();
+        if guess[0].hypot(guess[1]) < 1.0 {
+            guess
+        } else {
+            nearest.start()
         }
     }
 
@@ -296,61 +328,62 @@ impl<'a, M: TwoScales> Curve<'a, M> {
         const TURNS: usize = 60;
         let close = match aim {
             Aim::Heat => (1e3 * self.tolerance).clamp(1e-9, 1e-2),
-            Aim::Place => (1e2 * self.tolerance).clamp(1e-9, 1e-3),
+            Aim::Place => (1e3 * self.tolerance).clamp(1e-9, 1e-3),
         };
+        // Within a turn's own error nothing is to be learnt about the slope.
+        let noise = 10.0 * PLACE_ERROR * self.tolerance;
         let mut start = Vector2::from(guess);
         let (mut end, mut flows) = self.turn(viscosity, start)?;
         for _ in 0..TURNS {
             let miss = end - start;
-            if aim.distance(start, end) < close {
-                return Ok(Orbit::new(end, &flows));
-            }
             let newton = self
                 .slope
                 .lu()
                 .solve(&-miss)
                 .filter(|step| (start + step).norm() < 1.0);
             let step = newton.unwrap_or(miss);
+            if aim.distance(start, end) < close {
+                return Ok(Orbit::new(start + step, &flows));
+            }
             start += step;
             (end, flows) = self.turn(viscosity, start)?;
-            let change = (end - start) - miss;
-            self.slope += (change - self.slope * step) * step.transpose() / step.norm_squared();
+            if step.norm() > noise {
+                let change = (end - start) - miss;
+                self.slope += (change - self.slope * step) * step.transpose() / step.norm_squared();
+            }
         }
         Err(NoLeap::NoOrbit(viscosity))
     }
 
     /// One turn at a fixed viscosity: where it ends, and its mean flows.
-    fn turn(&self, viscosity: f64, start: Vector2<f64>) -> Result<(Vector2<f64>, Flows), Failure> {
+    fn turn(
+        &mut self,
+        viscosity: f64,
+        start: Vector2<f64>,
+    ) -> Result<(Vector2<f64>, Flows), Failure> {
         let period = self.model.period();
-        let rates = |tau: f64, y: &[f64; 5]| {
-            let (velocity, flows) = self.model.journal(tau, [y[0], y[1]], viscosity);
-            [
-                velocity[0],
-                velocity[1],
-                flows.viscous,
-                flows.boundary,
-                flows.side_flow,
-            ]
+        let rates = |tau: f64, y: &[f64; 2]| {
+            let (velocity, flows) = self.model.journal(tau, *y, viscosity);
+            (velocity, [flows.viscous, flows.boundary, flows.side_flow])
         };
-        // The integrated flows go along without a say in the step: they follow the journal.
         let integrator = DormandPrince {
-            allowed: [
-                self.tolerance,
-                self.tolerance,
-                f64::INFINITY,
-                f64::INFINITY,
-                f64::INFINITY,
-            ],
+            allowed: [PLACE_ERROR * self.tolerance; 2],
             limit: 1_000_000,
         };
-        let mut y = [start.x, start.y, 0.0, 0.0, 0.0];
-        let mut step = period / 50.0;
-        integrator.integrate(rates, &mut y, period, &mut step)?;
-        let flows = Flows {
-            viscous: y[2] / period,
-            boundary: y[3] / period,
-            side_flow: y[4] / period,
+        let heat_error = HEAT_ERROR * self.tolerance * self.heat * period;
+        let along = Quadrature {
+            allowed: [heat_error, heat_error, f64::INFINITY],
         };
-        Ok((Vector2::new(y[0], y[1]), flows))
+        let mut y = [start.x, start.y];
+        let (_, means) =
+            integrator.integrate_along(rates, &mut y, along, period, &mut self.step)?;
+        let [viscous, boundary, side_flow] = means.map(|integral| integral / period);
+        self.heat = viscous + boundary;
+        let flows = Flows {
+            viscous,
+            boundary,
+            side_flow,
+        };
+        Ok((y.into(), flows))
     }
 }

@@ -202,6 +202,15 @@ impl Stand {
         }
     }
 
+    /// Of the same, only what moves the unknowns: the mobility film's rate of the eccentricity-ratio
+    /// vector, 1/s, and the flows as far as the temperatures feel them.
+    fn drift(&self, tau: f64, eccentricity: [f64; 2], viscosity: f64) -> ([f64; 2], Flows) {
+        let (speed, _, load) = self.driven(tau);
+        let felt = self.thermal.fresh_oil != 0.0 && !self.thermal.isothermal;
+        self.prepared
+            .drift(&self.bearing, load, eccentricity, viscosity, speed, felt)
+    }
+
     /// Shaft speed (rad/s) and angle (rad) and the load on the bearing (N), `tau` seconds into the step.
     fn driven(&self, tau: f64) -> (f64, f64, f64) {
         let command = self.command();
@@ -231,9 +240,8 @@ impl Stand {
     fn rates(&self, tau: f64, y: &Unknowns) -> Unknowns {
         let temperatures = temperatures(y);
         let viscosity = self.fluid.viscosity(temperatures.film);
-        let motion = self.instant(tau, [y[0], y[1]], viscosity).motion;
-        let t = self.thermal_rates(tau, &temperatures, &motion.flows);
-        let v = motion.velocity;
+        let (v, flows) = self.drift(tau, [y[0], y[1]], viscosity);
+        let t = self.thermal_rates(tau, &temperatures, &flows);
         [v[0], v[1], t.film, t.bush, t.shaft, t.oil]
     }
 

@@ -93,7 +93,7 @@ fn compare(map: &SliceFamily, width: f64, e: f64, angle: f64) -> Result<[f64; 3]
     let direct = exact(width, e, angle, CELLS).map_err(|error| error.to_string())?;
     let slice = map.slice(width);
     let (eps, load) = (Vector2::new(e, 0.0), Vector2::new(angle.cos(), angle.sin()));
-    let film = slice.film(eps, load);
+    let film = slice.film(eps, eps.norm(), load);
     Ok([
         (slice.mobility_vector(eps, load) - direct.mobility).norm() / direct.mobility.norm(),
         (film.max_pressure() / direct.max_pressure - 1.0).abs(),

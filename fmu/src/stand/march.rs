@@ -14,7 +14,7 @@ const TURNS_AT_THE_END: usize = 1;
 /// The journal is near its orbit when a turn moves it by less than this part of the clearance.
 const SETTLED: f64 = 1e-2;
 /// After so many turns it leaps from wherever it is: what is left of its way to the orbit is little heat.
-const MOST_SETTLING_TURNS: usize = 2;
+const MOST_SETTLING_TURNS: usize = 1;
 /// Steps of the Reynolds film in a turn, at the least: load and speed vary linearly within one.
 const FILM_STEPS_PER_TURN: f64 = 100.0;
 /// The longest step of the Reynolds film, s.
@@ -154,8 +154,7 @@ impl TwoScales for Stand {
     }
 
     fn journal(&self, tau: f64, eccentricity: [f64; 2], viscosity: f64) -> ([f64; 2], Flows) {
-        let motion = self.instant(tau, eccentricity, viscosity).motion;
-        (motion.velocity, motion.flows)
+        self.drift(tau, eccentricity, viscosity)
     }
 
     fn viscosity(&self, film_temperature: f64) -> f64 {

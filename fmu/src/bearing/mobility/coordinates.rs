@@ -11,6 +11,7 @@
 
 /// Ratio of `d` to `1 - e`.
 const CORE: f64 = 0.3;
+const LN_CORE: f64 = -1.203_972_804_325_936;
 
 /// The gap is taken to be no narrower than this share of the clearance.
 const NARROWEST: f64 = 1e-12;
@@ -25,12 +26,17 @@ pub(super) struct Point {
 impl Point {
     /// The point at eccentricity ratio `e` with the load at the angle from the eccentricity whose
     /// cosine and (absolute) sine are given.
+    #[inline]
     pub(super) fn new(e: f64, cos: f64, sin: f64) -> Self {
         let gap = (1.0 - e).clamp(NARROWEST, 1.0);
         let core = CORE * gap;
+        let log_gap = gap.ln();
+        // asinh(x / core) = ln(x + sqrt(x^2 + core^2)) - ln(core)
+        let log_core = LN_CORE + log_gap;
+        let asinh = |x: f64| (x + (x * x + core * core).sqrt()).ln() - log_core;
         Self {
-            u: -gap.ln(),
-            s: asinh(quarter_tangent(cos, sin.abs()) / core) / asinh(1.0 / core),
+            u: -log_gap,
+            s: asinh(quarter_tangent(cos, sin.abs())) / asinh(1.0),
         }
     }
 

@@ -25,25 +25,45 @@ pub struct MobilitySlice {
     per_u: f64,
 }
 
-/// A film under a load, dimensionless.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Film {
-    /// The mobility vector `M`.
-    pub mobility: Vector2<f64>,
-    log_max_pressure: f64,
-    log_side_flow: f64,
+/// A film under a load, dimensionless; what is not asked for is not looked up.
+#[derive(Clone, Copy, Debug)]
+pub struct Film<'a> {
+    slice: &'a MobilitySlice,
+    place: Place,
+    direction: Vector2<f64>,
+    /// Of the angle from the eccentricity to the load.
+    sign: f64,
 }
 
-impl Film {
+impl Film<'_> {
+    /// The mobility vector `M` in the frame of the load's direction.
+    #[inline]
+    pub fn mobility(&self) -> Vector2<f64> {
+        let [log_mobility, lead] = self.slice.pair::<0>(&self.place);
+        // The lead is odd in the angle from eccentricity to load.
+        let (sin, cos) = (self.sign * lead).sin_cos();
+        let (x, y) = (self.direction.x, self.direction.y);
+        Vector2::new(x * cos - y * sin, x * sin + y * cos) * log_mobility.exp()
+    }
+
     /// The largest pressure over `F / (B D)`.
     pub fn max_pressure(&self) -> f64 {
-        self.log_max_pressure.exp()
+        self.slice.pair::<1>(&self.place)[0].exp()
     }
 
     /// The flow out of both ends together over `F c^3 / (3 eta B^2)`.
+    #[inline]
     pub fn side_flow(&self) -> f64 {
-        self.log_side_flow.exp()
+        self.slice.pair::<1>(&self.place)[1].exp()
     }
+}
+
+/// A place in the table: the cell's first node, and the weights of what is stored at its corners.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    near: usize,
+    /// By corner, then by what is stored there.
+    weights: [[f64; 4]; 4],
 }
 
 /// How each quantity continues beyond the ends of `s`.
@@ -100,18 +120,19 @@ impl MobilitySlice {
     ///
     /// An eccentricity ratio of 1 or more is taken as just below 1.
     pub fn mobility(&self, e: f64, cos: f64, sin: f64) -> (f64, f64) {
-        let film = self.film(Vector2::new(e, 0.0), Vector2::new(cos, sin));
-        (film.mobility.x, film.mobility.y)
+        let mobility = self.mobility_vector(Vector2::new(e, 0.0), Vector2::new(cos, sin));
+        (mobility.x, mobility.y)
     }
 
     /// The mobility vector `M` in the frame of `eps` and of the load's `direction`, a unit vector.
     pub fn mobility_vector(&self, eps: Vector2<f64>, direction: Vector2<f64>) -> Vector2<f64> {
-        self.film(eps, direction).mobility
+        self.film(eps, eps.norm(), direction).mobility()
     }
 
-    /// The film at the eccentricity-ratio vector `eps` under a load along the unit vector `direction`.
-    pub fn film(&self, eps: Vector2<f64>, direction: Vector2<f64>) -> Film {
-        let e = eps.norm();
+    /// The film at the eccentricity-ratio vector `eps` of length `e` under a load along the unit vector
+    /// `direction`.
+    #[inline]
+    pub fn film(&self, eps: Vector2<f64>, e: f64, direction: Vector2<f64>) -> Film<'_> {
         let (cos, sin) = if e > 0.0 {
             let inverse = 1.0 / e;
             (
@@ -121,24 +142,16 @@ impl MobilitySlice {
         } else {
             (1.0, 0.0)
         };
-        let [log_mobility, lead, log_max_pressure, log_side_flow] =
-            self.at(Point::new(e, cos, sin));
-        // The lead is odd in the angle from eccentricity to load.
-        let (sin, cos) = if sin < 0.0 { -lead } else { lead }.sin_cos();
-        let mobility = log_mobility.exp()
-            * Vector2::new(
-                direction.x * cos - direction.y * sin,
-                direction.x * sin + direction.y * cos,
-            );
         Film {
-            mobility,
-            log_max_pressure,
-            log_side_flow,
+            slice: self,
+            place: self.place(Point::new(e, cos, sin)),
+            direction,
+            sign: if sin < 0.0 { -1.0 } else { 1.0 },
         }
     }
 
-    /// The quantities at a point.
-    fn at(&self, point: Point) -> [f64; CHANNELS] {
+    #[inline]
+    fn place(&self, point: Point) -> Place {
         let position = point.u * self.per_u;
         let across = (point.s * self.last_s).clamp(0.0, self.last_s);
         let inside = position.min(self.last_u);
@@ -150,28 +163,32 @@ impl MobilitySlice {
         let [a0, a1, b0, b1] = hermite(x);
         let along = [a0, a1, b0, b1 + excess];
         let wide = hermite(across - j as f64);
-        let near = i * self.ss + j;
-        let corners = [
-            &self.nodes[near],
-            &self.nodes[near + self.ss],
-            &self.nodes[near + 1],
-            &self.nodes[near + self.ss + 1],
-        ];
-        let mut sum = [0.0; CHANNELS];
-        for (k, [f, fu, fs, fus]) in corners.into_iter().enumerate() {
+        let corner = |k: usize| {
             let (value, slope) = (along[k & 1], along[2 + (k & 1)]);
             let (wide_value, wide_slope) = (wide[k >> 1], wide[2 + (k >> 1)]);
-            let weights = [
+            [
                 wide_value * value,
                 wide_value * slope,
                 wide_slope * value,
                 wide_slope * slope,
-            ];
-            for (channel, total) in sum.iter_mut().enumerate() {
-                *total += weights[0] * f[channel]
-                    + weights[1] * fu[channel]
-                    + weights[2] * fs[channel]
-                    + weights[3] * fus[channel];
+            ]
+        };
+        Place {
+            near: i * self.ss + j,
+            weights: [corner(0), corner(1), corner(2), corner(3)],
+        }
+    }
+
+    /// Two of the quantities at a place: the mobility's for 0, the others for 1.
+    #[inline]
+    fn pair<const PAIR: usize>(&self, place: &Place) -> [f64; 2] {
+        let (near, far) = (place.near, place.near + self.ss);
+        let corners = [near, far, near + 1, far + 1];
+        let mut sum = [0.0; 2];
+        for (corner, weights) in corners.into_iter().zip(&place.weights) {
+            for (kind, weight) in self.nodes[corner].iter().zip(weights) {
+                sum[0] += weight * kind[2 * PAIR];
+                sum[1] += weight * kind[2 * PAIR + 1];
             }
         }
         sum
