@@ -228,7 +228,11 @@ impl Stand {
         let heat = Heat {
             viscous: flows.viscous,
             boundary: flows.boundary,
-            side_flow: flows.side_flow * oil.density(film) * oil.heat_capacity(film),
+            side_flow: match flows.side_flow {
+                // None, or none that is felt.
+                0.0 => 0.0,
+                flow => flow * oil.density(film) * oil.heat_capacity(film),
+            },
             bath: bath_mass * oil.heat_capacity(temperatures.oil),
             ambient: self.inputs.ambient_temperature.at(tau),
             clearance: self.bearing.radial_clearance,

@@ -3,7 +3,7 @@
 use super::{Inputs, SCALES, STEP_LIMIT, Stand, State, temperatures, unknowns};
 use crate::bearing::resolved::{ResolvedFilm, Stuck};
 use crate::bearing::{FilmModel, Flows};
-use crate::multirate::{self, Landing, TwoScales};
+use crate::multirate::{self, Departure, TwoScales};
 use crate::solver::{DormandPrince, Failure};
 use crate::thermal::Temperatures;
 
@@ -110,7 +110,8 @@ impl Stand {
                 temperatures,
                 ..
             } = self.state;
-            let from = Landing {
+            let from = Departure {
+                before: start,
                 eccentricity,
                 temperatures,
             };
