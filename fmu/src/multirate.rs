@@ -230,7 +230,9 @@ impl Piece {
         let middle = 0.5 * (nodes[bounds[0]].0 + nodes[bounds[1]].0);
         while count < 4 && (below > 0 || above < nodes.len()) {
             let down = below > 0
-                && nodes.get(above).is_none_or(|(x, _)| x - middle >= middle - nodes[below - 1].0);
+                && nodes
+                    .get(above)
+                    .is_none_or(|(x, _)| x - middle >= middle - nodes[below - 1].0);
             let index = if down {
                 below -= 1;
                 below
@@ -244,8 +246,7 @@ impl Piece {
         let nearest = Orbit(coefficients[0]);
         for order in 1..count {
             for i in (order..count).rev() {
-                coefficients[i] =
-                    (coefficients[i] - coefficients[i - 1]) / (x[i] - x[i - order]);
+                coefficients[i] = (coefficients[i] - coefficients[i - 1]) / (x[i] - x[i - order]);
             }
         }
         Self {
@@ -360,7 +361,11 @@ impl<'a, M: TwoScales> Curve<'a, M> {
                 return Ok(orbit);
             };
             let guess = Piece::new(&self.nodes, gap).at(missing).0.place();
-            let guess = if guess.norm() < 1.0 { guess } else { piece.nearest.place() };
+            let guess = if guess.norm() < 1.0 {
+                guess
+            } else {
+                piece.nearest.place()
+            };
             let found = self.search(missing.exp(), guess, Aim::Heat)?;
             let index = self.nodes.partition_point(|(node, _)| *node <= missing);
             self.nodes.insert(index, (missing, found));
@@ -405,12 +410,7 @@ impl<'a, M: TwoScales> Curve<'a, M> {
     }
 
     /// Finds the beginning that a turn returns to.
-    fn search(
-        &mut self,
-        viscosity: f64,
-        guess: Vector2<f64>,
-        aim: Aim,
-    ) -> Result<Orbit, NoLeap> {
+    fn search(&mut self, viscosity: f64, guess: Vector2<f64>, aim: Aim) -> Result<Orbit, NoLeap> {
         let turn = self.turn(viscosity, guess)?;
         self.search_from(viscosity, guess, turn, aim)
     }
@@ -427,9 +427,7 @@ impl<'a, M: TwoScales> Curve<'a, M> {
         let (mut start, mut turn) = (guess, turn);
         for _ in 0..TURNS {
             let miss = turn.place() - start;
-            let step = self
-                .newton(miss)
-                .filter(|step| (start + step).norm() < 1.0);
+            let step = self.newton(miss).filter(|step| (start + step).norm() < 1.0);
             if aim.distance(start, turn.place()) < aim.close(self.tolerance) {
                 return Ok(step.map_or(turn, |step| Orbit(turn.0 + self.slope * step)));
             }

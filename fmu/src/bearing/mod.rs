@@ -16,7 +16,7 @@ use contact::{Contact, ContactTable};
 use mobility::{Film, MapError, MobilityMap, MobilitySlice, SliceFamily};
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
-use std::sync::LazyLock;
+use std::sync::{Arc, LazyLock};
 
 /// Which film model carries the load.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -160,7 +160,7 @@ struct Instant<'a> {
 const LARGEST_ECCENTRICITY_RATIO: f64 = 1.0 - 1e-9;
 
 /// The map as it was shipped; prepared once.
-static MAP: LazyLock<Result<SliceFamily, MapError>> =
+static MAP: LazyLock<Result<Arc<SliceFamily>, MapError>> =
     LazyLock::new(|| MobilityMap::built_in().map(|map| SliceFamily::new(&map)));
 
 impl Prepared {

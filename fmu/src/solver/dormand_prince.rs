@@ -203,7 +203,13 @@ mod tests {
         let (mut y, mut step) = ([1.0, 0.0], 1e-3);
         let along = Quadrature { allowed: [1e-9] };
         let (_, [square]) = INTEGRATOR
-            .integrate_along(|_, y| ([y[1], -y[0]], [y[0] * y[0]]), &mut y, along, 3.0, &mut step)
+            .integrate_along(
+                |_, y| ([y[1], -y[0]], [y[0] * y[0]]),
+                &mut y,
+                along,
+                3.0,
+                &mut step,
+            )
             .unwrap();
         let exact = 0.5 * (3.0 + 3f64.sin() * 3f64.cos());
         assert!((square - exact).abs() < 1e-7, "{square} {exact}");

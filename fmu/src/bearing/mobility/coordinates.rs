@@ -31,12 +31,11 @@ impl Point {
         let gap = (1.0 - e).clamp(NARROWEST, 1.0);
         let core = CORE * gap;
         let log_gap = gap.ln();
-        // asinh(x / core) = ln(x + sqrt(x^2 + core^2)) - ln(core)
-        let log_core = LN_CORE + log_gap;
-        let asinh = |x: f64| (x + (x * x + core * core).sqrt()).ln() - log_core;
+        // asinh(1 / core)
+        let whole = (1.0 + (1.0 + core * core).sqrt()).ln() - (LN_CORE + log_gap);
         Self {
             u: -log_gap,
-            s: asinh(quarter_tangent(cos, sin.abs())) / asinh(1.0),
+            s: asinh(quarter_tangent(cos, sin.abs()) / core) / whole,
         }
     }
 

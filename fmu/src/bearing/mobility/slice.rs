@@ -1,20 +1,19 @@
 //! The map at one width-to-diameter ratio, for use in every time step.
 
 use nalgebra::Vector2;
+use std::sync::OnceLock;
 
 use super::coordinates::Point;
+use super::family::Blend;
 use super::map::CHANNELS;
-use super::spline::{End, hermite, slopes};
+use super::spline::{End, Spline, hermite};
 
 /// Of each quantity: value, slope over `u`, slope over `s` and twist.
 pub(super) type Node = [[f64; CHANNELS]; 4];
 
-/// The mobility of bearings of one `B/D`: the map's quantities over `u` and `s`, once continuously
-/// differentiable.
-#[derive(Clone, Debug, PartialEq)]
-pub struct MobilitySlice {
-    /// By `u`, then `s`.
-    nodes: Vec<Node>,
+/// The points over `u` and `s`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Grid {
     /// Nodes over `s`.
     ss: usize,
     /// Nodes over `u`, less one.
@@ -23,6 +22,24 @@ pub struct MobilitySlice {
     last_s: f64,
     /// Node spacings per unit of `u`.
     per_u: f64,
+}
+
+/// The map's quantities over `u` and `s` at one of its `B/D`.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Tabulated {
+    pub(super) grid: Grid,
+    /// By `u`, then `s`.
+    pub(super) nodes: Vec<Node>,
+}
+
+/// The mobility of bearings of one `B/D`: the map's quantities over `u` and `s`, once continuously
+/// differentiable.
+#[derive(Clone, Debug)]
+pub struct MobilitySlice {
+    grid: Grid,
+    /// By `u`. A journal visits few of them, so they are made when it does.
+    rows: Vec<OnceLock<Box<[Node]>>>,
+    blend: Blend,
 }
 
 /// A film under a load, dimensionless; what is not asked for is not looked up.
@@ -61,7 +78,7 @@ impl Film<'_> {
 /// A place in the table: the cell's first node, and the weights of what is stored at its corners.
 #[derive(Clone, Copy, Debug)]
 struct Place {
-    near: usize,
+    near: [usize; 2],
     /// By corner, then by what is stored there.
     weights: [[f64; 4]; 4],
 }
@@ -69,10 +86,11 @@ struct Place {
 /// How each quantity continues beyond the ends of `s`.
 const SYMMETRY: [End; CHANNELS] = [End::Even, End::Odd, End::Even, End::Even];
 
-impl MobilitySlice {
+impl Tabulated {
     /// From node values, by `u`, then `s`, then channel.
     pub(super) fn new(values: &[f32], us: usize, ss: usize, last_u: f64) -> Self {
         let mut nodes = vec![Node::default(); us * ss];
+        let free = Spline::new(us, [End::Free; 2]);
         for (channel, symmetry) in SYMMETRY.into_iter().enumerate() {
             let values: Vec<f64> = values
                 .iter()
@@ -80,13 +98,13 @@ impl MobilitySlice {
                 .step_by(CHANNELS)
                 .map(|&value| f64::from(value))
                 .collect();
-            let over_u = over_u(&values, us, ss);
-            let ends = [symmetry; 2];
+            let over_u = over_u(&values, &free, us, ss);
+            let spline = Spline::new(ss, [symmetry; 2]);
             let (mut over_s, mut twist) = (vec![0.0; ss], vec![0.0; ss]);
             for i in 0..us {
                 let row = i * ss..(i + 1) * ss;
-                slopes(&values[row.clone()], ends, &mut over_s);
-                slopes(&over_u[row.clone()], ends, &mut twist);
+                spline.slopes(&values[row.clone()], &mut over_s);
+                spline.slopes(&over_u[row.clone()], &mut twist);
                 for (j, at) in row.enumerate() {
                     let node = [values[at], over_u[at], over_s[j], twist[j]];
                     for (kind, value) in nodes[at].iter_mut().zip(node) {
@@ -96,23 +114,37 @@ impl MobilitySlice {
             }
         }
         let last = (us - 1) as f64;
-        Self {
-            nodes,
+        let grid = Grid {
             ss,
             last_u: last,
             last_s: (ss - 1) as f64,
             per_u: last / last_u,
+        };
+        Self { grid, nodes }
+    }
+}
+
+impl Grid {
+    /// The nodes of a row over `s`.
+    pub(super) fn row(&self, i: usize) -> std::ops::Range<usize> {
+        i * self.ss..(i + 1) * self.ss
+    }
+}
+
+impl MobilitySlice {
+    /// A slice whose rows are made by `blend`.
+    pub(super) fn new(grid: Grid, blend: Blend) -> Self {
+        Self {
+            grid,
+            rows: vec![OnceLock::new(); grid.last_u as usize + 1],
+            blend,
         }
     }
 
-    /// The nodes, by `u`, then `s`.
-    pub(super) fn nodes(&self) -> &[Node] {
-        &self.nodes
-    }
-
-    /// A slice over the same points.
-    pub(super) fn with_nodes(&self, nodes: Vec<Node>) -> Self {
-        Self { nodes, ..*self }
+    /// The nodes of a row over `s`.
+    #[inline]
+    pub(super) fn row(&self, i: usize) -> &[Node] {
+        self.rows[i].get_or_init(|| self.blend.row(i))
     }
 
     /// The mobility along the eccentricity and 90 degrees ahead of it, at the eccentricity ratio
@@ -152,11 +184,12 @@ impl MobilitySlice {
 
     #[inline]
     fn place(&self, point: Point) -> Place {
-        let position = point.u * self.per_u;
-        let across = (point.s * self.last_s).clamp(0.0, self.last_s);
-        let inside = position.min(self.last_u);
-        let i = (inside as usize).min(self.last_u as usize - 1);
-        let j = (across as usize).min(self.ss - 2);
+        let grid = &self.grid;
+        let position = point.u * grid.per_u;
+        let across = (point.s * grid.last_s).clamp(0.0, grid.last_s);
+        let inside = position.min(grid.last_u);
+        let i = (inside as usize).min(grid.last_u as usize - 1);
+        let j = (across as usize).min(grid.ss - 2);
         // Beyond the last node over u the surface goes on straight.
         let x = inside - i as f64;
         let excess = position - inside;
@@ -174,7 +207,7 @@ impl MobilitySlice {
             ]
         };
         Place {
-            near: i * self.ss + j,
+            near: [i, j],
             weights: [corner(0), corner(1), corner(2), corner(3)],
         }
     }
@@ -182,11 +215,12 @@ impl MobilitySlice {
     /// Two of the quantities at a place: the mobility's for 0, the others for 1.
     #[inline]
     fn pair<const PAIR: usize>(&self, place: &Place) -> [f64; 2] {
-        let (near, far) = (place.near, place.near + self.ss);
-        let corners = [near, far, near + 1, far + 1];
+        let [i, j] = place.near;
+        let (near, far) = (&self.row(i)[j..=j + 1], &self.row(i + 1)[j..=j + 1]);
+        let corners = [&near[0], &far[0], &near[1], &far[1]];
         let mut sum = [0.0; 2];
-        for (corner, weights) in corners.into_iter().zip(&place.weights) {
-            for (kind, weight) in self.nodes[corner].iter().zip(weights) {
+        for (node, weights) in corners.into_iter().zip(&place.weights) {
+            for (kind, weight) in node.iter().zip(weights) {
                 sum[0] += weight * kind[2 * PAIR];
                 sum[1] += weight * kind[2 * PAIR + 1];
             }
@@ -196,14 +230,14 @@ impl MobilitySlice {
 }
 
 /// Slopes over `u` of values by `u`, then `s`.
-fn over_u(values: &[f64], us: usize, ss: usize) -> Vec<f64> {
+fn over_u(values: &[f64], spline: &Spline, us: usize, ss: usize) -> Vec<f64> {
     let mut result = vec![0.0; us * ss];
     let (mut line, mut slope) = (vec![0.0; us], vec![0.0; us]);
     for j in 0..ss {
         for i in 0..us {
             line[i] = values[i * ss + j];
         }
-        slopes(&line, [End::Free; 2], &mut slope);
+        spline.slopes(&line, &mut slope);
         for i in 0..us {
             result[i * ss + j] = slope[i];
         }
