@@ -19,7 +19,7 @@ use crate::bearing::{Bearing, FilmModel, Flows, Motion, Prepared};
 use crate::drive::{Command, Drive};
 use crate::load::Load;
 use crate::model::{self, Experiment, Fault, Info, Log, Model, Variable};
-use crate::oil::{Oil, Properties};
+use crate::oil::{Nearby, Oil, Properties};
 use crate::sensors::{self, Readings};
 use crate::thermal::{Heat, Temperatures, Thermal};
 use serde::{Deserialize, Serialize};
@@ -127,6 +127,9 @@ pub struct Stand {
     pub inputs: Inputs,
     /// The oil law of `oil`, which may come from a file that is read only once.
     fluid: Properties,
+    /// Its viscosity where the film is.
+    #[serde(skip)]
+    nearby: Nearby,
     /// The film with its journal where it is solved by the Reynolds equation.
     film: Option<Box<ResolvedFilm>>,
     state: State,
@@ -241,9 +244,9 @@ impl Stand {
     }
 
     /// Rates of the unknowns, `tau` seconds into the step.
-    fn rates(&self, tau: f64, y: &Unknowns) -> Unknowns {
+    fn rates(&self, tau: f64, y: &Unknowns, oil: &mut Nearby) -> Unknowns {
         let temperatures = temperatures(y);
-        let viscosity = self.fluid.viscosity(temperatures.film);
+        let viscosity = oil.viscosity(&self.fluid, temperatures.film);
         let (v, flows) = self.drift(tau, [y[0], y[1]], viscosity);
         let t = self.thermal_rates(tau, &temperatures, &flows);
         [v[0], v[1], t.film, t.bush, t.shaft, t.oil]
@@ -363,6 +366,7 @@ impl Model for Stand {
             self.solver.tolerance = tolerance.clamp(1e-12, 1e-2);
         }
         self.fluid = self.oil.properties(experiment)?;
+        self.nearby = Nearby::default();
         self.prepared = prepare(&self.bearing)?;
         self.film = self.resolved_film(experiment)?;
         self.state = State {

@@ -15,19 +15,20 @@ pub struct Runner {
     task: Task,
     instance: Option<Instance>,
     reuse: Reuse,
-    /// Numbers of the probes whose real values are read in one call, and their references.
+    /// The real variables that are read at every communication point.
     watched: Watched,
-    /// The other probes that are read at every communication point.
-    slow: Vec<usize>,
-    accumulators: Vec<Accumulator>,
+    /// The numbers of the other probes that are read there.
+    slow: Vec<(usize, Accumulator)>,
     results: Vec<f64>,
 }
 
-#[derive(Debug, Default)]
+/// Real variables that are read in one call.
+#[derive(Debug)]
 struct Watched {
-    probes: Vec<usize>,
     references: Vec<u32>,
     values: Vec<f64>,
+    /// The numbers of the probes.
+    probes: Vec<(usize, Accumulator)>,
 }
 
 /// Whether a used instance may be reset for the next point.
@@ -40,27 +41,22 @@ enum Reuse {
 impl Runner {
     /// A runner of points of this task.
     pub fn new(library: Arc<Library>, task: Task) -> Self {
-        let over_time: Vec<usize> = (0..task.observed.len())
-            .filter(|&index| task.observed[index].statistic != Statistic::Final)
-            .collect();
-        let (probes, slow): (Vec<usize>, Vec<usize>) = over_time
-            .into_iter()
-            .partition(|&index| task.observed[index].storage == Storage::Real);
-        let references: Vec<u32> = probes
-            .iter()
-            .map(|&index| task.observed[index].reference)
-            .collect();
+        let over_time = task.observed.iter().enumerate();
+        let (probes, slow): (Vec<_>, Vec<_>) = over_time
+            .filter(|(_, probe)| probe.statistic != Statistic::Final)
+            .map(|(index, probe)| (index, Accumulator::new(probe.statistic)))
+            .partition(|(index, _)| task.observed[*index].storage == Storage::Real);
+        let reference = |(index, _): &(usize, _)| task.observed[*index].reference;
         Self {
             library,
             instance: None,
             reuse: Reuse::Try,
             watched: Watched {
+                references: probes.iter().map(reference).collect(),
                 values: vec![0.0; probes.len()],
                 probes,
-                references,
             },
             slow,
-            accumulators: vec![Accumulator::default(); task.observed.len()],
             results: vec![0.0; task.observed.len()],
             task,
         }
@@ -109,10 +105,12 @@ impl Runner {
         let mut run = || -> Result<(), Trouble<E>> {
             start(&self.task, &mut instance, values)?;
             read(schedule.start, &mut instance)?;
-            for index in 0..schedule.steps() {
-                let (time, next) = (schedule.time(index), schedule.time(index + 1));
+            let (points, mut time) = (schedule.points(), schedule.start);
+            for index in 1..=points.steps {
+                let next = points.at(index);
                 instance.step(time, next - time)?;
                 read(next, &mut instance)?;
+                time = next;
             }
             Ok(())
         };
@@ -148,51 +146,68 @@ impl Runner {
     fn simulate(&mut self, instance: &mut Instance, values: &[f64]) -> Result<(), Call> {
         start(&self.task, instance, values)?;
         let schedule = self.task.schedule;
-        let steps = schedule.steps();
+        let (points, mut time) = (schedule.points(), schedule.start);
+        let mut span = 0.0;
         if self.watched.probes.is_empty() && self.slow.is_empty() {
-            for index in 0..steps {
-                let time = schedule.time(index);
-                instance.step(time, schedule.time(index + 1) - time)?;
+            for index in 1..=points.steps {
+                let next = points.at(index);
+                instance.step(time, next - time)?;
+                time = next;
             }
         } else {
-            self.accumulators.fill(Accumulator::default());
+            self.forget();
+            let mut seen = None;
             if schedule.window_start <= schedule.start {
-                self.watch(instance, schedule.start)?;
+                self.watch(instance, 0.0)?;
+                seen = Some(schedule.start);
             }
-            for index in 0..steps {
-                let (time, next) = (schedule.time(index), schedule.time(index + 1));
+            for index in 1..=points.steps {
+                let next = points.at(index);
                 instance.step(time, next - time)?;
                 if next >= schedule.window_start {
-                    self.watch(instance, next)?;
+                    let elapsed = seen.map_or(0.0, |seen| next - seen);
+                    self.watch(instance, elapsed)?;
+                    span += elapsed;
+                    seen = Some(next);
                 }
+                time = next;
             }
         }
-        self.finish(instance)
+        self.finish(instance, span)
+    }
+
+    fn forget(&mut self) {
+        let probes = self.watched.probes.iter_mut().chain(&mut self.slow);
+        for (index, accumulator) in probes {
+            *accumulator = Accumulator::new(self.task.observed[*index].statistic);
+        }
     }
 
     /// Reads what has a statistic over time.
     #[inline]
-    fn watch(&mut self, instance: &mut Instance, time: f64) -> Result<(), Call> {
+    fn watch(&mut self, instance: &mut Instance, elapsed: f64) -> Result<(), Call> {
         let watched = &mut self.watched;
         if !watched.probes.is_empty() {
             instance.reals(&watched.references, &mut watched.values)?;
-            for (&probe, &value) in watched.probes.iter().zip(&watched.values) {
-                self.accumulators[probe].add(time, value);
+            for ((_, accumulator), &value) in watched.probes.iter_mut().zip(&watched.values) {
+                accumulator.add(elapsed, value);
             }
         }
-        for &probe in &self.slow {
-            let value = self.task.observed[probe].read(instance)?;
-            self.accumulators[probe].add(time, value);
+        for (index, accumulator) in &mut self.slow {
+            accumulator.add(elapsed, self.task.observed[*index].read(instance)?);
         }
         Ok(())
     }
 
-    fn finish(&mut self, instance: &mut Instance) -> Result<(), Call> {
-        for (index, probe) in self.task.observed.iter().enumerate() {
-            self.results[index] = match probe.statistic {
-                Statistic::Final => probe.read(instance)?,
-                other => self.accumulators[index].value(other),
-            };
+    /// The results, with the statistics taken over `span` seconds.
+    fn finish(&mut self, instance: &mut Instance, span: f64) -> Result<(), Call> {
+        for (index, accumulator) in self.watched.probes.iter().chain(&self.slow) {
+            self.results[*index] = accumulator.result(span);
+        }
+        for (probe, result) in self.task.observed.iter().zip(&mut self.results) {
+            if probe.statistic == Statistic::Final {
+                *result = probe.read(instance)?;
+            }
         }
         Ok(())
     }

@@ -175,15 +175,18 @@ impl Schedule {
     }
 
     /// The `index`th communication point: a multiple of the step, so that nothing accumulates.
-    #[allow(clippy::cast_precision_loss)]
     pub fn time(&self, index: u64) -> f64 {
+        self.points().at(index)
+    }
+
+    /// The communication points, counted once.
+    pub fn points(&self) -> CommunicationPoints {
         let (leap, even) = self.even();
-        if index >= self.steps() {
-            self.stop
-        } else if index < leap {
-            self.start
-        } else {
-            even + (index - leap) as f64 * self.step
+        CommunicationPoints {
+            schedule: *self,
+            steps: self.steps(),
+            leap,
+            even,
         }
     }
 
@@ -193,6 +196,33 @@ impl Schedule {
             (1, self.window_start)
         } else {
             (0, self.start)
+        }
+    }
+}
+
+/// The communication points of a [`Schedule`].
+#[derive(Clone, Copy, Debug)]
+pub struct CommunicationPoints {
+    schedule: Schedule,
+    /// The number of steps.
+    pub steps: u64,
+    /// Steps before the even ones, and where those begin.
+    leap: u64,
+    even: f64,
+}
+
+impl CommunicationPoints {
+    /// The `index`th one.
+    #[inline]
+    #[allow(clippy::cast_precision_loss, clippy::cast_possible_wrap)]
+    pub fn at(&self, index: u64) -> f64 {
+        if index >= self.steps {
+            self.schedule.stop
+        } else if index < self.leap {
+            self.schedule.start
+        } else {
+            // Signed numbers are converted faster, and there are no more steps than those hold.
+            self.even + (index - self.leap) as i64 as f64 * self.schedule.step
         }
     }
 }

@@ -31,7 +31,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!("{FILE}: {} bytes", bytes.len());
         map
     };
-    report(&Arc<SliceFamily>::new(&map), threads)
+    report(&SliceFamily::new(&map), threads)
 }
 
 /// Shows the share done, on a terminal.

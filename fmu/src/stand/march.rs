@@ -1,6 +1,6 @@
 //! How time passes in the stand: turn by turn, or in leaps over whole turns.
 
-use super::{Inputs, SCALES, STEP_LIMIT, Stand, State, temperatures, unknowns};
+use super::{Inputs, SCALES, STEP_LIMIT, Stand, State, Unknowns, temperatures, unknowns};
 use crate::bearing::resolved::{ResolvedFilm, Stuck};
 use crate::bearing::{FilmModel, Flows};
 use crate::multirate::{self, Departure, TwoScales};
@@ -34,7 +34,10 @@ impl Stand {
         };
         let mut y = unknowns(&self.state);
         let mut next_step = self.state.next_step;
-        integrator.integrate(|tau, y| self.rates(tau, y), &mut y, span, &mut next_step)?;
+        let mut oil = self.nearby;
+        let rates = |tau: f64, y: &Unknowns| self.rates(tau, y, &mut oil);
+        integrator.integrate(rates, &mut y, span, &mut next_step)?;
+        self.nearby = oil;
         self.state.next_step = next_step;
         self.arrive(span, [y[0], y[1]], temperatures(&y));
         Ok(())

@@ -11,7 +11,6 @@
 
 /// Ratio of `d` to `1 - e`.
 const CORE: f64 = 0.3;
-const LN_CORE: f64 = -1.203_972_804_325_936;
 
 /// The gap is taken to be no narrower than this share of the clearance.
 const NARROWEST: f64 = 1e-12;
@@ -30,12 +29,11 @@ impl Point {
     pub(super) fn new(e: f64, cos: f64, sin: f64) -> Self {
         let gap = (1.0 - e).clamp(NARROWEST, 1.0);
         let core = CORE * gap;
-        let log_gap = gap.ln();
-        // asinh(1 / core)
-        let whole = (1.0 + (1.0 + core * core).sqrt()).ln() - (LN_CORE + log_gap);
+        // The same operations for both: against the eccentricity, `s` is exactly 1.
+        let per_core = 1.0 / core;
         Self {
-            u: -log_gap,
-            s: asinh(quarter_tangent(cos, sin.abs()) / core) / whole,
+            u: -gap.ln(),
+            s: asinh(quarter_tangent(cos, sin.abs()) * per_core) / asinh(per_core),
         }
     }
 
