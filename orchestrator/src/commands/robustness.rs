@@ -79,7 +79,7 @@ fn cloud(
     match batch {
         Some(batch) if names(batch) == own => {
             let cube =
-                batch::cube(batch.varied().len(), SIZE, seed).map_err(|m| option("seed", &m))?;
+                batch::cube(batch.varied().len(), SIZE, seed, 1).map_err(|m| option("seed", &m))?;
             Ok(cube.iter().map(|u| batch.parameters(u)).collect())
         }
         _ => Ok(region::cloud(&rows(table), seed)),

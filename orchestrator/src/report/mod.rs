@@ -18,6 +18,7 @@ use crate::analysis::from_results::FolderError;
 use crate::analysis::robustness::Robustness;
 use crate::analysis::sensitivity::study::Sensitivity;
 use crate::analysis::table::PointTable;
+use crate::analysis::verdict::{Fraction, Verdict};
 use figures::Series;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -35,6 +36,8 @@ pub struct Report {
     pub date: String,
     /// The points.
     pub table: PointTable,
+    /// The counts' intervals, where the points are not independent of each other.
+    pub intervals: Option<Intervals>,
     /// Counts by other readings of the tolerances.
     pub readings: Vec<Reading>,
     /// The trajectory of the best point, if it was recorded.
@@ -51,6 +54,37 @@ pub struct Report {
     pub study_text: String,
 }
 
+/// 95 % intervals of the shares of points that pass.
+#[derive(Clone, Debug, Default)]
+pub struct Intervals {
+    /// How they were computed, for people.
+    pub method: String,
+    /// Of the points that meet all criteria.
+    pub verified: [f64; 2],
+    /// One a criterion.
+    pub criteria: Vec<[f64; 2]>,
+    /// One a group of criteria, by its name.
+    pub groups: Vec<(String, [f64; 2])>,
+}
+
+impl Intervals {
+    /// Puts them in place of those that take the points as independent.
+    fn replace_in(&self, counted: &mut Verdict) {
+        let put = |share: &mut Fraction, [low, high]: [f64; 2]| {
+            (share.low, share.high) = (low, high);
+        };
+        put(&mut counted.verified, self.verified);
+        for (count, interval) in counted.criteria.iter_mut().zip(&self.criteria) {
+            put(&mut count.passes, *interval);
+        }
+        for (name, share) in &mut counted.groups {
+            if let Some((_, interval)) = self.groups.iter().find(|(own, _)| own == name) {
+                put(share, *interval);
+            }
+        }
+    }
+}
+
 /// Counts of points by another reading of the tolerances.
 #[derive(Clone, Debug, Default)]
 pub struct Reading {
@@ -60,6 +94,8 @@ pub struct Reading {
     pub about: String,
     /// Points that meet all criteria.
     pub verified: usize,
+    /// The 95 % interval of their share.
+    pub interval: [f64; 2],
     /// Points that meet a criterion, by its name.
     pub criteria: Vec<(String, usize)>,
     /// Points that meet all criteria of a group, by its name.

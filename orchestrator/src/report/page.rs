@@ -33,6 +33,7 @@ struct Page<'a> {
     rows: Vec<CountRow>,
     decisive: String,
     readings: Vec<ReadingRow>,
+    interval_method: &'a str,
     expected: String,
     planes: Vec<Plane>,
     parameters: Vec<Small>,
@@ -72,7 +73,10 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
     let ranking = table.ranking();
     let order: Vec<usize> = ranking.iter().map(|r| r.point).collect();
     let points = payload::embedded(table, &order, columns.len());
-    let counted = verdict(table);
+    let mut counted = verdict(table);
+    if let Some(intervals) = &report.intervals {
+        intervals.replace_in(&mut counted);
+    }
     let sure = truly_inside(table);
     let data = serde_json::to_string(&payload::payload(table, &points))?;
 
@@ -106,6 +110,10 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
         rows: count_rows(table, &counted),
         decisive: decisive(table, &counted),
         readings: readings(report, &counted),
+        interval_method: report
+            .intervals
+            .as_ref()
+            .map_or("Wilson's score interval", |i| &i.method),
         expected: number(sure.iter().sum(), 4),
         planes: planes(table, &columns, &points),
         parameters: distributions(table, &columns[..table.parameters.len()], 0),
