@@ -353,7 +353,7 @@ pub struct Robustness {
     /// The verification probability that box and ellipsoid must hold
     #[arg(long, value_name = "P", default_value_t = 0.9)]
     pub level: f64,
-    /// Confirm the box by so many new runs
+    /// Confirm box and ellipsoid by so many new runs in each
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub confirm: usize,
     /// The seed

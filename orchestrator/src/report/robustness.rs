@@ -3,7 +3,9 @@
 use super::format::{escape, number, percent, with_unit};
 use super::svg::ticks;
 use crate::analysis::robustness::Robustness;
+use crate::analysis::robustness::combinations::{Bound, Combination};
 use crate::analysis::robustness::maps::{CELLS, Map};
+use crate::analysis::robustness::region::Confirmed;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -24,6 +26,7 @@ pub struct View {
     level: String,
     region: Option<String>,
     ellipsoid: Option<String>,
+    unsafe_combinations: Vec<[String; 5]>,
     groups: Vec<Group>,
     warnings: Vec<String>,
 }
@@ -47,10 +50,8 @@ pub fn view(result: &Robustness) -> View {
             percent(q.predicted.max(0.0)),
         ]
     };
-    let share = |share: f64,
-                 probability: f64,
-                 c: crate::analysis::robustness::region::Confirmed| {
-        format!(
+    let share = |share: f64, probability: f64, c: Confirmed, fresh: Option<Confirmed>| {
+        let own = format!(
             "{} % of the sampled space; {} % of it is verified by the surrogates. Of the study's own points {} lie inside, {} of them verified (95 % interval {} – {} %).",
             percent(share),
             percent(probability),
@@ -58,7 +59,25 @@ pub fn view(result: &Robustness) -> View {
             c.verified,
             percent(c.interval[0]),
             percent(c.interval[1])
+        );
+        let Some(f) = fresh else { return own };
+        format!(
+            "{own} Of {} fresh runs inside {} are verified (95 % interval {} – {} %): the stated probability {}.",
+            f.points,
+            f.verified,
+            percent(f.interval[0]),
+            percent(f.interval[1]),
+            if f.holds(probability) { "holds" } else { "does not hold" }
         )
+    };
+    let combination = |c: &Combination| {
+        [
+            bounds(result, c),
+            percent(c.share),
+            percent(c.probability),
+            c.lost.clone(),
+            format!("{} of {}", c.confirmed.verified, c.confirmed.points),
+        ]
     };
     View {
         quality: result.criteria.iter().map(quality).collect(),
@@ -67,14 +86,27 @@ pub fn view(result: &Robustness) -> View {
         region: result
             .region
             .as_ref()
-            .map(|r| share(r.share, r.probability, r.confirmed)),
+            .map(|r| share(r.share, r.probability, r.confirmed, r.fresh)),
         ellipsoid: result
             .ellipsoid
             .as_ref()
-            .map(|e| share(e.share, e.probability, e.confirmed)),
+            .map(|e| share(e.share, e.probability, e.confirmed, e.fresh)),
+        unsafe_combinations: result.unsafe_combinations.iter().map(combination).collect(),
         groups: groups(result),
         warnings: result.warnings.clone(),
     }
+}
+
+/// A region in words.
+pub fn bounds(result: &Robustness, c: &Combination) -> String {
+    let bound = |b: &Bound| {
+        let side = if b.below { "below" } else { "above" };
+        let unit = &result.units[b.parameter];
+        let limit = number(b.limit, 4);
+        let words = format!("{} {side} {limit} {unit}", result.parameters[b.parameter]);
+        words.trim_end().to_owned()
+    };
+    c.bounds.iter().map(bound).collect::<Vec<_>>().join(" with ")
 }
 
 /// Parameter, margins below and above with the criterion that is lost, box.
