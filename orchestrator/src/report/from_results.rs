@@ -1,6 +1,6 @@
 //! A report from the folder that `verify` leaves behind.
 
-use super::{Intervals, Reading, Report, ReportError, history, robustness, sensitivity};
+use super::{Intervals, Reading, Report, ReportError, history, pareto, robustness, sensitivity};
 use crate::analysis::from_results;
 use crate::results::Summary;
 use crate::results::summary::VariantCount;
@@ -40,6 +40,7 @@ impl Report {
             history: history::read(folder, &table),
             robustness: robustness::read(folder),
             sensitivity: sensitivity::read(folder),
+            pareto: pareto::read(folder),
             study_text,
             table,
             ..Self::default()

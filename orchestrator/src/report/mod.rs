@@ -8,6 +8,7 @@ pub mod format;
 mod from_results;
 pub mod history;
 mod page;
+pub mod pareto;
 mod payload;
 mod planes;
 pub mod robustness;
@@ -15,6 +16,7 @@ pub mod sensitivity;
 pub mod svg;
 
 use crate::analysis::from_results::FolderError;
+use crate::analysis::pareto::study::Pareto;
 use crate::analysis::robustness::Robustness;
 use crate::analysis::sensitivity::study::Sensitivity;
 use crate::analysis::table::PointTable;
@@ -46,6 +48,8 @@ pub struct Report {
     pub sensitivity: Option<Sensitivity>,
     /// How far the parameters may go, where that was computed.
     pub robustness: Option<Robustness>,
+    /// What the criteria cost each other, where that was computed.
+    pub pareto: Option<Pareto>,
     /// What is needed to get the same result again: versions, seed, hashes.
     pub provenance: Vec<(String, String)>,
     /// The command that reproduces the result.
