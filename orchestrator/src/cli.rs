@@ -282,6 +282,9 @@ pub struct Report {
     /// The folder that `verify` has written
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
+    /// The plots as PNG files, too; they are beside the page in plots/, as SVG in any case
+    #[arg(long)]
+    pub png: bool,
 }
 
 /// Options of `sensitivity`.

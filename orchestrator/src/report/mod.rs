@@ -11,6 +11,8 @@ mod page;
 pub mod pareto;
 mod payload;
 mod planes;
+#[cfg(feature = "png")]
+mod png;
 pub mod robustness;
 pub mod sensitivity;
 pub mod svg;
@@ -22,6 +24,8 @@ use crate::analysis::sensitivity::study::Sensitivity;
 use crate::analysis::table::PointTable;
 use crate::analysis::verdict::{Fraction, Verdict};
 use figures::Series;
+#[cfg(feature = "png")]
+use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -123,6 +127,9 @@ pub enum ReportError {
     /// The page could not be put together.
     #[error("cannot put the report together: {0}")]
     Page(#[from] minijinja::Error),
+    /// A plot could not be turned into pixels.
+    #[error("cannot make PNG files: {0}")]
+    Png(String),
     /// The embedded data could not be put together.
     #[error("cannot embed the points in the report: {0}")]
     Data(#[from] serde_json::Error),
@@ -147,6 +154,34 @@ impl Report {
         let path = folder.join("report.html");
         write_file(&path, &self.html()?)?;
         Ok(path)
+    }
+}
+
+impl Report {
+    /// Writes all plots as `plots/*.png`, too, and returns how many there are.
+    ///
+    /// # Errors
+    /// When the machine has no font, or a file cannot be written.
+    #[cfg(feature = "png")]
+    pub fn write_png(&self, folder: &Path) -> Result<usize, ReportError> {
+        let painter = png::Painter::new().map_err(ReportError::Png)?;
+        let plots = page::plots(self);
+        plots.par_iter().try_for_each(|(name, plot)| {
+            let file = painter.png(&svg::plain(plot)).map_err(ReportError::Png)?;
+            let path = folder.join("plots").join(format!("{name}.png"));
+            std::fs::write(&path, file).map_err(|source| ReportError::Write { path, source })
+        })?;
+        Ok(plots.len())
+    }
+
+    /// This program was built without the feature `png`.
+    ///
+    /// # Errors
+    /// Always.
+    #[cfg(not(feature = "png"))]
+    pub fn write_png(&self, _: &Path) -> Result<usize, ReportError> {
+        let message = "this program was built without the feature `png`";
+        Err(ReportError::Png(message.to_owned()))
     }
 }
 

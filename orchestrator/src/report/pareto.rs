@@ -26,14 +26,14 @@ pub struct View {
     conflicts: Vec<[String; 3]>,
     heads: Vec<(String, String)>,
     rows: Vec<(String, Vec<String>)>,
-    pub(super) plots: Vec<Plot>,
+    plots: Vec<Plot>,
 }
 
 /// The front over two criteria.
 #[derive(Serialize)]
-pub(super) struct Plot {
-    pub name: String,
-    pub svg: String,
+struct Plot {
+    name: String,
+    svg: String,
     note: String,
 }
 
@@ -113,6 +113,12 @@ fn plots(result: &Pareto) -> Vec<Plot> {
     }
     pairs.truncate(MOST_PLOTS);
     pairs.into_iter().map(|(a, b)| plot(result, a, b)).collect()
+}
+
+/// The plots that are written as files: name and picture.
+pub fn files(result: &Pareto) -> Vec<(String, String)> {
+    let named = |p: Plot| (p.name, p.svg);
+    plots(result).into_iter().map(named).collect()
 }
 
 /// The end of an axis: where the front lies, but for the outermost twentieth, and the tolerance.

@@ -134,6 +134,19 @@ fn table(result: &Robustness) -> Vec<[String; 6]> {
     result.margins.iter().enumerate().map(row).collect()
 }
 
+/// The plots that are written as files: name and picture.
+pub fn plots(result: &Robustness) -> Vec<(String, String)> {
+    let name = |k: usize| &result.parameters[k];
+    let mut plots = Vec::new();
+    for group in groups(result) {
+        for (map, svg) in result.maps.iter().zip(group.maps) {
+            let file = format!("map-{}-{}-{}", group.name, name(map.x), name(map.y));
+            plots.push((file, svg));
+        }
+    }
+    plots
+}
+
 fn groups(result: &Robustness) -> Vec<Group> {
     let probability = Group {
         name: "Probability of verification".into(),
