@@ -13,6 +13,7 @@ mod payload;
 mod planes;
 #[cfg(feature = "png")]
 mod png;
+pub mod recording;
 pub mod robustness;
 pub mod sensitivity;
 pub mod svg;
