@@ -50,15 +50,28 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             }
         }
     }
-    println!("\nVerified share of a Sobol design with 16 replicates: % of {repetitions} intervals that hold it,");
+    println!(
+        "\nVerified share of a Sobol design with 16 replicates: % of {repetitions} intervals that hold it,"
+    );
     println!("and their mean width against Wilson's");
-    for (points, share) in [(512, 0.02), (512, 0.2), (4096, 0.02), (4096, 0.2), (4096, 0.5)] {
+    for (points, share) in [
+        (512, 0.02),
+        (512, 0.2),
+        (4096, 0.02),
+        (4096, 0.2),
+        (4096, 0.5),
+    ] {
         share_held(points, share, repetitions)?;
     }
     Ok(())
 }
 
-fn cube(points: u64, dimensions: usize, seed: u64, replicates: u64) -> Result<Vec<Vec<f64>>, String> {
+fn cube(
+    points: u64,
+    dimensions: usize,
+    seed: u64,
+    replicates: u64,
+) -> Result<Vec<Vec<f64>>, String> {
     let settings = study::Design {
         method: Method::Sobol,
         points,
@@ -70,7 +83,12 @@ fn cube(points: u64, dimensions: usize, seed: u64, replicates: u64) -> Result<Ve
     Ok((0..points).map(|index| design.point(index)).collect())
 }
 
-fn indices_held(case: &Case, base: u64, estimator: FirstOrder, repetitions: u64) -> Result<(), String> {
+fn indices_held(
+    case: &Case,
+    base: u64,
+    estimator: FirstOrder,
+    repetitions: u64,
+) -> Result<(), String> {
     let d = case.dimensions;
     let one = |seed: u64| -> Result<Vec<f64>, String> {
         let pairs = cube(base, 2 * d, 1000 + seed, replicates(base))?;
@@ -78,14 +96,22 @@ fn indices_held(case: &Case, base: u64, estimator: FirstOrder, repetitions: u64)
         let found = indices(&outputs, d, estimator, replicates(base)).ok_or("too few points")?;
         let exact = case.first.iter().chain(&case.total);
         let all = found.first.iter().chain(&found.total).zip(exact);
-        Ok(all.map(|(e, exact)| f64::from(u8::from(e.contains(*exact)))).collect())
+        Ok(all
+            .map(|(e, exact)| f64::from(u8::from(e.contains(*exact))))
+            .collect())
     };
-    let held: Vec<Vec<f64>> = (0..repetitions).into_par_iter().map(one).collect::<Result<_, _>>()?;
+    let held: Vec<Vec<f64>> = (0..repetitions)
+        .into_par_iter()
+        .map(one)
+        .collect::<Result<_, _>>()?;
     let shares: Vec<f64> = (0..2 * d)
         .map(|k| 100.0 * held.iter().map(|h| h[k]).sum::<f64>() / repetitions as f64)
         .collect();
     let mean = shares.iter().sum::<f64>() / shares.len() as f64;
-    println!("  {:<10} {base:>5} base points, {estimator:?}: {mean:.1} in the mean, one by one {shares:.1?}", case.name);
+    println!(
+        "  {:<10} {base:>5} base points, {estimator:?}: {mean:.1} in the mean, one by one {shares:.1?}",
+        case.name
+    );
     Ok(())
 }
 
@@ -110,7 +136,10 @@ fn share_held(points: u64, share: f64, repetitions: u64) -> Result<(), String> {
             all.high - all.low,
         ])
     };
-    let all: Vec<[f64; 3]> = (0..repetitions).into_par_iter().map(one).collect::<Result<_, _>>()?;
+    let all: Vec<[f64; 3]> = (0..repetitions)
+        .into_par_iter()
+        .map(one)
+        .collect::<Result<_, _>>()?;
     let sum = |k: usize| all.iter().map(|r| r[k]).sum::<f64>();
     println!(
         "  share {share}, {points} points: {:.1}, width {:.2} of Wilson's",

@@ -391,7 +391,12 @@ pub struct Pareto {
     #[arg(long, value_name = "G")]
     pub generations: Option<usize>,
     /// Runs in a generation
-    #[arg(long, value_name = "N", default_value_t = 100, requires = "generations")]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 100,
+        requires = "generations"
+    )]
     pub population: usize,
     /// The seed of the search
     #[arg(long, value_name = "S", default_value_t = 1)]

@@ -7,7 +7,7 @@ use super::batch::Batch;
 use super::{CommandError, output};
 use crate::analysis::from_results;
 use crate::analysis::pareto::nsga2;
-use crate::analysis::pareto::study::{Member, Pareto, trade_off};
+use crate::analysis::pareto::study::{CONFLICT, Member, Pareto, trade_off};
 use crate::analysis::table::PointTable;
 use crate::cli;
 use crate::report::format::number;
@@ -24,13 +24,19 @@ pub(super) fn run(options: &cli::Pareto) -> Result<ExitCode, CommandError> {
         Some(generations) => {
             let mut batch = batch?;
             let table = search(&mut batch, options, generations)?;
-            let method = format!("NSGA-II over {generations} generations of {}", options.population);
+            let method = format!(
+                "NSGA-II over {generations} generations of {}",
+                options.population
+            );
             trade_off(&table, false, Some(nominal(&mut batch)?), method)
         }
         None => {
             let (_, table) = from_results::read(&folder)?;
             // Without the FMU the front is the same, but the nominal design cannot be run.
-            let nominal = batch.ok().map(|mut batch| nominal(&mut batch)).transpose()?;
+            let nominal = batch
+                .ok()
+                .map(|mut batch| nominal(&mut batch))
+                .transpose()?;
             let nominal = nominal.filter(|own| own.parameters.len() == table.parameters.len());
             trade_off(&table, true, nominal, "the study's points".to_owned())
         }
@@ -120,7 +126,8 @@ fn text(result: &Pareto) -> String {
             number(n.to_front, 3)
         );
     }
-    let conflicts = result.conflicts.iter().filter(|c| c.correlation < 0.0);
+    let conflicts = result.conflicts.iter();
+    let conflicts = conflicts.filter(|c| c.correlation <= CONFLICT);
     for c in conflicts {
         out += &format!(
             "{} is met better at the expense of {} (rank correlation {})\n",
@@ -148,7 +155,12 @@ fn member(result: &Pareto, title: &str, m: &Member) -> String {
             number(*deviation, 2)
         );
     }
-    for ((name, unit), value) in result.parameters.iter().zip(&result.units).zip(&m.parameters) {
+    for ((name, unit), value) in result
+        .parameters
+        .iter()
+        .zip(&result.units)
+        .zip(&m.parameters)
+    {
         out += &format!("  {name} = {} {unit}\n", number(*value, 5));
     }
     out

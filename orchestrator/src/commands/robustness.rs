@@ -104,7 +104,11 @@ fn evidence(stated: f64, own: Confirmed, fresh: Option<Confirmed>) -> String {
             c.verified,
             number(c.interval[0], 3),
             number(c.interval[1], 3),
-            if c.holds(stated) { "holds" } else { "does NOT hold" }
+            if c.holds(stated) {
+                "holds"
+            } else {
+                "does NOT hold"
+            }
         );
     }
     out

@@ -43,9 +43,11 @@ impl Design {
             return Err("replicates must be at least 1".to_owned());
         }
         if design.replicates > 1 && design.method != Method::Sobol {
-            return Err("replicates belong to method = \"sobol\"; the points of the others tell \
+            return Err(
+                "replicates belong to method = \"sobol\"; the points of the others tell \
                         by themselves how sure a count is"
-                .to_owned());
+                    .to_owned(),
+            );
         }
         let dimensions = inputs.iter().filter(|input| input.varies()).count();
         let rule = match design.method {

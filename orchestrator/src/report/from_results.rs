@@ -54,7 +54,11 @@ fn intervals(summary: &Summary) -> Option<Intervals> {
     (!summary.interval_method.is_empty()).then(|| Intervals {
         method: summary.interval_method.clone(),
         verified: summary.verified_interval,
-        criteria: summary.criteria.values().map(|c| c.count.interval).collect(),
+        criteria: summary
+            .criteria
+            .values()
+            .map(|c| c.count.interval)
+            .collect(),
         groups: groups.map(|(name, c)| (name.clone(), c.interval)).collect(),
     })
 }

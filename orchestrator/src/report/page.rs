@@ -168,7 +168,12 @@ pub fn plots(report: &Report) -> Vec<(String, String)> {
             .iter()
             .filter_map(|s| Some((format!("history-{}", s.name), figures::history(s)?))),
     );
-    plots.extend(report.sensitivity.iter().flat_map(super::sensitivity::plots));
+    plots.extend(
+        report
+            .sensitivity
+            .iter()
+            .flat_map(super::sensitivity::plots),
+    );
     plots.extend(report.robustness.iter().flat_map(super::robustness::plots));
     plots.extend(report.pareto.iter().flat_map(super::pareto::files));
     for (name, _) in &mut plots {

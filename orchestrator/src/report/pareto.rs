@@ -2,7 +2,7 @@
 
 use super::format::{count, number};
 use super::svg::Frame;
-use crate::analysis::pareto::study::{Member, Pareto};
+use crate::analysis::pareto::study::{CONFLICT, Member, Pareto};
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -41,7 +41,7 @@ struct Plot {
 pub fn view(result: &Pareto) -> View {
     let Some(best) = result.front.first() else {
         return View {
-            about: "no point has values.".to_owned(),
+            about: "No point has values.".to_owned(),
             nominal: None,
             conflicts: vec![],
             heads: vec![],
@@ -53,13 +53,18 @@ pub fn view(result: &Pareto) -> View {
     if result.nearest > 0 {
         rows.push(row("Nearest", &result.front[result.nearest]));
     }
-    rows.extend(result.nominal.iter().map(|n| row("Nominal design", &n.member)));
+    rows.extend(
+        result
+            .nominal
+            .iter()
+            .map(|n| row("Nominal design", &n.member)),
+    );
     let verified = result.front.iter().filter(|m| m.verified()).count();
     let units = result.parameters.iter().zip(&result.units);
     let nothing = |name: &String| (name.clone(), String::new());
     View {
         about: format!(
-            "from {}: of {} points {} are beaten by no other in every criterion, and {} of these meet all criteria.",
+            "From {}: of {} points {} are beaten by no other in every criterion, and {} of these meet all criteria.",
             result.method,
             count(result.points),
             count(result.front.len()),
@@ -75,7 +80,7 @@ pub fn view(result: &Pareto) -> View {
         conflicts: result
             .conflicts
             .iter()
-            .filter(|c| c.correlation < 0.0)
+            .filter(|c| c.correlation <= CONFLICT)
             .map(|c| {
                 [
                     result.criteria[c.a].clone(),
@@ -150,7 +155,11 @@ fn plot(result: &Pareto, a: usize, b: usize) -> Plot {
     let (mut verified, mut others) = (String::new(), String::new());
     for m in &result.front {
         if let Some((x, y)) = place(m) {
-            let path = if m.verified() { &mut verified } else { &mut others };
+            let path = if m.verified() {
+                &mut verified
+            } else {
+                &mut others
+            };
             let _ = write!(path, "M{:.1},{y:.1}a3,3 0 1,0 6,0a3,3 0 1,0 -6,0", x - 3.0);
         }
     }

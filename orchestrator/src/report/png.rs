@@ -55,7 +55,11 @@ impl Painter {
         let size = tree.size().to_int_size().scale_by(SCALE);
         let size = size.ok_or("the plot has no size")?;
         let mut pixels = Pixmap::new(size.width(), size.height()).ok_or("the plot is too large")?;
-        resvg::render(&tree, Transform::from_scale(SCALE, SCALE), &mut pixels.as_mut());
+        resvg::render(
+            &tree,
+            Transform::from_scale(SCALE, SCALE),
+            &mut pixels.as_mut(),
+        );
         pixels.encode_png().map_err(|e| e.to_string())
     }
 }

@@ -217,7 +217,7 @@ fn figures(result: &Synchronised) -> Vec<Figure> {
         of_time(
             "Friction coefficient before and after the shift",
             "friction",
-            "1",
+            "friction coefficient",
             &[
                 trace("line before", time, &result.friction_before),
                 trace("line", time, &result.friction),

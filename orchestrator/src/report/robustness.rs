@@ -67,7 +67,11 @@ pub fn view(result: &Robustness) -> View {
             f.verified,
             percent(f.interval[0]),
             percent(f.interval[1]),
-            if f.holds(probability) { "holds" } else { "does not hold" }
+            if f.holds(probability) {
+                "holds"
+            } else {
+                "does not hold"
+            }
         )
     };
     let combination = |c: &Combination| {
@@ -106,7 +110,11 @@ pub fn bounds(result: &Robustness, c: &Combination) -> String {
         let words = format!("{} {side} {limit} {unit}", result.parameters[b.parameter]);
         words.trim_end().to_owned()
     };
-    c.bounds.iter().map(bound).collect::<Vec<_>>().join(" with ")
+    c.bounds
+        .iter()
+        .map(bound)
+        .collect::<Vec<_>>()
+        .join(" with ")
 }
 
 /// Parameter, margins below and above with the criterion that is lost, box.
@@ -235,7 +243,7 @@ fn picture(result: &Robustness, map: &Map, what: &str, values: &[f64], range: [f
     let name = |k: usize| with_unit(&result.parameters[k], &result.units[k]);
     let _ = write!(
         out,
-        "<text class=\"title\" x=\"{:.0}\" y=\"{:.0}\" text-anchor=\"middle\">{}</text><text class=\"title\" transform=\"translate(9,{:.0}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
+        "<text class=\"title\" x=\"{:.0}\" y=\"{:.0}\" text-anchor=\"middle\">{}</text><text class=\"title\" transform=\"translate(11,{:.0}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
         LEFT + SIDE / 2.0,
         SIDE + 38.0,
         escape(&name(map.x)),

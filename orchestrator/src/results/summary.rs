@@ -366,20 +366,21 @@ impl<'a> Tally<'a> {
         let (judge, points) = (self.judge, self.points);
         let all = Count::new(&self.own.verified, points);
         let own = self.own.by_criterion(judge, points);
-        let criteria = judge
-            .criteria
-            .iter()
-            .zip(own)
-            .enumerate()
-            .map(|(k, (criterion, (name, count)))| {
-                let count = CriterionCount {
-                    count,
-                    binds: self.binds[k],
-                    only_failure: self.only_failure[k],
-                    criterion: criterion.clone(),
-                };
-                (name, count)
-            });
+        let criteria =
+            judge
+                .criteria
+                .iter()
+                .zip(own)
+                .enumerate()
+                .map(|(k, (criterion, (name, count)))| {
+                    let count = CriterionCount {
+                        count,
+                        binds: self.binds[k],
+                        only_failure: self.only_failure[k],
+                        criterion: criterion.clone(),
+                    };
+                    (name, count)
+                });
         let variants = judge.variants.iter().zip(&self.variants);
         let mut failures = self.failures.clone();
         failures.sort_unstable_keys();
@@ -411,7 +412,8 @@ impl<'a> Tally<'a> {
     fn interval_method(&self, provenance: &Provenance) -> String {
         match (self.replicates, provenance.method.as_str()) {
             (1, "sobol" | "latin-hypercube") => "Wilson's score interval; it takes the points as \
-                independent, which makes it wider than the even design needs".to_owned(),
+                independent, which makes it wider than the even design needs"
+                .to_owned(),
             (1, _) => "Wilson's score interval".to_owned(),
             (n, _) => format!(
                 "Student's over {n} independently scrambled nets; Wilson's where fewer than {n} points pass or fail"

@@ -83,6 +83,9 @@ pub struct Nominal {
     pub to_front: f64,
 }
 
+/// Criteria with a rank correlation at or below this are said to be in conflict.
+pub const CONFLICT: f64 = -0.3;
+
 /// How two criteria go together along the front.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Conflict {
@@ -124,7 +127,8 @@ pub fn trade_off(
         })
         .collect();
     chosen.sort_by(|a, b| a.largest().total_cmp(&b.largest()));
-    let by_distance = |a: &usize, b: &usize| chosen[*a].distance().total_cmp(&chosen[*b].distance());
+    let by_distance =
+        |a: &usize, b: &usize| chosen[*a].distance().total_cmp(&chosen[*b].distance());
     let nearest = (0..chosen.len()).min_by(by_distance)?;
     Some(Pareto {
         method,
@@ -226,7 +230,11 @@ mod tests {
         // Everything between the two measured values is on the front, nothing else.
         assert_eq!(p.front.len(), 21);
         // x = 2 (1 - x): both deviations are 2/3; the nearest grid point is 0.65.
-        assert!((p.front[0].parameters[0] - 0.65).abs() < 1e-9, "{:?}", p.front[0]);
+        assert!(
+            (p.front[0].parameters[0] - 0.65).abs() < 1e-9,
+            "{:?}",
+            p.front[0]
+        );
         assert_eq!(p.front[0].point, Some(34));
         assert!((p.front[p.nearest].parameters[0] - 0.8).abs() < 1e-9);
         assert!(p.front[0].verified() && !p.front[20].verified());

@@ -70,11 +70,7 @@ impl Region {
     /// Counts points inside.
     pub fn confirm(&self, points: &[Vec<f64>], verified: &[bool]) -> Confirmed {
         let points = points.iter().zip(verified);
-        Confirmed::count(
-            points
-                .filter(|(x, _)| self.contains(x))
-                .map(|(_, v)| *v),
-        )
+        Confirmed::count(points.filter(|(x, _)| self.contains(x)).map(|(_, v)| *v))
     }
 }
 
@@ -117,11 +113,7 @@ impl Ellipsoid {
     /// Counts points inside.
     pub fn confirm(&self, points: &[Vec<f64>], verified: &[bool]) -> Confirmed {
         let points = points.iter().zip(verified);
-        Confirmed::count(
-            points
-                .filter(|(x, _)| self.contains(x))
-                .map(|(_, v)| *v),
-        )
+        Confirmed::count(points.filter(|(x, _)| self.contains(x)).map(|(_, v)| *v))
     }
 }
 

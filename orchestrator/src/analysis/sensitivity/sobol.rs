@@ -316,7 +316,9 @@ mod tests {
         let (hf, ht) = ishigami_indices();
         let count = |s: &Indices, first: &[f64], total: &[f64]| {
             let pairs = s.first.iter().zip(first).chain(s.total.iter().zip(total));
-            pairs.filter(|(found, exact)| found.contains(**exact)).count() as f64
+            pairs
+                .filter(|(found, exact)| found.contains(**exact))
+                .count() as f64
         };
         let (mut ishigami_held, mut g_held) = (0.0, 0.0);
         for seed in 0..REPETITIONS {

@@ -62,8 +62,7 @@ fn draw(
 
 fn verified(batch: &mut Batch, points: &[Vec<f64>]) -> Result<Vec<bool>, CommandError> {
     let outcomes = batch.run(points)?;
-    let verdict = |outcome: &crate::results::Outcome| {
-        batch.judge.verdict(outcome.as_deref().ok()).verified()
-    };
+    let verdict =
+        |outcome: &crate::results::Outcome| batch.judge.verdict(outcome.as_deref().ok()).verified();
     Ok(outcomes.iter().map(verdict).collect())
 }
