@@ -99,16 +99,12 @@ fn evidence(stated: f64, own: Confirmed, fresh: Option<Confirmed>) -> String {
     );
     if let Some(c) = fresh {
         out += &format!(
-            "  {} fresh runs inside: {} verified, 95 % interval {} to {}: the stated probability {}\n",
+            "  {} fresh runs inside: {} verified, 95 % interval {} to {}: {}\n",
             c.points,
             c.verified,
             number(c.interval[0], 3),
             number(c.interval[1], 3),
-            if c.holds(stated) {
-                "holds"
-            } else {
-                "does NOT hold"
-            }
+            c.on(stated)
         );
     }
     out

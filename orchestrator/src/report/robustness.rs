@@ -62,16 +62,12 @@ pub fn view(result: &Robustness) -> View {
         );
         let Some(f) = fresh else { return own };
         format!(
-            "{own} Of {} fresh runs inside {} are verified (95 % interval {} – {} %): the stated probability {}.",
+            "{own} Of {} fresh runs inside {} are verified (95 % interval {} – {} %): {}.",
             f.points,
             f.verified,
             percent(f.interval[0]),
             percent(f.interval[1]),
-            if f.holds(probability) {
-                "holds"
-            } else {
-                "does not hold"
-            }
+            f.on(probability)
         )
     };
     let combination = |c: &Combination| {

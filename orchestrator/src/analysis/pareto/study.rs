@@ -241,7 +241,8 @@ mod tests {
         let n = p.nominal.unwrap();
         assert_eq!(n.member.deviations, [0.5, 3.0]);
         assert_eq!(n.beaten_by, 11);
-        assert!((n.to_front - 1.0).abs() < 1e-9, "{n:?}");
+        // From (0.5, 3) to (0, 2), the front's end.
+        assert!((n.to_front - 1.25f64.sqrt()).abs() < 1e-9, "{n:?}");
         assert_eq!(p.conflicts.len(), 1);
         assert!((p.conflicts[0].correlation + 1.0).abs() < 1e-12);
     }

@@ -18,9 +18,15 @@ pub struct Confirmed {
 }
 
 impl Confirmed {
-    /// Whether the interval holds a stated probability.
-    pub fn holds(&self, probability: f64) -> bool {
-        self.interval[0] <= probability && probability <= self.interval[1]
+    /// What the points say of a stated probability.
+    pub fn on(&self, stated: f64) -> &'static str {
+        if self.interval[0] > stated {
+            "more than stated: the surrogates' errors make the statement cautious"
+        } else if self.interval[1] < stated {
+            "LESS than stated: the surrogates mislead there, verify more points"
+        } else {
+            "the stated probability holds"
+        }
     }
 
     pub(super) fn count(inside: impl Iterator<Item = bool>) -> Self {
