@@ -10,6 +10,7 @@ mod judge;
 mod limits;
 mod merge;
 mod output;
+mod pareto;
 mod progress;
 mod replay;
 mod report;
@@ -108,6 +109,7 @@ pub fn run(cli: Cli) -> Result<ExitCode, CommandError> {
         Command::Report(options) => report::run(&options),
         Command::Sensitivity(options) => sensitivity::run(&options),
         Command::Robustness(options) => robustness::run(&options),
+        Command::Pareto(options) => pareto::run(&options),
         Command::Synchronise(options) => synchronise::run(&options),
     }
 }

@@ -17,7 +17,11 @@ use crate::study::plan::Plan;
 use crate::task::{Schedule, Storage, Task};
 
 pub(super) fn run(options: &cli::Report) -> Result<ExitCode, CommandError> {
-    let page = Report::from_folder(&options.folder)?.write(&options.folder)?;
+    let report = Report::from_folder(&options.folder)?;
+    let page = report.write(&options.folder)?;
+    if options.png {
+        report.write_png(&options.folder)?;
+    }
     output::print(&format!("{}\n", page.display()));
     Ok(ExitCode::SUCCESS)
 }

@@ -56,14 +56,16 @@ fn indices(
 ) -> Result<Sensitivity, CommandError> {
     let (base, seed) = (options.base, options.seed);
     let varied = batch.varied();
-    let pairs =
-        batch::cube(2 * varied.len(), base, seed).map_err(|message| CommandError::Option {
+    let replicates = sobol::replicates(base);
+    let pairs = batch::cube(2 * varied.len(), base, seed, replicates).map_err(|message| {
+        CommandError::Option {
             option: "base",
             message,
-        })?;
+        }
+    })?;
     let rows = simulate(batch, &sobol::design(&pairs))?;
     keep_runs(folder, &rows)?;
-    Ok(from_sobol(&rows, options.estimator, seed))
+    Ok(from_sobol(&rows, options.estimator, replicates, seed))
 }
 
 fn screen(

@@ -12,7 +12,7 @@ use crate::study;
 use crate::study::Method;
 
 use hypercube::Hypercube;
-use sobol::Net;
+use sobol::Nets;
 
 /// A rule that gives every index its point.
 #[derive(Clone, Debug)]
@@ -27,7 +27,7 @@ pub struct Design {
 enum Rule {
     MonteCarlo,
     LatinHypercube(Hypercube),
-    Sobol(Net),
+    Sobol(Nets),
 }
 
 impl Design {
@@ -39,13 +39,23 @@ impl Design {
         if design.points == 0 {
             return Err("points must be at least 1".to_owned());
         }
+        if design.replicates == 0 {
+            return Err("replicates must be at least 1".to_owned());
+        }
+        if design.replicates > 1 && design.method != Method::Sobol {
+            return Err(
+                "replicates belong to method = \"sobol\"; the points of the others tell \
+                        by themselves how sure a count is"
+                    .to_owned(),
+            );
+        }
         let dimensions = inputs.iter().filter(|input| input.varies()).count();
         let rule = match design.method {
             Method::MonteCarlo => Rule::MonteCarlo,
             Method::LatinHypercube => {
                 Rule::LatinHypercube(Hypercube::new(design.seed, design.points))
             }
-            Method::Sobol => Rule::Sobol(Net::new(design.seed, dimensions, design.points)?),
+            Method::Sobol => Rule::Sobol(Nets::new(design, dimensions)?),
         };
         Ok(Self {
             rule,
@@ -86,7 +96,7 @@ impl Design {
                 random::uniform(self.seed, random::Purpose::Point, index, dimension)
             }
             Rule::LatinHypercube(hypercube) => hypercube.uniform(index, dimension),
-            Rule::Sobol(net) => net.uniform(index, dimension),
+            Rule::Sobol(nets) => nets.uniform(index, dimension),
         }
     }
 }
@@ -100,6 +110,7 @@ mod tests {
             method,
             points,
             seed,
+            replicates: if method == Method::Sobol { 4 } else { 1 },
         };
         let normal = Distribution::Normal {
             mean: 0.0,

@@ -110,6 +110,9 @@ pub struct Design {
     pub points: u64,
     /// What distinguishes one set of random points from another.
     pub seed: u64,
+    /// Of a Sobol net: how many nets, scrambled independently of each other, the points belong to
+    /// in turn. Their scatter says how sure the counts are.
+    pub replicates: u64,
 }
 
 impl Default for Design {
@@ -118,6 +121,7 @@ impl Default for Design {
             method: Method::default(),
             points: 50,
             seed: 1,
+            replicates: 1,
         }
     }
 }

@@ -4,12 +4,14 @@
 //! From existing points, by surrogates whose cross-validated errors are stated and taken into
 //! account: a point counts as verified with the probability that its true criteria lie inside.
 
+pub mod combinations;
 pub mod maps;
 pub mod margins;
 pub mod region;
 pub mod surrogate;
 
 use crate::analysis::table::{Criterion, PointTable};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, Normal};
 use surrogate::{Quality, Surrogate};
@@ -31,6 +33,9 @@ pub struct Robustness {
     pub region: Option<region::Region>,
     /// The largest ellipsoid found.
     pub ellipsoid: Option<region::Ellipsoid>,
+    /// Where hardly any point is verified.
+    #[serde(default)]
+    pub unsafe_combinations: Vec<combinations::Combination>,
     /// One parameter at a time, from the best point.
     pub margins: Vec<margins::Margin>,
     /// What a careful reader should know.
@@ -136,6 +141,18 @@ impl Stand {
         self.criteria[criterion].value(x)
     }
 
+    /// The name of the criterion with the least probability over some points.
+    fn least_met<'a>(&self, points: impl Iterator<Item = &'a Vec<f64>>) -> String {
+        let mut sums = vec![0.0; self.criteria.len()];
+        for x in points {
+            for (sum, part) in sums.iter_mut().zip(&self.criteria) {
+                *sum += part.probability(x);
+            }
+        }
+        let least = (0..sums.len()).min_by(|&a, &b| sums[a].total_cmp(&sums[b]));
+        least.map_or_else(String::new, |k| self.criteria[k].criterion.name.clone())
+    }
+
     /// The probability that all criteria are met at a point, given the surrogates' errors.
     pub fn probability(&self, x: &[f64]) -> f64 {
         self.criteria
@@ -176,7 +193,11 @@ pub fn robustness(table: &PointTable, cloud: &[Vec<f64>], level: f64) -> Option<
         .iter()
         .map(|x| varying.iter().map(|&k| x[k]).collect())
         .collect();
-    let verdicts: Vec<f64> = cloud.iter().map(|x| stand.probability(x)).collect();
+    let verdicts: Vec<f64> = cloud.par_iter().map(|x| stand.probability(x)).collect();
+    // One half to search with, the other to state what was found: a search flatters its own sample.
+    let half = cloud.len() / 2;
+    let ((seen, unseen), (seen_verdicts, unseen_verdicts)) =
+        (cloud.split_at(half), verdicts.split_at(half));
     let mut result = Robustness {
         parameters: table.parameters.iter().map(|p| p.name.clone()).collect(),
         units: table.parameters.iter().map(|p| p.unit.clone()).collect(),
@@ -187,16 +208,27 @@ pub fn robustness(table: &PointTable, cloud: &[Vec<f64>], level: f64) -> Option<
             .collect(),
         maps: maps::maps(table, &stand, &inputs),
         level,
-        region: region::largest_box(&cloud, &verdicts, level),
-        ellipsoid: region::largest_ellipsoid(&cloud, &verdicts, level),
+        region: region::largest_box(seen, seen_verdicts, level),
+        ellipsoid: region::largest_ellipsoid(seen, seen_verdicts, level),
+        unsafe_combinations: combinations::combinations(
+            &stand,
+            &combinations::Cloud {
+                points: &cloud,
+                verdicts: &verdicts,
+            },
+            &inputs,
+            &table.verified,
+        ),
         margins: margins::margins(table, &stand, &inputs[best]),
         warnings: vec![],
     };
     if let Some(region) = &mut result.region {
-        region.confirm(&inputs, &table.verified);
+        region.state(unseen, unseen_verdicts);
+        region.confirmed = region.confirm(&inputs, &table.verified);
     }
     if let Some(ellipsoid) = &mut result.ellipsoid {
-        ellipsoid.confirm(&inputs, &table.verified);
+        ellipsoid.state(unseen, unseen_verdicts);
+        ellipsoid.confirmed = ellipsoid.confirm(&inputs, &table.verified);
     }
     for (name, quality) in &result.criteria {
         if quality.predicted < TRUSTED {
