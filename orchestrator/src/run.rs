@@ -1,12 +1,13 @@
 //! Runs one point after another on one instance of an FMU.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use crate::failure::Failure;
 use crate::fmu::{Call, Instance, Library};
 use crate::statistics::Accumulator;
 use crate::study::Statistic;
-use crate::task::{Storage, Task};
+use crate::task::{CommunicationPoints, Storage, Task};
 
 /// Runs points, reusing the instance where the FMU can be reset.
 #[derive(Debug)]
@@ -145,33 +146,17 @@ impl Runner {
 
     fn simulate(&mut self, instance: &mut Instance, values: &[f64]) -> Result<(), Call> {
         start(&self.task, instance, values)?;
-        let schedule = self.task.schedule;
-        let (points, mut time) = (schedule.points(), schedule.start);
+        let points = self.task.schedule.points();
         let mut span = 0.0;
         if self.watched.probes.is_empty() && self.slow.is_empty() {
-            for index in 1..=points.steps {
-                let next = points.at(index);
-                instance.step(time, next - time)?;
-                time = next;
-            }
+            self.advance::<false>(instance, &points, 0..points.steps)?;
         } else {
             self.forget();
-            let mut seen = None;
-            if schedule.window_start <= schedule.start {
-                self.watch(instance, 0.0)?;
-                seen = Some(schedule.start);
-            }
-            for index in 1..=points.steps {
-                let next = points.at(index);
-                instance.step(time, next - time)?;
-                if next >= schedule.window_start {
-                    let elapsed = seen.map_or(0.0, |seen| next - seen);
-                    self.watch(instance, elapsed)?;
-                    span += elapsed;
-                    seen = Some(next);
-                }
-                time = next;
-            }
+            let from = points.from(self.task.schedule.window_start);
+            self.advance::<false>(instance, &points, 0..from)?;
+            self.watch(instance, 0.0)?;
+            self.advance::<true>(instance, &points, from..points.steps)?;
+            span = points.at(points.steps) - points.at(from);
         }
         self.finish(instance, span)
     }
@@ -183,8 +168,29 @@ impl Runner {
         }
     }
 
+    /// Takes some of the steps.
+    #[inline(never)]
+    fn advance<const WATCH: bool>(
+        &mut self,
+        instance: &mut Instance,
+        points: &CommunicationPoints,
+        steps: Range<u64>,
+    ) -> Result<(), Call> {
+        // A copy, which a call of the FMU cannot change: it stays where it is quickest.
+        let points = *points;
+        for index in steps {
+            let time = points.at(index);
+            let step = points.at(index + 1) - time;
+            instance.step(time, step)?;
+            if WATCH {
+                self.watch(instance, step)?;
+            }
+        }
+        Ok(())
+    }
+
     /// Reads what has a statistic over time.
-    #[inline]
+    #[inline(always)]
     fn watch(&mut self, instance: &mut Instance, elapsed: f64) -> Result<(), Call> {
         let watched = &mut self.watched;
         if !watched.probes.is_empty() {
@@ -193,6 +199,14 @@ impl Runner {
                 accumulator.add(elapsed, value);
             }
         }
+        if self.slow.is_empty() {
+            return Ok(());
+        }
+        self.watch_others(instance, elapsed)
+    }
+
+    #[inline(never)]
+    fn watch_others(&mut self, instance: &mut Instance, elapsed: f64) -> Result<(), Call> {
         for (index, accumulator) in &mut self.slow {
             accumulator.add(elapsed, self.task.observed[*index].read(instance)?);
         }

@@ -9,9 +9,10 @@ use crate::study::Statistic;
 #[derive(Clone, Copy, Debug)]
 pub struct Accumulator {
     statistic: Statistic,
-    /// The last value.
-    value: f64,
-    /// Twice the integral of the values, or of their squares.
+    empty: bool,
+    /// The last value, or its square where squares are integrated.
+    last: f64,
+    /// Twice the integral.
     integral: f64,
     min: f64,
     max: f64,
@@ -22,54 +23,51 @@ impl Accumulator {
     pub fn new(statistic: Statistic) -> Self {
         Self {
             statistic,
-            value: f64::NAN,
+            empty: true,
+            last: 0.0,
             integral: 0.0,
             min: f64::INFINITY,
             max: f64::NEG_INFINITY,
         }
     }
 
-    /// Takes a value, `elapsed` after the one before, if there was one; then zero.
+    /// Takes a value, `elapsed` after the one before; the first one after zero.
     #[inline]
     pub fn add(&mut self, elapsed: f64, value: f64) {
-        match self.statistic {
-            Statistic::Final => {}
-            // Over no time, the first value is added zero times.
-            Statistic::Mean if elapsed > 0.0 => self.integral += elapsed * (self.value + value),
-            Statistic::Rms if elapsed > 0.0 => {
-                self.integral += elapsed * (self.value * self.value + value * value);
+        use Statistic::{Amplitude, Max, Min, Rms};
+        self.empty = false;
+        if matches!(self.statistic, Min | Max | Amplitude) {
+            // A value that is not a number must not get lost.
+            if value < self.min || value.is_nan() {
+                self.min = value;
             }
-            Statistic::Mean | Statistic::Rms => {}
-            Statistic::Min | Statistic::Max | Statistic::Amplitude => {
-                // A value that is not a number must not get lost.
-                if value < self.min || value.is_nan() {
-                    self.min = value;
-                }
-                if value > self.max || value.is_nan() {
-                    self.max = value;
-                }
+            if value > self.max || value.is_nan() {
+                self.max = value;
             }
         }
-        self.value = value;
+        let value = match self.statistic {
+            Rms => value * value,
+            _ => value,
+        };
+        self.integral += elapsed * (self.last + value);
+        self.last = value;
     }
 
-    /// The statistic of the values so far, over the time from the first to the last; not a number
-    /// without any.
+    /// The statistic of the values so far, `span` being the time from the first to the last; not a
+    /// number without any.
     pub fn result(&self, span: f64) -> f64 {
-        let mean = |single: f64| {
-            if span > 0.0 {
-                0.5 * self.integral / span
-            } else {
-                single
-            }
+        let mean = if span > 0.0 {
+            0.5 * self.integral / span
+        } else {
+            self.last
         };
         match self.statistic {
-            _ if self.value.is_nan() => f64::NAN,
-            Statistic::Final => self.value,
-            Statistic::Mean => mean(self.value),
+            _ if self.empty => f64::NAN,
+            Statistic::Final => self.last,
+            Statistic::Mean => mean,
             Statistic::Min => self.min,
             Statistic::Max => self.max,
-            Statistic::Rms => mean(self.value * self.value).max(0.0).sqrt(),
+            Statistic::Rms => mean.sqrt(),
             Statistic::Amplitude => 0.5 * (self.max - self.min),
         }
     }

@@ -225,6 +225,20 @@ impl CommunicationPoints {
             self.even + (index - self.leap) as i64 as f64 * self.schedule.step
         }
     }
+
+    /// The number of the first one that is not before a time; the last one's where all are.
+    pub fn from(&self, time: f64) -> u64 {
+        let (mut before, mut end) = (0, self.steps);
+        while before < end {
+            let middle = before + (end - before) / 2;
+            if self.at(middle) < time {
+                before = middle + 1;
+            } else {
+                end = middle;
+            }
+        }
+        end
+    }
 }
 
 #[cfg(test)]
@@ -246,6 +260,9 @@ mod tests {
         assert_eq!(schedule(1.0, 0.3).steps(), 4);
         assert_eq!(schedule(1.0, 0.3).time(4), 1.0);
         assert_eq!(schedule(1.0, 5.0).steps(), 1);
+        let points = schedule(1.0, 0.3).points();
+        let from = [0.0, 0.1, 0.3, 0.95, 1.0, 2.0].map(|time| points.from(time));
+        assert_eq!(from, [0, 1, 1, 4, 4, 4]);
     }
     #[test]
     fn a_leap_is_one_step() {
