@@ -179,8 +179,7 @@ impl Runner {
         // A copy, which a call of the FMU cannot change: it stays where it is quickest.
         let points = *points;
         for index in steps {
-            let time = points.at(index);
-            let step = points.at(index + 1) - time;
+            let (time, step) = points.step(index);
             instance.step(time, step)?;
             if WATCH {
                 self.watch(instance, step)?;
