@@ -182,7 +182,12 @@ impl<'a, M: TwoScales> Curve<'a, M> {
     }
 
     /// Finds the beginning that a turn returns to.
-    pub(super) fn search(&mut self, viscosity: f64, guess: Vector2<f64>, aim: Aim) -> Result<Orbit, NoLeap> {
+    pub(super) fn search(
+        &mut self,
+        viscosity: f64,
+        guess: Vector2<f64>,
+        aim: Aim,
+    ) -> Result<Orbit, NoLeap> {
         let turn = self.turn(viscosity, guess)?;
         self.search_from(viscosity, guess, turn, aim)
     }
