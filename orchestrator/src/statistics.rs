@@ -9,7 +9,6 @@ use crate::study::Statistic;
 #[derive(Clone, Copy, Debug)]
 pub struct Accumulator {
     statistic: Statistic,
-    empty: bool,
     /// The last value, or its square where squares are integrated.
     last: f64,
     /// Twice the integral.
@@ -23,7 +22,6 @@ impl Accumulator {
     pub fn new(statistic: Statistic) -> Self {
         Self {
             statistic,
-            empty: true,
             last: 0.0,
             integral: 0.0,
             min: f64::INFINITY,
@@ -34,27 +32,36 @@ impl Accumulator {
     /// Takes a value, `elapsed` after the one before; the first one after zero.
     #[inline]
     pub fn add(&mut self, elapsed: f64, value: f64) {
-        use Statistic::{Amplitude, Max, Min, Rms};
-        self.empty = false;
-        if matches!(self.statistic, Min | Max | Amplitude) {
-            // A value that is not a number must not get lost.
-            if value < self.min || value.is_nan() {
-                self.min = value;
-            }
-            if value > self.max || value.is_nan() {
-                self.max = value;
-            }
+        if self.statistic == Statistic::Mean {
+            self.integrate(elapsed, value);
+        } else {
+            self.add_other(elapsed, value);
         }
-        let value = match self.statistic {
-            Rms => value * value,
-            _ => value,
-        };
+    }
+
+    #[inline]
+    fn integrate(&mut self, elapsed: f64, value: f64) {
         self.integral += elapsed * (self.last + value);
         self.last = value;
     }
 
-    /// The statistic of the values so far, `span` being the time from the first to the last; not a
-    /// number without any.
+    fn add_other(&mut self, elapsed: f64, value: f64) {
+        if self.statistic == Statistic::Rms {
+            self.integrate(elapsed, value * value);
+            return;
+        }
+        self.last = value;
+        // A value that is not a number must not get lost.
+        if value < self.min || value.is_nan() {
+            self.min = value;
+        }
+        if value > self.max || value.is_nan() {
+            self.max = value;
+        }
+    }
+
+    /// The statistic of the values so far, of which there must be one, `span` being the time from the
+    /// first to the last.
     pub fn result(&self, span: f64) -> f64 {
         let mean = if span > 0.0 {
             0.5 * self.integral / span
@@ -62,7 +69,6 @@ impl Accumulator {
             self.last
         };
         match self.statistic {
-            _ if self.empty => f64::NAN,
             Statistic::Final => self.last,
             Statistic::Mean => mean,
             Statistic::Min => self.min,
@@ -137,7 +143,6 @@ mod tests {
         };
         assert_eq!(of_one(Statistic::Mean), -2.0);
         assert_eq!(of_one(Statistic::Rms), 2.0);
-        assert!(Accumulator::new(Statistic::Mean).result(1.0).is_nan());
     }
 
     #[test]

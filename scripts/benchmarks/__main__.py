@@ -85,8 +85,8 @@ def measure(size):
 OVERHEAD = """\
 `verify --in-process --jobs 1` against `scripts/benchmarks/minimal.c`, one run after another on one instance. The trivial FMU
 (`scripts/benchmarks/trivial`) takes a multiplication or two a step, so that its
-ratio is that of the bare loops. The report's one replay of the best point, with its trajectory, is not a step of this
-comparison and cancels out. "An output read each step" is the mean over time as statistic; the minimal
+ratio is that of the bare loops. A step is what further runs of many steps cost more than further runs of few: neither
+what a run costs by itself (see "Worker processes") nor the report's replay of the best point is in it. "An output read each step" is the mean over time as statistic; the minimal
 loop reads and adds up."""
 IMPORTERS = """\
 CPU time of a run with one output read at each step. fmpy: only the runs, with a model description and an
