@@ -8,6 +8,7 @@
 pub mod journal;
 pub mod points;
 pub mod summary;
+mod tally;
 
 use std::io;
 use std::path::{Path, PathBuf};
