@@ -16,6 +16,7 @@ use crate::results::Journal;
 use crate::results::journal::Finished;
 use crate::results::summary::{Run, Tally};
 use crate::session::{Place, Request, Session, scratch};
+use crate::study::Method;
 
 /// With `--until`, a study has as many points as needed, but for a limit.
 const MOST_POINTS: u64 = 1_000_000;
@@ -26,7 +27,17 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, CommandError> {
     if options.until.is_some() && !session.is_extensible() {
         return Err(CommandError::Option {
             option: "until",
-            message: "a Latin hypercube needs all its points; use sobol or monte-carlo".to_owned(),
+            message:
+                "a Latin hypercube or a full factorial needs all its points; use sobol, halton or \
+                monte-carlo"
+                    .to_owned(),
+        });
+    }
+    if options.points.is_some() && session.study.design.method == Method::FullFactorial {
+        return Err(CommandError::Option {
+            option: "points",
+            message: "a full factorial has as many points as the levels make; change `levels`"
+                .to_owned(),
         });
     }
     let folder = output_folder(options);

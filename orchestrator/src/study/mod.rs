@@ -43,6 +43,9 @@ pub struct Study {
     /// The uncertain parameters by the names of FMU variables.
     #[serde(default)]
     pub parameters: IndexMap<Name, Parameter>,
+    /// Which of them are correlated, and how.
+    #[serde(default)]
+    pub correlations: Vec<Spanned<Pair>>,
     /// Start values that stay as they are, by the names of FMU variables.
     #[serde(default)]
     pub fixed: IndexMap<Name, Spanned<Setting>>,
@@ -96,8 +99,21 @@ pub enum Method {
     MonteCarlo,
     /// One point in each of N equally probable slices of every parameter.
     LatinHypercube,
+    /// The same, with slices paired so that the points are spread well.
+    OptimisedLatinHypercube,
     /// A scrambled Sobol net.
     Sobol,
+    /// A scrambled Halton sequence.
+    Halton,
+    /// Every combination of the parameters' levels.
+    FullFactorial,
+}
+
+impl Method {
+    /// Whether the first points stay the same when there are more: then fewer may be enough.
+    pub fn is_extensible(self) -> bool {
+        matches!(self, Self::MonteCarlo | Self::Sobol | Self::Halton)
+    }
 }
 
 /// Which points are simulated.
@@ -158,10 +174,24 @@ pub struct Parameter {
     pub max: Option<Quantity>,
     /// The value that is fixed.
     pub value: Option<Quantity>,
+    /// How many levels it has in a full factorial.
+    pub levels: Option<u64>,
     /// The unit of the numbers, and of the column in `points.csv`.
     pub unit: Option<String>,
     /// Its column in a table of points; its own name otherwise.
     pub column: Option<String>,
+    /// A remark for people.
+    pub about: Option<String>,
+}
+
+/// Two correlated parameters.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct Pair {
+    /// Their names.
+    pub between: [Name; 2],
+    /// The correlation coefficient of their normal scores, from -1 to 1: for normal parameters the usual one.
+    pub coefficient: f64,
     /// A remark for people.
     pub about: Option<String>,
 }
