@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use super::limits::limits;
 use super::progress::Progress;
 use super::until::Front;
-use super::{CommandError, output, report, stop, table, verdict};
+use super::{CommandError, best, output, report, stop, table, verdict};
 use crate::cli::Verify;
 use crate::engine;
 use crate::results::Journal;
@@ -94,6 +94,7 @@ pub(super) fn conclude(
         package,
         ..
     } = session;
+    best::write(folder, plan, package.description(), summary)?;
     report::complete(folder, study, plan, package, summary)?;
     output::print(&format!(
         "{}{}\nresults in {}\n",
@@ -140,6 +141,7 @@ fn request(options: &Verify) -> Request {
         seed: options.seed,
         points_from: options.points_from.clone(),
         shard: options.shard,
+        base: None,
     }
 }
 

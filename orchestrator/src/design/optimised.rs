@@ -11,8 +11,8 @@ use super::random::{self, Purpose};
 
 /// More points gain nothing: their chance pairs are spread well enough.
 pub(super) const MOST: u64 = 4096;
-/// How many factors of the discrepancy may be computed: a second at most.
-const EFFORT: usize = 100_000_000;
+/// How many factors of the discrepancy may be computed: some tenths of a second.
+const EFFORT: usize = 40_000_000;
 
 /// A table of slices.
 #[derive(Clone, Debug)]

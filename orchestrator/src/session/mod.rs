@@ -78,6 +78,9 @@ impl Session {
     /// When any of them cannot be used.
     pub fn open(request: Request) -> Result<Self, SessionError> {
         let mut study = Study::read(&request.study)?;
+        if let Some(folder) = &request.base {
+            study.rebase(folder.clone());
+        }
         study.design.points = request.points.unwrap_or(study.design.points);
         study.design.seed = request.seed.unwrap_or(study.design.seed);
         let fmu = request.fmu.clone().unwrap_or_else(|| study.fmu_path());

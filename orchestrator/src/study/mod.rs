@@ -3,10 +3,12 @@
 //! [`Study`] is the content of the TOML file, [`plan`] ties it to an FMU.
 
 mod error;
+mod inputs;
 pub mod plan;
 pub mod quantity;
 #[cfg(test)]
 mod schema_tests;
+pub mod ssv;
 
 use std::path::{Path, PathBuf};
 
@@ -49,6 +51,11 @@ pub struct Study {
     /// Start values that stay as they are, by the names of FMU variables.
     #[serde(default)]
     pub fixed: IndexMap<Name, Spanned<Setting>>,
+    /// An SSP parameter set with further start values; those of the study itself count more.
+    pub fixed_from: Option<Spanned<PathBuf>>,
+    /// Inputs that follow a recording, by the names of FMU variables.
+    #[serde(default)]
+    pub inputs: IndexMap<Name, Recording>,
     /// What the measurement says.
     #[serde(default)]
     pub criteria: IndexMap<Name, Criterion>,
@@ -67,6 +74,9 @@ pub struct Study {
     /// The text of the file.
     #[serde(skip)]
     text: String,
+    /// The folder of the files that it names, where that is not its own.
+    #[serde(skip)]
+    base: Option<PathBuf>,
 }
 
 /// How long and in which steps.
@@ -184,6 +194,25 @@ pub struct Parameter {
     pub about: Option<String>,
 }
 
+/// An input over time, from a table.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct Recording {
+    /// The table, relative to the study file.
+    pub file: Spanned<PathBuf>,
+    /// Its column; the input's own name otherwise.
+    pub column: Option<String>,
+    /// The column of the time, s; `time` otherwise.
+    pub time: Option<String>,
+    /// The unit of the column.
+    pub unit: Option<String>,
+    /// Whether a value holds until the next row; straight lines otherwise.
+    #[serde(default)]
+    pub hold: bool,
+    /// A remark for people.
+    pub about: Option<String>,
+}
+
 /// Two correlated parameters.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
@@ -197,7 +226,7 @@ pub struct Pair {
 }
 
 /// A start value.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(untagged)]
 pub enum Setting {
     /// Yes or no.
@@ -314,9 +343,28 @@ impl Study {
         folder.join(self.fmu.as_ref())
     }
 
-    /// The SHA-256 digest of the study's text, as hexadecimal digits.
+    /// Finds the files that the study names as if it still stood in this folder.
+    pub fn rebase(&mut self, folder: PathBuf) {
+        self.base = Some(folder);
+    }
+
+    /// The path of a file that the study names, as seen from here.
+    pub fn beside(&self, file: &Path) -> PathBuf {
+        let own = self.path.parent().unwrap_or(Path::new(""));
+        self.base.as_deref().unwrap_or(own).join(file)
+    }
+
+    /// The SHA-256 digest of the study's text, and of the inputs and parameter sets that it names, as
+    /// hexadecimal digits.
     pub fn digest(&self) -> String {
-        hexadecimal(&Sha256::digest(self.text.as_bytes()))
+        let mut digest = Sha256::new_with_prefix(self.text.as_bytes());
+        let inputs = self.inputs.values().map(|input| &input.file);
+        for file in inputs.chain(&self.fixed_from) {
+            // One that cannot be read is an error elsewhere.
+            let content = std::fs::read(self.beside(file.as_ref())).unwrap_or_default();
+            digest.update(Sha256::digest(&content));
+        }
+        hexadecimal(&digest.finalize())
     }
 
     /// The study's text.

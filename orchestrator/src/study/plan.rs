@@ -5,6 +5,7 @@ use toml::Spanned;
 
 use super::quantity::{Quantity, Scale, Sense};
 use super::{Method, Name, Pair, Parameter, Setting, Shape, Study, StudyError};
+use super::{inputs, ssv};
 use crate::design::correlation::Correlation;
 use crate::design::{self, Design};
 use crate::distribution::Distribution;
@@ -53,10 +54,12 @@ impl Plan {
         check_points(study)?;
         let (inputs, varied) = binder.parameters()?;
         let (outputs, observed) = binder.criteria()?;
+        let schedule = binder.schedule()?;
         let task = Task {
-            schedule: binder.schedule()?,
+            schedule,
             fixed: binder.fixed()?,
             varied,
+            inputs: inputs::series(study, fmu, &schedule)?,
             observed,
         };
         Ok(Self {
@@ -183,7 +186,33 @@ impl Binder<'_> {
                 .map_err(|message| self.study.error_at(setting, message))?;
             Ok((variable.value_reference, value))
         };
-        settings.map(bind).collect()
+        let own: Vec<(u32, Value)> = settings.map(bind).collect::<Result<_, _>>()?;
+        Ok(self.set()?.into_iter().chain(own).collect())
+    }
+
+    /// The start values of a parameter set that the study does not give itself.
+    fn set(&self) -> Result<Vec<(u32, Value)>, StudyError> {
+        let Some(file) = &self.study.fixed_from else {
+            return Ok(Vec::new());
+        };
+        let path = self.study.beside(file.as_ref());
+        let named = ssv::read(&path).and_then(|set| set.named(&path, self.fmu));
+        let named = named.map_err(|error| self.study.error_at(file, error.to_string()))?;
+        let Study {
+            parameters,
+            fixed,
+            inputs,
+            ..
+        } = self.study;
+        let free = |name: &str| {
+            !(parameters.contains_key(name)
+                || fixed.contains_key(name)
+                || inputs.contains_key(name))
+        };
+        let free = named.into_iter().filter(|(name, ..)| free(name));
+        Ok(free
+            .map(|(_, reference, value)| (reference, value))
+            .collect())
     }
 
     fn schedule(&self) -> Result<Schedule, StudyError> {
