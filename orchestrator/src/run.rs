@@ -49,6 +49,8 @@ enum Reuse {
 struct Held {
     instance: Instance,
     first: Option<State>,
+    /// Whether another point ran on it before.
+    reused: bool,
 }
 
 impl Drop for Held {
@@ -99,9 +101,10 @@ impl Runner {
         for (slot, &value) in self.task.varied.iter().zip(values) {
             slot.check(value).map_err(Failure::OutOfRange)?;
         }
-        let reused = self.used.is_some();
-        let outcome = self.once(values);
-        if reused && !self.trusted && self.reuse != Reuse::Never {
+        let held = self.prepared()?;
+        let compare = held.reused && !self.trusted;
+        let outcome = self.once(held, values);
+        if compare {
             self.compare(values, outcome)?;
         } else {
             outcome?;
@@ -113,9 +116,8 @@ impl Runner {
         }
     }
 
-    /// Simulates a point on whatever instance there is.
-    fn once(&mut self, values: &[f64]) -> Result<(), Failure> {
-        let mut held = self.prepared()?;
+    /// Simulates a point on an instance, and keeps that.
+    fn once(&mut self, mut held: Held, values: &[f64]) -> Result<(), Failure> {
         // An instance that failed is not used again.
         self.simulate(&mut held.instance, values)
             .map_err(|call| Failure::from_call(&call))?;
@@ -136,7 +138,7 @@ impl Runner {
             return reused;
         }
         self.used = None;
-        let fresh = self.once(values);
+        let fresh = self.prepared().and_then(|held| self.once(held, values));
         let after = fresh.as_ref().map(|()| bits(&self.results));
         if before != after {
             self.reuse = Reuse::Never;
@@ -188,13 +190,16 @@ impl Runner {
                     "the FMU cannot go on in this process".to_owned(),
                 ));
             }
-            let Held { instance, first } = &mut used;
+            let Held {
+                instance, first, ..
+            } = &mut used;
             let (ready, otherwise) = match (self.reuse, first) {
                 (Reuse::Reset, _) => (instance.reset().is_ok(), Reuse::Restore),
                 (Reuse::Restore, Some(first)) => (instance.restore(first).is_ok(), Reuse::Never),
                 _ => (false, Reuse::Never),
             };
             if ready {
+                used.reused = true;
                 return Ok(used);
             }
             self.reuse = otherwise;
@@ -207,7 +212,11 @@ impl Runner {
             Reuse::Restore => instance.save(),
             _ => None,
         };
-        Ok(Held { instance, first })
+        Ok(Held {
+            instance,
+            first,
+            reused: false,
+        })
     }
 
     fn simulate(&mut self, instance: &mut Instance, values: &[f64]) -> Result<(), Call> {

@@ -91,7 +91,8 @@ fn record(best: &BestPoint, plan: &Plan, package: &Package) -> Result<String, Co
     text.push('\n');
     let scratch = tempfile::tempdir().map_err(ResultsError::io(&std::env::temp_dir()))?;
     // The run's own copy of the FMU may be gone by now.
-    let fmu = Package::open(package.path())?.unpack(scratch.path())?;
+    let mut own = Package::open(package.path())?;
+    let fmu = own.unpack(scratch.path())?;
     let recorder = Recorder {
         fmu: &fmu,
         name: package.path(),

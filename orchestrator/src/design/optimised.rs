@@ -13,6 +13,8 @@ use super::random::{self, Purpose};
 pub(super) const MOST: u64 = 4096;
 /// How many factors of the discrepancy may be computed: some tenths of a second.
 const EFFORT: usize = 40_000_000;
+/// More exchanges find nothing better, even for few points.
+const MOST_TRIALS: usize = 50_000;
 
 /// A table of slices.
 #[derive(Clone, Debug)]
@@ -60,7 +62,7 @@ impl Spread {
         if points < 3 || dimensions < 2 {
             return self;
         }
-        let trials = EFFORT / (4 * points * dimensions);
+        let trials = (EFFORT / (4 * points * dimensions)).min(MOST_TRIALS);
         let mut state = State::new(&self.slices);
         let mut best = (state.discrepancy(), self.slices.clone());
         let mut threshold = 1e-2 * best.0;

@@ -62,7 +62,7 @@ pub(super) struct Running {
     child: Child,
     jobs: ChildStdin,
     pub(super) answers: BufReader<ChildStdout>,
-    last_words: Arc<LastWords>,
+    pub(super) last_words: Arc<LastWords>,
 }
 
 /// Why a worker has to be replaced.

@@ -175,6 +175,8 @@ pub fn end(result: io::Result<()>) -> ! {
     if let Err(error) = &result {
         eprintln!("worker: {error}");
     }
+    // SAFETY: writes what the FMU has printed so far, of all streams.
+    unsafe { libc::fflush(std::ptr::null_mut()) };
     let code = i32::from(result.is_err());
     // SAFETY: never returns, runs no code of this process.
     unsafe { libc::_exit(code) }

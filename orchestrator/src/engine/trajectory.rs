@@ -53,7 +53,12 @@ impl Recorder<'_> {
                 return Err(process.failure(&loss).into());
             }
             let mut reader = Reader(&payload);
-            match reader.end() {
+            let end = reader.end();
+            if self.echo && !matches!(end, Some(End::Not)) {
+                // What it has printed may still be on its way.
+                running.last_words.text();
+            }
+            match end {
                 Some(End::Not) => {}
                 Some(End::Done) => return Ok(()),
                 Some(End::Failed(failure)) => return Err(failure.into()),

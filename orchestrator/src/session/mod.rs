@@ -173,6 +173,8 @@ impl Session {
     ) -> Result<(Journal, Option<Finished>), SessionError> {
         if resume && Journal::path_in(folder).exists() {
             let (journal, finished) = Journal::resume(folder, &self.header)?;
+            // A run that was killed early may not have come so far.
+            self.request.write(folder, &self.study)?;
             return Ok((journal, Some(finished)));
         }
         let complete = folder.join("summary.json").exists();
