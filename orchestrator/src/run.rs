@@ -1,9 +1,13 @@
 //! Runs one point after another on one instance of an FMU.
+//!
+//! A used instance is reset for the next point, or given back its first state where it cannot be reset;
+//! else it is replaced. The first point on a used instance runs on a fresh one too: an FMU that forgets
+//! to reset something is found out, and gets a fresh instance for every point from then on.
 
 use std::sync::Arc;
 
 use crate::failure::Failure;
-use crate::fmu::{Call, Instance, Library};
+use crate::fmu::{Call, Instance, Library, State};
 use crate::statistics::Accumulator;
 use crate::study::Statistic;
 use crate::task::{Storage, Task};
@@ -13,8 +17,10 @@ use crate::task::{Storage, Task};
 pub struct Runner {
     library: Arc<Library>,
     task: Task,
-    instance: Option<Instance>,
+    used: Option<Held>,
     reuse: Reuse,
+    /// Whether a reused instance has been compared with a fresh one.
+    trusted: bool,
     /// Numbers of the probes whose real values are read in one call, and their references.
     watched: Watched,
     /// The other probes that are read at every communication point.
@@ -30,11 +36,29 @@ struct Watched {
     values: Vec<f64>,
 }
 
-/// Whether a used instance may be reset for the next point.
+/// How a used instance gets ready for the next point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Reuse {
-    Try,
+    Reset,
+    Restore,
     Never,
+}
+
+/// An instance, and its first state where that is needed.
+#[derive(Debug)]
+struct Held {
+    instance: Instance,
+    first: Option<State>,
+    /// Whether another point ran on it before.
+    reused: bool,
+}
+
+impl Drop for Held {
+    fn drop(&mut self) {
+        if let Some(state) = self.first.take() {
+            self.instance.forget(state);
+        }
+    }
 }
 
 impl Runner {
@@ -51,9 +75,11 @@ impl Runner {
             .map(|&index| task.observed[index].reference)
             .collect();
         Self {
+            used: None,
+            reuse: Reuse::Reset,
+            // Where there can be one instance only, there is none to compare with.
+            trusted: library.once,
             library,
-            instance: None,
-            reuse: Reuse::Try,
             watched: Watched {
                 values: vec![0.0; probes.len()],
                 probes,
@@ -75,20 +101,50 @@ impl Runner {
         for (slot, &value) in self.task.varied.iter().zip(values) {
             slot.check(value).map_err(Failure::OutOfRange)?;
         }
-        let mut instance = self.prepared()?;
-        match self.simulate(&mut instance, values) {
-            Ok(()) => {
-                instance.terminate();
-                self.instance = Some(instance);
-            }
-            // An instance that failed is not used again.
-            Err(call) => return Err(Failure::from_call(&call)),
+        let held = self.prepared()?;
+        let compare = held.reused && !self.trusted;
+        let outcome = self.once(held, values);
+        if compare {
+            self.compare(values, outcome)?;
+        } else {
+            outcome?;
         }
         let bad = self.results.iter().position(|value| !value.is_finite());
         match bad {
             Some(index) => Err(Failure::NotFinite(self.task.observed[index].name.clone())),
             None => Ok(&self.results),
         }
+    }
+
+    /// Simulates a point on an instance, and keeps that.
+    fn once(&mut self, mut held: Held, values: &[f64]) -> Result<(), Failure> {
+        // An instance that failed is not used again.
+        self.simulate(&mut held.instance, values)
+            .map_err(|call| Failure::from_call(&call))?;
+        held.instance.terminate();
+        self.used = Some(held);
+        Ok(())
+    }
+
+    /// Simulates a point again on a fresh instance, whose results count.
+    fn compare(&mut self, values: &[f64], reused: Result<(), Failure>) -> Result<(), Failure> {
+        let bits = |values: &[f64]| values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+        let before = reused.as_ref().map(|()| bits(&self.results));
+        if self
+            .used
+            .as_ref()
+            .is_some_and(|used| used.instance.is_dead())
+        {
+            return reused;
+        }
+        self.used = None;
+        let fresh = self.prepared().and_then(|held| self.once(held, values));
+        let after = fresh.as_ref().map(|()| bits(&self.results));
+        if before != after {
+            self.reuse = Reuse::Never;
+        }
+        self.trusted = true;
+        fresh
     }
 
     /// Simulates one point and hands over the values of the given real variables at every
@@ -104,22 +160,21 @@ impl Runner {
         for (slot, &value) in self.task.varied.iter().zip(values) {
             slot.check(value).map_err(Failure::OutOfRange)?;
         }
-        let mut instance = self.prepared()?;
+        let mut held = self.prepared()?;
+        let instance = &mut held.instance;
         let schedule = self.task.schedule;
         let mut run = || -> Result<(), Trouble<E>> {
-            start(&self.task, &mut instance, values)?;
-            read(schedule.start, &mut instance)?;
+            start(&self.task, instance, values)?;
+            read(schedule.start, instance)?;
             for index in 0..schedule.steps() {
-                let (time, next) = (schedule.time(index), schedule.time(index + 1));
-                instance.step(time, next - time)?;
-                read(next, &mut instance)?;
+                read(advance(&self.task, instance, index)?, instance)?;
             }
             Ok(())
         };
         match run() {
             Ok(()) => {
                 instance.terminate();
-                self.instance = Some(instance);
+                self.used = Some(held);
                 Ok(())
             }
             Err(Trouble::Call(call)) => Err(Failure::from_call(&call).into()),
@@ -128,21 +183,40 @@ impl Runner {
     }
 
     /// An instance in its initial state.
-    fn prepared(&mut self) -> Result<Instance, Failure> {
-        if let Some(mut used) = self.instance.take() {
-            if self.reuse == Reuse::Try && !used.is_dead() {
-                if used.reset().is_ok() {
-                    return Ok(used);
-                }
-                self.reuse = Reuse::Never;
-            }
-            if used.is_dead() {
+    fn prepared(&mut self) -> Result<Held, Failure> {
+        if let Some(mut used) = self.used.take() {
+            if used.instance.is_dead() {
                 return Err(Failure::Fatal(
                     "the FMU cannot go on in this process".to_owned(),
                 ));
             }
+            let Held {
+                instance, first, ..
+            } = &mut used;
+            let (ready, otherwise) = match (self.reuse, first) {
+                (Reuse::Reset, _) => (instance.reset().is_ok(), Reuse::Restore),
+                (Reuse::Restore, Some(first)) => (instance.restore(first).is_ok(), Reuse::Never),
+                _ => (false, Reuse::Never),
+            };
+            if ready {
+                used.reused = true;
+                return Ok(used);
+            }
+            self.reuse = otherwise;
+            // Before there is another one.
+            drop(used);
         }
-        Instance::new(&self.library, "point").map_err(|call| Failure::from_call(&call))
+        let instance = Instance::new(&self.library, "point");
+        let mut instance = instance.map_err(|call| Failure::from_call(&call))?;
+        let first = match self.reuse {
+            Reuse::Restore => instance.save(),
+            _ => None,
+        };
+        Ok(Held {
+            instance,
+            first,
+            reused: false,
+        })
     }
 
     fn simulate(&mut self, instance: &mut Instance, values: &[f64]) -> Result<(), Call> {
@@ -151,8 +225,7 @@ impl Runner {
         let steps = schedule.steps();
         if self.watched.probes.is_empty() && self.slow.is_empty() {
             for index in 0..steps {
-                let time = schedule.time(index);
-                instance.step(time, schedule.time(index + 1) - time)?;
+                advance(&self.task, instance, index)?;
             }
         } else {
             self.accumulators.fill(Accumulator::default());
@@ -160,8 +233,7 @@ impl Runner {
                 self.watch(instance, schedule.start)?;
             }
             for index in 0..steps {
-                let (time, next) = (schedule.time(index), schedule.time(index + 1));
-                instance.step(time, next - time)?;
+                let next = advance(&self.task, instance, index)?;
                 if next >= schedule.window_start {
                     self.watch(instance, next)?;
                 }
@@ -223,7 +295,27 @@ fn start(task: &Task, instance: &mut Instance, values: &[f64]) -> Result<(), Cal
     for (slot, &value) in task.varied.iter().zip(values) {
         instance.set(slot.reference, &slot.value(value))?;
     }
+    feed(task, instance, schedule.start)?;
     instance.initialise()
+}
+
+/// Sets the inputs that change over time.
+#[inline]
+fn feed(task: &Task, instance: &mut Instance, time: f64) -> Result<(), Call> {
+    for series in &task.inputs {
+        instance.set(series.slot.reference, &series.slot.value(series.at(time)))?;
+    }
+    Ok(())
+}
+
+/// Does the step after the `index`th communication point and returns the time at its end.
+#[inline]
+fn advance(task: &Task, instance: &mut Instance, index: u64) -> Result<f64, Call> {
+    let schedule = &task.schedule;
+    let (time, next) = (schedule.time(index), schedule.time(index + 1));
+    feed(task, instance, time)?;
+    instance.step(time, next - time)?;
+    Ok(next)
 }
 
 impl crate::task::Probe {
