@@ -4,13 +4,14 @@
 //! else it is replaced. The first point on a used instance runs on a fresh one too: an FMU that forgets
 //! to reset something is found out, and gets a fresh instance for every point from then on.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use crate::failure::Failure;
 use crate::fmu::{Call, Instance, Library, State};
 use crate::statistics::Accumulator;
 use crate::study::Statistic;
-use crate::task::{Storage, Task};
+use crate::task::{CommunicationPoints, Storage, Task};
 
 /// Runs points, reusing the instance where the FMU can be reset.
 #[derive(Debug)]
@@ -21,19 +22,20 @@ pub struct Runner {
     reuse: Reuse,
     /// Whether a reused instance has been compared with a fresh one.
     trusted: bool,
-    /// Numbers of the probes whose real values are read in one call, and their references.
+    /// The real variables that are read at every communication point.
     watched: Watched,
-    /// The other probes that are read at every communication point.
-    slow: Vec<usize>,
-    accumulators: Vec<Accumulator>,
+    /// The numbers of the other probes that are read there.
+    slow: Vec<(usize, Accumulator)>,
     results: Vec<f64>,
 }
 
-#[derive(Debug, Default)]
+/// Real variables that are read in one call.
+#[derive(Debug)]
 struct Watched {
-    probes: Vec<usize>,
     references: Vec<u32>,
     values: Vec<f64>,
+    /// The numbers of the probes.
+    probes: Vec<(usize, Accumulator)>,
 }
 
 /// How a used instance gets ready for the next point.
@@ -64,16 +66,12 @@ impl Drop for Held {
 impl Runner {
     /// A runner of points of this task.
     pub fn new(library: Arc<Library>, task: Task) -> Self {
-        let over_time: Vec<usize> = (0..task.observed.len())
-            .filter(|&index| task.observed[index].statistic != Statistic::Final)
-            .collect();
-        let (probes, slow): (Vec<usize>, Vec<usize>) = over_time
-            .into_iter()
-            .partition(|&index| task.observed[index].storage == Storage::Real);
-        let references: Vec<u32> = probes
-            .iter()
-            .map(|&index| task.observed[index].reference)
-            .collect();
+        let over_time = task.observed.iter().enumerate();
+        let (probes, slow): (Vec<_>, Vec<_>) = over_time
+            .filter(|(_, probe)| probe.statistic != Statistic::Final)
+            .map(|(index, probe)| (index, Accumulator::new(probe.statistic)))
+            .partition(|(index, _)| task.observed[*index].storage == Storage::Real);
+        let reference = |(index, _): &(usize, _)| task.observed[*index].reference;
         Self {
             used: None,
             reuse: Reuse::Reset,
@@ -81,12 +79,11 @@ impl Runner {
             trusted: library.once,
             library,
             watched: Watched {
+                references: probes.iter().map(reference).collect(),
                 values: vec![0.0; probes.len()],
                 probes,
-                references,
             },
             slow,
-            accumulators: vec![Accumulator::default(); task.observed.len()],
             results: vec![0.0; task.observed.len()],
             task,
         }
@@ -166,8 +163,13 @@ impl Runner {
         let mut run = || -> Result<(), Trouble<E>> {
             start(&self.task, instance, values)?;
             read(schedule.start, instance)?;
-            for index in 0..schedule.steps() {
-                read(advance(&self.task, instance, index)?, instance)?;
+            let (points, mut time) = (schedule.points(), schedule.start);
+            for index in 1..=points.steps {
+                let next = points.at(index);
+                feed(&self.task, instance, time)?;
+                instance.step(time, next - time)?;
+                read(next, instance)?;
+                time = next;
             }
             Ok(())
         };
@@ -221,50 +223,86 @@ impl Runner {
 
     fn simulate(&mut self, instance: &mut Instance, values: &[f64]) -> Result<(), Call> {
         start(&self.task, instance, values)?;
-        let schedule = self.task.schedule;
-        let steps = schedule.steps();
+        let points = self.task.schedule.points();
+        let mut span = 0.0;
         if self.watched.probes.is_empty() && self.slow.is_empty() {
-            for index in 0..steps {
-                advance(&self.task, instance, index)?;
-            }
+            self.advance::<false>(instance, &points, 0..points.steps)?;
         } else {
-            self.accumulators.fill(Accumulator::default());
-            if schedule.window_start <= schedule.start {
-                self.watch(instance, schedule.start)?;
-            }
-            for index in 0..steps {
-                let next = advance(&self.task, instance, index)?;
-                if next >= schedule.window_start {
-                    self.watch(instance, next)?;
-                }
-            }
+            self.forget();
+            let from = points.from(self.task.schedule.window_start);
+            self.advance::<false>(instance, &points, 0..from)?;
+            self.watch(instance, 0.0)?;
+            self.advance::<true>(instance, &points, from..points.steps)?;
+            span = points.at(points.steps) - points.at(from);
         }
-        self.finish(instance)
+        self.finish(instance, span)
     }
 
-    /// Reads what has a statistic over time.
-    #[inline]
-    fn watch(&mut self, instance: &mut Instance, time: f64) -> Result<(), Call> {
-        let watched = &mut self.watched;
-        if !watched.probes.is_empty() {
-            instance.reals(&watched.references, &mut watched.values)?;
-            for (&probe, &value) in watched.probes.iter().zip(&watched.values) {
-                self.accumulators[probe].add(time, value);
-            }
+    fn forget(&mut self) {
+        let probes = self.watched.probes.iter_mut().chain(&mut self.slow);
+        for (index, accumulator) in probes {
+            *accumulator = Accumulator::new(self.task.observed[*index].statistic);
         }
-        for &probe in &self.slow {
-            let value = self.task.observed[probe].read(instance)?;
-            self.accumulators[probe].add(time, value);
+    }
+
+    /// Takes some of the steps.
+    #[inline(never)]
+    fn advance<const WATCH: bool>(
+        &mut self,
+        instance: &mut Instance,
+        points: &CommunicationPoints,
+        steps: Range<u64>,
+    ) -> Result<(), Call> {
+        // A copy, which a call of the FMU cannot change: it stays where it is quickest.
+        let points = *points;
+        let driven = !self.task.inputs.is_empty();
+        for index in steps {
+            let time = points.at(index);
+            let step = points.at(index + 1) - time;
+            if driven {
+                feed(&self.task, instance, time)?;
+            }
+            instance.step(time, step)?;
+            if WATCH {
+                self.watch(instance, step)?;
+            }
         }
         Ok(())
     }
 
-    fn finish(&mut self, instance: &mut Instance) -> Result<(), Call> {
-        for (index, probe) in self.task.observed.iter().enumerate() {
-            self.results[index] = match probe.statistic {
-                Statistic::Final => probe.read(instance)?,
-                other => self.accumulators[index].value(other),
-            };
+    /// Reads what has a statistic over time.
+    #[inline(always)]
+    fn watch(&mut self, instance: &mut Instance, elapsed: f64) -> Result<(), Call> {
+        let watched = &mut self.watched;
+        if !watched.probes.is_empty() {
+            instance.reals(&watched.references, &mut watched.values)?;
+            for ((_, accumulator), &value) in watched.probes.iter_mut().zip(&watched.values) {
+                accumulator.add(elapsed, value);
+            }
+        }
+        if self.slow.is_empty() {
+            return Ok(());
+        }
+        self.watch_others(instance, elapsed)
+    }
+
+    #[inline(never)]
+    fn watch_others(&mut self, instance: &mut Instance, elapsed: f64) -> Result<(), Call> {
+        for (index, accumulator) in &mut self.slow {
+            accumulator.add(elapsed, self.task.observed[*index].read(instance)?);
+        }
+        Ok(())
+    }
+
+    /// The results, with the statistics taken over `span` seconds.
+    fn finish(&mut self, instance: &mut Instance, span: f64) -> Result<(), Call> {
+        for (index, accumulator) in self.watched.probes.iter().chain(&self.slow) {
+            self.results[*index] = accumulator.result(span);
+        }
+        for (probe, result) in self.task.observed.iter().zip(&mut self.results) {
+            if probe.statistic == Statistic::Final {
+                *result = probe.read(instance)?;
+            }
         }
         Ok(())
     }
@@ -300,22 +338,11 @@ fn start(task: &Task, instance: &mut Instance, values: &[f64]) -> Result<(), Cal
 }
 
 /// Sets the inputs that change over time.
-#[inline]
 fn feed(task: &Task, instance: &mut Instance, time: f64) -> Result<(), Call> {
     for series in &task.inputs {
         instance.set(series.slot.reference, &series.slot.value(series.at(time)))?;
     }
     Ok(())
-}
-
-/// Does the step after the `index`th communication point and returns the time at its end.
-#[inline]
-fn advance(task: &Task, instance: &mut Instance, index: u64) -> Result<f64, Call> {
-    let schedule = &task.schedule;
-    let (time, next) = (schedule.time(index), schedule.time(index + 1));
-    feed(task, instance, time)?;
-    instance.step(time, next - time)?;
-    Ok(next)
 }
 
 impl crate::task::Probe {

@@ -253,15 +253,18 @@ impl Schedule {
     }
 
     /// The `index`th communication point: a multiple of the step, so that nothing accumulates.
-    #[allow(clippy::cast_precision_loss)]
     pub fn time(&self, index: u64) -> f64 {
+        self.points().at(index)
+    }
+
+    /// The communication points, counted once.
+    pub fn points(&self) -> CommunicationPoints {
         let (leap, even) = self.even();
-        if index >= self.steps() {
-            self.stop
-        } else if index < leap {
-            self.start
-        } else {
-            even + (index - leap) as f64 * self.step
+        CommunicationPoints {
+            schedule: *self,
+            steps: self.steps(),
+            leap,
+            even,
         }
     }
 
@@ -272,6 +275,47 @@ impl Schedule {
         } else {
             (0, self.start)
         }
+    }
+}
+
+/// The communication points of a [`Schedule`].
+#[derive(Clone, Copy, Debug)]
+pub struct CommunicationPoints {
+    schedule: Schedule,
+    /// The number of steps.
+    pub steps: u64,
+    /// Steps before the even ones, and where those begin.
+    leap: u64,
+    even: f64,
+}
+
+impl CommunicationPoints {
+    /// The `index`th one.
+    #[inline]
+    #[allow(clippy::cast_precision_loss, clippy::cast_possible_wrap)]
+    pub fn at(&self, index: u64) -> f64 {
+        if index >= self.steps {
+            self.schedule.stop
+        } else if index < self.leap {
+            self.schedule.start
+        } else {
+            // Signed numbers are converted faster, and there are no more steps than those hold.
+            self.even + (index - self.leap) as i64 as f64 * self.schedule.step
+        }
+    }
+
+    /// The number of the first one that is not before a time; the last one's where all are.
+    pub fn from(&self, time: f64) -> u64 {
+        let (mut before, mut end) = (0, self.steps);
+        while before < end {
+            let middle = before + (end - before) / 2;
+            if self.at(middle) < time {
+                before = middle + 1;
+            } else {
+                end = middle;
+            }
+        }
+        end
     }
 }
 
@@ -294,6 +338,9 @@ mod tests {
         assert_eq!(schedule(1.0, 0.3).steps(), 4);
         assert_eq!(schedule(1.0, 0.3).time(4), 1.0);
         assert_eq!(schedule(1.0, 5.0).steps(), 1);
+        let points = schedule(1.0, 0.3).points();
+        let from = [0.0, 0.1, 0.3, 0.95, 1.0, 2.0].map(|time| points.from(time));
+        assert_eq!(from, [0, 1, 1, 4, 4, 4]);
     }
     #[test]
     fn inputs_over_time() {

@@ -186,10 +186,12 @@ impl Instance {
         self.dead
     }
 
+    #[inline]
     fn check(&mut self, function: &'static str, status: c_int) -> Result<(), Call> {
-        match Status::from(status) {
-            Status::Ok | Status::Warning => Ok(()),
-            status => Err(self.failed(function, status)),
+        match status {
+            // Ok and warning.
+            0 | 1 => Ok(()),
+            status => Err(self.failed(function, Status::from(status))),
         }
     }
 
