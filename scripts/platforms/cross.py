@@ -10,7 +10,7 @@ import re
 import shutil
 from pathlib import Path
 
-from .build import GLIBC, cargo, zig
+from .build import GLIBC, PROFILE, ZIGBUILD, cargo, zig
 from .common import CACHE, Failure, run, say, target_dir
 
 # Suites that carry newer compilers than the stable release does.
@@ -28,10 +28,10 @@ def win64(row):
     if not fetched(target):
         flags += f" --sysroot={sysroot(target, flags, startup_objects)}"
     say("building win64")
-    cargo("build", "--target", target, env={
+    cargo("--target", target, env={
         f"{prefix}_LINKER": "x86_64-w64-mingw32-gcc", f"{prefix}_RUSTFLAGS": flags})
     row.notes.append("mingw")
-    return target_dir() / target / "release" / "plain_bearing_stand.dll"
+    return target_dir() / target / PROFILE / "plain_bearing_stand.dll"
 
 
 def aarch64(row):
@@ -41,8 +41,8 @@ def aarch64(row):
         flags = f"--sysroot={sysroot(target, '', None)}"
         environment["CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_RUSTFLAGS"] = flags
     say(f"building aarch64-linux for glibc {GLIBC}")
-    cargo("zigbuild", "--target", f"{target}.{GLIBC}", env=environment)
-    return target_dir() / target / "release" / "libplain_bearing_stand.so"
+    cargo("--target", f"{target}.{GLIBC}", env=environment, program=ZIGBUILD)
+    return target_dir() / target / PROFILE / "libplain_bearing_stand.so"
 
 
 def debian(command, *packages):
