@@ -111,6 +111,9 @@ pub struct Simulate {
     /// A start value, with or without a unit; may be repeated
     #[arg(long, value_name = "NAME=VALUE")]
     pub set: Vec<String>,
+    /// Start values from an SSP parameter set, such as the best.ssv that `verify` writes
+    #[arg(long, value_name = "FILE.ssv")]
+    pub set_from: Option<PathBuf>,
     /// When to start, s [default: as the FMU suggests]
     #[arg(long, value_name = "T")]
     pub start: Option<f64>,

@@ -130,7 +130,7 @@ fn keep_runs(folder: &Path, rows: &PointTable) -> Result<(), CommandError> {
                 value if value.is_finite() => points::number(value),
                 _ => String::new(),
             };
-            let verdict = [rows.verified[row].to_string(), rows.status[row].clone()];
+            let verdict = [rows.verified[row].to_string(), rows.status[row].to_string()];
             table.write_record(columns.iter().map(cell).chain(verdict))?;
         }
         table.flush()

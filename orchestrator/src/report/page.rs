@@ -71,7 +71,7 @@ struct Small {
 pub fn render(report: &Report) -> Result<String, ReportError> {
     let table = &report.table;
     let columns = payload::columns(table);
-    let ranking = table.ranking();
+    let ranking = table.best(payload::MOST_POINTS);
     let order: Vec<usize> = ranking.iter().map(|r| r.point).collect();
     let points = payload::embedded(table, &order, columns.len());
     let mut counted = verdict(table);
@@ -145,7 +145,8 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
 pub fn plots(report: &Report) -> Vec<(String, String)> {
     let table = &report.table;
     let columns = payload::columns(table);
-    let order: Vec<usize> = table.ranking().iter().map(|r| r.point).collect();
+    let best = table.best(payload::MOST_POINTS);
+    let order: Vec<usize> = best.iter().map(|r| r.point).collect();
     let points = payload::embedded(table, &order, columns.len());
     let mut plots: Vec<(String, String)> = planes(table, &columns, &points)
         .into_iter()
