@@ -266,10 +266,15 @@ impl<'a> Tally<'a> {
 
     fn interval_method(&self, provenance: &Provenance) -> String {
         match (self.replicates, provenance.method.as_str()) {
-            (1, "sobol" | "latin-hypercube") => "Wilson's score interval; it takes the points as \
-                independent, which makes it wider than the even design needs"
+            (1, "monte-carlo" | "table") => "Wilson's score interval".to_owned(),
+            (1, "full-factorial") => "Wilson's score interval, as if the points were drawn by \
+                chance; those of a grid are not"
                 .to_owned(),
-            (1, _) => "Wilson's score interval".to_owned(),
+            (1, _) => {
+                "Wilson's score interval; it takes the points as independent, which makes it \
+                wider than the even design needs"
+                    .to_owned()
+            }
             (n, _) => format!(
                 "Student's over {n} independently scrambled nets; Wilson's where fewer than {n} points pass or fail"
             ),
