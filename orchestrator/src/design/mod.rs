@@ -254,6 +254,7 @@ mod tests {
                 method,
                 points: N,
                 seed: 9,
+                replicates: 1,
             };
             let pairs = [(0, 1, 0.8), (0, 3, -0.5), (1, 3, -0.2)];
             let fixed = Distribution::Fixed { value: 3.0 };
