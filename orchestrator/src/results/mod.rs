@@ -6,6 +6,7 @@
 //! how long it took.
 
 pub mod journal;
+pub mod parquet;
 pub mod points;
 pub mod summary;
 
