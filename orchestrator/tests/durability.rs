@@ -1,4 +1,5 @@
 //! Nothing is lost: interrupted, sharded and parallel runs end with the same files.
+#![allow(clippy::unwrap_used)]
 
 mod support;
 

@@ -1,4 +1,5 @@
 //! What comes from files of others and goes into them: recordings of inputs, SSP parameter sets.
+#![allow(clippy::unwrap_used)]
 
 mod support;
 

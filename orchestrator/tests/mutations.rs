@@ -1,4 +1,5 @@
 //! Damaged files are no panic: each one gives a clear error of one line, or still makes sense.
+#![allow(clippy::unwrap_used)]
 
 mod support;
 

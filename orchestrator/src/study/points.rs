@@ -54,7 +54,7 @@ pub(super) fn correlation(study: &Study) -> Result<Option<Correlation>, StudyErr
         if a == b {
             return wrong("a parameter is not correlated with itself; name two");
         }
-        if !(coefficient.abs() < 1.0) {
+        if coefficient.is_nan() || coefficient.abs() >= 1.0 {
             return wrong("the coefficient must be more than -1 and less than 1");
         }
         if pairs
