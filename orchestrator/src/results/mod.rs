@@ -5,7 +5,9 @@
 //! are the same, byte for byte, however the points were computed; only [`Summary::run`] tells
 //! how long it took.
 
+pub mod finished;
 pub mod journal;
+pub mod parquet;
 pub mod points;
 pub mod summary;
 mod tally;
