@@ -4,8 +4,9 @@ use nalgebra::{Matrix2, Vector2};
 use serde::{Deserialize, Serialize};
 
 use super::cells::Cells;
-use super::film::FilmSettings;
+
 use super::gap::Gap;
+use super::settings::FilmSettings;
 use crate::bearing::contact::{Surface, f_5_2};
 
 /// Greenwood-Tripp contact, evaluated at each cell's own gap.
@@ -61,16 +62,13 @@ impl Asperities {
     ) {
         let ratio = settings.clearance / self.0.roughness;
         let developed = 0.5 * settings.diameter * settings.width;
-        let rows = cells.grid.rows();
-        for (cell, &gap) in gap.cell.iter().enumerate() {
-            let h = gap * ratio;
-            if h < NO_CONTACT {
-                let (i, j) = (cell / rows, cell % rows);
-                visit(
-                    cells.directions.mean[i],
-                    cells.area(i, j) * developed,
-                    h.max(0.0),
-                );
+        for (i, range) in cells.columns() {
+            for cell in range {
+                let h = gap.cell[cell] * ratio;
+                if h < NO_CONTACT {
+                    let area = cells.area[cell] * developed;
+                    visit(cells.directions.mean[i], area, h.max(0.0));
+                }
             }
         }
     }

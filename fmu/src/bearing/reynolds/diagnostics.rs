@@ -2,8 +2,11 @@
 
 use nalgebra::Vector2;
 
-use super::cells::Stage;
-use super::film::{Drive, ReynoldsFilm};
+use super::balance::Stage;
+use super::film::ReynoldsFilm;
+use super::lanes::{dot, largest};
+use super::linear::load;
+use super::settings::Drive;
 
 /// The film after an interval, and its means over it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -88,7 +91,7 @@ pub(super) fn diagnose(film: &ReynoldsFilm, stage: &Stage<'_>, drive: &Drive) ->
     let settings = &film.settings;
     let radius = 0.5 * settings.diameter;
     let psi = settings.clearance / radius;
-    let scale = film.force_scale(drive.viscosity);
+    let scale = settings.force_scale(drive.viscosity);
     let moment = scale * settings.clearance;
     let sums = sum(film, stage, drive);
     let sliding = drive.journal_speed - drive.bush_speed;
@@ -107,7 +110,7 @@ pub(super) fn diagnose(film: &ReynoldsFilm, stage: &Stage<'_>, drive: &Drive) ->
     // A film that next to nothing moves is judged by what moving it a millionth of the clearance takes.
     let still = moment * (1e-6 / stage.duration).powi(2);
     let through = works.iter().map(|work| work.abs()).sum::<f64>() + heat.abs() + still;
-    let flow = film.cells.end_flow(stage.side);
+    let flow = film.balance.end_flow();
     let volume = settings.clearance * radius * settings.width;
     let asperities = settings.asperities.as_ref();
     Diagnostics {
@@ -129,57 +132,50 @@ pub(super) fn diagnose(film: &ReynoldsFilm, stage: &Stage<'_>, drive: &Drive) ->
 
 /// Sums what the cells and edges contribute.
 fn sum(film: &ReynoldsFilm, stage: &Stage<'_>, drive: &Drive) -> Sums {
-    let (cells, gap) = (&film.cells, &film.gap);
-    let grid = &cells.grid;
-    let (columns, rows) = (grid.columns(), grid.rows());
+    let (cells, gap, balance) = (&film.cells, &film.gap, &film.balance);
+    let field = &film.state.field;
     let profile = &film.settings.profile;
-    let mut sums = Sums::default();
-    for i in 0..columns {
-        let before = (i + columns - 1) % columns * rows;
+    let w = cells.stride;
+    let mut sums = Sums {
+        load: load(cells, gap, &field.pressure).force,
+        max_pressure: largest(&field.pressure),
+        ..Sums::default()
+    };
+    for (i, range) in cells.columns() {
         let mean = cells.directions.mean[i];
         // How fast turning the journal, or the bush, by an angle opens the gap here.
         let opening = profile
-            .opening_rates(grid.theta_centre(i), film.state.angles)
+            .opening_rates(cells.grid.theta_centre(i), film.state.angles)
             .map(|rate| rate / film.settings.clearance);
         let turning = opening[0] * drive.journal_speed + opening[1] * drive.bush_speed;
-        for j in 0..rows {
-            let (cell, left) = (i * rows + j, before + j);
-            let (p, h, area) = (cells.pressure[cell], gap.cell[cell], cells.area(i, j));
-            sums.max_pressure = sums.max_pressure.max(p);
-            sums.load += mean * (p * area);
-            sums.shear += area * cells.content[cell].max(0.0) / (h * cells.fluidity[cell]);
-            sums.form[0] += opening[0] * p * area;
-            sums.form[1] += opening[1] * p * area;
-
-            let fall = p - cells.pressure[left];
-            sums.rise += cells.share[j] * gap.edge[cell] * fall;
-            sums.loss += cells.conductance_along(cell) * fall * fall;
-            if j > 0 {
-                let fall = p - cells.pressure[cell - 1];
-                sums.loss += cells.conductance_across(i, j) * fall * fall;
+        let squeeze = film.state.velocity.dot(&mean) - turning;
+        let pressed = dot(&gap.pressed[range.clone()], &field.pressure[range.clone()]);
+        sums.form[0] += opening[0] * pressed;
+        sums.form[1] += opening[1] * pressed;
+        let (before, after) = (cells.before(i) * w, cells.after(i) * w);
+        for (k, cell) in range.enumerate() {
+            let (left, right) = (before + k, after + k);
+            let (p, area) = (field.pressure[cell], cells.area[cell]);
+            sums.shear += area * field.content[cell] * gap.cell_apart[cell]
+                / (gap.cell[cell] * film.liquid.fluidity[cell]);
+            let fall = p - field.pressure[left];
+            sums.rise += cells.share[cell] * gap.edge[cell] * fall;
+            sums.loss += balance.along[cell] * fall * fall;
+            if k > 0 {
+                let fall = p - field.pressure[cell - 1];
+                sums.loss += balance.across[cell] * fall * fall;
             }
-            let ends = [(j + 1 == rows, rows), (j == 0 && grid.is_whole_width(), 0)];
-            for (_, edge) in ends.into_iter().filter(|end| end.0) {
-                let conductance = cells.conductance_across(i, edge);
-                sums.loss += conductance * (p - stage.side).powi(2);
-                sums.bath -= conductance * (p - stage.side) * stage.side;
-            }
+            let out = balance.open[cell] * (p - stage.side);
+            sums.loss += out * (p - stage.side);
+            sums.bath -= out * stage.side;
             // Oil that comes into a full cell from a less full one, or fills it up, arrives without
             // the pressure: its work is lost.
-            let conserving = cells.conserves_mass();
-            if p != 0.0 && conserving {
-                let upstream = if stage.rotation > 0.0 {
-                    left
-                } else {
-                    (i + 1) % columns * rows + j
-                };
-                let edge = if stage.rotation > 0.0 { cell } else { upstream };
-                let lack = 1.0 - cells.content[upstream];
-                let swept = stage.rotation.abs() * cells.share[j] * gap.edge[edge];
-                let squeezed = film.state.velocity.dot(&mean)
-                    + (h - stage.mass[cell]) / stage.duration
-                    - turning;
-                sums.loss += p * (swept * lack + area * squeezed);
+            if cells.conserves_mass() {
+                let [from_left, from_right] = [left, right].map(|side| 1.0 - field.content[side]);
+                let swept = balance.carried[cell].max(0.0) * from_left
+                    - balance.carried[right].min(0.0) * from_right;
+                let filled = (gap.cell[cell] - stage.mass[cell]) / stage.duration;
+                sums.loss += p * (swept + area * (filled + squeeze * gap.cell_apart[cell]));
             }
         }
     }

@@ -2,7 +2,9 @@
 
 use nalgebra::Vector2;
 
+use super::cells::Cells;
 use super::grid::Grid;
+use super::lanes::smallest;
 
 /// Where the surfaces are: what makes the gap, apart from the eccentricity.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -42,52 +44,66 @@ impl Directions {
 }
 
 /// The gap in every cell and at every edge between columns, column by column.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Gap {
     /// The mean over each cell.
     pub(super) cell: Vec<f64>,
     /// At the edge before each cell, in the middle of its row.
     pub(super) edge: Vec<f64>,
+    /// The derivative of `cell` over the distance of the surfaces' mean planes: the share of the area where rough
+    /// surfaces do not touch; one for smooth ones.
+    pub(super) cell_apart: Vec<f64>,
+    /// The same of `edge`.
+    pub(super) edge_apart: Vec<f64>,
+    /// The share of the developed area on which the film's pressure acts, per cell.
+    pub(super) pressed: Vec<f64>,
     /// The smallest of all.
     pub(super) smallest: f64,
 }
 
 impl Gap {
+    pub(super) fn new(cells: &Cells) -> Self {
+        let ones = || vec![1.0; cells.count()];
+        Self {
+            cell: ones(),
+            edge: ones(),
+            cell_apart: ones(),
+            edge_apart: ones(),
+            pressed: cells.area.clone(),
+            smallest: 1.0,
+        }
+    }
+
     /// Computes the gap at the eccentricity ratio `eps` (in the middle plane).
-    pub(super) fn update(
-        &mut self,
-        grid: &Grid,
-        directions: &Directions,
-        form: &Form,
-        eps: Vector2<f64>,
-    ) {
-        let rows = grid.rows();
-        self.cell.clear();
-        self.edge.clear();
-        self.smallest = f64::INFINITY;
-        for (i, (mean, edge)) in directions.mean.iter().zip(&directions.edge).enumerate() {
+    pub(super) fn update(&mut self, cells: &Cells, form: &Form, eps: Vector2<f64>) {
+        for (i, range) in cells.columns() {
+            let (mean, edge) = (cells.directions.mean[i], cells.directions.edge[i]);
             let deviation = |of: &[f64]| of.get(i).copied().unwrap_or(0.0);
-            let cell = 1.0 - eps.dot(mean) + deviation(&form.middle);
-            let before = 1.0 - eps.dot(edge) + deviation(&form.edge);
-            let (slope, slope_before) = (form.tilt.dot(mean), form.tilt.dot(edge));
-            for j in 0..rows {
-                let zeta = 0.5 * (grid.zeta_edge(j) + grid.zeta_edge(j + 1));
-                let (h, b) = (cell - zeta * slope, before - zeta * slope_before);
-                self.smallest = self.smallest.min(h).min(b);
-                self.cell.push(h);
-                self.edge.push(b);
+            let middle = 1.0 - eps.dot(&mean) + deviation(&form.middle);
+            let before = 1.0 - eps.dot(&edge) + deviation(&form.edge);
+            let (slope, slope_before) = (form.tilt.dot(&mean), form.tilt.dot(&edge));
+            let lines = self.cell[range.clone()]
+                .iter_mut()
+                .zip(&mut self.edge[range]);
+            for ((cell, edge), zeta) in lines.zip(&cells.zeta) {
+                *cell = middle - zeta * slope;
+                *edge = before - zeta * slope_before;
             }
         }
+        self.smallest = smallest(&self.cell).min(smallest(&self.edge));
     }
 
     /// The largest share of the step `change` of the eccentricity that leaves at least `rest` of
     /// the gap everywhere.
-    pub(super) fn allowed(&self, directions: &Directions, change: Vector2<f64>, rest: f64) -> f64 {
-        let rows = self.cell.len() / directions.mean.len();
+    pub(super) fn allowed(&self, cells: &Cells, change: Vector2<f64>, rest: f64) -> f64 {
         let mut share: f64 = 1.0;
-        for (i, (mean, edge)) in directions.mean.iter().zip(&directions.edge).enumerate() {
-            let (closing, closing_before) = (change.dot(mean), change.dot(edge));
-            for at in i * rows..(i + 1) * rows {
+        if change.norm() <= (1.0 - rest) * self.smallest {
+            return share;
+        }
+        for (i, range) in cells.columns() {
+            let closing = change.dot(&cells.directions.mean[i]);
+            let closing_before = change.dot(&cells.directions.edge[i]);
+            for at in range {
                 let room = (1.0 - rest) * self.cell[at];
                 let room_before = (1.0 - rest) * self.edge[at];
                 if closing * share > room {

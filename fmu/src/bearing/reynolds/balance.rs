@@ -1,0 +1,254 @@
+//! The film's balance of mass, cell by cell.
+//!
+//! Per cell of a [`Grid`](super::grid::Grid), with the share `V` of the developed area, the mass
+//! `m = rho theta H` (density relative to the oil's at ambient pressure, content `theta` in 0..1), and the pressure `P`
+//! above that of the cavities,
+//!
+//! ```text
+//! V (m - m_start) / dt + [omega H theta rho]_upstream + sum G (P - P_neighbour) = 0
+//! P >= 0,  theta <= 1,  P (1 - theta) = 0
+//! ```
+//!
+//! (Jakobsson & Floberg 1957, Olsson 1965; the complementarity as in Woloszynski, Podsiadlo &
+//! Stachowiak 2015, Tribol. Lett. 58). In a full film the flux at an edge uses the edge's own gap, second
+//! order in the cell's size; content comes from upstream, first order, and without any of it from downstream.
+//!
+//! Every flux is computed once, at its edge, and leaves one cell as it enters the next: what the cells' residuals
+//! add up to is the whole film's error of mass.
+
+use super::cells::Cells;
+use super::field::Field;
+use super::gap::Gap;
+use super::lanes::{dot, sum, sum_of_sizes};
+use super::liquid::Liquid;
+
+/// What drives the film in one implicit Euler stage.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stage<'a> {
+    /// Duration, s.
+    pub(super) duration: f64,
+    /// Mass at its start, per cell.
+    pub(super) mass: &'a [f64],
+    /// Mean rotation, rad/s.
+    pub(super) rotation: f64,
+    /// Pressure at the open ends above that of the cavities, 1/s.
+    pub(super) side: f64,
+}
+
+/// Conductances, fluxes and residuals of the cells at one gap and field.
+#[derive(Clone, Debug)]
+pub(super) struct Balance {
+    /// Conductance of the edge to the column before each cell.
+    pub(super) along: Vec<f64>,
+    /// Conductance of the edge to the row below each cell; with one more at the end, zero.
+    pub(super) across: Vec<f64>,
+    /// Conductance to the open ends.
+    pub(super) open: Vec<f64>,
+    /// What the mean rotation carries over the edge before each cell if it is full upstream.
+    pub(super) carried: Vec<f64>,
+    /// Density times content in each cell.
+    pub(super) fill: Vec<f64>,
+    /// Mass in each cell.
+    pub(super) mass: Vec<f64>,
+    /// Flux over the edge before each cell, in the sense of rotation.
+    around: Vec<f64>,
+    /// Flux from the row below into each cell; with one more at the end, zero.
+    over: Vec<f64>,
+    /// Flux out through the open ends.
+    out: Vec<f64>,
+    /// What each cell's balance misses, as a flux out of it.
+    pub(super) residual: Vec<f64>,
+}
+
+impl Balance {
+    pub(super) fn new(cells: usize) -> Self {
+        let zeros = || vec![0.0; cells];
+        Self {
+            along: zeros(),
+            across: vec![0.0; cells + 1],
+            open: zeros(),
+            carried: zeros(),
+            fill: zeros(),
+            mass: zeros(),
+            around: zeros(),
+            over: vec![0.0; cells + 1],
+            out: zeros(),
+            residual: zeros(),
+        }
+    }
+
+    /// Computes all of it.
+    pub(super) fn update(
+        &mut self,
+        cells: &Cells,
+        gap: &Gap,
+        oil: &Liquid,
+        field: &Field,
+        stage: &Stage<'_>,
+    ) {
+        self.weigh(gap, oil, field);
+        self.conduct(cells, gap, oil);
+        self.carry(cells, gap, stage.rotation);
+        self.flow(cells, field, stage);
+        self.miss(cells, stage);
+    }
+
+    /// The mass in each cell.
+    pub(super) fn weigh(&mut self, gap: &Gap, oil: &Liquid, field: &Field) {
+        let n = self.mass.len();
+        let (h, density, content) = (&gap.cell[..n], &oil.density[..n], &field.content[..n]);
+        for c in 0..n {
+            self.fill[c] = density[c] * content[c];
+            self.mass[c] = self.fill[c] * h[c];
+        }
+    }
+
+    /// The conductances: `rho H^3 / mu` over the distance.
+    fn conduct(&mut self, cells: &Cells, gap: &Gap, oil: &Liquid) {
+        let n = self.mass.len();
+        let ring = Neighbours::new(cells);
+        for (own, before) in ring.pairs() {
+            let h = &gap.edge[own.clone()];
+            let at_one = &cells.along[own.clone()];
+            let (oil, other) = (&oil.ease[own.clone()], &oil.ease[before]);
+            for (k, along) in self.along[own].iter_mut().enumerate() {
+                *along = 0.5 * (oil[k] + other[k]) * at_one[k] * (h[k] * h[k] * h[k]);
+            }
+        }
+        let (h, ease) = (&gap.cell[..n], &oil.ease[..n]);
+        let (at_one, across) = (&cells.across[1..n], &mut self.across[1..n]);
+        for c in 0..n - 1 {
+            let middle = 0.5 * (h[c] + h[c + 1]);
+            across[c] = 0.5 * (ease[c] + ease[c + 1]) * at_one[c] * (middle * middle * middle);
+        }
+        let (at_one, open) = (&cells.open[..n], &mut self.open[..n]);
+        for c in 0..n {
+            open[c] = ease[c] * at_one[c] * (h[c] * h[c] * h[c]);
+        }
+    }
+
+    /// What the rotation carries.
+    fn carry(&mut self, cells: &Cells, gap: &Gap, rotation: f64) {
+        let n = self.mass.len();
+        let (h, share) = (&gap.edge[..n], &cells.share[..n]);
+        for c in 0..n {
+            self.carried[c] = rotation * share[c] * h[c];
+        }
+    }
+
+    /// The fluxes.
+    fn flow(&mut self, cells: &Cells, field: &Field, stage: &Stage<'_>) {
+        let n = self.mass.len();
+        for (own, before) in Neighbours::new(cells).pairs() {
+            let (p, p_before) = (
+                &field.pressure[own.clone()],
+                &field.pressure[before.clone()],
+            );
+            let (own_fill, fill) = (&self.fill[own.clone()], &self.fill[before]);
+            let (along, carried) = (&self.along[own.clone()], &self.carried[own.clone()]);
+            for (k, around) in self.around[own].iter_mut().enumerate() {
+                *around = carried[k].max(0.0) * fill[k]
+                    + carried[k].min(0.0) * own_fill[k]
+                    + along[k] * (p_before[k] - p[k]);
+            }
+        }
+        let p = &field.pressure[..n];
+        let (across, over) = (&self.across[1..n], &mut self.over[1..n]);
+        for c in 0..n - 1 {
+            over[c] = across[c] * (p[c] - p[c + 1]);
+        }
+        let (open, out) = (&self.open[..n], &mut self.out[..n]);
+        for c in 0..n {
+            out[c] = open[c] * (p[c] - stage.side);
+        }
+    }
+
+    /// The residuals.
+    fn miss(&mut self, cells: &Cells, stage: &Stage<'_>) {
+        let n = self.mass.len();
+        let rate = 1.0 / stage.duration;
+        for (own, before) in Neighbours::new(cells).pairs() {
+            // The edge before `own` is the edge after the cells of `before`.
+            let (mass, start) = (&self.mass[before.clone()], &stage.mass[before.clone()]);
+            let area = &cells.area[before.clone()];
+            let (entering, leaving) = (&self.around[before.clone()], &self.around[own]);
+            for (k, residual) in self.residual[before].iter_mut().enumerate() {
+                *residual = area[k] * rate * (mass[k] - start[k]) + (leaving[k] - entering[k]);
+            }
+        }
+        let (over, out) = (&self.over[..n + 1], &self.out[..n]);
+        for c in 0..n {
+            self.residual[c] += (over[c + 1] - over[c]) + out[c];
+        }
+    }
+
+    /// The size of the residuals of the cells that `counted` counts.
+    pub(super) fn imbalance(&self, counted: &[f64]) -> f64 {
+        let mut sum = 0.0;
+        for (residual, counted) in self.residual.iter().zip(counted) {
+            sum += residual.abs() * counted;
+        }
+        sum
+    }
+
+    /// The mass in the film.
+    pub(super) fn held(&self, cells: &Cells) -> f64 {
+        dot(&cells.area, &self.mass)
+    }
+
+    /// What flows through the open ends.
+    pub(super) fn end_flow(&self) -> EndFlow {
+        let (net, size) = (sum(&self.out), sum_of_sizes(&self.out));
+        EndFlow {
+            out: 0.5 * (size + net),
+            into: 0.5 * (size - net),
+        }
+    }
+}
+
+/// The ring's pairs of neighbouring columns as two long ranges of cells, and two short ones where it closes.
+struct Neighbours {
+    stride: usize,
+    count: usize,
+}
+
+impl Neighbours {
+    fn new(cells: &Cells) -> Self {
+        Self {
+            stride: cells.stride,
+            count: cells.count(),
+        }
+    }
+
+    /// Ranges of cells, and of those in the columns before them.
+    fn pairs(&self) -> [(std::ops::Range<usize>, std::ops::Range<usize>); 2] {
+        let Self { stride, count } = *self;
+        [
+            (stride..count, 0..count - stride),
+            (0..stride, count - stride..count),
+        ]
+    }
+}
+
+/// Rates of flow through the open ends, outwards and inwards.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct EndFlow {
+    pub(super) out: f64,
+    pub(super) into: f64,
+}
+
+impl EndFlow {
+    pub(super) fn weighted(self, weight: f64) -> Self {
+        Self {
+            out: self.out * weight,
+            into: self.into * weight,
+        }
+    }
+
+    pub(super) fn and(self, other: Self) -> Self {
+        Self {
+            out: self.out + other.out,
+            into: self.into + other.into,
+        }
+    }
+}
