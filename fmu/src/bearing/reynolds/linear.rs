@@ -120,6 +120,14 @@ impl Linear {
         balance.imbalance(&self.balanced)
     }
 
+    /// The size of what the pressures drive out of each cell, in all.
+    pub(super) fn turnover(&self, field: &Field) -> f64 {
+        let own = self.ring.own.iter().zip(&self.full);
+        own.zip(&field.pressure)
+            .map(|((own, full), p)| own * full * p.abs())
+            .sum()
+    }
+
     fn load_residuals(&mut self, balance: &Balance) {
         for ((step, residual), balanced) in self
             .step

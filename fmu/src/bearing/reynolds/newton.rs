@@ -3,23 +3,27 @@
 //! Residuals are exact in every pass. The linearisation is kept while it still leads on fast (the chord method), within
 //! a pass's change of the set of full cells it is renewed.
 
-use nalgebra::Vector2;
+use nalgebra::{Matrix2, Vector2};
 
 use super::active_set::ActiveSet;
 use super::balance::Stage;
 use super::film::ReynoldsFilm;
 use super::linear::load;
 use super::settings::Drive;
-use super::support::Motion;
+use super::support::{Motion, Support};
 
 /// Passes before a shorter step is tried.
 const PASSES: usize = 60;
 /// The stage is solved when the residuals of all balances are this share of the flow through the film.
 const BALANCED: f64 = 1e-12;
-/// And of the load, when they do not get smaller any more: rounding.
+/// Residuals that do not get smaller any more are rounding, if they are less than this share of the flow, or than
+/// so many units in the last place of all that adds up to them.
 const ROUNDED: f64 = 1e-10;
-/// The forces balance to this share of all that adds up to them.
+const LAST_PLACES: f64 = 16.0;
+/// The forces balance to this share of all that adds up to them,
 const CARRIED: f64 = 1e-11;
+/// or when what misses would move the journal by less than this share of the clearance.
+const SLIGHT: f64 = 1e-13;
 /// A kept linearisation may need so many more passes; else a new one is less work.
 const MORE_PASSES: f64 = 3.5;
 /// A film through which flows less than this share of its content in a step counts as still: its mass
@@ -64,15 +68,15 @@ struct Path {
 }
 
 impl Path {
-    /// Judges the residuals' size over the flow.
-    fn judge(&mut self, serves: bool, imbalance: f64) -> Next {
+    /// Judges the residuals' size over the flow; `rounding` is that of what adds up to them.
+    fn judge(&mut self, serves: bool, imbalance: f64, rounding: impl Fn() -> f64) -> Next {
         if !serves || self.moved > 0 || self.cut_short {
             self.last = None;
             return Next::Renew;
         }
         let last = self.last.replace(imbalance);
-        let rounding = imbalance <= ROUNDED && last.is_some_and(|last| imbalance > 0.5 * last);
-        if imbalance <= BALANCED || rounding {
+        let stays = last.is_some_and(|last| imbalance > 0.5 * last);
+        if imbalance <= BALANCED || (stays && imbalance <= rounding().max(ROUNDED)) {
             return Next::Rest;
         }
         let contraction = last.map_or(0.0, |last| imbalance / last);
@@ -114,18 +118,19 @@ impl ReynoldsFilm {
             let carried = load(&self.cells, &self.gap, &self.state.field.pressure);
             let missing = wanted - support.force - carried.force;
             let size = carried.size + wanted.norm() + support.touch.norm();
-            let lifted = steady && missing.norm() <= CARRIED * size;
-            let imbalance = self.linear.imbalance(&self.balance) / self.flow(stage);
-            match path.judge(self.linear.serves(stage.duration), imbalance) {
-                Next::Rest if lifted => return Ok(eps),
+            let flow = self.flow(stage);
+            let imbalance = self.linear.imbalance(&self.balance) / flow;
+            let rounding = || LAST_PLACES * f64::EPSILON * self.turnover(stage) / flow;
+            let carries = |inverse: Matrix2<f64>| {
+                steady && (missing.norm() <= CARRIED * size || (inverse * missing).norm() <= SLIGHT)
+            };
+            match path.judge(self.linear.serves(stage.duration), imbalance, rounding) {
+                Next::Rest if self.inverse(&support).is_some_and(carries) => return Ok(eps),
                 Next::Renew => self.linearise(stage),
                 Next::Rest | Next::Reuse => self.linear.reuse(&self.balance),
             }
             let missing = missing + self.linear.load_of_step(&self.cells, &self.gap);
-            let Some(inverse) = (self.linear.slope + support.stiffness).try_inverse() else {
-                return Err(NoSolution);
-            };
-            let change = inverse * missing;
+            let change = self.inverse(&support).ok_or(NoSolution)? * missing;
             if !(change.x.is_finite() && change.y.is_finite()) {
                 return Err(NoSolution);
             }
@@ -138,6 +143,17 @@ impl ReynoldsFilm {
             path.cut_short = share < 1.0;
         }
         Err(NoSolution)
+    }
+
+    /// How the journal answers to a force.
+    fn inverse(&self, support: &Support) -> Option<Matrix2<f64>> {
+        (self.linear.slope + support.stiffness).try_inverse()
+    }
+
+    /// The size of all that adds up to the residuals.
+    fn turnover(&self, stage: &Stage<'_>) -> f64 {
+        let stored = self.balance.held(&self.cells) / stage.duration;
+        stored + self.linear.turnover(&self.state.field)
     }
 
     /// Whether nothing presses on a film without conserved mass, so that the journal goes with the mean rotation.
