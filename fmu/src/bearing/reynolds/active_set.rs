@@ -44,10 +44,10 @@ impl ActiveSet {
         // Whether any moves at all, without branches.
         let n = field.full.len();
         let (pressure, content) = (&field.pressure[..n], &field.content[..n]);
-        let outside: f64 = (0..n)
-            .map(|c| f64::from(pressure[c] < tension) + f64::from(content[c] > over))
+        let outside: u64 = (0..n)
+            .map(|c| u64::from(pressure[c] < tension) + u64::from(content[c] > over))
             .sum();
-        if outside == 0.0 {
+        if outside == 0 {
             return 0;
         }
         let mut moved = 0;
@@ -80,12 +80,17 @@ impl ActiveSet {
         if cells.conserves_mass() {
             return 0;
         }
+        let least = -ROUNDING / stage.duration;
+        let n = field.full.len();
+        let (full, residual, area) = (
+            &mut field.full[..n],
+            &balance.residual[..n],
+            &cells.area[..n],
+        );
         let mut moved = 0;
-        let least = ROUNDING / stage.duration;
-        for cell in 0..field.full.len() {
-            let fills = !field.full[cell] && -balance.residual[cell] > least * cells.area[cell];
-            if fills && self.may_move(cell) {
-                field.full[cell] = true;
+        for cell in 0..n {
+            if residual[cell] < least * area[cell] && !full[cell] && self.may_move(cell) {
+                full[cell] = true;
                 moved += 1;
             }
         }

@@ -106,8 +106,7 @@ impl Balance {
     /// The conductances: `rho H^3 / mu` over the distance.
     fn conduct(&mut self, cells: &Cells, gap: &Gap, oil: &Liquid) {
         let n = self.mass.len();
-        let ring = Neighbours::new(cells);
-        for (own, before) in ring.pairs() {
+        for (own, before) in cells.neighbours() {
             let h = &gap.edge[own.clone()];
             let at_one = &cells.along[own.clone()];
             let (oil, other) = (&oil.ease[own.clone()], &oil.ease[before]);
@@ -139,7 +138,7 @@ impl Balance {
     /// The fluxes.
     fn flow(&mut self, cells: &Cells, field: &Field, stage: &Stage<'_>) {
         let n = self.mass.len();
-        for (own, before) in Neighbours::new(cells).pairs() {
+        for (own, before) in cells.neighbours() {
             let (p, p_before) = (
                 &field.pressure[own.clone()],
                 &field.pressure[before.clone()],
@@ -147,9 +146,12 @@ impl Balance {
             let (own_fill, fill) = (&self.fill[own.clone()], &self.fill[before]);
             let (along, carried) = (&self.along[own.clone()], &self.carried[own.clone()]);
             for (k, around) in self.around[own].iter_mut().enumerate() {
-                *around = carried[k].max(0.0) * fill[k]
-                    + carried[k].min(0.0) * own_fill[k]
-                    + along[k] * (p_before[k] - p[k]);
+                let fill = if carried[k] > 0.0 {
+                    fill[k]
+                } else {
+                    own_fill[k]
+                };
+                *around = carried[k] * fill + along[k] * (p_before[k] - p[k]);
             }
         }
         let p = &field.pressure[..n];
@@ -167,7 +169,7 @@ impl Balance {
     fn miss(&mut self, cells: &Cells, stage: &Stage<'_>) {
         let n = self.mass.len();
         let rate = 1.0 / stage.duration;
-        for (own, before) in Neighbours::new(cells).pairs() {
+        for (own, before) in cells.neighbours() {
             // The edge before `own` is the edge after the cells of `before`.
             let (mass, start) = (&self.mass[before.clone()], &stage.mass[before.clone()]);
             let area = &cells.area[before.clone()];
@@ -203,30 +205,6 @@ impl Balance {
             out: 0.5 * (size + net),
             into: 0.5 * (size - net),
         }
-    }
-}
-
-/// The ring's pairs of neighbouring columns as two long ranges of cells, and two short ones where it closes.
-struct Neighbours {
-    stride: usize,
-    count: usize,
-}
-
-impl Neighbours {
-    fn new(cells: &Cells) -> Self {
-        Self {
-            stride: cells.stride,
-            count: cells.count(),
-        }
-    }
-
-    /// Ranges of cells, and of those in the columns before them.
-    fn pairs(&self) -> [(std::ops::Range<usize>, std::ops::Range<usize>); 2] {
-        let Self { stride, count } = *self;
-        [
-            (stride..count, 0..count - stride),
-            (0..stride, count - stride..count),
-        ]
     }
 }
 

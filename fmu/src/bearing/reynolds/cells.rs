@@ -1,5 +1,7 @@
 //! The film's cells: what does not change while it is solved.
 
+use std::ops::Range;
+
 use super::gap::Directions;
 use super::grid::Grid;
 use super::ring::LANES;
@@ -92,7 +94,7 @@ impl Cells {
     }
 
     /// Columns and the ranges of their cells.
-    pub(super) fn columns(&self) -> impl Iterator<Item = (usize, std::ops::Range<usize>)> {
+    pub(super) fn columns(&self) -> impl Iterator<Item = (usize, Range<usize>)> {
         let stride = self.stride;
         (0..self.grid.columns()).map(move |i| (i, i * stride..(i + 1) * stride))
     }
@@ -106,5 +108,15 @@ impl Cells {
     /// The column after a column.
     pub(super) fn after(&self, column: usize) -> usize {
         (column + 1) % self.grid.columns()
+    }
+
+    /// The ring's pairs of neighbouring columns, as long ranges of cells and, where the ring closes, short ones: each
+    /// with the range of the cells in the columns before.
+    pub(super) fn neighbours(&self) -> [(Range<usize>, Range<usize>); 2] {
+        let (stride, count) = (self.stride, self.count());
+        [
+            (stride..count, 0..count - stride),
+            (0..stride, count - stride..count),
+        ]
     }
 }

@@ -25,6 +25,9 @@ pub(super) struct Linear {
     step: Vec<f64>,
     /// Their answers to the eccentricity ratio along x and y.
     answer: [Vec<f64>; 2],
+    /// What one more unit of gap lets through: at the edge before each cell, and at that below it.
+    around: Vec<f64>,
+    over: Vec<f64>,
     /// The derivative of the load over the eccentricity ratio.
     pub(super) slope: Matrix2<f64>,
     /// The stages' duration that it is made for; none: it is of no use.
@@ -41,6 +44,8 @@ impl Linear {
             balanced: zeros(),
             step: zeros(),
             answer: [zeros(), zeros()],
+            around: zeros(),
+            over: vec![0.0; cells.count() + 1],
             slope: Matrix2::zeros(),
             duration: None,
         }
@@ -176,40 +181,53 @@ impl Linear {
     ) {
         let w = cells.stride;
         let rate = 1.0 / stage.duration;
-        let Self {
-            ring,
-            full,
-            empty,
-            balanced,
-            ..
-        } = self;
-        for (i, range) in cells.columns() {
-            let (before, after) = (cells.before(i) * w, cells.after(i) * w);
-            for (k, c) in range.enumerate() {
-                let (b, a) = (before + k, after + k);
-                let (into, from) = (balance.carried[c], balance.carried[a]);
-                let leaving = from.max(0.0) - into.min(0.0);
-                let conductance = balance.along[c]
-                    + balance.along[a]
-                    + balance.across[c]
-                    + balance.across[c + 1]
-                    + balance.open[c];
-                let kept = liquid.density[c] * (cells.area[c] * rate * gap.cell[c] + leaving);
-                ring.own[c] = full[c] * conductance + empty[c] * kept + (1.0 - balanced[c]);
-                ring.before[c] = -balanced[c]
-                    * (full[b] * balance.along[c] + empty[b] * liquid.density[b] * into.max(0.0));
-                ring.after[c] = -balanced[c]
-                    * (full[a] * balance.along[a] - empty[a] * liquid.density[a] * from.min(0.0));
+        let ring = &mut self.ring;
+        for (i, own) in cells.columns() {
+            if !ring.active[i] {
+                continue;
+            }
+            let before = cells.before(i) * w..cells.before(i) * w + w;
+            let after = cells.after(i) * w..cells.after(i) * w + w;
+            let (full, empty) = (&self.full[own.clone()], &self.empty[own.clone()]);
+            let balanced = &self.balanced[own.clone()];
+            let [into, from] = [&own, &after].map(|edge| &balance.carried[edge.clone()]);
+            let [along, along_after] = [&own, &after].map(|edge| &balance.along[edge.clone()]);
+            let across = &balance.across[own.start..own.end + 1];
+            let (open, area) = (&balance.open[own.clone()], &cells.area[own.clone()]);
+            let (density, h) = (&liquid.density[own.clone()], &gap.cell[own.clone()]);
+            let diagonal = &mut ring.own[own.clone()];
+            for k in 0..w {
+                let leaving = positive(from[k]) + positive(-into[k]);
+                let conductance = along[k] + along_after[k] + across[k] + across[k + 1] + open[k];
+                let kept = density[k] * (area[k] * rate * h[k] + leaving);
+                diagonal[k] = full[k] * conductance + empty[k] * kept + (1.0 - balanced[k]);
+            }
+            // What comes from a neighbour: by pressure from a full one, by the rotation from another.
+            let sides = [
+                (&mut ring.before[own.clone()], &before, along, into, 1.0),
+                (&mut ring.after[own], &after, along_after, from, -1.0),
+            ];
+            for (coupling, side, along, carried, sense) in sides {
+                let (full, empty) = (&self.full[side.clone()], &self.empty[side.clone()]);
+                let density = &liquid.density[side.clone()];
+                for k in 0..w {
+                    let carried = density[k] * positive(sense * carried[k]);
+                    coupling[k] = -balanced[k] * (full[k] * along[k] + empty[k] * carried);
+                }
             }
         }
-        let n = full.len();
-        for c in 1..n {
-            ring.below[c] = -balanced[c] * full[c - 1] * balance.across[c];
-            ring.above[c - 1] = -balanced[c - 1] * full[c] * balance.across[c];
+        let n = self.full.len();
+        let (full, balanced) = (&self.full[..n], &self.balanced[..n]);
+        let across = &balance.across[1..n];
+        let (below, above) = (&mut ring.below[1..n], &mut ring.above[..n - 1]);
+        for c in 0..n - 1 {
+            below[c] = -balanced[c + 1] * full[c] * across[c];
+            above[c] = -balanced[c] * full[c + 1] * across[c];
         }
     }
 
-    /// The derivatives of the residuals over the eccentricity ratio.
+    /// The derivatives of the residuals over the eccentricity ratio: what each edge, and each cell, does with one more
+    /// unit of gap, times how the eccentricity closes it.
     fn slide(
         &mut self,
         cells: &Cells,
@@ -219,45 +237,68 @@ impl Linear {
         stage: &Stage<'_>,
     ) {
         let w = cells.stride;
+        self.open_edges(cells, gap, field, balance);
         let rate = 1.0 / stage.duration;
-        let p = &field.pressure;
         let [x, y] = &mut self.answer;
-        // What one more unit of gap at the edge before a cell lets through.
-        let around = |c: usize, b: usize| {
-            let fill = if balance.carried[c] > 0.0 {
-                balance.fill[b]
-            } else {
-                balance.fill[c]
-            };
-            (balance.carried[c] * fill + 3.0 * balance.along[c] * (p[b] - p[c]))
-                * (gap.edge_apart[c] / gap.edge[c])
-        };
-        let over = |c: usize| {
-            if balance.across[c] == 0.0 {
-                return 0.0;
+        for (i, own) in cells.columns() {
+            if !self.ring.active[i] {
+                x[own.clone()].fill(0.0);
+                y[own].fill(0.0);
+                continue;
             }
-            let apart = gap.cell_apart[c - 1] + gap.cell_apart[c];
-            3.0 * balance.across[c] * (p[c - 1] - p[c]) * apart / (gap.cell[c - 1] + gap.cell[c])
-        };
-        for (i, range) in cells.columns() {
-            let (before, after) = (cells.before(i) * w, cells.after(i) * w);
+            let after = cells.after(i) * w..cells.after(i) * w + w;
             let mean = cells.directions.mean[i];
-            let (n_before, n_after) = (
-                cells.directions.edge[i],
-                cells.directions.edge[cells.after(i)],
-            );
-            for (k, c) in range.enumerate() {
-                let (into, from) = (around(c, before + k), around(after + k, c));
-                let own = (cells.area[c] * rate * balance.fill[c]
-                    + 3.0 * balance.open[c] * (p[c] - stage.side) / gap.cell[c])
-                    * gap.cell_apart[c]
-                    + (over(c + 1) - over(c));
-                let slope = n_before * into - n_after * from - mean * own;
-                x[c] = slope.x * self.balanced[c];
-                y[c] = slope.y * self.balanced[c];
+            let n_before = cells.directions.edge[i];
+            let n_after = cells.directions.edge[cells.after(i)];
+            let [into, from] = [&own, &after].map(|edge| &self.around[edge.clone()]);
+            let over = &self.over[own.start..own.end + 1];
+            let (area, fill) = (&cells.area[own.clone()], &balance.fill[own.clone()]);
+            let (h, apart) = (&gap.cell[own.clone()], &gap.cell_apart[own.clone()]);
+            let (p, open) = (&field.pressure[own.clone()], &balance.open[own.clone()]);
+            let balanced = &self.balanced[own.clone()];
+            let (x, y) = (&mut x[own.clone()], &mut y[own]);
+            for k in 0..w {
+                let kept = area[k] * rate * fill[k] + 3.0 * open[k] * (p[k] - stage.side) / h[k];
+                let own = kept * apart[k] + (over[k + 1] - over[k]);
+                x[k] = balanced[k] * (n_before.x * into[k] - n_after.x * from[k] - mean.x * own);
+                y[k] = balanced[k] * (n_before.y * into[k] - n_after.y * from[k] - mean.y * own);
             }
         }
     }
+
+    /// What one more unit of gap at each edge lets through.
+    fn open_edges(&mut self, cells: &Cells, gap: &Gap, field: &Field, balance: &Balance) {
+        for (own, before) in cells.neighbours() {
+            let (p, p_before) = (
+                &field.pressure[own.clone()],
+                &field.pressure[before.clone()],
+            );
+            let (fill, fill_before) = (&balance.fill[own.clone()], &balance.fill[before]);
+            let (along, carried) = (&balance.along[own.clone()], &balance.carried[own.clone()]);
+            let (h, apart) = (&gap.edge[own.clone()], &gap.edge_apart[own.clone()]);
+            for (k, around) in self.around[own].iter_mut().enumerate() {
+                let fill = if carried[k] > 0.0 {
+                    fill_before[k]
+                } else {
+                    fill[k]
+                };
+                let flux = carried[k] * fill + 3.0 * along[k] * (p_before[k] - p[k]);
+                *around = flux * apart[k] / h[k];
+            }
+        }
+        let n = field.pressure.len();
+        let (p, h, apart) = (&field.pressure[..n], &gap.cell[..n], &gap.cell_apart[..n]);
+        let (across, over) = (&balance.across[1..n], &mut self.over[1..n]);
+        for c in 0..n - 1 {
+            over[c] =
+                3.0 * across[c] * (p[c] - p[c + 1]) * (apart[c] + apart[c + 1]) / (h[c] + h[c + 1]);
+        }
+    }
+}
+
+/// The value where it is positive, else zero.
+fn positive(value: f64) -> f64 {
+    if value > 0.0 { value } else { 0.0 }
 }
 
 /// A load with the sum of the sizes of what adds up to it.

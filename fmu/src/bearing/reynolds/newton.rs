@@ -15,7 +15,7 @@ use super::support::{Motion, Support};
 /// Passes before a shorter step is tried.
 const PASSES: usize = 60;
 /// The stage is solved when the residuals of all balances are this share of the flow through the film.
-const BALANCED: f64 = 1e-12;
+const BALANCED: f64 = 1e-11;
 /// Residuals that do not get smaller any more are rounding, if they are less than this share of the flow, or than
 /// so many units in the last place of all that adds up to them.
 const ROUNDED: f64 = 1e-10;
