@@ -19,7 +19,7 @@
 use super::cells::Cells;
 use super::field::Field;
 use super::gap::Gap;
-use super::lanes::{dot, sum, sum_of_sizes};
+use super::lanes::{dot, dot_of_sizes, sum, sum_of_sizes};
 use super::liquid::Liquid;
 
 /// What drives the film in one implicit Euler stage.
@@ -82,115 +82,106 @@ impl Balance {
         &mut self,
         cells: &Cells,
         gap: &Gap,
-        oil: &Liquid,
+        liquid: &Liquid,
         field: &Field,
         stage: &Stage<'_>,
     ) {
-        self.weigh(gap, oil, field);
-        self.conduct(cells, gap, oil);
-        self.carry(cells, gap, stage.rotation);
-        self.flow(cells, field, stage);
+        self.weigh(gap, liquid, field);
+        self.flow_around(cells, gap, liquid, field, stage);
+        self.flow_over(cells, gap, liquid, field, stage);
         self.miss(cells, stage);
     }
 
     /// The mass in each cell.
-    pub(super) fn weigh(&mut self, gap: &Gap, oil: &Liquid, field: &Field) {
+    pub(super) fn weigh(&mut self, gap: &Gap, liquid: &Liquid, field: &Field) {
         let n = self.mass.len();
-        let (h, density, content) = (&gap.cell[..n], &oil.density[..n], &field.content[..n]);
+        let (h, density, content) = (&gap.cell[..n], &liquid.density[..n], &field.content[..n]);
+        let fill = &mut self.fill[..n];
         for c in 0..n {
-            self.fill[c] = density[c] * content[c];
-            self.mass[c] = self.fill[c] * h[c];
+            fill[c] = density[c] * content[c];
+            self.mass[c] = fill[c] * h[c];
         }
     }
 
-    /// The conductances: `rho H^3 / mu` over the distance.
-    fn conduct(&mut self, cells: &Cells, gap: &Gap, oil: &Liquid) {
-        let n = self.mass.len();
+    /// Conductances `rho H^3 / mu` and fluxes between columns.
+    fn flow_around(
+        &mut self,
+        cells: &Cells,
+        gap: &Gap,
+        liquid: &Liquid,
+        field: &Field,
+        stage: &Stage<'_>,
+    ) {
         for (own, before) in cells.neighbours() {
-            let h = &gap.edge[own.clone()];
-            let at_one = &cells.along[own.clone()];
-            let (oil, other) = (&oil.ease[own.clone()], &oil.ease[before]);
-            for (k, along) in self.along[own].iter_mut().enumerate() {
-                *along = 0.5 * (oil[k] + other[k]) * at_one[k] * (h[k] * h[k] * h[k]);
+            let n = own.len();
+            let (h, share) = (&gap.edge[own.clone()][..n], &cells.share[own.clone()][..n]);
+            let at_one = &cells.along[own.clone()][..n];
+            let [ease, p, fill] = [&liquid.ease, &field.pressure, &self.fill]
+                .map(|of| [&of[before.clone()][..n], &of[own.clone()][..n]]);
+            let along = &mut self.along[own.clone()][..n];
+            let carried = &mut self.carried[own.clone()][..n];
+            let around = &mut self.around[own][..n];
+            for k in 0..n {
+                along[k] = 0.5 * (ease[0][k] + ease[1][k]) * at_one[k] * (h[k] * h[k] * h[k]);
+                carried[k] = stage.rotation * share[k] * h[k];
+                let fill = if carried[k] > 0.0 {
+                    fill[0][k]
+                } else {
+                    fill[1][k]
+                };
+                around[k] = carried[k] * fill + along[k] * (p[0][k] - p[1][k]);
             }
         }
-        let (h, ease) = (&gap.cell[..n], &oil.ease[..n]);
-        let (at_one, across) = (&cells.across[1..n], &mut self.across[1..n]);
+    }
+
+    /// Conductances and fluxes between rows and through the open ends.
+    fn flow_over(
+        &mut self,
+        cells: &Cells,
+        gap: &Gap,
+        liquid: &Liquid,
+        field: &Field,
+        stage: &Stage<'_>,
+    ) {
+        let n = self.mass.len();
+        let (h, ease, p) = (&gap.cell[..n], &liquid.ease[..n], &field.pressure[..n]);
+        let at_one = &cells.across[1..n];
+        let (across, over) = (&mut self.across[1..n], &mut self.over[1..n]);
         for c in 0..n - 1 {
             let middle = 0.5 * (h[c] + h[c + 1]);
             across[c] = 0.5 * (ease[c] + ease[c + 1]) * at_one[c] * (middle * middle * middle);
-        }
-        let (at_one, open) = (&cells.open[..n], &mut self.open[..n]);
-        for c in 0..n {
-            open[c] = ease[c] * at_one[c] * (h[c] * h[c] * h[c]);
-        }
-    }
-
-    /// What the rotation carries.
-    fn carry(&mut self, cells: &Cells, gap: &Gap, rotation: f64) {
-        let n = self.mass.len();
-        let (h, share) = (&gap.edge[..n], &cells.share[..n]);
-        for c in 0..n {
-            self.carried[c] = rotation * share[c] * h[c];
-        }
-    }
-
-    /// The fluxes.
-    fn flow(&mut self, cells: &Cells, field: &Field, stage: &Stage<'_>) {
-        let n = self.mass.len();
-        for (own, before) in cells.neighbours() {
-            let (p, p_before) = (
-                &field.pressure[own.clone()],
-                &field.pressure[before.clone()],
-            );
-            let (own_fill, fill) = (&self.fill[own.clone()], &self.fill[before]);
-            let (along, carried) = (&self.along[own.clone()], &self.carried[own.clone()]);
-            for (k, around) in self.around[own].iter_mut().enumerate() {
-                let fill = if carried[k] > 0.0 {
-                    fill[k]
-                } else {
-                    own_fill[k]
-                };
-                *around = carried[k] * fill + along[k] * (p_before[k] - p[k]);
-            }
-        }
-        let p = &field.pressure[..n];
-        let (across, over) = (&self.across[1..n], &mut self.over[1..n]);
-        for c in 0..n - 1 {
             over[c] = across[c] * (p[c] - p[c + 1]);
         }
-        let (open, out) = (&self.open[..n], &mut self.out[..n]);
+        let (at_one, open, out) = (&cells.open[..n], &mut self.open[..n], &mut self.out[..n]);
         for c in 0..n {
+            open[c] = ease[c] * at_one[c] * (h[c] * h[c] * h[c]);
             out[c] = open[c] * (p[c] - stage.side);
         }
     }
 
     /// The residuals.
     fn miss(&mut self, cells: &Cells, stage: &Stage<'_>) {
-        let n = self.mass.len();
         let rate = 1.0 / stage.duration;
-        for (own, before) in cells.neighbours() {
-            // The edge before `own` is the edge after the cells of `before`.
-            let (mass, start) = (&self.mass[before.clone()], &stage.mass[before.clone()]);
-            let area = &cells.area[before.clone()];
-            let (entering, leaving) = (&self.around[before.clone()], &self.around[own]);
-            for (k, residual) in self.residual[before].iter_mut().enumerate() {
-                *residual = area[k] * rate * (mass[k] - start[k]) + (leaving[k] - entering[k]);
+        for (after, own) in cells.neighbours() {
+            let n = own.len();
+            let (mass, start) = (&self.mass[own.clone()][..n], &stage.mass[own.clone()][..n]);
+            let area = &cells.area[own.clone()][..n];
+            let (entering, leaving) = (&self.around[own.clone()][..n], &self.around[after][..n]);
+            let over = &self.over[own.start..own.end + 1][..n + 1];
+            let out = &self.out[own.clone()][..n];
+            let residual = &mut self.residual[own][..n];
+            for k in 0..n {
+                residual[k] = area[k] * rate * (mass[k] - start[k])
+                    + (leaving[k] - entering[k])
+                    + (over[k + 1] - over[k])
+                    + out[k];
             }
-        }
-        let (over, out) = (&self.over[..n + 1], &self.out[..n]);
-        for c in 0..n {
-            self.residual[c] += (over[c + 1] - over[c]) + out[c];
         }
     }
 
     /// The size of the residuals of the cells that `counted` counts.
     pub(super) fn imbalance(&self, counted: &[f64]) -> f64 {
-        let mut sum = 0.0;
-        for (residual, counted) in self.residual.iter().zip(counted) {
-            sum += residual.abs() * counted;
-        }
-        sum
+        dot_of_sizes(&self.residual, counted)
     }
 
     /// The mass in the film.

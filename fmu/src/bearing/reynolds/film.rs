@@ -279,6 +279,7 @@ impl ReynoldsFilm {
         {
             *launch = start + ahead * (mass - start);
         }
+        self.extrapolate(ahead);
         let straight = start + (middle - start) / GAMMA;
         task.start = start + (middle - start) * ahead;
         task.guess = straight;
@@ -299,6 +300,19 @@ impl ReynoldsFilm {
             report.mass_error = self.mass_error(step.duration, flow, stage.rotation);
         }
         Ok((report, error))
+    }
+
+    /// Leads the pressures on from the step's start over the first stage, as a guess.
+    fn extrapolate(&mut self, ahead: f64) {
+        let field = &mut self.state.field;
+        let pressures = field.pressure.iter_mut().zip(&self.kept.field.pressure);
+        for ((pressure, start), &full) in pressures.zip(&field.full) {
+            *pressure += if full {
+                ahead * (*pressure - start)
+            } else {
+                0.0
+            };
+        }
     }
 
     /// Solves a stage that starts from the masses in one of the buffers.

@@ -76,18 +76,19 @@ impl Gap {
 
     /// Computes the gap at the eccentricity ratio `eps` (in the middle plane).
     pub(super) fn update(&mut self, cells: &Cells, form: &Form, eps: Vector2<f64>) {
-        for (i, range) in cells.columns() {
-            let (mean, edge) = (cells.directions.mean[i], cells.directions.edge[i]);
+        let columns = self.cell.chunks_exact_mut(cells.stride);
+        let columns = columns.zip(self.edge.chunks_exact_mut(cells.stride));
+        for (i, (cell, edge)) in columns.enumerate() {
+            let (n, n_edge) = (cells.directions.mean[i], cells.directions.edge[i]);
             let deviation = |of: &[f64]| of.get(i).copied().unwrap_or(0.0);
-            let middle = 1.0 - eps.dot(&mean) + deviation(&form.middle);
-            let before = 1.0 - eps.dot(&edge) + deviation(&form.edge);
-            let (slope, slope_before) = (form.tilt.dot(&mean), form.tilt.dot(&edge));
-            let lines = self.cell[range.clone()]
-                .iter_mut()
-                .zip(&mut self.edge[range]);
-            for ((cell, edge), zeta) in lines.zip(&cells.zeta) {
-                *cell = middle - zeta * slope;
-                *edge = before - zeta * slope_before;
+            cell.fill(1.0 - eps.dot(&n) + deviation(&form.middle));
+            edge.fill(1.0 - eps.dot(&n_edge) + deviation(&form.edge));
+            if form.tilt != Vector2::zeros() {
+                let (slope, slope_edge) = (form.tilt.dot(&n), form.tilt.dot(&n_edge));
+                for ((cell, edge), zeta) in cell.iter_mut().zip(edge).zip(&cells.zeta) {
+                    *cell -= zeta * slope;
+                    *edge -= zeta * slope_edge;
+                }
             }
         }
         self.smallest = smallest(&self.cell).min(smallest(&self.edge));

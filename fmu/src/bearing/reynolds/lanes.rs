@@ -44,6 +44,18 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     total(sum)
 }
 
+/// The sum of sizes with weights.
+pub(super) fn dot_of_sizes(a: &[f64], weight: &[f64]) -> f64 {
+    let mut sum = [0.0; LANES];
+    let chunks = a.as_chunks::<LANES>().0.iter();
+    for (a, weight) in chunks.zip(weight.as_chunks::<LANES>().0) {
+        for q in 0..LANES {
+            sum[q] += a[q].abs() * weight[q];
+        }
+    }
+    total(sum)
+}
+
 /// The sum of products of three.
 pub(super) fn dot3(a: &[f64], b: &[f64], c: &[f64]) -> f64 {
     let mut sum = [0.0; LANES];

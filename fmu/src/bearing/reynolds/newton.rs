@@ -14,8 +14,10 @@ use super::support::{Motion, Support};
 
 /// Passes before a shorter step is tried.
 const PASSES: usize = 60;
-/// The stage is solved when the residuals of all balances are this share of the flow through the film.
+/// The stage is solved when the residuals of all balances are this share of the flow through the film; more, where no
+/// mass needs to be conserved.
 const BALANCED: f64 = 1e-11;
+const BALANCED_ROUGHLY: f64 = 1e-10;
 /// Residuals that do not get smaller any more are rounding, if they are less than this share of the flow, or than
 /// so many units in the last place of all that adds up to them.
 const ROUNDED: f64 = 1e-10;
@@ -57,8 +59,9 @@ enum Next {
 }
 
 /// How the iteration has gone.
-#[derive(Default)]
 struct Path {
+    /// The share of the flow at which it ends.
+    balanced: f64,
     /// Cells that moved into or out of the set of full ones in the last pass.
     moved: usize,
     /// Whether the last pass could not go all its way.
@@ -76,11 +79,11 @@ impl Path {
         }
         let last = self.last.replace(imbalance);
         let stays = last.is_some_and(|last| imbalance > 0.5 * last);
-        if imbalance <= BALANCED || (stays && imbalance <= rounding().max(ROUNDED)) {
+        if imbalance <= self.balanced || (stays && imbalance <= rounding().max(ROUNDED)) {
             return Next::Rest;
         }
         let contraction = last.map_or(0.0, |last| imbalance / last);
-        let passes = (BALANCED / imbalance).ln() / contraction.ln();
+        let passes = (self.balanced / imbalance).ln() / contraction.ln();
         if contraction < 1.0 && passes < MORE_PASSES {
             Next::Reuse
         } else {
@@ -109,7 +112,16 @@ impl ReynoldsFilm {
         self.active_set.begin();
         ActiveSet::fill_towards(wanted, &self.cells, &mut self.state.field);
         let mut eps = self.reachable(task.guess);
-        let mut path = Path::default();
+        let mut path = Path {
+            balanced: if self.cells.conserves_mass() {
+                BALANCED
+            } else {
+                BALANCED_ROUGHLY
+            },
+            moved: 0,
+            cut_short: false,
+            last: None,
+        };
         for _ in 0..PASSES {
             self.move_to(eps);
             let steady = self.update_balance(stage, task.drive);
