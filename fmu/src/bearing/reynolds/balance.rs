@@ -94,13 +94,8 @@ impl Balance {
 
     /// The mass in each cell.
     pub(super) fn weigh(&mut self, gap: &Gap, liquid: &Liquid, field: &Field) {
-        let n = self.mass.len();
-        let (h, density, content) = (&gap.cell[..n], &liquid.density[..n], &field.content[..n]);
-        let fill = &mut self.fill[..n];
-        for c in 0..n {
-            fill[c] = density[c] * content[c];
-            self.mass[c] = fill[c] * h[c];
-        }
+        multiply(&mut self.fill, &liquid.density, &field.content);
+        multiply(&mut self.mass, &self.fill, &gap.cell);
     }
 
     /// Conductances `rho H^3 / mu` and fluxes between columns.
@@ -113,24 +108,31 @@ impl Balance {
         stage: &Stage<'_>,
     ) {
         for (own, before) in cells.neighbours() {
-            let n = own.len();
-            let (h, share) = (&gap.edge[own.clone()][..n], &cells.share[own.clone()][..n]);
-            let at_one = &cells.along[own.clone()][..n];
-            let [ease, p, fill] = [&liquid.ease, &field.pressure, &self.fill]
-                .map(|of| [&of[before.clone()][..n], &of[own.clone()][..n]]);
-            let along = &mut self.along[own.clone()][..n];
-            let carried = &mut self.carried[own.clone()][..n];
-            let around = &mut self.around[own][..n];
-            for k in 0..n {
-                along[k] = 0.5 * (ease[0][k] + ease[1][k]) * at_one[k] * (h[k] * h[k] * h[k]);
-                carried[k] = stage.rotation * share[k] * h[k];
-                let fill = if carried[k] > 0.0 {
-                    fill[0][k]
-                } else {
-                    fill[1][k]
-                };
-                around[k] = carried[k] * fill + along[k] * (p[0][k] - p[1][k]);
+            let along = &mut self.along[own.clone()];
+            conduct(along, &cells.along[own.clone()], &gap.edge[own.clone()]);
+            if !liquid.uniform {
+                let both = [&liquid.ease[before.clone()], &liquid.ease[own.clone()]];
+                ease(along, both);
             }
+            carry(
+                &mut self.carried[own.clone()],
+                stage.rotation,
+                &cells.share[own.clone()],
+                &gap.edge[own.clone()],
+            );
+            flow(
+                &mut self.around[own.clone()],
+                &self.along[own.clone()],
+                [
+                    &field.pressure[before.clone()],
+                    &field.pressure[own.clone()],
+                ],
+            );
+            add_carried(
+                &mut self.around[own.clone()],
+                &self.carried[own.clone()],
+                [&self.fill[before.clone()], &self.fill[own.clone()]],
+            );
         }
     }
 
@@ -144,38 +146,40 @@ impl Balance {
         stage: &Stage<'_>,
     ) {
         let n = self.mass.len();
-        let (h, ease, p) = (&gap.cell[..n], &liquid.ease[..n], &field.pressure[..n]);
-        let at_one = &cells.across[1..n];
-        let (across, over) = (&mut self.across[1..n], &mut self.over[1..n]);
-        for c in 0..n - 1 {
-            let middle = 0.5 * (h[c] + h[c + 1]);
-            across[c] = 0.5 * (ease[c] + ease[c + 1]) * at_one[c] * (middle * middle * middle);
-            over[c] = across[c] * (p[c] - p[c + 1]);
+        let (h, p) = (&gap.cell[..], &field.pressure[..]);
+        let (below, above) = (..n - 1, 1..n);
+        let across = &mut self.across[1..n];
+        let both = [&h[below], &h[above.clone()]];
+        conduct_between(across, &cells.across[1..n], both);
+        conduct(&mut self.open, &cells.open, h);
+        if !liquid.uniform {
+            let of = &liquid.ease[..];
+            ease(across, [&of[below], &of[above.clone()]]);
+            ease(&mut self.open, [of; 2]);
         }
-        let (at_one, open, out) = (&cells.open[..n], &mut self.open[..n], &mut self.out[..n]);
-        for c in 0..n {
-            open[c] = ease[c] * at_one[c] * (h[c] * h[c] * h[c]);
-            out[c] = open[c] * (p[c] - stage.side);
-        }
+        flow(
+            &mut self.over[1..n],
+            &self.across[1..n],
+            [&p[below], &p[above]],
+        );
+        flow_out(&mut self.out, &self.open, p, stage.side);
     }
 
     /// The residuals.
     fn miss(&mut self, cells: &Cells, stage: &Stage<'_>) {
-        let rate = 1.0 / stage.duration;
         for (after, own) in cells.neighbours() {
-            let n = own.len();
-            let (mass, start) = (&self.mass[own.clone()][..n], &stage.mass[own.clone()][..n]);
-            let area = &cells.area[own.clone()][..n];
-            let (entering, leaving) = (&self.around[own.clone()][..n], &self.around[after][..n]);
-            let over = &self.over[own.start..own.end + 1][..n + 1];
-            let out = &self.out[own.clone()][..n];
-            let residual = &mut self.residual[own][..n];
-            for k in 0..n {
-                residual[k] = area[k] * rate * (mass[k] - start[k])
-                    + (leaving[k] - entering[k])
-                    + (over[k + 1] - over[k])
-                    + out[k];
-            }
+            let residual = &mut self.residual[own.clone()];
+            store(
+                residual,
+                1.0 / stage.duration,
+                &cells.area[own.clone()],
+                [&stage.mass[own.clone()], &self.mass[own.clone()]],
+            );
+            let around = [&self.around[own.clone()], &self.around[after]];
+            add_difference(residual, around);
+            let over = &self.over[own.start..=own.end];
+            add_difference(residual, [over, &over[1..]]);
+            add(residual, &self.out[own]);
         }
     }
 
@@ -196,6 +200,102 @@ impl Balance {
             out: 0.5 * (size + net),
             into: 0.5 * (size - net),
         }
+    }
+}
+
+// The sweeps below each write to one array, which the compiler therefore knows to be apart from all that they read.
+
+fn multiply(product: &mut [f64], a: &[f64], b: &[f64]) {
+    let n = product.len();
+    let (a, b) = (&a[..n], &b[..n]);
+    for k in 0..n {
+        product[k] = a[k] * b[k];
+    }
+}
+
+/// Conductance of edges at their gap.
+fn conduct(conductance: &mut [f64], at_one: &[f64], h: &[f64]) {
+    let n = conductance.len();
+    let (at_one, h) = (&at_one[..n], &h[..n]);
+    for k in 0..n {
+        conductance[k] = at_one[k] * (h[k] * h[k] * h[k]);
+    }
+}
+
+/// Conductance of edges at the mean gap of both sides.
+fn conduct_between(conductance: &mut [f64], at_one: &[f64], h: [&[f64]; 2]) {
+    let n = conductance.len();
+    let (at_one, h) = (&at_one[..n], h.map(|h| &h[..n]));
+    for k in 0..n {
+        let h = 0.5 * (h[0][k] + h[1][k]);
+        conductance[k] = at_one[k] * (h * h * h);
+    }
+}
+
+/// Puts the mean ease of both sides into conductances.
+fn ease(conductance: &mut [f64], ease: [&[f64]; 2]) {
+    let n = conductance.len();
+    let ease = ease.map(|e| &e[..n]);
+    for k in 0..n {
+        conductance[k] *= 0.5 * (ease[0][k] + ease[1][k]);
+    }
+}
+
+fn carry(carried: &mut [f64], rotation: f64, share: &[f64], h: &[f64]) {
+    let n = carried.len();
+    let (share, h) = (&share[..n], &h[..n]);
+    for k in 0..n {
+        carried[k] = rotation * share[k] * h[k];
+    }
+}
+
+fn flow(flux: &mut [f64], conductance: &[f64], p: [&[f64]; 2]) {
+    let n = flux.len();
+    let (conductance, p) = (&conductance[..n], p.map(|p| &p[..n]));
+    for k in 0..n {
+        flux[k] = conductance[k] * (p[0][k] - p[1][k]);
+    }
+}
+
+fn flow_out(flux: &mut [f64], conductance: &[f64], p: &[f64], side: f64) {
+    let n = flux.len();
+    let (conductance, p) = (&conductance[..n], &p[..n]);
+    for k in 0..n {
+        flux[k] = conductance[k] * (p[k] - side);
+    }
+}
+
+/// Adds what is carried, filled as upstream.
+fn add_carried(flux: &mut [f64], carried: &[f64], fill: [&[f64]; 2]) {
+    let n = flux.len();
+    let (carried, fill) = (&carried[..n], fill.map(|f| &f[..n]));
+    for k in 0..n {
+        let (before, own) = (fill[0][k], fill[1][k]);
+        flux[k] += carried[k] * if carried[k] > 0.0 { before } else { own };
+    }
+}
+
+/// The rate of storage.
+fn store(flux: &mut [f64], rate: f64, area: &[f64], mass: [&[f64]; 2]) {
+    let n = flux.len();
+    let (area, mass) = (&area[..n], mass.map(|m| &m[..n]));
+    for k in 0..n {
+        flux[k] = area[k] * rate * (mass[1][k] - mass[0][k]);
+    }
+}
+
+/// Adds what leaves less what enters.
+fn add_difference(flux: &mut [f64], through: [&[f64]; 2]) {
+    let n = flux.len();
+    let through = through.map(|t| &t[..n]);
+    for k in 0..n {
+        flux[k] += through[1][k] - through[0][k];
+    }
+}
+
+fn add(flux: &mut [f64], more: &[f64]) {
+    for (flux, more) in flux.iter_mut().zip(more) {
+        *flux += more;
     }
 }
 

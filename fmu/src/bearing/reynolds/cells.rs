@@ -29,6 +29,9 @@ pub(super) struct Cells {
     pub(super) stride: usize,
     /// The middle of each row.
     pub(super) zeta: Vec<f64>,
+    /// Components of the directions of the cells and of the edges before them.
+    pub(super) normal_x: Normal,
+    pub(super) normal_y: Normal,
     /// Share of the developed area (angle times share of width) of each cell.
     pub(super) area: Vec<f64>,
     /// Share of the width of each cell.
@@ -39,6 +42,22 @@ pub(super) struct Cells {
     pub(super) across: Vec<f64>,
     /// Conductance, at `H = 1`, to the open end or ends.
     pub(super) open: Vec<f64>,
+}
+
+/// A component of the directions of the cells (their means) and of the edges before them.
+#[derive(Clone, Debug)]
+pub(super) struct Normal {
+    pub(super) mean: Vec<f64>,
+    pub(super) edge: Vec<f64>,
+}
+
+impl Normal {
+    fn new(cells: usize) -> Self {
+        Self {
+            mean: vec![0.0; cells],
+            edge: vec![0.0; cells],
+        }
+    }
 }
 
 impl Cells {
@@ -54,6 +73,8 @@ impl Cells {
             cavitation,
             stride,
             zeta: vec![0.0; stride],
+            normal_x: Normal::new(count),
+            normal_y: Normal::new(count),
             area: vec![0.0; count],
             share: vec![0.0; count],
             along: vec![0.0; count],
@@ -70,6 +91,9 @@ impl Cells {
             let distance = 0.5 * (grid.theta_width((i + columns - 1) % columns) + width);
             for j in 0..rows {
                 let cell = i * stride + j;
+                let (mean, edge) = (cells.directions.mean[i], cells.directions.edge[i]);
+                (cells.normal_x.mean[cell], cells.normal_x.edge[cell]) = (mean.x, edge.x);
+                (cells.normal_y.mean[cell], cells.normal_y.edge[cell]) = (mean.y, edge.y);
                 let share = grid.zeta_width(j) / length;
                 cells.share[cell] = share;
                 cells.area[cell] = width * share;

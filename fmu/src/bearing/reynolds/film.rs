@@ -370,10 +370,6 @@ impl ReynoldsFilm {
     /// Computes the gap at an eccentricity.
     pub(super) fn move_to(&mut self, eps: Vector2<f64>) {
         self.gap.update(&self.cells, &self.form, eps);
-        if self.settings.is_plain() {
-            // The narrowest point may lie between the grid's.
-            self.gap.smallest = 1.0 - eps.norm();
-        }
     }
 
     /// The share of the step `change` from `eps` that leaves at least `rest` of the gap everywhere.
@@ -389,6 +385,9 @@ impl ReynoldsFilm {
     /// The point towards `guess` that leaves at least half of the present gap.
     pub(super) fn reachable(&mut self, guess: Vector2<f64>) -> Vector2<f64> {
         let from = self.state.eps;
+        if self.settings.is_plain() && (guess - from).norm() <= 0.5 * (1.0 - from.norm()) {
+            return guess;
+        }
         self.move_to(from);
         from + (guess - from) * self.allowed(from, guess - from, 0.5)
     }

@@ -17,6 +17,13 @@ pub(super) struct Form {
     pub(super) edge: Vec<f64>,
 }
 
+impl Form {
+    /// Whether both surfaces are round and aligned.
+    pub(super) fn is_plain(&self) -> bool {
+        self.tilt == Vector2::zeros() && self.middle.is_empty()
+    }
+}
+
 /// The directions of a grid's columns.
 #[derive(Clone, Debug)]
 pub(super) struct Directions {
@@ -91,7 +98,12 @@ impl Gap {
                 }
             }
         }
-        self.smallest = smallest(&self.cell).min(smallest(&self.edge));
+        self.smallest = if form.is_plain() {
+            // The narrowest point may lie between the grid's.
+            1.0 - eps.norm()
+        } else {
+            smallest(&self.cell).min(smallest(&self.edge))
+        };
     }
 
     /// The largest share of the step `change` of the eccentricity that leaves at least `rest` of

@@ -14,20 +14,20 @@ use super::ring::Ring;
 /// is too far from where the film is.
 #[derive(Clone, Debug)]
 pub(super) struct Linear {
-    ring: Ring,
+    pub(super) ring: Ring,
     /// One for cells whose unknown is the pressure, zero for the others.
-    full: Vec<f64>,
+    pub(super) full: Vec<f64>,
     /// One for cells whose unknown is the content.
-    empty: Vec<f64>,
+    pub(super) empty: Vec<f64>,
     /// One for cells whose balance is to be met.
-    balanced: Vec<f64>,
+    pub(super) balanced: Vec<f64>,
     /// The unknowns' answer to the present residuals.
-    step: Vec<f64>,
+    pub(super) step: Vec<f64>,
     /// Their answers to the eccentricity ratio along x and y.
-    answer: [Vec<f64>; 2],
+    pub(super) answer: [Vec<f64>; 2],
     /// What one more unit of gap lets through: at the edge before each cell, and at that below it.
-    around: Vec<f64>,
-    over: Vec<f64>,
+    pub(super) around: Vec<f64>,
+    pub(super) over: Vec<f64>,
     /// The derivative of the load over the eccentricity ratio.
     pub(super) slope: Matrix2<f64>,
     /// The stages' duration that it is made for; none: it is of no use.
@@ -169,136 +169,6 @@ impl Linear {
             })
             .1
     }
-
-    /// Fills the matrix.
-    fn assemble(
-        &mut self,
-        cells: &Cells,
-        gap: &Gap,
-        liquid: &Liquid,
-        balance: &Balance,
-        stage: &Stage<'_>,
-    ) {
-        let w = cells.stride;
-        let rate = 1.0 / stage.duration;
-        let ring = &mut self.ring;
-        for (i, own) in cells.columns() {
-            if !ring.active[i] {
-                continue;
-            }
-            let before = cells.before(i) * w..cells.before(i) * w + w;
-            let after = cells.after(i) * w..cells.after(i) * w + w;
-            let (full, empty) = (&self.full[own.clone()], &self.empty[own.clone()]);
-            let balanced = &self.balanced[own.clone()];
-            let [into, from] = [&own, &after].map(|edge| &balance.carried[edge.clone()]);
-            let [along, along_after] = [&own, &after].map(|edge| &balance.along[edge.clone()]);
-            let across = &balance.across[own.start..own.end + 1];
-            let (open, area) = (&balance.open[own.clone()], &cells.area[own.clone()]);
-            let (density, h) = (&liquid.density[own.clone()], &gap.cell[own.clone()]);
-            let diagonal = &mut ring.own[own.clone()];
-            for k in 0..w {
-                let leaving = positive(from[k]) + positive(-into[k]);
-                let conductance = along[k] + along_after[k] + across[k] + across[k + 1] + open[k];
-                let kept = density[k] * (area[k] * rate * h[k] + leaving);
-                diagonal[k] = full[k] * conductance + empty[k] * kept + (1.0 - balanced[k]);
-            }
-            // What comes from a neighbour: by pressure from a full one, by the rotation from another.
-            let sides = [
-                (&mut ring.before[own.clone()], &before, along, into, 1.0),
-                (&mut ring.after[own], &after, along_after, from, -1.0),
-            ];
-            for (coupling, side, along, carried, sense) in sides {
-                let (full, empty) = (&self.full[side.clone()], &self.empty[side.clone()]);
-                let density = &liquid.density[side.clone()];
-                for k in 0..w {
-                    let carried = density[k] * positive(sense * carried[k]);
-                    coupling[k] = -balanced[k] * (full[k] * along[k] + empty[k] * carried);
-                }
-            }
-        }
-        let n = self.full.len();
-        let (full, balanced) = (&self.full[..n], &self.balanced[..n]);
-        let across = &balance.across[1..n];
-        let (below, above) = (&mut ring.below[1..n], &mut ring.above[..n - 1]);
-        for c in 0..n - 1 {
-            below[c] = -balanced[c + 1] * full[c] * across[c];
-            above[c] = -balanced[c] * full[c + 1] * across[c];
-        }
-    }
-
-    /// The derivatives of the residuals over the eccentricity ratio: what each edge, and each cell, does with one more
-    /// unit of gap, times how the eccentricity closes it.
-    fn slide(
-        &mut self,
-        cells: &Cells,
-        gap: &Gap,
-        field: &Field,
-        balance: &Balance,
-        stage: &Stage<'_>,
-    ) {
-        let w = cells.stride;
-        self.open_edges(cells, gap, field, balance);
-        let rate = 1.0 / stage.duration;
-        let [x, y] = &mut self.answer;
-        for (i, own) in cells.columns() {
-            if !self.ring.active[i] {
-                x[own.clone()].fill(0.0);
-                y[own].fill(0.0);
-                continue;
-            }
-            let after = cells.after(i) * w..cells.after(i) * w + w;
-            let mean = cells.directions.mean[i];
-            let n_before = cells.directions.edge[i];
-            let n_after = cells.directions.edge[cells.after(i)];
-            let [into, from] = [&own, &after].map(|edge| &self.around[edge.clone()]);
-            let over = &self.over[own.start..own.end + 1];
-            let (area, fill) = (&cells.area[own.clone()], &balance.fill[own.clone()]);
-            let (h, apart) = (&gap.cell[own.clone()], &gap.cell_apart[own.clone()]);
-            let (p, open) = (&field.pressure[own.clone()], &balance.open[own.clone()]);
-            let balanced = &self.balanced[own.clone()];
-            let (x, y) = (&mut x[own.clone()], &mut y[own]);
-            for k in 0..w {
-                let kept = area[k] * rate * fill[k] + 3.0 * open[k] * (p[k] - stage.side) / h[k];
-                let own = kept * apart[k] + (over[k + 1] - over[k]);
-                x[k] = balanced[k] * (n_before.x * into[k] - n_after.x * from[k] - mean.x * own);
-                y[k] = balanced[k] * (n_before.y * into[k] - n_after.y * from[k] - mean.y * own);
-            }
-        }
-    }
-
-    /// What one more unit of gap at each edge lets through.
-    fn open_edges(&mut self, cells: &Cells, gap: &Gap, field: &Field, balance: &Balance) {
-        for (own, before) in cells.neighbours() {
-            let (p, p_before) = (
-                &field.pressure[own.clone()],
-                &field.pressure[before.clone()],
-            );
-            let (fill, fill_before) = (&balance.fill[own.clone()], &balance.fill[before]);
-            let (along, carried) = (&balance.along[own.clone()], &balance.carried[own.clone()]);
-            let (h, apart) = (&gap.edge[own.clone()], &gap.edge_apart[own.clone()]);
-            for (k, around) in self.around[own].iter_mut().enumerate() {
-                let fill = if carried[k] > 0.0 {
-                    fill_before[k]
-                } else {
-                    fill[k]
-                };
-                let flux = carried[k] * fill + 3.0 * along[k] * (p_before[k] - p[k]);
-                *around = flux * apart[k] / h[k];
-            }
-        }
-        let n = field.pressure.len();
-        let (p, h, apart) = (&field.pressure[..n], &gap.cell[..n], &gap.cell_apart[..n]);
-        let (across, over) = (&balance.across[1..n], &mut self.over[1..n]);
-        for c in 0..n - 1 {
-            over[c] =
-                3.0 * across[c] * (p[c] - p[c + 1]) * (apart[c] + apart[c + 1]) / (h[c] + h[c + 1]);
-        }
-    }
-}
-
-/// The value where it is positive, else zero.
-fn positive(value: f64) -> f64 {
-    if value > 0.0 { value } else { 0.0 }
 }
 
 /// A load with the sum of the sizes of what adds up to it.

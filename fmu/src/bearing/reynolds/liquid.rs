@@ -13,6 +13,8 @@ pub(super) struct Liquid {
     pub(super) density: Vec<f64>,
     /// Mass that flows under a pressure gradient at `H = 1`: density times fluidity.
     pub(super) ease: Vec<f64>,
+    /// Whether all of them are one.
+    pub(super) uniform: bool,
 }
 
 impl Liquid {
@@ -22,6 +24,7 @@ impl Liquid {
             fluidity: ones(),
             density: ones(),
             ease: ones(),
+            uniform: true,
         }
     }
 
@@ -36,6 +39,7 @@ impl Liquid {
         if settings.rheology.is_newtonian() {
             return true;
         }
+        self.uniform = false;
         let to_pascal = settings.pressure_scale(drive.viscosity);
         let psi = settings.clearance / (0.5 * settings.diameter);
         let sliding = (drive.journal_speed - drive.bush_speed).abs() / psi;

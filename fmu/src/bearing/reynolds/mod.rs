@@ -23,6 +23,7 @@
 
 mod active_set;
 mod asperities;
+mod assembly;
 mod balance;
 mod cells;
 mod diagnostics;
