@@ -4,7 +4,7 @@ use nalgebra::Vector2;
 
 use super::balance::Stage;
 use super::film::ReynoldsFilm;
-use super::lanes::{dot, largest};
+use super::lanes::{dot, largest, sum_of};
 use super::linear::load;
 use super::settings::Drive;
 
@@ -135,7 +135,6 @@ fn sum(film: &ReynoldsFilm, stage: &Stage<'_>, drive: &Drive) -> Sums {
     let (cells, gap, balance) = (&film.cells, &film.gap, &film.balance);
     let field = &film.state.field;
     let profile = &film.settings.profile;
-    let w = cells.stride;
     let mut sums = Sums {
         load: load(cells, gap, &field.pressure).force,
         max_pressure: largest(&field.pressure),
@@ -152,32 +151,81 @@ fn sum(film: &ReynoldsFilm, stage: &Stage<'_>, drive: &Drive) -> Sums {
         let pressed = dot(&gap.pressed[range.clone()], &field.pressure[range.clone()]);
         sums.form[0] += opening[0] * pressed;
         sums.form[1] += opening[1] * pressed;
-        let (before, after) = (cells.before(i) * w, cells.after(i) * w);
-        for (k, cell) in range.enumerate() {
-            let (left, right) = (before + k, after + k);
-            let (p, area) = (field.pressure[cell], cells.area[cell]);
-            sums.shear += area * field.content[cell] * gap.cell_apart[cell]
-                / (gap.cell[cell] * film.liquid.fluidity[cell]);
-            let fall = p - field.pressure[left];
-            sums.rise += cells.share[cell] * gap.edge[cell] * fall;
-            sums.loss += balance.along[cell] * fall * fall;
-            if k > 0 {
-                let fall = p - field.pressure[cell - 1];
-                sums.loss += balance.across[cell] * fall * fall;
-            }
-            let out = balance.open[cell] * (p - stage.side);
-            sums.loss += out * (p - stage.side);
-            sums.bath -= out * stage.side;
-            // Oil that comes into a full cell from a less full one, or fills it up, arrives without
-            // the pressure: its work is lost.
-            if cells.conserves_mass() {
-                let [from_left, from_right] = [left, right].map(|side| 1.0 - field.content[side]);
-                let swept = balance.carried[cell].max(0.0) * from_left
-                    - balance.carried[right].min(0.0) * from_right;
-                let filled = (gap.cell[cell] - stage.mass[cell]) / stage.duration;
-                sums.loss += p * (swept + area * (filled + squeeze * gap.cell_apart[cell]));
-            }
+        if cells.conserves_mass() {
+            sums.loss += filling_loss(film, stage, i, squeeze);
         }
     }
+    sums.shear = shear(film);
+    for (own, before) in cells.neighbours() {
+        let p = [&field.pressure[before], &field.pressure[own.clone()]];
+        sums.loss += lost(&balance.along[own.clone()], p);
+        sums.rise += rise(&cells.share[own.clone()], &gap.edge[own], p);
+    }
+    let n = field.pressure.len();
+    let p = &field.pressure;
+    sums.loss += lost(&balance.across[1..n], [&p[..n - 1], &p[1..]]);
+    let open: f64 = balance
+        .open
+        .iter()
+        .zip(p)
+        .map(|(open, p)| open * (p - stage.side))
+        .sum();
+    let pressed: f64 = balance
+        .open
+        .iter()
+        .zip(p)
+        .map(|(open, p)| open * (p - stage.side) * p)
+        .sum();
+    sums.loss += pressed - open * stage.side;
+    sums.bath = -open * stage.side;
     sums
+}
+
+/// Integral of content over viscous gap, where the surfaces do not touch.
+fn shear(film: &ReynoldsFilm) -> f64 {
+    let (area, content) = (&film.cells.area, &film.state.field.content);
+    let (h, apart, fluidity) = (&film.gap.cell, &film.gap.cell_apart, &film.liquid.fluidity);
+    let n = area.len();
+    let (area, content, h) = (&area[..n], &content[..n], &h[..n]);
+    let (apart, fluidity) = (&apart[..n], &fluidity[..n]);
+    sum_of(n, |c| {
+        area[c] * content[c] * apart[c] / (h[c] * fluidity[c])
+    })
+}
+
+/// Dissipation of the pressure flow through edges.
+fn lost(conductance: &[f64], p: [&[f64]; 2]) -> f64 {
+    let n = conductance.len();
+    let p = p.map(|p| &p[..n]);
+    sum_of(n, |k| conductance[k] * (p[0][k] - p[1][k]).powi(2))
+}
+
+/// Integral of the gap times the pressure's rise.
+fn rise(share: &[f64], h: &[f64], p: [&[f64]; 2]) -> f64 {
+    let n = share.len();
+    let (h, p) = (&h[..n], p.map(|p| &p[..n]));
+    sum_of(n, |k| share[k] * h[k] * (p[1][k] - p[0][k]))
+}
+
+/// Work lost in a column: oil that comes into a full cell from a less full one, or fills it up, arrives without the
+/// pressure. `squeeze` is how fast the surfaces approach.
+fn filling_loss(film: &ReynoldsFilm, stage: &Stage<'_>, column: usize, squeeze: f64) -> f64 {
+    let (cells, gap, carried) = (&film.cells, &film.gap, &film.balance.carried);
+    let field = &film.state.field;
+    let w = cells.stride;
+    let (own, left) = (column * w, cells.before(column) * w);
+    let right = cells.after(column) * w;
+    let mut loss = 0.0;
+    for k in 0..w {
+        let cell = own + k;
+        let p = field.pressure[cell];
+        if p == 0.0 {
+            continue;
+        }
+        let lack = [left, right].map(|side| 1.0 - field.content[side + k]);
+        let swept = carried[cell].max(0.0) * lack[0] - carried[right + k].min(0.0) * lack[1];
+        let filled = (gap.cell[cell] - stage.mass[cell]) / stage.duration;
+        loss += p * (swept + cells.area[cell] * (filled + squeeze * gap.cell_apart[cell]));
+    }
+    loss
 }

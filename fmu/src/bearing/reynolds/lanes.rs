@@ -17,6 +17,24 @@ pub(super) fn sum(a: &[f64]) -> f64 {
     total(sum)
 }
 
+/// The sum of `count` terms.
+#[inline(always)]
+pub(super) fn sum_of(count: usize, term: impl Fn(usize) -> f64) -> f64 {
+    let mut sum = [0.0; LANES];
+    let whole = count - count % LANES;
+    let mut start = 0;
+    while start < whole {
+        for (q, sum) in sum.iter_mut().enumerate() {
+            *sum += term(start + q);
+        }
+        start += LANES;
+    }
+    for k in whole..count {
+        sum[k - whole] += term(k);
+    }
+    total(sum)
+}
+
 /// The sum of sizes.
 pub(super) fn sum_of_sizes(a: &[f64]) -> f64 {
     let mut sum = [0.0; LANES];

@@ -17,7 +17,7 @@ const PASSES: usize = 60;
 /// The stage is solved when the residuals of all balances are this share of the flow through the film; more, where no
 /// mass needs to be conserved.
 const BALANCED: f64 = 1e-11;
-const BALANCED_ROUGHLY: f64 = 1e-10;
+const BALANCED_ROUGHLY: f64 = 5e-9;
 /// Residuals that do not get smaller any more are rounding, if they are less than this share of the flow, or than
 /// so many units in the last place of all that adds up to them.
 const ROUNDED: f64 = 1e-10;
