@@ -21,6 +21,7 @@ use super::field::Field;
 use super::gap::Gap;
 use super::lanes::{dot, dot_of_sizes, sum, sum_of_sizes};
 use super::liquid::Liquid;
+use super::roughness::shear_flow_factor;
 
 /// What drives the film in one implicit Euler stage.
 #[derive(Clone, Copy, Debug)]
@@ -31,6 +32,8 @@ pub(super) struct Stage<'a> {
     pub(super) mass: &'a [f64],
     /// Mean rotation, rad/s.
     pub(super) rotation: f64,
+    /// What the sliding of rough surfaces carries at a shear flow factor of one, 1/s; else zero.
+    pub(super) shear: f64,
     /// Pressure at the open ends above that of the cavities, 1/s.
     pub(super) side: f64,
 }
@@ -44,7 +47,7 @@ pub(super) struct Balance {
     pub(super) across: Vec<f64>,
     /// Conductance to the open ends.
     pub(super) open: Vec<f64>,
-    /// What the mean rotation carries over the edge before each cell if it is full upstream.
+    /// What the surfaces carry over the edge before each cell if it is full upstream.
     pub(super) carried: Vec<f64>,
     /// Density times content in each cell.
     pub(super) fill: Vec<f64>,
@@ -120,6 +123,15 @@ impl Balance {
                 &cells.share[own.clone()],
                 &gap.edge[own.clone()],
             );
+            if stage.shear != 0.0 {
+                let carried = &mut self.carried[own.clone()];
+                let edges = gap.edge_ratio[own.clone()]
+                    .iter()
+                    .zip(&cells.share[own.clone()]);
+                for (carried, (&ratio, share)) in carried.iter_mut().zip(edges) {
+                    *carried += stage.shear * share * shear_flow_factor(ratio);
+                }
+            }
             flow(
                 &mut self.around[own.clone()],
                 &self.along[own.clone()],

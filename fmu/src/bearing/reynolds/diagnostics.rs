@@ -6,6 +6,7 @@ use super::balance::Stage;
 use super::film::ReynoldsFilm;
 use super::lanes::{dot, largest, sum_of};
 use super::linear::load;
+use super::roughness::shear_flow_factor;
 use super::settings::Drive;
 
 /// The film after an interval, and its means over it.
@@ -77,6 +78,8 @@ struct Sums {
     shear: f64,
     /// Integral of the gap times the pressure's rise around the bush.
     rise: f64,
+    /// The same of the gap that the roughness carries, by the sliding.
+    rough: f64,
     /// Moment of the pressure on the surfaces' form errors, by turning journal and bush.
     form: [f64; 2],
     /// Dissipation of the pressure flow, and of oil that fills an emptier gap.
@@ -97,8 +100,9 @@ pub(super) fn diagnose(film: &ReynoldsFilm, stage: &Stage<'_>, drive: &Drive) ->
     let sliding = drive.journal_speed - drive.bush_speed;
     let viscous = drive.viscosity * sliding * radius.powi(3) * settings.width / settings.clearance;
     let shear = viscous * sums.shear;
-    let journal_torque = shear + moment * (0.5 * sums.rise - sums.form[0]);
-    let bush_torque = shear - moment * (0.5 * sums.rise - sums.form[1]);
+    // Of the pressure's moment on the moving gap each surface takes half; on their roughness, both take it alike.
+    let journal_torque = shear + moment * (0.5 * (sums.rise + sums.rough) - sums.form[0]);
+    let bush_torque = shear - moment * (0.5 * (sums.rise - sums.rough) - sums.form[1]);
     let velocity = film.state.velocity;
     let heat = shear * sliding + moment * sums.loss;
     let works = [
@@ -159,7 +163,14 @@ fn sum(film: &ReynoldsFilm, stage: &Stage<'_>, drive: &Drive) -> Sums {
     for (own, before) in cells.neighbours() {
         let p = [&field.pressure[before], &field.pressure[own.clone()]];
         sums.loss += lost(&balance.along[own.clone()], p);
-        sums.rise += rise(&cells.share[own.clone()], &gap.edge[own], p);
+        let share = &cells.share[own.clone()];
+        sums.rise += rise(share, &gap.edge[own.clone()], p);
+        if let Some(journal_share) = film.settings.flow_factors() {
+            let excess = film.form.roughness * (2.0 * journal_share - 1.0);
+            let ratio = &gap.edge_ratio[own];
+            let rough = |k: usize| share[k] * shear_flow_factor(ratio[k]) * (p[1][k] - p[0][k]);
+            sums.rough += excess * sum_of(share.len(), rough);
+        }
     }
     let n = field.pressure.len();
     let p = &field.pressure;

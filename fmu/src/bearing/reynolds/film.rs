@@ -102,6 +102,7 @@ impl ReynoldsFilm {
         let state = State::flooded(&cells);
         let form = Form {
             tilt: Vector2::from(settings.tilt) / settings.clearance,
+            roughness: settings.film_roughness(),
             ..Form::default()
         };
         let mut film = Self {
@@ -164,7 +165,7 @@ impl ReynoldsFilm {
         &self.cells.grid
     }
 
-    /// The smallest gap, m.
+    /// The smallest gap, m; with a film between rough surfaces, the smallest mean gap.
     pub fn smallest_gap(&self) -> f64 {
         self.gap.smallest * self.settings.clearance
     }
@@ -340,8 +341,17 @@ impl ReynoldsFilm {
             duration,
             mass,
             rotation: drive.rotation(),
+            shear: self.shear_flow(drive),
             side,
         }
+    }
+
+    /// What the sliding of rough surfaces carries at a shear flow factor of one (Patir & Cheng 1979).
+    fn shear_flow(&self, drive: &Drive) -> f64 {
+        self.settings.flow_factors().map_or(0.0, |share| {
+            let excess = 2.0 * share - 1.0;
+            0.5 * (drive.journal_speed - drive.bush_speed) * self.form.roughness * excess
+        })
     }
 
     /// What a step's inflow, outflow and storage differ by, over the flow.
@@ -374,9 +384,9 @@ impl ReynoldsFilm {
 
     /// The share of the step `change` from `eps` that leaves at least `rest` of the gap everywhere.
     pub(super) fn allowed(&self, eps: Vector2<f64>, change: Vector2<f64>, rest: f64) -> f64 {
-        let mut share = self.gap.allowed(&self.cells, change, rest);
+        let mut share = self.gap.allowed(&self.cells, &self.form, change, rest);
         let limit = 1.0 - rest * (1.0 - eps.norm());
-        while self.settings.is_plain() && share > 1e-12 && (eps + change * share).norm() > limit {
+        while self.form.is_plain() && share > 1e-12 && (eps + change * share).norm() > limit {
             share *= 0.5;
         }
         share
@@ -385,7 +395,7 @@ impl ReynoldsFilm {
     /// The point towards `guess` that leaves at least half of the present gap.
     pub(super) fn reachable(&mut self, guess: Vector2<f64>) -> Vector2<f64> {
         let from = self.state.eps;
-        if self.settings.is_plain() && (guess - from).norm() <= 0.5 * (1.0 - from.norm()) {
+        if self.form.is_plain() && (guess - from).norm() <= 0.5 * (1.0 - from.norm()) {
             return guess;
         }
         self.move_to(from);

@@ -5,6 +5,7 @@ use nalgebra::Vector2;
 use super::cells::Cells;
 use super::grid::Grid;
 use super::lanes::smallest;
+use super::roughness::mean_gap;
 
 /// Where the surfaces are: what makes the gap, apart from the eccentricity.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -15,12 +16,14 @@ pub(super) struct Form {
     pub(super) middle: Vec<f64>,
     /// The same at the edges before the columns.
     pub(super) edge: Vec<f64>,
+    /// Roughness of surfaces whose gap is a mean of what lies between their asperities; zero: smooth.
+    pub(super) roughness: f64,
 }
 
 impl Form {
-    /// Whether both surfaces are round and aligned.
+    /// Whether both surfaces are round, aligned and smooth.
     pub(super) fn is_plain(&self) -> bool {
-        self.tilt == Vector2::zeros() && self.middle.is_empty()
+        self.tilt == Vector2::zeros() && self.middle.is_empty() && self.roughness == 0.0
     }
 }
 
@@ -62,6 +65,9 @@ pub(super) struct Gap {
     pub(super) cell_apart: Vec<f64>,
     /// The same of `edge`.
     pub(super) edge_apart: Vec<f64>,
+    /// Distance of rough surfaces' mean planes in each cell and at each edge, over the roughness; else of no meaning.
+    pub(super) ratio: Vec<f64>,
+    pub(super) edge_ratio: Vec<f64>,
     /// The share of the developed area on which the film's pressure acts, per cell.
     pub(super) pressed: Vec<f64>,
     /// The smallest of all.
@@ -76,6 +82,8 @@ impl Gap {
             edge: ones(),
             cell_apart: ones(),
             edge_apart: ones(),
+            ratio: vec![0.0; cells.count()],
+            edge_ratio: vec![0.0; cells.count()],
             pressed: cells.area.clone(),
             smallest: 1.0,
         }
@@ -98,6 +106,9 @@ impl Gap {
                 }
             }
         }
+        if form.roughness > 0.0 {
+            self.fill_valleys(cells, form.roughness);
+        }
         self.smallest = if form.is_plain() {
             // The narrowest point may lie between the grid's.
             1.0 - eps.norm()
@@ -106,19 +117,43 @@ impl Gap {
         };
     }
 
-    /// The largest share of the step `change` of the eccentricity that leaves at least `rest` of
-    /// the gap everywhere.
-    pub(super) fn allowed(&self, cells: &Cells, change: Vector2<f64>, rest: f64) -> f64 {
+    /// Turns distances of rough surfaces into mean gaps.
+    fn fill_valleys(&mut self, cells: &Cells, roughness: f64) {
+        let of_cells = (&mut self.cell, &mut self.ratio, &mut self.cell_apart);
+        let of_edges = (&mut self.edge, &mut self.edge_ratio, &mut self.edge_apart);
+        for (gap, ratio, apart) in [of_cells, of_edges] {
+            for ((gap, ratio), apart) in gap.iter_mut().zip(ratio).zip(apart) {
+                *ratio = *gap / roughness;
+                let [mean, slope] = mean_gap(*ratio);
+                (*gap, *apart) = (mean * roughness, slope);
+            }
+        }
+        let areas = cells.area.iter().zip(&self.cell_apart);
+        for (pressed, (area, apart)) in self.pressed.iter_mut().zip(areas) {
+            *pressed = area * apart;
+        }
+    }
+
+    /// The largest share of the step `change` of the eccentricity that leaves at least `rest` of the gap everywhere;
+    /// rough surfaces may come closer by half their roughness in any case.
+    pub(super) fn allowed(
+        &self,
+        cells: &Cells,
+        form: &Form,
+        change: Vector2<f64>,
+        rest: f64,
+    ) -> f64 {
         let mut share: f64 = 1.0;
-        if change.norm() <= (1.0 - rest) * self.smallest {
+        let valleys = 0.5 * form.roughness;
+        if change.norm() <= ((1.0 - rest) * self.smallest).max(valleys) {
             return share;
         }
         for (i, range) in cells.columns() {
             let closing = change.dot(&cells.directions.mean[i]);
             let closing_before = change.dot(&cells.directions.edge[i]);
             for at in range {
-                let room = (1.0 - rest) * self.cell[at];
-                let room_before = (1.0 - rest) * self.edge[at];
+                let room = ((1.0 - rest) * self.cell[at]).max(valleys);
+                let room_before = ((1.0 - rest) * self.edge[at]).max(valleys);
                 if closing * share > room {
                     share = room / closing;
                 }

@@ -2,6 +2,7 @@
 
 use super::field::Field;
 use super::gap::Gap;
+use super::roughness::ease_of_mean_gap;
 use super::settings::{Drive, FilmSettings};
 
 /// Viscosity and density, cell by cell, relative to the oil's at ambient pressure and low shear.
@@ -11,7 +12,8 @@ pub(super) struct Liquid {
     pub(super) fluidity: Vec<f64>,
     /// Density.
     pub(super) density: Vec<f64>,
-    /// Mass that flows under a pressure gradient at `H = 1`: density times fluidity.
+    /// Mass that flows under a pressure gradient at `H = 1`: density times fluidity, times the flow factor of rough
+    /// surfaces.
     pub(super) ease: Vec<f64>,
     /// Whether all of them are one.
     pub(super) uniform: bool,
@@ -36,7 +38,8 @@ impl Liquid {
         field: &Field,
         drive: &Drive,
     ) -> bool {
-        if settings.rheology.is_newtonian() {
+        let factors = settings.flow_factors().is_some();
+        if settings.rheology.is_newtonian() && !factors {
             return true;
         }
         self.uniform = false;
@@ -51,7 +54,12 @@ impl Liquid {
             let now = 1.0 / ratio;
             largest = largest.max((now / *fluidity - 1.0).abs());
             *fluidity = now;
-            self.ease[cell] = now * self.density[cell];
+            let factor = if factors {
+                ease_of_mean_gap(gap.ratio[cell])
+            } else {
+                1.0
+            };
+            self.ease[cell] = now * self.density[cell] * factor;
         }
         largest < 1e-9
     }

@@ -7,6 +7,7 @@ use thiserror::Error;
 use super::asperities::Asperities;
 use super::cells::Cavitation;
 use super::rheology::Rheology;
+use super::roughness::RoughFilm;
 use crate::bearing::profile::Profile;
 
 /// The bearing as the film sees it, and how the film is to be solved.
@@ -36,6 +37,8 @@ pub struct FilmSettings {
     /// Asperity contact cell by cell; none: it comes from the `contact` of
     /// [`ReynoldsFilm::advance`](super::ReynoldsFilm::advance).
     pub asperities: Option<Asperities>,
+    /// What the film sees of the roughness of `asperities`.
+    pub rough_film: RoughFilm,
 }
 
 impl FilmSettings {
@@ -54,6 +57,7 @@ impl FilmSettings {
             profile: Profile::default(),
             tilt: [0.0; 2],
             asperities: None,
+            rough_film: RoughFilm::Nominal,
         }
     }
 
@@ -77,9 +81,22 @@ impl FilmSettings {
         Ok(())
     }
 
-    /// Whether both surfaces are round and aligned.
-    pub(super) fn is_plain(&self) -> bool {
-        self.profile.is_round() && self.tilt == [0.0; 2]
+    /// Roughness over clearance, where the film sees it; else zero.
+    pub(super) fn film_roughness(&self) -> f64 {
+        match (&self.asperities, self.rough_film) {
+            (None, _) | (_, RoughFilm::Nominal) => 0.0,
+            (Some(Asperities(surface)), _) => surface.roughness / self.clearance,
+        }
+    }
+
+    /// Whether the film has flow factors: the journal's share of the roughness' variance.
+    pub(super) fn flow_factors(&self) -> Option<f64> {
+        match self.rough_film {
+            RoughFilm::FlowFactors { journal_share } if self.film_roughness() > 0.0 => {
+                Some(journal_share)
+            }
+            _ => None,
+        }
     }
 
     /// The load that a dimensionless load of one stands for at a viscosity (Pa.s), N.

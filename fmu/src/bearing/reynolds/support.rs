@@ -84,7 +84,7 @@ impl ReynoldsFilm {
         let e = eps.norm();
         let variation = 0.5 * (0.5 * self.cells.grid.theta_width(0)).powi(2);
         let gap = 1.0 - e;
-        if !self.settings.is_plain() || gap > 3.0 * variation {
+        if !self.form.is_plain() || gap > 3.0 * variation {
             return (Vector2::zeros(), Matrix2::zeros());
         }
         let n = eps / e;
