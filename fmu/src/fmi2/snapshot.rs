@@ -12,7 +12,7 @@ use super::instance::{Instance, Run};
 use super::phase::Phase;
 use super::refusal::{Outcome, Refusal};
 use super::types::{FmuState, Status};
-use crate::model::{Model, check_ranges};
+use crate::model::Model;
 
 const MARK: &[u8; 8] = b"FMUSTATE";
 const VERSION: u16 = 1;
@@ -217,7 +217,6 @@ fn model<M: Model>(bytes: &[u8]) -> Outcome<M> {
     let mut model = M::default();
     model
         .restore(bytes)
-        .and_then(|()| check_ranges(&model))
         .map_err(|fault| broken(&fault.to_string()))?;
     Ok(model)
 }
