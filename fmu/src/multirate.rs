@@ -8,11 +8,10 @@
 //! Dynamical Systems, ch. 2). The turn at the end is for the caller to resolve.
 
 use crate::bearing::Flows;
-use crate::solver::{DormandPrince, Failure, Rodas3};
+use crate::solver::{DormandPrince, Failure, Quadrature, Rodas3};
 use crate::thermal::Temperatures;
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 use std::cell::RefCell;
-use std::collections::BTreeMap;
 use thiserror::Error;
 
 /// Why a leap was not made; the caller resolves the turns instead.
@@ -38,6 +37,17 @@ pub trait TwoScales {
     fn thermal_rates(&self, temperatures: &Temperatures, flows: &Flows) -> Temperatures;
 }
 
+/// Where a leap begins: after a turn that was resolved.
+#[derive(Clone, Copy, Debug)]
+pub struct Departure {
+    /// Eccentricity-ratio vector at the beginning of that turn, 1.
+    pub before: [f64; 2],
+    /// Eccentricity-ratio vector at its end, 1.
+    pub eccentricity: [f64; 2],
+    /// The temperatures at its end, K.
+    pub temperatures: Temperatures,
+}
+
 /// Where a leap ends.
 #[derive(Clone, Copy, Debug)]
 pub struct Landing {
@@ -47,52 +57,53 @@ pub struct Landing {
     pub temperatures: Temperatures,
 }
 
-/// Leaps over `turns` whole turns from a point at which the journal is near its orbit.
+/// Leaps over `turns` whole turns.
 pub fn leap(
     model: &impl TwoScales,
     tolerance: f64,
     turns: usize,
-    from: Landing,
+    from: Departure,
 ) -> Result<Landing, NoLeap> {
-    let curve = RefCell::new(Curve::new(model, tolerance, &from));
-    let flows = |t: &Vector4| {
-        curve
-            .borrow_mut()
-            .at(model.viscosity(t[0]))
-            .map(|o| o.flows())
-    };
     let rates = |t: &Vector4, flows: &Flows| vector(&model.thermal_rates(&temperatures(t), flows));
+    let mut t = vector(&from.temperatures);
+    let (curve, first) = Curve::new(model, tolerance, &from)?;
+    // Beside a point means ahead of it, where the orbits are needed anyway.
+    let nudge = NUDGE.copysign(rates(&t, &first.flows())[0]);
+    let curve = RefCell::new(curve);
+    let flows = |t: &Vector4| {
+        let viscosity = model.viscosity(t[0]);
+        curve.borrow_mut().at(viscosity).map(|orbit| orbit.flows())
+    };
     // The flows depend on the first unknown, the film's temperature, alone.
-    let jacobian = |t: &Vector4| -> Result<_, NoLeap> {
+    let linear = |t: &Vector4| -> Result<_, NoLeap> {
         let here = flows(t)?;
         let at_here = rates(t, &here);
-        let mut matrix = SMatrix::<f64, 4, 4>::zeros();
+        let mut jacobian = SMatrix::<f64, 4, 4>::zeros();
         for column in 0..4 {
             let mut beside = *t;
-            beside[column] += NUDGE;
+            beside[column] += nudge;
             let changed = if column == 0 { flows(&beside)? } else { here };
-            matrix.set_column(column, &((rates(&beside, &changed) - at_here) / NUDGE));
+            jacobian.set_column(column, &((rates(&beside, &changed) - at_here) / nudge));
         }
-        Ok(matrix)
+        Ok((at_here, jacobian))
     };
     let integrator = Rodas3 {
         allowed: [DRIFT_ERROR * tolerance; 4],
         limit: 100_000,
     };
-    let mut t = vector(&from.temperatures);
     let span = turns as f64 * model.period();
     integrator.integrate(
         |t| Ok(rates(t, &flows(t)?)),
-        jacobian,
+        linear,
         &mut t,
         span,
         model.period(),
     )?;
     let viscosity = model.viscosity(t[0]);
     let mut curve = curve.into_inner();
-    let near = curve.at(viscosity)?.start();
+    let near = curve.at(viscosity)?.place();
     Ok(Landing {
-        eccentricity: curve.search(viscosity, near, Aim::Place)?.start(),
+        eccentricity: curve.search(viscosity, near, Aim::Place)?.place().into(),
         temperatures: temperatures(&t),
     })
 }
@@ -100,7 +111,7 @@ pub fn leap(
 /// The change of a temperature from which derivatives are taken, K.
 const NUDGE: f64 = 1e-3;
 /// The error allowed in each temperature per step, K, at a relative tolerance of one.
-const DRIFT_ERROR: f64 = 300.0;
+const DRIFT_ERROR: f64 = 3000.0;
 
 type Vector4 = SVector<f64, 4>;
 
@@ -120,7 +131,7 @@ fn temperatures(t: &Vector4) -> Temperatures {
 /// A periodic orbit: where it begins, and the logarithms of its flows averaged over the turn. The flows
 /// go nearly as powers of the viscosity, so their logarithms are nearly straight over its logarithm.
 #[derive(Clone, Copy, Debug, Default)]
-struct Orbit([f64; 5]);
+struct Orbit(SVector<f64, 5>);
 
 /// Boundary heat is stored on top of this part of the viscous heat: a logarithm wants no zero.
 const PEDESTAL: f64 = 1e-3;
@@ -128,27 +139,16 @@ const PEDESTAL: f64 = 1e-3;
 const LEAST: f64 = 1e-18;
 
 impl Orbit {
-    fn new(start: Vector2<f64>, flows: &Flows) -> Self {
+    fn new(place: [f64; 2], flows: &Flows) -> Self {
         let viscous = flows.viscous.max(LEAST);
         let boundary = flows.boundary.max(0.0) + PEDESTAL * viscous;
-        let side_flow = flows.side_flow.max(LEAST);
-        Self([
-            start.x,
-            start.y,
-            viscous.ln(),
-            boundary.ln(),
-            side_flow.ln(),
-        ])
+        let side_flow = flows.side_flow.max(0.0) + LEAST;
+        let [x, y] = place;
+        Self([x, y, viscous.ln(), boundary.ln(), side_flow.ln()].into())
     }
 
-    fn start(&self) -> [f64; 2] {
-        [self.0[0], self.0[1]]
-    }
-
-    /// Logarithm of the whole heat.
-    fn log_heat(&self) -> f64 {
-        let flows = self.flows();
-        (flows.viscous + flows.boundary).ln()
+    fn place(&self) -> Vector2<f64> {
+        self.0.fixed_rows::<2>(0).into()
     }
 
     fn flows(&self) -> Flows {
@@ -156,29 +156,120 @@ impl Orbit {
         Flows {
             viscous,
             boundary: self.0[3].exp() - PEDESTAL * viscous,
-            side_flow: self.0[4].exp(),
+            side_flow: self.0[4].exp() - LEAST,
         }
+    }
+
+    /// By how much of the whole heat, or of the side flow, a small difference of orbits changes them.
+    fn weigh(&self, difference: &SVector<f64, 5>) -> f64 {
+        let flows = self.flows();
+        let heat = flows.viscous + flows.boundary;
+        let on_pedestal = flows.boundary + PEDESTAL * flows.viscous;
+        let of_heat = (difference[2] * (flows.viscous - PEDESTAL * flows.viscous)
+            + difference[3] * on_pedestal)
+            / heat;
+        of_heat.abs().max(difference[4].abs())
     }
 }
 
-/// Orbits over the logarithm of the viscosity, found where they are needed and interpolated by cubics.
+/// Orbits over the logarithm of the viscosity, found where they are needed, with polynomials between them.
 struct Curve<'a, M> {
     model: &'a M,
     tolerance: f64,
-    origin: f64,
-    spacing: f64,
-    guess: [f64; 2],
-    nodes: BTreeMap<i32, Orbit>,
-    /// Approximate derivative of a turn's end over its beginning, minus one.
-    slope: Matrix2<f64>,
+    /// By the logarithm of the viscosity.
+    nodes: Vec<(f64, Orbit)>,
+    /// Where the last one was found.
+    latest: f64,
+    /// The polynomial that was used last.
+    piece: Option<Piece>,
+    /// Approximate derivative of a turn's end and flows over its beginning.
+    slope: SMatrix<f64, 5, 2>,
+    /// Mean heat of the last turn, W.
+    heat: f64,
+    /// The step within a turn to try next, s.
+    step: f64,
 }
 
-/// Spacing of the orbits in the logarithm of the viscosity, at first; it is halved where they bend.
-const SPACING: f64 = 0.35;
-/// The most halvings.
-const HALVINGS: i32 = 4;
-/// The third difference of the heat's logarithm from which on the spacing is halved.
-const BEND: f64 = 0.1;
+/// A polynomial through the nodes next to a gap between nodes, in Newton's form.
+#[derive(Clone, Copy, Debug)]
+struct Piece {
+    /// How many nodes are below the gap.
+    gap: usize,
+    /// How many nodes it passes through.
+    count: usize,
+    /// Those nodes, those at the gap first.
+    x: [f64; 4],
+    /// The divided differences.
+    coefficients: [SVector<f64, 5>; 4],
+    nearest: Orbit,
+}
+
+/// The distance of the second orbit in the logarithm of the viscosity.
+const PROBE: f64 = 0.05;
+/// Each further one is so many times as far from the last one as that is from the one before.
+const WIDENING: f64 = 3.0;
+/// The largest distance of two orbits.
+const FARTHEST: f64 = 0.5;
+/// No orbits are found closer together than this.
+const CLOSEST: f64 = 0.01;
+/// Error allowed in the place per step within a turn, at a relative tolerance of one.
+const PLACE_ERROR: f64 = 100.0;
+/// The same of a turn's mean heat, as a part of it.
+const HEAT_ERROR: f64 = 100.0;
+/// The same of what the last term of the polynomial between the orbits contributes to it.
+const CURVE_ERROR: f64 = 500.0;
+
+impl Piece {
+    /// Through up to four of the nodes next to the gap above the first `gap` of them.
+    fn new(nodes: &[(f64, Orbit)], gap: usize) -> Self {
+        // From the gap outwards, the nearer one first.
+        let (mut below, mut above) = (gap, gap);
+        let (mut x, mut coefficients) = ([0.0; 4], [SVector::zeros(); 4]);
+        let mut count = 0;
+        let bounds = [gap.saturating_sub(1), gap.min(nodes.len() - 1)];
+        let middle = 0.5 * (nodes[bounds[0]].0 + nodes[bounds[1]].0);
+        while count < 4 && (below > 0 || above < nodes.len()) {
+            let down = below > 0
+                && nodes
+                    .get(above)
+                    .is_none_or(|(x, _)| x - middle >= middle - nodes[below - 1].0);
+            let index = if down {
+                below -= 1;
+                below
+            } else {
+                above += 1;
+                above - 1
+            };
+            (x[count], coefficients[count]) = (nodes[index].0, nodes[index].1.0);
+            count += 1;
+        }
+        let nearest = Orbit(coefficients[0]);
+        for order in 1..count {
+            for i in (order..count).rev() {
+                coefficients[i] = (coefficients[i] - coefficients[i - 1]) / (x[i] - x[i - order]);
+            }
+        }
+        Self {
+            gap,
+            count,
+            x,
+            coefficients,
+            nearest,
+        }
+    }
+
+    /// The orbit at `x`, and what the highest order adds.
+    fn at(&self, x: f64) -> (Orbit, SVector<f64, 5>) {
+        let (mut sum, mut last) = (self.coefficients[0], self.coefficients[0]);
+        let mut product = 1.0;
+        for i in 1..self.count {
+            product *= x - self.x[i - 1];
+            last = self.coefficients[i] * product;
+            sum += last;
+        }
+        (Orbit(sum), last)
+    }
+}
 
 /// What an orbit is wanted for, which says how closely a turn must come back to its beginning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -202,155 +293,189 @@ impl Aim {
             Self::Place => miss,
         }
     }
+
+    /// The distance that will do: what remains is extrapolated with the slope, which is known to some
+    /// tenths.
+    fn close(self, tolerance: f64) -> f64 {
+        match self {
+            Self::Heat => (3e3 * tolerance).clamp(1e-9, 1e-2),
+            Self::Place => (5e3 * tolerance).clamp(1e-9, 1e-2),
+        }
+    }
 }
 
 impl<'a, M: TwoScales> Curve<'a, M> {
-    fn new(model: &'a M, tolerance: f64, from: &Landing) -> Self {
-        Self {
+    /// A curve with its first orbit.
+    fn new(model: &'a M, tolerance: f64, from: &Departure) -> Result<(Self, Orbit), NoLeap> {
+        let viscosity = model.viscosity(from.temperatures.film);
+        let end = Vector2::from(from.eccentricity);
+        let (_, flows) = model.journal(0.0, from.eccentricity, viscosity);
+        let mut curve = Self {
             model,
             tolerance,
-            // The start lies between the two middle nodes of four.
-            origin: model.viscosity(from.temperatures.film).ln() - 0.5 * SPACING,
-            spacing: SPACING,
-            guess: from.eccentricity,
-            nodes: BTreeMap::new(),
-            slope: -Matrix2::identity(),
-        }
-    }
-
-    fn at(&mut self, viscosity: f64) -> Result<Orbit, NoLeap> {
-        loop {
-            let position = (viscosity.ln() - self.origin) / self.spacing;
-            if !position.is_finite() || position.abs() > 1e3 {
-                return Err(NoLeap::NoOrbit(viscosity));
-            }
-            let cell = position.floor();
-            let (s, k) = (position - cell, cell as i32);
-            let nodes = [
-                self.node(k - 1)?,
-                self.node(k)?,
-                self.node(k + 1)?,
-                self.node(k + 2)?,
-            ];
-            let [a, b, c, d] = nodes.map(|node| node.log_heat());
-            let bend = (d - a - 3.0 * (c - b)).abs();
-            if bend > BEND && self.spacing > SPACING * 0.5f64.powi(HALVINGS) {
-                self.halve();
-                continue;
-            }
-            let weights = [
-                -s * (s - 1.0) * (s - 2.0) / 6.0,
-                (s + 1.0) * (s - 1.0) * (s - 2.0) / 2.0,
-                -(s + 1.0) * s * (s - 2.0) / 2.0,
-                (s + 1.0) * s * (s - 1.0) / 6.0,
-            ];
-            let mut blend = [0.0; 5];
-            for (weight, node) in weights.into_iter().zip(nodes) {
-                for (sum, value) in blend.iter_mut().zip(node.0) {
-                    *sum += weight * value;
-                }
-            }
-            return Ok(Orbit(blend));
-        }
-    }
-
-    /// Halves the spacing; the orbits stay where they are.
-    fn halve(&mut self) {
-        self.spacing *= 0.5;
-        let nodes = std::mem::take(&mut self.nodes);
-        self.nodes = nodes.into_iter().map(|(k, orbit)| (2 * k, orbit)).collect();
-    }
-
-    fn node(&mut self, k: i32) -> Result<Orbit, NoLeap> {
-        if let Some(orbit) = self.nodes.get(&k) {
-            return Ok(*orbit);
-        }
-        let viscosity = (self.origin + f64::from(k) * self.spacing).exp();
-        let orbit = self.search(viscosity, self.guess(k), Aim::Heat)?;
-        self.nodes.insert(k, orbit);
-        Ok(orbit)
-    }
-
-    /// Where the orbit of node `k` may begin: on the line through the two nearest nodes.
-    fn guess(&self, k: i32) -> [f64; 2] {
-        let mut known: Vec<_> = self.nodes.iter().collect();
-        known.sort_by_key(|(j, _)| j.abs_diff(k));
-        match known[..] {
-            [] => self.guess,
-            [(_, orbit)] => orbit.start(),
-            [(&a, near), (&b, far), ..] => {
-                let t = f64::from(k - a) / f64::from(b - a);
-                let on_line = |i: usize| near.0[i] + t * (far.0[i] - near.0[i]);
-                let guess = [on_line(0), on_line(1)];
-                if guess[0].hypot(guess[1]) < 1.0 {
-                    guess
-                } else {
-                    near.start()
-                }
-            }
-        }
-    }
-
-    /// Finds the beginning that a turn returns to, by Broyden's method (Broyden 1965, Math. Comp. 19).
-    fn search(&mut self, viscosity: f64, guess: [f64; 2], aim: Aim) -> Result<Orbit, NoLeap> {
-        const TURNS: usize = 60;
-        let close = match aim {
-            Aim::Heat => (1e3 * self.tolerance).clamp(1e-9, 1e-2),
-            Aim::Place => (1e2 * self.tolerance).clamp(1e-9, 1e-3),
+            nodes: Vec::new(),
+            latest: viscosity.ln(),
+            piece: None,
+            slope: SMatrix::zeros(),
+            heat: flows.viscous + flows.boundary,
+            step: model.period() / 50.0,
         };
-        let mut start = Vector2::from(guess);
-        let (mut end, mut flows) = self.turn(viscosity, start)?;
-        for _ in 0..TURNS {
-            let miss = end - start;
-            if aim.distance(start, end) < close {
-                return Ok(Orbit::new(end, &flows));
+        // What the resolved turn tells of the slope.
+        let turn = curve.turn(viscosity, end)?;
+        let step = end - Vector2::from(from.before);
+        if step.norm() > curve.noise() {
+            let change = turn.place() - end;
+            // In half-speed whirl a turn ends where it began, mirrored and shrunk; where the film is
+            // stiff, it forgets its beginning. Both are nearly multiples of the identity.
+            let part = change.dot(&step) / step.norm_squared();
+            let rest = change - step * part;
+            let slope = Matrix2::identity() * part + rest * step.transpose() / step.norm_squared();
+            curve.slope.fixed_rows_mut::<2>(0).copy_from(&slope);
+        }
+        let first = curve.search_from(viscosity, end, turn, Aim::Heat)?;
+        curve.nodes.push((viscosity.ln(), first));
+        Ok((curve, first))
+    }
+
+    /// From less than a turn's own error nothing is to be learnt about the slope.
+    fn noise(&self) -> f64 {
+        10.0 * PLACE_ERROR * self.tolerance
+    }
+
+    /// The orbit at a viscosity; finds further orbits until the polynomial's last term hardly matters.
+    fn at(&mut self, viscosity: f64) -> Result<Orbit, NoLeap> {
+        const MOST: usize = 100;
+        let x = viscosity.ln();
+        while self.nodes.len() < MOST && x.is_finite() {
+            let gap = self.nodes.partition_point(|(node, _)| *node <= x);
+            let piece = match self.piece {
+                Some(piece) if piece.gap == gap => piece,
+                _ => *self.piece.insert(Piece::new(&self.nodes, gap)),
+            };
+            let (orbit, last) = piece.at(x);
+            let close = piece.nearest.weigh(&last) < CURVE_ERROR * self.tolerance;
+            if x == piece.x[0] || piece.count > 2 && close && self.reaches(x) {
+                return Ok(orbit);
             }
-            let newton = self
-                .slope
-                .lu()
-                .solve(&-miss)
-                .filter(|step| (start + step).norm() < 1.0);
-            let step = newton.unwrap_or(miss);
-            start += step;
-            (end, flows) = self.turn(viscosity, start)?;
-            let change = (end - start) - miss;
-            self.slope += (change - self.slope * step) * step.transpose() / step.norm_squared();
+            let Some(missing) = self.missing(x, gap) else {
+                return Ok(orbit);
+            };
+            let guess = Piece::new(&self.nodes, gap).at(missing).0.place();
+            let guess = if guess.norm() < 1.0 {
+                guess
+            } else {
+                piece.nearest.place()
+            };
+            let found = self.search(missing.exp(), guess, Aim::Heat)?;
+            let index = self.nodes.partition_point(|(node, _)| *node <= missing);
+            self.nodes.insert(index, (missing, found));
+            self.latest = missing;
+            self.piece = None;
         }
         Err(NoLeap::NoOrbit(viscosity))
     }
 
-    /// One turn at a fixed viscosity: where it ends, and its mean flows.
-    fn turn(&self, viscosity: f64, start: Vector2<f64>) -> Result<(Vector2<f64>, Flows), Failure> {
-        let period = self.model.period();
-        let rates = |tau: f64, y: &[f64; 5]| {
-            let (velocity, flows) = self.model.journal(tau, [y[0], y[1]], viscosity);
-            [
-                velocity[0],
-                velocity[1],
-                flows.viscous,
-                flows.boundary,
-                flows.side_flow,
-            ]
+    /// Whether `x` is not further from the nodes than these are from each other.
+    fn reaches(&self, x: f64) -> bool {
+        let [Some((first, _)), Some((last, _))] = [self.nodes.first(), self.nodes.last()] else {
+            return false;
         };
-        // The integrated flows go along without a say in the step: they follow the journal.
+        (first - x).max(x - last) <= last - first
+    }
+
+    /// Where the next orbit would help most for `x`, above the first `gap` nodes; none when those about
+    /// it are close enough together.
+    fn missing(&self, x: f64, gap: usize) -> Option<f64> {
+        let nodes = &self.nodes;
+        let (first, last) = (nodes.first()?.0, nodes.last()?.0);
+        let edge = match gap {
+            0 => first,
+            _ if gap == nodes.len() => last,
+            // A third one further ahead: it will be needed there.
+            _ if nodes.len() == 2 => self.latest,
+            _ => {
+                let (below, above) = (nodes[gap - 1].0, nodes[gap].0);
+                return (above - below > 2.0 * CLOSEST).then_some(0.5 * (below + above));
+            }
+        };
+        let outwards = match &nodes[..] {
+            [_] => (PROBE / WIDENING).copysign(x - edge),
+            [(a, _), (b, _), ..] if edge == *a => a - b,
+            [.., (a, _), (b, _)] => b - a,
+            [] => return None,
+        };
+        let distance = (WIDENING * outwards.abs()).min(FARTHEST);
+        let beyond = (x - edge) * outwards.signum();
+        Some(edge + distance.max(beyond).copysign(outwards))
+    }
+
+    /// Finds the beginning that a turn returns to.
+    fn search(&mut self, viscosity: f64, guess: Vector2<f64>, aim: Aim) -> Result<Orbit, NoLeap> {
+        let turn = self.turn(viscosity, guess)?;
+        self.search_from(viscosity, guess, turn, aim)
+    }
+
+    /// The same, with the turn that begins at the guess, by Broyden's method (Broyden 1965, Math. Comp. 19).
+    fn search_from(
+        &mut self,
+        viscosity: f64,
+        guess: Vector2<f64>,
+        turn: Orbit,
+        aim: Aim,
+    ) -> Result<Orbit, NoLeap> {
+        const TURNS: usize = 60;
+        let (mut start, mut turn) = (guess, turn);
+        for _ in 0..TURNS {
+            let miss = turn.place() - start;
+            let step = self.newton(miss).filter(|step| (start + step).norm() < 1.0);
+            if aim.distance(start, turn.place()) < aim.close(self.tolerance) {
+                return Ok(step.map_or(turn, |step| Orbit(turn.0 + self.slope * step)));
+            }
+            let step = step.unwrap_or(miss);
+            start += step;
+            let next = self.turn(viscosity, start)?;
+            if step.norm() > self.noise() {
+                let change = next.0 - turn.0;
+                self.slope += (change - self.slope * step) * step.transpose() / step.norm_squared();
+            }
+            turn = next;
+        }
+        Err(NoLeap::NoOrbit(viscosity))
+    }
+
+    /// The change of a turn's beginning that makes up for its miss.
+    fn newton(&self, miss: Vector2<f64>) -> Option<Vector2<f64>> {
+        let system = Matrix2::identity() - self.slope.fixed_rows::<2>(0);
+        system.try_inverse().map(|inverse| inverse * miss)
+    }
+
+    /// One turn at a fixed viscosity: where it ends, and its mean flows.
+    fn turn(&mut self, viscosity: f64, start: Vector2<f64>) -> Result<Orbit, Failure> {
+        let period = self.model.period();
+        let rates = |tau: f64, y: &[f64; 2]| {
+            let (velocity, flows) = self.model.journal(tau, *y, viscosity);
+            (velocity, [flows.viscous, flows.boundary, flows.side_flow])
+        };
         let integrator = DormandPrince {
-            allowed: [
-                self.tolerance,
-                self.tolerance,
-                f64::INFINITY,
-                f64::INFINITY,
-                f64::INFINITY,
-            ],
+            allowed: [PLACE_ERROR * self.tolerance; 2],
             limit: 1_000_000,
         };
-        let mut y = [start.x, start.y, 0.0, 0.0, 0.0];
-        let mut step = period / 50.0;
-        integrator.integrate(rates, &mut y, period, &mut step)?;
-        let flows = Flows {
-            viscous: y[2] / period,
-            boundary: y[3] / period,
-            side_flow: y[4] / period,
+        let heat_error = HEAT_ERROR * self.tolerance * self.heat * period;
+        let along = Quadrature {
+            allowed: [heat_error, heat_error, f64::INFINITY],
         };
-        Ok((Vector2::new(y[0], y[1]), flows))
+        let mut y = start.into();
+        let (_, integrals) =
+            integrator.integrate_along(rates, &mut y, along, period, &mut self.step)?;
+        let [viscous, boundary, side_flow] = integrals.map(|integral| integral / period);
+        self.heat = viscous + boundary;
+        Ok(Orbit::new(
+            y,
+            &Flows {
+                viscous,
+                boundary,
+                side_flow,
+            },
+        ))
     }
 }

@@ -208,7 +208,12 @@ impl Properties {
 
     /// Dynamic viscosity, Pa.s, at a temperature, K, with the viscosity scale.
     pub fn viscosity(&self, temperature: f64) -> f64 {
-        self.viscosity_scale * self.kinematic_viscosity(temperature) * self.density(temperature)
+        self.viscosity_scale * self.real(temperature)
+    }
+
+    /// The real oil's, Pa.s.
+    fn real(&self, temperature: f64) -> f64 {
+        self.kinematic_viscosity(temperature) * self.density(temperature)
     }
 
     /// Specific heat capacity, J/(kg.K), at a temperature, K
@@ -223,6 +228,71 @@ impl Properties {
     pub fn conductivity(&self, temperature: f64) -> f64 {
         let specific_gravity = self.density_15 / 999.1;
         0.1172 * (1.0 - 0.00054 * (temperature - CELSIUS_0)) / specific_gravity
+    }
+}
+
+/// The viscosity near a temperature: a polynomial through the oil law, which is much quicker than the
+/// law's powers, and moves along with the temperature. It follows the law to about 1e-14. It depends on the
+/// temperature alone, not on the way there.
+#[derive(Clone, Copy, Debug)]
+pub struct Nearby {
+    /// K; a multiple of twice the reach, once it is used.
+    centre: f64,
+    /// Of the real oil's viscosity, in Newton's form over [`Nearby::PLACES`].
+    coefficients: [f64; 6],
+}
+
+impl Default for Nearby {
+    fn default() -> Self {
+        Self {
+            centre: f64::INFINITY,
+            coefficients: [0.0; 6],
+        }
+    }
+}
+
+impl Nearby {
+    /// How far it reaches on both sides, K.
+    const REACH: f64 = 0.25;
+    /// Where it meets the law, in units of the reach: the zeros of the Chebyshev polynomial of degree 6.
+    const PLACES: [f64; 6] = [
+        -0.965_925_826_289_068_3,
+        -0.707_106_781_186_547_5,
+        -0.258_819_045_102_520_76,
+        0.258_819_045_102_520_76,
+        0.707_106_781_186_547_5,
+        0.965_925_826_289_068_3,
+    ];
+
+    fn about(oil: &Properties, temperature: f64) -> Self {
+        let centre = 2.0 * Self::REACH * (temperature / (2.0 * Self::REACH)).round();
+        let mut coefficients = Self::PLACES.map(|place| oil.real(centre + Self::REACH * place));
+        for order in 1..coefficients.len() {
+            for i in (order..coefficients.len()).rev() {
+                let width = Self::PLACES[i] - Self::PLACES[i - order];
+                coefficients[i] = (coefficients[i] - coefficients[i - 1]) / width;
+            }
+        }
+        Self {
+            centre,
+            coefficients,
+        }
+    }
+
+    /// Dynamic viscosity, Pa.s, at a temperature, K, with the viscosity scale. The oil must stay the same,
+    /// but for that scale.
+    #[inline]
+    pub fn viscosity(&mut self, oil: &Properties, temperature: f64) -> f64 {
+        let away = temperature - self.centre;
+        if away.abs() > Self::REACH || away.is_nan() {
+            *self = Self::about(oil, temperature);
+        }
+        let x = (temperature - self.centre) * (1.0 / Self::REACH);
+        let terms = self.coefficients.iter().zip(Self::PLACES).rev();
+        oil.viscosity_scale
+            * terms.fold(0.0, |sum, (coefficient, place)| {
+                coefficient + (x - place) * sum
+            })
     }
 }
 
@@ -252,6 +322,19 @@ mod tests {
                 (viscosity - expected).abs() <= digit,
                 "{celsius} degC: {viscosity}"
             );
+        }
+    }
+
+    #[test]
+    fn the_polynomial_follows_the_law() {
+        let oil = Oil::default().through_two_points();
+        for celsius in [-10.0, 20.0, 48.0, 120.0] {
+            let mut nearby = Nearby::default();
+            for away in [-0.25, -0.15, 0.0, 0.06, 0.25, 30.0] {
+                let temperature = celsius + 273.15 + away;
+                let ratio = nearby.viscosity(&oil, temperature) / oil.viscosity(temperature);
+                assert!((ratio - 1.0).abs() < 1e-13, "{celsius} {away}: {ratio:e}");
+            }
         }
     }
 

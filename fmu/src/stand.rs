@@ -19,7 +19,7 @@ use crate::bearing::{Bearing, FilmModel, Flows, Motion, Prepared};
 use crate::drive::{Command, Drive};
 use crate::load::Load;
 use crate::model::{self, Experiment, Fault, Info, Log, Model, Variable};
-use crate::oil::{Oil, Properties};
+use crate::oil::{Nearby, Oil, Properties};
 use crate::sensors::{self, Readings};
 use crate::thermal::{Heat, Temperatures, Thermal};
 use serde::{Deserialize, Serialize};
@@ -127,6 +127,9 @@ pub struct Stand {
     pub inputs: Inputs,
     /// The oil law of `oil`, which may come from a file that is read only once.
     fluid: Properties,
+    /// Its viscosity where the film is.
+    #[serde(skip)]
+    nearby: Nearby,
     /// The film with its journal where it is solved by the Reynolds equation.
     film: Option<Box<ResolvedFilm>>,
     state: State,
@@ -202,6 +205,15 @@ impl Stand {
         }
     }
 
+    /// Of the same, only what moves the unknowns: the mobility film's rate of the eccentricity-ratio
+    /// vector, 1/s, and the flows as far as the temperatures feel them.
+    fn drift(&self, tau: f64, eccentricity: [f64; 2], viscosity: f64) -> ([f64; 2], Flows) {
+        let (speed, _, load) = self.driven(tau);
+        let felt = self.thermal.fresh_oil != 0.0 && !self.thermal.isothermal;
+        self.prepared
+            .drift(&self.bearing, load, eccentricity, viscosity, speed, felt)
+    }
+
     /// Shaft speed (rad/s) and angle (rad) and the load on the bearing (N), `tau` seconds into the step.
     fn driven(&self, tau: f64) -> (f64, f64, f64) {
         let command = self.command();
@@ -219,7 +231,11 @@ impl Stand {
         let heat = Heat {
             viscous: flows.viscous,
             boundary: flows.boundary,
-            side_flow: flows.side_flow * oil.density(film) * oil.heat_capacity(film),
+            side_flow: match flows.side_flow {
+                // None, or none that is felt.
+                0.0 => 0.0,
+                flow => flow * oil.density(film) * oil.heat_capacity(film),
+            },
             bath: bath_mass * oil.heat_capacity(temperatures.oil),
             ambient: self.inputs.ambient_temperature.at(tau),
             clearance: self.bearing.radial_clearance,
@@ -228,12 +244,11 @@ impl Stand {
     }
 
     /// Rates of the unknowns, `tau` seconds into the step.
-    fn rates(&self, tau: f64, y: &Unknowns) -> Unknowns {
+    fn rates(&self, tau: f64, y: &Unknowns, oil: &mut Nearby) -> Unknowns {
         let temperatures = temperatures(y);
-        let viscosity = self.fluid.viscosity(temperatures.film);
-        let motion = self.instant(tau, [y[0], y[1]], viscosity).motion;
-        let t = self.thermal_rates(tau, &temperatures, &motion.flows);
-        let v = motion.velocity;
+        let viscosity = oil.viscosity(&self.fluid, temperatures.film);
+        let (v, flows) = self.drift(tau, [y[0], y[1]], viscosity);
+        let t = self.thermal_rates(tau, &temperatures, &flows);
         [v[0], v[1], t.film, t.bush, t.shaft, t.oil]
     }
 
@@ -351,6 +366,7 @@ impl Model for Stand {
             self.solver.tolerance = tolerance.clamp(1e-12, 1e-2);
         }
         self.fluid = self.oil.properties(experiment)?;
+        self.nearby = Nearby::default();
         self.prepared = prepare(&self.bearing)?;
         self.film = self.resolved_film(experiment)?;
         self.state = State {

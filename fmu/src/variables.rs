@@ -363,10 +363,10 @@ fn bearing() -> Vec<V> {
             .shown_in("um").within(-1e-2, 1e-2).about(1e-6),
         fixed("bearing.tiltAcrossLoad", &METRE, field!(bearing.resolution.tilt[1]), "Displacement of the journal's end by its tilt, across the load (Reynolds film only)")
             .shown_in("um").within(-1e-2, 1e-2).about(1e-6),
-        variable("bearing.filmColumns", Role::Parameter, Kind::Integer { access: field!(bearing.resolution.columns), min: Some(16), max: Some(2000) },
-            "Columns of the film's cells around the bush (Reynolds film only)"),
-        variable("bearing.filmRows", Role::Parameter, Kind::Integer { access: field!(bearing.resolution.rows), min: Some(2), max: Some(200) },
-            "Rows of the film's cells over half the width (Reynolds film only)"),
+        variable("bearing.filmColumns", Role::Parameter, Kind::Integer { access: field!(bearing.resolution.columns), min: Some(0), max: Some(2000) },
+            "Columns of the film's cells around the bush; 0 takes as many as the width needs (Reynolds film only)"),
+        variable("bearing.filmRows", Role::Parameter, Kind::Integer { access: field!(bearing.resolution.rows), min: Some(0), max: Some(200) },
+            "Rows of the film's cells over half the width; 0 takes as many as the width needs (Reynolds film only)"),
     ]
 }
 

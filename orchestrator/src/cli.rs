@@ -53,6 +53,8 @@ pub enum Command {
     Sensitivity(Sensitivity),
     /// Tells how far the parameters may go: maps, the largest box and ellipsoid, margins
     Robustness(Robustness),
+    /// Tells what the criteria cost each other: the front of unbeaten points, the best compromise
+    Pareto(Pareto),
     /// Aligns measured signals and derives criteria with their uncertainty
     Synchronise(Synchronise),
 }
@@ -109,6 +111,9 @@ pub struct Simulate {
     /// A start value, with or without a unit; may be repeated
     #[arg(long, value_name = "NAME=VALUE")]
     pub set: Vec<String>,
+    /// Start values from an SSP parameter set, such as the best.ssv that `verify` writes
+    #[arg(long, value_name = "FILE.ssv")]
+    pub set_from: Option<PathBuf>,
     /// When to start, s [default: as the FMU suggests]
     #[arg(long, value_name = "T")]
     pub start: Option<f64>,
@@ -280,6 +285,9 @@ pub struct Report {
     /// The folder that `verify` has written
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
+    /// The plots as PNG files, too; they are beside the page in plots/, as SVG in any case
+    #[arg(long)]
+    pub png: bool,
 }
 
 /// Options of `sensitivity`.
@@ -353,10 +361,47 @@ pub struct Robustness {
     /// The verification probability that box and ellipsoid must hold
     #[arg(long, value_name = "P", default_value_t = 0.9)]
     pub level: f64,
-    /// Confirm the box by so many new runs
+    /// Confirm box and ellipsoid by so many new runs in each
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub confirm: usize,
     /// The seed
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    pub seed: u64,
+    /// Another FMU than the study's
+    #[arg(long, value_name = "FMU")]
+    pub fmu: Option<PathBuf>,
+    /// How many runs at a time [default: the number of cores]
+    #[arg(long, value_name = "J")]
+    pub jobs: Option<usize>,
+    /// The folder for the results [default: that of the study]
+    #[arg(long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+}
+
+/// Options of `pareto`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples: orchestrator pareto studies/paper-table3.toml --from results/paper-table3\n\
+    \u{20}         orchestrator pareto studies/paper-table3.toml --generations 50"
+)]
+pub struct Pareto {
+    /// The study
+    pub study: PathBuf,
+    /// The folder of the finished study [default: results/ and the study's name]
+    #[arg(long, value_name = "DIR", conflicts_with = "generations")]
+    pub from: Option<PathBuf>,
+    /// Search by new runs (NSGA-II) over so many generations, instead of using existing points
+    #[arg(long, value_name = "G")]
+    pub generations: Option<usize>,
+    /// Runs in a generation
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 100,
+        requires = "generations"
+    )]
+    pub population: usize,
+    /// The seed of the search
     #[arg(long, value_name = "S", default_value_t = 1)]
     pub seed: u64,
     /// Another FMU than the study's

@@ -2,79 +2,72 @@
 
 use crate::study::Statistic;
 
-/// Collects a signal value by value, in constant memory.
+/// Collects what a statistic of a signal needs, value by value, in constant memory.
 ///
 /// Means are integrals over time by the trapezoidal rule, divided by the time: over whole periods
 /// of a periodic signal that is exact to all orders.
 #[derive(Clone, Copy, Debug)]
 pub struct Accumulator {
-    first: f64,
-    time: f64,
-    value: f64,
+    statistic: Statistic,
+    empty: bool,
+    /// The last value, or its square where squares are integrated.
+    last: f64,
+    /// Twice the integral.
     integral: f64,
-    square: f64,
     min: f64,
     max: f64,
-    empty: bool,
-}
-
-impl Default for Accumulator {
-    fn default() -> Self {
-        Self {
-            first: 0.0,
-            time: 0.0,
-            value: 0.0,
-            integral: 0.0,
-            square: 0.0,
-            min: f64::INFINITY,
-            max: f64::NEG_INFINITY,
-            empty: true,
-        }
-    }
 }
 
 impl Accumulator {
-    /// Takes the value at a time not before the last one.
-    #[inline]
-    pub fn add(&mut self, time: f64, value: f64) {
-        if self.empty {
-            self.first = time;
-            self.empty = false;
-        } else {
-            let half = 0.5 * (time - self.time);
-            self.integral += half * (self.value + value);
-            self.square += half * (self.value * self.value + value * value);
+    /// Nothing so far.
+    pub fn new(statistic: Statistic) -> Self {
+        Self {
+            statistic,
+            empty: true,
+            last: 0.0,
+            integral: 0.0,
+            min: f64::INFINITY,
+            max: f64::NEG_INFINITY,
         }
-        self.time = time;
-        self.value = value;
-        // A value that is not a number must not get lost.
-        self.min = if value < self.min || value.is_nan() {
-            value
-        } else {
-            self.min
-        };
-        self.max = if value > self.max || value.is_nan() {
-            value
-        } else {
-            self.max
-        };
     }
 
-    /// A statistic of the values so far; not a number without any.
-    pub fn value(&self, statistic: Statistic) -> f64 {
-        let span = self.time - self.first;
-        let over_time = |integral: f64, single: f64| {
-            if span > 0.0 { integral / span } else { single }
+    /// Takes a value, `elapsed` after the one before; the first one after zero.
+    #[inline]
+    pub fn add(&mut self, elapsed: f64, value: f64) {
+        use Statistic::{Amplitude, Max, Min, Rms};
+        self.empty = false;
+        if matches!(self.statistic, Min | Max | Amplitude) {
+            // A value that is not a number must not get lost.
+            if value < self.min || value.is_nan() {
+                self.min = value;
+            }
+            if value > self.max || value.is_nan() {
+                self.max = value;
+            }
+        }
+        let value = match self.statistic {
+            Rms => value * value,
+            _ => value,
         };
-        match statistic {
+        self.integral += elapsed * (self.last + value);
+        self.last = value;
+    }
+
+    /// The statistic of the values so far, `span` being the time from the first to the last; not a
+    /// number without any.
+    pub fn result(&self, span: f64) -> f64 {
+        let mean = if span > 0.0 {
+            0.5 * self.integral / span
+        } else {
+            self.last
+        };
+        match self.statistic {
             _ if self.empty => f64::NAN,
-            Statistic::Final => self.value,
-            Statistic::Mean => over_time(self.integral, self.value),
+            Statistic::Final => self.last,
+            Statistic::Mean => mean,
             Statistic::Min => self.min,
             Statistic::Max => self.max,
-            Statistic::Rms => over_time(self.square, self.value * self.value)
-                .max(0.0)
-                .sqrt(),
+            Statistic::Rms => mean.sqrt(),
             Statistic::Amplitude => 0.5 * (self.max - self.min),
         }
     }
@@ -109,21 +102,22 @@ pub fn wilson(hits: u64, total: u64) -> [f64; 2] {
 mod tests {
     use super::*;
 
-    fn sine(periods: f64) -> Accumulator {
-        let mut accumulator = Accumulator::default();
+    /// Of so many periods of a sine in one second.
+    fn of_sine(periods: f64, statistic: Statistic) -> Accumulator {
+        let mut accumulator = Accumulator::new(statistic);
         for index in 0..=1000 {
             let t = f64::from(index) / 1000.0;
             let phase = std::f64::consts::TAU * periods * t;
-            accumulator.add(t, 3.0 + 2.0 * phase.sin());
+            let elapsed = if index == 0 { 0.0 } else { 1e-3 };
+            accumulator.add(elapsed, 3.0 + 2.0 * phase.sin());
         }
         accumulator
     }
 
     #[test]
     fn statistics_of_a_sine_are_exact_over_whole_periods() {
-        let sine = sine(5.0);
         let close = |statistic, expected: f64| {
-            let value = sine.value(statistic);
+            let value = of_sine(5.0, statistic).result(1.0);
             assert!((value - expected).abs() < 1e-12, "{statistic:?} {value}");
         };
         close(Statistic::Mean, 3.0);
@@ -136,18 +130,24 @@ mod tests {
 
     #[test]
     fn a_single_value_is_its_own_mean() {
-        let mut one = Accumulator::default();
-        one.add(7.0, -2.0);
-        assert_eq!(one.value(Statistic::Mean), -2.0);
-        assert_eq!(one.value(Statistic::Rms), 2.0);
+        let of_one = |statistic| {
+            let mut one = Accumulator::new(statistic);
+            one.add(0.0, -2.0);
+            one.result(0.0)
+        };
+        assert_eq!(of_one(Statistic::Mean), -2.0);
+        assert_eq!(of_one(Statistic::Rms), 2.0);
+        assert!(Accumulator::new(Statistic::Mean).result(1.0).is_nan());
     }
 
     #[test]
     fn not_a_number_is_not_lost() {
-        let mut broken = sine(1.0);
-        broken.add(2.0, f64::NAN);
-        broken.add(3.0, 1.0);
-        assert!(broken.value(Statistic::Mean).is_nan());
+        for statistic in [Statistic::Mean, Statistic::Rms, Statistic::Amplitude] {
+            let mut broken = of_sine(1.0, statistic);
+            broken.add(1.0, f64::NAN);
+            broken.add(1.0, 1.0);
+            assert!(broken.result(3.0).is_nan(), "{statistic:?}");
+        }
     }
 
     #[test]

@@ -126,7 +126,36 @@ fn robustness_finds_the_room_and_confirms_it() {
         (margin("low") - 0.9163).abs() < 0.01 && (margin("high") - 1.0601).abs() < 0.01,
         "{result}"
     );
-    assert!(said.out.contains("200 fresh runs"), "{}", said.out);
+    for part in ["region", "ellipsoid"] {
+        let fresh = &result[part]["fresh"];
+        assert_eq!(fresh["points"], 200, "{result}");
+        let (stated, interval) = (&result[part]["probability"], &fresh["interval"]);
+        let end = |k: usize| interval[k].as_f64().unwrap();
+        let stated = stated.as_f64().unwrap();
+        assert!(end(0) <= stated && stated <= end(1), "{stated} {fresh}");
+    }
+    assert!(
+        said.out.contains("stated probability holds"),
+        "{}",
+        said.out
+    );
+    // Below the rate of 0.9163 and above that of 1.0601 nothing is verified, whatever the length.
+    let unsafe_combinations = result["unsafe_combinations"].as_array().unwrap();
+    assert_eq!(unsafe_combinations.len(), 2, "{result}");
+    for combination in unsafe_combinations {
+        let bound = &combination["bounds"][0];
+        let expected = if bound["below"] == true {
+            0.9163
+        } else {
+            1.0601
+        };
+        assert!(
+            (bound["limit"].as_f64().unwrap() - expected).abs() < 0.02,
+            "{bound}"
+        );
+        assert_eq!(combination["confirmed"]["verified"], 0);
+    }
+    assert!(said.out.contains("unsafe:") && said.out.contains("lag.rate below"));
     assert!(bench.read("out/report.html").contains("id=\"robustness\""));
     bench
         .run(&[
@@ -141,6 +170,115 @@ fn robustness_finds_the_room_and_confirms_it() {
     bench
         .run(&["robustness", "study.toml", "--from", "none"])
         .is_mistake(&["none holds no study"]);
+}
+
+const TWO_CRITERIA: &str = r#"
+[criteria.Z]
+variable = "lag.y"
+statistic = "mean"
+nominal = 0.6
+tolerance = 0.03
+"#;
+
+#[test]
+fn pareto_weighs_the_criteria_against_each_other() {
+    let bench = bench();
+    bench.write("two.toml", &format!("{STUDY}{TWO_CRITERIA}"));
+    bench.run(&["verify", "two.toml", "--output", "out"]);
+    let said = bench.run(&["pareto", "two.toml", "--from", "out"]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    let cloud = json(&bench, "out/pareto.json");
+    let largest = |member: &serde_json::Value| {
+        let deviations = member["deviations"].as_array().unwrap();
+        deviations
+            .iter()
+            .map(|d| d.as_f64().unwrap())
+            .fold(0.0, f64::max)
+    };
+    let nominal = &cloud["nominal"];
+    // y = 1 - exp(-2) at the nominal rate of 1.
+    let y = nominal["member"]["values"][0].as_f64().unwrap();
+    assert!((y - 0.8647).abs() < 1e-3, "{nominal}");
+    assert!(largest(&cloud["front"][0]) <= largest(&nominal["member"]) + 1e-9);
+    assert!(bench.read("out/report.html").contains("id=\"pareto\""));
+    assert!(bench.path("out/plots/pareto-Y-Z.svg").exists());
+    // A search does at least as well as the cloud.
+    let said = bench.run(&[
+        "pareto",
+        "two.toml",
+        "--generations",
+        "15",
+        "--population",
+        "20",
+        "--output",
+        "n",
+    ]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    let found = json(&bench, "n/pareto.json");
+    assert_eq!(found["points"], 16 * 20);
+    assert!(
+        largest(&found["front"][0]) <= largest(&cloud["front"][0]) + 1e-3,
+        "{found}"
+    );
+    assert!(said.out.contains("best compromise"), "{}", said.out);
+    bench
+        .run(&["pareto", "two.toml", "--from", "none"])
+        .is_mistake(&["none holds no study"]);
+}
+
+#[test]
+fn replicates_of_a_sobol_design_narrow_the_interval() {
+    let bench = bench();
+    let study = |design: &str| {
+        let text = STUDY.replace("points = 60", &format!("points = 512\nmethod = \"{design}"));
+        bench.write("sobol.toml", &text);
+        bench.run(&["verify", "sobol.toml", "--output", "s"])
+    };
+    let width = || {
+        let summary = json(&bench, "s/summary.json");
+        let end = |k: usize| summary["verified_interval"][k].as_f64().unwrap();
+        let share = summary["verified_fraction"].as_f64().unwrap();
+        // The rate lies within 0.9163 .. 1.0601 of a normal distribution of 1 +- 0.1.
+        assert!((share - 0.5248).abs() < 0.02 && end(0) < share && share < end(1));
+        end(1) - end(0)
+    };
+    assert_eq!(study("sobol\"").code, 0);
+    let wilson = width();
+    assert!(
+        bench
+            .read("s/report.html")
+            .contains("takes the points as independent")
+    );
+    assert_eq!(study("sobol\"\nreplicates = 16").code, 0);
+    assert!(width() < 0.7 * wilson);
+    let summary = json(&bench, "s/summary.json");
+    let y = &summary["criteria"]["Y"];
+    assert_eq!(
+        (&y["binds"], &summary["points"]),
+        (&512.into(), &512.into())
+    );
+    assert_eq!(
+        y["only_failure"],
+        512 - summary["verified"].as_u64().unwrap()
+    );
+    assert_eq!(summary["provenance"]["replicates"], 16);
+    assert!(
+        bench
+            .read("s/report.html")
+            .contains("16 independently scrambled nets")
+    );
+    study("monte-carlo\"\nreplicates = 16").is_mistake(&["sobol.toml", "replicates"]);
+}
+
+#[cfg(feature = "png")]
+#[test]
+fn report_writes_pixels() {
+    let bench = bench();
+    bench.run(&["verify", "study.toml", "--output", "out"]);
+    let said = bench.run(&["report", "out", "--png"]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    let file = std::fs::read(bench.path("out/plots/distribution-Y.png")).unwrap();
+    assert!(file.starts_with(b"\x89PNG") && file.len() > 2000);
 }
 
 const SETTINGS: &str = r#"
@@ -185,7 +323,11 @@ fn synchronise_writes_criteria() {
     assert!((nominal("T_oil") - 48.03).abs() < 0.05);
     assert!((nominal("P_fr") - 0.440_6 * TAU * 5.0).abs() < 0.1);
     assert_eq!(criteria["criteria"]["F_N"]["group"].as_str(), Some("power"));
-    assert!(bench.path("m/friction.svg").exists());
+    assert!(bench.path("m/plots/friction.svg").exists());
+    let page = bench.read("m/report.html");
+    assert!(page.contains("Torque 12.3 ms later than the load"));
+    assert!(page.contains("Savitzky-Golay, order 3 over 21 samples"));
+    assert!(page.contains("[criteria.F_N]") && page.contains("F_N: means of blocks"));
 }
 
 #[test]

@@ -65,29 +65,42 @@ def test_sobol_indices_equal_salib(indices, name):
         np.testing.assert_allclose(values(found["first"]), expected["S1"], rtol=0, atol=1e-10)
 
 
-@pytest.mark.parametrize("name", ["F_N", "P_fr"])
-def test_sobol_indices_agree_with_openturns(indices, name):
-    _, outputs, columns, names = indices
+@pytest.mark.parametrize("order", ["first", "total"])
+@pytest.mark.parametrize("name", CRITERIA)
+def test_sobol_indices_agree_with_openturns(indices, name, order):
+    estimator, outputs, columns, names = indices
     a, b, mixed = blocks(columns[name])
     inputs = ot.Sample(np.zeros((BASE * (PARAMETERS + 2), PARAMETERS)))
     stacked = ot.Sample(np.concatenate([a, b, *mixed.T])[:, None])
-    theirs = ot.JansenSensitivityAlgorithm(inputs, stacked, BASE)
+    kind = ot.JansenSensitivityAlgorithm if estimator == "jansen" else ot.SaltelliSensitivityAlgorithm
+    theirs = kind(inputs, stacked, BASE)
+    ot.RandomGenerator.SetSeed(1)
     theirs.setBootstrapSize(300)
-    interval = theirs.getTotalOrderIndicesInterval()
+    interval = theirs.getFirstOrderIndicesInterval() if order == "first" else theirs.getTotalOrderIndicesInterval()
     low, high = np.array(interval.getLowerBound()), np.array(interval.getUpperBound())
-    ours = values(outputs[name]["sobol"]["total"])
-    margin = 0.02
-    assert np.all(ours >= low - margin) and np.all(ours <= high + margin)
+    ours = values(outputs[name]["sobol"][order])
+    assert np.all(ours >= low) and np.all(ours <= high), (low, ours, high)
 
 
-def test_pawn_agrees_with_salib(indices):
+@pytest.mark.parametrize("name", CRITERIA)
+def test_pawn_equals_salib(indices, name, monkeypatch):
     _, outputs, columns, names = indices
     plain = np.arange(BASE * (PARAMETERS + 2)) % (PARAMETERS + 2)
     plain = (plain == 0) | (plain == PARAMETERS + 1)
     x = np.column_stack([columns[name][plain] for name in names])
-    expected = pawn.analyze(problem(names), x, columns["P_fr"][plain], S=10, seed=1)
-    # SALib leaves the largest value of each parameter out of the last slice: one in 26.
-    np.testing.assert_allclose(values(outputs["P_fr"]["pawn"]["median"]), expected["median"], atol=0.04)
+
+    def closed(values, places, quantile=np.nanquantile):
+        edges = quantile(values, np.round(places, 12))
+        edges[-1] = np.inf
+        return edges
+
+    # SALib's slices are open above, and so the last one loses the largest value of each parameter;
+    # and its places (0.6000000000000001) put a value that lies on an edge to the wrong side of it.
+    monkeypatch.setattr(pawn.np, "nanquantile", closed)
+    expected = pawn.analyze(problem(names), x, columns[name][plain], S=10, seed=1)
+    found = outputs[name]["pawn"]
+    np.testing.assert_allclose(values(found["median"]), expected["median"], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(found["max"], expected["maximum"], rtol=0, atol=1e-12)
 
 
 def test_elementary_effects_equal_salib(tmp_path):

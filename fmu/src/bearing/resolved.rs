@@ -3,7 +3,7 @@
 use super::contact::ContactTable;
 use super::profile::Profile;
 use super::reynolds::{
-    Asperities, Cavitation, Drive, FilmError, FilmSettings, ReynoldsFilm, Rheology,
+    Asperities, Cavitation, Drive, FilmError, FilmSettings, Grid, ReynoldsFilm, Rheology,
 };
 use super::{Bearing, Flows, Motion, friction};
 use crate::solver::Failure;
@@ -17,9 +17,9 @@ pub struct Resolution {
     pub mass_conserving: bool,
     /// Pressure of the oil bath above that of the cavities, Pa.
     pub side_pressure: f64,
-    /// Columns of cells around the bush.
+    /// Columns of cells around the bush; 0 takes as many as the width needs.
     pub columns: i32,
-    /// Rows of cells over half the width.
+    /// Rows of cells over half the width; 0 takes as many as the width needs.
     pub rows: i32,
     /// Displacement of the journal's end at `z = B/2` by its tilt, along and across the load, m.
     pub tilt: [f64; 2],
@@ -30,8 +30,8 @@ impl Default for Resolution {
         Self {
             mass_conserving: true,
             side_pressure: 1e5,
-            columns: 96,
-            rows: 8,
+            columns: 0,
+            rows: 0,
             tilt: [0.0; 2],
         }
     }
@@ -57,6 +57,7 @@ impl ResolvedFilm {
             tilt,
         } = bearing.resolution;
         let plain = profile.is_round() && tilt == [0.0; 2];
+        let enough = Grid::sufficient_cells(bearing.width / bearing.diameter);
         let rough = bearing.surface.roughness > 0.0;
         let settings = FilmSettings {
             cavitation: if mass_conserving {
@@ -65,8 +66,10 @@ impl ResolvedFilm {
                 Cavitation::NonNegative
             },
             side_pressure,
-            // The ranges of the variables keep both positive.
-            cells: [columns, rows].map(|n| n.unsigned_abs() as usize),
+            cells: [0, 1].map(|k| match [columns, rows][k] {
+                0 => enough[k],
+                asked => asked.unsigned_abs() as usize,
+            }),
             rheology,
             profile,
             tilt,

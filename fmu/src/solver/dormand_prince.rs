@@ -63,11 +63,26 @@ impl<const N: usize> DormandPrince<N> {
         span: f64,
         step: &mut f64,
     ) -> Result<Work, Failure> {
+        let f = |t: f64, y: &[f64; N]| (f(t, y), []);
+        self.integrate_along(f, y, Quadrature::default(), span, step)
+            .map(|(work, [])| work)
+    }
+
+    /// The same; `f` gives besides the rates what is to be integrated along the way. Returns its integrals.
+    pub fn integrate_along<const Q: usize>(
+        &self,
+        mut f: impl FnMut(f64, &[f64; N]) -> ([f64; N], [f64; Q]),
+        y: &mut [f64; N],
+        along: Quadrature<Q>,
+        span: f64,
+        step: &mut f64,
+    ) -> Result<(Work, [f64; Q]), Failure> {
         let mut work = Work::default();
+        let mut integrals = [0.0; Q];
         let mut t = 0.0;
-        let mut k = [[0.0; N]; 7];
-        k[0] = f(0.0, y);
-        let mut last_error: f64 = 1e-4;
+        let (mut k, mut q) = ([[0.0; N]; 7], [[0.0; Q]; 7]);
+        (k[0], q[0]) = f(0.0, y);
+        let mut last_log_error = LEAST_ERROR.ln();
         while t < span {
             let left = span - t;
             // Never leave a sliver for the last step.
@@ -78,15 +93,21 @@ impl<const N: usize> DormandPrince<N> {
             } else {
                 *step
             };
-            let end = Self::stages(&mut f, t, y, h, &mut k);
-            let error = self.error(&k, h);
-            if error.is_finite() && error <= 1.0 {
+            let end = Self::stages(&mut f, t, y, h, &mut k, &mut q);
+            let errors = [off(&k, h, &self.allowed), off(&q, h, &along.allowed)];
+            let error = worst(errors.into_iter());
+            if error <= 1.0 {
                 t = if h == left { span } else { t + h };
                 *y = end;
-                k[0] = k[6];
+                for (i, integral) in integrals.iter_mut().enumerate() {
+                    let mean: f64 = A[5].iter().zip(&q).map(|(weight, q)| weight * q[i]).sum();
+                    *integral += h * mean;
+                }
+                (k[0], q[0]) = (k[6], q[6]);
                 work.accepted += 1;
-                let growth = 0.9 * error.max(1e-10).powf(-0.7 / 5.0) * last_error.powf(0.4 / 5.0);
-                last_error = error.max(1e-4);
+                let log_error = error.max(1e-10).ln();
+                let growth = 0.9 * (0.4 / 5.0 * last_log_error - 0.7 / 5.0 * log_error).exp();
+                last_log_error = log_error.max(LEAST_ERROR.ln());
                 let next = h * growth.clamp(0.2, 10.0);
                 // A step cut short by the span says nothing against the longer one.
                 *step = if h < *step { next.max(*step) } else { next };
@@ -106,15 +127,16 @@ impl<const N: usize> DormandPrince<N> {
                 return Err(Failure::TooManySteps(self.limit));
             }
         }
-        Ok(work)
+        Ok((work, integrals))
     }
 
-    fn stages(
-        f: &mut impl FnMut(f64, &[f64; N]) -> [f64; N],
+    fn stages<const Q: usize>(
+        f: &mut impl FnMut(f64, &[f64; N]) -> ([f64; N], [f64; Q]),
         t: f64,
         y: &[f64; N],
         h: f64,
         k: &mut [[f64; N]; 7],
+        q: &mut [[f64; Q]; 7],
     ) -> [f64; N] {
         let mut at = *y;
         for (stage, (row, c)) in A.iter().zip(C).enumerate() {
@@ -124,18 +146,37 @@ impl<const N: usize> DormandPrince<N> {
                     *value += h * a * slope;
                 }
             }
-            k[stage + 1] = f(t + c * h, &at);
+            (k[stage + 1], q[stage + 1]) = f(t + c * h, &at);
         }
         at
     }
+}
 
-    /// The largest error over what is allowed.
-    fn error(&self, k: &[[f64; N]; 7], h: f64) -> f64 {
-        worst((0..N).map(|i| {
-            let difference: f64 = E.iter().zip(k).map(|(e, k)| e * k[i]).sum();
-            h * difference / self.allowed[i]
-        }))
+/// What is integrated along the way, without a say in the solution.
+#[derive(Clone, Copy, Debug)]
+pub struct Quadrature<const Q: usize> {
+    /// The error allowed in each integral per step.
+    pub allowed: [f64; Q],
+}
+
+impl<const Q: usize> Default for Quadrature<Q> {
+    /// Any error.
+    fn default() -> Self {
+        Self {
+            allowed: [f64::INFINITY; Q],
+        }
     }
+}
+
+/// The step control looks back at no smaller error than this.
+const LEAST_ERROR: f64 = 1e-4;
+
+/// The largest error over what is allowed.
+fn off<const M: usize>(slopes: &[[f64; M]; 7], h: f64, allowed: &[f64; M]) -> f64 {
+    worst((0..M).map(|i| {
+        let difference: f64 = E.iter().zip(slopes).map(|(e, k)| e * k[i]).sum();
+        h * difference / allowed[i]
+    }))
 }
 
 #[cfg(test)]
@@ -158,14 +199,31 @@ mod tests {
     }
 
     #[test]
+    fn integrals_along_the_way_are_as_good_as_the_solution() {
+        let (mut y, mut step) = ([1.0, 0.0], 1e-3);
+        let along = Quadrature { allowed: [1e-9] };
+        let (_, [square]) = INTEGRATOR
+            .integrate_along(
+                |_, y| ([y[1], -y[0]], [y[0] * y[0]]),
+                &mut y,
+                along,
+                3.0,
+                &mut step,
+            )
+            .unwrap();
+        let exact = 0.5 * (3.0 + 3f64.sin() * 3f64.cos());
+        assert!((square - exact).abs() < 1e-7, "{square} {exact}");
+    }
+
+    #[test]
     fn the_order_is_five() {
         let run = |h: f64| {
             let mut k = [[0.0; 2]; 7];
             let mut y = [1.0, 0.0];
-            let mut f = |_: f64, y: &[f64; 2]| [y[1], -y[0]];
+            let mut f = |_: f64, y: &[f64; 2]| ([y[1], -y[0]], []);
             for _ in 0..(1.0 / h).round() as usize {
-                k[0] = f(0.0, &y);
-                y = DormandPrince::<2>::stages(&mut f, 0.0, &y, h, &mut k);
+                k[0] = f(0.0, &y).0;
+                y = DormandPrince::<2>::stages(&mut f, 0.0, &y, h, &mut k, &mut [[]; 7]);
             }
             (y[0] - 1f64.cos()).abs()
         };

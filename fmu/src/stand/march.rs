@@ -1,9 +1,9 @@
 //! How time passes in the stand: turn by turn, or in leaps over whole turns.
 
-use super::{Inputs, SCALES, STEP_LIMIT, Stand, State, temperatures, unknowns};
+use super::{Inputs, SCALES, STEP_LIMIT, Stand, State, Unknowns, temperatures, unknowns};
 use crate::bearing::resolved::{ResolvedFilm, Stuck};
 use crate::bearing::{FilmModel, Flows};
-use crate::multirate::{self, Landing, TwoScales};
+use crate::multirate::{self, Departure, TwoScales};
 use crate::solver::{DormandPrince, Failure};
 use crate::thermal::Temperatures;
 
@@ -14,7 +14,7 @@ const TURNS_AT_THE_END: usize = 1;
 /// The journal is near its orbit when a turn moves it by less than this part of the clearance.
 const SETTLED: f64 = 1e-2;
 /// After so many turns it leaps from wherever it is: what is left of its way to the orbit is little heat.
-const MOST_SETTLING_TURNS: usize = 2;
+const MOST_SETTLING_TURNS: usize = 1;
 /// Steps of the Reynolds film in a turn, at the least: load and speed vary linearly within one.
 const FILM_STEPS_PER_TURN: f64 = 100.0;
 /// The longest step of the Reynolds film, s.
@@ -34,7 +34,10 @@ impl Stand {
         };
         let mut y = unknowns(&self.state);
         let mut next_step = self.state.next_step;
-        integrator.integrate(|tau, y| self.rates(tau, y), &mut y, span, &mut next_step)?;
+        let mut oil = self.nearby;
+        let rates = |tau: f64, y: &Unknowns| self.rates(tau, y, &mut oil);
+        integrator.integrate(rates, &mut y, span, &mut next_step)?;
+        self.nearby = oil;
         self.state.next_step = next_step;
         self.arrive(span, [y[0], y[1]], temperatures(&y));
         Ok(())
@@ -110,7 +113,8 @@ impl Stand {
                 temperatures,
                 ..
             } = self.state;
-            let from = Landing {
+            let from = Departure {
+                before: start,
                 eccentricity,
                 temperatures,
             };
@@ -154,8 +158,7 @@ impl TwoScales for Stand {
     }
 
     fn journal(&self, tau: f64, eccentricity: [f64; 2], viscosity: f64) -> ([f64; 2], Flows) {
-        let motion = self.instant(tau, eccentricity, viscosity).motion;
-        (motion.velocity, motion.flows)
+        self.drift(tau, eccentricity, viscosity)
     }
 
     fn viscosity(&self, film_temperature: f64) -> f64 {

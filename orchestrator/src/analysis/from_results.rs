@@ -145,7 +145,7 @@ pub fn from_runs(
             .iter()
             .map(|o| {
                 o.as_ref()
-                    .map_or_else(ToString::to_string, |_| "ok".to_owned())
+                    .map_or_else(|failure| failure.to_string().into(), |_| "ok".into())
             })
             .collect(),
     }

@@ -1,5 +1,7 @@
 //! The table of points: what was sampled, what came out, what was accepted.
 
+use std::borrow::Cow;
+
 /// One sampled parameter: its value at every point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameter {
@@ -70,7 +72,7 @@ pub struct PointTable {
     /// Whether the point meets all criteria.
     pub verified: Vec<bool>,
     /// `ok`, or why the point has no values.
-    pub status: Vec<String>,
+    pub status: Vec<Cow<'static, str>>,
 }
 
 /// The largest deviation over the criteria of one point, and which criterion it belongs to.
@@ -121,6 +123,20 @@ impl PointTable {
         }
     }
 
+    /// Adds the points of another table with the same parameters and criteria.
+    pub fn extend(&mut self, other: &Self) {
+        self.ids.extend(&other.ids);
+        for (own, more) in self.parameters.iter_mut().zip(&other.parameters) {
+            own.values.extend(&more.values);
+        }
+        for (own, more) in self.criteria.iter_mut().zip(&other.criteria) {
+            own.values.extend(&more.values);
+            own.ok.extend(&more.ok);
+        }
+        self.verified.extend(&other.verified);
+        self.status.extend(other.status.iter().cloned());
+    }
+
     /// Whether the point was simulated to its end.
     pub fn completed(&self, point: usize) -> bool {
         self.status[point] == "ok"
@@ -167,6 +183,11 @@ impl PointTable {
 
     /// Points with values: the verified first, of these the one nearest to the measurement first.
     pub fn ranking(&self) -> Vec<Ranked> {
+        self.best(self.len())
+    }
+
+    /// The first so many of the [ranking](Self::ranking), in memory for twice as many at most.
+    pub fn best(&self, most: usize) -> Vec<Ranked> {
         let ranked = |point| {
             Some(Ranked {
                 point,
@@ -174,15 +195,24 @@ impl PointTable {
                 binding: self.binding(point)?,
             })
         };
-        let mut ranking: Vec<Ranked> = (0..self.len())
+        let key = |r: &Ranked| (!self.verified[r.point], r.distance, r.point);
+        let order = |a: &Ranked, b: &Ranked| {
+            let (a, b) = (key(a), key(b));
+            a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2))
+        };
+        let mut ranking: Vec<Ranked> = Vec::new();
+        for found in (0..self.len())
             .filter(|&i| self.completed(i))
             .filter_map(ranked)
-            .collect();
-        let key = |r: &Ranked| (!self.verified[r.point], r.distance);
-        ranking.sort_by(|a, b| {
-            let (a, b) = (key(a), key(b));
-            a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
-        });
+        {
+            if most > 0 && ranking.len() == most.saturating_mul(2) {
+                ranking.select_nth_unstable_by(most, order);
+                ranking.truncate(most);
+            }
+            ranking.push(found);
+        }
+        ranking.sort_unstable_by(order);
+        ranking.truncate(most);
         ranking
     }
 }

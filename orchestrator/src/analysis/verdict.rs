@@ -1,8 +1,7 @@
 //! The verdict with its uncertainty: how many points are verified, how sure that fraction is,
 //! and which criterion decides.
 
-use super::sensitivity::Estimate;
-use super::sensitivity::stats::{mean, variance};
+use super::sensitivity::stats::variance;
 use super::table::{Criterion, PointTable};
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
@@ -64,18 +63,32 @@ impl Fraction {
     }
 }
 
-/// A fraction from independent randomisations of one quasi-random design, with Student's 95 %
-/// interval of their mean (Owen 1997, "Monte Carlo variance of scrambled net quadrature", SIAM J.
-/// Numerical Analysis 34). Much narrower than [`Fraction::wilson`], which does not know that the
-/// points were spread evenly. `None` for fewer than two randomisations.
-pub fn randomised(fractions: &[f64]) -> Option<Estimate> {
-    let n = fractions.len() as f64;
-    let student = StudentsT::new(0.0, 1.0, n - 1.0).ok()?;
-    let error = (variance(fractions, 1) / n).sqrt();
-    Some(Estimate::around(
-        mean(fractions),
-        student.inverse_cdf(0.975) * error,
-    ))
+/// The 95 % interval of a share of points that belong in turn to independent randomisations of a
+/// quasi-random design, given the count of each: Student's about the mean of their shares (Owen 1997,
+/// "Monte Carlo variance of scrambled net quadrature", SIAM J. Numerical Analysis 34; L'Ecuyer,
+/// Nakayama, Owen & Tuffin 2023, "Confidence intervals for randomized quasi-Monte Carlo estimators",
+/// Winter Simulation Conference). Narrower than [`Fraction::wilson`], which does not know that the
+/// points were spread evenly.
+///
+/// Where fewer points pass (or fail) than there are randomisations, most shares are equal and their
+/// scatter tells nothing: then, and for a single randomisation, the interval is Wilson's.
+pub fn randomised_share(counts: &[u64], points: u64) -> [f64; 2] {
+    let (n, total) = (counts.len() as u64, counts.iter().sum::<u64>());
+    let wilson = Fraction::wilson(total as usize, points as usize);
+    let rare = total < n || points.saturating_sub(total) < n;
+    let student = StudentsT::new(0.0, 1.0, n as f64 - 1.0);
+    let (false, Ok(student)) = (rare, student) else {
+        return [wilson.low, wilson.high];
+    };
+    let size = |k: usize| points / n + u64::from((k as u64) < points % n);
+    let shares: Vec<f64> = counts
+        .iter()
+        .enumerate()
+        .map(|(k, c)| *c as f64 / size(k) as f64)
+        .collect();
+    let half = student.inverse_cdf(0.975) * (variance(&shares, 1) / n as f64).sqrt();
+    let share = wilson.value();
+    [(share - half).max(0.0), (share + half).min(1.0)]
 }
 
 /// The probability of every point to be truly verified: the measured values are uncertain
@@ -83,21 +96,26 @@ pub fn randomised(fractions: &[f64]) -> Option<Estimate> {
 /// standard uncertainty of half the tolerance (coverage factor 2, JCGM 100:2008, section 6.3), and
 /// independent of the others. Zero for failed points.
 pub fn truly_inside(table: &PointTable) -> Vec<f64> {
-    let normal = Normal::standard();
-    let one = |c: &Criterion, value: f64| {
-        let (room_below, room_above) = (c.nominal - c.lower, c.upper - c.nominal);
-        let uncertainty = room_below.min(room_above) / 2.0;
-        if !value.is_finite() {
-            return 0.0;
-        }
-        if !uncertainty.is_finite() || uncertainty <= 0.0 {
-            return f64::from(u8::from(value >= c.lower && value <= c.upper));
-        }
-        normal.cdf((c.upper - value) / uncertainty) - normal.cdf((c.lower - value) / uncertainty)
-    };
+    let sure = |c: &Criterion, value| sure_within(value, c.nominal, c.lower, c.upper);
     (0..table.len())
-        .map(|i| table.criteria.iter().map(|c| one(c, c.values[i])).product())
+        .map(|i| {
+            let all = table.criteria.iter().map(|c| sure(c, c.values[i]));
+            all.product()
+        })
         .collect()
+}
+
+/// The same for one criterion at one point; 0 for a value that is not finite.
+pub fn sure_within(value: f64, nominal: f64, lower: f64, upper: f64) -> f64 {
+    if !value.is_finite() {
+        return 0.0;
+    }
+    let uncertainty = (nominal - lower).min(upper - nominal) / 2.0;
+    if !uncertainty.is_finite() || uncertainty <= 0.0 {
+        return f64::from(u8::from(value >= lower && value <= upper));
+    }
+    let normal = Normal::standard();
+    normal.cdf((upper - value) / uncertainty) - normal.cdf((lower - value) / uncertainty)
 }
 
 /// What one criterion did to the points.
@@ -212,23 +230,46 @@ mod tests {
         }
     }
 
+    /// The short form of `cargo run --release --example coverage`.
     #[test]
-    fn randomised_intervals_hold_the_fraction_in_95_per_cent_of_repetitions() {
-        use rand::{RngExt, SeedableRng, rngs::StdRng};
-        let mut random = StdRng::seed_from_u64(2);
-        // A randomly shifted lattice: the part of 64 points below 0.3.
-        let mut part = || {
-            let shift: f64 = random.random();
-            (0..64)
-                .filter(|k| (f64::from(*k) * 0.618_034 + shift).fract() < 0.3)
-                .count() as f64
-                / 64.0
-        };
-        let held = (0..400)
-            .filter(|_| randomised(&[(); 12].map(|()| part())).is_some_and(|e| e.contains(0.3)))
-            .count();
-        assert!((held as f64 / 400.0 - 0.95).abs() <= 0.03, "{held}");
-        assert!(randomised(&[0.5]).is_none());
+    fn randomised_intervals_hold_the_share_in_95_per_cent_of_repetitions() {
+        use crate::design::Design;
+        use crate::distribution::Distribution;
+        use crate::study::{self, Method};
+        const POINTS: u64 = 512;
+        const REPETITIONS: u64 = 400;
+        let unit = Distribution::Uniform { min: 0.0, max: 1.0 };
+        let (mut held, mut narrower) = (0, 0);
+        for seed in 0..REPETITIONS {
+            let settings = study::Design {
+                method: Method::Sobol,
+                points: POINTS,
+                seed,
+                replicates: 16,
+            };
+            let design = Design::new(&settings, vec![unit; 3]).unwrap();
+            let mut counts = [0; 16];
+            for index in 0..POINTS {
+                let u = design.point(index);
+                counts[index as usize % 16] += u64::from(u[0] + u[1] < 1.0 && u[2] < 0.4);
+            }
+            let [low, high] = randomised_share(&counts, POINTS);
+            held += u64::from(low <= 0.2 && 0.2 <= high);
+            let wilson = Fraction::wilson(counts.iter().sum::<u64>() as usize, POINTS as usize);
+            narrower += u64::from(high - low < wilson.high - wilson.low);
+        }
+        let coverage = held as f64 / REPETITIONS as f64;
+        assert!((coverage - 0.95).abs() <= 0.03, "{coverage}");
+        assert!(narrower > REPETITIONS * 9 / 10, "{narrower}");
+    }
+
+    #[test]
+    fn rare_points_and_single_designs_have_wilsons_interval() {
+        for (counts, points) in [(vec![0; 16], 160), (vec![10; 16], 160), (vec![30], 100)] {
+            let total = counts.iter().sum::<u64>() as usize;
+            let wilson = Fraction::wilson(total, points as usize);
+            assert_eq!(randomised_share(&counts, points), [wilson.low, wilson.high]);
+        }
     }
 
     #[test]

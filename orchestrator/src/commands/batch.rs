@@ -34,6 +34,10 @@ impl Batch {
         let package = Package::open(&fmu.map_or_else(|| study.fmu_path(), Path::to_owned))?;
         let judge = Judge::new(&study, Some(package.description()))?;
         let plan = Plan::new(&study, package.description())?;
+        if !plan.is_independent() {
+            let message = "this analysis takes every parameter on its own; remove [[correlations]]";
+            return Err(study.error(message).into());
+        }
         let cores = || available_parallelism().map_or(1, Into::into);
         let jobs = jobs.unwrap_or_else(cores).max(1);
         Ok(Self {
@@ -126,12 +130,18 @@ fn inside(u: f64) -> f64 {
     u.clamp(1e-6, 1.0 - 1e-6)
 }
 
-/// Points of a scrambled Sobol sequence in the unit cube.
-pub(super) fn cube(dimensions: usize, points: u64, seed: u64) -> Result<Vec<Vec<f64>>, String> {
+/// Points in the unit cube, which belong to independently scrambled Sobol nets in turn.
+pub(super) fn cube(
+    dimensions: usize,
+    points: u64,
+    seed: u64,
+    replicates: u64,
+) -> Result<Vec<Vec<f64>>, String> {
     let design = study::Design {
         method: Method::Sobol,
         points,
         seed,
+        replicates,
     };
     let unit = Distribution::Uniform { min: 0.0, max: 1.0 };
     let design = Design::new(&design, vec![unit; dimensions])?;

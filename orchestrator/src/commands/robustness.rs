@@ -1,17 +1,21 @@
 //! `robustness`: how far the parameters may go.
 
+mod confirm;
+
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use super::batch::{self, Batch};
 use super::{CommandError, output};
 use crate::analysis::from_results;
+use crate::analysis::robustness::region::Confirmed;
 use crate::analysis::robustness::{Robustness, region, robustness, rows};
 use crate::analysis::table::PointTable;
 use crate::cli;
-use crate::report::format::number;
+use crate::report::format::{number, percent};
 use crate::report::{Report, robustness as page};
 use crate::results::{ResultsError, write_atomically};
+use confirm::Confirmation;
 
 pub(super) fn run(options: &cli::Robustness) -> Result<ExitCode, CommandError> {
     let folder = options.from.clone().unwrap_or_else(|| {
@@ -24,17 +28,26 @@ pub(super) fn run(options: &cli::Robustness) -> Result<ExitCode, CommandError> {
     }
     let mut batch = Batch::new(&options.study, options.fmu.as_deref(), options.jobs).ok();
     let cloud = cloud(batch.as_ref(), &table, options.seed)?;
-    let result = robustness(&table, &cloud, options.level).ok_or_else(|| {
+    let mut result = robustness(&table, &cloud, options.level).ok_or_else(|| {
         option(
             "from",
             "the points are too few for a surrogate, or no parameter varies: verify more points",
         )
     })?;
-    let confirmed = match (&mut batch, options.confirm) {
-        (_, 0) => String::new(),
-        (Some(batch), points) => confirm(batch, &table, &result, &cloud, points)?,
+    match (&mut batch, options.confirm) {
+        (_, 0) => {}
+        (Some(batch), points) => {
+            result = Confirmation {
+                batch,
+                table: &table,
+                cloud: &cloud,
+                points,
+                seed: options.seed,
+            }
+            .of(result)?;
+        }
         (None, _) => return Err(option("confirm", "needs the study's FMU for new runs")),
-    };
+    }
     let target = options.output.clone().unwrap_or_else(|| folder.clone());
     std::fs::create_dir_all(&target).map_err(ResultsError::io(&target))?;
     write_atomically(&target.join(page::FILE), |out| {
@@ -45,7 +58,7 @@ pub(super) fn run(options: &cli::Robustness) -> Result<ExitCode, CommandError> {
         Report::from_folder(&target)?.write(&target)?;
     }
     output::print(&format!(
-        "{}{confirmed}\nresults in {}\n",
+        "{}\nresults in {}\n",
         text(&result),
         target.display()
     ));
@@ -66,7 +79,7 @@ fn cloud(
     table: &PointTable,
     seed: u64,
 ) -> Result<Vec<Vec<f64>>, CommandError> {
-    const SIZE: u64 = 16_384;
+    const SIZE: u64 = 32_768;
     let names = |batch: &Batch| {
         batch
             .plan
@@ -79,46 +92,39 @@ fn cloud(
     match batch {
         Some(batch) if names(batch) == own => {
             let cube =
-                batch::cube(batch.varied().len(), SIZE, seed).map_err(|m| option("seed", &m))?;
+                batch::cube(batch.varied().len(), SIZE, seed, 1).map_err(|m| option("seed", &m))?;
             Ok(cube.iter().map(|u| batch.parameters(u)).collect())
         }
         _ => Ok(region::cloud(&rows(table), seed)),
     }
 }
 
-/// Runs the model at fresh points inside the box.
-fn confirm(
-    batch: &mut Batch,
-    table: &PointTable,
-    result: &Robustness,
-    cloud: &[Vec<f64>],
-    points: usize,
-) -> Result<String, CommandError> {
-    let Some(region) = &result.region else {
-        return Ok(String::new());
-    };
-    let places: Vec<usize> = (0..table.parameters.len())
-        .filter(|&k| result.parameters.contains(&table.parameters[k].name))
-        .collect();
-    let inside = |x: &&Vec<f64>| region.contains(&places.iter().map(|&k| x[k]).collect::<Vec<_>>());
-    let chosen: Vec<Vec<f64>> = cloud.iter().filter(inside).take(points).cloned().collect();
-    let outcomes = batch.run(&chosen)?;
-    let verified = outcomes
-        .iter()
-        .filter(|o| batch.judge.verdict(o.as_deref().ok()).verified())
-        .count();
-    let share = crate::analysis::verdict::Fraction::wilson(verified, chosen.len());
-    Ok(format!(
-        "box, {} fresh runs: {verified} verified, {} (95 % interval {} to {})\n",
-        chosen.len(),
-        number(share.value(), 3),
-        number(share.low, 3),
-        number(share.high, 3)
-    ))
+/// What runs of the model say of a stated probability.
+fn evidence(stated: f64, own: Confirmed, fresh: Option<Confirmed>) -> String {
+    let mut out = format!(
+        "  of the study's own points {} lie inside, {} verified\n",
+        own.points, own.verified
+    );
+    if let Some(c) = fresh {
+        out += &format!(
+            "  {} fresh runs inside: {} verified, 95 % interval {} to {}: {}\n",
+            c.points,
+            c.verified,
+            number(c.interval[0], 3),
+            number(c.interval[1], 3),
+            c.on(stated)
+        );
+    }
+    out
 }
 
 fn text(result: &Robustness) -> String {
-    let mut out = String::from("surrogates, by leave-one-out\n");
+    let mut out = String::from("surrogates, by leave-one-out");
+    if result.further_runs > 0 {
+        let further = result.further_runs;
+        out += &format!(" (refined with {further} further runs in box and ellipsoid)");
+    }
+    out.push('\n');
     for (name, q) in &result.criteria {
         out += &format!(
             "  {name}: degree {}, {} terms, error {}, predicts {} % of the variance\n",
@@ -161,17 +167,28 @@ fn text(result: &Robustness) -> String {
                 number(*high, 5)
             );
         }
-        let c = region.confirmed;
-        out += &format!(
-            "  of the study's own points {} lie inside, {} verified\n",
-            c.points, c.verified
-        );
+        out += &evidence(region.probability, region.confirmed, region.fresh);
     }
     if let Some(e) = &result.ellipsoid {
         out += &format!(
-            "largest ellipsoid: {} of the sampled space, probability {}\n",
+            "\nlargest ellipsoid: {} of the sampled space, probability {}\n",
             number(e.share, 3),
             number(e.probability, 3)
+        );
+        out += &evidence(e.probability, e.confirmed, e.fresh);
+    }
+    if !result.unsafe_combinations.is_empty() {
+        out += "\nunsafe: hardly any point is verified, whatever the other parameters are\n";
+    }
+    for c in &result.unsafe_combinations {
+        out += &format!(
+            "  {}: {} % of the sampled space, probability {}, {} is lost; of the study's own points {} of {} verified\n",
+            page::bounds(result, c),
+            percent(c.share),
+            number(c.probability, 2),
+            c.lost,
+            c.confirmed.verified,
+            c.confirmed.points
         );
     }
     for warning in &result.warnings {

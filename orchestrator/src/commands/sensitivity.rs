@@ -56,14 +56,16 @@ fn indices(
 ) -> Result<Sensitivity, CommandError> {
     let (base, seed) = (options.base, options.seed);
     let varied = batch.varied();
-    let pairs =
-        batch::cube(2 * varied.len(), base, seed).map_err(|message| CommandError::Option {
+    let replicates = sobol::replicates(base);
+    let pairs = batch::cube(2 * varied.len(), base, seed, replicates).map_err(|message| {
+        CommandError::Option {
             option: "base",
             message,
-        })?;
+        }
+    })?;
     let rows = simulate(batch, &sobol::design(&pairs))?;
     keep_runs(folder, &rows)?;
-    Ok(from_sobol(&rows, options.estimator, seed))
+    Ok(from_sobol(&rows, options.estimator, replicates, seed))
 }
 
 fn screen(
@@ -128,7 +130,7 @@ fn keep_runs(folder: &Path, rows: &PointTable) -> Result<(), CommandError> {
                 value if value.is_finite() => points::number(value),
                 _ => String::new(),
             };
-            let verdict = [rows.verified[row].to_string(), rows.status[row].clone()];
+            let verdict = [rows.verified[row].to_string(), rows.status[row].to_string()];
             table.write_record(columns.iter().map(cell).chain(verdict))?;
         }
         table.flush()

@@ -1,4 +1,4 @@
-//! `synchronise`: from measured time series to criteria.
+//! `synchronise`: from measured time series to criteria, and a page that shows how.
 
 mod settings;
 
@@ -8,8 +8,7 @@ use std::process::ExitCode;
 use super::{CommandError, output};
 use crate::analysis::synchronise::{Synchronised, criteria, synchronise};
 use crate::cli;
-use crate::report::figures::{Series, history};
-use crate::report::svg;
+use crate::report::recording;
 use crate::results::{ResultsError, write_atomically};
 use settings::Settings;
 
@@ -17,8 +16,8 @@ pub use settings::SettingsError;
 
 pub(super) fn run(options: &cli::Synchronise) -> Result<ExitCode, CommandError> {
     let settings = Settings::read(&options.settings)?;
-    let recording = settings.recording(&options.settings, &options.measured)?;
-    let result = synchronise(&recording).map_err(|source| SettingsError::Signal {
+    let recorded = settings.recording(&options.settings, &options.measured)?;
+    let result = synchronise(&recorded).map_err(|source| SettingsError::Signal {
         path: options.measured.clone(),
         source,
     })?;
@@ -27,9 +26,9 @@ pub(super) fn run(options: &cli::Synchronise) -> Result<ExitCode, CommandError> 
     let text = criteria::to_toml(&result, options.amplitudes);
     save(&folder.join("criteria.toml"), &text)?;
     save(&folder.join("synchronised.csv"), &table(&result))?;
-    for (name, picture) in pictures(&result) {
-        save(&folder.join(name), &svg::standalone(&picture))?;
-    }
+    let title = options.measured.file_name().unwrap_or_default();
+    let title = title.to_string_lossy();
+    recording::write(&recorded, &result, &title, options.amplitudes, folder)?;
     output::print(&format!("{text}\nresults in {}\n", folder.display()));
     Ok(ExitCode::SUCCESS)
 }
@@ -54,41 +53,4 @@ fn table(result: &Synchronised) -> String {
         );
     }
     text
-}
-
-/// The last turns of the signals, before and after (the paper's Fig. 5).
-fn pictures(result: &Synchronised) -> Vec<(&'static str, String)> {
-    const SHOWN: f64 = 1.0;
-    let end = result.time.last().copied().unwrap_or(0.0);
-    let from = result.time.partition_point(|t| *t < end - SHOWN);
-    let series = |name: &str, unit: &str, values: &[f64]| Series {
-        name: name.to_owned(),
-        unit: unit.to_owned(),
-        time: result.time[from..].to_vec(),
-        values: values[from..].to_vec(),
-        accepted: None,
-    };
-    [
-        ("load.svg", series("Load", "N", &result.load)),
-        (
-            "torque.svg",
-            series("Torque, shifted", "N.m", &result.torque),
-        ),
-        ("power.svg", series("Friction power", "W", &result.power)),
-        (
-            "friction-before.svg",
-            series(
-                "Friction coefficient before the shift",
-                "1",
-                &result.friction_before,
-            ),
-        ),
-        (
-            "friction.svg",
-            series("Friction coefficient", "1", &result.friction),
-        ),
-    ]
-    .into_iter()
-    .filter_map(|(name, series)| Some((name, history(&series)?)))
-    .collect()
 }

@@ -38,7 +38,11 @@ pub(super) fn counts(summary: &Summary) -> String {
         line(&mut text, &condition, &count);
     }
     groups(&mut text, &summary.groups);
-    let all = Count::new(summary.verified, summary.points);
+    let all = Count {
+        passed: summary.verified,
+        fraction: summary.verified_fraction,
+        interval: summary.verified_interval,
+    };
     line(&mut text, "all criteria: verified", &all);
     for (name, variant) in &summary.variants {
         let _ = writeln!(text, "\n{}", variant.about.as_deref().unwrap_or(name));

@@ -5,22 +5,23 @@
 use ::sobol::params::JoeKuoD6;
 
 use super::random::{self, Purpose, mix};
+use crate::study;
 
 const BITS: u32 = 32;
 
-/// A scrambled net.
+/// A net, scrambled several times independently. The points belong to the replicates in turn, so
+/// that any first part of them holds an equal part of each.
 #[derive(Clone, Debug)]
-pub(super) struct Net {
+pub(super) struct Nets {
     seed: u64,
+    replicates: u64,
     /// Direction numbers, the first digit in the highest bit.
     directions: Vec<[u32; BITS as usize]>,
-    /// Starting values of the scrambling hash, an input each.
-    keys: Vec<u64>,
 }
 
-impl Net {
-    pub(super) fn new(seed: u64, dimensions: usize, points: u64) -> Result<Self, String> {
-        if points > 1 << BITS {
+impl Nets {
+    pub(super) fn new(design: &study::Design, dimensions: usize) -> Result<Self, String> {
+        if design.points / design.replicates > 1 << BITS {
             return Err(format!("a Sobol net has at most 2^{BITS} points"));
         }
         let parameters = JoeKuoD6::minimal();
@@ -36,21 +37,31 @@ impl Net {
             .chain(others)
             .take(dimensions)
             .collect();
-        let key = |dimension| random::bits(seed, Purpose::Permutation, u64::MAX, dimension);
         Ok(Self {
-            seed,
+            seed: design.seed,
+            replicates: design.replicates,
             directions,
-            keys: (0..).take(dimensions).map(key).collect(),
         })
     }
 
     /// The coordinate of a point.
     pub(super) fn uniform(&self, index: u64, dimension: u32) -> f64 {
-        let place = dimension as usize;
-        let digits = scramble(plain(index, &self.directions[place]), self.keys[place]);
+        let (replicate, place) = (index % self.replicates, index / self.replicates);
+        let plain = plain(place, &self.directions[dimension as usize]);
+        let digits = scramble(plain, self.key(replicate, dimension));
         // The digits beyond the net's are random, as scrambling to infinity makes them.
         let rest = random::bits(self.seed, Purpose::Jitter, index, dimension);
         random::to_unit(u64::from(digits) << BITS | rest >> BITS)
+    }
+
+    /// Where the scrambling hash of an input starts.
+    fn key(&self, replicate: u64, dimension: u32) -> u64 {
+        random::bits(
+            self.seed,
+            Purpose::Permutation,
+            u64::MAX - replicate,
+            dimension,
+        )
     }
 }
 
@@ -113,26 +124,48 @@ mod tests {
         assert_eq!(points, [0.0, 0.5, 0.75, 0.25, 0.375, 0.875, 0.625, 0.125]);
     }
 
+    fn nets(points: u64, replicates: u64, dimensions: usize) -> Result<Nets, String> {
+        let design = study::Design {
+            method: study::Method::Sobol,
+            points,
+            seed: 11,
+            replicates,
+        };
+        Nets::new(&design, dimensions)
+    }
+
     #[test]
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-    fn every_elementary_interval_holds_its_share() {
+    fn every_elementary_interval_holds_its_share_in_every_replicate() {
         // The first two inputs are a (0, m, 2)-net in base 2: each of the 2^m boxes of
         // 2^a by 2^(m-a) holds one point, before and after scrambling.
-        let net = Net::new(11, 2, 1 << 8).unwrap();
-        for a in 0..=8 {
-            let mut seen = [false; 1 << 8];
-            for index in 0..1 << 8 {
-                let x = (net.uniform(index, 0) * f64::from(1 << a)) as usize;
-                let y = (net.uniform(index, 1) * f64::from(1 << (8 - a))) as usize;
-                let place = x << (8 - a) | y;
-                assert!(!seen[place]);
-                seen[place] = true;
+        for (replicates, replicate) in [(1, 0), (3, 0), (3, 2)] {
+            let net = nets(replicates << 8, replicates, 2).unwrap();
+            for a in 0..=8 {
+                let mut seen = [false; 1 << 8];
+                for index in (replicate..replicates << 8).step_by(replicates as usize) {
+                    let x = (net.uniform(index, 0) * f64::from(1 << a)) as usize;
+                    let y = (net.uniform(index, 1) * f64::from(1 << (8 - a))) as usize;
+                    let place = x << (8 - a) | y;
+                    assert!(!seen[place]);
+                    seen[place] = true;
+                }
             }
         }
     }
 
     #[test]
+    fn replicates_are_scrambled_differently() {
+        let net = nets(64, 2, 1).unwrap();
+        let same = |index: u64| {
+            let digit = |index| (net.uniform(index, 0) * 64.0).floor();
+            digit(2 * index) == digit(2 * index + 1)
+        };
+        assert!((0..32).filter(|index| same(*index)).count() < 8);
+    }
+
+    #[test]
     fn too_many_inputs_are_refused() {
-        assert!(Net::new(1, 101, 10).unwrap_err().contains("at most 100"));
+        assert!(nets(10, 1, 101).unwrap_err().contains("at most 100"));
     }
 }

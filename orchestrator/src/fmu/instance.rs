@@ -12,6 +12,7 @@ use thiserror::Error;
 use super::Library;
 use super::library::{Callbacks, Component};
 use super::logger::{Log, orchestrator_logger};
+use crate::task::{Column, Content};
 
 /// The status that a function of FMI 2.0 returns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -88,6 +89,16 @@ pub enum Value {
     /// A text.
     String(String),
 }
+
+/// A state of one instance. It must be given back to that instance with [`Instance::forget`].
+#[derive(Debug)]
+pub struct State {
+    state: *mut c_void,
+    free: unsafe extern "C" fn(Component, *mut *mut c_void) -> c_int,
+}
+
+// SAFETY: as for the instance to which it belongs.
+unsafe impl Send for State {}
 
 /// One instance. It may move between threads, but only one at a time may use it.
 #[derive(Debug)]
@@ -175,10 +186,12 @@ impl Instance {
         self.dead
     }
 
+    #[inline]
     fn check(&mut self, function: &'static str, status: c_int) -> Result<(), Call> {
-        match Status::from(status) {
-            Status::Ok | Status::Warning => Ok(()),
-            status => Err(self.failed(function, status)),
+        match status {
+            // Ok and warning.
+            0 | 1 => Ok(()),
+            status => Err(self.failed(function, Status::from(status))),
         }
     }
 
@@ -362,6 +375,24 @@ impl Instance {
         Ok(text.to_string_lossy().into_owned())
     }
 
+    /// Reads a variable of any kind.
+    ///
+    /// # Errors
+    /// When the FMU refuses.
+    pub fn value(&mut self, column: &Column) -> Result<Value, Call> {
+        let reference = column.reference;
+        Ok(match column.content {
+            Content::Real => {
+                let mut value = [0.0];
+                self.reals(&[reference], &mut value)?;
+                Value::Real(value[0])
+            }
+            Content::Integer => Value::Integer(self.integer(reference)?),
+            Content::Boolean => Value::Boolean(self.boolean(reference)?),
+            Content::Text => Value::String(self.string(reference)?),
+        })
+    }
+
     /// Writes real variables.
     ///
     /// # Errors
@@ -425,6 +456,38 @@ impl Instance {
         // SAFETY: the component is alive.
         let status = unsafe { reset(self.component) };
         self.check("fmi2Reset", status)
+    }
+
+    /// Keeps the present state of the FMU; `None` where the FMU cannot.
+    pub fn save(&mut self) -> Option<State> {
+        let functions = self.library.functions;
+        let (get, _, free) = functions.states?;
+        let mut state = ptr::null_mut();
+        // SAFETY: the component is alive, and the state is a valid place to write to.
+        let status = unsafe { get(self.component, &raw mut state) };
+        self.check("fmi2GetFMUstate", status).ok()?;
+        Some(State { state, free })
+    }
+
+    /// Takes the instance back to a state that it has kept.
+    ///
+    /// # Errors
+    /// When the FMU cannot; then a new instance is needed.
+    pub fn restore(&mut self, state: &State) -> Result<(), Call> {
+        let states = self.library.functions.states;
+        let (_, set, _) = states.ok_or_else(|| Self::missing("fmi2SetFMUstate"))?;
+        self.log.clear();
+        // SAFETY: the component is alive, and the state is one of its own.
+        let status = unsafe { set(self.component, state.state) };
+        self.check("fmi2SetFMUstate", status)
+    }
+
+    /// Gives back what a state occupies.
+    pub fn forget(&mut self, mut state: State) {
+        if !self.dead {
+            // SAFETY: the component is alive, and the state is one of its own, used no more.
+            unsafe { (state.free)(self.component, &raw mut state.state) };
+        }
     }
 
     /// Ends a simulation that was initialised. What the FMU returns no longer matters.

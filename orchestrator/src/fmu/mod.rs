@@ -24,7 +24,7 @@ use thiserror::Error;
 
 pub use archive::ArchiveError;
 pub use description::{Causality, Description, Kind, Variability, Variable};
-pub use instance::{Call, Instance, Status, Value};
+pub use instance::{Call, Instance, State, Status, Value};
 pub use library::{Library, LibraryError};
 pub use parse::DescriptionError;
 
@@ -57,6 +57,18 @@ pub enum FmuError {
         /// What is wrong.
         source: LibraryError,
     },
+}
+
+impl FmuError {
+    /// The same, of the FMU that the user calls so.
+    pub fn at(self, name: &Path) -> Self {
+        let path = name.to_owned();
+        match self {
+            Self::Archive { source, .. } => Self::Archive { path, source },
+            Self::Description { source, .. } => Self::Description { path, source },
+            Self::Library { source, .. } => Self::Library { path, source },
+        }
+    }
 }
 
 /// An FMU at rest: its description, and its files once they are unpacked.

@@ -110,7 +110,8 @@ pub(super) fn readings(report: &Report, counted: &Verdict) -> Vec<ReadingRow> {
         criterion.map(|k| counted.criteria[k].passes.count)
     };
     let row = |reading: &super::Reading| {
-        let share = Fraction::wilson(reading.verified, report.table.len());
+        let share = reading.verified as f64 / report.table.len().max(1) as f64;
+        let [low, high] = reading.interval;
         let changed = reading
             .criteria
             .iter()
@@ -122,8 +123,8 @@ pub(super) fn readings(report: &Report, counted: &Verdict) -> Vec<ReadingRow> {
             name: reading.name.clone(),
             about: reading.about.clone(),
             verified: count(reading.verified),
-            percent: percent(share.value()),
-            interval: format!("{} – {}", percent(share.low), percent(share.high)),
+            percent: percent(share),
+            interval: format!("{} – {}", percent(low), percent(high)),
             changes: if words.is_empty() {
                 "as above".into()
             } else {

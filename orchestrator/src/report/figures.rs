@@ -319,19 +319,18 @@ pub fn history(series: &Series) -> Option<String> {
     let _ = write!(
         out,
         "<path class=\"{class}\" d=\"{}\"/>",
-        envelope(series, &frame)
+        envelope(&series.time, &series.values, &frame)
     );
     Some(frame.wrap(&format!("{} over time", series.name), &out))
 }
 
 /// A polyline through the first, least, greatest and last value of every pixel column.
-fn envelope(series: &Series, frame: &Frame) -> String {
+pub(super) fn envelope(time: &[f64], values: &[f64], frame: &Frame) -> String {
     let mut d = String::new();
     let mut pen = 'M';
-    let points: Vec<(f64, f64)> = series
-        .time
+    let points: Vec<(f64, f64)> = time
         .iter()
-        .zip(&series.values)
+        .zip(values)
         .filter(|(_, v)| v.is_finite())
         .map(|(t, v)| (frame.x.at(*t), frame.y.clamped(*v)))
         .collect();

@@ -1,6 +1,6 @@
 //! A report from the folder that `verify` leaves behind.
 
-use super::{Reading, Report, ReportError, history, robustness, sensitivity};
+use super::{Intervals, Reading, Report, ReportError, history, pareto, robustness, sensitivity};
 use crate::analysis::from_results;
 use crate::results::Summary;
 use crate::results::summary::VariantCount;
@@ -31,6 +31,7 @@ impl Report {
                 ),
             },
             provenance: provenance(&summary),
+            intervals: intervals(&summary),
             readings: summary
                 .variants
                 .iter()
@@ -39,11 +40,27 @@ impl Report {
             history: history::read(folder, &table),
             robustness: robustness::read(folder),
             sensitivity: sensitivity::read(folder),
+            pareto: pareto::read(folder),
             study_text,
             table,
             ..Self::default()
         })
     }
+}
+
+/// A summary of an older version says nothing of its intervals; they are Wilson's.
+fn intervals(summary: &Summary) -> Option<Intervals> {
+    let groups = summary.groups.iter();
+    (!summary.interval_method.is_empty()).then(|| Intervals {
+        method: summary.interval_method.clone(),
+        verified: summary.verified_interval,
+        criteria: summary
+            .criteria
+            .values()
+            .map(|c| c.count.interval)
+            .collect(),
+        groups: groups.map(|(name, c)| (name.clone(), c.interval)).collect(),
+    })
 }
 
 fn provenance(summary: &Summary) -> Vec<(String, String)> {
@@ -56,7 +73,13 @@ fn provenance(summary: &Summary) -> Vec<(String, String)> {
         ("Model version", p.fmu_version.clone()),
         ("FMU GUID", p.fmu_guid.clone()),
         ("FMU SHA-256", p.fmu_sha256.clone()),
-        ("Design", Some(p.method.clone())),
+        (
+            "Design",
+            Some(match p.replicates {
+                Some(n) => format!("{}, {n} nets scrambled independently", p.method),
+                None => p.method.clone(),
+            }),
+        ),
         ("Seed", p.seed.map(|seed| seed.to_string())),
         ("Points", Some(summary.points.to_string())),
         (
@@ -80,6 +103,7 @@ fn reading(name: &str, variant: &VariantCount) -> Reading {
         name: name.to_owned(),
         about: variant.about.clone().unwrap_or_default(),
         verified: variant.verified.passed as usize,
+        interval: variant.verified.interval,
         criteria: variant.criteria.iter().map(part).collect(),
         groups: variant.groups.iter().map(part).collect(),
     }

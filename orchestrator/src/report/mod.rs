@@ -8,17 +8,25 @@ pub mod format;
 mod from_results;
 pub mod history;
 mod page;
+pub mod pareto;
 mod payload;
 mod planes;
+#[cfg(feature = "png")]
+mod png;
+pub mod recording;
 pub mod robustness;
 pub mod sensitivity;
 pub mod svg;
 
 use crate::analysis::from_results::FolderError;
+use crate::analysis::pareto::study::Pareto;
 use crate::analysis::robustness::Robustness;
 use crate::analysis::sensitivity::study::Sensitivity;
 use crate::analysis::table::PointTable;
+use crate::analysis::verdict::{Fraction, Verdict};
 use figures::Series;
+#[cfg(feature = "png")]
+use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -35,6 +43,8 @@ pub struct Report {
     pub date: String,
     /// The points.
     pub table: PointTable,
+    /// The counts' intervals, where the points are not independent of each other.
+    pub intervals: Option<Intervals>,
     /// Counts by other readings of the tolerances.
     pub readings: Vec<Reading>,
     /// The trajectory of the best point, if it was recorded.
@@ -43,12 +53,45 @@ pub struct Report {
     pub sensitivity: Option<Sensitivity>,
     /// How far the parameters may go, where that was computed.
     pub robustness: Option<Robustness>,
+    /// What the criteria cost each other, where that was computed.
+    pub pareto: Option<Pareto>,
     /// What is needed to get the same result again: versions, seed, hashes.
     pub provenance: Vec<(String, String)>,
     /// The command that reproduces the result.
     pub command: String,
     /// The study as a file, to be kept with the result.
     pub study_text: String,
+}
+
+/// 95 % intervals of the shares of points that pass.
+#[derive(Clone, Debug, Default)]
+pub struct Intervals {
+    /// How they were computed, for people.
+    pub method: String,
+    /// Of the points that meet all criteria.
+    pub verified: [f64; 2],
+    /// One a criterion.
+    pub criteria: Vec<[f64; 2]>,
+    /// One a group of criteria, by its name.
+    pub groups: Vec<(String, [f64; 2])>,
+}
+
+impl Intervals {
+    /// Puts them in place of those that take the points as independent.
+    fn replace_in(&self, counted: &mut Verdict) {
+        let put = |share: &mut Fraction, [low, high]: [f64; 2]| {
+            (share.low, share.high) = (low, high);
+        };
+        put(&mut counted.verified, self.verified);
+        for (count, interval) in counted.criteria.iter_mut().zip(&self.criteria) {
+            put(&mut count.passes, *interval);
+        }
+        for (name, share) in &mut counted.groups {
+            if let Some((_, interval)) = self.groups.iter().find(|(own, _)| own == name) {
+                put(share, *interval);
+            }
+        }
+    }
 }
 
 /// Counts of points by another reading of the tolerances.
@@ -60,6 +103,8 @@ pub struct Reading {
     pub about: String,
     /// Points that meet all criteria.
     pub verified: usize,
+    /// The 95 % interval of their share.
+    pub interval: [f64; 2],
     /// Points that meet a criterion, by its name.
     pub criteria: Vec<(String, usize)>,
     /// Points that meet all criteria of a group, by its name.
@@ -83,6 +128,9 @@ pub enum ReportError {
     /// The page could not be put together.
     #[error("cannot put the report together: {0}")]
     Page(#[from] minijinja::Error),
+    /// A plot could not be turned into pixels.
+    #[error("cannot make PNG files: {0}")]
+    Png(String),
     /// The embedded data could not be put together.
     #[error("cannot embed the points in the report: {0}")]
     Data(#[from] serde_json::Error),
@@ -107,6 +155,34 @@ impl Report {
         let path = folder.join("report.html");
         write_file(&path, &self.html()?)?;
         Ok(path)
+    }
+}
+
+impl Report {
+    /// Writes all plots as `plots/*.png`, too, and returns how many there are.
+    ///
+    /// # Errors
+    /// When the machine has no font, or a file cannot be written.
+    #[cfg(feature = "png")]
+    pub fn write_png(&self, folder: &Path) -> Result<usize, ReportError> {
+        let painter = png::Painter::new().map_err(ReportError::Png)?;
+        let plots = page::plots(self);
+        plots.par_iter().try_for_each(|(name, plot)| {
+            let file = painter.png(&svg::plain(plot)).map_err(ReportError::Png)?;
+            let path = folder.join("plots").join(format!("{name}.png"));
+            std::fs::write(&path, file).map_err(|source| ReportError::Write { path, source })
+        })?;
+        Ok(plots.len())
+    }
+
+    /// This program was built without the feature `png`.
+    ///
+    /// # Errors
+    /// Always.
+    #[cfg(not(feature = "png"))]
+    pub fn write_png(&self, _: &Path) -> Result<usize, ReportError> {
+        let message = "this program was built without the feature `png`";
+        Err(ReportError::Png(message.to_owned()))
     }
 }
 

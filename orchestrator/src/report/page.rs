@@ -33,6 +33,7 @@ struct Page<'a> {
     rows: Vec<CountRow>,
     decisive: String,
     readings: Vec<ReadingRow>,
+    interval_method: &'a str,
     expected: String,
     planes: Vec<Plane>,
     parameters: Vec<Small>,
@@ -44,6 +45,7 @@ struct Page<'a> {
     histories: Vec<History>,
     sensitivity: Option<super::sensitivity::View>,
     robustness: Option<super::robustness::View>,
+    pareto: Option<super::pareto::View>,
     provenance: &'a [(String, String)],
     command: &'a str,
     study_text: &'a str,
@@ -69,10 +71,13 @@ struct Small {
 pub fn render(report: &Report) -> Result<String, ReportError> {
     let table = &report.table;
     let columns = payload::columns(table);
-    let ranking = table.ranking();
+    let ranking = table.best(payload::MOST_POINTS);
     let order: Vec<usize> = ranking.iter().map(|r| r.point).collect();
     let points = payload::embedded(table, &order, columns.len());
-    let counted = verdict(table);
+    let mut counted = verdict(table);
+    if let Some(intervals) = &report.intervals {
+        intervals.replace_in(&mut counted);
+    }
     let sure = truly_inside(table);
     let data = serde_json::to_string(&payload::payload(table, &points))?;
 
@@ -106,6 +111,10 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
         rows: count_rows(table, &counted),
         decisive: decisive(table, &counted),
         readings: readings(report, &counted),
+        interval_method: report
+            .intervals
+            .as_ref()
+            .map_or("Wilson's score interval", |i| &i.method),
         expected: number(sure.iter().sum(), 4),
         planes: planes(table, &columns, &points),
         parameters: distributions(table, &columns[..table.parameters.len()], 0),
@@ -121,6 +130,7 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
         histories: histories(report),
         sensitivity: report.sensitivity.as_ref().map(super::sensitivity::view),
         robustness: report.robustness.as_ref().map(super::robustness::view),
+        pareto: report.pareto.as_ref().map(super::pareto::view),
         provenance: &report.provenance,
         command: &report.command,
         study_text: &report.study_text,
@@ -135,7 +145,8 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
 pub fn plots(report: &Report) -> Vec<(String, String)> {
     let table = &report.table;
     let columns = payload::columns(table);
-    let order: Vec<usize> = table.ranking().iter().map(|r| r.point).collect();
+    let best = table.best(payload::MOST_POINTS);
+    let order: Vec<usize> = best.iter().map(|r| r.point).collect();
     let points = payload::embedded(table, &order, columns.len());
     let mut plots: Vec<(String, String)> = planes(table, &columns, &points)
         .into_iter()
@@ -158,6 +169,14 @@ pub fn plots(report: &Report) -> Vec<(String, String)> {
             .iter()
             .filter_map(|s| Some((format!("history-{}", s.name), figures::history(s)?))),
     );
+    plots.extend(
+        report
+            .sensitivity
+            .iter()
+            .flat_map(super::sensitivity::plots),
+    );
+    plots.extend(report.robustness.iter().flat_map(super::robustness::plots));
+    plots.extend(report.pareto.iter().flat_map(super::pareto::files));
     for (name, _) in &mut plots {
         *name = name
             .chars()

@@ -8,7 +8,7 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 
 /// At most so many points are drawn one by one.
-const MOST_POINTS: usize = 20_000;
+pub(super) const MOST_POINTS: usize = 20_000;
 /// At most so many bytes of embedded columns.
 const MOST_COLUMN_BYTES: usize = 2_000_000;
 /// At most so many bytes of embedded densities.

@@ -90,19 +90,19 @@ pub(super) fn strongest_pairs(table: &PointTable) -> Vec<(usize, usize)> {
 }
 
 pub(super) fn correlation(x: &[f64], y: &[f64]) -> f64 {
-    let pairs: Vec<(f64, f64)> = x
-        .iter()
-        .copied()
-        .zip(y.iter().copied())
-        .filter(|(a, b)| a.is_finite() && b.is_finite())
-        .collect();
-    let n = pairs.len() as f64;
-    let (mx, my) = (
-        pairs.iter().map(|p| p.0).sum::<f64>() / n,
-        pairs.iter().map(|p| p.1).sum::<f64>() / n,
-    );
+    let pairs = || {
+        let both = x.iter().copied().zip(y.iter().copied());
+        both.filter(|(a, b)| a.is_finite() && b.is_finite())
+    };
+    let (mut n, mut mx, mut my) = (0.0, 0.0, 0.0);
+    for (a, b) in pairs() {
+        n += 1.0;
+        mx += a;
+        my += b;
+    }
+    (mx, my) = (mx / n, my / n);
     let (mut xx, mut yy, mut xy) = (0.0, 0.0, 0.0);
-    for (a, b) in pairs {
+    for (a, b) in pairs() {
         xx += (a - mx).powi(2);
         yy += (b - my).powi(2);
         xy += (a - mx) * (b - my);

@@ -3,7 +3,9 @@
 use super::format::{escape, number, percent, with_unit};
 use super::svg::ticks;
 use crate::analysis::robustness::Robustness;
+use crate::analysis::robustness::combinations::{Bound, Combination};
 use crate::analysis::robustness::maps::{CELLS, Map};
+use crate::analysis::robustness::region::Confirmed;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -20,10 +22,12 @@ pub fn read(folder: &Path) -> Option<Robustness> {
 #[derive(Serialize)]
 pub struct View {
     quality: Vec<[String; 4]>,
+    further_runs: usize,
     rows: Vec<[String; 6]>,
     level: String,
     region: Option<String>,
     ellipsoid: Option<String>,
+    unsafe_combinations: Vec<[String; 5]>,
     groups: Vec<Group>,
     warnings: Vec<String>,
 }
@@ -47,10 +51,8 @@ pub fn view(result: &Robustness) -> View {
             percent(q.predicted.max(0.0)),
         ]
     };
-    let share = |share: f64,
-                 probability: f64,
-                 c: crate::analysis::robustness::region::Confirmed| {
-        format!(
+    let share = |share: f64, probability: f64, c: Confirmed, fresh: Option<Confirmed>| {
+        let own = format!(
             "{} % of the sampled space; {} % of it is verified by the surrogates. Of the study's own points {} lie inside, {} of them verified (95 % interval {} – {} %).",
             percent(share),
             percent(probability),
@@ -58,23 +60,59 @@ pub fn view(result: &Robustness) -> View {
             c.verified,
             percent(c.interval[0]),
             percent(c.interval[1])
+        );
+        let Some(f) = fresh else { return own };
+        format!(
+            "{own} Of {} fresh runs inside {} are verified (95 % interval {} – {} %): {}.",
+            f.points,
+            f.verified,
+            percent(f.interval[0]),
+            percent(f.interval[1]),
+            f.on(probability)
         )
+    };
+    let combination = |c: &Combination| {
+        [
+            bounds(result, c),
+            percent(c.share),
+            percent(c.probability),
+            c.lost.clone(),
+            format!("{} of {}", c.confirmed.verified, c.confirmed.points),
+        ]
     };
     View {
         quality: result.criteria.iter().map(quality).collect(),
+        further_runs: result.further_runs,
         rows: table(result),
         level: percent(result.level),
         region: result
             .region
             .as_ref()
-            .map(|r| share(r.share, r.probability, r.confirmed)),
+            .map(|r| share(r.share, r.probability, r.confirmed, r.fresh)),
         ellipsoid: result
             .ellipsoid
             .as_ref()
-            .map(|e| share(e.share, e.probability, e.confirmed)),
+            .map(|e| share(e.share, e.probability, e.confirmed, e.fresh)),
+        unsafe_combinations: result.unsafe_combinations.iter().map(combination).collect(),
         groups: groups(result),
         warnings: result.warnings.clone(),
     }
+}
+
+/// A region in words.
+pub fn bounds(result: &Robustness, c: &Combination) -> String {
+    let bound = |b: &Bound| {
+        let side = if b.below { "below" } else { "above" };
+        let unit = &result.units[b.parameter];
+        let limit = number(b.limit, 4);
+        let words = format!("{} {side} {limit} {unit}", result.parameters[b.parameter]);
+        words.trim_end().to_owned()
+    };
+    c.bounds
+        .iter()
+        .map(bound)
+        .collect::<Vec<_>>()
+        .join(" with ")
 }
 
 /// Parameter, margins below and above with the criterion that is lost, box.
@@ -100,6 +138,19 @@ fn table(result: &Robustness) -> Vec<[String; 6]> {
         ]
     };
     result.margins.iter().enumerate().map(row).collect()
+}
+
+/// The plots that are written as files: name and picture.
+pub fn plots(result: &Robustness) -> Vec<(String, String)> {
+    let name = |k: usize| &result.parameters[k];
+    let mut plots = Vec::new();
+    for group in groups(result) {
+        for (map, svg) in result.maps.iter().zip(group.maps) {
+            let file = format!("map-{}-{}-{}", group.name, name(map.x), name(map.y));
+            plots.push((file, svg));
+        }
+    }
+    plots
 }
 
 fn groups(result: &Robustness) -> Vec<Group> {
@@ -190,7 +241,7 @@ fn picture(result: &Robustness, map: &Map, what: &str, values: &[f64], range: [f
     let name = |k: usize| with_unit(&result.parameters[k], &result.units[k]);
     let _ = write!(
         out,
-        "<text class=\"title\" x=\"{:.0}\" y=\"{:.0}\" text-anchor=\"middle\">{}</text><text class=\"title\" transform=\"translate(9,{:.0}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
+        "<text class=\"title\" x=\"{:.0}\" y=\"{:.0}\" text-anchor=\"middle\">{}</text><text class=\"title\" transform=\"translate(11,{:.0}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
         LEFT + SIDE / 2.0,
         SIDE + 38.0,
         escape(&name(map.x)),

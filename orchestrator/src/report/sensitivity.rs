@@ -70,6 +70,15 @@ pub fn view(result: &Sensitivity) -> View {
     }
 }
 
+/// The plots that are written as files: name and picture.
+pub fn plots(result: &Sensitivity) -> Vec<(String, String)> {
+    let plot = |o: &Output| {
+        let view = output(&result.parameters, o);
+        (format!("sensitivity-{}", view.name), view.svg)
+    };
+    result.outputs.iter().map(plot).collect()
+}
+
 fn output(parameters: &[String], output: &Output) -> OutputView {
     let effects: Vec<Estimate> = output.morris.iter().flatten().map(|e| e.mu_star).collect();
     let mut shown: Vec<Measure<'_>> = Vec::new();

@@ -147,11 +147,43 @@ impl Frame {
     }
 }
 
-/// Turns a picture of the page into a file of its own.
+/// Turns a picture of the page into a file of its own, in light or dark as the reader's screen is.
 pub fn standalone(svg: &str) -> String {
+    let style = format!(
+        "{}@media (prefers-color-scheme: dark) {{ {} }}",
+        rules(LIGHT),
+        rules(DARK)
+    );
+    with_style(svg, &style)
+}
+
+/// The same in light only, with nothing but what every program understands.
+pub fn plain(svg: &str) -> String {
+    with_style(svg, &rules(LIGHT))
+}
+
+const LIGHT: usize = 0;
+const DARK: usize = 1;
+
+/// The style sheet's rules with its colours of light (or dark) written out: few programs but
+/// browsers know variables.
+fn rules(scheme: usize) -> String {
+    const BEGIN: &str = ":root {";
+    let colours = STYLE.split(BEGIN).nth(1 + scheme).unwrap_or_default();
+    let colours = colours.split('}').next().unwrap_or_default();
+    // What follows the last block of colours and the bracket of its media query.
+    let rules = STYLE.rsplit(BEGIN).next().unwrap_or_default();
+    let rules = rules.splitn(3, '}').nth(2).unwrap_or_default().to_owned();
+    let pairs = colours.split(';').filter_map(|c| c.trim().split_once(": "));
+    pairs.fold(rules, |rules, (name, colour)| {
+        rules.replace(&format!("var({name})"), colour)
+    })
+}
+
+fn with_style(svg: &str, style: &str) -> String {
     match svg.find('>') {
         Some(end) => format!(
-            "{}<style>{STYLE}</style><rect class=\"paper\" width=\"100%\" height=\"100%\"/>{}",
+            "{}<style>{style}</style><rect class=\"paper\" width=\"100%\" height=\"100%\"/>{}",
             &svg[..=end],
             &svg[end + 1..]
         ),
@@ -162,6 +194,16 @@ pub fn standalone(svg: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn files_have_their_colours_written_out() {
+        let file = standalone("<svg class=\"plot\"><path class=\"axis\"/></svg>");
+        assert!(!file.contains("var("), "{file}");
+        assert!(file.contains(".plot .axis { stroke: #5a6672; }"), "{file}");
+        assert!(file.contains(".plot .axis { stroke: #a2aeb9; }"), "{file}");
+        assert_eq!(file.matches('{').count(), file.matches('}').count());
+        assert!(!plain("<svg></svg>").contains("@media"));
+    }
 
     #[test]
     fn ticks_are_round_and_inside() {

@@ -104,18 +104,19 @@ impl Journal {
         folder.join("journal.txt")
     }
 
-    /// Begins a journal.
+    /// Begins a journal. It appears with its first line in place, or not at all.
     ///
     /// # Errors
     /// When there is one already, and when the system says no.
     pub fn create(folder: &Path, header: &Header) -> Result<Self, ResultsError> {
         let path = Self::path_in(folder);
         fs::create_dir_all(folder).map_err(ResultsError::io(folder))?;
-        let file = OpenOptions::new().append(true).create_new(true).open(&path);
-        let file = file.map_err(|error| match error.kind() {
-            io::ErrorKind::AlreadyExists => ResultsError::Begun(folder.to_owned()),
-            _ => ResultsError::io(&path)(error),
-        })?;
+        let draft = tempfile::Builder::new()
+            .prefix(".writing-")
+            .tempfile_in(folder);
+        let draft = draft.map_err(ResultsError::io(folder))?;
+        let file = OpenOptions::new().append(true).open(draft.path());
+        let file = file.map_err(ResultsError::io(&path))?;
         let mut journal = Self::new(folder, path, file)?;
         let header = serde_json::to_string(header).map_err(|error| ResultsError::Content {
             path: journal.path.clone(),
@@ -124,6 +125,12 @@ impl Journal {
         journal.line.push_str(&header);
         journal.finish_line();
         journal.flush()?;
+        draft
+            .persist_noclobber(&journal.path)
+            .map_err(|error| match error.error.kind() {
+                io::ErrorKind::AlreadyExists => ResultsError::Begun(folder.to_owned()),
+                _ => ResultsError::io(&journal.path)(error.error),
+            })?;
         Ok(journal)
     }
 
@@ -277,6 +284,19 @@ pub struct Finished {
 
 const NOWHERE: u64 = u64::MAX;
 
+/// As many places as points: 8 bytes each.
+fn places(folder: &Path, points: u64) -> Result<Vec<u64>, ResultsError> {
+    let mut places = Vec::new();
+    let count = usize::try_from(points).unwrap_or(usize::MAX);
+    let room = places.try_reserve_exact(count);
+    room.map_err(|_| ResultsError::Content {
+        path: Journal::path_in(folder),
+        message: format!("{points} points do not fit into the memory; use --shard"),
+    })?;
+    places.resize(count, NOWHERE);
+    Ok(places)
+}
+
 impl Finished {
     /// Reads the journal of a folder.
     ///
@@ -285,7 +305,7 @@ impl Finished {
     pub fn read(folder: &Path) -> Result<Self, ResultsError> {
         let (mut lines, header) = open(folder)?;
         let mut finished = Self {
-            places: vec![NOWHERE; usize::try_from(header.points).unwrap_or(0)],
+            places: places(folder, header.points)?,
             header,
             path: Journal::path_in(folder),
             count: 0,

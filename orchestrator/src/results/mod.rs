@@ -27,7 +27,7 @@ pub type Outcome = Result<Vec<f64>, Failure>;
 #[derive(Debug, Error)]
 pub enum ResultsError {
     /// The system says no.
-    #[error("{path}: {source}")]
+    #[error("{path}: {}", reason(.source))]
     Io {
         /// The file or folder.
         path: PathBuf,
@@ -79,6 +79,20 @@ pub enum ResultsError {
         /// What is wrong.
         message: String,
     },
+}
+
+/// What the system says, with the remedy where there is one.
+fn reason(error: &io::Error) -> String {
+    let full = [
+        io::ErrorKind::StorageFull,
+        io::ErrorKind::QuotaExceeded,
+        io::ErrorKind::FileTooLarge,
+    ];
+    if full.contains(&error.kind()) {
+        format!("{error}: nothing more can be written; make room and go on with --resume")
+    } else {
+        error.to_string()
+    }
 }
 
 impl ResultsError {

@@ -1,5 +1,6 @@
 //! `points.csv`: a row a point.
 
+use std::borrow::Cow;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -130,7 +131,7 @@ pub struct Points {
     /// Whether all criteria are met.
     pub verified: Vec<bool>,
     /// `ok`, or why the point failed.
-    pub status: Vec<String>,
+    pub status: Vec<Cow<'static, str>>,
 }
 
 impl Points {
@@ -189,7 +190,11 @@ impl Points {
             column.push(cells.next()? == "true");
         }
         self.verified.push(cells.next()? == "true");
-        self.status.push(cells.next()?.to_owned());
+        // A million points are hardly ever not ok: their texts would be a good part of the memory.
+        self.status.push(match cells.next()? {
+            "ok" => Cow::Borrowed("ok"),
+            failure => Cow::Owned(failure.to_owned()),
+        });
         Some(())
     }
 

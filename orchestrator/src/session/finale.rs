@@ -28,7 +28,9 @@ impl Session {
     ) -> Result<Summary, SessionError> {
         let finished = Finished::read(folder)?;
         let mut outcomes = finished.outcomes()?;
-        let mut tally = Tally::new(&self.judge);
+        let provenance = self.provenance();
+        let replicates = provenance.replicates.unwrap_or(1);
+        let mut tally = Tally::of_replicates(&self.judge, replicates);
         let mut files = FileSet::new(folder, &self.plan.inputs, &self.judge)?;
         for index in 0..self.source.len() {
             let incomplete = || ResultsError::Incomplete {
@@ -45,7 +47,7 @@ impl Session {
             }
         }
         let parameters = self.plan.inputs.iter().map(ParameterSummary::new).collect();
-        let mut summary = tally.summary(self.study.title.clone(), self.provenance(), parameters);
+        let mut summary = tally.summary(self.study.title.clone(), provenance, parameters);
         summary.run = run;
         files.finish(&summary)?;
         Ok(summary)
@@ -68,6 +70,7 @@ impl Session {
                 .filter(|_| !given)
                 .unwrap_or_else(|| "table".to_owned()),
             seed: (!given).then_some(header.seed),
+            replicates: Some(self.study.design.replicates).filter(|&n| !given && n > 1),
             ..provenance(&self.study)
         }
     }

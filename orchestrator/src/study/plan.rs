@@ -1,13 +1,16 @@
 //! Ties a study to an FMU: names become variables, units convert, numbers are checked.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
 use super::quantity::{Quantity, Scale, Sense};
-use super::{Name, Parameter, Setting, Shape, Study, StudyError};
+use super::{Method, Name, Pair, Parameter, Setting, Shape, Study, StudyError};
+use super::{inputs, ssv};
+use crate::design::correlation::Correlation;
+use crate::design::{self, Design};
 use crate::distribution::Distribution;
 use crate::fmu::{Description, Kind, Value, Variability, Variable};
-use crate::names::did_you_mean;
+use crate::names::{did_you_mean, nearest};
 use crate::task::{Probe, Schedule, Slot, Storage, Task};
 use crate::units::Conversion;
 
@@ -20,6 +23,10 @@ pub struct Plan {
     pub inputs: Vec<Input>,
     /// From the FMU's unit to the study's, a criterion each.
     pub outputs: Vec<Conversion>,
+    /// The levels of the parameters in a full factorial.
+    levels: Vec<Option<u64>>,
+    /// How the parameters are correlated, if they are.
+    correlation: Option<Correlation>,
 }
 
 /// One uncertain parameter.
@@ -44,19 +51,43 @@ impl Plan {
     /// With line and column, when a name, a unit or a number of the study doesn't fit.
     pub fn new(study: &Study, fmu: &Description) -> Result<Self, StudyError> {
         let binder = Binder { study, fmu };
+        check_points(study)?;
         let (inputs, varied) = binder.parameters()?;
         let (outputs, observed) = binder.criteria()?;
+        let schedule = binder.schedule()?;
         let task = Task {
-            schedule: binder.schedule()?,
+            schedule,
             fixed: binder.fixed()?,
             varied,
+            inputs: inputs::series(study, fmu, &schedule)?,
             observed,
         };
         Ok(Self {
             task,
             inputs,
             outputs,
+            levels: study.parameters.values().map(|p| p.levels).collect(),
+            correlation: correlation(study)?,
         })
+    }
+
+    /// The points of a design over the parameters.
+    ///
+    /// # Errors
+    /// When the method cannot serve so many parameters or points.
+    pub fn design(&self, design: &super::Design) -> Result<Design, String> {
+        let distributions = self.inputs.iter().map(|input| input.distribution);
+        let inputs = design::Inputs {
+            distributions: distributions.collect(),
+            levels: self.levels.clone(),
+            correlation: self.correlation.clone(),
+        };
+        Design::new(design, inputs)
+    }
+
+    /// Whether every parameter varies on its own.
+    pub fn is_independent(&self) -> bool {
+        self.correlation.is_none()
     }
 
     /// A point's parameters in the FMU's units.
@@ -155,7 +186,33 @@ impl Binder<'_> {
                 .map_err(|message| self.study.error_at(setting, message))?;
             Ok((variable.value_reference, value))
         };
-        settings.map(bind).collect()
+        let own: Vec<(u32, Value)> = settings.map(bind).collect::<Result<_, _>>()?;
+        Ok(self.set()?.into_iter().chain(own).collect())
+    }
+
+    /// The start values of a parameter set that the study does not give itself.
+    fn set(&self) -> Result<Vec<(u32, Value)>, StudyError> {
+        let Some(file) = &self.study.fixed_from else {
+            return Ok(Vec::new());
+        };
+        let path = self.study.beside(file.as_ref());
+        let named = ssv::read(&path).and_then(|set| set.named(&path, self.fmu));
+        let named = named.map_err(|error| self.study.error_at(file, error.to_string()))?;
+        let Study {
+            parameters,
+            fixed,
+            inputs,
+            ..
+        } = self.study;
+        let free = |name: &str| {
+            !(parameters.contains_key(name)
+                || fixed.contains_key(name)
+                || inputs.contains_key(name))
+        };
+        let free = named.into_iter().filter(|(name, ..)| free(name));
+        Ok(free
+            .map(|(_, reference, value)| (reference, value))
+            .collect())
     }
 
     fn schedule(&self) -> Result<Schedule, StudyError> {
@@ -185,6 +242,73 @@ impl Binder<'_> {
             .map_err(|message| self.study.error(format!("[simulation] {message}")))?;
         Ok(schedule)
     }
+}
+
+/// A number of points that the design would ignore is an error: it was meant to do something.
+fn check_points(study: &Study) -> Result<(), StudyError> {
+    #[derive(Deserialize)]
+    struct Text {
+        #[serde(default)]
+        design: Points,
+    }
+    #[derive(Default, Deserialize)]
+    struct Points {
+        points: Option<Spanned<u64>>,
+    }
+    match study.section::<Text>()?.design.points {
+        Some(points) if study.design.method == Method::FullFactorial => {
+            let message = "a full factorial has as many points as the levels make; remove `points`";
+            Err(study.error_at(&points, message))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The correlations of a study's parameters.
+fn correlation(study: &Study) -> Result<Option<Correlation>, StudyError> {
+    let mut pairs: Vec<(usize, usize, f64)> = Vec::new();
+    for entry in &study.correlations {
+        let Pair {
+            between,
+            coefficient,
+            ..
+        } = entry.as_ref();
+        let [a, b] = between.each_ref().map(|name| {
+            let parameter = study.parameters.get_full(name.as_ref().as_str());
+            let (index, _, parameter) = parameter.ok_or_else(|| {
+                let names = study.parameters.keys().map(|key| key.as_ref().as_str());
+                let suggestion = did_you_mean(nearest(name.as_ref(), names));
+                let message = format!("no parameter `{}`{suggestion}", name.as_ref());
+                study.error_at(name, message)
+            })?;
+            if parameter.distribution == Shape::Fixed {
+                return Err(study.error_at(name, format!("{} does not vary", name.as_ref())));
+            }
+            Ok(index)
+        });
+        let (a, b) = (a?, b?);
+        let wrong = |message: &str| Err(study.error_at(entry, message));
+        if a == b {
+            return wrong("a parameter is not correlated with itself; name two");
+        }
+        if !(coefficient.abs() < 1.0) {
+            return wrong("the coefficient must be more than -1 and less than 1");
+        }
+        if pairs
+            .iter()
+            .any(|&(x, y, _)| (x, y) == (a, b) || (x, y) == (b, a))
+        {
+            return wrong("the correlation of these two stands above already; keep one");
+        }
+        pairs.push((a, b, *coefficient));
+    }
+    let Some(first) = study.correlations.first() else {
+        return Ok(None);
+    };
+    let correlation = Correlation::new(study.parameters.len(), &pairs);
+    correlation
+        .map(Some)
+        .map_err(|message| study.error_at(first, message))
 }
 
 impl Parameter {

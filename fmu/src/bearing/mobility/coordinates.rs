@@ -25,12 +25,15 @@ pub(super) struct Point {
 impl Point {
     /// The point at eccentricity ratio `e` with the load at the angle from the eccentricity whose
     /// cosine and (absolute) sine are given.
+    #[inline]
     pub(super) fn new(e: f64, cos: f64, sin: f64) -> Self {
         let gap = (1.0 - e).clamp(NARROWEST, 1.0);
         let core = CORE * gap;
+        // The same operations for both: against the eccentricity, `s` is exactly 1.
+        let per_core = 1.0 / core;
         Self {
             u: -gap.ln(),
-            s: asinh(quarter_tangent(cos, sin.abs()) / core) / asinh(1.0 / core),
+            s: asinh(quarter_tangent(cos, sin.abs()) * per_core) / asinh(per_core),
         }
     }
 

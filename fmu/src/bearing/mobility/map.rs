@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::coordinates::Point;
-use super::slice::MobilitySlice;
+use super::slice::Tabulated;
 
 /// The committed table, made by [`generate`](super::generate).
 static COMMITTED: &[u8] = include_bytes!("map.bin");
@@ -81,11 +81,11 @@ impl MobilityMap {
     }
 
     /// The tabulated slices, by `B/D`.
-    pub(super) fn slices(&self) -> Vec<MobilitySlice> {
+    pub(super) fn slices(&self) -> Vec<Tabulated> {
         let [_, us, ss] = self.nodes.map(usize::from);
         self.values
             .chunks_exact(us * ss * CHANNELS)
-            .map(|values| MobilitySlice::new(values, us, ss, self.last_u))
+            .map(|values| Tabulated::new(values, us, ss, self.last_u))
             .collect()
     }
 

@@ -1,20 +1,19 @@
 //! The map at one width-to-diameter ratio, for use in every time step.
 
 use nalgebra::Vector2;
+use std::sync::OnceLock;
 
 use super::coordinates::Point;
+use super::family::Blend;
 use super::map::CHANNELS;
-use super::spline::{End, hermite, slopes};
+use super::spline::{End, Spline, hermite};
 
 /// Of each quantity: value, slope over `u`, slope over `s` and twist.
 pub(super) type Node = [[f64; CHANNELS]; 4];
 
-/// The mobility of bearings of one `B/D`: the map's quantities over `u` and `s`, once continuously
-/// differentiable.
-#[derive(Clone, Debug, PartialEq)]
-pub struct MobilitySlice {
-    /// By `u`, then `s`.
-    nodes: Vec<Node>,
+/// The points over `u` and `s`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Grid {
     /// Nodes over `s`.
     ss: usize,
     /// Nodes over `u`, less one.
@@ -25,34 +24,73 @@ pub struct MobilitySlice {
     per_u: f64,
 }
 
-/// A film under a load, dimensionless.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Film {
-    /// The mobility vector `M`.
-    pub mobility: Vector2<f64>,
-    log_max_pressure: f64,
-    log_side_flow: f64,
+/// The map's quantities over `u` and `s` at one of its `B/D`.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Tabulated {
+    pub(super) grid: Grid,
+    /// By `u`, then `s`.
+    pub(super) nodes: Vec<Node>,
 }
 
-impl Film {
+/// The mobility of bearings of one `B/D`: the map's quantities over `u` and `s`, once continuously
+/// differentiable.
+#[derive(Clone, Debug)]
+pub struct MobilitySlice {
+    grid: Grid,
+    /// By `u`. A journal visits few of them, so they are made when it does.
+    rows: Vec<OnceLock<Box<[Node]>>>,
+    blend: Blend,
+}
+
+/// A film under a load, dimensionless; what is not asked for is not looked up.
+#[derive(Clone, Copy, Debug)]
+pub struct Film<'a> {
+    slice: &'a MobilitySlice,
+    place: Place,
+    direction: Vector2<f64>,
+    /// Of the angle from the eccentricity to the load.
+    sign: f64,
+}
+
+impl Film<'_> {
+    /// The mobility vector `M` in the frame of the load's direction.
+    #[inline]
+    pub fn mobility(&self) -> Vector2<f64> {
+        let [log_mobility, lead] = self.slice.pair::<0>(&self.place);
+        // The lead is odd in the angle from eccentricity to load.
+        let (sin, cos) = (self.sign * lead).sin_cos();
+        let (x, y) = (self.direction.x, self.direction.y);
+        Vector2::new(x * cos - y * sin, x * sin + y * cos) * log_mobility.exp()
+    }
+
     /// The largest pressure over `F / (B D)`.
     pub fn max_pressure(&self) -> f64 {
-        self.log_max_pressure.exp()
+        self.slice.pair::<1>(&self.place)[0].exp()
     }
 
     /// The flow out of both ends together over `F c^3 / (3 eta B^2)`.
+    #[inline]
     pub fn side_flow(&self) -> f64 {
-        self.log_side_flow.exp()
+        self.slice.pair::<1>(&self.place)[1].exp()
     }
+}
+
+/// A place in the table: the cell's first node, and the weights of what is stored at its corners.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    near: [usize; 2],
+    /// By corner, then by what is stored there.
+    weights: [[f64; 4]; 4],
 }
 
 /// How each quantity continues beyond the ends of `s`.
 const SYMMETRY: [End; CHANNELS] = [End::Even, End::Odd, End::Even, End::Even];
 
-impl MobilitySlice {
+impl Tabulated {
     /// From node values, by `u`, then `s`, then channel.
     pub(super) fn new(values: &[f32], us: usize, ss: usize, last_u: f64) -> Self {
         let mut nodes = vec![Node::default(); us * ss];
+        let free = Spline::new(us, [End::Free; 2]);
         for (channel, symmetry) in SYMMETRY.into_iter().enumerate() {
             let values: Vec<f64> = values
                 .iter()
@@ -60,13 +98,13 @@ impl MobilitySlice {
                 .step_by(CHANNELS)
                 .map(|&value| f64::from(value))
                 .collect();
-            let over_u = over_u(&values, us, ss);
-            let ends = [symmetry; 2];
+            let over_u = over_u(&values, &free, us, ss);
+            let spline = Spline::new(ss, [symmetry; 2]);
             let (mut over_s, mut twist) = (vec![0.0; ss], vec![0.0; ss]);
             for i in 0..us {
                 let row = i * ss..(i + 1) * ss;
-                slopes(&values[row.clone()], ends, &mut over_s);
-                slopes(&over_u[row.clone()], ends, &mut twist);
+                spline.slopes(&values[row.clone()], &mut over_s);
+                spline.slopes(&over_u[row.clone()], &mut twist);
                 for (j, at) in row.enumerate() {
                     let node = [values[at], over_u[at], over_s[j], twist[j]];
                     for (kind, value) in nodes[at].iter_mut().zip(node) {
@@ -76,23 +114,37 @@ impl MobilitySlice {
             }
         }
         let last = (us - 1) as f64;
-        Self {
-            nodes,
+        let grid = Grid {
             ss,
             last_u: last,
             last_s: (ss - 1) as f64,
             per_u: last / last_u,
+        };
+        Self { grid, nodes }
+    }
+}
+
+impl Grid {
+    /// The nodes of a row over `s`.
+    pub(super) fn row(&self, i: usize) -> std::ops::Range<usize> {
+        i * self.ss..(i + 1) * self.ss
+    }
+}
+
+impl MobilitySlice {
+    /// A slice whose rows are made by `blend`.
+    pub(super) fn new(grid: Grid, blend: Blend) -> Self {
+        Self {
+            grid,
+            rows: vec![OnceLock::new(); grid.last_u as usize + 1],
+            blend,
         }
     }
 
-    /// The nodes, by `u`, then `s`.
-    pub(super) fn nodes(&self) -> &[Node] {
-        &self.nodes
-    }
-
-    /// A slice over the same points.
-    pub(super) fn with_nodes(&self, nodes: Vec<Node>) -> Self {
-        Self { nodes, ..*self }
+    /// The nodes of a row over `s`.
+    #[inline]
+    pub(super) fn row(&self, i: usize) -> &[Node] {
+        self.rows[i].get_or_init(|| self.blend.row(i))
     }
 
     /// The mobility along the eccentricity and 90 degrees ahead of it, at the eccentricity ratio
@@ -100,18 +152,19 @@ impl MobilitySlice {
     ///
     /// An eccentricity ratio of 1 or more is taken as just below 1.
     pub fn mobility(&self, e: f64, cos: f64, sin: f64) -> (f64, f64) {
-        let film = self.film(Vector2::new(e, 0.0), Vector2::new(cos, sin));
-        (film.mobility.x, film.mobility.y)
+        let mobility = self.mobility_vector(Vector2::new(e, 0.0), Vector2::new(cos, sin));
+        (mobility.x, mobility.y)
     }
 
     /// The mobility vector `M` in the frame of `eps` and of the load's `direction`, a unit vector.
     pub fn mobility_vector(&self, eps: Vector2<f64>, direction: Vector2<f64>) -> Vector2<f64> {
-        self.film(eps, direction).mobility
+        self.film(eps, eps.norm(), direction).mobility()
     }
 
-    /// The film at the eccentricity-ratio vector `eps` under a load along the unit vector `direction`.
-    pub fn film(&self, eps: Vector2<f64>, direction: Vector2<f64>) -> Film {
-        let e = eps.norm();
+    /// The film at the eccentricity-ratio vector `eps` of length `e` under a load along the unit vector
+    /// `direction`.
+    #[inline]
+    pub fn film(&self, eps: Vector2<f64>, e: f64, direction: Vector2<f64>) -> Film<'_> {
         let (cos, sin) = if e > 0.0 {
             let inverse = 1.0 / e;
             (
@@ -121,57 +174,55 @@ impl MobilitySlice {
         } else {
             (1.0, 0.0)
         };
-        let [log_mobility, lead, log_max_pressure, log_side_flow] =
-            self.at(Point::new(e, cos, sin));
-        // The lead is odd in the angle from eccentricity to load.
-        let (sin, cos) = if sin < 0.0 { -lead } else { lead }.sin_cos();
-        let mobility = log_mobility.exp()
-            * Vector2::new(
-                direction.x * cos - direction.y * sin,
-                direction.x * sin + direction.y * cos,
-            );
         Film {
-            mobility,
-            log_max_pressure,
-            log_side_flow,
+            slice: self,
+            place: self.place(Point::new(e, cos, sin)),
+            direction,
+            sign: if sin < 0.0 { -1.0 } else { 1.0 },
         }
     }
 
-    /// The quantities at a point.
-    fn at(&self, point: Point) -> [f64; CHANNELS] {
-        let position = point.u * self.per_u;
-        let across = (point.s * self.last_s).clamp(0.0, self.last_s);
-        let inside = position.min(self.last_u);
-        let i = (inside as usize).min(self.last_u as usize - 1);
-        let j = (across as usize).min(self.ss - 2);
+    #[inline]
+    fn place(&self, point: Point) -> Place {
+        let grid = &self.grid;
+        let position = point.u * grid.per_u;
+        let across = (point.s * grid.last_s).clamp(0.0, grid.last_s);
+        let inside = position.min(grid.last_u);
+        let i = (inside as usize).min(grid.last_u as usize - 1);
+        let j = (across as usize).min(grid.ss - 2);
         // Beyond the last node over u the surface goes on straight.
         let x = inside - i as f64;
         let excess = position - inside;
         let [a0, a1, b0, b1] = hermite(x);
         let along = [a0, a1, b0, b1 + excess];
         let wide = hermite(across - j as f64);
-        let near = i * self.ss + j;
-        let corners = [
-            &self.nodes[near],
-            &self.nodes[near + self.ss],
-            &self.nodes[near + 1],
-            &self.nodes[near + self.ss + 1],
-        ];
-        let mut sum = [0.0; CHANNELS];
-        for (k, [f, fu, fs, fus]) in corners.into_iter().enumerate() {
+        let corner = |k: usize| {
             let (value, slope) = (along[k & 1], along[2 + (k & 1)]);
             let (wide_value, wide_slope) = (wide[k >> 1], wide[2 + (k >> 1)]);
-            let weights = [
+            [
                 wide_value * value,
                 wide_value * slope,
                 wide_slope * value,
                 wide_slope * slope,
-            ];
-            for (channel, total) in sum.iter_mut().enumerate() {
-                *total += weights[0] * f[channel]
-                    + weights[1] * fu[channel]
-                    + weights[2] * fs[channel]
-                    + weights[3] * fus[channel];
+            ]
+        };
+        Place {
+            near: [i, j],
+            weights: [corner(0), corner(1), corner(2), corner(3)],
+        }
+    }
+
+    /// Two of the quantities at a place: the mobility's for 0, the others for 1.
+    #[inline]
+    fn pair<const PAIR: usize>(&self, place: &Place) -> [f64; 2] {
+        let [i, j] = place.near;
+        let (near, far) = (&self.row(i)[j..=j + 1], &self.row(i + 1)[j..=j + 1]);
+        let corners = [&near[0], &far[0], &near[1], &far[1]];
+        let mut sum = [0.0; 2];
+        for (node, weights) in corners.into_iter().zip(&place.weights) {
+            for (kind, weight) in node.iter().zip(weights) {
+                sum[0] += weight * kind[2 * PAIR];
+                sum[1] += weight * kind[2 * PAIR + 1];
             }
         }
         sum
@@ -179,14 +230,14 @@ impl MobilitySlice {
 }
 
 /// Slopes over `u` of values by `u`, then `s`.
-fn over_u(values: &[f64], us: usize, ss: usize) -> Vec<f64> {
+fn over_u(values: &[f64], spline: &Spline, us: usize, ss: usize) -> Vec<f64> {
     let mut result = vec![0.0; us * ss];
     let (mut line, mut slope) = (vec![0.0; us], vec![0.0; us]);
     for j in 0..ss {
         for i in 0..us {
             line[i] = values[i * ss + j];
         }
-        slopes(&line, [End::Free; 2], &mut slope);
+        spline.slopes(&line, &mut slope);
         for i in 0..us {
             result[i * ss + j] = slope[i];
         }

@@ -11,33 +11,70 @@ pub(super) enum End {
     Free,
 }
 
-/// Slopes per node spacing, at the nodes, of the twice differentiable cubic spline through `values`
-/// (at least four), written to `slopes`.
-pub(super) fn slopes(values: &[f64], ends: [End; 2], slopes: &mut [f64]) {
-    let n = values.len();
-    // Rows of the tridiagonal system: slope[i-1] + 4 slope[i] + slope[i+1] = 3 (v[i+1] - v[i-1]).
-    let mut upper = vec![0.0; n];
-    let free = |v: [f64; 4]| (-11.0 * v[0] + 18.0 * v[1] - 9.0 * v[2] + 2.0 * v[3]) / 6.0;
-    // Each end's row: (diagonal, neighbour, right-hand side).
-    let row = |end: End, v: [f64; 4]| match end {
-        End::Even => (1.0, 0.0, 0.0),
-        End::Odd => (2.0, 1.0, 3.0 * (v[1] - v[0])),
-        End::Free => (1.0, 0.0, free(v)),
-    };
-    let (diagonal, right, value) = row(ends[0], [values[0], values[1], values[2], values[3]]);
-    upper[0] = right / diagonal;
-    slopes[0] = value / diagonal;
-    for i in 1..n - 1 {
-        let pivot = 4.0 - upper[i - 1];
-        upper[i] = 1.0 / pivot;
-        slopes[i] = (3.0 * (values[i + 1] - values[i - 1]) - slopes[i - 1]) / pivot;
+/// The twice differentiable cubic spline through so many values, its system factorised.
+#[derive(Clone, Debug)]
+pub(super) struct Spline {
+    ends: [End; 2],
+    /// Above the diagonal, after elimination.
+    upper: Vec<f64>,
+    /// Reciprocal pivots.
+    pivots: Vec<f64>,
+}
+
+impl End {
+    /// The row of an end: diagonal and neighbour.
+    fn row(self) -> [f64; 2] {
+        match self {
+            Self::Even | Self::Free => [1.0, 0.0],
+            Self::Odd => [2.0, 1.0],
+        }
     }
-    // Seen from the other end, slopes change their sign.
-    let mirrored = [values[n - 1], values[n - 2], values[n - 3], values[n - 4]];
-    let (diagonal, left, value) = row(ends[1], mirrored);
-    slopes[n - 1] = (-value - left * slopes[n - 2]) / (diagonal - left * upper[n - 2]);
-    for i in (0..n - 1).rev() {
-        slopes[i] -= upper[i] * slopes[i + 1];
+
+    /// Its right-hand side, from the outermost values.
+    fn right(self, v: [f64; 4]) -> f64 {
+        match self {
+            Self::Even => 0.0,
+            Self::Odd => 3.0 * (v[1] - v[0]),
+            Self::Free => (-11.0 * v[0] + 18.0 * v[1] - 9.0 * v[2] + 2.0 * v[3]) / 6.0,
+        }
+    }
+}
+
+impl Spline {
+    /// Through `n` values, at least four.
+    pub(super) fn new(n: usize, ends: [End; 2]) -> Self {
+        // Rows of the tridiagonal system: slope[i-1] + 4 slope[i] + slope[i+1] = 3 (v[i+1] - v[i-1]).
+        let (mut upper, mut pivots) = (vec![0.0; n], vec![0.0; n]);
+        let [diagonal, right] = ends[0].row();
+        (upper[0], pivots[0]) = (right / diagonal, 1.0 / diagonal);
+        for i in 1..n - 1 {
+            pivots[i] = 1.0 / (4.0 - upper[i - 1]);
+            upper[i] = pivots[i];
+        }
+        let [diagonal, left] = ends[1].row();
+        pivots[n - 1] = 1.0 / (diagonal - left * upper[n - 2]);
+        Self {
+            ends,
+            upper,
+            pivots,
+        }
+    }
+
+    /// Slopes per node spacing, at the nodes.
+    pub(super) fn slopes(&self, values: &[f64], slopes: &mut [f64]) {
+        let (n, pivots) = (self.upper.len(), &self.pivots[..]);
+        let (values, slopes) = (&values[..n], &mut slopes[..n]);
+        slopes[0] = pivots[0] * self.ends[0].right([values[0], values[1], values[2], values[3]]);
+        for i in 1..n - 1 {
+            slopes[i] = pivots[i] * (3.0 * (values[i + 1] - values[i - 1]) - slopes[i - 1]);
+        }
+        // Seen from the other end, slopes change their sign.
+        let mirrored = [values[n - 1], values[n - 2], values[n - 3], values[n - 4]];
+        let [_, left] = self.ends[1].row();
+        slopes[n - 1] = pivots[n - 1] * (-self.ends[1].right(mirrored) - left * slopes[n - 2]);
+        for i in (0..n - 1).rev() {
+            slopes[i] -= self.upper[i] * slopes[i + 1];
+        }
     }
 }
 
@@ -57,7 +94,7 @@ mod tests {
         let cubic = |x: f64| 1.0 - 2.0 * x + 0.3 * x * x - 0.05 * x * x * x;
         let values: Vec<f64> = (0..9).map(|i| cubic(f64::from(i))).collect();
         let mut slope = [0.0; 9];
-        slopes(&values, [End::Free; 2], &mut slope);
+        Spline::new(9, [End::Free; 2]).slopes(&values, &mut slope);
         for position in [0.0_f64, 0.4, 3.7, 8.0] {
             let cell = (position as usize).min(7);
             let [a, b, c, d] = hermite(position - cell as f64);
@@ -73,13 +110,13 @@ mod tests {
             .map(|i| (f64::from(i) * 0.125 * std::f64::consts::PI).sin())
             .collect();
         let mut slope = [0.0; 9];
-        slopes(&values, [End::Odd; 2], &mut slope);
+        Spline::new(9, [End::Odd; 2]).slopes(&values, &mut slope);
         let expected = 0.125 * std::f64::consts::PI;
         assert!((slope[0] - expected).abs() < 2e-4 && (slope[8] + expected).abs() < 2e-4);
         let values: Vec<f64> = (0..=8)
             .map(|i| (f64::from(i) * 0.125 * std::f64::consts::PI).cos())
             .collect();
-        slopes(&values, [End::Even; 2], &mut slope);
+        Spline::new(9, [End::Even; 2]).slopes(&values, &mut slope);
         assert_eq!((slope[0], slope[8]), (0.0, 0.0));
         assert!((slope[4] + expected).abs() < 2e-4);
     }

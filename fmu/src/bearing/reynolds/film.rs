@@ -26,7 +26,7 @@ pub struct FilmSettings {
     /// Pressure of the oil bath above that of the cavities, Pa: it presses oil back in at the ends.
     /// Only used with conserved mass; without, cavities have the pressure of the bath.
     pub side_pressure: f64,
-    /// Columns around the bush and rows over half the width.
+    /// Columns around the bush (at least 4) and rows over half the width (at least 1).
     pub cells: [usize; 2],
     /// Largest error of the eccentricity ratio in one internal step, as a share of the smallest gap.
     pub tolerance: f64,
@@ -41,8 +41,8 @@ pub struct FilmSettings {
 }
 
 impl FilmSettings {
-    /// A round, aligned bearing (m) with the default film: mass-conserving, 96 x 8 cells, an oil bath 1 bar
-    /// above the cavities.
+    /// A round, aligned bearing (m) with the default film: mass-conserving, as many cells as its width
+    /// needs, an oil bath 1 bar above the cavities.
     pub fn new(width: f64, diameter: f64, clearance: f64) -> Self {
         Self {
             width,
@@ -50,7 +50,7 @@ impl FilmSettings {
             clearance,
             cavitation: Cavitation::MassConserving,
             side_pressure: 1e5,
-            cells: [96, 8],
+            cells: Grid::sufficient_cells(width / diameter),
             tolerance: 5e-3,
             rheology: Rheology::default(),
             profile: Profile::default(),
@@ -68,6 +68,15 @@ impl FilmSettings {
         ];
         for (name, value) in positive {
             if !(value.is_finite() && value > 0.0) {
+                return Err(FilmError::Setting { name, value });
+            }
+        }
+        for (name, value, least) in [
+            ("number of columns", self.cells[0], 4),
+            ("number of rows", self.cells[1], 1),
+        ] {
+            if value < least {
+                let value = value as f64;
                 return Err(FilmError::Setting { name, value });
             }
         }

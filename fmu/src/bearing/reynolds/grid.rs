@@ -27,6 +27,17 @@ impl Grid {
         }
     }
 
+    /// How many columns and rows bring a [`standard`](Self::standard) grid within 0.3 % of the load
+    /// on an ever finer one, for eccentricity ratios up to 0.97: a narrow bearing's pressure rises
+    /// and falls over a shorter angle, but is close to a parabola over the width.
+    pub fn sufficient_cells(width_to_diameter: f64) -> [usize; 2] {
+        if width_to_diameter >= 0.6 {
+            [96, 8]
+        } else {
+            [160, 6]
+        }
+    }
+
     /// Cells for a film whose smallest gap may be anywhere: even around the bush, and crowding along
     /// the open ends as fits the heavily loaded film of a bearing of `width_to_diameter`.
     pub fn standard(columns: usize, rows: usize, width_to_diameter: f64) -> Self {

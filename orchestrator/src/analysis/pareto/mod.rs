@@ -3,6 +3,7 @@
 //! The objectives are the normalised deviations of the criteria; all are minimised.
 
 pub mod nsga2;
+pub mod study;
 
 use crate::analysis::table::PointTable;
 

@@ -31,52 +31,50 @@ const MUTATION: f64 = 20.0;
 const CROSSOVER_PROBABILITY: f64 = 0.9;
 
 /// Minimises all objectives within the limits of every parameter; returns the last generation's
-/// front. A point whose objectives are not finite is worse than any other.
-pub fn minimise(
+/// front. `objectives` is given a generation at a time, so that it may be computed in parallel. A
+/// point whose objectives are not finite is worse than any other.
+///
+/// # Errors
+/// When `objectives` fails.
+pub fn minimise<E>(
     limits: &[[f64; 2]],
     settings: Settings,
-    mut objectives: impl FnMut(&[f64]) -> Vec<f64>,
-) -> Vec<Solution> {
+    mut objectives: impl FnMut(&[Vec<f64>]) -> Result<Vec<Vec<f64>>, E>,
+) -> Result<Vec<Solution>, E> {
     let mut random = StdRng::seed_from_u64(settings.seed);
-    let mut evaluate = |x: Vec<f64>| {
-        let mut found = objectives(&x);
-        found
-            .iter_mut()
-            .filter(|v| !v.is_finite())
-            .for_each(|v| *v = f64::MAX);
-        Solution {
-            objectives: found,
+    let mut evaluate = |points: Vec<Vec<f64>>| -> Result<Vec<Solution>, E> {
+        let found = objectives(&points)?;
+        let bounded = |v: f64| if v.is_finite() { v } else { f64::MAX };
+        let solution = |(x, values): (Vec<f64>, Vec<f64>)| Solution {
             x,
-        }
+            objectives: values.into_iter().map(bounded).collect(),
+        };
+        Ok(points.into_iter().zip(found).map(solution).collect())
     };
     let size = settings.population.max(4);
-    let mut now: Vec<Solution> = (0..size)
-        .map(|_| {
-            evaluate(
-                limits
-                    .iter()
-                    .map(|[l, h]| l + (h - l) * random.random::<f64>())
-                    .collect(),
-            )
-        })
-        .collect();
+    let first = (0..size).map(|_| {
+        let within = |[l, h]: &[f64; 2]| l + (h - l) * random.random::<f64>();
+        limits.iter().map(within).collect()
+    });
+    let mut now = evaluate(first.collect())?;
     for _ in 0..settings.generations {
         let places = places(&now);
-        let mut next = now.clone();
-        while next.len() < 2 * size {
+        let mut children = Vec::with_capacity(size + 1);
+        while children.len() < size {
             let (a, b) = (
                 tournament(&places, &mut random),
                 tournament(&places, &mut random),
             );
             for mut child in crossover(&now[a].x, &now[b].x, limits, &mut random) {
                 mutate(&mut child, limits, &mut random);
-                next.push(evaluate(child));
+                children.push(child);
             }
         }
-        now = survivors(next, size);
+        now.extend(evaluate(children)?);
+        now = survivors(now, size);
     }
     let all: Vec<Vec<f64>> = now.iter().map(|s| s.objectives.clone()).collect();
-    front(&all).into_iter().map(|i| now[i].clone()).collect()
+    Ok(front(&all).into_iter().map(|i| now[i].clone()).collect())
 }
 
 /// Rank and crowding distance of every point: lower rank first, then the lonelier.
@@ -219,6 +217,7 @@ fn mutate(x: &mut [f64], limits: &[[f64; 2]], random: &mut StdRng) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::convert::Infallible;
 
     /// Zitzler, Deb & Thiele (2000), "Comparison of multiobjective evolutionary algorithms:
     /// empirical results", Evolutionary Computation 8: thirty parameters between 0 and 1.
@@ -243,7 +242,10 @@ mod tests {
             generations: 250,
             seed: 3,
         };
-        let found = minimise(&[[0.0, 1.0]; 30], settings, |x| zdt(kind, x));
+        let found = minimise(&[[0.0, 1.0]; 30], settings, |points| {
+            Ok::<_, Infallible>(points.iter().map(|x| zdt(kind, x)).collect())
+        });
+        let Ok(found) = found;
         let exact: Vec<Vec<f64>> = (0..=500)
             .map(|k| f64::from(k) / 500.0)
             .map(|f| vec![f, shape(kind, f, 1.0)])
@@ -271,12 +273,15 @@ mod tests {
             generations: 20,
             seed: 1,
         };
-        let found = minimise(&[[0.0, 1.0]; 2], settings, |x| {
+        let objectives = |x: &Vec<f64>| {
             if x[0] < 0.5 {
                 vec![f64::NAN; 2]
             } else {
                 vec![x[0], 1.0 - x[0] + x[1]]
             }
+        };
+        let Ok(found) = minimise(&[[0.0, 1.0]; 2], settings, |points| {
+            Ok::<_, Infallible>(points.iter().map(objectives).collect())
         });
         assert!(found.iter().all(|s| s.x[0] >= 0.5));
     }

@@ -4,12 +4,14 @@
 //! From existing points, by surrogates whose cross-validated errors are stated and taken into
 //! account: a point counts as verified with the probability that its true criteria lie inside.
 
+pub mod combinations;
 pub mod maps;
 pub mod margins;
 pub mod region;
 pub mod surrogate;
 
 use crate::analysis::table::{Criterion, PointTable};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, Normal};
 use surrogate::{Quality, Surrogate};
@@ -27,10 +29,16 @@ pub struct Robustness {
     pub maps: Vec<maps::Map>,
     /// The verification probability that box and ellipsoid were asked to hold.
     pub level: f64,
+    /// Runs beyond the study's points that the surrogates were refined with.
+    #[serde(default)]
+    pub further_runs: usize,
     /// The largest box found; `None` where the level is reached nowhere.
     pub region: Option<region::Region>,
     /// The largest ellipsoid found.
     pub ellipsoid: Option<region::Ellipsoid>,
+    /// Where hardly any point is verified.
+    #[serde(default)]
+    pub unsafe_combinations: Vec<combinations::Combination>,
     /// One parameter at a time, from the best point.
     pub margins: Vec<margins::Margin>,
     /// What a careful reader should know.
@@ -136,6 +144,18 @@ impl Stand {
         self.criteria[criterion].value(x)
     }
 
+    /// The name of the criterion with the least probability over some points.
+    fn least_met<'a>(&self, points: impl Iterator<Item = &'a Vec<f64>>) -> String {
+        let mut sums = vec![0.0; self.criteria.len()];
+        for x in points {
+            for (sum, part) in sums.iter_mut().zip(&self.criteria) {
+                *sum += part.probability(x);
+            }
+        }
+        let least = (0..sums.len()).min_by(|&a, &b| sums[a].total_cmp(&sums[b]));
+        least.map_or_else(String::new, |k| self.criteria[k].criterion.name.clone())
+    }
+
     /// The probability that all criteria are met at a point, given the surrogates' errors.
     pub fn probability(&self, x: &[f64]) -> f64 {
         self.criteria
@@ -159,24 +179,40 @@ const TRUSTED: f64 = 0.9;
 /// from their distributions, which the probabilities refer to; [`region::cloud`] makes one from the
 /// points where the distributions are not known. `None` where the points are too few, or nothing varies.
 pub fn robustness(table: &PointTable, cloud: &[Vec<f64>], level: f64) -> Option<Robustness> {
+    refined(table, table, cloud, level)
+}
+
+/// The same with surrogates that are fitted to other points than those of the study: these and
+/// further runs, where it matters.
+pub fn refined(
+    table: &PointTable,
+    fitted: &PointTable,
+    cloud: &[Vec<f64>],
+    level: f64,
+) -> Option<Robustness> {
     let varying: Vec<usize> = (0..table.parameters.len())
         .filter(|&k| table.parameters[k].values.windows(2).any(|w| w[0] != w[1]))
         .collect();
-    let table = &PointTable {
+    let only = |table: &PointTable| PointTable {
         parameters: varying
             .iter()
             .map(|&k| table.parameters[k].clone())
             .collect(),
         ..table.clone()
     };
-    let stand = Stand::fit(table)?;
+    let stand = Stand::fit(&only(fitted))?;
+    let table = &only(table);
     let inputs = rows(table);
     let best = table.ranking().first()?.point;
     let cloud: Vec<Vec<f64>> = cloud
         .iter()
         .map(|x| varying.iter().map(|&k| x[k]).collect())
         .collect();
-    let verdicts: Vec<f64> = cloud.iter().map(|x| stand.probability(x)).collect();
+    let verdicts: Vec<f64> = cloud.par_iter().map(|x| stand.probability(x)).collect();
+    // One half to search with, the other to state what was found: a search flatters its own sample.
+    let half = cloud.len() / 2;
+    let ((seen, unseen), (seen_verdicts, unseen_verdicts)) =
+        (cloud.split_at(half), verdicts.split_at(half));
     let mut result = Robustness {
         parameters: table.parameters.iter().map(|p| p.name.clone()).collect(),
         units: table.parameters.iter().map(|p| p.unit.clone()).collect(),
@@ -187,16 +223,28 @@ pub fn robustness(table: &PointTable, cloud: &[Vec<f64>], level: f64) -> Option<
             .collect(),
         maps: maps::maps(table, &stand, &inputs),
         level,
-        region: region::largest_box(&cloud, &verdicts, level),
-        ellipsoid: region::largest_ellipsoid(&cloud, &verdicts, level),
+        further_runs: fitted.len().saturating_sub(table.len()),
+        region: region::largest_box(seen, seen_verdicts, level),
+        ellipsoid: region::largest_ellipsoid(seen, seen_verdicts, level),
+        unsafe_combinations: combinations::combinations(
+            &stand,
+            &combinations::Cloud {
+                points: &cloud,
+                verdicts: &verdicts,
+            },
+            &inputs,
+            &table.verified,
+        ),
         margins: margins::margins(table, &stand, &inputs[best]),
         warnings: vec![],
     };
     if let Some(region) = &mut result.region {
-        region.confirm(&inputs, &table.verified);
+        region.state(unseen, unseen_verdicts);
+        region.confirmed = region.confirm(&inputs, &table.verified);
     }
     if let Some(ellipsoid) = &mut result.ellipsoid {
-        ellipsoid.confirm(&inputs, &table.verified);
+        ellipsoid.state(unseen, unseen_verdicts);
+        ellipsoid.confirmed = ellipsoid.confirm(&inputs, &table.verified);
     }
     for (name, quality) in &result.criteria {
         if quality.predicted < TRUSTED {

@@ -18,7 +18,23 @@ pub struct Confirmed {
 }
 
 impl Confirmed {
-    fn count(inside: impl Iterator<Item = bool>) -> Self {
+    /// Whether the interval holds a stated probability.
+    pub fn holds(&self, stated: f64) -> bool {
+        self.interval[0] <= stated && stated <= self.interval[1]
+    }
+
+    /// What the points say of a stated probability.
+    pub fn on(&self, stated: f64) -> &'static str {
+        if self.interval[0] > stated {
+            "more than stated: the surrogates' errors make the statement cautious"
+        } else if self.interval[1] < stated {
+            "LESS than stated: the surrogates mislead there, verify more points"
+        } else {
+            "the stated probability holds"
+        }
+    }
+
+    pub(super) fn count(inside: impl Iterator<Item = bool>) -> Self {
         let (mut points, mut verified) = (0, 0);
         for ok in inside {
             points += 1;
@@ -44,6 +60,9 @@ pub struct Region {
     pub probability: f64,
     /// What the study's own points say.
     pub confirmed: Confirmed,
+    /// What fresh runs say, where there are any.
+    #[serde(default)]
+    pub fresh: Option<Confirmed>,
 }
 
 impl Region {
@@ -54,15 +73,15 @@ impl Region {
             .all(|(v, [low, high])| v >= low && v <= high)
     }
 
+    /// States share and probability by a sample that the search has not seen.
+    pub fn state(&mut self, cloud: &[Vec<f64>], verdicts: &[f64]) {
+        (self.share, self.probability) = stated(cloud, verdicts, |x| self.contains(x));
+    }
+
     /// Counts points inside.
-    pub fn confirm(&mut self, points: &[Vec<f64>], verified: &[bool]) {
-        self.confirmed = Confirmed::count(
-            points
-                .iter()
-                .zip(verified)
-                .filter(|(x, _)| self.contains(x))
-                .map(|(_, v)| *v),
-        );
+    pub fn confirm(&self, points: &[Vec<f64>], verified: &[bool]) -> Confirmed {
+        let points = points.iter().zip(verified);
+        Confirmed::count(points.filter(|(x, _)| self.contains(x)).map(|(_, v)| *v))
     }
 }
 
@@ -79,6 +98,9 @@ pub struct Ellipsoid {
     pub probability: f64,
     /// What the study's own points say.
     pub confirmed: Confirmed,
+    /// What fresh runs say, where there are any.
+    #[serde(default)]
+    pub fresh: Option<Confirmed>,
 }
 
 impl Ellipsoid {
@@ -94,16 +116,27 @@ impl Ellipsoid {
         sum <= 1.0
     }
 
-    /// Counts points inside.
-    pub fn confirm(&mut self, points: &[Vec<f64>], verified: &[bool]) {
-        self.confirmed = Confirmed::count(
-            points
-                .iter()
-                .zip(verified)
-                .filter(|(x, _)| self.contains(x))
-                .map(|(_, v)| *v),
-        );
+    /// States share and probability by a sample that the search has not seen.
+    pub fn state(&mut self, cloud: &[Vec<f64>], verdicts: &[f64]) {
+        (self.share, self.probability) = stated(cloud, verdicts, |x| self.contains(x));
     }
+
+    /// Counts points inside.
+    pub fn confirm(&self, points: &[Vec<f64>], verified: &[bool]) -> Confirmed {
+        let points = points.iter().zip(verified);
+        Confirmed::count(points.filter(|(x, _)| self.contains(x)).map(|(_, v)| *v))
+    }
+}
+
+/// The part of a sample that lies inside, and its mean probability.
+fn stated(cloud: &[Vec<f64>], verdicts: &[f64], contains: impl Fn(&[f64]) -> bool) -> (f64, f64) {
+    let held: Vec<f64> = cloud
+        .iter()
+        .zip(verdicts)
+        .filter(|(x, _)| contains(x))
+        .map(|(_, v)| *v)
+        .collect();
+    (held.len() as f64 / cloud.len() as f64, mean(&held))
 }
 
 /// A large sample of the parameter space from the study's points: every parameter from a point of
@@ -170,23 +203,15 @@ pub fn largest_box(cloud: &[Vec<f64>], verdicts: &[f64], level: f64) -> Option<R
         });
     }
     paste(cloud, verdicts, level, &mut limits);
-    let region = Region {
+    let mut region = Region {
         limits: closed(cloud, &limits),
         share: 0.0,
         probability: 0.0,
         confirmed: Confirmed::default(),
+        fresh: None,
     };
-    let held: Vec<f64> = cloud
-        .iter()
-        .zip(verdicts)
-        .filter(|(x, _)| region.contains(x))
-        .map(|(_, v)| *v)
-        .collect();
-    Some(Region {
-        share: held.len() as f64 / cloud.len() as f64,
-        probability: mean(&held),
-        ..region
-    })
+    region.state(cloud, verdicts);
+    Some(region)
 }
 
 /// Moves each limit back out in small steps while the level holds.
@@ -278,22 +303,24 @@ pub fn largest_ellipsoid(cloud: &[Vec<f64>], verdicts: &[f64], level: f64) -> Op
         .zip(verdicts.iter().copied())
         .collect();
     order.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let (mut sum, mut last) = (0.0, None);
-    for (k, (_, v)) in order.iter().enumerate() {
+    let (mut sum, mut size) = (0.0, None);
+    for (k, (distance, v)) in order.iter().enumerate() {
         sum += v;
         if k + 1 >= FEWEST && sum / (k + 1) as f64 >= level {
-            last = Some((k, sum / (k + 1) as f64));
+            size = Some(*distance);
         }
     }
-    let (k, probability) = last?;
-    let size = order[k].0;
-    Some(Ellipsoid {
+    let size = size?;
+    let mut ellipsoid = Ellipsoid {
         centre: centre.iter().copied().collect(),
         shape: (0..d)
             .map(|a| (0..d).map(|b| inverse[(a, b)] / size).collect())
             .collect(),
-        share: (k + 1) as f64 / cloud.len() as f64,
-        probability,
+        share: 0.0,
+        probability: 0.0,
         confirmed: Confirmed::default(),
-    })
+        fresh: None,
+    };
+    ellipsoid.state(cloud, verdicts);
+    Some(ellipsoid)
 }

@@ -122,3 +122,34 @@ fn a_level_that_is_reached_nowhere_is_said() {
     let r = robustness(&t, &region::cloud(&rows(&t), 7), 0.9).unwrap();
     assert!(r.region.is_none() && r.warnings.iter().any(|w| w.contains("no box")));
 }
+
+#[test]
+fn unsafe_ranges_and_corners_are_found_and_others_are_not() {
+    let t = table(2000);
+    let r = robustness(&t, &sample(20_000, 7), 0.9).unwrap();
+    assert!(!r.unsafe_combinations.is_empty());
+    for c in &r.unsafe_combinations {
+        let own = c.confirmed;
+        assert!(own.verified * 50 <= own.points, "{c:?}");
+        assert!(c.bounds.iter().all(|b| b.parameter != 2), "{c:?}");
+    }
+    let fresh = sample(100_000, 99);
+    let listed = |x: &[f64]| r.unsafe_combinations.iter().any(|c| c.contains(x));
+    let inside = fresh.iter().filter(|x| listed(x));
+    let (mut all, mut good) = (0, 0);
+    for x in inside {
+        all += 1;
+        good += usize::from(verified(x));
+    }
+    assert!(all > 0 && good * 100 <= 2 * all, "{good} of {all}");
+    // p1 - 0.2 p0 <= 1 and p0 >= -1 - 0.3 p1^2: beyond p1 = 1.2 nothing is verified.
+    let range = |parameter: usize, below: bool| {
+        let alone = |c: &&combinations::Combination| c.bounds.len() == 1;
+        let mut alone = r.unsafe_combinations.iter().filter(alone);
+        alone.find(|c| c.bounds[0].parameter == parameter && c.bounds[0].below == below)
+    };
+    let high = range(1, false).unwrap();
+    assert!((high.bounds[0].limit - 1.2).abs() < 0.15, "{high:?}");
+    assert_eq!(high.lost, "c1");
+    assert!(r.unsafe_combinations.iter().any(|c| c.bounds.len() == 2));
+}

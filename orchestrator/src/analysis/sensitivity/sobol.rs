@@ -6,10 +6,9 @@
 //! parameter i the sample A_B^(i), which is A with column i from B.
 
 use super::Estimate;
-use super::stats::{mean, variance};
-use crate::analysis::verdict::Z95;
-use rand::{RngExt, SeedableRng, rngs::StdRng};
+use super::stats::mean;
 use serde::{Deserialize, Serialize};
+use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// The estimator of the first-order index.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
@@ -40,6 +39,12 @@ pub fn design(pairs: &[Vec<f64>]) -> Vec<Vec<f64>> {
         rows.push(b.to_vec());
     }
     rows
+}
+
+/// How many independently scrambled nets so many base points should be taken from: as many as
+/// Student's quantile asks for, as long as each keeps some points.
+pub fn replicates(base: u64) -> u64 {
+    (base / 8).clamp(2, 16)
 }
 
 /// Sobol indices of one output.
@@ -77,17 +82,20 @@ impl Rows<'_> {
 ///
 /// The outputs are first shifted to mean 0, because the estimators are biased for others. A base
 /// point of which A, B or A_B^(i) has no finite value is left out for parameter i; the variance is
-/// that of the finite values of A and B. The intervals are Gaussian with the standard deviation of
-/// `resamples` bootstrap samples of the base points. All indices of a constant output are 0.
+/// that of the finite values of A and B. All indices of a constant output are 0.
+///
+/// The base points belong to `replicates` independent randomisations in turn: point j to
+/// j mod `replicates`. The intervals are Student's, from the indices with each randomisation left out
+/// (delete-a-group jackknife; Kott 2001, "The delete-a-group jackknife", J. Official Statistics 17).
+/// A bootstrap of the points would not know how evenly a quasi-random sample fills the space.
 ///
 /// Returns `None` where the number of outputs is no multiple of `parameters + 2`, or fewer than
-/// two base points are complete.
+/// two randomisations have complete base points.
 pub fn indices(
     outputs: &[f64],
     parameters: usize,
     estimator: FirstOrder,
-    resamples: usize,
-    seed: u64,
+    replicates: u64,
 ) -> Option<Indices> {
     let width = parameters + 2;
     if parameters == 0 || outputs.is_empty() || !outputs.len().is_multiple_of(width) {
@@ -116,30 +124,37 @@ pub fn indices(
             .copied()
             .filter(|&j| rows.ab(j, i).is_finite())
             .collect();
-        if complete.len() < 2 {
-            return None;
-        }
         let (first, total) = estimate(&rows, &complete, &ends, i, estimator);
-        // Every parameter sees the same resamples, as it would with whole rows resampled.
-        let mut random = StdRng::seed_from_u64(seed);
-        let (mut firsts, mut totals) =
-            (Vec::with_capacity(resamples), Vec::with_capacity(resamples));
-        let mut picked = vec![0; complete.len()];
-        for _ in 0..resamples {
-            picked.fill_with(|| complete[random.random_range(0..complete.len())]);
-            let (f, t) = estimate(&rows, &picked, &picked, i, estimator);
-            firsts.push(f);
-            totals.push(t);
-        }
+        let without = |group: u64| {
+            let others = |points: &[usize]| -> Vec<usize> {
+                let keep = |j: &&usize| **j as u64 % replicates != group;
+                points.iter().filter(keep).copied().collect()
+            };
+            let (points, ends) = (others(&complete), others(&ends));
+            let part = points.len() < complete.len() && !points.is_empty();
+            part.then(|| estimate(&rows, &points, &ends, i, estimator))
+        };
+        let parts: Vec<(f64, f64)> = (0..replicates).filter_map(without).collect();
+        let student = StudentsT::new(0.0, 1.0, parts.len() as f64 - 1.0).ok()?;
+        let around = |value: f64, parts: Vec<f64>| {
+            Estimate::around(value, student.inverse_cdf(0.975) * jackknife(&parts))
+        };
         result
             .first
-            .push(Estimate::around(first, Z95 * variance(&firsts, 1).sqrt()));
+            .push(around(first, parts.iter().map(|p| p.0).collect()));
         result
             .total
-            .push(Estimate::around(total, Z95 * variance(&totals, 1).sqrt()));
+            .push(around(total, parts.iter().map(|p| p.1).collect()));
         result.used.push(complete.len());
     }
     Some(result)
+}
+
+/// The standard error of an estimate from its values with each group left out.
+fn jackknife(without: &[f64]) -> f64 {
+    let (n, centre) = (without.len() as f64, mean(without));
+    let squares: f64 = without.iter().map(|v| (v - centre).powi(2)).sum();
+    ((n - 1.0) / n * squares).sqrt()
 }
 
 /// First-order and total index of one parameter over some base points, with the variance of others.
@@ -190,8 +205,7 @@ pub fn convergence(
     outputs: &[f64],
     parameters: usize,
     estimator: FirstOrder,
-    resamples: usize,
-    seed: u64,
+    replicates: u64,
 ) -> Vec<(usize, Indices)> {
     let width = parameters + 2;
     let n = outputs.len() / width;
@@ -201,16 +215,8 @@ pub fn convergence(
     sizes
         .into_iter()
         .filter_map(|m| {
-            Some((
-                m,
-                indices(
-                    &outputs[..m * width],
-                    parameters,
-                    estimator,
-                    resamples,
-                    seed,
-                )?,
-            ))
+            let part = &outputs[..m * width];
+            Some((m, indices(part, parameters, estimator, replicates)?))
         })
         .collect()
 }
@@ -219,6 +225,23 @@ pub fn convergence(
 mod tests {
     use super::super::functions::{ishigami, ishigami_indices, sobol_g, sobol_g_indices};
     use super::*;
+    use crate::design::Design;
+    use crate::distribution::Distribution;
+    use crate::study::{self, Method};
+    use rand::{RngExt, SeedableRng, rngs::StdRng};
+
+    /// Pairs as the command takes them.
+    fn scrambled_pairs(base: u64, d: usize, seed: u64) -> Vec<Vec<f64>> {
+        let design = study::Design {
+            method: Method::Sobol,
+            points: base,
+            seed,
+            replicates: replicates(base),
+        };
+        let unit = Distribution::Uniform { min: 0.0, max: 1.0 };
+        let design = Design::new(&design, vec![unit; 2 * d]).unwrap();
+        (0..base).map(|index| design.point(index)).collect()
+    }
 
     fn random_pairs(n: usize, d: usize, seed: u64) -> Vec<Vec<f64>> {
         let mut random = StdRng::seed_from_u64(seed);
@@ -248,7 +271,7 @@ mod tests {
     #[test]
     fn equal_to_salib_on_the_same_design() {
         let y = evaluate(&lattice(256, 3), ishigami);
-        let s = indices(&y, 3, FirstOrder::Saltelli, 10, 1).unwrap();
+        let s = indices(&y, 3, FirstOrder::Saltelli, 16).unwrap();
         for (i, (first, total)) in SALIB_ISHIGAMI.into_iter().enumerate() {
             assert!(
                 (s.first[i].value - first).abs() < 1e-10,
@@ -273,7 +296,7 @@ mod tests {
         let (first, total) = ishigami_indices();
         let y = evaluate(&random_pairs(40_000, 3, 5), ishigami);
         for estimator in [FirstOrder::Saltelli, FirstOrder::Jansen] {
-            let s = indices(&y, 3, estimator, 20, 1).unwrap();
+            let s = indices(&y, 3, estimator, 16).unwrap();
             for (found, exact) in s.first.iter().zip(first).chain(s.total.iter().zip(total)) {
                 assert!(
                     (found.value - exact).abs() < 0.03,
@@ -283,33 +306,31 @@ mod tests {
         }
     }
 
+    /// The short form of `cargo run --release --example coverage`.
     #[test]
     fn intervals_hold_the_exact_indices_in_95_per_cent_of_repetitions() {
         const REPETITIONS: u64 = 200;
+        const BASE: u64 = 256;
         let a = [0.0, 1.0, 4.5, 9.0];
         let (gf, gt) = sobol_g_indices(&a);
         let (hf, ht) = ishigami_indices();
-        let mut held = [0usize; 2];
-        let mut of = [0usize; 2];
+        let count = |s: &Indices, first: &[f64], total: &[f64]| {
+            let pairs = s.first.iter().zip(first).chain(s.total.iter().zip(total));
+            pairs
+                .filter(|(found, exact)| found.contains(**exact))
+                .count() as f64
+        };
+        let (mut ishigami_held, mut g_held) = (0.0, 0.0);
         for seed in 0..REPETITIONS {
-            let y = evaluate(&random_pairs(512, 3, 1000 + seed), ishigami);
-            let s = indices(&y, 3, FirstOrder::Jansen, 100, seed).unwrap();
-            let z = evaluate(&random_pairs(512, 4, 2000 + seed), |u| sobol_g(u, &a));
-            let g = indices(&z, 4, FirstOrder::Saltelli, 100, seed).unwrap();
-            for i in 0..3 {
-                held[0] += usize::from(s.first[i].contains(hf[i]))
-                    + usize::from(s.total[i].contains(ht[i]));
-                of[0] += 2;
-            }
-            for i in 0..4 {
-                held[1] += usize::from(g.first[i].contains(gf[i]))
-                    + usize::from(g.total[i].contains(gt[i]));
-                of[1] += 2;
-            }
+            let y = evaluate(&scrambled_pairs(BASE, 3, 1000 + seed), ishigami);
+            let s = indices(&y, 3, FirstOrder::Jansen, replicates(BASE)).unwrap();
+            ishigami_held += count(&s, &hf, &ht) / (6 * REPETITIONS) as f64;
+            let y = evaluate(&scrambled_pairs(BASE, 4, 2000 + seed), |u| sobol_g(u, &a));
+            let s = indices(&y, 4, FirstOrder::Jansen, replicates(BASE)).unwrap();
+            g_held += count(&s, &gf, &gt) / (8 * REPETITIONS) as f64;
         }
-        for k in 0..2 {
-            let coverage = held[k] as f64 / of[k] as f64;
-            assert!((coverage - 0.95).abs() <= 0.03, "{coverage}");
+        for coverage in [ishigami_held, g_held] {
+            assert!((coverage - 0.95).abs() <= 0.03, "{ishigami_held} {g_held}");
         }
     }
 
@@ -321,7 +342,7 @@ mod tests {
             y[k] = f64::NAN;
         }
         let failed = y.iter().filter(|v| v.is_nan()).count();
-        let s = indices(&y, 3, FirstOrder::Saltelli, 20, 1).unwrap();
+        let s = indices(&y, 3, FirstOrder::Saltelli, 16).unwrap();
         assert_eq!(s.failed, failed);
         assert!(s.used.iter().all(|&u| u < 20_000 && u > 19_000));
         for (found, exact) in s.first.iter().zip(first) {
@@ -331,22 +352,22 @@ mod tests {
 
     #[test]
     fn a_constant_output_depends_on_nothing() {
-        let s = indices(&[7.0; 40], 3, FirstOrder::Saltelli, 10, 1).unwrap();
+        let s = indices(&[7.0; 40], 3, FirstOrder::Saltelli, 16).unwrap();
         assert!(s.first.iter().chain(&s.total).all(|e| e.value == 0.0));
-        assert_eq!(indices(&[1.0; 41], 3, FirstOrder::Saltelli, 10, 1), None);
+        assert_eq!(indices(&[1.0; 41], 3, FirstOrder::Saltelli, 16), None);
     }
 
     #[test]
     fn convergence_ends_with_the_whole_design() {
         let y = evaluate(&random_pairs(256, 3, 3), ishigami);
-        let steps = convergence(&y, 3, FirstOrder::Saltelli, 10, 1);
+        let steps = convergence(&y, 3, FirstOrder::Saltelli, 16);
         assert_eq!(
             steps.iter().map(|s| s.0).collect::<Vec<_>>(),
             [32, 64, 128, 256]
         );
         assert_eq!(
             steps[3].1,
-            indices(&y, 3, FirstOrder::Saltelli, 10, 1).unwrap()
+            indices(&y, 3, FirstOrder::Saltelli, 16).unwrap()
         );
     }
 }

@@ -77,8 +77,14 @@ pub fn from_points(table: &PointTable, seed: u64) -> Sensitivity {
 }
 
 /// Sobol indices from the rows of [`sobol::design`], and everything that points as they are tell:
-/// that from the rows of A and B, which are a plain sample.
-pub fn from_sobol(rows: &PointTable, estimator: sobol::FirstOrder, seed: u64) -> Sensitivity {
+/// that from the rows of A and B, which are a plain sample. The base points belong to `replicates`
+/// independent randomisations in turn.
+pub fn from_sobol(
+    rows: &PointTable,
+    estimator: sobol::FirstOrder,
+    replicates: u64,
+    seed: u64,
+) -> Sensitivity {
     let d = rows.parameters.len();
     let width = d + 2;
     let plain: Vec<usize> = (0..rows.len())
@@ -86,8 +92,8 @@ pub fn from_sobol(rows: &PointTable, estimator: sobol::FirstOrder, seed: u64) ->
         .collect();
     let mut result = from_points(&rows.subset(&plain), seed);
     for (output, (_, values)) in result.outputs.iter_mut().zip(outputs(rows)) {
-        output.sobol = sobol::indices(&values, d, estimator, RESAMPLES, seed);
-        output.convergence = sobol::convergence(&values, d, estimator, 0, seed)
+        output.sobol = sobol::indices(&values, d, estimator, replicates);
+        output.convergence = sobol::convergence(&values, d, estimator, replicates)
             .into_iter()
             .map(|(n, s)| (n, s.total.iter().map(|e| e.value).collect()))
             .collect();
@@ -100,7 +106,7 @@ pub fn from_sobol(rows: &PointTable, estimator: sobol::FirstOrder, seed: u64) ->
     result.runs = rows.len();
     result.failed = (0..rows.len()).filter(|&k| !rows.completed(k)).count();
     result.method = format!(
-        "Sobol indices from {} base points ({} runs); rank correlations and PAWN of their plain sample",
+        "Sobol indices from {} base points in {replicates} randomisations ({} runs); rank correlations and PAWN of their plain sample",
         rows.len() / width,
         rows.len()
     );

@@ -12,6 +12,8 @@ pub(super) struct Aligned {
     delay: Delay,
     step: f64,
     time: Vec<f64>,
+    load_raw: Vec<f64>,
+    torque_raw: Vec<f64>,
     load: Vec<f64>,
     torque_before: Vec<f64>,
     torque: Vec<f64>,
@@ -25,6 +27,7 @@ pub(super) struct Aligned {
 impl Aligned {
     pub(super) fn new(
         recording: &Recording,
+        (load_raw, torque_raw): (Even, Even),
         load: &Even,
         late: &Spline,
         speed: Even,
@@ -62,6 +65,11 @@ impl Aligned {
         let turns = (n / 30 / turn).max(1);
         Self {
             step: load.step,
+            load_raw: kept.iter().map(|&k| load_raw.values[k]).collect(),
+            torque_raw: kept
+                .iter()
+                .map(|&k| torque_raw.values[k.min(torque_raw.values.len() - 1)])
+                .collect(),
             load: kept.iter().map(|&k| load.values[k]).collect(),
             torque_before: time.iter().map(|t| late.at(*t)).collect(),
             torque: time.iter().map(|t| late.at(t + shift)).collect(),
@@ -147,8 +155,11 @@ impl Aligned {
             mean_friction,
             findings,
             warnings,
+            block: self.block as f64 * self.step,
             delay: self.delay,
             time: self.time,
+            load_raw: self.load_raw,
+            torque_raw: self.torque_raw,
             load: self.load,
             torque_before: self.torque_before,
             torque: self.torque,
@@ -178,6 +189,7 @@ impl Aligned {
                 sensor: sensor(value),
             },
             stationarity: stationarity::test(&blocks, recording.confidence),
+            blocks,
         }
     }
 
@@ -216,6 +228,7 @@ impl Aligned {
                 scatter: uncertainty_of_mean(&halves),
                 sensor: from_bound(gain * value),
             },
+            blocks: vec![],
             stationarity: None,
         }
     }

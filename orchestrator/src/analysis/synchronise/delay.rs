@@ -17,6 +17,10 @@ pub struct Delay {
     pub before: f64,
     /// Relative standard deviation of mu after it.
     pub after: f64,
+    /// Relative standard deviation of mu by delays, s, over the range that was searched.
+    pub scan: Vec<(f64, f64)>,
+    /// The delays of parts of the record, s, of which the interval is made.
+    pub parts: Vec<f64>,
     /// Whether the least variance lies at the edge of the searched range: then it is no minimum.
     pub at_edge: bool,
 }
@@ -59,10 +63,12 @@ pub fn find(base: &Even, late: &Spline, longest: f64) -> Result<Delay, SignalErr
         .step_by((kept.len() / 4000).max(1))
         .collect();
     let half = (longest / base.step).floor() as i64;
-    let scan = (-half..=half).map(|k| k as f64 * base.step);
-    let coarse = scan
-        .min_by(|a, b| scatter(&thin, late, *a).total_cmp(&scatter(&thin, late, *b)))
-        .unwrap_or(0.0);
+    let scan: Vec<(f64, f64)> = (-half..=half)
+        .map(|k| k as f64 * base.step)
+        .map(|delay| (delay, scatter(&thin, late, delay)))
+        .collect();
+    let least = scan.iter().min_by(|a, b| a.1.total_cmp(&b.1));
+    let coarse = least.map_or(0.0, |(delay, _)| *delay);
     let around = |points: &[(f64, f64)], centre: f64, width: f64| {
         golden(centre - width, centre + width, |d| scatter(points, late, d))
     };
@@ -80,6 +86,8 @@ pub fn find(base: &Even, late: &Spline, longest: f64) -> Result<Delay, SignalErr
         delay: Estimate::around(best, quantile * error),
         before: scatter(&kept, late, 0.0),
         after: scatter(&kept, late, best),
+        scan,
+        parts,
         at_edge: coarse.abs() >= longest - 1.5 * base.step,
     })
 }

@@ -92,6 +92,8 @@ pub struct Finding {
     pub group: Option<String>,
     /// The value with its uncertainty.
     pub measured: Measured,
+    /// Means of blocks of whole turns, evenly over the window; empty for an amplitude.
+    pub blocks: Vec<f64>,
     /// The tests of the block means; `None` where the window is too short for them.
     pub stationarity: Option<Stationarity>,
 }
@@ -103,6 +105,10 @@ pub struct Synchronised {
     pub delay: Delay,
     /// Times of the aligned signals, s.
     pub time: Vec<f64>,
+    /// The load before smoothing, N.
+    pub load_raw: Vec<f64>,
+    /// The torque as recorded, before smoothing, N.m.
+    pub torque_raw: Vec<f64>,
     /// The smoothed load, N.
     pub load: Vec<f64>,
     /// The smoothed torque as recorded, N.m.
@@ -115,6 +121,8 @@ pub struct Synchronised {
     pub friction: Vec<f64>,
     /// The friction power, W.
     pub power: Vec<f64>,
+    /// The duration of a block of the tests of stationarity, s.
+    pub block: f64,
     /// The friction coefficient as a measured quantity.
     pub mean_friction: Measured,
     /// The criteria: means first, then amplitudes.
@@ -144,14 +152,14 @@ pub fn synchronise(recording: &Recording) -> Result<Synchronised, SignalError> {
     let end = load.span().1.min(torque.span().1);
     let step = load.step();
     let even = |spline: &Spline| Even::from_spline(spline, start, end, step);
-    let smooth = |spline: &Spline| -> Result<Even, SignalError> {
-        let raw = even(spline);
+    let smooth = |raw: &Even| -> Result<Even, SignalError> {
         Ok(Even {
             values: recording.smoothing.apply(&raw.values, step)?,
-            ..raw
+            ..raw.clone()
         })
     };
-    let (load, torque) = (smooth(&load)?, smooth(&torque)?);
+    let raw = (even(&load), even(&torque));
+    let (load, torque) = (smooth(&raw.0)?, smooth(&raw.1)?);
     let late = Spline::new(
         &recording.torque.name,
         &torque.times(),
@@ -159,7 +167,7 @@ pub fn synchronise(recording: &Recording) -> Result<Synchronised, SignalError> {
         LONGEST_GAP,
     )?;
     let delay = delay::find(&load, &late, recording.longest_delay)?;
-    Aligned::new(recording, &load, &late, even(&speed), delay)
+    Aligned::new(recording, raw, &load, &late, even(&speed), delay)
         .finish(recording, |c| Ok(even(&spline(c)?)))
 }
 

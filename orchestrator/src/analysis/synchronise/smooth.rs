@@ -4,6 +4,7 @@ use super::signal::SignalError;
 use nalgebra::{DMatrix, DVector};
 use serde::Deserialize;
 use std::f64::consts::PI;
+use std::fmt;
 
 /// How a signal is smoothed.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
@@ -26,6 +27,21 @@ pub enum Smoothing {
         /// Order of one run.
         order: usize,
     },
+}
+
+impl fmt::Display for Smoothing {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::None => write!(f, "none"),
+            Self::SavitzkyGolay { window, order } => {
+                write!(f, "Savitzky-Golay, order {order} over {window} samples")
+            }
+            Self::Butterworth { cutoff, order } => write!(
+                f,
+                "Butterworth low pass, order {order} at {cutoff} Hz, forwards and backwards"
+            ),
+        }
+    }
 }
 
 impl Smoothing {

@@ -1,0 +1,188 @@
+//! Random bearings with random lives, through the whole stand: whatever the load and the speed do, the
+//! journal stays inside the bush, every reading is finite, and the film's energy balance is closed.
+
+#![allow(clippy::unwrap_used)]
+
+use plain_bearing_stand::bearing::{FilmModel, Prepared};
+use plain_bearing_stand::model::{Experiment, Model};
+use plain_bearing_stand::sensors::Readings;
+use plain_bearing_stand::stand::Stand;
+use proptest::prelude::*;
+
+/// A bearing and what happens to it.
+#[derive(Clone, Debug)]
+struct Life {
+    diameter: f64,
+    /// B/D.
+    width: f64,
+    /// c/D.
+    clearance: f64,
+    /// Roughness over the clearance.
+    roughness: f64,
+    viscosity_scale: f64,
+    /// Preload of the load mechanism over its own.
+    preload: f64,
+    /// Specific load (Pa) that the external force brings, shaft speed (rad/s), their ends, communication step (s).
+    intervals: Vec<Interval>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Interval {
+    pressure: [f64; 2],
+    speed: [f64; 2],
+    step: f64,
+}
+
+fn lives() -> impl Strategy<Value = Life> {
+    let sign = || prop_oneof![Just(-1.0), Just(1.0)];
+    let pressure = move || {
+        prop_oneof![
+            1 => Just(0.0),
+            4 => (3.0..7.0_f64, sign()).prop_map(|(p, s)| s * 10_f64.powf(p)),
+        ]
+    };
+    let speed = || prop_oneof![1 => Just(0.0), 4 => -300.0..300.0];
+    let interval =
+        (pressure(), pressure(), speed(), speed(), -5.0..0.0_f64).prop_map(|(p, q, v, w, t)| {
+            Interval {
+                pressure: [p, q],
+                speed: [v, w],
+                step: 10_f64.powf(t),
+            }
+        });
+    let roughness = prop_oneof![Just(0.0), 0.01..0.3];
+    let intervals = prop::collection::vec(interval, 1..4);
+    let bearing = (
+        -2.0..-0.6_f64,
+        0.2..1.6,
+        -3.7..-2.4_f64,
+        roughness,
+        -1.0..2.0_f64,
+    );
+    (bearing, -2.0..2.0, intervals).prop_map(
+        |((d, width, c, roughness, eta), preload, intervals)| Life {
+            diameter: 10_f64.powf(d),
+            width,
+            clearance: 10_f64.powf(c),
+            roughness,
+            viscosity_scale: 10_f64.powf(eta),
+            preload,
+            intervals,
+        },
+    )
+}
+
+fn born(life: &Life, film: FilmModel) -> Stand {
+    let mut stand = Stand::default();
+    stand.bearing.film = film;
+    stand.bearing.resolution.columns = 32;
+    stand.bearing.resolution.rows = 3;
+    stand.bearing.diameter = life.diameter;
+    stand.bearing.width = life.width * life.diameter;
+    stand.bearing.radial_clearance = life.clearance * life.diameter;
+    stand.bearing.surface.roughness = life.roughness * stand.bearing.radial_clearance;
+    stand.oil.viscosity_scale = life.viscosity_scale;
+    stand.load.preload *= life.preload;
+    // Hot bearings would be another test's matter.
+    stand.thermal.isothermal = true;
+    stand
+}
+
+fn is_sane(readings: &Readings) -> Result<(), TestCaseError> {
+    let e = readings.eccentricity_ratio;
+    prop_assert!((0.0..1.0).contains(&e), "eccentricity ratio {e}");
+    for (name, value) in [
+        ("torque", readings.friction_torque),
+        ("power", readings.friction_power),
+        ("attitude", readings.attitude_angle),
+        ("side flow", readings.side_flow),
+        ("contact", readings.contact_share),
+        ("coefficient", readings.friction_coefficient),
+    ] {
+        prop_assert!(value.is_finite(), "{name} {value}");
+    }
+    prop_assert!(readings.max_film_pressure.is_finite() && readings.max_film_pressure >= 0.0);
+    prop_assert!(readings.min_film_thickness > 0.0);
+    Ok(())
+}
+
+/// What shaft and load put in, less what the asperities store, is dissipated; nothing comes from nowhere.
+fn energy_is_closed(stand: &Stand, prepared: &Prepared) -> Result<(), TestCaseError> {
+    let Readings {
+        load_force: load,
+        eccentricity_ratio,
+        attitude_angle: at,
+        shaft_speed: speed,
+        ..
+    } = *stand.readings();
+    let e = [eccentricity_ratio * at.cos(), eccentricity_ratio * at.sin()];
+    let bearing = &stand.bearing;
+    let motion = prepared.motion(bearing, load, e, stand.readings().film_viscosity, speed);
+    let c = bearing.radial_clearance;
+    let work = motion.torque * speed + c * load * motion.velocity[0];
+    let outward =
+        (e[0] * motion.velocity[0] + e[1] * motion.velocity[1]) / eccentricity_ratio.max(1e-300);
+    let stored = c * motion.contact.force * outward;
+    let heat = motion.flows.viscous + motion.flows.boundary;
+    let size = heat.abs()
+        + (c * load * motion.velocity[0]).abs()
+        + stored.abs()
+        + (motion.torque * speed).abs();
+    prop_assert!(
+        (work - stored - heat).abs() <= 1e-9 * size,
+        "work {work} W, stored {stored} W, heat {heat} W"
+    );
+    prop_assert!(
+        motion.flows.viscous >= -1e-9 * size && motion.flows.boundary >= 0.0,
+        "{:?}",
+        motion.flows
+    );
+    Ok(())
+}
+
+fn live(life: &Life, film: FilmModel) -> Result<(), TestCaseError> {
+    const NO_FILES: Experiment<'static> = Experiment {
+        start: 0.0,
+        stop: None,
+        tolerance: None,
+        resources: None,
+    };
+    let mut stand = born(life, film);
+    let fail = |fault: &dyn std::fmt::Debug| TestCaseError::fail(format!("{fault:?}"));
+    stand
+        .initialise(&NO_FILES, &mut ())
+        .map_err(|fault| fail(&fault))?;
+    let prepared = Prepared::new(&stand.bearing).unwrap();
+    let area = stand.bearing.width * stand.bearing.diameter;
+    let mut time = 0.0;
+    for interval in &life.intervals {
+        let Interval {
+            pressure: [p, q],
+            speed: [v, w],
+            step,
+        } = *interval;
+        let inputs = &mut stand.inputs;
+        inputs.external_force.value = p * area;
+        inputs.external_force.slope = (q - p) * area / step;
+        inputs.speed.value = v;
+        inputs.speed.slope = (w - v) / step;
+        stand
+            .advance(time, step, &mut ())
+            .map_err(|fault| fail(&fault))?;
+        time += step;
+        is_sane(stand.readings())?;
+        if film == FilmModel::Mobility {
+            energy_is_closed(&stand, &prepared)?;
+        }
+    }
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 10_000, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn ten_thousand_lives_with_the_mobility_method(life in lives()) {
+        live(&life, FilmModel::Mobility)?;
+    }
+}

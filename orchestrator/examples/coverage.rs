@@ -1,0 +1,150 @@
+//! How often the stated 95 % intervals hold the exact value:
+//! `cargo run --release --example coverage -- 200` (repetitions).
+
+use orchestrator::analysis::sensitivity::functions::{
+    ishigami, ishigami_indices, sobol_g, sobol_g_indices,
+};
+use orchestrator::analysis::sensitivity::sobol::{FirstOrder, design, indices, replicates};
+use orchestrator::analysis::verdict::{Fraction, randomised_share};
+use orchestrator::design::Design;
+use orchestrator::distribution::Distribution;
+use orchestrator::study::{self, Method};
+use rayon::prelude::*;
+
+/// A function with its exact indices.
+struct Case {
+    name: &'static str,
+    dimensions: usize,
+    function: fn(&[f64]) -> f64,
+    first: Vec<f64>,
+    total: Vec<f64>,
+}
+
+const G: [f64; 4] = [0.0, 1.0, 4.5, 9.0];
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let repetitions = std::env::args().nth(1).unwrap_or("200".into()).parse()?;
+    let (first, total) = ishigami_indices();
+    let (g_first, g_total) = sobol_g_indices(&G);
+    let cases = [
+        Case {
+            name: "Ishigami",
+            dimensions: 3,
+            function: ishigami,
+            first: first.to_vec(),
+            total: total.to_vec(),
+        },
+        Case {
+            name: "Sobol's g",
+            dimensions: 4,
+            function: |u| sobol_g(u, &G),
+            first: g_first,
+            total: g_total,
+        },
+    ];
+    println!("Sobol indices: % of {repetitions} intervals that hold the exact index");
+    for case in &cases {
+        for base in [64, 256, 1024] {
+            for estimator in [FirstOrder::Jansen, FirstOrder::Saltelli] {
+                indices_held(case, base, estimator, repetitions)?;
+            }
+        }
+    }
+    println!(
+        "\nVerified share of a Sobol design with 16 replicates: % of {repetitions} intervals that hold it,"
+    );
+    println!("and their mean width against Wilson's");
+    for (points, share) in [
+        (512, 0.02),
+        (512, 0.2),
+        (4096, 0.02),
+        (4096, 0.2),
+        (4096, 0.5),
+    ] {
+        share_held(points, share, repetitions)?;
+    }
+    Ok(())
+}
+
+fn cube(
+    points: u64,
+    dimensions: usize,
+    seed: u64,
+    replicates: u64,
+) -> Result<Vec<Vec<f64>>, String> {
+    let settings = study::Design {
+        method: Method::Sobol,
+        points,
+        seed,
+        replicates,
+    };
+    let unit = Distribution::Uniform { min: 0.0, max: 1.0 };
+    let design = Design::new(&settings, vec![unit; dimensions])?;
+    Ok((0..points).map(|index| design.point(index)).collect())
+}
+
+fn indices_held(
+    case: &Case,
+    base: u64,
+    estimator: FirstOrder,
+    repetitions: u64,
+) -> Result<(), String> {
+    let d = case.dimensions;
+    let one = |seed: u64| -> Result<Vec<f64>, String> {
+        let pairs = cube(base, 2 * d, 1000 + seed, replicates(base))?;
+        let outputs: Vec<f64> = design(&pairs).iter().map(|u| (case.function)(u)).collect();
+        let found = indices(&outputs, d, estimator, replicates(base)).ok_or("too few points")?;
+        let exact = case.first.iter().chain(&case.total);
+        let all = found.first.iter().chain(&found.total).zip(exact);
+        Ok(all
+            .map(|(e, exact)| f64::from(u8::from(e.contains(*exact))))
+            .collect())
+    };
+    let held: Vec<Vec<f64>> = (0..repetitions)
+        .into_par_iter()
+        .map(one)
+        .collect::<Result<_, _>>()?;
+    let shares: Vec<f64> = (0..2 * d)
+        .map(|k| 100.0 * held.iter().map(|h| h[k]).sum::<f64>() / repetitions as f64)
+        .collect();
+    let mean = shares.iter().sum::<f64>() / shares.len() as f64;
+    println!(
+        "  {:<10} {base:>5} base points, {estimator:?}: {mean:.1} in the mean, one by one {shares:.1?}",
+        case.name
+    );
+    Ok(())
+}
+
+/// Points of a seven-dimensional cube count as verified in a corner with the volume `share` that is cut
+/// by three of the parameters, and by the sum of two others.
+fn share_held(points: u64, share: f64, repetitions: u64) -> Result<(), String> {
+    const REPLICATES: u64 = 16;
+    // Half of what is left of three parameters lies below the diagonal of two others.
+    let side = (2.0 * share).min(1.0).cbrt();
+    let verified = |u: &[f64]| u[..3].iter().all(|v| *v < side) && u[3] + u[6] < 1.0;
+    let one = |seed: u64| -> Result<[f64; 3], String> {
+        let cube = cube(points, 7, 5000 + seed, REPLICATES)?;
+        let mut counts = [0_u64; REPLICATES as usize];
+        for (index, u) in cube.iter().enumerate() {
+            counts[index % counts.len()] += u64::from(verified(u));
+        }
+        let all = Fraction::wilson(counts.iter().sum::<u64>() as usize, points as usize);
+        let [low, high] = randomised_share(&counts, points);
+        Ok([
+            f64::from(u8::from(low <= share && share <= high)),
+            high - low,
+            all.high - all.low,
+        ])
+    };
+    let all: Vec<[f64; 3]> = (0..repetitions)
+        .into_par_iter()
+        .map(one)
+        .collect::<Result<_, _>>()?;
+    let sum = |k: usize| all.iter().map(|r| r[k]).sum::<f64>();
+    println!(
+        "  share {share}, {points} points: {:.1}, width {:.2} of Wilson's",
+        100.0 * sum(0) / repetitions as f64,
+        sum(1) / sum(2)
+    );
+    Ok(())
+}

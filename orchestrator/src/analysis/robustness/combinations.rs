@@ -1,0 +1,235 @@
+//! Unsafe combinations: where a parameter alone, or two of them together, leave hardly any chance
+//! of verification, whatever the others are.
+
+use super::Stand;
+use super::region::Confirmed;
+use crate::analysis::sensitivity::stats::{mean, quantile, sorted};
+use serde::{Deserialize, Serialize};
+
+/// A region is unsafe where the mean probability of verification is less than this.
+pub const CEILING: f64 = 0.01;
+/// Slices of equal content along each parameter.
+const SLICES: usize = 40;
+/// Regions with a smaller part of the sampled space are not listed.
+const LEAST_SHARE: f64 = 0.005;
+/// At most so many are listed.
+const MOST_LISTED: usize = 12;
+
+/// One side of a region.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Bound {
+    /// Index of the parameter.
+    pub parameter: usize,
+    /// Whether the region lies below the limit, or above it.
+    pub below: bool,
+    /// The limit.
+    pub limit: f64,
+}
+
+impl Bound {
+    fn holds(&self, x: &[f64]) -> bool {
+        let value = x[self.parameter];
+        if self.below {
+            value < self.limit
+        } else {
+            value > self.limit
+        }
+    }
+}
+
+/// A part of the space in which hardly any point is verified.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Combination {
+    /// One bound, or two of different parameters.
+    pub bounds: Vec<Bound>,
+    /// The part of the sampled space, without that of unsafe ranges of one parameter where there
+    /// are two bounds.
+    pub share: f64,
+    /// Mean probability of verification there.
+    pub probability: f64,
+    /// The criterion that is met least there.
+    pub lost: String,
+    /// What the study's own points say.
+    pub confirmed: Confirmed,
+}
+
+impl Combination {
+    /// Whether a point lies inside.
+    pub fn contains(&self, x: &[f64]) -> bool {
+        self.bounds.iter().all(|bound| bound.holds(x))
+    }
+}
+
+/// A sample of the space with its probabilities of verification.
+pub(super) struct Cloud<'a> {
+    pub points: &'a [Vec<f64>],
+    pub verdicts: &'a [f64],
+}
+
+/// The slices of all parameters: their edges, and each point's.
+struct Slices {
+    edges: Vec<Vec<f64>>,
+    of: Vec<Vec<usize>>,
+}
+
+impl Slices {
+    fn new(points: &[Vec<f64>], d: usize) -> Self {
+        let edges: Vec<Vec<f64>> = (0..d)
+            .map(|k| {
+                let column = sorted(points.iter().map(|x| x[k]).collect());
+                (1..SLICES)
+                    .map(|s| quantile(&column, s as f64 / SLICES as f64))
+                    .collect()
+            })
+            .collect();
+        let of = edges
+            .iter()
+            .enumerate()
+            .map(|(k, edges)| {
+                let slice = |x: &Vec<f64>| edges.partition_point(|e| *e <= x[k]);
+                points.iter().map(slice).collect()
+            })
+            .collect();
+        Self { edges, of }
+    }
+
+    /// The bound of the first (or last) `count` slices.
+    fn bound(&self, parameter: usize, below: bool, count: usize) -> Bound {
+        let edge = if below { count } else { SLICES - count };
+        Bound {
+            parameter,
+            below,
+            limit: self.edges[parameter][edge - 1],
+        }
+    }
+
+    /// A point's slice, counted from the side where a region begins.
+    fn place(&self, parameter: usize, below: bool, point: usize) -> usize {
+        let slice = self.of[parameter][point];
+        if below { slice } else { SLICES - 1 - slice }
+    }
+}
+
+/// Lists the unsafe ranges of single parameters and, outside these, the unsafe corners of pairs, the
+/// largest first.
+pub(super) fn combinations(
+    stand: &Stand,
+    cloud: &Cloud<'_>,
+    own: &[Vec<f64>],
+    verified: &[bool],
+) -> Vec<Combination> {
+    let Some(d) = cloud.points.first().map(Vec::len) else {
+        return vec![];
+    };
+    let slices = Slices::new(cloud.points, d);
+    let all: Vec<usize> = (0..cloud.points.len()).collect();
+    let mut found: Vec<Combination> = (0..d)
+        .flat_map(|k| [(k, true), (k, false)])
+        .filter_map(|(k, below)| range(cloud, &slices, k, below))
+        .map(|bound| finish(vec![bound], stand, cloud, &all))
+        .collect();
+    let open: Vec<usize> = all
+        .iter()
+        .copied()
+        .filter(|&j| !found.iter().any(|c| c.contains(&cloud.points[j])))
+        .collect();
+    for (x, y) in (0..d).flat_map(|x| (x + 1..d).map(move |y| (x, y))) {
+        for (x_below, y_below) in [(true, true), (true, false), (false, true), (false, false)] {
+            let sides = [(x, x_below), (y, y_below)];
+            if let Some(bounds) = corner(cloud, &slices, &open, sides) {
+                found.push(finish(bounds.to_vec(), stand, cloud, &open));
+            }
+        }
+    }
+    found.retain(|c| c.share >= LEAST_SHARE);
+    found.sort_by(|a, b| b.share.total_cmp(&a.share));
+    found.truncate(MOST_LISTED);
+    for combination in &mut found {
+        let inside = own.iter().zip(verified);
+        let inside = inside.filter(|(x, _)| combination.contains(x));
+        combination.confirmed = Confirmed::count(inside.map(|(_, v)| *v));
+    }
+    found
+}
+
+/// The longest unsafe range of a parameter from one of its ends.
+fn range(cloud: &Cloud<'_>, slices: &Slices, parameter: usize, below: bool) -> Option<Bound> {
+    let (mut n, mut sum) = ([0usize; SLICES], [0.0; SLICES]);
+    for (j, verdict) in cloud.verdicts.iter().enumerate() {
+        let slice = slices.place(parameter, below, j);
+        n[slice] += 1;
+        sum[slice] += verdict;
+    }
+    let (mut points, mut total, mut longest) = (0, 0.0, None);
+    for count in 1..SLICES {
+        points += n[count - 1];
+        total += sum[count - 1];
+        if points > 0 && total < CEILING * points as f64 {
+            longest = Some(slices.bound(parameter, below, count));
+        }
+    }
+    longest
+}
+
+/// The unsafe corner of two parameters that holds most of the points.
+fn corner(
+    cloud: &Cloud<'_>,
+    slices: &Slices,
+    open: &[usize],
+    sides: [(usize, bool); 2],
+) -> Option<[Bound; 2]> {
+    const FEWEST: usize = 30;
+    let [(x, x_below), (y, y_below)] = sides;
+    // Numbers and sums of all corners up to a cell: summed along the rows, then along the columns.
+    let mut n = vec![[0usize; SLICES]; SLICES];
+    let mut sum = vec![[0.0; SLICES]; SLICES];
+    for &j in open {
+        let (a, b) = (slices.place(x, x_below, j), slices.place(y, y_below, j));
+        n[a][b] += 1;
+        sum[a][b] += cloud.verdicts[j];
+    }
+    let mut best: Option<(usize, usize, usize)> = None;
+    for a in 0..SLICES - 1 {
+        for b in 0..SLICES - 1 {
+            if a > 0 {
+                n[a][b] += n[a - 1][b];
+                sum[a][b] += sum[a - 1][b];
+            }
+        }
+        let (mut points, mut total) = (0, 0.0);
+        for b in 0..SLICES - 1 {
+            points += n[a][b];
+            total += sum[a][b];
+            let holds = points >= FEWEST && total < CEILING * points as f64;
+            if holds && best.is_none_or(|(most, ..)| points > most) {
+                best = Some((points, a + 1, b + 1));
+            }
+        }
+    }
+    let (_, a, b) = best?;
+    Some([slices.bound(x, x_below, a), slices.bound(y, y_below, b)])
+}
+
+fn finish(bounds: Vec<Bound>, stand: &Stand, cloud: &Cloud<'_>, open: &[usize]) -> Combination {
+    /// So many points tell which criterion is lost.
+    const ENOUGH: usize = 500;
+    let mut region = Combination {
+        bounds,
+        share: 0.0,
+        probability: 0.0,
+        lost: String::new(),
+        confirmed: Confirmed::default(),
+    };
+    let inside = |j: &usize| region.contains(&cloud.points[*j]);
+    let inside: Vec<usize> = open.iter().copied().filter(inside).collect();
+    let some = inside.iter().take(ENOUGH).map(|&j| &cloud.points[j]);
+    region.lost = stand.least_met(some);
+    region.share = inside.len() as f64 / cloud.points.len() as f64;
+    region.probability = mean(
+        &inside
+            .iter()
+            .map(|&j| cloud.verdicts[j])
+            .collect::<Vec<_>>(),
+    );
+    region
+}

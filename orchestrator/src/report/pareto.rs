@@ -1,0 +1,199 @@
+//! The page's part on trade-offs: the front, pair by pair of criteria, and the best compromise.
+
+use super::format::{count, number};
+use super::svg::Frame;
+use crate::analysis::pareto::study::{CONFLICT, Member, Pareto};
+use serde::Serialize;
+use std::fmt::Write as _;
+use std::path::Path;
+
+/// The result's file in a folder of results.
+pub const FILE: &str = "pareto.json";
+
+/// So many pairs of criteria are drawn, those in conflict first.
+const MOST_PLOTS: usize = 6;
+
+/// Reads the result of a folder; nothing where there is none that can be read.
+pub fn read(folder: &Path) -> Option<Pareto> {
+    serde_json::from_str(&std::fs::read_to_string(folder.join(FILE)).ok()?).ok()
+}
+
+/// What the template shows.
+#[derive(Serialize)]
+pub struct View {
+    about: String,
+    nominal: Option<String>,
+    conflicts: Vec<[String; 3]>,
+    heads: Vec<(String, String)>,
+    rows: Vec<(String, Vec<String>)>,
+    plots: Vec<Plot>,
+}
+
+/// The front over two criteria.
+#[derive(Serialize)]
+struct Plot {
+    name: String,
+    svg: String,
+    note: String,
+}
+
+/// Prepares a result for the template.
+pub fn view(result: &Pareto) -> View {
+    let Some(best) = result.front.first() else {
+        return View {
+            about: "No point has values.".to_owned(),
+            nominal: None,
+            conflicts: vec![],
+            heads: vec![],
+            rows: vec![],
+            plots: vec![],
+        };
+    };
+    let mut rows = vec![row("Best compromise", best)];
+    if result.nearest > 0 {
+        rows.push(row("Nearest", &result.front[result.nearest]));
+    }
+    rows.extend(
+        result
+            .nominal
+            .iter()
+            .map(|n| row("Nominal design", &n.member)),
+    );
+    let verified = result.front.iter().filter(|m| m.verified()).count();
+    let units = result.parameters.iter().zip(&result.units);
+    let nothing = |name: &String| (name.clone(), String::new());
+    View {
+        about: format!(
+            "From {}: of {} points {} are beaten by no other in every criterion, and {} of these meet all criteria.",
+            result.method,
+            count(result.points),
+            count(result.front.len()),
+            count(verified)
+        ),
+        nominal: result.nominal.as_ref().map(|n| {
+            format!(
+                "The nominal design (all parameters at their medians) is beaten in every criterion by {} points of the front and lies {} of a tolerance from it.",
+                n.beaten_by,
+                number(n.to_front, 3)
+            )
+        }),
+        conflicts: result
+            .conflicts
+            .iter()
+            .filter(|c| c.correlation <= CONFLICT)
+            .map(|c| {
+                [
+                    result.criteria[c.a].clone(),
+                    result.criteria[c.b].clone(),
+                    number(c.correlation, 2),
+                ]
+            })
+            .collect(),
+        heads: ["largest", "distance"]
+            .map(|name| (name.to_owned(), String::new()))
+            .into_iter()
+            .chain(result.criteria.iter().map(nothing))
+            .chain(units.map(|(name, unit)| (name.clone(), unit.clone())))
+            .collect(),
+        rows,
+        plots: plots(result),
+    }
+}
+
+fn row(title: &str, m: &Member) -> (String, Vec<String>) {
+    let point = m.point.map_or_else(String::new, |p| format!(", point {p}"));
+    let numbers = [m.largest(), m.distance()]
+        .map(|v| number(v, 3))
+        .into_iter()
+        .chain(m.deviations.iter().map(|v| number(*v, 2)))
+        .chain(m.parameters.iter().map(|v| number(*v, 4)));
+    (format!("{title}{point}"), numbers.collect())
+}
+
+fn plots(result: &Pareto) -> Vec<Plot> {
+    let in_order = result.conflicts.iter().map(|c| (c.a, c.b));
+    let mut pairs: Vec<(usize, usize)> = in_order.collect();
+    if pairs.is_empty() && result.criteria.len() > 1 {
+        pairs.push((0, 1));
+    }
+    pairs.truncate(MOST_PLOTS);
+    pairs.into_iter().map(|(a, b)| plot(result, a, b)).collect()
+}
+
+/// The plots that are written as files: name and picture.
+pub fn files(result: &Pareto) -> Vec<(String, String)> {
+    let named = |p: Plot| (p.name, p.svg);
+    plots(result).into_iter().map(named).collect()
+}
+
+/// The end of an axis: where the front lies, but for the outermost twentieth, and the tolerance.
+fn end(result: &Pareto, k: usize) -> f64 {
+    let mut values: Vec<f64> = result.front.iter().map(|m| m.deviations[k]).collect();
+    values.sort_by(f64::total_cmp);
+    let most = values.get(values.len() * 19 / 20).copied().unwrap_or(1.0);
+    (1.08 * most).clamp(1.2, 4.0)
+}
+
+fn plot(result: &Pareto, a: usize, b: usize) -> Plot {
+    let (right, top) = (end(result, a), end(result, b));
+    let frame = Frame::new(420.0, 320.0, [0.0, right], [0.0, top]);
+    let name = |k: usize| format!("{}, deviation / tolerance", result.criteria[k]);
+    let mut out = frame.axes(&name(a), Some(&name(b)));
+    let _ = write!(
+        out,
+        "<path class=\"accept\" d=\"M{:.1},{:.1}H{:.1}V{:.1}H{:.1}z\"/>",
+        frame.x.from,
+        frame.y.at(1.0),
+        frame.x.at(1.0),
+        frame.y.from,
+        frame.x.from
+    );
+    let place = |m: &Member| {
+        let (x, y) = (m.deviations[a], m.deviations[b]);
+        (x <= right && y <= top).then(|| (frame.x.at(x), frame.y.at(y)))
+    };
+    let (mut verified, mut others) = (String::new(), String::new());
+    for m in &result.front {
+        if let Some((x, y)) = place(m) {
+            let path = if m.verified() {
+                &mut verified
+            } else {
+                &mut others
+            };
+            let _ = write!(path, "M{:.1},{y:.1}a3,3 0 1,0 6,0a3,3 0 1,0 -6,0", x - 3.0);
+        }
+    }
+    let _ = write!(
+        out,
+        "<path class=\"pt part\" d=\"{others}\"/><path class=\"pt in\" d=\"{verified}\"/>"
+    );
+    if let Some((x, y)) = result.front.first().and_then(place) {
+        let _ = write!(
+            out,
+            "<path class=\"chosen\" d=\"M{:.1},{y:.1}a6,6 0 1,0 12,0a6,6 0 1,0 -12,0\"/>",
+            x - 6.0
+        );
+    }
+    if let Some((x, y)) = result.nominal.as_ref().and_then(|n| place(&n.member)) {
+        let _ = write!(
+            out,
+            "<path class=\"design\" d=\"M{x:.1},{:.1}l6,6l-6,6l-6,-6z\"/>",
+            y - 6.0
+        );
+    }
+    let outside = result.front.iter().filter(|m| place(m).is_none()).count();
+    let title = format!(
+        "Deviations of {} and {} over the {} points of the front",
+        result.criteria[a],
+        result.criteria[b],
+        result.front.len()
+    );
+    Plot {
+        name: format!("pareto-{}-{}", result.criteria[a], result.criteria[b]),
+        svg: frame.wrap(&title, &out),
+        note: match outside {
+            0 => String::new(),
+            n => format!("{n} points of the front lie outside the plot."),
+        },
+    }
+}

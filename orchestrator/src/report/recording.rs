@@ -1,0 +1,330 @@
+//! The page of a recording: the delay with its uncertainty, the signals before and after, what
+//! the tests of stationarity say, and the criteria.
+
+use super::bins::axis_range;
+use super::figures::envelope;
+use super::format::number;
+use super::svg::Frame;
+use super::{ReportError, write_file};
+use crate::analysis::sensitivity::stats::mean;
+use crate::analysis::synchronise::{Finding, Recording, Synchronised, criteria};
+use minijinja::{Environment, value::Serde};
+use serde::Serialize;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+/// So much of the record's end is drawn, s.
+const SHOWN: f64 = 1.0;
+
+#[derive(Serialize)]
+struct Page {
+    title: String,
+    style: &'static str,
+    delay: [String; 3],
+    before: String,
+    after: String,
+    friction: [String; 2],
+    smoothing: String,
+    window: String,
+    parts: usize,
+    warnings: Vec<String>,
+    figures: Vec<Figure>,
+    rows: Vec<Row>,
+    block: String,
+    confidence: String,
+    steady: Vec<Figure>,
+    criteria: String,
+    facts: Vec<(String, String)>,
+}
+
+#[derive(Serialize)]
+struct Figure {
+    name: String,
+    file: String,
+    svg: String,
+}
+
+#[derive(Serialize)]
+struct Row {
+    name: String,
+    about: String,
+    value: String,
+    expanded: String,
+    scatter: String,
+    sensor: String,
+    change: String,
+    steady: String,
+    alarm: bool,
+}
+
+/// One line of a plot.
+struct Trace<'a> {
+    class: &'static str,
+    time: &'a [f64],
+    values: &'a [f64],
+}
+
+/// Writes `report.html` and `plots/*.svg` into a folder, and returns the page's path.
+///
+/// # Errors
+/// When a file cannot be written.
+pub fn write(
+    recording: &Recording,
+    result: &Synchronised,
+    title: &str,
+    amplitudes: bool,
+    folder: &Path,
+) -> Result<PathBuf, ReportError> {
+    let page = page(recording, result, title, amplitudes);
+    let plots = folder.join("plots");
+    std::fs::create_dir_all(&plots).map_err(|source| ReportError::Write {
+        path: plots.clone(),
+        source,
+    })?;
+    for figure in page.figures.iter().chain(&page.steady) {
+        let path = plots.join(format!("{}.svg", figure.file));
+        write_file(&path, &super::svg::standalone(&figure.svg))?;
+    }
+    let mut environment = Environment::new();
+    environment.add_template("recording.html", include_str!("assets/recording.html"))?;
+    let html = environment
+        .get_template("recording.html")?
+        .render(Serde(&page))?;
+    let path = folder.join("report.html");
+    write_file(&path, &html)?;
+    Ok(path)
+}
+
+fn page(recording: &Recording, result: &Synchronised, title: &str, amplitudes: bool) -> Page {
+    let delay = &result.delay;
+    let milliseconds = |s: f64| number(1e3 * s, 4);
+    let per_cent = |part: f64| number(100.0 * part, 3);
+    let shown = |f: &&Finding| amplitudes || f.statistic != "amplitude";
+    let ends = [result.time.first(), result.time.last()].map(|t| t.copied().unwrap_or(0.0));
+    let steady = result.findings.iter().filter(|f| !f.blocks.is_empty());
+    Page {
+        title: title.to_owned(),
+        style: concat!(
+            include_str!("assets/plot.css"),
+            include_str!("assets/report.css")
+        ),
+        delay: [delay.delay.value, delay.delay.low, delay.delay.high].map(milliseconds),
+        before: per_cent(delay.before),
+        after: per_cent(delay.after),
+        friction: [
+            number(result.mean_friction.value, 4),
+            number(result.mean_friction.expanded(), 2),
+        ],
+        smoothing: recording.smoothing.to_string(),
+        window: format!("{} … {} s", number(ends[0], 5), number(ends[1], 5)),
+        parts: delay.parts.len(),
+        warnings: result.warnings.clone(),
+        figures: figures(result),
+        rows: result.findings.iter().filter(shown).map(row).collect(),
+        block: number(result.block, 3),
+        confidence: number(100.0 * recording.confidence, 4),
+        steady: steady.filter_map(|f| wander(f, result)).collect(),
+        criteria: criteria::to_toml(result, amplitudes),
+        facts: vec![
+            (
+                "Program".into(),
+                concat!("orchestrator ", env!("CARGO_PKG_VERSION")).into(),
+            ),
+            ("Samples".into(), recording.time.len().to_string()),
+            (
+                "Bearing diameter".into(),
+                format!("{} mm", number(1e3 * recording.diameter, 6)),
+            ),
+            (
+                "Longest delay looked for".into(),
+                format!("{} ms", milliseconds(recording.longest_delay)),
+            ),
+        ],
+    }
+}
+
+fn row(finding: &Finding) -> Row {
+    let m = &finding.measured;
+    let unit = &finding.unit;
+    let change = |s: &crate::analysis::synchronise::stationarity::Stationarity| {
+        format!(
+            "{} ({} … {})",
+            number(s.change.value, 2),
+            number(s.change.low, 2),
+            number(s.change.high, 2)
+        )
+    };
+    let (steady, alarm) = match &finding.stationarity {
+        None if finding.statistic == "amplitude" => ("–".to_owned(), false),
+        None => ("window too short".to_owned(), true),
+        Some(s) if s.trend => (format!("drifting, chance {:.0e}", s.trend_chance), true),
+        Some(s) if s.drift => (format!("wandering, chance {:.0e}", s.wander_chance), true),
+        Some(_) => ("steady".to_owned(), false),
+    };
+    Row {
+        name: finding.name.clone(),
+        about: format!("{} of {}", finding.statistic, finding.variable),
+        value: format!("{} {unit}", number(m.value, 6)),
+        expanded: format!("± {} {unit}", number(m.expanded(), 2)),
+        scatter: number(m.scatter, 2),
+        sensor: number(m.sensor, 2),
+        change: finding.stationarity.as_ref().map_or("–".into(), change),
+        steady,
+        alarm,
+    }
+}
+
+/// Signals before and after (the paper's Fig. 5), and how the delay was found.
+fn figures(result: &Synchronised) -> Vec<Figure> {
+    let end = result.time.last().copied().unwrap_or(0.0);
+    let from = result.time.partition_point(|t| *t < end - SHOWN);
+    let time = &result.time[from..];
+    fn trace<'a>(class: &'static str, time: &'a [f64], values: &'a [f64]) -> Trace<'a> {
+        Trace {
+            class,
+            time,
+            values: &values[values.len() - time.len()..],
+        }
+    }
+    let of_time = |name: &str, file: &str, unit: &str, traces: &[Trace<'_>]| {
+        let svg = plot(name, "time (s)", unit, traces, |_| String::new())?;
+        Some(Figure {
+            name: name.to_owned(),
+            file: file.to_owned(),
+            svg,
+        })
+    };
+    let signals = [
+        of_time(
+            "Load: recorded and smoothed",
+            "load",
+            "N",
+            &[
+                trace("line raw", time, &result.load_raw),
+                trace("line", time, &result.load),
+            ],
+        ),
+        of_time(
+            "Torque: recorded, smoothed, and shifted",
+            "torque",
+            "N.m",
+            &[
+                trace("line raw", time, &result.torque_raw),
+                trace("line before", time, &result.torque_before),
+                trace("line", time, &result.torque),
+            ],
+        ),
+        of_time(
+            "Friction coefficient before and after the shift",
+            "friction",
+            "friction coefficient",
+            &[
+                trace("line before", time, &result.friction_before),
+                trace("line", time, &result.friction),
+            ],
+        ),
+        of_time(
+            "Friction power after the shift",
+            "power",
+            "W",
+            &[trace("line", time, &result.power)],
+        ),
+        search(result),
+    ];
+    signals.into_iter().flatten().collect()
+}
+
+/// The scatter of the friction coefficient by the delay, with the least and its interval.
+fn search(result: &Synchronised) -> Option<Figure> {
+    let (delays, scatter): (Vec<f64>, Vec<f64>) = result
+        .delay
+        .scan
+        .iter()
+        .map(|(delay, scatter)| (1e3 * delay, 100.0 * scatter))
+        .unzip();
+    let name = "Scatter of the friction coefficient by the delay";
+    let found = &result.delay.delay;
+    let trace = Trace {
+        class: "line",
+        time: &delays,
+        values: &scatter,
+    };
+    let marks = |frame: &Frame| {
+        let at = |s: f64| frame.x.clamped(1e3 * s);
+        let (low, high) = (at(found.low), at(found.high));
+        format!(
+            "<path class=\"accept\" d=\"M{low:.2},{top:.1}H{high:.2}V{bottom:.1}H{low:.2}z\"/><path class=\"nominal\" d=\"M{:.2},{top:.1}V{bottom:.1}\"/>",
+            at(found.value),
+            top = frame.y.to,
+            bottom = frame.y.from
+        )
+    };
+    Some(Figure {
+        name: name.to_owned(),
+        file: "delay".to_owned(),
+        svg: plot(
+            name,
+            "torque later than load (ms)",
+            "standard deviation / mean (%)",
+            &[trace],
+            marks,
+        )?,
+    })
+}
+
+/// The means of blocks with the straight line through them.
+fn wander(finding: &Finding, result: &Synchronised) -> Option<Figure> {
+    let start = result.time.first().copied()?;
+    let middle = |k: usize| start + (k as f64 + 0.5) * result.block;
+    let time: Vec<f64> = (0..finding.blocks.len()).map(middle).collect();
+    let trace = Trace {
+        class: "blocks",
+        time: &time,
+        values: &finding.blocks,
+    };
+    let line = |frame: &Frame| {
+        let Some(s) = &finding.stationarity else {
+            return String::new();
+        };
+        let (centre, half) = (mean(&finding.blocks), s.change.value / 2.0);
+        let ends = [time.first(), time.last()].map(|t| frame.x.at(t.copied().unwrap_or(0.0)));
+        format!(
+            "<path class=\"limit\" d=\"M{:.1},{:.1}L{:.1},{:.1}\"/>",
+            ends[0],
+            frame.y.clamped(centre - half),
+            ends[1],
+            frame.y.clamped(centre + half)
+        )
+    };
+    let name = format!("{}: means of blocks and their trend", finding.name);
+    Some(Figure {
+        svg: plot(&name, "time (s)", &finding.unit, &[trace], line)?,
+        file: format!("blocks-{}", finding.name),
+        name,
+    })
+}
+
+/// Lines over a common axis, and marks under them; nothing without any value.
+fn plot(
+    name: &str,
+    across: &str,
+    up: &str,
+    traces: &[Trace<'_>],
+    marks: impl Fn(&Frame) -> String,
+) -> Option<String> {
+    let all: Vec<f64> = traces.iter().flat_map(|t| t.values).copied().collect();
+    let range = axis_range(&all, f64::NEG_INFINITY, f64::INFINITY)?;
+    let time = traces.first()?.time;
+    let (start, end) = (*time.first()?, *time.last()?);
+    if end <= start {
+        return None;
+    }
+    let frame = Frame::new(560.0, 250.0, [start, end], range);
+    let mut out = frame.axes(across, Some(up));
+    out.push_str(&marks(&frame));
+    for trace in traces {
+        let line = envelope(trace.time, trace.values, &frame);
+        let _ = write!(out, "<path class=\"{}\" d=\"{line}\"/>", trace.class);
+    }
+    Some(frame.wrap(name, &out))
+}
