@@ -168,11 +168,11 @@ fn real_for(host: &mut Host, reference: ValueReference) -> f64 {
     else {
         return random.hostile();
     };
-    match random.below(3000) {
-        0..150 => random.hostile(),
-        150 => min + random.unit() * (max - min),
-        151 => random.one(&[*min, *max]),
-        152 if *min > 0.0 => random.magnitude(*min, *max),
+    match random.below(30_000) {
+        0..1500 => random.hostile(),
+        1500 => min + random.unit() * (max - min),
+        1501 => random.one(&[*min, *max]),
+        1502 if *min > 0.0 => random.magnitude(*min, *max),
         _ => (access.get)(&Stand::default()) * random.magnitude(0.5, 2.0),
     }
 }
