@@ -49,8 +49,8 @@ def run_host(row, compiler, runner):
         run([*compiler, "-O1", "-Wall", "-o", program, SOURCE, *dynamic])
     binary = Path(row.file).resolve()
     resources = ROOT / "modelDescription/resources"
-    drive = "/Z:" if row.platform == "win64" and runner else ""
-    uri = f"file://{drive}{resources.as_posix()}"
+    wine = row.platform == "win64" and native() != "win64"
+    uri = f"file:///Z:{resources.as_posix()}" if wine else resources.as_uri()
     with tempfile.TemporaryDirectory() as away:
         return run([*runner, program, binary, guid, uri, STEPS, *outputs], cwd=away, timeout=300,
                    env={"WINEDEBUG": "-all", "WINEPREFIX": str(CACHE / "wine")})
