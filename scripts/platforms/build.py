@@ -41,8 +41,24 @@ def linux64(row):
     return target_dir() / target / PROFILE / "libplain_bearing_stand.so"
 
 
+def darwin64(row):
+    """One file for both processors that Macs have."""
+    files = []
+    for target in ["x86_64-apple-darwin", "aarch64-apple-darwin"]:
+        run(["rustup", "target", "add", target])
+        say(f"building {target}")
+        cargo("--target", target)
+        files.append(target_dir() / target / PROFILE / "libplain_bearing_stand.dylib")
+    both = target_dir() / "libplain_bearing_stand.dylib"
+    run(["lipo", "-create", "-output", both, *files])
+    row.notes.append("x86_64 and arm64")
+    return both
+
+
 def plain(row):
+    """With plain cargo; on Windows the C runtime goes into the DLL."""
     say(f"building {row.platform}")
-    cargo()
-    names = {"win64": "plain_bearing_stand.dll", "darwin64": "libplain_bearing_stand.dylib"}
-    return target_dir() / PROFILE / names.get(row.platform, "libplain_bearing_stand.so")
+    windows = row.platform == "win64"
+    cargo(env={"RUSTFLAGS": "-Ctarget-feature=+crt-static"} if windows else {})
+    name = "plain_bearing_stand.dll" if windows else "libplain_bearing_stand.so"
+    return target_dir() / PROFILE / name

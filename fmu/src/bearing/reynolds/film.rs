@@ -85,6 +85,9 @@ struct Step {
     duration: f64,
 }
 
+/// The most internal steps, taken or not, in one interval: ordinary ones need a few.
+const MOST_TRIES: usize = 20_000;
+
 impl ReynoldsFilm {
     /// A flooded film with the journal in the middle.
     ///
@@ -188,7 +191,13 @@ impl ReynoldsFilm {
         let mut done = 0.0;
         let shortest = 1e-9 * interval;
         let mut step = self.state.step.unwrap_or(interval).min(interval);
-        while interval - done > shortest {
+        for tries in 0.. {
+            if interval - done <= shortest {
+                break;
+            }
+            if tries == MOST_TRIES {
+                return Err(self.given_up(step));
+            }
             let left = interval - done;
             // No sliver of a step at the end.
             let duration = if step < left {
@@ -223,16 +232,21 @@ impl ReynoldsFilm {
                     step = 0.25 * duration;
                     self.take_back();
                     if step < shortest {
-                        let eccentricity = self.state.eps.norm();
-                        self.state.copy_from(&self.before);
-                        self.arrive();
-                        return Err(FilmError::NotConverged { eccentricity, step });
+                        return Err(self.given_up(step));
                     }
                 }
             }
         }
         self.state.step = Some(step);
         Ok(total.over(done))
+    }
+
+    /// The film as it was before the interval, and why.
+    fn given_up(&mut self, step: f64) -> FilmError {
+        let eccentricity = self.state.eps.norm();
+        self.state.copy_from(&self.before);
+        self.arrive();
+        FilmError::NotConverged { eccentricity, step }
     }
 
     /// With a form error on a turning surface, a step turns it by no more than two columns.
