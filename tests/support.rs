@@ -7,7 +7,6 @@ use orchestrator::fmu::{Description, Package, Value};
 use orchestrator::identify::bind::Bound;
 use orchestrator::identify::problem::Simulate;
 use orchestrator::statistics::Accumulator;
-use orchestrator::study::Statistic;
 use orchestrator::task::Task;
 use plain_bearing_stand::model::{Access, Experiment, Kind, Model, Variable};
 use plain_bearing_stand::stand::Stand;
@@ -89,25 +88,33 @@ pub fn run(mut stand: Stand, task: &Task) -> Result<Vec<f64>, String> {
     stand
         .initialise(&experiment, &mut ())
         .map_err(|fault| fault.to_string())?;
-    let mut accumulators = vec![Accumulator::default(); task.observed.len()];
-    for index in 0..schedule.steps() {
-        let (time, next) = (schedule.time(index), schedule.time(index + 1));
+    let mut accumulators: Vec<_> = (task.observed.iter())
+        .map(|probe| Accumulator::new(probe.statistic))
+        .collect();
+    let mut observe = |stand: &Stand, elapsed| {
+        for (accumulator, probe) in accumulators.iter_mut().zip(&task.observed) {
+            accumulator.add(elapsed, get(stand, &probe.name));
+        }
+    };
+    let points = schedule.points();
+    let from = points.from(schedule.window_start);
+    for index in 0..points.steps {
+        if index == from {
+            observe(&stand, 0.0);
+        }
+        let (time, next) = (points.at(index), points.at(index + 1));
         stand
             .advance(time, next - time, &mut ())
             .map_err(|fault| fault.to_string())?;
-        if next >= schedule.window_start {
-            for (accumulator, probe) in accumulators.iter_mut().zip(&task.observed) {
-                accumulator.add(next, get(&stand, &probe.name));
-            }
+        if index >= from {
+            observe(&stand, next - time);
         }
     }
-    let pairs = accumulators.iter().zip(&task.observed);
-    let value =
-        |(accumulator, probe): (&Accumulator, &orchestrator::task::Probe)| match probe.statistic {
-            Statistic::Final => get(&stand, &probe.name),
-            other => accumulator.value(other),
-        };
-    Ok(pairs.map(value).collect())
+    if from == points.steps {
+        observe(&stand, 0.0);
+    }
+    let span = points.at(points.steps) - points.at(from);
+    Ok(accumulators.iter().map(|a| a.result(span)).collect())
 }
 
 fn variable(name: &str) -> &'static Variable<Stand> {

@@ -140,6 +140,8 @@ pub struct Unit {
     pub exponents: [i32; 5],
     /// The display units.
     pub display: &'static [DisplayUnit],
+    /// Values are differences, as of temperatures: offsets of display units do not count.
+    pub relative: bool,
 }
 
 /// One item of an enumeration.

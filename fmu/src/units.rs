@@ -13,9 +13,16 @@ const fn scaled(name: &'static str, factor: f64) -> DisplayUnit {
 
 macro_rules! units {
     ($($(#[$doc:meta])* $id:ident = $name:literal, $exponents:expr, [$($display:expr),*];)*) => {
-        $($(#[$doc])* pub const $id: Unit = Unit { name: $name, exponents: $exponents, display: &[$($display),*] };)*
+        $($(#[$doc])* pub const $id: Unit = Unit { name: $name, exponents: $exponents, display: &[$($display),*], relative: false };)*
     };
 }
+
+/// Temperature difference.
+pub const KELVIN_DIFFERENCE: Unit = Unit {
+    display: &[],
+    relative: true,
+    ..KELVIN
+};
 
 // Exponents: kg, m, s, K, rad.
 units! {

@@ -367,6 +367,10 @@ fn bearing() -> Vec<V> {
             "Columns of the film's cells around the bush; 0 takes as many as the width needs (Reynolds film only)"),
         variable("bearing.filmRows", Role::Parameter, Kind::Integer { access: field!(bearing.resolution.rows), min: Some(0), max: Some(200) },
             "Rows of the film's cells over half the width; 0 takes as many as the width needs (Reynolds film only)"),
+        variable("bearing.flowFactors", Role::Parameter, Kind::Boolean { access: field!(bearing.resolution.flow_factors) },
+            "The film sees the surfaces' roughness: mean gap and flow factors of Patir and Cheng (Reynolds film only)"),
+        fixed("bearing.journalRoughnessShare", &ONE, field!(bearing.resolution.journal_roughness_share), "Journal's share of the composite roughness' variance; matters with flow factors (Reynolds film only)")
+            .within(0.0, 1.0).about(0.5),
     ]
 }
 
@@ -472,9 +476,9 @@ fn thermal() -> Vec<V> {
             .shown_in("degC").within(200.0, 600.0).about(300.0),
         variable("thermal.isothermal", Role::Parameter, Kind::Boolean { access: field!(thermal.isothermal) },
             "Temperatures stay at their initial values"),
-        fixed("thermal.initialShaftRise", &KELVIN, field!(thermal.initial_shaft_rise), "Temperature difference of shaft to bush at the start")
+        fixed("thermal.initialShaftRise", &KELVIN_DIFFERENCE, field!(thermal.initial_shaft_rise), "Temperature difference of shaft to bush at the start")
             .within(-300.0, 300.0).about(1.0),
-        fixed("thermal.initialFilmRise", &KELVIN, field!(thermal.initial_film_rise), "Temperature difference of film to bush at the start")
+        fixed("thermal.initialFilmRise", &KELVIN_DIFFERENCE, field!(thermal.initial_film_rise), "Temperature difference of film to bush at the start")
             .within(-300.0, 300.0).about(1.0),
         capacity("thermal.filmCapacity", field!(thermal.film_capacity), "Heat capacity of the film with the surface layers that follow it within a turn"),
         capacity("thermal.bushCapacity", field!(thermal.bush_capacity), "Heat capacity of bush and housing"),

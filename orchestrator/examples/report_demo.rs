@@ -1,5 +1,6 @@
 //! Writes the report of an invented study, to look at: `cargo run --example report_demo -- 50 target/demo`.
 
+use orchestrator::analysis::pareto::study::{Member, trade_off};
 use orchestrator::analysis::robustness::{region, robustness, rows};
 use orchestrator::analysis::sensitivity::study::from_points;
 use orchestrator::analysis::table::{Criterion, Parameter, PointTable};
@@ -16,6 +17,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let report = Report {
         robustness: if n <= 5000 { robustness(&table, &region::cloud(&rows(&table), 1), 0.8) } else { None },
         sensitivity: (n <= 5000).then(|| from_points(&table, 1)),
+        pareto: trade_off(&table, true, Some(Member::of(&table, 0)), "the study's points".into()),
         study: "Plain bearing, parameter distribution of Table 3".into(),
         description: "An invented cloud with the shape of the paper's: a smooth law for load and power, temperatures that follow the power.".into(),
         model: "PlainBearingStand".into(),

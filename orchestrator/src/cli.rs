@@ -111,6 +111,9 @@ pub struct Simulate {
     /// A start value, with or without a unit; may be repeated
     #[arg(long, value_name = "NAME=VALUE")]
     pub set: Vec<String>,
+    /// Start values from an SSP parameter set, such as the best.ssv that `verify` writes
+    #[arg(long, value_name = "FILE.ssv")]
+    pub set_from: Option<PathBuf>,
     /// When to start, s [default: as the FMU suggests]
     #[arg(long, value_name = "T")]
     pub start: Option<f64>,
@@ -146,7 +149,7 @@ pub struct Verify {
     /// The seed, instead of the study's
     #[arg(long, value_name = "S")]
     pub seed: Option<u64>,
-    /// Simulate the points of a table instead of sampling
+    /// Simulate the points of a table (csv or Parquet) instead of sampling
     #[arg(long, value_name = "TABLE.csv", conflicts_with_all = ["points", "seed"])]
     pub points_from: Option<PathBuf>,
     /// How many points at a time [default: the number of cores]
@@ -158,6 +161,9 @@ pub struct Verify {
     /// Continue a study that was interrupted
     #[arg(long)]
     pub resume: bool,
+    /// Write points.parquet, too
+    #[arg(long)]
+    pub parquet: bool,
     /// Simulate only one of several equal parts of the points; `merge` joins them
     #[arg(long, value_name = "I/N")]
     pub shard: Option<Shard>,
@@ -205,6 +211,9 @@ pub struct Merge {
     /// The folder for the results
     #[arg(long, value_name = "DIR")]
     pub output: PathBuf,
+    /// Write points.parquet, too
+    #[arg(long)]
+    pub parquet: bool,
     /// Where the FMU is, if it has moved
     #[arg(long, value_name = "FMU")]
     pub fmu: Option<PathBuf>,

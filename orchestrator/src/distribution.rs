@@ -62,7 +62,7 @@ fn normal_cdf(z: f64) -> f64 {
 }
 
 /// The quantile of the standard normal distribution.
-fn normal_quantile(u: f64) -> f64 {
+pub(crate) fn normal_quantile(u: f64) -> f64 {
     -std::f64::consts::SQRT_2 * erfc_inv(2.0 * u)
 }
 
@@ -176,6 +176,17 @@ impl Distribution {
                 (mean.ln() - variance / 2.0 + variance.sqrt() * normal_quantile(u)).exp()
             }
             Self::Fixed { value } => value,
+        }
+    }
+
+    /// The value as many standard deviations above the median as a standard normal number `score` is: the
+    /// quantile of the probability below `score`.
+    pub fn at_score(&self, score: f64) -> f64 {
+        match *self {
+            Self::Normal { mean, deviation } => mean + deviation * score,
+            _ => {
+                self.quantile(normal_cdf(score).clamp(f64::MIN_POSITIVE, 1.0 - f64::EPSILON / 2.0))
+            }
         }
     }
 

@@ -1,10 +1,14 @@
 //! Runs one point after another on one instance of an FMU.
+//!
+//! A used instance is reset for the next point, or given back its first state where it cannot be reset;
+//! else it is replaced. The first point on a used instance runs on a fresh one too: an FMU that forgets
+//! to reset something is found out, and gets a fresh instance for every point from then on.
 
 use std::ops::Range;
 use std::sync::Arc;
 
 use crate::failure::Failure;
-use crate::fmu::{Call, Instance, Library};
+use crate::fmu::{Call, Instance, Library, State};
 use crate::statistics::Accumulator;
 use crate::study::Statistic;
 use crate::task::{CommunicationPoints, Storage, Task};
@@ -14,8 +18,10 @@ use crate::task::{CommunicationPoints, Storage, Task};
 pub struct Runner {
     library: Arc<Library>,
     task: Task,
-    instance: Option<Instance>,
+    used: Option<Held>,
     reuse: Reuse,
+    /// Whether a reused instance has been compared with a fresh one.
+    trusted: bool,
     /// The real variables that are read at every communication point.
     watched: Watched,
     /// The numbers of the other probes that are read there.
@@ -32,11 +38,29 @@ struct Watched {
     probes: Vec<(usize, Accumulator)>,
 }
 
-/// Whether a used instance may be reset for the next point.
+/// How a used instance gets ready for the next point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Reuse {
-    Try,
+    Reset,
+    Restore,
     Never,
+}
+
+/// An instance, and its first state where that is needed.
+#[derive(Debug)]
+struct Held {
+    instance: Instance,
+    first: Option<State>,
+    /// Whether another point ran on it before.
+    reused: bool,
+}
+
+impl Drop for Held {
+    fn drop(&mut self) {
+        if let Some(state) = self.first.take() {
+            self.instance.forget(state);
+        }
+    }
 }
 
 impl Runner {
@@ -49,9 +73,11 @@ impl Runner {
             .partition(|(index, _)| task.observed[*index].storage == Storage::Real);
         let reference = |(index, _): &(usize, _)| task.observed[*index].reference;
         Self {
+            used: None,
+            reuse: Reuse::Reset,
+            // Where there can be one instance only, there is none to compare with.
+            trusted: library.once,
             library,
-            instance: None,
-            reuse: Reuse::Try,
             watched: Watched {
                 references: probes.iter().map(reference).collect(),
                 values: vec![0.0; probes.len()],
@@ -72,20 +98,50 @@ impl Runner {
         for (slot, &value) in self.task.varied.iter().zip(values) {
             slot.check(value).map_err(Failure::OutOfRange)?;
         }
-        let mut instance = self.prepared()?;
-        match self.simulate(&mut instance, values) {
-            Ok(()) => {
-                instance.terminate();
-                self.instance = Some(instance);
-            }
-            // An instance that failed is not used again.
-            Err(call) => return Err(Failure::from_call(&call)),
+        let held = self.prepared()?;
+        let compare = held.reused && !self.trusted;
+        let outcome = self.once(held, values);
+        if compare {
+            self.compare(values, outcome)?;
+        } else {
+            outcome?;
         }
         let bad = self.results.iter().position(|value| !value.is_finite());
         match bad {
             Some(index) => Err(Failure::NotFinite(self.task.observed[index].name.clone())),
             None => Ok(&self.results),
         }
+    }
+
+    /// Simulates a point on an instance, and keeps that.
+    fn once(&mut self, mut held: Held, values: &[f64]) -> Result<(), Failure> {
+        // An instance that failed is not used again.
+        self.simulate(&mut held.instance, values)
+            .map_err(|call| Failure::from_call(&call))?;
+        held.instance.terminate();
+        self.used = Some(held);
+        Ok(())
+    }
+
+    /// Simulates a point again on a fresh instance, whose results count.
+    fn compare(&mut self, values: &[f64], reused: Result<(), Failure>) -> Result<(), Failure> {
+        let bits = |values: &[f64]| values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+        let before = reused.as_ref().map(|()| bits(&self.results));
+        if self
+            .used
+            .as_ref()
+            .is_some_and(|used| used.instance.is_dead())
+        {
+            return reused;
+        }
+        self.used = None;
+        let fresh = self.prepared().and_then(|held| self.once(held, values));
+        let after = fresh.as_ref().map(|()| bits(&self.results));
+        if before != after {
+            self.reuse = Reuse::Never;
+        }
+        self.trusted = true;
+        fresh
     }
 
     /// Simulates one point and hands over the values of the given real variables at every
@@ -101,16 +157,18 @@ impl Runner {
         for (slot, &value) in self.task.varied.iter().zip(values) {
             slot.check(value).map_err(Failure::OutOfRange)?;
         }
-        let mut instance = self.prepared()?;
+        let mut held = self.prepared()?;
+        let instance = &mut held.instance;
         let schedule = self.task.schedule;
         let mut run = || -> Result<(), Trouble<E>> {
-            start(&self.task, &mut instance, values)?;
-            read(schedule.start, &mut instance)?;
+            start(&self.task, instance, values)?;
+            read(schedule.start, instance)?;
             let (points, mut time) = (schedule.points(), schedule.start);
             for index in 1..=points.steps {
                 let next = points.at(index);
+                feed(&self.task, instance, time)?;
                 instance.step(time, next - time)?;
-                read(next, &mut instance)?;
+                read(next, instance)?;
                 time = next;
             }
             Ok(())
@@ -118,7 +176,7 @@ impl Runner {
         match run() {
             Ok(()) => {
                 instance.terminate();
-                self.instance = Some(instance);
+                self.used = Some(held);
                 Ok(())
             }
             Err(Trouble::Call(call)) => Err(Failure::from_call(&call).into()),
@@ -127,21 +185,40 @@ impl Runner {
     }
 
     /// An instance in its initial state.
-    fn prepared(&mut self) -> Result<Instance, Failure> {
-        if let Some(mut used) = self.instance.take() {
-            if self.reuse == Reuse::Try && !used.is_dead() {
-                if used.reset().is_ok() {
-                    return Ok(used);
-                }
-                self.reuse = Reuse::Never;
-            }
-            if used.is_dead() {
+    fn prepared(&mut self) -> Result<Held, Failure> {
+        if let Some(mut used) = self.used.take() {
+            if used.instance.is_dead() {
                 return Err(Failure::Fatal(
                     "the FMU cannot go on in this process".to_owned(),
                 ));
             }
+            let Held {
+                instance, first, ..
+            } = &mut used;
+            let (ready, otherwise) = match (self.reuse, first) {
+                (Reuse::Reset, _) => (instance.reset().is_ok(), Reuse::Restore),
+                (Reuse::Restore, Some(first)) => (instance.restore(first).is_ok(), Reuse::Never),
+                _ => (false, Reuse::Never),
+            };
+            if ready {
+                used.reused = true;
+                return Ok(used);
+            }
+            self.reuse = otherwise;
+            // Before there is another one.
+            drop(used);
         }
-        Instance::new(&self.library, "point").map_err(|call| Failure::from_call(&call))
+        let instance = Instance::new(&self.library, "point");
+        let mut instance = instance.map_err(|call| Failure::from_call(&call))?;
+        let first = match self.reuse {
+            Reuse::Restore => instance.save(),
+            _ => None,
+        };
+        Ok(Held {
+            instance,
+            first,
+            reused: false,
+        })
     }
 
     fn simulate(&mut self, instance: &mut Instance, values: &[f64]) -> Result<(), Call> {
@@ -178,8 +255,12 @@ impl Runner {
     ) -> Result<(), Call> {
         // A copy, which a call of the FMU cannot change: it stays where it is quickest.
         let points = *points;
+        let driven = !self.task.inputs.is_empty();
         for index in steps {
             let (time, step) = points.step(index);
+            if driven {
+                feed(&self.task, instance, time)?;
+            }
             instance.step(time, step)?;
             if WATCH {
                 self.watch(instance, step)?;
@@ -251,7 +332,16 @@ fn start(task: &Task, instance: &mut Instance, values: &[f64]) -> Result<(), Cal
     for (slot, &value) in task.varied.iter().zip(values) {
         instance.set(slot.reference, &slot.value(value))?;
     }
+    feed(task, instance, schedule.start)?;
     instance.initialise()
+}
+
+/// Sets the inputs that change over time.
+fn feed(task: &Task, instance: &mut Instance, time: f64) -> Result<(), Call> {
+    for series in &task.inputs {
+        instance.set(series.slot.reference, &series.slot.value(series.at(time)))?;
+    }
+    Ok(())
 }
 
 impl crate::task::Probe {

@@ -15,8 +15,86 @@ pub struct Task {
     pub fixed: Vec<(u32, Value)>,
     /// The variables that take a point's values, in the order of those values.
     pub varied: Vec<Slot>,
+    /// The inputs that change over time.
+    #[serde(default)]
+    pub inputs: Vec<Series>,
     /// What is computed, in the order of the results.
     pub observed: Vec<Probe>,
+}
+
+/// An input over time.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Series {
+    /// Where the values go.
+    pub slot: Slot,
+    /// Whether a value holds until the next one; straight lines otherwise.
+    pub hold: bool,
+    /// When, s, growing.
+    pub times: Vec<f64>,
+    /// The values then, in the FMU's unit.
+    pub values: Vec<f64>,
+}
+
+impl Series {
+    /// The value at a time; before the first and after the last one these hold.
+    pub fn at(&self, time: f64) -> f64 {
+        // At equal times, the last value counts.
+        let after = self.times.partition_point(|&other| other <= time);
+        let Some(before) = after.checked_sub(1) else {
+            return self.values.first().copied().unwrap_or(0.0);
+        };
+        if self.hold || after == self.times.len() {
+            return self.values[before];
+        }
+        let share = (time - self.times[before]) / (self.times[after] - self.times[before]);
+        self.values[before] + share * (self.values[after] - self.values[before])
+    }
+}
+
+/// A variable that a trajectory shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Column {
+    /// Its value reference.
+    pub reference: u32,
+    /// What it holds.
+    pub content: Content,
+}
+
+/// What a variable holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Content {
+    /// A real number.
+    Real,
+    /// A whole number or an item of an enumeration.
+    Integer,
+    /// Yes or no.
+    Boolean,
+    /// A text.
+    Text,
+}
+
+impl Column {
+    /// The column of a variable.
+    pub fn of(variable: &Variable) -> Self {
+        Self {
+            reference: variable.value_reference,
+            content: match variable.kind {
+                Kind::Real { .. } => Content::Real,
+                Kind::Integer { .. } | Kind::Enumeration { .. } => Content::Integer,
+                Kind::Boolean { .. } => Content::Boolean,
+                Kind::String { .. } => Content::Text,
+            },
+        }
+    }
+}
+
+/// A point that is run with its trajectory.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Record {
+    /// The point's values.
+    pub values: Vec<f64>,
+    /// What is read at every communication point.
+    pub columns: Vec<Column>,
 }
 
 /// The times of a simulation, s.
@@ -48,7 +126,7 @@ pub enum Storage {
 }
 
 /// A variable that takes a point's value.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Slot {
     /// Its name.
     pub name: String,
@@ -291,6 +369,26 @@ mod tests {
         let from = [0.0, 0.1, 0.3, 0.95, 1.0, 2.0].map(|time| points.from(time));
         assert_eq!(from, [0, 1, 1, 4, 4, 4]);
     }
+    #[test]
+    fn inputs_over_time() {
+        let mut series = Series {
+            slot: Slot {
+                name: "u".to_owned(),
+                reference: 1,
+                storage: Storage::Real,
+                min: None,
+                max: None,
+            },
+            hold: false,
+            times: vec![0.0, 1.0, 1.0, 3.0],
+            values: vec![5.0, 7.0, -1.0, 1.0],
+        };
+        let at = |series: &Series| [-1.0, 0.0, 0.5, 1.0, 2.0, 3.0, 9.0].map(|t| series.at(t));
+        assert_eq!(at(&series), [5.0, 5.0, 6.0, -1.0, 0.0, 1.0, 1.0]);
+        series.hold = true;
+        assert_eq!(at(&series), [5.0, 5.0, 5.0, -1.0, -1.0, 1.0, 1.0]);
+    }
+
     #[test]
     fn a_leap_is_one_step() {
         let schedule = Schedule {

@@ -252,6 +252,15 @@ fn replicates_of_a_sobol_design_narrow_the_interval() {
     assert_eq!(study("sobol\"\nreplicates = 16").code, 0);
     assert!(width() < 0.7 * wilson);
     let summary = json(&bench, "s/summary.json");
+    let y = &summary["criteria"]["Y"];
+    assert_eq!(
+        (&y["binds"], &summary["points"]),
+        (&512.into(), &512.into())
+    );
+    assert_eq!(
+        y["only_failure"],
+        512 - summary["verified"].as_u64().unwrap()
+    );
     assert_eq!(summary["provenance"]["replicates"], 16);
     assert!(
         bench

@@ -1,10 +1,15 @@
 //! Nothing is lost: interrupted, sharded and parallel runs end with the same files.
+#![allow(clippy::unwrap_used)]
 
 mod support;
 
 use std::fs;
+use std::process::{Command, Stdio};
 use std::thread::sleep;
 use std::time::Duration;
+
+use rand::rngs::StdRng;
+use rand::{RngExt, SeedableRng};
 
 use support::Bench;
 
@@ -80,37 +85,123 @@ fn workers_and_places_do_not_matter() {
     }
 }
 
-#[test]
-fn a_study_that_was_killed_again_and_again_ends_with_the_same_files() {
-    let bench = bench();
-    let reference = reference(&bench);
-    let mut kills = 0;
-    for round in 0..40 {
-        let command = [
-            "verify",
-            "study.toml",
-            "--output",
-            "killed",
-            "--resume",
-            "--jobs",
-            "2",
-        ];
-        let mut child = bench.command(&command).spawn().unwrap();
-        // Anywhere from before the first point to after many.
-        sleep(Duration::from_millis(15 + 7 * (round % 9)));
+/// Kills a study so often at random moments, resumes it each time, and compares the final files with those
+/// of an undisturbed run. Every third time a worker is killed before its supervisor.
+fn kill(points: u32, kills: u32) {
+    let bench = Bench::empty();
+    bench.fmu("lag.fmu", &["SLOW"], &support::model("", ""));
+    // About 2 ms a point, asleep: steps of 0.1 ms.
+    bench.write("study.toml", &STUDY.replace("0.001", "0.1"));
+    let points = points.to_string();
+    let whole = ["verify", "study.toml", "--points", &points, "--jobs", "2"];
+    let run = |folder: &str, more: &[&str]| {
+        let mut command = bench.command(&[&whole[..], &["--output", folder], more].concat());
+        command.stdout(Stdio::null()).stderr(Stdio::null());
+        command.spawn().unwrap()
+    };
+    assert!(run("whole", &[]).wait().unwrap().success());
+    let mut random = StdRng::seed_from_u64(kills.into());
+    let (mut killed, mut workers, mut completed) = (0, 0, 0);
+    while killed < kills {
+        let mut child = run("killed", &["--resume"]);
+        // Anywhere from before the first point to after many, slower where it would be done too early.
+        let journal = fs::read_to_string(bench.path("killed/journal.txt")).unwrap_or_default();
+        let ahead = journal.lines().count() as u64 * u64::from(kills)
+            > u64::from(killed + 1) * points.parse::<u64>().unwrap();
+        sleep(Duration::from_micros(
+            random.random_range(0..if ahead { 15_000 } else { 80_000 }),
+        ));
+        if killed % 3 == 0
+            && let Some(worker) = worker_of(child.id())
+        {
+            let signal = Command::new("kill")
+                .args(["-9", &worker])
+                .stderr(Stdio::null())
+                .status();
+            workers += u32::from(signal.unwrap().success());
+            sleep(Duration::from_micros(random.random_range(0..10_000)));
+        }
         if child.try_wait().unwrap().is_some() {
-            break;
+            completed += 1;
+            assert!(completed < 5, "done after {killed} kills");
+            continue;
         }
         child.kill().unwrap();
         child.wait().unwrap();
-        kills += 1;
+        killed += 1;
     }
-    assert!(kills > 0);
-    assert_eq!(verify(&bench, "killed", &["--resume"]).code, 0);
-    assert!(files(&bench, "killed") == reference);
+    assert!(run("killed", &["--resume"]).wait().unwrap().success());
+    assert!(workers > 0, "no worker was killed");
+    println!("{killed} supervisors and {workers} workers killed over {points} points");
+    assert!(files(&bench, "killed") == files(&bench, "whole"));
+    for file in ["best.ssv", "best.srmd", "best-point.csv"] {
+        assert_eq!(
+            bench.read(&format!("killed/{file}")),
+            bench.read(&format!("whole/{file}"))
+        );
+    }
     let left_over = fs::read_dir(bench.path("killed")).unwrap().flatten();
     let hidden = |entry: &fs::DirEntry| entry.file_name().to_string_lossy().starts_with('.');
     assert_eq!(left_over.filter(hidden).count(), 0);
+}
+
+/// The number of a process that another one has started: every thread has children of its own.
+fn worker_of(supervisor: u32) -> Option<String> {
+    let threads = fs::read_dir(format!("/proc/{supervisor}/task"))
+        .ok()?
+        .flatten();
+    let children = |thread: fs::DirEntry| fs::read_to_string(thread.path().join("children")).ok();
+    threads.filter_map(children).find_map(|children| {
+        let first = children.split_whitespace().next();
+        first.map(str::to_owned)
+    })
+}
+
+#[test]
+fn a_study_that_was_killed_again_and_again_ends_with_the_same_files() {
+    kill(600, 12);
+}
+
+#[test]
+#[ignore = "takes a minute: cargo test -p orchestrator --test durability -- --ignored --nocapture"]
+fn two_hundred_kills_over_five_thousand_points() {
+    kill(5000, 200);
+}
+
+/// Runs a study with files that may not grow beyond so many KiB, as on a full disk.
+fn verify_in(bench: &Bench, folder: &str, kibibytes: u32) -> support::Said {
+    let program = env!("CARGO_BIN_EXE_orchestrator");
+    let script = format!(
+        "trap '' XFSZ; ulimit -f {kibibytes}; exec {program} verify study.toml --output {folder}"
+    );
+    let mut command = Command::new("bash");
+    command.args(["-c", &script]).current_dir(bench.path(""));
+    command.output().unwrap().into()
+}
+
+#[test]
+fn a_full_disk_is_told_and_costs_nothing() {
+    let bench = bench();
+    let reference = reference(&bench);
+    // Room for the FMU, but not for the whole journal, the table, or the page.
+    for kibibytes in [24, 36, 48, 64, 128] {
+        let folder = format!("full{kibibytes}");
+        let said = verify_in(&bench, &folder, kibibytes);
+        if kibibytes < 64 {
+            said.is_mistake(&["make room and go on with --resume"]);
+        } else {
+            // The report's own files fail later, in their own words.
+            assert_eq!(
+                said.err.lines().count(),
+                usize::from(said.code != 0),
+                "{}",
+                said.err
+            );
+        }
+        let said = verify(&bench, &folder, &["--resume"]);
+        assert_eq!(said.code, 0, "{kibibytes} KiB: {}", said.err);
+        assert!(files(&bench, &folder) == reference, "{kibibytes} KiB");
+    }
 }
 
 #[test]

@@ -208,3 +208,58 @@ fn all_kinds_at_once() {
         said.out
     );
 }
+
+#[test]
+fn single_simulations_fail_with_one_line() {
+    let bench = Bench::new();
+    let crash = bench.run(&["simulate", "lag.fmu", "--set", "lag.fault=Crash"]);
+    crash.is_mistake(&["the simulation failed: crashed: SIGSEGV"]);
+    assert!(crash.out.starts_with("time,lag.y"), "{}", crash.out);
+    let exit = bench.run(&[
+        "simulate",
+        "lag.fmu",
+        "--set",
+        "lag.fault=Exit",
+        "--output",
+        "run.csv",
+    ]);
+    exit.is_mistake(&["the simulation failed: exited", "code 3"]);
+    let error = bench.run(&["simulate", "lag.fmu", "--set", "lag.fault=Fail"]);
+    error.is_mistake(&["the simulation failed: fmi2Error: the spring broke"]);
+}
+
+#[test]
+fn what_the_fmu_prints_is_shown_and_kept_out_of_the_table() {
+    let bench = Bench::new();
+    let said = bench.run(&["simulate", "lag.fmu", "--set", "lag.fault=Chatter"]);
+    assert_eq!(said.code, 0);
+    assert!(said.err.contains("line 19999 of a flood on stdout"));
+    assert!(said.err.contains("line 19999 of a flood on stderr"));
+    assert_eq!(said.out.lines().count(), 202);
+}
+
+#[test]
+fn a_crash_is_replayed_without_crashing() {
+    let bench = Bench::new();
+    verify(&bench, "lag.fmu", 1, &[]);
+    let said = bench.run(&["replay", "out", "5"]);
+    assert_eq!(said.code, 1, "{}", said.err);
+    assert!(
+        said.out.contains("failed: crashed: SIGSEGV"),
+        "{}",
+        said.out
+    );
+    assert!(bench.read("out/point-5.csv").starts_with("time,"));
+}
+
+#[test]
+fn a_crash_of_the_best_points_trajectory_takes_nothing_away() {
+    let bench = Bench::empty();
+    bench.fmu("coarse.fmu", &["COARSE"], &support::model("", ""));
+    let said = verify(&bench, "coarse.fmu", 0, &[]);
+    assert_eq!(status(&bench, &said), "ok");
+    assert_eq!(said.err.trim_end().lines().count(), 1, "{}", said.err);
+    assert!(said.err.contains("crashed: SIGSEGV"), "{}", said.err);
+    assert!(bench.path("out/report.html").exists());
+    assert!(!bench.path("out/best-point.csv").exists());
+}

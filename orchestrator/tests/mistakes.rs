@@ -152,6 +152,27 @@ fn values_that_make_no_sense() {
 }
 
 #[test]
+fn designs_that_cannot_be() {
+    let design = |text: &str| verify("points = 8", text);
+    design("method = \"full-factorial\"").is_mistake(&["`levels`"]);
+    design("method = \"full-factorial\"\npoints = 8")
+        .is_mistake(&["study.toml:9:10", "remove `points`"]);
+    design("method = \"optimised-latin-hypercube\"\npoints = 5000").is_mistake(&["at most 4096"]);
+    let correlated = |text: &str| {
+        verify(
+            "[criteria.Y]",
+            &format!("[[correlations]]\n{text}\n[criteria.Y]"),
+        )
+    };
+    correlated("between = [\"lag.rate\", \"lag.rato\"]\ncoefficient = 0.5")
+        .is_mistake(&["study.toml:16:24", "did you mean `lag.rate`?"]);
+    correlated("between = [\"lag.rate\", \"lag.rate\"]\ncoefficient = 0.5")
+        .is_mistake(&["study.toml:15:1", "itself"]);
+    correlated("between = [\"lag.rate\", \"lag.rate\"]\nrho = 0.5")
+        .is_mistake(&["study.toml:17:1", "`rho`"]);
+}
+
+#[test]
 fn typing_errors_in_a_study() {
     verify("points = 8", "pionts = 8").is_mistake(&["study.toml:8:1", "did you mean `points`?"]);
     verify("points = 8", "points = ").is_mistake(&["study.toml:8:"]);

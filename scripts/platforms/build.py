@@ -6,13 +6,17 @@ from .common import PACKAGE, Failure, run, say, target_dir, venv
 
 # Zig links against any glibc, and takes LLVM's unwinder in place of libgcc_s.
 ZIG = ["cargo-zigbuild==0.24.0", "ziglang==0.17.0"]
+ZIGBUILD = ["cargo-zigbuild"]
 GLIBC = "2.17"
 
 
-def cargo(command, *arguments, env=None):
-    """Builds the FMU's library in release mode."""
-    run(["cargo", command, "--release", "--locked", "--package", PACKAGE, "--lib", *arguments],
-        env=env or {})
+PROFILE = "fmu"
+
+
+def cargo(*arguments, env=None, program=("cargo",)):
+    """Builds the FMU's library, and nothing but it: optimised as a whole."""
+    run([*program, "rustc", "--profile", PROFILE, "--locked", "--package", PACKAGE, "--lib",
+         "--crate-type", "cdylib", *arguments], env=env or {})
 
 
 def zig():
@@ -33,12 +37,28 @@ def linux64(row):
         row.notes.append("plain cargo, without the old glibc baseline")
         return plain(row)
     say(f"building linux64 for glibc {GLIBC}")
-    cargo("zigbuild", "--target", f"{target}.{GLIBC}", env=environment)
-    return target_dir() / target / "release" / "libplain_bearing_stand.so"
+    cargo("--target", f"{target}.{GLIBC}", env=environment, program=ZIGBUILD)
+    return target_dir() / target / PROFILE / "libplain_bearing_stand.so"
+
+
+def darwin64(row):
+    """One file for both processors that Macs have."""
+    files = []
+    for target in ["x86_64-apple-darwin", "aarch64-apple-darwin"]:
+        run(["rustup", "target", "add", target])
+        say(f"building {target}")
+        cargo("--target", target)
+        files.append(target_dir() / target / PROFILE / "libplain_bearing_stand.dylib")
+    both = target_dir() / "libplain_bearing_stand.dylib"
+    run(["lipo", "-create", "-output", both, *files])
+    row.notes.append("x86_64 and arm64")
+    return both
 
 
 def plain(row):
+    """With plain cargo; on Windows the C runtime goes into the DLL."""
     say(f"building {row.platform}")
-    cargo("build")
-    names = {"win64": "plain_bearing_stand.dll", "darwin64": "libplain_bearing_stand.dylib"}
-    return target_dir() / "release" / names.get(row.platform, "libplain_bearing_stand.so")
+    windows = row.platform == "win64"
+    cargo(env={"RUSTFLAGS": "-Ctarget-feature=+crt-static"} if windows else {})
+    name = "plain_bearing_stand.dll" if windows else "libplain_bearing_stand.so"
+    return target_dir() / PROFILE / name

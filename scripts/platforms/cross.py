@@ -10,8 +10,9 @@ import re
 import shutil
 from pathlib import Path
 
-from .build import GLIBC, cargo, zig
+from .build import GLIBC, PROFILE, ZIGBUILD, cargo, zig
 from .common import CACHE, Failure, run, say, target_dir
+from .debian import install
 
 # Suites that carry newer compilers than the stable release does.
 KEYRING = "/usr/share/keyrings/debian-archive-keyring.gpg"
@@ -21,17 +22,17 @@ BUILD_STD = "std,panic_unwind"
 
 def win64(row):
     target = "x86_64-pc-windows-gnu"
-    debian("x86_64-w64-mingw32-gcc", "gcc-mingw-w64-x86-64-win32")
+    install("gcc-mingw-w64-x86-64-win32", command="x86_64-w64-mingw32-gcc")
     prefix = f"CARGO_TARGET_{target.upper().replace('-', '_')}"
     # The C runtime and the unwinder go into the DLL: every Windows can load it.
     flags = "-Ctarget-feature=+crt-static"
     if not fetched(target):
         flags += f" --sysroot={sysroot(target, flags, startup_objects)}"
     say("building win64")
-    cargo("build", "--target", target, env={
+    cargo("--target", target, env={
         f"{prefix}_LINKER": "x86_64-w64-mingw32-gcc", f"{prefix}_RUSTFLAGS": flags})
     row.notes.append("mingw")
-    return target_dir() / target / "release" / "plain_bearing_stand.dll"
+    return target_dir() / target / PROFILE / "plain_bearing_stand.dll"
 
 
 def aarch64(row):
@@ -41,21 +42,8 @@ def aarch64(row):
         flags = f"--sysroot={sysroot(target, '', None)}"
         environment["CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_RUSTFLAGS"] = flags
     say(f"building aarch64-linux for glibc {GLIBC}")
-    cargo("zigbuild", "--target", f"{target}.{GLIBC}", env=environment)
-    return target_dir() / target / "release" / "libplain_bearing_stand.so"
-
-
-def debian(command, *packages):
-    """Installs Debian packages when a command is missing."""
-    if shutil.which(command):
-        return
-    if not shutil.which("apt-get"):
-        raise Failure(f"{command} is missing")
-    say(f"installing {' '.join(packages)} ({command} is missing)")
-    sudo = [] if os.geteuid() == 0 else ["sudo"]
-    run([*sudo, "apt-get", "update", "-qq"])
-    run([*sudo, "env", "DEBIAN_FRONTEND=noninteractive", "apt-get", "install", "-y", "-qq",
-         "--no-install-recommends", *packages])
+    cargo("--target", f"{target}.{GLIBC}", env=environment, program=ZIGBUILD)
+    return target_dir() / target / PROFILE / "libplain_bearing_stand.so"
 
 
 def fetched(target):

@@ -11,7 +11,7 @@ LIBRARIES = {
             "ld-linux-x86-64.so.2", "ld-linux-aarch64.so.1"},
     # What every Windows has.
     "dll": re.compile(r"(kernel32|ntdll|msvcrt|ucrtbase|userenv|ws2_32|bcrypt(primitives)?|advapi32"
-                      r"|api-ms-win-[\w-]+|vcruntime140)\.dll", re.IGNORECASE),
+                      r"|api-ms-win-[\w-]+)\.dll", re.IGNORECASE),
 }
 
 
@@ -75,7 +75,8 @@ def dll(file):
 def macho(file):
     if not (shutil.which("nm") and shutil.which("otool")):
         return None, None
-    symbols = run(["nm", "-gU", file]).splitlines()
-    exports = [line.split()[-1].removeprefix("_") for line in symbols if line.strip()]
-    lines = run(["otool", "-L", file]).splitlines()[2:]
-    return exports, {line.split()[0] for line in lines if line.strip()}
+    symbols = [line.split() for line in run(["nm", "-gU", file]).splitlines()]
+    exports = [fields[2].removeprefix("_") for fields in symbols if len(fields) == 3]
+    # Both processors' parts list the file itself first.
+    lines = [line.split()[0] for line in run(["otool", "-L", file]).splitlines() if line.startswith("\t")]
+    return exports, {name for name in lines if "plain_bearing_stand" not in name}

@@ -7,6 +7,7 @@ import tempfile
 from pathlib import Path
 
 from .common import CACHE, ROOT, Failure, native, run
+from .debian import install
 
 SOURCE = Path(__file__).with_name("host.c")
 STEPS = 100
@@ -48,11 +49,23 @@ def run_host(row, compiler, runner):
         run([*compiler, "-O1", "-Wall", "-o", program, SOURCE, *dynamic])
     binary = Path(row.file).resolve()
     resources = ROOT / "modelDescription/resources"
-    drive = "/Z:" if row.platform == "win64" and runner else ""
-    uri = f"file://{drive}{resources.as_posix()}"
+    wine = row.platform == "win64" and native() != "win64"
+    uri = f"file:///Z:{resources.as_posix()}" if wine else resources.as_uri()
     with tempfile.TemporaryDirectory() as away:
         return run([*runner, program, binary, guid, uri, STEPS, *outputs], cwd=away, timeout=300,
                    env={"WINEDEBUG": "-all", "WINEPREFIX": str(CACHE / "wine")})
+
+
+def memcheck(row):
+    """Runs this machine's binary under valgrind, which has to find no error and no lost memory."""
+    install("valgrind", command="valgrind")
+    compiler, _, why = run_with(row)
+    if compiler is None:
+        raise Failure(why)
+    text = run_host(row, compiler, ["valgrind", "--error-exitcode=9", "--leak-check=full",
+                                    "--show-leak-kinds=definite,indirect,possible",
+                                    "--errors-for-leak-kinds=definite,indirect,possible"])
+    return re.search(r"ERROR SUMMARY: (.*?) \(", text)[1]
 
 
 def step(row):

@@ -24,7 +24,9 @@ FMU = ROOT / "dist" / "PlainBearingStand.fmu"
 TOLERANCE = 1e-12
 BEGIN, END = "<!-- interoperability:begin -->", "<!-- interoperability:end -->"
 
-sys.path.insert(0, str(HERE / "importers"))
+sys.path[:0] = [str(HERE / "importers"), str(ROOT / "scripts")]
+from platforms.common import Failure  # noqa: E402
+from platforms.debian import install  # noqa: E402
 from scenario import OUTPUTS, START, STEP, STEPS, STOP  # noqa: E402
 
 # name, its runner, its packages (the first names the environment)
@@ -41,15 +43,30 @@ PYTHON = [
     ("PyFMI", None, ["pyfmi"]),
 ]
 RUST = [("fmi", "use-fmi"), ("fmi-sim", "use-fmi-sim"), ("fmu-runner", "use-fmu-runner")]
-# Why a tool cannot run this FMU, or any like it, where that is known.
+# Libraries that importers need and do not bring: Debian's package, and a file that it has.
+LIBRARIES = {
+    "use_ecos": ("libtbb12", "/usr/lib/*/libtbb.so.12*"),
+    "rust": ("libclang-dev", "/usr/lib/llvm-*/lib/libclang*.so*"),
+}
+# What a tool's failure looks like that is none of this FMU's, and what it means.
 KNOWN = {
     "fmuloader": ("undefined symbol: fmi2EnterEventMode",
-                  "needs the Model-Exchange functions in every FMU"),
+                  "cannot: needs the Model-Exchange functions in every FMU"),
+    "OMSimulator": ("build.openmodelica.org",
+                    "does not install here: its package on PyPI fetches the program from "
+                    "build.openmodelica.org"),
+    "PyFMI": ("Getting requirements to build wheel",
+              "does not install here: PyPI has an old source package only (2.5), which needs the FMI "
+              "Library built beforehand; newer ones are on conda-forge"),
 }
 
 
 class Trouble(Exception):
-    """Why an importer has no result."""
+    """Why an importer has no result; with all that it said."""
+
+    def __init__(self, why, output=""):
+        super().__init__(why)
+        self.output = output or why
 
 
 @dataclass
@@ -63,7 +80,7 @@ class Row:
 
 def last_line(text):
     lines = [line.strip() for line in text.splitlines() if line.strip()]
-    errors = [line for line in lines if "rror" in line]
+    errors = [line for line in lines if "rror" in line and not line.startswith("note:")]
     return (errors or lines or ["no output"])[-1]
 
 
@@ -71,8 +88,19 @@ def run(command, **options):
     done = subprocess.run([str(part) for part in command], capture_output=True, text=True,
                           timeout=900, **options)
     if done.returncode != 0:
-        raise Trouble(last_line(done.stdout + done.stderr))
+        output = done.stdout + done.stderr
+        raise Trouble(last_line(output), output)
     return done.stdout
+
+
+def library(importer):
+    """Installs the library that an importer needs, where there is one."""
+    package, file = LIBRARIES.get(importer, ("", ""))
+    try:
+        if package:
+            install(package, file=file)
+    except Failure as failure:
+        raise Trouble(last_line(str(failure))) from failure
 
 
 def environment(name, packages):
@@ -85,22 +113,24 @@ def environment(name, packages):
         try:
             run([python, "-m", "pip", "install", "--quiet", *packages])
         except Trouble as trouble:
-            raise Trouble(f"does not install here: {trouble}") from trouble
+            raise Trouble(f"does not install here: {trouble}", trouble.output) from trouble
         (folder / ".ready").touch()
     return python
 
 
-def samples_of(runner, python):
+def runs_of(runner, python):
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "samples.json"
         run([python, HERE / "importers" / f"{runner}.py", FMU, out], cwd=folder)
         found = json.loads(out.read_text())
-    samples = [[float.fromhex(value) for value in sample] for sample in found["samples"]]
-    return samples, found["version"], found["note"]
+    runs = {name: [[float.fromhex(value) for value in sample] for sample in run]
+            for name, run in found["runs"].items()}
+    return runs, found["version"], found["note"]
 
 
 def rust_programs():
     """The folder of the Rust importers, built when that is needed."""
+    library("rust")
     target = ROOT / ".cache" / "rust-importers"
     run(["cargo", "build", "--locked"], cwd=HERE / "rust",
         env={**os.environ, "CARGO_TARGET_DIR": str(target)})
@@ -115,7 +145,8 @@ def rust_version(package):
 def rust_samples(program):
     start = ",".join(f"{name}={value!r}" for name, value in START.items())
     text = run([program, FMU, repr(STEP), str(STEPS), start, ",".join(OUTPUTS)])
-    return [[float(value) for value in line.split(",")] for line in text.splitlines()]
+    return [[float(value) for value in line.removeprefix("sample ").split(",")]
+            for line in text.splitlines() if line.startswith("sample ")]
 
 
 def orchestrator_samples(program):
@@ -136,50 +167,54 @@ def difference(samples, reference):
                for theirs, ours in zip(sample, expected, strict=True))
 
 
-def judged(row, samples, reference, note):
-    row.difference = difference(samples, reference)
+def judged(row, samples, references, note):
+    """Compares with the reference that takes its steps as the importer does."""
+    differences = {way: difference(samples, run) for way, run in references.items()}
+    way = min(differences, key=differences.get)
+    row.difference = differences[way]
     row.good = row.difference <= TOLERANCE
-    row.result = "identical" if row.difference == 0.0 else f"differs by {row.difference:.0e}"
-    row.result += f"; {note}" if note else ""
+    same = "identical" if row.difference == 0.0 else f"differs by {row.difference:.0e}"
+    row.result = "; ".join(filter(None, [same, way, note]))
 
 
-def python_row(tool, runner, packages, reference):
+def python_row(tool, runner, packages, references):
     row = Row(tool)
     try:
         python = environment(packages[0], packages)
         if runner is None:
             raise Trouble("installs, but no runner is written for it yet")
-        samples, row.version, note = samples_of(runner, python)
-        judged(row, samples, reference, note)
+        library(runner)
+        runs, row.version, note = runs_of(runner, python)
+        judged(row, runs[""], references, note)
     except (Trouble, subprocess.TimeoutExpired) as trouble:
         symptom, why = KNOWN.get(tool, ("", ""))
-        known = why and symptom in str(trouble)
-        row.result = f"cannot: {why}" if known else str(trouble)
-        row.good = bool(known) or runner is None
+        known = bool(why) and symptom in getattr(trouble, "output", "")
+        row.result = why if known else str(trouble)
+        row.good = known or runner is None
     return row
 
 
-def rust_rows(reference):
+def rust_rows(references):
     rows = []
     for package, program in RUST:
         row = Row(f"Rust crate {package}")
         rows.append(row)
         try:
             row.version = rust_version(package)
-            judged(row, rust_samples(rust_programs() / program), reference, "")
+            judged(row, rust_samples(rust_programs() / program), references, "")
         except Trouble as trouble:
             row.result, row.good = str(trouble), False
     return rows
 
 
-def own_rows(reference):
+def own_rows(references):
     program = ROOT / os.environ.get("CARGO_TARGET_DIR", "target") / "release" / "orchestrator"
     if not program.exists():
         return []
     row = Row("orchestrator simulate (ours)")
     try:
         row.version = run([program, "--version"]).split()[-1]
-        judged(row, orchestrator_samples(program), reference, "")
+        judged(row, orchestrator_samples(program), references, "")
     except Trouble as trouble:
         row.result, row.good = str(trouble), False
     return [row]
@@ -203,13 +238,13 @@ def into_readme(text):
 
 def measure():
     python = environment("fmpy", ["fmpy"])
-    reference, _, _ = samples_of("reference", python)
-    rows = own_rows(reference)
+    references, _, _ = runs_of("reference", python)
+    rows = own_rows(references)
     for tool, runner, packages in PYTHON:
         print(f"== {tool}", file=sys.stderr, flush=True)
-        rows.append(python_row(tool, runner, packages, reference))
+        rows.append(python_row(tool, runner, packages, references))
     print("== Rust crates", file=sys.stderr, flush=True)
-    return rows + rust_rows(reference)
+    return rows + rust_rows(references)
 
 
 def main():

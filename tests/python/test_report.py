@@ -3,6 +3,7 @@
 Needs Chromium and its driver (Debian: chromium, chromium-driver) and the selenium package.
 """
 
+import math
 import os
 import shutil
 import subprocess
@@ -132,6 +133,50 @@ def test_every_plot_has_a_name_for_screen_readers(browser, small):
         " && !s.hasAttribute('aria-hidden') && !s.classList.contains('key')).length"
     )
     assert nameless == 0
+
+
+def test_a_point_says_how_sure_it_is(browser, small):
+    plot = opened(browser, small)
+    row = browser.find_element(By.CSS_SELECTOR, "#best tbody tr[data-id]")
+    sure = float(row.find_elements(By.TAG_NAME, "td")[3].get_attribute("textContent"))
+    browser.execute_script("arguments[0].click()", row)
+    settle(browser)
+    cell = browser.find_element(By.CSS_SELECTOR, "#selection-table tbody td").text
+    assert float(cell.split()[0]) == pytest.approx(sure, abs=0.06)
+    x, y = verified_mark(browser, plot)
+    ActionChains(browser).move_to_element_with_offset(plot, round(x), round(y)).perform()
+    settle(browser)
+    assert "truly inside with a probability of" in browser.find_element(By.ID, "tip").text
+
+
+def test_trade_offs_are_drawn(browser, small):
+    opened(browser, small)
+    assert len(browser.find_elements(By.CSS_SELECTOR, "#pareto figure svg .chosen")) >= 1
+    assert browser.find_element(By.CSS_SELECTOR, "#pareto tbody th").text.startswith("Best compromise")
+
+
+SETTINGS = """
+diameter = "25 mm"
+time = { column = "t" }
+load = { column = "F", variable = "sensor.loadForce", unit = "N", accuracy = "1 %" }
+torque = { column = "M", variable = "sensor.frictionTorque", unit = "N.m", accuracy = "2 %" }
+speed = { value = 300, unit = "rpm", accuracy = "2.5 rpm" }
+"""
+
+
+def test_the_page_of_a_recording(browser, tmp_path):
+    force = lambda t: 750 * (1 + 0.5 * math.sin(10 * math.pi * t))  # noqa: E731
+    rows = (f"{t},{force(t)},{0.00059 * force(t - 0.016)}" for t in (k / 1000 for k in range(12_000)))
+    (tmp_path / "measured.csv").write_text("t,F,M\n" + "\n".join(rows) + "\n")
+    (tmp_path / "settings.toml").write_text(SETTINGS)
+    program = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release" / "orchestrator"
+    command = [program, "synchronise", "measured.csv", "--settings", "settings.toml", "--output", "out"]
+    subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
+    browser.get((tmp_path / "out" / "report.html").as_uri())
+    assert browser.get_log("browser") == []
+    assert browser.find_element(By.ID, "delay-title").text == "Torque 16 ms later than the load"
+    assert len(browser.find_elements(By.CSS_SELECTOR, "#signals svg[aria-label]")) == 5
+    assert len(browser.find_elements(By.CSS_SELECTOR, "#steady svg[aria-label]")) == 3
 
 
 def test_a_million_points_stay_small_and_work(browser, tmp_path):

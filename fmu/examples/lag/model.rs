@@ -63,11 +63,13 @@ const SECOND: Unit = Unit {
         factor: 1000.0,
         offset: 0.0,
     }],
+    relative: false,
 };
 const ONE: Unit = Unit {
     name: "1",
     exponents: [0; 5],
     display: &[],
+    relative: false,
 };
 const TROUBLE: Enumeration = Enumeration {
     name: "Trouble",

@@ -217,6 +217,7 @@ fn typed<M: Model>(variable: &Variable<M>, initial: &M) -> Tag {
         } => tag
             .with("unit", unit.name)
             .with_some("displayUnit", *display)
+            .with_some("relativeQuantity", unit.relative.then_some(true))
             .with_some("min", min.map(Number))
             .with_some("max", max.map(Number))
             .with_some("nominal", nominal.map(Number))

@@ -123,6 +123,20 @@ impl PointTable {
         }
     }
 
+    /// Adds the points of another table with the same parameters and criteria.
+    pub fn extend(&mut self, other: &Self) {
+        self.ids.extend(&other.ids);
+        for (own, more) in self.parameters.iter_mut().zip(&other.parameters) {
+            own.values.extend(&more.values);
+        }
+        for (own, more) in self.criteria.iter_mut().zip(&other.criteria) {
+            own.values.extend(&more.values);
+            own.ok.extend(&more.ok);
+        }
+        self.verified.extend(&other.verified);
+        self.status.extend(other.status.iter().cloned());
+    }
+
     /// Whether the point was simulated to its end.
     pub fn completed(&self, point: usize) -> bool {
         self.status[point] == "ok"

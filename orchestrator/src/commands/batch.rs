@@ -34,6 +34,10 @@ impl Batch {
         let package = Package::open(&fmu.map_or_else(|| study.fmu_path(), Path::to_owned))?;
         let judge = Judge::new(&study, Some(package.description()))?;
         let plan = Plan::new(&study, package.description())?;
+        if !plan.is_independent() {
+            let message = "this analysis takes every parameter on its own; remove [[correlations]]";
+            return Err(study.error(message).into());
+        }
         let cores = || available_parallelism().map_or(1, Into::into);
         let jobs = jobs.unwrap_or_else(cores).max(1);
         Ok(Self {

@@ -82,6 +82,7 @@ fn task(package: &Package) -> Task {
         },
         fixed: Vec::new(),
         varied: Vec::new(),
+        inputs: Vec::new(),
         observed: fmu.with(Causality::Output).filter_map(probe).collect(),
     }
 }

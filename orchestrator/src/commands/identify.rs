@@ -87,7 +87,7 @@ fn starts(study: &Study, settings: &Settings) -> Result<Vec<Vec<f64>>, CommandEr
         method: Method::Sobol,
         points: settings.starts.max(1),
         seed: settings.seed,
-        replicates: 1,
+        ..study::Design::default()
     };
     let design = Design::new(&design, vec![place; settings.free.len()])
         .map_err(|message| study.error(format!("[identify] {message}")))?;

@@ -42,7 +42,7 @@ fn study(fmu: &Description, path: &Path) -> String {
         "# A starting study of {}. Remove the marks of what you need.\n\n\
          title = {:?}\nfmu = {:?}\n\n[simulation]\nstop = {} # s\nstep = {} # s\n\
          # warm-up = 1 # s that statistics leave out\n\n[design]\n\
-         method = \"sobol\" # or monte-carlo, latin-hypercube\npoints = 64\nseed = 1",
+         method = \"sobol\" # or monte-carlo, latin-hypercube, halton, full-factorial\npoints = 64\nseed = 1",
         fmu.model_name,
         fmu.model_name,
         path.display().to_string(),

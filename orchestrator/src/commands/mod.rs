@@ -1,6 +1,7 @@
 //! The commands, one file each.
 
 mod batch;
+mod best;
 mod check;
 mod completion;
 mod identify;
@@ -39,6 +40,7 @@ use crate::results::ResultsError;
 use crate::session::SessionError;
 use crate::source::TableError;
 use crate::study::StudyError;
+use crate::study::ssv::SsvError;
 
 /// The exit code for a mistake in what was asked for.
 pub const MISTAKE: u8 = 2;
@@ -52,6 +54,9 @@ pub enum CommandError {
     /// The study cannot be used.
     #[error(transparent)]
     Study(#[from] StudyError),
+    /// A parameter set cannot be used.
+    #[error(transparent)]
+    Set(#[from] SsvError),
     /// A table cannot be used.
     #[error(transparent)]
     Table(#[from] TableError),

@@ -3,12 +3,11 @@
 use std::fs::File;
 use std::process::ExitCode;
 
-use super::simulate::{Columns, trajectory};
+use super::simulate::{Columns, Isolated};
 use super::{CommandError, output};
 use crate::cli::Replay;
 use crate::results::ResultsError;
 use crate::results::points::number;
-use crate::run::Runner;
 use crate::session::Session;
 
 pub(super) fn run(options: &Replay) -> Result<ExitCode, CommandError> {
@@ -21,14 +20,13 @@ pub(super) fn run(options: &Replay) -> Result<ExitCode, CommandError> {
             message: format!("the study has no point {}", options.point),
         })?;
     let job = session.job(index);
-    let library = session.package.load()?;
-    let mut runner = Runner::new(library, session.plan.task.clone());
-    let outcome = session.outcome(runner.run(&job.values).map(<[f64]>::to_vec));
+    let run = Isolated::new(&mut session.package)?;
+    let outcome = session.outcome(run.run(&session.plan.task, &job)?);
     let columns = Columns::new(session.package.description());
     let usual = options.folder.join(format!("point-{}.csv", options.point));
     let path = options.output.clone().unwrap_or(usual);
     let file = File::create(&path).map_err(ResultsError::io(&path))?;
-    let written = trajectory(&mut runner, &job.values, &columns, file);
+    let written = run.trajectory(&session.plan.task, &job.values, &columns, file);
     // The trajectory of a point that fails ends where it fails.
     if outcome.is_ok() {
         written.map_err(|error| error.into_command(&path))?;

@@ -3,18 +3,25 @@
 use std::fs;
 use std::path::Path;
 use std::process::ExitCode;
+use std::time::Duration;
 
 use super::{CommandError, output};
 use crate::cli;
-use crate::failure::Failure;
-use crate::fmu::Package;
+use crate::engine::process::Limits;
+use crate::engine::trajectory::Recorder;
+use crate::fmu::{Package, Value};
 use crate::report::{Report, history};
 use crate::results::summary::{BestPoint, Summary};
 use crate::results::{ResultsError, write_atomically};
-use crate::run::{Runner, Trouble};
 use crate::study::Study;
 use crate::study::plan::Plan;
-use crate::task::{Schedule, Storage, Task};
+use crate::task::{Column, Content, Schedule, Storage, Task};
+
+/// What the best point's trajectory may use: the point itself has come to its end before.
+const LIMITS: Limits = Limits {
+    time: Duration::from_secs(60),
+    memory: 16 << 30,
+};
 
 pub(super) fn run(options: &cli::Report) -> Result<ExitCode, CommandError> {
     let report = Report::from_folder(&options.folder)?;
@@ -74,7 +81,11 @@ fn record(best: &BestPoint, plan: &Plan, package: &Package) -> Result<String, Co
     let probes: Vec<usize> = (0..task.observed.len())
         .filter(|&k| task.observed[k].storage == Storage::Real)
         .collect();
-    let references: Vec<u32> = probes.iter().map(|&k| task.observed[k].reference).collect();
+    let column = |&k: &usize| Column {
+        reference: task.observed[k].reference,
+        content: Content::Real,
+    };
+    let columns: Vec<Column> = probes.iter().map(column).collect();
     let names: Vec<&String> = best.values.keys().collect();
     let mut text = String::from("time");
     probes.iter().for_each(|&k| {
@@ -82,17 +93,25 @@ fn record(best: &BestPoint, plan: &Plan, package: &Package) -> Result<String, Co
         text.push_str(names[k]);
     });
     text.push('\n');
-    let mut row = vec![0.0; references.len()];
+    let scratch = tempfile::tempdir().map_err(ResultsError::io(&std::env::temp_dir()))?;
     // The run's own copy of the FMU may be gone by now.
-    let library = Package::open(package.path())?.load()?;
-    Runner::new(library, task).trajectory(&values, |time, instance| {
-        instance.reals(&references, &mut row)?;
+    let mut own = Package::open(package.path())?;
+    let fmu = own.unpack(scratch.path())?;
+    let recorder = Recorder {
+        fmu: &fmu,
+        name: package.path(),
+        scratch: scratch.path(),
+        limits: LIMITS,
+        echo: false,
+    };
+    recorder.record(&task, &values, &columns, |time, row| {
         text.push_str(&time.to_string());
         for (value, &k) in row.iter().zip(&probes) {
+            let Value::Real(value) = value else { continue };
             text.push_str(&format!(",{:.7e}", plan.outputs[k].value(*value)));
         }
         text.push('\n');
-        Ok::<_, Trouble<Failure>>(())
+        Ok::<_, CommandError>(())
     })?;
     Ok(text)
 }

@@ -15,6 +15,7 @@ use crate::cli;
 use crate::report::format::{number, percent};
 use crate::report::{Report, robustness as page};
 use crate::results::{ResultsError, write_atomically};
+use confirm::Confirmation;
 
 pub(super) fn run(options: &cli::Robustness) -> Result<ExitCode, CommandError> {
     let folder = options.from.clone().unwrap_or_else(|| {
@@ -36,7 +37,14 @@ pub(super) fn run(options: &cli::Robustness) -> Result<ExitCode, CommandError> {
     match (&mut batch, options.confirm) {
         (_, 0) => {}
         (Some(batch), points) => {
-            confirm::confirm(batch, &table, &mut result, points, options.seed)?;
+            result = Confirmation {
+                batch,
+                table: &table,
+                cloud: &cloud,
+                points,
+                seed: options.seed,
+            }
+            .of(result)?;
         }
         (None, _) => return Err(option("confirm", "needs the study's FMU for new runs")),
     }
@@ -111,7 +119,12 @@ fn evidence(stated: f64, own: Confirmed, fresh: Option<Confirmed>) -> String {
 }
 
 fn text(result: &Robustness) -> String {
-    let mut out = String::from("surrogates, by leave-one-out\n");
+    let mut out = String::from("surrogates, by leave-one-out");
+    if result.further_runs > 0 {
+        let further = result.further_runs;
+        out += &format!(" (refined with {further} further runs in box and ellipsoid)");
+    }
+    out.push('\n');
     for (name, q) in &result.criteria {
         out += &format!(
             "  {name}: degree {}, {} terms, error {}, predicts {} % of the variance\n",

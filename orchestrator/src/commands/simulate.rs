@@ -1,35 +1,58 @@
-//! `simulate`: one run.
+//! `simulate`: one run, in a process of its own.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
+use std::mem;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+
+use tempfile::TempDir;
 
 use super::{CommandError, output};
 use crate::cli::Simulate;
+use crate::engine::process::{Limits, Process};
+use crate::engine::trajectory::Recorder;
+use crate::engine::{Answer, EngineError, Job, Worker};
 use crate::failure::Failure;
-use crate::fmu::{Call, Causality, Description, Instance, Kind, Package, Value, Variable};
+use crate::fmu::{Causality, Description, Package, Value, Variable};
 use crate::results::ResultsError;
 use crate::results::points::number;
-use crate::run::{Runner, Trouble};
-use crate::study::Setting;
 use crate::study::plan::{find, value_of};
-use crate::task::{Schedule, Task};
+use crate::study::{Setting, ssv};
+use crate::task::{Column, Schedule, Task};
 
 pub(super) fn run(options: &Simulate) -> Result<ExitCode, CommandError> {
     let mut package = Package::open(&options.fmu)?;
+    let fmu = package.description();
+    let set = settings(&options.set, fmu)?;
+    let from = match &options.set_from {
+        Some(path) => ssv::read(path)?.settings(path, fmu)?,
+        None => Vec::new(),
+    };
+    // What is said on the command line counts more than a file.
+    let own = |(reference, value): &(u32, Value)| {
+        !set.iter().any(|(other, new)| {
+            other == reference && mem::discriminant(new) == mem::discriminant(value)
+        })
+    };
     let task = Task {
-        schedule: schedule(options, package.description())?,
-        fixed: settings(&options.set, package.description())?,
+        schedule: schedule(options, fmu)?,
+        fixed: from
+            .into_iter()
+            .filter(own)
+            .chain(set.iter().cloned())
+            .collect(),
         varied: Vec::new(),
+        inputs: Vec::new(),
         observed: Vec::new(),
     };
-    let library = package.load()?;
-    let columns = Columns::new(package.description());
-    let mut runner = Runner::new(library, task);
+    let columns = Columns::new(fmu);
+    let run = Isolated::new(&mut package)?;
     match &options.output {
         None => {
             let out = io::stdout().lock();
-            let result = trajectory(&mut runner, &[], &columns, out);
+            let result = run.trajectory(&task, &[], &columns, out);
             match result {
                 // A reader that has gone, such as `head`, is no error.
                 Err(TrajectoryError::Write(error)) if error.kind() == io::ErrorKind::BrokenPipe => {
@@ -40,7 +63,8 @@ pub(super) fn run(options: &Simulate) -> Result<ExitCode, CommandError> {
         }
         Some(path) => {
             let file = File::create(path).map_err(ResultsError::io(path))?;
-            let last = trajectory(&mut runner, &[], &columns, file)
+            let last = run
+                .trajectory(&task, &[], &columns, file)
                 .map_err(|error| error.into_command(path))?;
             output::print(&summary(&columns, &last));
         }
@@ -92,42 +116,25 @@ pub(super) fn settings(
 #[derive(Debug)]
 pub(super) struct Columns {
     variables: Vec<Variable>,
-    /// The references of those that are real, in order.
-    reals: Vec<u32>,
+    columns: Vec<Column>,
 }
 
 impl Columns {
     pub(super) fn new(fmu: &Description) -> Self {
         let variables: Vec<Variable> = fmu.with(Causality::Output).cloned().collect();
-        let real = |variable: &&Variable| matches!(variable.kind, Kind::Real { .. });
-        let reals = variables
-            .iter()
-            .filter(real)
-            .map(|variable| variable.value_reference);
         Self {
-            reals: reals.collect(),
+            columns: variables.iter().map(Column::of).collect(),
             variables,
         }
     }
+}
 
-    /// The cells of the present communication point.
-    fn read(&self, instance: &mut Instance, reals: &mut [f64]) -> Result<Vec<String>, Call> {
-        if !reals.is_empty() {
-            instance.reals(&self.reals, reals)?;
-        }
-        let mut reals = reals.iter();
-        let mut cell = |variable: &Variable| {
-            let reference = variable.value_reference;
-            Ok(match variable.kind {
-                Kind::Real { .. } => reals.next().copied().map_or_else(String::new, number),
-                Kind::Integer { .. } | Kind::Enumeration { .. } => {
-                    instance.integer(reference)?.to_string()
-                }
-                Kind::Boolean { .. } => u8::from(instance.boolean(reference)?).to_string(),
-                Kind::String { .. } => instance.string(reference)?,
-            })
-        };
-        self.variables.iter().map(&mut cell).collect()
+fn cell(value: &Value) -> String {
+    match value {
+        Value::Real(value) => number(*value),
+        Value::Integer(value) => value.to_string(),
+        Value::Boolean(value) => u8::from(*value).to_string(),
+        Value::String(text) => text.clone(),
     }
 }
 
@@ -135,6 +142,7 @@ impl Columns {
 #[derive(Debug)]
 pub(super) enum TrajectoryError {
     Simulation(Failure),
+    Engine(EngineError),
     Write(io::Error),
 }
 
@@ -144,45 +152,94 @@ impl From<Failure> for TrajectoryError {
     }
 }
 
-impl From<csv::Error> for Trouble<TrajectoryError> {
+impl From<EngineError> for TrajectoryError {
+    fn from(error: EngineError) -> Self {
+        Self::Engine(error)
+    }
+}
+
+impl From<csv::Error> for TrajectoryError {
     fn from(error: csv::Error) -> Self {
-        Self::Other(TrajectoryError::Write(error.into()))
+        Self::Write(error.into())
     }
 }
 
 impl TrajectoryError {
-    pub(super) fn into_command(self, path: &std::path::Path) -> CommandError {
+    pub(super) fn into_command(self, path: &Path) -> CommandError {
         match self {
             Self::Simulation(failure) => failure.into(),
+            Self::Engine(error) => error.into(),
             Self::Write(error) => ResultsError::io(path)(error).into(),
         }
     }
 }
 
-/// Simulates, writes the trajectory as csv, and returns the last row.
-pub(super) fn trajectory(
-    runner: &mut Runner,
-    values: &[f64],
-    columns: &Columns,
-    into: impl Write,
-) -> Result<Vec<String>, TrajectoryError> {
-    let mut csv = csv::Writer::from_writer(BufWriter::new(into));
-    let names = columns
-        .variables
-        .iter()
-        .map(|variable| variable.name.as_str());
-    let header = csv.write_record(std::iter::once("time").chain(names));
-    header.map_err(|error| TrajectoryError::Write(error.into()))?;
-    let mut reals = vec![0.0; columns.reals.len()];
-    let mut last = Vec::new();
-    runner.trajectory(values, |time, instance| {
-        last = columns.read(instance, &mut reals)?;
-        csv.write_field(number(time))?;
-        csv.write_record(&last)?;
-        Ok(())
-    })?;
-    csv.flush().map_err(TrajectoryError::Write)?;
-    Ok(last)
+/// An FMU of which single points run in a process of its own.
+#[derive(Debug)]
+pub(super) struct Isolated {
+    fmu: PathBuf,
+    name: PathBuf,
+    scratch: TempDir,
+}
+
+impl Isolated {
+    pub(super) fn new(package: &mut Package) -> Result<Self, CommandError> {
+        let scratch = tempfile::tempdir().map_err(ResultsError::io(&std::env::temp_dir()))?;
+        Ok(Self {
+            fmu: package.unpack(scratch.path())?,
+            name: package.path().to_owned(),
+            scratch,
+        })
+    }
+
+    /// How single points are recorded: a person is watching, who can end it.
+    fn recorder(&self) -> Recorder<'_> {
+        Recorder {
+            fmu: &self.fmu,
+            name: &self.name,
+            scratch: self.scratch.path(),
+            limits: Limits::NONE,
+            echo: true,
+        }
+    }
+
+    /// Simulates, writes the trajectory as csv, and returns the last row.
+    pub(super) fn trajectory(
+        &self,
+        task: &Task,
+        values: &[f64],
+        columns: &Columns,
+        into: impl Write,
+    ) -> Result<Vec<String>, TrajectoryError> {
+        let mut csv = csv::Writer::from_writer(BufWriter::new(into));
+        let names = columns
+            .variables
+            .iter()
+            .map(|variable| variable.name.as_str());
+        csv.write_record(std::iter::once("time").chain(names))?;
+        let mut last = Vec::new();
+        let recorder = self.recorder();
+        let recorded = recorder.record(task, values, &columns.columns, |time, values| {
+            last = values.iter().map(cell).collect();
+            csv.write_field(number(time))?;
+            csv.write_record(&last)?;
+            Ok(())
+        });
+        // What came before a failure is kept.
+        let flushed = csv.flush().map_err(TrajectoryError::Write);
+        recorded.and(flushed).map(|()| last)
+    }
+
+    /// Simulates a point as `verify` does.
+    pub(super) fn run(&self, task: &Task, job: &Job) -> Result<Answer, EngineError> {
+        let mut worker = Process::new(&self.fmu, task, Limits::NONE, self.scratch.path(), 1)?;
+        let mut last = None;
+        worker.run(std::slice::from_ref(job), &mut |_, answer| {
+            last = Some(answer);
+            ControlFlow::Continue(())
+        })?;
+        last.ok_or_else(|| EngineError::Lost("it gave no answer".to_owned()))
+    }
 }
 
 /// The outputs at the end, for people.

@@ -9,13 +9,14 @@ use std::time::{Duration, Instant};
 use super::limits::limits;
 use super::progress::Progress;
 use super::until::Front;
-use super::{CommandError, output, report, stop, table, verdict};
+use super::{CommandError, best, output, report, stop, table, verdict};
 use crate::cli::Verify;
 use crate::engine;
-use crate::results::Journal;
 use crate::results::journal::Finished;
 use crate::results::summary::{Run, Tally};
+use crate::results::{Journal, parquet};
 use crate::session::{Place, Request, Session, scratch};
+use crate::study::Method;
 
 /// With `--until`, a study has as many points as needed, but for a limit.
 const MOST_POINTS: u64 = 1_000_000;
@@ -26,7 +27,17 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, CommandError> {
     if options.until.is_some() && !session.is_extensible() {
         return Err(CommandError::Option {
             option: "until",
-            message: "a Latin hypercube needs all its points; use sobol or monte-carlo".to_owned(),
+            message:
+                "a Latin hypercube or a full factorial needs all its points; use sobol, halton or \
+                monte-carlo"
+                    .to_owned(),
+        });
+    }
+    if options.points.is_some() && session.study.design.method == Method::FullFactorial {
+        return Err(CommandError::Option {
+            option: "points",
+            message: "a full factorial has as many points as the levels make; change `levels`"
+                .to_owned(),
         });
     }
     let folder = output_folder(options);
@@ -68,6 +79,9 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, CommandError> {
     };
     let enough = |tally: &Tally<'_>| options.until.is_some_and(|until| until.is_met(tally));
     let summary = session.conclude(&folder, Some(run), enough)?;
+    if options.parquet {
+        parquet::convert(&folder, &summary)?;
+    }
     conclude(&mut session, &folder, &summary)
 }
 
@@ -83,6 +97,7 @@ pub(super) fn conclude(
         package,
         ..
     } = session;
+    best::write(folder, plan, package.description(), summary)?;
     report::complete(folder, study, plan, package, summary)?;
     output::print(&format!(
         "{}{}\nresults in {}\n",
@@ -129,6 +144,7 @@ fn request(options: &Verify) -> Request {
         seed: options.seed,
         points_from: options.points_from.clone(),
         shard: options.shard,
+        base: None,
     }
 }
 

@@ -32,7 +32,7 @@ impl Hypercube {
     }
 
     /// The slice of a point: a permutation of 0..N.
-    fn slice(&self, index: u64, dimension: u32) -> u64 {
+    pub(super) fn slice(&self, index: u64, dimension: u32) -> u64 {
         let mut slice = index % self.points;
         loop {
             slice = self.shuffle(slice, dimension);

@@ -1,9 +1,14 @@
 //! Which points a study simulates.
 //!
-//! Point `i` depends on the seed and on `i` alone (a Latin hypercube, also on the number of
-//! points): shards, workers, an interrupted run and an extension all see the same points.
+//! Point `i` depends on the seed and on `i` alone: shards, workers, an interrupted run and an extension all
+//! see the same points. The points of a Latin hypercube depend on their number too, those of a full factorial
+//! on the levels: these are the same for shards, workers and interrupted runs, but cannot be extended.
 
+pub mod correlation;
+mod factorial;
+mod halton;
 mod hypercube;
+mod optimised;
 mod random;
 mod sobol;
 
@@ -11,7 +16,11 @@ use crate::distribution::Distribution;
 use crate::study;
 use crate::study::Method;
 
+use correlation::Correlation;
+use factorial::Grid;
+use halton::Sequence;
 use hypercube::Hypercube;
+use optimised::Spread;
 use sobol::Nets;
 
 /// A rule that gives every index its point.
@@ -21,13 +30,37 @@ pub struct Design {
     seed: u64,
     points: u64,
     inputs: Vec<Distribution>,
+    correlation: Option<Correlation>,
 }
 
 #[derive(Clone, Debug)]
 enum Rule {
     MonteCarlo,
     LatinHypercube(Hypercube),
+    OptimisedLatinHypercube(Spread),
     Sobol(Nets),
+    Halton(Sequence),
+    FullFactorial(Grid),
+}
+
+/// What a design needs to know of its inputs.
+#[derive(Clone, Debug, Default)]
+pub struct Inputs {
+    /// Their distributions.
+    pub distributions: Vec<Distribution>,
+    /// Their levels in a full factorial; those of an input that does not vary do not count.
+    pub levels: Vec<Option<u64>>,
+    /// How they are correlated, if they are.
+    pub correlation: Option<Correlation>,
+}
+
+impl From<Vec<Distribution>> for Inputs {
+    fn from(distributions: Vec<Distribution>) -> Self {
+        Self {
+            distributions,
+            ..Self::default()
+        }
+    }
 }
 
 impl Design {
@@ -35,7 +68,8 @@ impl Design {
     ///
     /// # Errors
     /// When the method cannot serve so many inputs or points.
-    pub fn new(design: &study::Design, inputs: Vec<Distribution>) -> Result<Self, String> {
+    pub fn new(design: &study::Design, inputs: impl Into<Inputs>) -> Result<Self, String> {
+        let inputs: Inputs = inputs.into();
         if design.points == 0 {
             return Err("points must be at least 1".to_owned());
         }
@@ -43,25 +77,30 @@ impl Design {
             return Err("replicates must be at least 1".to_owned());
         }
         if design.replicates > 1 && design.method != Method::Sobol {
-            return Err(
-                "replicates belong to method = \"sobol\"; the points of the others tell \
-                        by themselves how sure a count is"
-                    .to_owned(),
-            );
+            return Err("replicates need method = \"sobol\"; remove them".to_owned());
         }
-        let dimensions = inputs.iter().filter(|input| input.varies()).count();
+        let study::Design { points, seed, .. } = *design;
+        let varies = |input: &&Distribution| input.varies();
+        let dimensions = inputs.distributions.iter().filter(varies).count();
         let rule = match design.method {
             Method::MonteCarlo => Rule::MonteCarlo,
-            Method::LatinHypercube => {
-                Rule::LatinHypercube(Hypercube::new(design.seed, design.points))
+            Method::LatinHypercube => Rule::LatinHypercube(Hypercube::new(seed, points)),
+            Method::OptimisedLatinHypercube => {
+                Rule::OptimisedLatinHypercube(Spread::new(seed, dimensions, points)?)
             }
             Method::Sobol => Rule::Sobol(Nets::new(design, dimensions)?),
+            Method::Halton => Rule::Halton(Sequence::new(seed, dimensions)?),
+            Method::FullFactorial => Rule::FullFactorial(inputs.grid()?),
         };
         Ok(Self {
+            points: match &rule {
+                Rule::FullFactorial(grid) => grid.len(),
+                _ => points,
+            },
             rule,
-            seed: design.seed,
-            points: design.points,
-            inputs,
+            seed,
+            inputs: inputs.distributions,
+            correlation: inputs.correlation,
         })
     }
 
@@ -78,15 +117,21 @@ impl Design {
     /// The parameters of the point at an index from 0.
     pub fn point(&self, index: u64) -> Vec<f64> {
         let mut dimension = 0;
-        let value = |input: &Distribution| {
+        let place = |input: &Distribution| {
             if !input.varies() {
-                return input.median();
+                return 0.5;
             }
-            let u = self.uniform(index, dimension);
             dimension += 1;
-            input.quantile(u)
+            self.uniform(index, dimension - 1)
         };
-        self.inputs.iter().map(value).collect()
+        let places = self.inputs.iter().map(place);
+        match &self.correlation {
+            None => places
+                .zip(&self.inputs)
+                .map(|(u, input)| input.quantile(u))
+                .collect(),
+            Some(correlation) => correlation.values(&places.collect::<Vec<_>>(), &self.inputs),
+        }
     }
 
     /// A number in (0, 1).
@@ -96,8 +141,30 @@ impl Design {
                 random::uniform(self.seed, random::Purpose::Point, index, dimension)
             }
             Rule::LatinHypercube(hypercube) => hypercube.uniform(index, dimension),
+            Rule::OptimisedLatinHypercube(spread) => spread.uniform(index, dimension),
             Rule::Sobol(nets) => nets.uniform(index, dimension),
+            Rule::Halton(sequence) => sequence.uniform(index, dimension),
+            Rule::FullFactorial(grid) => grid.uniform(index, dimension),
         }
+    }
+}
+
+impl Inputs {
+    /// The grid of a full factorial.
+    fn grid(&self) -> Result<Grid, String> {
+        if self.correlation.is_some() {
+            return Err(
+                "a full factorial combines all levels and knows no correlations".to_owned(),
+            );
+        }
+        let levels = self.distributions.iter().zip(&self.levels);
+        let levels = levels
+            .filter(|(input, _)| input.varies())
+            .map(|(_, levels)| {
+                let missing = "a full factorial needs `levels` for every parameter that varies";
+                levels.filter(|&levels| levels > 0).ok_or(missing)
+            });
+        Grid::new(levels.collect::<Result<_, _>>()?)
     }
 }
 
@@ -120,7 +187,13 @@ mod tests {
         Design::new(&settings, vec![normal, fixed, normal, normal]).unwrap()
     }
 
-    const METHODS: [Method; 3] = [Method::MonteCarlo, Method::LatinHypercube, Method::Sobol];
+    const METHODS: [Method; 5] = [
+        Method::MonteCarlo,
+        Method::LatinHypercube,
+        Method::OptimisedLatinHypercube,
+        Method::Sobol,
+        Method::Halton,
+    ];
 
     #[test]
     #[allow(clippy::cast_precision_loss)]
@@ -155,9 +228,94 @@ mod tests {
 
     #[test]
     fn an_extension_keeps_the_points() {
-        for method in [Method::MonteCarlo, Method::Sobol] {
+        for method in [Method::MonteCarlo, Method::Sobol, Method::Halton] {
             let [short, long] = [100, 200].map(|points| design(method, points, 5));
             assert!((0..100).all(|index| short.point(index) == long.point(index)));
         }
+    }
+
+    #[test]
+    #[allow(clippy::cast_precision_loss)]
+    fn correlations_are_those_asked_for() {
+        const N: u64 = 4096;
+        let [normal, bounded, lognormal] = [
+            Distribution::Normal {
+                mean: 5.0,
+                deviation: 2.0,
+            },
+            Distribution::Uniform { min: 0.0, max: 1.0 },
+            Distribution::Lognormal {
+                mean: 2.0,
+                deviation: 0.5,
+            },
+        ];
+        for method in METHODS {
+            let settings = study::Design {
+                method,
+                points: N,
+                seed: 9,
+                replicates: 1,
+            };
+            let pairs = [(0, 1, 0.8), (0, 3, -0.5), (1, 3, -0.2)];
+            let fixed = Distribution::Fixed { value: 3.0 };
+            let inputs = Inputs {
+                distributions: vec![normal, normal, fixed, bounded, lognormal],
+                levels: Vec::new(),
+                correlation: Some(Correlation::new(5, &pairs).unwrap()),
+            };
+            let design = Design::new(&settings, inputs).unwrap();
+            let points: Vec<Vec<f64>> = (0..N).map(|index| design.point(index)).collect();
+            let pearson = |a: usize, b: usize| {
+                let mean =
+                    |f: &dyn Fn(&Vec<f64>) -> f64| points.iter().map(f).sum::<f64>() / N as f64;
+                let [ma, mb] = [mean(&|p| p[a]), mean(&|p| p[b])];
+                let covariance =
+                    |i: usize, mi: f64, j: usize, mj: f64| mean(&|p| (p[i] - mi) * (p[j] - mj));
+                covariance(a, ma, b, mb)
+                    / (covariance(a, ma, a, ma) * covariance(b, mb, b, mb)).sqrt()
+            };
+            // The error of a correlation is (1 - r^2) / sqrt(N); four of them. Between a normal and a uniform
+            // number, the coefficient of the normal scores shrinks by sqrt(3 / pi).
+            let shrunk = (3.0 / std::f64::consts::PI).sqrt();
+            for (a, b, expected) in [(0, 1, 0.8), (0, 3, -0.5 * shrunk), (0, 4, 0.0)] {
+                let error = 4.0 * (1.0 - expected * expected) / (N as f64).sqrt();
+                let found = pearson(a, b);
+                assert!(
+                    (found - expected).abs() < error,
+                    "{method:?}: {found} for {expected}"
+                );
+            }
+            assert!(
+                points
+                    .iter()
+                    .all(|p| p[2] == 3.0 && (0.0..=1.0).contains(&p[3]))
+            );
+        }
+    }
+
+    #[test]
+    fn a_full_factorial_has_its_own_number_of_points() {
+        let settings = study::Design {
+            method: Method::FullFactorial,
+            ..study::Design::default()
+        };
+        let inputs = |levels| Inputs {
+            distributions: vec![
+                Distribution::Uniform { min: 0.0, max: 4.0 },
+                Distribution::Fixed { value: 7.0 },
+                Distribution::Uniform { min: 0.0, max: 1.0 },
+            ],
+            levels,
+            correlation: None,
+        };
+        let design = Design::new(&settings, inputs(vec![Some(4), None, Some(2)])).unwrap();
+        let points: Vec<Vec<f64>> = (0..design.len()).map(|index| design.point(index)).collect();
+        assert_eq!(points.len(), 8);
+        assert_eq!(
+            (&points[0], &points[7]),
+            (&vec![0.5, 7.0, 0.25], &vec![3.5, 7.0, 0.75])
+        );
+        let missing = Design::new(&settings, inputs(vec![Some(4), None, None])).unwrap_err();
+        assert!(missing.contains("`levels`"), "{missing}");
     }
 }

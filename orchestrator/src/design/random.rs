@@ -11,6 +11,8 @@ pub(super) enum Purpose {
     Permutation = 1,
     /// The place within a slice of a Latin hypercube, or within the last digit of a net.
     Jitter = 2,
+    /// Exchanges that spread a Latin hypercube.
+    Swap = 3,
 }
 
 /// A number in the open interval (0, 1).

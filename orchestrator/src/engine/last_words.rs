@@ -1,6 +1,6 @@
 //! What a worker process printed last.
 
-use std::io::Read;
+use std::io::{self, Read, Write};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
@@ -24,8 +24,8 @@ const KEPT: usize = 4096;
 const PATIENCE: Duration = Duration::from_secs(1);
 
 impl LastWords {
-    /// Listens to a stream until its end.
-    pub(super) fn listen(mut stream: impl Read + Send + 'static) -> Arc<Self> {
+    /// Listens to a stream until its end; `echo` repeats it on standard error.
+    pub(super) fn listen(mut stream: impl Read + Send + 'static, echo: bool) -> Arc<Self> {
         let words = Arc::new(Self::default());
         let kept = Arc::clone(&words);
         // The thread ends with the process at the other end of the pipe.
@@ -33,6 +33,10 @@ impl LastWords {
             let mut chunk = [0; KEPT];
             loop {
                 let count = stream.read(&mut chunk).unwrap_or(0);
+                if echo {
+                    // Nobody may be listening.
+                    let _ = io::stderr().write_all(&chunk[..count]);
+                }
                 let mut heard = kept.heard.lock().unwrap_or_else(PoisonError::into_inner);
                 heard.end.extend(&chunk[..count]);
                 let surplus = heard.end.len().saturating_sub(KEPT);

@@ -8,6 +8,7 @@ mod last_words;
 pub mod local;
 pub mod process;
 pub mod servant;
+pub mod trajectory;
 mod wire;
 
 use std::ops::ControlFlow;

@@ -19,7 +19,7 @@ use super::last_words::LastWords;
 use super::wire::{Reader, Setup, put_job, read_frame, write_frame};
 use super::{Answer, EngineError, Job, Worker};
 use crate::failure::Failure;
-use crate::task::Task;
+use crate::task::{Record, Task};
 
 /// The hidden command that makes this program a worker.
 pub const COMMAND: &str = "worker";
@@ -36,6 +36,14 @@ pub struct Limits {
     pub memory: u64,
 }
 
+impl Limits {
+    /// No limits: for a single point, while a person is watching.
+    pub const NONE: Self = Self {
+        time: Duration::MAX,
+        memory: u64::MAX,
+    };
+}
+
 /// A worker process, replaced as needed.
 #[derive(Debug)]
 pub struct Process {
@@ -45,18 +53,20 @@ pub struct Process {
     child: Option<Running>,
     /// The point at which a worker was lost; the next loss at it counts.
     struck: Option<u64>,
+    /// Whether what the FMU prints is shown.
+    echo: bool,
 }
 
 #[derive(Debug)]
-struct Running {
+pub(super) struct Running {
     child: Child,
     jobs: ChildStdin,
-    answers: BufReader<ChildStdout>,
-    last_words: Arc<LastWords>,
+    pub(super) answers: BufReader<ChildStdout>,
+    pub(super) last_words: Arc<LastWords>,
 }
 
 /// Why a worker has to be replaced.
-enum Loss {
+pub(super) enum Loss {
     Ended,
     Timeout,
     OutOfMemory,
@@ -82,18 +92,32 @@ impl Process {
             task: task.clone(),
             place: std::path::absolute(place).map_err(start)?,
             supervisor: std::process::id(),
+            name: fmu.to_owned(),
+            record: None,
         };
         Ok(Self {
-            program: std::env::current_exe().map_err(start)?,
+            program: program().map_err(start)?,
             setup,
             limits,
             child: None,
             struck: None,
+            echo: false,
         })
     }
 
+    /// Says what the user calls the FMU, and whether what it prints is shown on standard error.
+    pub(super) fn name(&mut self, name: &Path, echo: bool) {
+        self.setup.name = name.to_owned();
+        self.echo = echo;
+    }
+
+    /// Lets the worker run one point with its trajectory, instead of jobs.
+    pub(super) fn record(&mut self, record: Record) {
+        self.setup.record = Some(record);
+    }
+
     /// The present process, started if there is none.
-    fn running(&mut self) -> Result<&mut Running, EngineError> {
+    pub(super) fn running(&mut self) -> Result<&mut Running, EngineError> {
         if self.child.is_none() {
             let mut running = self
                 .start()
@@ -107,6 +131,7 @@ impl Process {
 
     fn start(&self) -> io::Result<Running> {
         let mut child = Command::new(&self.program)
+            .arg0("orchestrator")
             .arg(COMMAND)
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
@@ -117,7 +142,7 @@ impl Process {
         let gone = || io::Error::other("a pipe to the worker is missing");
         let mut jobs = child.stdin.take().ok_or_else(gone)?;
         let answers = BufReader::new(child.stdout.take().ok_or_else(gone)?);
-        let last_words = LastWords::listen(child.stderr.take().ok_or_else(gone)?);
+        let last_words = LastWords::listen(child.stderr.take().ok_or_else(gone)?, self.echo);
         write_frame(&mut jobs, &serde_json::to_vec(&self.setup)?)?;
         Ok(Running {
             child,
@@ -166,7 +191,7 @@ impl Process {
     }
 
     /// What became of the point at which the worker was lost.
-    fn failure(&mut self, loss: &Loss) -> Failure {
+    pub(super) fn failure(&mut self, loss: &Loss) -> Failure {
         let Some(running) = &mut self.child else {
             return Failure::Crashed("the worker is gone".to_owned());
         };
@@ -276,7 +301,7 @@ impl Running {
     }
 
     /// Waits until there is something to read, or a limit is exceeded.
-    fn wait(&mut self, limits: Limits) -> Option<Loss> {
+    pub(super) fn wait(&mut self, limits: Limits) -> Option<Loss> {
         if !self.answers.buffer().is_empty() {
             return None;
         }
@@ -340,6 +365,16 @@ impl Running {
             Some((None, code)) => Failure::Exited(code.unwrap_or(-1)),
             None => Failure::Crashed("the worker closed its pipes".to_owned()),
         }
+    }
+}
+
+/// This program, even when its file has been replaced since.
+fn program() -> io::Result<PathBuf> {
+    let own = Path::new("/proc/self/exe");
+    if own.exists() {
+        Ok(own.to_owned())
+    } else {
+        std::env::current_exe()
     }
 }
 

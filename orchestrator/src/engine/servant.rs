@@ -4,10 +4,11 @@ use std::fs::File;
 use std::io::{self, BufReader, Write};
 use std::time::{Duration, Instant};
 
-use super::wire::{Reader, Setup, put_answer, read_frame, write_frame};
+use super::wire::{End, Reader, Setup, put_answer, put_end, put_value, read_frame, write_frame};
 use crate::failure::Failure;
-use crate::fmu::Package;
-use crate::run::Runner;
+use crate::fmu::{FmuError, Package, Value};
+use crate::run::{Runner, Trouble};
+use crate::task::Record;
 
 /// Answers are sent after this time at the latest, when the next point is done: a message a
 /// point would cost more than a short point.
@@ -32,6 +33,9 @@ pub fn serve() -> io::Result<()> {
         Err(reason) => return write_frame(&mut output, reason.as_bytes()),
     };
     write_frame(&mut output, &[])?;
+    if let Some(record) = &setup.record {
+        return rows(&mut runner, record, &mut output);
+    }
     let mut answers = Answers {
         output,
         buffer: Vec::new(),
@@ -56,9 +60,51 @@ pub fn serve() -> io::Result<()> {
 }
 
 fn begin(setup: &Setup) -> Result<Runner, String> {
-    let mut package = Package::open(&setup.fmu).map_err(|error| error.to_string())?;
-    let library = package.load().map_err(|error| error.to_string())?;
+    // The user knows the file, not the folder into which it was unpacked.
+    let named = |error: FmuError| error.at(&setup.name).to_string();
+    let mut package = Package::open(&setup.fmu).map_err(named)?;
+    let library = package.load().map_err(named)?;
     Ok(Runner::new(library, setup.task.clone()))
+}
+
+/// Runs a point and sends its trajectory.
+fn rows(runner: &mut Runner, record: &Record, mut output: impl Write) -> io::Result<()> {
+    const FULL: usize = 1 << 16;
+    let (mut buffer, mut sent) = (Vec::new(), Instant::now());
+    put_end(&End::Not, &mut buffer);
+    let ended = runner.trajectory(&record.values, |time, instance| {
+        put_value(&Value::Real(time), &mut buffer);
+        for column in &record.columns {
+            put_value(&instance.value(column)?, &mut buffer);
+        }
+        if buffer.len() > FULL || sent.elapsed() > HOLD {
+            write_frame(&mut output, &buffer).map_err(|error| Trouble::Other(Stop::Gone(error)))?;
+            buffer.truncate(1);
+            sent = Instant::now();
+        }
+        Ok(())
+    });
+    write_frame(&mut output, &buffer)?;
+    let end = match ended {
+        Ok(()) => End::Done,
+        Err(Stop::Failed(failure)) => End::Failed(failure),
+        Err(Stop::Gone(error)) => return Err(error),
+    };
+    buffer.clear();
+    put_end(&end, &mut buffer);
+    write_frame(&mut output, &buffer)
+}
+
+/// What ends a trajectory early.
+enum Stop {
+    Failed(Failure),
+    Gone(io::Error),
+}
+
+impl From<Failure> for Stop {
+    fn from(failure: Failure) -> Self {
+        Self::Failed(failure)
+    }
 }
 
 /// Notes the point at hand where it survives this process, whatever becomes of it.
@@ -129,6 +175,8 @@ pub fn end(result: io::Result<()>) -> ! {
     if let Err(error) = &result {
         eprintln!("worker: {error}");
     }
+    // SAFETY: writes what the FMU has printed so far, of all streams.
+    unsafe { libc::fflush(std::ptr::null_mut()) };
     let code = i32::from(result.is_err());
     // SAFETY: never returns, runs no code of this process.
     unsafe { libc::_exit(code) }

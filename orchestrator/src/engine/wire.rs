@@ -3,7 +3,8 @@
 //! Messages are frames: a length of 4 bytes, then so many bytes; numbers are little-endian.
 //! The first frame to a worker is its [`Setup`] as JSON, which it answers with an empty frame or
 //! with the reason why it cannot begin. Then come frames of jobs; answers come back in the
-//! jobs' order, many to a frame.
+//! jobs' order, many to a frame. A setup with a trajectory to record gets frames of rows instead, each
+//! behind a byte that says whether it is the last one.
 
 use std::io::{self, Read, Write};
 use std::path::PathBuf;
@@ -12,7 +13,8 @@ use serde::{Deserialize, Serialize};
 
 use super::{Answer, Job};
 use crate::failure::Failure;
-use crate::task::Task;
+use crate::fmu::Value;
+use crate::task::{Column, Content, Record, Task};
 
 /// What a worker needs to know to begin.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -25,6 +27,17 @@ pub(super) struct Setup {
     pub(super) place: PathBuf,
     /// The supervisor, whose end is the worker's end.
     pub(super) supervisor: u32,
+    /// What the user calls the FMU.
+    pub(super) name: PathBuf,
+    /// A point that is run with its trajectory, instead of jobs.
+    pub(super) record: Option<Record>,
+}
+
+/// Whether a trajectory ends with a frame.
+pub(super) enum End {
+    Not,
+    Done,
+    Failed(Failure),
 }
 
 /// More than any frame has, against damaged lengths.
@@ -86,6 +99,31 @@ pub(super) fn put_answer(index: u64, answer: &Result<&[f64], Failure>, into: &mu
     }
 }
 
+/// Appends how a trajectory ended.
+pub(super) fn put_end(end: &End, into: &mut Vec<u8>) {
+    match end {
+        End::Not => into.push(0),
+        End::Done => into.push(1),
+        End::Failed(failure) => {
+            into.push(2);
+            into.extend(serde_json::to_vec(failure).unwrap_or_default());
+        }
+    }
+}
+
+/// Appends a value of a trajectory's row.
+pub(super) fn put_value(value: &Value, into: &mut Vec<u8>) {
+    match value {
+        Value::Real(value) => into.extend(value.to_le_bytes()),
+        Value::Integer(value) => into.extend(value.to_le_bytes()),
+        Value::Boolean(value) => into.push(u8::from(*value)),
+        Value::String(text) => {
+            put_length(text.len(), into);
+            into.extend(text.as_bytes());
+        }
+    }
+}
+
 #[allow(clippy::cast_possible_truncation)]
 fn put_length(length: usize, into: &mut Vec<u8>) {
     into.extend((length as u32).to_le_bytes());
@@ -120,6 +158,34 @@ impl Reader<'_> {
             Err(serde_json::from_slice(self.bytes(length)?).ok()?)
         };
         Some((index, answer))
+    }
+
+    /// How a trajectory goes on.
+    pub(super) fn end(&mut self) -> Option<End> {
+        match self.array()? {
+            [0] => Some(End::Not),
+            [1] => Some(End::Done),
+            [_] => Some(End::Failed(serde_json::from_slice(self.0).ok()?)),
+        }
+    }
+
+    /// A row of a trajectory: the time, and a value a column.
+    pub(super) fn row(&mut self, columns: &[Column]) -> Option<(f64, Vec<Value>)> {
+        let time = f64::from_le_bytes(self.array()?);
+        let value = |column: &Column| self.value(column.content);
+        Some((time, columns.iter().map(value).collect::<Option<_>>()?))
+    }
+
+    fn value(&mut self, content: Content) -> Option<Value> {
+        Some(match content {
+            Content::Real => Value::Real(f64::from_le_bytes(self.array()?)),
+            Content::Integer => Value::Integer(i32::from_le_bytes(self.array()?)),
+            Content::Boolean => Value::Boolean(self.array()? == [1]),
+            Content::Text => {
+                let length = self.length()?;
+                Value::String(String::from_utf8_lossy(self.bytes(length)?).into_owned())
+            }
+        })
     }
 
     fn numbers(&mut self) -> Option<Vec<f64>> {
@@ -172,7 +238,31 @@ mod tests {
         }
 
         #[test]
+        fn rows_are_read_as_they_were_put(time: f64, real: f64, whole: i32, flag: bool, text: String) {
+            let row = [Value::Real(real), Value::Integer(whole), Value::Boolean(flag), Value::String(text)];
+            let contents = [Content::Real, Content::Integer, Content::Boolean, Content::Text];
+            let columns = contents.map(|content| Column { reference: 0, content });
+            let mut bytes = Vec::new();
+            put_end(&End::Not, &mut bytes);
+            for _ in 0..2 {
+                put_value(&Value::Real(time), &mut bytes);
+                row.iter().for_each(|value| put_value(value, &mut bytes));
+            }
+            let mut reader = Reader(&bytes);
+            prop_assert!(matches!(reader.end(), Some(End::Not)));
+            for _ in 0..2 {
+                let (then, values) = reader.row(&columns).unwrap();
+                prop_assert_eq!(then.to_bits(), time.to_bits());
+                prop_assert_eq!(&values[..], &row[..]);
+            }
+            prop_assert!(reader.row(&columns).is_none());
+        }
+
+        #[test]
         fn damage_is_no_panic(bytes: Vec<u8>) {
+            let column = Column { reference: 0, content: Content::Text };
+            let _ = Reader(&bytes).row(&[column]);
+            let _ = Reader(&bytes).end();
             let _ = Reader(&bytes).job();
             let _ = Reader(&bytes).answer();
             let _ = read_frame(&bytes[..], &mut Vec::new());

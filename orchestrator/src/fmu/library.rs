@@ -34,6 +34,9 @@ pub enum LibraryError {
 pub(super) type Component = *mut c_void;
 type Get<T> = unsafe extern "C" fn(Component, *const u32, usize, *mut T) -> c_int;
 type Set<T> = unsafe extern "C" fn(Component, *const u32, usize, *const T) -> c_int;
+/// `fmi2GetFMUstate` and `fmi2FreeFMUstate`.
+type TakeState = unsafe extern "C" fn(Component, *mut *mut c_void) -> c_int;
+type PutState = unsafe extern "C" fn(Component, *mut c_void) -> c_int;
 type Plain = unsafe extern "C" fn(Component) -> c_int;
 
 /// The struct `fmi2CallbackFunctions`.
@@ -68,6 +71,8 @@ pub(super) struct Functions {
     pub(super) exit_initialization_mode: Plain,
     pub(super) terminate: Option<Plain>,
     pub(super) reset: Option<Plain>,
+    /// To get, set and free a state, where the FMU can.
+    pub(super) states: Option<(TakeState, PutState, TakeState)>,
     pub(super) get_real: Get<f64>,
     pub(super) get_integer: Get<c_int>,
     pub(super) get_boolean: Get<c_int>,
@@ -90,13 +95,19 @@ pub struct Library {
     pub(super) resources: String,
     pub(super) error_categories: Vec<String>,
     name: String,
+    /// Whether the process can hold one instance only.
+    pub(crate) once: bool,
 }
 
 impl Library {
     /// Loads the binary of an unpacked FMU.
     pub(super) fn load(folder: &Path, description: &Description) -> Result<Self, LibraryError> {
         let resources = uri(&folder.join("resources"))?;
-        let functions = functions(&archive::binary(folder, &description.model_identifier))?;
+        let mut functions = functions(&archive::binary(folder, &description.model_identifier))?;
+        // Some FMUs export what they cannot do.
+        if !description.capabilities.can_get_and_set_fmu_state {
+            functions.states = None;
+        }
         let error_categories = description
             .log_categories
             .iter()
@@ -108,6 +119,9 @@ impl Library {
             .collect();
         Ok(Self {
             functions,
+            once: description
+                .capabilities
+                .can_be_instantiated_only_once_per_process,
             guid: description.guid.clone(),
             resources,
             error_categories,
@@ -163,7 +177,12 @@ fn functions(path: &Path) -> Result<Functions, LibraryError> {
 fn plain(error: &libloading::Error) -> String {
     let source = std::error::Error::source(error);
     let text = source.map_or_else(|| error.to_string(), ToString::to_string);
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
+    let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    // FMUs of pythonfmu and the like expect to be loaded by a Python.
+    if text.contains("undefined symbol: _Py") || text.contains("undefined symbol: Py") {
+        return format!("{text}; the FMU runs Python: set LD_PRELOAD to the path of libpython3.so");
+    }
+    text
 }
 
 /// A symbol as a function pointer of the type that the field asks for.
@@ -176,7 +195,15 @@ fn symbol<T: Copy>(library: &Loaded, name: &'static str) -> Result<T, LibraryErr
 }
 
 fn table(library: &Loaded) -> Result<Functions, LibraryError> {
+    let states = || {
+        Some((
+            symbol(library, "fmi2GetFMUstate").ok()?,
+            symbol(library, "fmi2SetFMUstate").ok()?,
+            symbol(library, "fmi2FreeFMUstate").ok()?,
+        ))
+    };
     Ok(Functions {
+        states: states(),
         instantiate: symbol(library, "fmi2Instantiate")?,
         free_instance: symbol(library, "fmi2FreeInstance")?,
         set_debug_logging: symbol(library, "fmi2SetDebugLogging").ok(),

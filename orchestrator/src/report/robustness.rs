@@ -22,6 +22,7 @@ pub fn read(folder: &Path) -> Option<Robustness> {
 #[derive(Serialize)]
 pub struct View {
     quality: Vec<[String; 4]>,
+    further_runs: usize,
     rows: Vec<[String; 6]>,
     level: String,
     region: Option<String>,
@@ -81,6 +82,7 @@ pub fn view(result: &Robustness) -> View {
     };
     View {
         quality: result.criteria.iter().map(quality).collect(),
+        further_runs: result.further_runs,
         rows: table(result),
         level: percent(result.level),
         region: result

@@ -12,12 +12,15 @@
 
 use std::fmt::Write as _;
 use std::fs::{self, File, OpenOptions, TryLockError};
-use std::io::{self, BufRead, BufReader, Seek, SeekFrom, Write};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use super::finished::open;
 use super::{Outcome, ResultsError};
+
+pub use super::finished::Finished;
 
 /// What a journal belongs to. Points of different headers must not be mixed.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -104,18 +107,19 @@ impl Journal {
         folder.join("journal.txt")
     }
 
-    /// Begins a journal.
+    /// Begins a journal. It appears with its first line in place, or not at all.
     ///
     /// # Errors
     /// When there is one already, and when the system says no.
     pub fn create(folder: &Path, header: &Header) -> Result<Self, ResultsError> {
         let path = Self::path_in(folder);
         fs::create_dir_all(folder).map_err(ResultsError::io(folder))?;
-        let file = OpenOptions::new().append(true).create_new(true).open(&path);
-        let file = file.map_err(|error| match error.kind() {
-            io::ErrorKind::AlreadyExists => ResultsError::Begun(folder.to_owned()),
-            _ => ResultsError::io(&path)(error),
-        })?;
+        let draft = tempfile::Builder::new()
+            .prefix(".writing-")
+            .tempfile_in(folder);
+        let draft = draft.map_err(ResultsError::io(folder))?;
+        let file = OpenOptions::new().append(true).open(draft.path());
+        let file = file.map_err(ResultsError::io(&path))?;
         let mut journal = Self::new(folder, path, file)?;
         let header = serde_json::to_string(header).map_err(|error| ResultsError::Content {
             path: journal.path.clone(),
@@ -124,6 +128,12 @@ impl Journal {
         journal.line.push_str(&header);
         journal.finish_line();
         journal.flush()?;
+        draft
+            .persist_noclobber(&journal.path)
+            .map_err(|error| match error.error.kind() {
+                io::ErrorKind::AlreadyExists => ResultsError::Begun(folder.to_owned()),
+                _ => ResultsError::io(&journal.path)(error.error),
+            })?;
         Ok(journal)
     }
 
@@ -229,23 +239,6 @@ impl Journal {
     }
 }
 
-/// Opens the journal of a folder and reads its first line.
-fn open(folder: &Path) -> Result<(Lines, Header), ResultsError> {
-    let path = Journal::path_in(folder);
-    let file = File::open(&path).map_err(|error| match error.kind() {
-        io::ErrorKind::NotFound => ResultsError::Missing(folder.to_owned()),
-        _ => ResultsError::io(&path)(error),
-    })?;
-    let mut lines = Lines::new(file);
-    let header = lines.next_line().map_err(ResultsError::io(&path))?;
-    let header = header.and_then(|line| serde_json::from_str(line).ok());
-    let header = header.ok_or_else(|| ResultsError::Content {
-        path,
-        message: "the first line is damaged; delete the folder and begin again".to_owned(),
-    })?;
-    Ok((lines, header))
-}
-
 /// Appends all points of a folder's journal to another one.
 ///
 /// # Errors
@@ -261,249 +254,6 @@ pub fn copy(folder: &Path, into: &mut Journal) -> Result<(), ResultsError> {
     into.flush()
 }
 
-/// What a journal holds: where the line of each finished point is.
-#[derive(Debug)]
-pub struct Finished {
-    /// What the journal belongs to.
-    pub header: Header,
-    path: PathBuf,
-    /// A place in the file for each point; [`NOWHERE`] when it is not finished.
-    places: Vec<u64>,
-    /// How many points are finished.
-    pub count: u64,
-    /// The length of the sound part of the file.
-    sound: u64,
-}
-
-const NOWHERE: u64 = u64::MAX;
-
-impl Finished {
-    /// Reads the journal of a folder.
-    ///
-    /// # Errors
-    /// When there is none, when its first line is damaged, and when the system says no.
-    pub fn read(folder: &Path) -> Result<Self, ResultsError> {
-        let (mut lines, header) = open(folder)?;
-        let mut finished = Self {
-            places: vec![NOWHERE; usize::try_from(header.points).unwrap_or(0)],
-            header,
-            path: Journal::path_in(folder),
-            count: 0,
-            sound: lines.sound,
-        };
-        loop {
-            let place = lines.sound;
-            let line = lines
-                .next_line()
-                .map_err(ResultsError::io(&finished.path))?;
-            let Some(line) = line else { break };
-            let index = line
-                .split(' ')
-                .next()
-                .and_then(|text| text.parse::<usize>().ok());
-            if let Some(slot) = index.and_then(|index| finished.places.get_mut(index)) {
-                finished.count += u64::from(*slot == NOWHERE);
-                *slot = place;
-            }
-        }
-        finished.sound = lines.sound;
-        Ok(finished)
-    }
-
-    /// Whether a point is finished.
-    pub fn has(&self, index: u64) -> bool {
-        let place = usize::try_from(index)
-            .ok()
-            .and_then(|index| self.places.get(index));
-        place.is_some_and(|&place| place != NOWHERE)
-    }
-
-    /// Reads outcomes, in whatever order they are asked for.
-    ///
-    /// # Errors
-    /// When the journal cannot be opened.
-    pub fn outcomes(&self) -> Result<Outcomes<'_>, ResultsError> {
-        let file = File::open(&self.path).map_err(ResultsError::io(&self.path))?;
-        Ok(Outcomes {
-            finished: self,
-            lines: Lines::new(file),
-        })
-    }
-}
-
-/// Reads outcomes from a journal.
-#[derive(Debug)]
-pub struct Outcomes<'a> {
-    finished: &'a Finished,
-    lines: Lines,
-}
-
-impl Outcomes<'_> {
-    /// The outcome of a point, if it is finished.
-    ///
-    /// # Errors
-    /// When the journal cannot be read any more.
-    pub fn get(&mut self, index: u64) -> Result<Option<Outcome>, ResultsError> {
-        let path = &self.finished.path;
-        if !self.finished.has(index) {
-            return Ok(None);
-        }
-        // `has` has checked the index.
-        let place = usize::try_from(index).map_or(NOWHERE, |index| self.finished.places[index]);
-        self.lines.seek(place).map_err(ResultsError::io(path))?;
-        let line = self.lines.next_line().map_err(ResultsError::io(path))?;
-        let outcome = line.and_then(parse).ok_or_else(|| ResultsError::Content {
-            path: path.clone(),
-            message: format!("the line of point {} is damaged", index + 1),
-        })?;
-        Ok(Some(outcome))
-    }
-}
-
-fn parse(line: &str) -> Option<Outcome> {
-    let mut parts = line.splitn(3, ' ');
-    let (_, word) = (parts.next()?, parts.next()?);
-    let rest = parts.next().unwrap_or("");
-    match word {
-        "ok" => {
-            let values = rest.split_ascii_whitespace().map(|text| text.parse().ok());
-            Some(Ok(values.collect::<Option<_>>()?))
-        }
-        "failed" => Some(Err(serde_json::from_str(rest).ok()?)),
-        _ => None,
-    }
-}
-
-/// Lines whose checksums are right.
-#[derive(Debug)]
-struct Lines {
-    reader: BufReader<File>,
-    line: Vec<u8>,
-    /// Where the sound lines end.
-    sound: u64,
-}
-
-impl Lines {
-    fn new(file: File) -> Self {
-        Self {
-            reader: BufReader::with_capacity(1 << 16, file),
-            line: Vec::new(),
-            sound: 0,
-        }
-    }
-
-    fn seek(&mut self, place: u64) -> io::Result<()> {
-        match i64::try_from(i128::from(place) - i128::from(self.sound)) {
-            // Stays in the buffer where that holds the place.
-            Ok(distance) => self.reader.seek_relative(distance)?,
-            Err(_) => self.reader.seek(SeekFrom::Start(place)).map(drop)?,
-        }
-        self.sound = place;
-        Ok(())
-    }
-
-    /// The next sound line without its checksum; `None` at the end, or where damage begins.
-    fn next_line(&mut self) -> io::Result<Option<&str>> {
-        self.line.clear();
-        let length = self.reader.read_until(b'\n', &mut self.line)?;
-        let Some(line) = self.line.strip_suffix(b"\n") else {
-            return Ok(None);
-        };
-        let Some((sum, text)) = std::str::from_utf8(line)
-            .ok()
-            .and_then(|line| line.split_once(' '))
-        else {
-            return Ok(None);
-        };
-        if u32::from_str_radix(sum, 16).ok() != Some(crc32fast::hash(text.as_bytes())) {
-            return Ok(None);
-        }
-        self.sound += length as u64;
-        Ok(Some(text))
-    }
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::failure::Failure;
-
-    fn header() -> Header {
-        Header {
-            orchestrator: "1".to_owned(),
-            study: "s".to_owned(),
-            fmu: "f".to_owned(),
-            table: None,
-            seed: 1,
-            points: 5,
-            shard: None,
-        }
-    }
-
-    fn written() -> (tempfile::TempDir, Vec<Outcome>) {
-        let folder = tempfile::tempdir().unwrap();
-        let outcomes = vec![
-            Ok(vec![1.0 / 3.0, -2e-300]),
-            Err(Failure::Error("it \"broke\"\nbadly".to_owned())),
-            Ok(vec![0.1, 82.0]),
-        ];
-        let mut journal = Journal::create(folder.path(), &header()).unwrap();
-        for (index, outcome) in [(3, 0), (0, 1), (1, 2)] {
-            journal.append(index, &outcomes[outcome]).unwrap();
-        }
-        journal.sync().unwrap();
-        (folder, outcomes)
-    }
-
-    #[test]
-    fn what_was_written_comes_back_exactly() {
-        let (folder, outcomes) = written();
-        let finished = Finished::read(folder.path()).unwrap();
-        assert_eq!(finished.count, 3);
-        let mut reader = finished.outcomes().unwrap();
-        for (index, outcome) in [(0, 1), (1, 2), (3, 0)] {
-            assert_eq!(
-                reader.get(index).unwrap().as_ref(),
-                Some(&outcomes[outcome])
-            );
-        }
-        assert_eq!(reader.get(2).unwrap(), None);
-    }
-
-    #[test]
-    fn a_damaged_end_is_cut_off_wherever_it_begins() {
-        let (folder, _) = written();
-        let path = Journal::path_in(folder.path());
-        let whole = fs::read(&path).unwrap();
-        let header_end = whole.iter().position(|&byte| byte == b'\n').unwrap() + 1;
-        for end in header_end..=whole.len() {
-            fs::write(&path, &whole[..end]).unwrap();
-            let (mut journal, finished) = Journal::resume(folder.path(), &header()).unwrap();
-            let complete = whole[header_end..end]
-                .iter()
-                .filter(|&&byte| byte == b'\n')
-                .count();
-            assert_eq!(finished.count, complete as u64);
-            journal.append(4, &Ok(vec![1.0])).unwrap();
-            journal.flush().unwrap();
-            let again = Finished::read(folder.path()).unwrap();
-            assert_eq!(again.count, complete as u64 + 1);
-        }
-    }
-
-    #[test]
-    fn a_changed_study_is_refused_with_what_differs() {
-        let (folder, _) = written();
-        let now = Header {
-            seed: 2,
-            ..header()
-        };
-        let error = Journal::resume(folder.path(), &now).unwrap_err();
-        assert!(
-            error.to_string().contains("another seed (1 then, 2 now)"),
-            "{error}"
-        );
-        let error = Journal::create(folder.path(), &header()).unwrap_err();
-        assert!(matches!(error, ResultsError::Begun(_)));
-    }
-}
+#[path = "journal_tests.rs"]
+mod tests;

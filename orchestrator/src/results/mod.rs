@@ -5,9 +5,12 @@
 //! are the same, byte for byte, however the points were computed; only [`Summary::run`] tells
 //! how long it took.
 
+pub mod finished;
 pub mod journal;
+pub mod parquet;
 pub mod points;
 pub mod summary;
+mod tally;
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -27,7 +30,7 @@ pub type Outcome = Result<Vec<f64>, Failure>;
 #[derive(Debug, Error)]
 pub enum ResultsError {
     /// The system says no.
-    #[error("{path}: {source}")]
+    #[error("{path}: {}", reason(.source))]
     Io {
         /// The file or folder.
         path: PathBuf,
@@ -79,6 +82,20 @@ pub enum ResultsError {
         /// What is wrong.
         message: String,
     },
+}
+
+/// What the system says, with the remedy where there is one.
+fn reason(error: &io::Error) -> String {
+    let full = [
+        io::ErrorKind::StorageFull,
+        io::ErrorKind::QuotaExceeded,
+        io::ErrorKind::FileTooLarge,
+    ];
+    if full.contains(&error.kind()) {
+        format!("{error}: nothing more can be written; make room and go on with --resume")
+    } else {
+        error.to_string()
+    }
 }
 
 impl ResultsError {

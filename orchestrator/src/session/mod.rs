@@ -10,7 +10,6 @@ use sha2::{Digest, Sha256};
 use tempfile::TempDir;
 use thiserror::Error;
 
-use crate::design::Design;
 use crate::engine::local::Local;
 use crate::engine::process::{Limits, Process};
 use crate::engine::{EngineError, Job, Worker};
@@ -20,7 +19,7 @@ use crate::results::journal::{Finished, Header};
 use crate::results::{Journal, Outcome, ResultsError};
 use crate::source::{Source, TableError};
 use crate::study::plan::Plan;
-use crate::study::{Method, Study, StudyError};
+use crate::study::{Study, StudyError};
 
 pub use finale::{FileSet, provenance};
 pub use request::{Request, Shard};
@@ -79,6 +78,9 @@ impl Session {
     /// When any of them cannot be used.
     pub fn open(request: Request) -> Result<Self, SessionError> {
         let mut study = Study::read(&request.study)?;
+        if let Some(folder) = &request.base {
+            study.rebase(folder.clone());
+        }
         study.design.points = request.points.unwrap_or(study.design.points);
         study.design.seed = request.seed.unwrap_or(study.design.seed);
         let fmu = request.fmu.clone().unwrap_or_else(|| study.fmu_path());
@@ -92,8 +94,7 @@ impl Session {
                 (source, Some(hexadecimal(&Sha256::digest(&bytes))))
             }
             None => {
-                let inputs = plan.inputs.iter().map(|input| input.distribution).collect();
-                let design = Design::new(&study.design, inputs);
+                let design = plan.design(&study.design);
                 let design =
                     design.map_err(|message| study.error(format!("[design] {message}")))?;
                 (Source::Design(design), None)
@@ -157,7 +158,7 @@ impl Session {
 
     /// How many points may be enough already: a Latin hypercube needs all of its points.
     pub fn is_extensible(&self) -> bool {
-        self.header.table.is_some() || self.study.design.method != Method::LatinHypercube
+        self.header.table.is_some() || self.study.design.method.is_extensible()
     }
 
     /// The journal of a folder: a new one, or with `resume` the one that is there. A study that
@@ -172,6 +173,8 @@ impl Session {
     ) -> Result<(Journal, Option<Finished>), SessionError> {
         if resume && Journal::path_in(folder).exists() {
             let (journal, finished) = Journal::resume(folder, &self.header)?;
+            // A run that was killed early may not have come so far.
+            self.request.write(folder, &self.study)?;
             return Ok((journal, Some(finished)));
         }
         let complete = folder.join("summary.json").exists();

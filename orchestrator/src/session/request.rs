@@ -26,6 +26,9 @@ pub struct Request {
     pub points_from: Option<PathBuf>,
     /// A part of the points.
     pub shard: Option<Shard>,
+    /// The folder of the files that the study names, where that is not its own.
+    #[serde(skip)]
+    pub base: Option<PathBuf>,
 }
 
 /// One of several equal parts of the points: those with index `number - 1`, `number - 1 + of`, ...
@@ -94,6 +97,7 @@ impl Request {
                 path,
                 message: error.to_string(),
             })?;
+        request.base = request.study.parent().map(Path::to_owned);
         request.study = folder.join(STUDY);
         Ok(request)
     }

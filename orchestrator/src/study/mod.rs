@@ -3,10 +3,17 @@
 //! [`Study`] is the content of the TOML file, [`plan`] ties it to an FMU.
 
 mod error;
+mod inputs;
 pub mod plan;
+mod points;
 pub mod quantity;
 #[cfg(test)]
 mod schema_tests;
+mod shape;
+pub mod ssv;
+#[cfg(test)]
+mod tests;
+mod values;
 
 use std::path::{Path, PathBuf};
 
@@ -43,9 +50,17 @@ pub struct Study {
     /// The uncertain parameters by the names of FMU variables.
     #[serde(default)]
     pub parameters: IndexMap<Name, Parameter>,
+    /// Which of them are correlated, and how.
+    #[serde(default)]
+    pub correlations: Vec<Spanned<Pair>>,
     /// Start values that stay as they are, by the names of FMU variables.
     #[serde(default)]
     pub fixed: IndexMap<Name, Spanned<Setting>>,
+    /// An SSP parameter set with further start values; those of the study itself count more.
+    pub fixed_from: Option<Spanned<PathBuf>>,
+    /// Inputs that follow a recording, by the names of FMU variables.
+    #[serde(default)]
+    pub inputs: IndexMap<Name, Recording>,
     /// What the measurement says.
     #[serde(default)]
     pub criteria: IndexMap<Name, Criterion>,
@@ -64,6 +79,9 @@ pub struct Study {
     /// The text of the file.
     #[serde(skip)]
     text: String,
+    /// The folder of the files that it names, where that is not its own.
+    #[serde(skip)]
+    base: Option<PathBuf>,
 }
 
 /// How long and in which steps.
@@ -96,8 +114,21 @@ pub enum Method {
     MonteCarlo,
     /// One point in each of N equally probable slices of every parameter.
     LatinHypercube,
+    /// The same, with slices paired so that the points are spread well.
+    OptimisedLatinHypercube,
     /// A scrambled Sobol net.
     Sobol,
+    /// A scrambled Halton sequence.
+    Halton,
+    /// Every combination of the parameters' levels.
+    FullFactorial,
+}
+
+impl Method {
+    /// Whether the first points stay the same when there are more: then fewer may be enough.
+    pub fn is_extensible(self) -> bool {
+        matches!(self, Self::MonteCarlo | Self::Sobol | Self::Halton)
+    }
 }
 
 /// Which points are simulated.
@@ -162,6 +193,8 @@ pub struct Parameter {
     pub max: Option<Quantity>,
     /// The value that is fixed.
     pub value: Option<Quantity>,
+    /// How many levels it has in a full factorial.
+    pub levels: Option<u64>,
     /// The unit of the numbers, and of the column in `points.csv`.
     pub unit: Option<String>,
     /// Its column in a table of points; its own name otherwise.
@@ -170,8 +203,39 @@ pub struct Parameter {
     pub about: Option<String>,
 }
 
-/// A start value.
+/// An input over time, from a table.
 #[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct Recording {
+    /// The table, relative to the study file.
+    pub file: Spanned<PathBuf>,
+    /// Its column; the input's own name otherwise.
+    pub column: Option<String>,
+    /// The column of the time, s; `time` otherwise.
+    pub time: Option<String>,
+    /// The unit of the column.
+    pub unit: Option<String>,
+    /// Whether a value holds until the next row; straight lines otherwise.
+    #[serde(default)]
+    pub hold: bool,
+    /// A remark for people.
+    pub about: Option<String>,
+}
+
+/// Two correlated parameters.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct Pair {
+    /// Their names.
+    pub between: [Name; 2],
+    /// The correlation coefficient of their normal scores, from -1 to 1: for normal parameters the usual one.
+    pub coefficient: f64,
+    /// A remark for people.
+    pub about: Option<String>,
+}
+
+/// A start value.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(untagged)]
 pub enum Setting {
     /// Yes or no.
@@ -288,9 +352,28 @@ impl Study {
         folder.join(self.fmu.as_ref())
     }
 
-    /// The SHA-256 digest of the study's text, as hexadecimal digits.
+    /// Finds the files that the study names as if it still stood in this folder.
+    pub fn rebase(&mut self, folder: PathBuf) {
+        self.base = Some(folder);
+    }
+
+    /// The path of a file that the study names, as seen from here.
+    pub fn beside(&self, file: &Path) -> PathBuf {
+        let own = self.path.parent().unwrap_or(Path::new(""));
+        self.base.as_deref().unwrap_or(own).join(file)
+    }
+
+    /// The SHA-256 digest of the study's text, and of the inputs and parameter sets that it names, as
+    /// hexadecimal digits.
     pub fn digest(&self) -> String {
-        hexadecimal(&Sha256::digest(self.text.as_bytes()))
+        let mut digest = Sha256::new_with_prefix(self.text.as_bytes());
+        let inputs = self.inputs.values().map(|input| &input.file);
+        for file in inputs.chain(&self.fixed_from) {
+            // One that cannot be read is an error elsewhere.
+            let content = std::fs::read(self.beside(file.as_ref())).unwrap_or_default();
+            digest.update(Sha256::digest(&content));
+        }
+        hexadecimal(&digest.finalize())
     }
 
     /// The study's text.
@@ -313,47 +396,5 @@ impl Study {
             path: self.path.clone(),
             message: message.into(),
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn error(text: &str) -> String {
-        let study = Study::parse(Path::new("s.toml"), text.to_owned());
-        study.unwrap_err().to_string()
-    }
-
-    #[test]
-    fn typing_errors_are_answered_with_line_column_and_the_nearest_key() {
-        let text = "fmu = \"a.fmu\"\n[design]\npionts = 3\n";
-        assert_eq!(
-            error(text),
-            "s.toml:3:1: unknown field `pionts`; did you mean `points`?"
-        );
-        let text = "fmu = \"a.fmu\"\n[design]\nmethod = \"sobel\"\n";
-        assert_eq!(
-            error(text),
-            "s.toml:3:10: unknown variant `sobel`; did you mean `sobol`?"
-        );
-        assert!(
-            error("fmu = \n").starts_with("s.toml:1:"),
-            "{}",
-            error("fmu = \n")
-        );
-    }
-
-    #[test]
-    fn the_order_of_the_file_is_kept() {
-        let text = "fmu = \"a.fmu\"\n[parameters.z]\ndistribution = \"fixed\"\nvalue = 1\n\
-                    [parameters.a]\ndistribution = \"fixed\"\nvalue = \"2 mm\"\n";
-        let study = Study::parse(Path::new("s.toml"), text.to_owned()).unwrap();
-        let names: Vec<&str> = study
-            .parameters
-            .keys()
-            .map(|name| name.as_ref().as_str())
-            .collect();
-        assert_eq!(names, ["z", "a"]);
     }
 }

@@ -3,13 +3,16 @@
 use serde::Serialize;
 use toml::Spanned;
 
-use super::quantity::{Quantity, Scale, Sense};
-use super::{Name, Parameter, Setting, Shape, Study, StudyError};
+use super::quantity::Scale;
+use super::{Name, Parameter, Setting, Study, StudyError, inputs, points, ssv};
+use crate::design::correlation::Correlation;
+use crate::design::{self, Design};
 use crate::distribution::Distribution;
-use crate::fmu::{Description, Kind, Value, Variability, Variable};
-use crate::names::did_you_mean;
+use crate::fmu::{Description, Value, Variable};
 use crate::task::{Probe, Schedule, Slot, Storage, Task};
 use crate::units::Conversion;
+
+pub use super::values::{find, slot_of, value_of};
 
 /// A study that fits an FMU.
 #[derive(Clone, Debug)]
@@ -20,6 +23,10 @@ pub struct Plan {
     pub inputs: Vec<Input>,
     /// From the FMU's unit to the study's, a criterion each.
     pub outputs: Vec<Conversion>,
+    /// The levels of the parameters in a full factorial.
+    levels: Vec<Option<u64>>,
+    /// How the parameters are correlated, if they are.
+    correlation: Option<Correlation>,
 }
 
 /// One uncertain parameter.
@@ -44,19 +51,43 @@ impl Plan {
     /// With line and column, when a name, a unit or a number of the study doesn't fit.
     pub fn new(study: &Study, fmu: &Description) -> Result<Self, StudyError> {
         let binder = Binder { study, fmu };
+        points::check(study)?;
         let (inputs, varied) = binder.parameters()?;
         let (outputs, observed) = binder.criteria()?;
+        let schedule = binder.schedule()?;
         let task = Task {
-            schedule: binder.schedule()?,
+            schedule,
             fixed: binder.fixed()?,
             varied,
+            inputs: inputs::series(study, fmu, &schedule)?,
             observed,
         };
         Ok(Self {
             task,
             inputs,
             outputs,
+            levels: study.parameters.values().map(|p| p.levels).collect(),
+            correlation: points::correlation(study)?,
         })
+    }
+
+    /// The points of a design over the parameters.
+    ///
+    /// # Errors
+    /// When the method cannot serve so many parameters or points.
+    pub fn design(&self, design: &super::Design) -> Result<Design, String> {
+        let distributions = self.inputs.iter().map(|input| input.distribution);
+        let inputs = design::Inputs {
+            distributions: distributions.collect(),
+            levels: self.levels.clone(),
+            correlation: self.correlation.clone(),
+        };
+        Design::new(design, inputs)
+    }
+
+    /// Whether every parameter varies on its own.
+    pub fn is_independent(&self) -> bool {
+        self.correlation.is_none()
     }
 
     /// A point's parameters in the FMU's units.
@@ -155,7 +186,33 @@ impl Binder<'_> {
                 .map_err(|message| self.study.error_at(setting, message))?;
             Ok((variable.value_reference, value))
         };
-        settings.map(bind).collect()
+        let own: Vec<(u32, Value)> = settings.map(bind).collect::<Result<_, _>>()?;
+        Ok(self.set()?.into_iter().chain(own).collect())
+    }
+
+    /// The start values of a parameter set that the study does not give itself.
+    fn set(&self) -> Result<Vec<(u32, Value)>, StudyError> {
+        let Some(file) = &self.study.fixed_from else {
+            return Ok(Vec::new());
+        };
+        let path = self.study.beside(file.as_ref());
+        let named = ssv::read(&path).and_then(|set| set.named(&path, self.fmu));
+        let named = named.map_err(|error| self.study.error_at(file, error.to_string()))?;
+        let Study {
+            parameters,
+            fixed,
+            inputs,
+            ..
+        } = self.study;
+        let free = |name: &str| {
+            !(parameters.contains_key(name)
+                || fixed.contains_key(name)
+                || inputs.contains_key(name))
+        };
+        let free = named.into_iter().filter(|(name, ..)| free(name));
+        Ok(free
+            .map(|(_, reference, value)| (reference, value))
+            .collect())
     }
 
     fn schedule(&self) -> Result<Schedule, StudyError> {
@@ -184,234 +241,5 @@ impl Binder<'_> {
             .check()
             .map_err(|message| self.study.error(format!("[simulation] {message}")))?;
         Ok(schedule)
-    }
-}
-
-impl Parameter {
-    /// The unit of its first number that has one.
-    fn first_unit(&self) -> Option<&str> {
-        let numbers = [&self.mean, &self.value, &self.min, &self.mode, &self.max];
-        numbers
-            .into_iter()
-            .flatten()
-            .find_map(|number| number.unit.as_deref())
-    }
-
-    /// The distribution in the study's unit.
-    fn distribution(&self, scale: &Scale<'_>) -> Result<Distribution, String> {
-        let shape = self.distribution;
-        let maybe = |number: &Option<Quantity>, sense| {
-            number
-                .as_ref()
-                .map(|number| scale.number(number, sense))
-                .transpose()
-        };
-        let need = |number: &Option<Quantity>, key: &str| {
-            let sense = if key == "deviation" {
-                Sense::Difference
-            } else {
-                Sense::Value
-            };
-            maybe(number, sense)?
-                .ok_or_else(|| format!("`{key}` is missing for the distribution {}", shape.name()))
-        };
-        self.refuse_others()?;
-        let [mean, deviation] = [(&self.mean, "mean"), (&self.deviation, "deviation")];
-        Ok(match shape {
-            Shape::Normal => Distribution::Normal {
-                mean: need(mean.0, mean.1)?,
-                deviation: need(deviation.0, deviation.1)?,
-            },
-            Shape::TruncatedNormal => Distribution::TruncatedNormal {
-                mean: need(mean.0, mean.1)?,
-                deviation: need(deviation.0, deviation.1)?,
-                min: maybe(&self.min, Sense::Value)?,
-                max: maybe(&self.max, Sense::Value)?,
-            },
-            Shape::Uniform => Distribution::Uniform {
-                min: need(&self.min, "min")?,
-                max: need(&self.max, "max")?,
-            },
-            Shape::Triangular => Distribution::Triangular {
-                min: need(&self.min, "min")?,
-                mode: need(&self.mode, "mode")?,
-                max: need(&self.max, "max")?,
-            },
-            Shape::Lognormal => Distribution::Lognormal {
-                mean: need(mean.0, mean.1)?,
-                deviation: need(deviation.0, deviation.1)?,
-            },
-            Shape::Fixed => Distribution::Fixed {
-                value: need(&self.value, "value")?,
-            },
-        })
-    }
-
-    /// A number that the distribution would ignore is an error: it was meant to do something.
-    fn refuse_others(&self) -> Result<(), String> {
-        let wanted: &[&str] = match self.distribution {
-            Shape::Normal | Shape::Lognormal => &["mean", "deviation"],
-            Shape::TruncatedNormal => &["mean", "deviation", "min", "max"],
-            Shape::Uniform => &["min", "max"],
-            Shape::Triangular => &["min", "mode", "max"],
-            Shape::Fixed => &["value"],
-        };
-        let given = [
-            ("mean", &self.mean),
-            ("deviation", &self.deviation),
-            ("min", &self.min),
-            ("mode", &self.mode),
-            ("max", &self.max),
-            ("value", &self.value),
-        ];
-        let stray = given
-            .iter()
-            .find(|(key, number)| number.is_some() && !wanted.contains(key));
-        match stray {
-            Some((key, _)) => Err(format!(
-                "the distribution {} does not use `{key}`; it takes {}",
-                self.distribution.name(),
-                wanted.join(", ")
-            )),
-            None => Ok(()),
-        }
-    }
-}
-
-impl Shape {
-    fn name(self) -> &'static str {
-        match self {
-            Self::Normal => "normal",
-            Self::TruncatedNormal => "truncated-normal",
-            Self::Uniform => "uniform",
-            Self::Triangular => "triangular",
-            Self::Lognormal => "lognormal",
-            Self::Fixed => "fixed",
-        }
-    }
-}
-
-/// The variable of this name.
-///
-/// # Errors
-/// Suggests the nearest name.
-pub fn find<'a>(fmu: &'a Description, name: &str) -> Result<&'a Variable, String> {
-    fmu.variables.get(name).ok_or_else(|| {
-        let suggestion = did_you_mean(fmu.nearest(name));
-        format!("the FMU has no variable `{name}`{suggestion}")
-    })
-}
-
-/// The smallest and largest value that the FMU's description allows, in the FMU's unit.
-fn limits(variable: &Variable) -> (Option<f64>, Option<f64>) {
-    match &variable.kind {
-        Kind::Real { min, max, .. } => (*min, *max),
-        Kind::Integer { min, max, .. } => (min.map(f64::from), max.map(f64::from)),
-        _ => (None, None),
-    }
-}
-
-/// How a variable takes a number before a simulation.
-///
-/// # Errors
-/// When it cannot be set, or is a text.
-pub fn slot_of(variable: &Variable) -> Result<Slot, String> {
-    settable(variable)?;
-    let storage = Storage::of(variable).ok_or("a text cannot vary; set it under [fixed]")?;
-    let (min, max) = limits(variable);
-    Ok(Slot {
-        name: variable.name.clone(),
-        reference: variable.value_reference,
-        storage,
-        min,
-        max,
-    })
-}
-
-fn settable(variable: &Variable) -> Result<(), String> {
-    if variable.is_settable() {
-        return Ok(());
-    }
-    let reason = match variable.variability {
-        Variability::Constant => "a constant",
-        _ => "computed by the FMU",
-    };
-    Err(format!(
-        "it is {reason}; only parameters and inputs can be set"
-    ))
-}
-
-/// A start value for a variable.
-///
-/// # Errors
-/// When the type, the unit or the number doesn't fit.
-pub fn value_of(
-    fmu: &Description,
-    variable: &Variable,
-    setting: &Setting,
-) -> Result<Value, String> {
-    let named = |message: String| format!("{}: {message}", variable.name);
-    settable(variable).map_err(named)?;
-    value(fmu, variable, setting).map_err(named)
-}
-
-fn value(fmu: &Description, variable: &Variable, setting: &Setting) -> Result<Value, String> {
-    let text = match setting {
-        Setting::Boolean(flag) => flag.to_string(),
-        Setting::Integer(number) => number.to_string(),
-        Setting::Number(number) => number.to_string(),
-        Setting::Text(text) => text.clone(),
-    };
-    let whole = || {
-        let number = text.trim().parse::<i32>();
-        number.map_err(|_| format!("`{text}` is not a whole number"))
-    };
-    match &variable.kind {
-        Kind::Real { unit, .. } => {
-            let quantity: Quantity = text.parse()?;
-            let scale = Scale::new(None, &fmu.units, unit.as_deref())?;
-            let number = scale.number(&quantity, Sense::Value)?;
-            check_limits(variable, number)?;
-            Ok(Value::Real(number))
-        }
-        Kind::Integer { .. } => {
-            let number = whole()?;
-            check_limits(variable, f64::from(number))?;
-            Ok(Value::Integer(number))
-        }
-        Kind::Boolean { .. } => match text.trim() {
-            "true" | "1" => Ok(Value::Boolean(true)),
-            "false" | "0" => Ok(Value::Boolean(false)),
-            _ => Err(format!("`{text}` is neither true nor false")),
-        },
-        Kind::String { .. } => Ok(Value::String(text)),
-        Kind::Enumeration { items, .. } => {
-            if let Some((_, number)) = items.iter().find(|(name, _)| *name == text.trim()) {
-                return Ok(Value::Integer(*number));
-            }
-            let number = whole().ok();
-            let known =
-                |number: &i32| items.is_empty() || items.iter().any(|(_, value)| value == number);
-            number.filter(known).map(Value::Integer).ok_or_else(|| {
-                let names: Vec<&str> = items.iter().map(|(name, _)| name.as_str()).collect();
-                format!("`{text}` is none of {}", names.join(", "))
-            })
-        }
-    }
-}
-
-fn check_limits(variable: &Variable, number: f64) -> Result<(), String> {
-    let unit = variable
-        .unit()
-        .map_or_else(String::new, |unit| format!(" {unit}"));
-    match limits(variable) {
-        _ if !number.is_finite() => Err(format!("{number} is not a finite number")),
-        (Some(min), _) if number < min => Err(format!(
-            "{number}{unit} is less than the smallest value {min}{unit}"
-        )),
-        (_, Some(max)) if number > max => Err(format!(
-            "{number}{unit} is more than the largest value {max}{unit}"
-        )),
-        _ => Ok(()),
     }
 }

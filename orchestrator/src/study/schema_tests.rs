@@ -46,6 +46,8 @@ fn the_schema_has_exactly_the_keys_that_the_reader_takes() {
         ("simulation", "[simulation]\n"),
         ("design", "[design]\n"),
         ("parameter", "[parameters.x]\n"),
+        ("correlation", "[[correlations]]\n"),
+        ("recording", "[inputs.x]\n"),
         ("criterion", "[criteria.x]\n"),
         ("variant", "[variants.x]\n"),
         ("identify", "[identify]\n"),

@@ -29,6 +29,9 @@ pub struct Robustness {
     pub maps: Vec<maps::Map>,
     /// The verification probability that box and ellipsoid were asked to hold.
     pub level: f64,
+    /// Runs beyond the study's points that the surrogates were refined with.
+    #[serde(default)]
+    pub further_runs: usize,
     /// The largest box found; `None` where the level is reached nowhere.
     pub region: Option<region::Region>,
     /// The largest ellipsoid found.
@@ -176,17 +179,29 @@ const TRUSTED: f64 = 0.9;
 /// from their distributions, which the probabilities refer to; [`region::cloud`] makes one from the
 /// points where the distributions are not known. `None` where the points are too few, or nothing varies.
 pub fn robustness(table: &PointTable, cloud: &[Vec<f64>], level: f64) -> Option<Robustness> {
+    refined(table, table, cloud, level)
+}
+
+/// The same with surrogates that are fitted to other points than those of the study: these and
+/// further runs, where it matters.
+pub fn refined(
+    table: &PointTable,
+    fitted: &PointTable,
+    cloud: &[Vec<f64>],
+    level: f64,
+) -> Option<Robustness> {
     let varying: Vec<usize> = (0..table.parameters.len())
         .filter(|&k| table.parameters[k].values.windows(2).any(|w| w[0] != w[1]))
         .collect();
-    let table = &PointTable {
+    let only = |table: &PointTable| PointTable {
         parameters: varying
             .iter()
             .map(|&k| table.parameters[k].clone())
             .collect(),
         ..table.clone()
     };
-    let stand = Stand::fit(table)?;
+    let stand = Stand::fit(&only(fitted))?;
+    let table = &only(table);
     let inputs = rows(table);
     let best = table.ranking().first()?.point;
     let cloud: Vec<Vec<f64>> = cloud
@@ -208,6 +223,7 @@ pub fn robustness(table: &PointTable, cloud: &[Vec<f64>], level: f64) -> Option<
             .collect(),
         maps: maps::maps(table, &stand, &inputs),
         level,
+        further_runs: fitted.len().saturating_sub(table.len()),
         region: region::largest_box(seen, seen_verdicts, level),
         ellipsoid: region::largest_ellipsoid(seen, seen_verdicts, level),
         unsafe_combinations: combinations::combinations(

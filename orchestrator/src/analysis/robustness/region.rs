@@ -18,6 +18,11 @@ pub struct Confirmed {
 }
 
 impl Confirmed {
+    /// Whether the interval holds a stated probability.
+    pub fn holds(&self, stated: f64) -> bool {
+        self.interval[0] <= stated && stated <= self.interval[1]
+    }
+
     /// What the points say of a stated probability.
     pub fn on(&self, stated: f64) -> &'static str {
         if self.interval[0] > stated {

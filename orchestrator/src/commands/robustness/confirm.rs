@@ -3,7 +3,9 @@
 use super::super::CommandError;
 use super::super::batch::Batch;
 use super::option;
-use crate::analysis::robustness::Robustness;
+use crate::analysis::from_results;
+use crate::analysis::robustness::region::{Confirmed, Ellipsoid, Region};
+use crate::analysis::robustness::{Robustness, refined, rows};
 use crate::analysis::table::PointTable;
 use crate::design::Design;
 use crate::distribution::Distribution;
@@ -11,58 +13,103 @@ use crate::study::{self, Method};
 
 /// So many draws are looked through for points inside a small region.
 const MOST_DRAWS: u64 = 4_000_000;
+/// So often the surrogates are refined where their statements do not hold.
+const ROUNDS: u64 = 4;
 
-/// Runs `points` independent points of the study's distributions inside the box, and as many inside
-/// the ellipsoid, and notes what comes out. The points have nothing to do with those of the study,
-/// nor with those of the search.
-pub(super) fn confirm(
-    batch: &mut Batch,
-    table: &PointTable,
-    result: &mut Robustness,
-    points: usize,
-    seed: u64,
-) -> Result<(), CommandError> {
-    let places: Vec<usize> = (0..table.parameters.len())
-        .filter(|&k| result.parameters.contains(&table.parameters[k].name))
-        .collect();
-    let varying = |x: &[f64]| -> Vec<f64> { places.iter().map(|&k| x[k]).collect() };
-    if let Some(region) = &mut result.region {
-        let chosen = draw(batch, points, seed, |x| region.contains(&varying(x)))?;
-        let inner: Vec<Vec<f64>> = chosen.iter().map(|x| varying(x)).collect();
-        region.fresh = Some(region.confirm(&inner, &verified(batch, &chosen)?));
-    }
-    if let Some(ellipsoid) = &mut result.ellipsoid {
-        let chosen = draw(batch, points, seed, |x| ellipsoid.contains(&varying(x)))?;
-        let inner: Vec<Vec<f64>> = chosen.iter().map(|x| varying(x)).collect();
-        ellipsoid.fresh = Some(ellipsoid.confirm(&inner, &verified(batch, &chosen)?));
-    }
-    Ok(())
+/// What is confirmed, and with what.
+pub(super) struct Confirmation<'a> {
+    pub(super) batch: &'a mut Batch,
+    pub(super) table: &'a PointTable,
+    pub(super) cloud: &'a [Vec<f64>],
+    /// Fresh points in each region.
+    pub(super) points: usize,
+    pub(super) seed: u64,
 }
 
-/// The first `points` of a sequence of independent points that lie inside.
-fn draw(
-    batch: &Batch,
-    points: usize,
-    seed: u64,
-    inside: impl Fn(&[f64]) -> bool,
-) -> Result<Vec<Vec<f64>>, CommandError> {
-    let settings = study::Design {
-        method: Method::MonteCarlo,
-        points: MOST_DRAWS,
-        // Far from the seeds that people give to studies.
-        seed: !seed,
-        replicates: 1,
-    };
-    let unit = Distribution::Uniform { min: 0.0, max: 1.0 };
-    let cube = Design::new(&settings, vec![unit; batch.varied().len()])
-        .map_err(|message| option("confirm", &message))?;
-    let draws = (0..MOST_DRAWS).map(|index| batch.parameters(&cube.point(index)));
-    Ok(draws.filter(|x| inside(x)).take(points).collect())
-}
+impl Confirmation<'_> {
+    /// Runs independent points of the study's distributions inside the box, and as many inside the
+    /// ellipsoid, and notes what comes out. Where a statement does not hold, the surrogates learn
+    /// from these runs, and what they state then is confirmed by new ones: the points that judge a
+    /// statement have nothing to do with those that it was made of.
+    pub(super) fn of(&mut self, mut result: Robustness) -> Result<Robustness, CommandError> {
+        let inputs = self.batch.plan.inputs.iter().map(|input| &input.name);
+        if !inputs.eq(self.table.parameters.iter().map(|p| &p.name)) {
+            let message = "the study's parameters are not those of the points";
+            return Err(option("confirm", message));
+        }
+        let mut known = self.table.clone();
+        for round in 0..ROUNDS {
+            let runs = self.judge(&mut result, round)?;
+            let held =
+                |stated: f64, fresh: Option<Confirmed>| fresh.is_none_or(|f| f.holds(stated));
+            let region = result.region.as_ref();
+            let ellipsoid = result.ellipsoid.as_ref();
+            if region.is_none_or(|r| held(r.probability, r.fresh))
+                && ellipsoid.is_none_or(|e| held(e.probability, e.fresh))
+            {
+                break;
+            }
+            known.extend(&runs);
+            match refined(self.table, &known, self.cloud, result.level) {
+                Some(better) if round + 1 < ROUNDS => result = better,
+                _ => break,
+            }
+        }
+        Ok(result)
+    }
 
-fn verified(batch: &mut Batch, points: &[Vec<f64>]) -> Result<Vec<bool>, CommandError> {
-    let outcomes = batch.run(points)?;
-    let verdict =
-        |outcome: &crate::results::Outcome| batch.judge.verdict(outcome.as_deref().ok()).verified();
-    Ok(outcomes.iter().map(verdict).collect())
+    /// Fresh runs inside what is stated, noted there.
+    fn judge(&mut self, result: &mut Robustness, round: u64) -> Result<PointTable, CommandError> {
+        let parameters = &self.table.parameters;
+        let places: Vec<usize> = (0..parameters.len())
+            .filter(|&k| result.parameters.contains(&parameters[k].name))
+            .collect();
+        let varying = |x: &[f64]| -> Vec<f64> { places.iter().map(|&k| x[k]).collect() };
+        let mut all = self.table.subset(&[]);
+        if let Some(region) = &mut result.region {
+            let runs = self.run(2 * round, |x| Region::contains(region, &varying(x)))?;
+            let inner: Vec<Vec<f64>> = rows(&runs).iter().map(|x| varying(x)).collect();
+            region.fresh = Some(region.confirm(&inner, &runs.verified));
+            all.extend(&runs);
+        }
+        if let Some(ellipsoid) = &mut result.ellipsoid {
+            let runs = self.run(2 * round + 1, |x| {
+                Ellipsoid::contains(ellipsoid, &varying(x))
+            })?;
+            let inner: Vec<Vec<f64>> = rows(&runs).iter().map(|x| varying(x)).collect();
+            ellipsoid.fresh = Some(ellipsoid.confirm(&inner, &runs.verified));
+            all.extend(&runs);
+        }
+        Ok(all)
+    }
+
+    /// Runs the first points of a sequence of independent ones that lie inside.
+    fn run(
+        &mut self,
+        sequence: u64,
+        inside: impl Fn(&[f64]) -> bool,
+    ) -> Result<PointTable, CommandError> {
+        let settings = study::Design {
+            method: Method::MonteCarlo,
+            points: MOST_DRAWS,
+            // Far from the seeds that people give to studies.
+            seed: !self.seed.wrapping_mul(2 * ROUNDS).wrapping_add(sequence),
+            ..study::Design::default()
+        };
+        let unit = Distribution::Uniform { min: 0.0, max: 1.0 };
+        let cube = Design::new(&settings, vec![unit; self.batch.varied().len()])
+            .map_err(|message| option("confirm", &message))?;
+        let draws = (0..MOST_DRAWS).map(|index| self.batch.parameters(&cube.point(index)));
+        let chosen: Vec<Vec<f64>> = draws.filter(|x| inside(x)).take(self.points).collect();
+        let outcomes = self.batch.run(&chosen)?;
+        let inputs = &self.batch.plan.inputs;
+        let all: Vec<usize> = (0..inputs.len()).collect();
+        Ok(from_results::from_runs(
+            inputs,
+            &all,
+            &self.batch.judge,
+            &chosen,
+            outcomes,
+        ))
+    }
 }

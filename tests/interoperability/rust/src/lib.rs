@@ -28,8 +28,9 @@ impl Scenario {
     }
 }
 
-/// Prints one sample, each value with all its digits.
+/// Prints one sample, each value with all its digits, after a word that tells it from what else an
+/// importer prints.
 pub fn print(values: impl IntoIterator<Item = f64>) {
     let values = values.into_iter().map(|value| format!("{value:?}")).collect::<Vec<_>>();
-    println!("{}", values.join(","));
+    println!("sample {}", values.join(","));
 }

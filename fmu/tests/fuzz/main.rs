@@ -1,0 +1,45 @@
+//! Random sequences of calls of the C functions, with random and hostile arguments: NULL, what is
+//! not a number, counts of 0 and beyond all memory, foreign handles, functions out of turn, damaged
+//! and forged states, calls from within the logger.
+//!
+//! What must hold: no crash; no panic (it would end in `fmi2Fatal`); values that are read are finite;
+//! a call that is refused changes nothing; a state that is restored or read again is the same, byte
+//! for byte.
+//!
+//! The long run, with a report:
+//! `cargo test -p plain-bearing-stand --test fuzz -- --ignored --nocapture` (optimised, with all
+//! checks of the arithmetic on). `FUZZ_CALLS` and `FUZZ_SEED` set its length and its first number.
+
+mod acts;
+mod host;
+mod random;
+mod states;
+mod values;
+
+use host::Host;
+
+fn run(calls: u64, seed: u64) {
+    let mut host = Host::new(seed);
+    while host.calls < calls {
+        acts::act(&mut host);
+    }
+    host.finish();
+}
+
+#[test]
+fn random_calls_are_answered_as_the_standard_says() {
+    run(30_000, 1);
+}
+
+fn from_environment(name: &str, otherwise: u64) -> u64 {
+    std::env::var(name).map_or(otherwise, |text| text.parse().expect(name))
+}
+
+#[test]
+#[ignore = "ten million calls take many minutes"]
+fn ten_million_random_calls() {
+    run(
+        from_environment("FUZZ_CALLS", 10_000_000),
+        from_environment("FUZZ_SEED", 2),
+    );
+}

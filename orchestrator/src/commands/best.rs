@@ -1,0 +1,94 @@
+//! The best point as a parameter set of SSP, with its provenance.
+
+use std::path::Path;
+
+use sha2::{Digest, Sha256};
+
+use super::CommandError;
+use crate::fmu::{Description, Kind, Value, Variable, hexadecimal};
+use crate::results::{Summary, write_atomically};
+use crate::study::plan::Plan;
+use crate::study::ssv;
+
+const SET: &str = "best.ssv";
+const PROVENANCE: &str = "best.srmd";
+
+/// Writes `best.ssv` with all start values of the best point, and `best.srmd` with where they come from.
+pub(super) fn write(
+    folder: &Path,
+    plan: &Plan,
+    fmu: &Description,
+    summary: &Summary,
+) -> Result<(), CommandError> {
+    let Some(best) = &summary.best_point else {
+        for file in [SET, PROVENANCE] {
+            // Of an earlier run, if there is one.
+            let _ = std::fs::remove_file(folder.join(file));
+        }
+        return Ok(());
+    };
+    let parameters: Vec<f64> = best.parameters.values().copied().collect();
+    let mut values = Vec::new();
+    plan.to_fmu(&parameters, &mut values);
+    let fixed = plan.task.fixed.iter().cloned();
+    let varied = plan.task.varied.iter().zip(&values);
+    let varied = varied.map(|(slot, &value)| (slot.reference, slot.value(value)));
+    let named = fixed.chain(varied).filter_map(|(reference, value)| {
+        let variable = variable(fmu, reference, &value)?;
+        Some((variable, value))
+    });
+    let title = summary
+        .title
+        .as_deref()
+        .unwrap_or(&summary.provenance.study);
+    let name = format!("{title}: point {}", best.point);
+    let set = ssv::write(&name, fmu, &named.collect::<Vec<_>>());
+    let provenance = ssv::provenance(&name, SET, &entries(summary, best.point, &set));
+    for (file, text) in [(SET, set), (PROVENANCE, provenance)] {
+        write_atomically(&folder.join(file), |out| out.write_all(text.as_bytes()))?;
+    }
+    Ok(())
+}
+
+/// The variable behind a reference: every type has references of its own.
+fn variable<'a>(fmu: &'a Description, reference: u32, value: &Value) -> Option<&'a Variable> {
+    fmu.variables.values().find(|variable| {
+        let fits = matches!(
+            (&variable.kind, value),
+            (Kind::Real { .. }, Value::Real(_))
+                | (
+                    Kind::Integer { .. } | Kind::Enumeration { .. },
+                    Value::Integer(_)
+                )
+                | (Kind::Boolean { .. }, Value::Boolean(_))
+                | (Kind::String { .. }, Value::String(_))
+        );
+        variable.value_reference == reference && variable.is_settable() && fits
+    })
+}
+
+/// What is needed to get the same point again.
+fn entries(summary: &Summary, point: u64, set: &str) -> Vec<(&'static str, String)> {
+    let from = &summary.provenance;
+    let known = [
+        ("orchestrator.version", Some(from.orchestrator.clone())),
+        ("study", Some(from.study.clone())),
+        ("study.sha256", Some(from.study_sha256.clone())),
+        ("fmu", from.fmu.clone()),
+        ("fmu.version", from.fmu_version.clone()),
+        ("fmu.guid", from.fmu_guid.clone()),
+        ("fmu.sha256", from.fmu_sha256.clone()),
+        ("design", Some(from.method.clone())),
+        ("seed", from.seed.map(|seed| seed.to_string())),
+        ("points", Some(summary.points.to_string())),
+        ("point", Some(point.to_string())),
+        (
+            "data.sha256",
+            Some(hexadecimal(&Sha256::digest(set.as_bytes()))),
+        ),
+    ];
+    let known = known.into_iter();
+    known
+        .filter_map(|(keyword, value)| Some((keyword, value?)))
+        .collect()
+}

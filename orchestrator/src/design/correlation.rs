@@ -1,0 +1,86 @@
+//! Correlated inputs: independent normal scores are mixed by the Cholesky factor of the correlation matrix
+//! (a Gaussian copula; Nataf 1962, Iman and Conover 1982 for samples). For normal inputs the coefficients are
+//! the usual ones of Pearson; for others they are those of the normal scores.
+
+use nalgebra::DMatrix;
+
+use crate::distribution::{Distribution, normal_quantile};
+
+/// A matrix that mixes independent scores.
+#[derive(Clone, Debug)]
+pub struct Correlation {
+    /// The lower triangle of the Cholesky factor over all inputs, row after row.
+    rows: Vec<Vec<f64>>,
+}
+
+impl Correlation {
+    /// Correlations of pairs of `inputs` inputs; all others are uncorrelated.
+    ///
+    /// # Errors
+    /// When no random numbers have these correlations.
+    pub fn new(inputs: usize, pairs: &[(usize, usize, f64)]) -> Result<Self, String> {
+        let mut matrix = DMatrix::identity(inputs, inputs);
+        for &(a, b, coefficient) in pairs {
+            matrix[(a, b)] = coefficient;
+            matrix[(b, a)] = coefficient;
+        }
+        let factor = matrix.cholesky().ok_or_else(|| {
+            "the correlations contradict each other: their matrix is not positive definite; \
+             bring the coefficients nearer to 0"
+                .to_owned()
+        })?;
+        let factor = factor.l();
+        let row = |i: usize| (0..=i).map(|j| factor[(i, j)]).collect();
+        Ok(Self {
+            rows: (0..inputs).map(row).collect(),
+        })
+    }
+
+    /// The inputs' values from independent numbers in (0, 1), one for each input.
+    pub(super) fn values(&self, uniform: &[f64], inputs: &[Distribution]) -> Vec<f64> {
+        let scores: Vec<f64> = uniform.iter().map(|&u| normal_quantile(u)).collect();
+        let value = |(i, (row, input)): (usize, (&Vec<f64>, &Distribution))| {
+            // A row without others keeps the number as it is.
+            if row[..i].iter().all(|&weight| weight == 0.0) {
+                return input.quantile(uniform[i]);
+            }
+            let score = row
+                .iter()
+                .zip(&scores)
+                .map(|(weight, score)| weight * score)
+                .sum();
+            input.at_score(score)
+        };
+        self.rows
+            .iter()
+            .zip(inputs)
+            .enumerate()
+            .map(value)
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn contradictions_are_refused() {
+        let pairs = [(0, 1, 0.9), (1, 2, 0.9), (0, 2, -0.9)];
+        let error = Correlation::new(3, &pairs).unwrap_err();
+        assert!(error.contains("contradict"), "{error}");
+    }
+
+    #[test]
+    fn scores_are_mixed_as_asked_for() {
+        let normal = Distribution::Normal {
+            mean: 0.0,
+            deviation: 1.0,
+        };
+        let mixed = Correlation::new(2, &[(0, 1, 0.6)]).unwrap();
+        let [a, b] = [0.3, 0.9].map(normal_quantile);
+        let values = mixed.values(&[0.3, 0.9], &[normal, normal]);
+        assert!((values[0] - a).abs() < 1e-12);
+        assert!((values[1] - (0.6 * a + 0.8 * b)).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,60 @@
+//! Full factorial designs: every combination of the levels of all inputs. The levels of an input are the
+//! middles of equally probable slices, so that every point stands for the same probability.
+
+/// A grid.
+#[derive(Clone, Debug)]
+pub(super) struct Grid {
+    levels: Vec<u64>,
+}
+
+impl Grid {
+    /// A grid of so many levels an input.
+    pub(super) fn new(levels: Vec<u64>) -> Result<Self, String> {
+        let grid = Self { levels };
+        match grid.size() {
+            Some(_) => Ok(grid),
+            None => Err("the levels make more points than can be counted".to_owned()),
+        }
+    }
+
+    fn size(&self) -> Option<u64> {
+        self.levels
+            .iter()
+            .try_fold(1_u64, |size, &levels| size.checked_mul(levels))
+    }
+
+    /// How many points there are.
+    pub(super) fn len(&self) -> u64 {
+        self.size().unwrap_or(u64::MAX)
+    }
+
+    /// The coordinate of a point; the last input changes fastest.
+    #[allow(clippy::cast_precision_loss)]
+    pub(super) fn uniform(&self, index: u64, dimension: u32) -> f64 {
+        let place = dimension as usize;
+        let faster: u64 = self.levels[place + 1..].iter().product();
+        let level = index / faster % self.levels[place];
+        (level as f64 + 0.5) / self.levels[place] as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_combination_comes_once_and_in_order() {
+        let grid = Grid::new(vec![2, 1, 3]).unwrap();
+        let points: Vec<[f64; 3]> = (0..grid.len())
+            .map(|index| [0, 1, 2].map(|dimension| grid.uniform(index, dimension)))
+            .collect();
+        let [low, middle, high] = [1.0, 3.0, 5.0].map(|sixth| sixth / 6.0);
+        let row = |a| [low, middle, high].map(|c| [a, 0.5, c]);
+        assert_eq!(points, [row(0.25), row(0.75)].concat());
+    }
+
+    #[test]
+    fn absurd_grids_are_refused() {
+        assert!(Grid::new(vec![1000; 10]).is_err());
+    }
+}

@@ -1,0 +1,68 @@
+//! Inputs that follow a recording.
+
+use super::quantity::Scale;
+use super::{Name, Recording, Study, StudyError};
+use crate::fmu::Description;
+use crate::source::Table;
+use crate::study::plan::{find, slot_of};
+use crate::task::{Schedule, Series};
+
+/// The recordings of a study for an FMU.
+pub(super) fn series(
+    study: &Study,
+    fmu: &Description,
+    schedule: &Schedule,
+) -> Result<Vec<Series>, StudyError> {
+    let bind = |(name, recording): (&Name, &Recording)| {
+        let wrong = |message: String| study.error_at(name, message);
+        let key = name.as_ref().as_str();
+        let named = |message: String| wrong(format!("{key}: {message}"));
+        if study.parameters.contains_key(key) || study.fixed.contains_key(key) {
+            let message = "is under [parameters] or [fixed] too; keep one";
+            return Err(wrong(format!("{key} {message}")));
+        }
+        if schedule.leap {
+            return Err(named(
+                "leap would hold the input; remove one of them".to_owned(),
+            ));
+        }
+        let variable = find(fmu, key).map_err(wrong)?;
+        let slot = slot_of(variable).map_err(named)?;
+        let scale =
+            Scale::new(recording.unit.as_deref(), &fmu.units, variable.unit()).map_err(named)?;
+        let path = study.beside(recording.file.as_ref());
+        let column = |name: &Option<String>, usual: &str| name.clone().unwrap_or(usual.to_owned());
+        let columns = [
+            (vec![column(&recording.time, "time")], "the time".to_owned()),
+            (
+                vec![column(&recording.column, key)],
+                format!("the input {key}"),
+            ),
+        ];
+        let table = Table::read(&path, &columns);
+        let table = table.map_err(|error| study.error_at(&recording.file, error.to_string()))?;
+        let [mut times, mut values] = [Vec::new(), Vec::new()];
+        for row in &table.rows {
+            let (time, value) = (row[0], scale.conversion.value(row[1]));
+            let place = || format!("{}: {} = {time}", path.display(), columns[0].0[0]);
+            let after = times.last().is_none_or(|&last| time >= last);
+            if !(time.is_finite() && after) {
+                return Err(named(format!(
+                    "{} is not later than the time before",
+                    place()
+                )));
+            }
+            slot.check(value)
+                .map_err(|message| named(format!("{}: {message}", place())))?;
+            times.push(time);
+            values.push(value);
+        }
+        Ok(Series {
+            slot,
+            hold: recording.hold,
+            times,
+            values,
+        })
+    };
+    study.inputs.iter().map(bind).collect()
+}

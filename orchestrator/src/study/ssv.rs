@@ -1,0 +1,328 @@
+//! SSP parameter sets (System Structure Parameter Values, SSP 1.0): start values that other tools read and
+//! write, and their provenance (Simulation Resource Meta Data of SSP Traceability 1.0).
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use roxmltree::{Document, Node};
+use thiserror::Error;
+
+use super::Setting;
+use super::plan::{find, value_of};
+use crate::fmu::{Description, Kind, Value, Variable};
+
+/// Why a parameter set cannot be used.
+#[derive(Debug, Error)]
+pub enum SsvError {
+    /// It cannot be read.
+    #[error("{path}: {source}")]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// It is not well-formed.
+    #[error("{path}: {source}")]
+    Xml {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong, and where.
+        source: roxmltree::Error,
+    },
+    /// Something in it is wrong.
+    #[error("{path}:{line}: {message}")]
+    At {
+        /// The file.
+        path: PathBuf,
+        /// The line, from 1.
+        line: u32,
+        /// What is wrong.
+        message: String,
+    },
+}
+
+/// The content of a parameter set.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ParameterSet {
+    entries: Vec<Entry>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+struct Entry {
+    name: String,
+    setting: Setting,
+    line: u32,
+}
+
+const NAMESPACE: &str = "http://ssp-standard.org/SSP1/SystemStructureParameterValues";
+const COMMON: &str = "http://ssp-standard.org/SSP1/SystemStructureCommon";
+const TYPES: [&str; 5] = ["Real", "Integer", "Boolean", "Enumeration", "String"];
+
+/// Reads a parameter set.
+///
+/// # Errors
+/// When it cannot be read or is not a parameter set, with the line.
+pub fn read(path: &Path) -> Result<ParameterSet, SsvError> {
+    let text = fs::read_to_string(path).map_err(|source| SsvError::Read {
+        path: path.to_owned(),
+        source,
+    })?;
+    parse(path, &text)
+}
+
+fn parse(path: &Path, text: &str) -> Result<ParameterSet, SsvError> {
+    let text = text.trim_start_matches('\u{feff}');
+    let document = Document::parse(text).map_err(|source| SsvError::Xml {
+        path: path.to_owned(),
+        source,
+    })?;
+    let at = |node: Node<'_, '_>, message: String| SsvError::At {
+        path: path.to_owned(),
+        line: document.text_pos_at(node.range().start).row,
+        message,
+    };
+    let root = document.root_element();
+    if root.tag_name().name() != "ParameterSet" {
+        let name = root.tag_name().name();
+        return Err(at(
+            root,
+            format!("`{name}` is no SSP parameter set (`ParameterSet`)"),
+        ));
+    }
+    let parameters = root
+        .descendants()
+        .filter(|node| node.has_tag_name((NAMESPACE, "Parameter")));
+    let entry = |node: Node<'_, '_>| {
+        let name = node.attribute("name");
+        let name = name.ok_or_else(|| at(node, "a parameter without a name".to_owned()))?;
+        let typed = node
+            .children()
+            .find(|child| TYPES.contains(&child.tag_name().name()));
+        let value = typed.and_then(|typed| typed.attribute("value"));
+        let (Some(typed), Some(value)) = (typed, value) else {
+            let types = TYPES.join(", ");
+            return Err(at(
+                node,
+                format!("`{name}` has no value of the types {types}"),
+            ));
+        };
+        let text = match typed.attribute("unit").filter(|unit| !unit.is_empty()) {
+            Some(unit) => format!("{value} {unit}"),
+            None => value.to_owned(),
+        };
+        Ok(Entry {
+            name: name.to_owned(),
+            setting: Setting::Text(text),
+            line: document.text_pos_at(node.range().start).row,
+        })
+    };
+    let entries = parameters.map(entry).collect::<Result<_, _>>()?;
+    Ok(ParameterSet { entries })
+}
+
+impl ParameterSet {
+    /// The start values for an FMU, by value reference.
+    ///
+    /// # Errors
+    /// When a name, a type or a unit does not fit the FMU, with the line.
+    pub fn settings(&self, path: &Path, fmu: &Description) -> Result<Vec<(u32, Value)>, SsvError> {
+        let named = self.named(path, fmu)?;
+        Ok(named
+            .into_iter()
+            .map(|(_, reference, value)| (reference, value))
+            .collect())
+    }
+
+    /// The same, with the names.
+    ///
+    /// # Errors
+    /// As [`settings`](Self::settings).
+    pub fn named(
+        &self,
+        path: &Path,
+        fmu: &Description,
+    ) -> Result<Vec<(String, u32, Value)>, SsvError> {
+        let bind = |entry: &Entry| {
+            let variable = find(fmu, &entry.name)?;
+            let value = value_of(fmu, variable, &entry.setting)?;
+            Ok((entry.name.clone(), variable.value_reference, value))
+        };
+        let bind = |entry: &Entry| {
+            bind(entry).map_err(|message: String| SsvError::At {
+                path: path.to_owned(),
+                line: entry.line,
+                message,
+            })
+        };
+        self.entries.iter().map(bind).collect()
+    }
+}
+
+/// A parameter set with these values, in the FMU's units.
+pub fn write(name: &str, fmu: &Description, values: &[(&Variable, Value)]) -> String {
+    let mut text = format!(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<ssv:ParameterSet xmlns:ssv=\"{NAMESPACE}\" \
+         xmlns:ssc=\"{COMMON}\" version=\"1.0\" name=\"{}\">\n  <ssv:Parameters>\n",
+        escaped(name)
+    );
+    // Writing to a String cannot fail.
+    for (variable, value) in values {
+        let content = match (value, &variable.kind) {
+            (Value::Real(value), _) => {
+                let unit = variable.unit().map(escaped);
+                let unit = unit.map_or_else(String::new, |unit| format!(" unit=\"{unit}\""));
+                format!("<ssv:Real value=\"{value:e}\"{unit}/>")
+            }
+            (Value::Integer(value), Kind::Enumeration { items, .. }) => {
+                let item = items.iter().find(|(_, number)| number == value);
+                let item = item.map_or_else(|| value.to_string(), |(name, _)| escaped(name));
+                format!("<ssv:Enumeration value=\"{item}\"/>")
+            }
+            (Value::Integer(value), _) => format!("<ssv:Integer value=\"{value}\"/>"),
+            (Value::Boolean(value), _) => format!("<ssv:Boolean value=\"{value}\"/>"),
+            (Value::String(value), _) => format!("<ssv:String value=\"{}\"/>", escaped(value)),
+        };
+        let name = escaped(&variable.name);
+        let _ = writeln!(
+            text,
+            "    <ssv:Parameter name=\"{name}\">{content}</ssv:Parameter>"
+        );
+    }
+    text.push_str("  </ssv:Parameters>\n");
+    text.push_str(&units(fmu, values));
+    text.push_str("</ssv:ParameterSet>\n");
+    text
+}
+
+/// The definitions of the units that occur.
+fn units(fmu: &Description, values: &[(&Variable, Value)]) -> String {
+    let used = |name: &str| {
+        values
+            .iter()
+            .any(|(variable, _)| variable.unit() == Some(name))
+    };
+    let mut text = String::new();
+    for (name, unit) in fmu.units.iter().filter(|(name, _)| used(name)) {
+        let base = unit.base.map_or_else(String::new, |base| {
+            let names = ["kg", "m", "s", "A", "K", "mol", "cd", "rad"];
+            let exponents = names
+                .iter()
+                .zip(base.exponents)
+                .filter(|(_, exponent)| *exponent != 0);
+            let mut text: String = exponents
+                .map(|(name, e)| format!(" {name}=\"{e}\""))
+                .collect();
+            if base.factor != 1.0 {
+                let _ = write!(text, " factor=\"{:e}\"", base.factor);
+            }
+            if base.offset != 0.0 {
+                let _ = write!(text, " offset=\"{:e}\"", base.offset);
+            }
+            text
+        });
+        let name = escaped(name);
+        let _ = writeln!(
+            text,
+            "    <ssc:Unit name=\"{name}\"><ssc:BaseUnit{base}/></ssc:Unit>"
+        );
+    }
+    if text.is_empty() {
+        return text;
+    }
+    format!("  <ssv:Units>\n{text}  </ssv:Units>\n")
+}
+
+/// Where a file comes from, as resource meta data.
+pub fn provenance(name: &str, data: &str, entries: &[(&str, String)]) -> String {
+    let mut text = format!(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<srmd:SimulationResourceMetaData \
+         xmlns:srmd=\"http://ssp-standard.org/SSPTraceability1/SimulationResourceMetaData\" \
+         xmlns:stc=\"http://ssp-standard.org/SSPTraceability1/SSPTraceabilityCommon\" \
+         version=\"1.0.0\" name=\"{}\" data=\"{}\">\n  <stc:Classification \
+         type=\"orchestrator.verification\">\n",
+        escaped(name),
+        escaped(data)
+    );
+    for (keyword, value) in entries {
+        let value = escaped(value);
+        let entry = format!("<stc:ClassificationEntry keyword=\"{keyword}\">{value}");
+        let _ = writeln!(text, "    {entry}</stc:ClassificationEntry>");
+    }
+    text.push_str("  </stc:Classification>\n</srmd:SimulationResourceMetaData>\n");
+    text
+}
+
+fn escaped(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for character in text.chars() {
+        match character {
+            '&' => escaped.push_str("&amp;"),
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            '"' => escaped.push_str("&quot;"),
+            '\n' | '\t' | '\r' => {
+                let _ = write!(escaped, "&#{};", character as u32);
+            }
+            // XML has no way to write the others.
+            other if other < ' ' => escaped.push(' '),
+            other => escaped.push(other),
+        }
+    }
+    escaped
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn set(body: &str) -> Result<ParameterSet, SsvError> {
+        let text = format!(
+            "<ParameterSet xmlns=\"{NAMESPACE}\" version=\"1.0\" name=\"x\"><Parameters>\n{body}\
+             </Parameters></ParameterSet>"
+        );
+        parse(Path::new("p.ssv"), &text)
+    }
+
+    #[test]
+    fn mistakes_have_their_line() {
+        let error = |body: &str| set(body).unwrap_err().to_string();
+        assert!(error("<Parameter/>").starts_with("p.ssv:2: a parameter without a name"));
+        assert!(
+            error("\n<Parameter name=\"a\"><Binary/></Parameter>")
+                .starts_with("p.ssv:3: `a` has no value")
+        );
+        assert!(error("<Parameter").starts_with("p.ssv: "));
+        let other = parse(Path::new("p.ssv"), "<html/>")
+            .unwrap_err()
+            .to_string();
+        assert!(other.contains("no SSP parameter set"), "{other}");
+    }
+
+    #[test]
+    fn units_belong_to_the_value() {
+        let set = set("<Parameter name=\"a\"><Real value=\"2\" unit=\"mm\"/></Parameter>").unwrap();
+        assert!(matches!(&set.entries[0].setting, Setting::Text(text) if text == "2 mm"));
+    }
+
+    proptest! {
+        #[test]
+        fn texts_and_names_come_back(name in "[a-z<&\"]{1,8}", text in "[ -~äµ\t\n]{0,20}") {
+            let variable = Variable {
+                name: name.clone(),
+                value_reference: 1,
+                description: None,
+                causality: crate::fmu::Causality::Parameter,
+                variability: crate::fmu::Variability::Fixed,
+                kind: Kind::String { start: None },
+            };
+            let values = [(&variable, Value::String(text.clone()))];
+            let written = write("s", &Description::default(), &values);
+            let read = parse(Path::new("p.ssv"), &written).unwrap();
+            prop_assert_eq!(&read.entries[0].name, &name);
+            prop_assert_eq!(&read.entries[0].setting, &Setting::Text(text));
+        }
+    }
+}

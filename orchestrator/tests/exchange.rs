@@ -1,0 +1,205 @@
+//! What comes from files of others and goes into them: recordings of inputs, SSP parameter sets.
+#![allow(clippy::unwrap_used)]
+
+mod support;
+
+use support::Bench;
+
+const STUDY: &str = r#"
+fmu = "../lag.fmu"
+fixed-from = "start.ssv"
+[simulation]
+stop = 2
+step = 0.01
+[design]
+points = 10
+[inputs."drive.u"]
+file = "drive.csv"
+column = "n"
+time = "t"
+[parameters."lag.length"]
+distribution = "normal"
+mean = 0.02
+deviation = 0.001
+unit = "mm"
+[criteria.Y]
+variable = "lag.y"
+nominal = 1
+tolerance = 10
+[criteria.T]
+variable = "lag.temperature"
+nominal = 20
+tolerance = 100
+unit = "degC"
+"#;
+
+const SET: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
+<ssv:ParameterSet xmlns:ssv="http://ssp-standard.org/SSP1/SystemStructureParameterValues" version="1.0" name="start">
+  <ssv:Parameters>
+    <ssv:Parameter name="lag.rate"><ssv:Real value="2.5" unit="1/s"/></ssv:Parameter>
+    <ssv:Parameter name="lag.length"><ssv:Real value="0.5" unit="mm"/></ssv:Parameter>
+    <ssv:Parameter name="lag.count"><ssv:Integer value="3"/></ssv:Parameter>
+    <ssv:Parameter name="lag.flag"><ssv:Boolean value="true"/></ssv:Parameter>
+    <ssv:Parameter name="lag.text"><ssv:String value="a &amp; b"/></ssv:Parameter>
+    <ssv:Parameter name="lag.fault"><ssv:Enumeration value="Warn"/></ssv:Parameter>
+  </ssv:Parameters>
+</ssv:ParameterSet>
+"#;
+
+fn bench() -> Bench {
+    let bench = Bench::new();
+    std::fs::create_dir(bench.path("studies")).unwrap();
+    bench.write("studies/study.toml", STUDY);
+    bench.write("studies/start.ssv", SET);
+    bench.write("studies/drive.csv", "t,n\n0,0\n1,4\n1,-1\n2,-1\n");
+    bench
+}
+
+/// The lag's answer to the recording, with the input held over every step.
+fn expected(rate: f64) -> f64 {
+    let mut y = 0.0;
+    for k in 0..200 {
+        let u = if k < 100 { 0.04 * f64::from(k) } else { -1.0 };
+        y += (u - y) * (1.0 - (-rate * 0.01_f64).exp());
+    }
+    y
+}
+
+#[test]
+fn inputs_follow_a_recording() {
+    let bench = bench();
+    let verify = ["verify", "studies/study.toml", "--output", "out"];
+    let said = bench.run(&verify);
+    assert_eq!(said.code, 0, "{}", said.err);
+    let table = bench.read("out/points.csv");
+    let mut rows = csv::Reader::from_reader(table.as_bytes());
+    for row in rows.records().map(Result::unwrap) {
+        let number = |k: usize| row[k].parse::<f64>().unwrap();
+        let y = expected(2.5);
+        assert!((number(2) - y).abs() < 1e-12, "{} {y}", number(2));
+        // Count and flag come from the parameter set.
+        assert!((number(3) - (10.0 * y * 3.0 + 5.0)).abs() < 1e-9);
+    }
+    // A point runs again wherever the results are, and the recording belongs to the study.
+    let replay = bench.run(&["replay", "out", "3"]);
+    assert_eq!(replay.code, 0, "{}", replay.err);
+    bench.write("studies/drive.csv", "t,n\n0,1\n");
+    bench
+        .run(&["replay", "out", "3"])
+        .is_mistake(&["another study"]);
+    bench
+        .run(&[&verify[..], &["--resume"]].concat())
+        .is_mistake(&["another study"]);
+}
+
+#[test]
+fn the_best_point_is_a_parameter_set_with_its_provenance() {
+    let bench = bench();
+    assert_eq!(
+        bench
+            .run(&["verify", "studies/study.toml", "--output", "out"])
+            .code,
+        0
+    );
+    let summary = bench.summary("out");
+    let set = bench.read("out/best.ssv");
+    for part in [
+        "name=\"lag.rate\"><ssv:Real value=\"2.5e0\" unit=\"1/s\"/>",
+        "value=\"Warn\"",
+        "\"a &amp; b\"",
+        "<ssc:BaseUnit m=\"1\"/>",
+    ] {
+        assert!(set.contains(part), "no {part} in {set}");
+    }
+    let provenance = bench.read("out/best.srmd");
+    for part in [
+        &summary["provenance"]["fmu_sha256"],
+        &summary["provenance"]["study_sha256"],
+    ] {
+        assert!(provenance.contains(part.as_str().unwrap()), "{provenance}");
+    }
+    // Another program may use it; ours gets the same point from it.
+    let said = bench.run(&[
+        "simulate",
+        "lag.fmu",
+        "--set-from",
+        "out/best.ssv",
+        "--set",
+        "lag.count=1",
+        "--output",
+        "run.csv",
+    ]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    let length = summary["best_point"]["parameters"]["lag.length"]
+        .as_f64()
+        .unwrap();
+    let shown = said
+        .out
+        .lines()
+        .find_map(|line| line.strip_prefix("lag.micrometres = "))
+        .unwrap();
+    assert!((shown.trim().parse::<f64>().unwrap() - 1e3 * length).abs() < 1e-9);
+}
+
+#[test]
+fn points_go_out_and_come_in_as_parquet() {
+    let bench = bench();
+    let verify = |more: &[&str]| bench.run(&[&["verify", "studies/study.toml"], more].concat());
+    assert_eq!(verify(&["--output", "out", "--parquet"]).code, 0);
+    let said = verify(&[
+        "--output",
+        "again",
+        "--points-from",
+        "out/points.parquet",
+        "--parquet",
+    ]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    assert_eq!(bench.read("again/points.csv"), bench.read("out/points.csv"));
+    let judged = |table: &str| bench.run(&["judge", "studies/study.toml", table]).out;
+    assert_eq!(judged("out/points.parquet"), judged("out/points.csv"));
+    let bytes = std::fs::read(bench.path("out/points.parquet")).unwrap();
+    assert_eq!(
+        std::fs::read(bench.path("again/points.parquet")).unwrap(),
+        bytes
+    );
+    std::fs::write(bench.path("cut.parquet"), &bytes[..bytes.len() / 2]).unwrap();
+    verify(&["--output", "cut", "--points-from", "cut.parquet"]).is_mistake(&["cut.parquet"]);
+    bench
+        .run(&["judge", "studies/study.toml", "none.parquet"])
+        .is_mistake(&["none.parquet"]);
+}
+
+#[test]
+fn mistakes_in_files_of_others() {
+    let bench = bench();
+    let verify = || bench.run(&["verify", "studies/study.toml", "--output", "out"]);
+    let set = |from: &str, to: &str| {
+        bench.write("studies/start.ssv", &SET.replace(from, to));
+        verify()
+    };
+    set("lag.rate", "lag.rato").is_mistake(&[
+        "study.toml:3:14",
+        "start.ssv:4",
+        "did you mean `lag.rate`?",
+    ]);
+    set("1/s", "mm").is_mistake(&["start.ssv:4", "`mm`"]);
+    set("\"3\"", "\"x\"").is_mistake(&["start.ssv:6", "whole number"]);
+    set("</ssv:Parameters>", "").is_mistake(&["start.ssv"]);
+    bench.write("studies/start.ssv", SET);
+    let drive = |text: &str| {
+        bench.write("studies/drive.csv", text);
+        verify()
+    };
+    drive("t,m\n0,1\n").is_mistake(&["study.toml:10:8", "drive.csv", "no column `n`"]);
+    drive("t,n\n0,1\n2,1\n1,1\n").is_mistake(&["study.toml:9:9", "t = 1", "not later"]);
+    drive("t,n\n0,inf\n").is_mistake(&["drive.u", "not a finite number"]);
+    drive("t,n\n0,1\n");
+    bench.write(
+        "studies/study.toml",
+        &STUDY.replace("stop = 2", "stop = 2\nwindow = 1\nleap = true"),
+    );
+    verify().is_mistake(&["drive.u", "leap"]);
+    bench
+        .run(&["simulate", "lag.fmu", "--set-from", "none.ssv"])
+        .is_mistake(&["none.ssv"]);
+}

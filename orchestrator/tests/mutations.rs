@@ -1,0 +1,338 @@
+//! Damaged files are no panic: each one gives a clear error of one line, or still makes sense.
+#![allow(clippy::unwrap_used)]
+
+mod support;
+
+use std::fs;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+
+use orchestrator::analysis::from_results;
+use orchestrator::fmu::Package;
+use orchestrator::judge::Judge;
+use orchestrator::results::journal::{Finished, Header, Journal};
+use orchestrator::source::{Source, Table};
+use orchestrator::study::plan::Plan;
+use orchestrator::study::{Study, ssv};
+use rand::rngs::StdRng;
+use rand::{RngExt, SeedableRng};
+use support::Bench;
+
+const STUDY: &str = r#"
+title = "Mutated"
+fmu = "lag.fmu"
+fixed-from = "start.ssv"
+[simulation]
+stop = 2
+step = 0.01
+warm-up = 0.5
+[design]
+method = "optimised-latin-hypercube"
+points = 9
+seed = 3
+[parameters."lag.rate"]
+distribution = "truncated-normal"
+mean = 1
+deviation = 0.3
+min = "0.1 1/s"
+levels = 3
+[parameters."lag.length"]
+distribution = "lognormal"
+mean = 0.02
+deviation = 0.005
+unit = "mm"
+[[correlations]]
+between = ["lag.rate", "lag.length"]
+coefficient = 0.5
+[fixed]
+"lag.flag" = true
+[inputs."drive.u"]
+file = "drive.csv"
+[criteria.Y]
+variable = "lag.y"
+nominal = 0.86
+tolerance = "5 %"
+group = "all"
+[variants.wide]
+tolerance.Y = 0.5
+"#;
+
+const SET: &str = "<ParameterSet xmlns=\"http://ssp-standard.org/SSP1/SystemStructureParameterValues\" \
+    version=\"1.0\" name=\"x\"><Parameters><Parameter name=\"lag.count\"><Integer value=\"2\"/></Parameter>\
+    <Parameter name=\"lag.text\"><String value=\"&lt;\"/></Parameter></Parameters></ParameterSet>";
+
+/// Words that are likely to hurt.
+const WORDS: [&str; 24] = [
+    "nan",
+    "-1",
+    "0",
+    "1e999",
+    "inf",
+    "18446744073709551616",
+    "-9223372036854775808",
+    "\0",
+    "\"",
+    "[",
+    "]]",
+    "=",
+    "\n",
+    "ä",
+    "\u{feff}",
+    "<",
+    "&a;",
+    "1e-320",
+    " mm",
+    "true",
+    "{",
+    "<!DOCTYPE x [",
+    "..",
+    "99999999",
+];
+
+/// Some changes to a file.
+fn mutate(original: &[u8], random: &mut StdRng) -> Vec<u8> {
+    let mut bytes = original.to_vec();
+    if random.random() {
+        // Gentle: what can still be read, with other content.
+        rearrange(&mut bytes, random);
+        return bytes;
+    }
+    for _ in 0..random.random_range(1..4) {
+        let place = random.random_range(0..=bytes.len());
+        let end = (place + random.random_range(0..40)).min(bytes.len());
+        match random.random_range(0..7) {
+            0 if place < bytes.len() => bytes[place] ^= 1 << random.random_range(0..8),
+            1 if place < bytes.len() => bytes[place] = random.random(),
+            2 => drop(bytes.drain(place..end)),
+            3 => bytes.truncate(place),
+            4 => {
+                let copy = bytes[place..end].to_vec();
+                let target = random.random_range(0..=bytes.len());
+                bytes.splice(target..target, copy);
+            }
+            5 => {
+                let word = WORDS[random.random_range(0..WORDS.len())];
+                bytes.splice(place..end.min(place + 8), word.bytes());
+            }
+            _ => {
+                let word = WORDS[random.random_range(0..WORDS.len())];
+                bytes.splice(place..place, word.bytes());
+            }
+        }
+    }
+    bytes
+}
+
+/// Changes a number, or removes, doubles or moves a line.
+fn rearrange(bytes: &mut Vec<u8>, random: &mut StdRng) {
+    let digits: Vec<usize> = (0..bytes.len())
+        .filter(|&k| bytes[k].is_ascii_digit())
+        .collect();
+    let mut lines: Vec<&[u8]> = bytes.split_inclusive(|&byte| byte == b'\n').collect();
+    let (from, to) = (
+        random.random_range(0..lines.len()),
+        random.random_range(0..lines.len()),
+    );
+    match random.random_range(0..5) {
+        0 => drop(lines.remove(from)),
+        1 => lines.insert(to, lines[from]),
+        2 => lines.swap(from, to),
+        _ if digits.is_empty() => {}
+        _ => {
+            bytes[digits[random.random_range(0..digits.len())]] = random.random_range(b'0'..=b'9');
+            return;
+        }
+    }
+    *bytes = lines.concat();
+}
+
+type Attempt = Result<(), String>;
+
+fn text(error: impl ToString) -> String {
+    error.to_string()
+}
+
+/// Reads an FMU file and unpacks it.
+fn fmu(bench: &Bench, path: &Path) -> Attempt {
+    let mut package = Package::open(path).map_err(text)?;
+    let _ = (package.platforms(), package.digest().map_err(text)?);
+    package.unpack(&bench.path("")).map(drop).map_err(text)
+}
+
+/// Reads an FMU, ties the study to it and asks for points.
+fn study(path: &Path, study: &Path) -> Attempt {
+    let package = Package::open(path).map_err(text)?;
+    let study = Study::read(study).map_err(text)?;
+    let judge = Judge::new(&study, Some(package.description())).map_err(text)?;
+    let plan = Plan::new(&study, package.description()).map_err(text)?;
+    let design = plan.design(&study.design)?;
+    let mut values = Vec::new();
+    for index in [0, design.len() / 2, design.len() - 1] {
+        plan.to_fmu(&design.point(index), &mut values);
+    }
+    judge.verdict(Some(&vec![1.0; judge.criteria.len()]));
+    Ok(())
+}
+
+fn journal(folder: &Path) -> Attempt {
+    let finished = Finished::read(folder).map_err(text)?;
+    let mut outcomes = finished.outcomes().map_err(text)?;
+    for index in 0..10 {
+        outcomes.get(index).map_err(text)?;
+    }
+    let header = Header::read(folder).map_err(text)?;
+    let (mut journal, _) = Journal::resume(folder, &header).map_err(text)?;
+    journal.append(3, &Ok(vec![1.0])).map_err(text)
+}
+
+fn table(bench: &Bench, path: &Path) -> Attempt {
+    let package = Package::open(&bench.path("lag.fmu")).map_err(text)?;
+    let study = Study::read(&bench.path("study.toml")).map_err(text)?;
+    let plan = Plan::new(&study, package.description()).map_err(text)?;
+    let source = Source::from_table(&study, &plan.inputs, path).map_err(text)?;
+    let _ = (
+        source.label(0),
+        source.parameters(source.len()),
+        source.index_of(7),
+    );
+    Table::read(path, &[]).map(drop).map_err(text)
+}
+
+fn set(bench: &Bench, path: &Path) -> Attempt {
+    let package = Package::open(&bench.path("lag.fmu")).map_err(text)?;
+    let set = ssv::read(path).map_err(text)?;
+    set.settings(path, package.description())
+        .map(drop)
+        .map_err(text)
+}
+
+/// A folder with everything in it, and a finished study in `out`.
+fn bench() -> Bench {
+    let bench = Bench::new();
+    bench.write("study.toml", STUDY);
+    bench.write("start.ssv", SET);
+    bench.write("drive.csv", "time,drive.u\n0,0\n1,1\n");
+    let said = bench.run(&["verify", "study.toml", "--output", "out"]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    fs::create_dir(bench.path("folder")).unwrap();
+    bench.write("folder/modelDescription.xml", &support::model("", ""));
+    bench
+}
+
+/// What is mutated, and what reads it.
+type Kind<'a> = (&'a str, Box<dyn Fn(&Path) -> Attempt + 'a>);
+
+fn kinds(bench: &Bench) -> Vec<Kind<'_>> {
+    let results = |_: &Path| {
+        from_results::read(&bench.path("out"))
+            .map(drop)
+            .map_err(text)
+    };
+    vec![
+        ("lag.fmu", Box::new(|path| fmu(bench, path))),
+        (
+            "folder/modelDescription.xml",
+            Box::new(|_| study(&bench.path("folder"), &bench.path("study.toml"))),
+        ),
+        (
+            "study.toml",
+            Box::new(|path| study(&bench.path("lag.fmu"), path)),
+        ),
+        ("out/journal.txt", Box::new(|_| journal(&bench.path("out")))),
+        (
+            "out/points.csv",
+            Box::new(move |path| table(bench, path).and_then(|()| results(path))),
+        ),
+        ("out/summary.json", Box::new(results)),
+        ("start.ssv", Box::new(|path| set(bench, path))),
+        (
+            "drive.csv",
+            Box::new(|_| study(&bench.path("lag.fmu"), &bench.path("study.toml"))),
+        ),
+    ]
+}
+
+/// Reads so many mutated files in this process.
+fn mutations(count: u64) {
+    let bench = bench();
+    for (name, read) in kinds(&bench) {
+        let original = fs::read(bench.path(name)).unwrap();
+        assert!(read(&bench.path(name)).is_ok(), "{name}");
+        fs::write(bench.path(name), &original).unwrap();
+        let [mut errors, mut sound] = [0, 0];
+        for seed in 0..count {
+            let mutated = mutate(&original, &mut StdRng::seed_from_u64(seed));
+            fs::write(bench.path(name), &mutated).unwrap();
+            match catch_unwind(AssertUnwindSafe(|| read(&bench.path(name)))) {
+                Ok(Ok(())) => sound += 1,
+                Ok(Err(error)) => {
+                    errors += 1;
+                    assert!(
+                        !error.trim().is_empty() && !error.contains('\n'),
+                        "{name}, seed {seed}: {error}"
+                    );
+                }
+                Err(_) => panic!("{name}, seed {seed}: a panic"),
+            }
+        }
+        fs::write(bench.path(name), &original).unwrap();
+        println!("{name}: {count} mutations, {errors} clear errors, {sound} still make sense");
+    }
+}
+
+/// Hands so many mutated files to the command line.
+fn commands(count: u64) {
+    let bench = bench();
+    let dry = ["verify", "study.toml", "--dry-run"];
+    let cases: [(&str, &[&str]); 6] = [
+        ("lag.fmu", &["inspect", "lag.fmu"]),
+        (
+            "folder/modelDescription.xml",
+            &["inspect", "folder", "--json"],
+        ),
+        ("study.toml", &dry),
+        (
+            "out/journal.txt",
+            &["verify", "study.toml", "--output", "out", "--resume"],
+        ),
+        ("out/points.csv", &["judge", "study.toml", "out/points.csv"]),
+        ("start.ssv", &dry),
+    ];
+    for (name, command) in cases {
+        let original = fs::read(bench.path(name)).unwrap();
+        for seed in 0..count {
+            let mutated = mutate(&original, &mut StdRng::seed_from_u64(1_000_000 + seed));
+            fs::write(bench.path(name), &mutated).unwrap();
+            let said = bench.run(command);
+            let lines = said.err.trim_end().lines().count();
+            let clear = match said.code {
+                0 | 1 => lines == 0,
+                2 => lines == 1 && said.err.starts_with("error: "),
+                _ => false,
+            };
+            assert!(clear, "{name}, seed {seed}: {} {}", said.code, said.err);
+        }
+        fs::write(bench.path(name), &original).unwrap();
+    }
+    println!(
+        "{} commands with mutated files, none of them surprised",
+        count * 6
+    );
+}
+
+#[test]
+fn damaged_files_give_clear_errors() {
+    mutations(40);
+}
+
+#[test]
+fn damaged_files_on_the_command_line() {
+    commands(3);
+}
+
+#[test]
+#[ignore = "takes minutes: cargo test -p orchestrator --test mutations -- --ignored --nocapture"]
+fn ten_thousand_damaged_files() {
+    mutations(1200);
+    commands(75);
+}

@@ -1,0 +1,93 @@
+//! An instance is used again where the FMU can go back to its beginning, and replaced where it cannot.
+#![allow(clippy::unwrap_used)]
+
+mod support;
+
+use std::fs;
+
+use support::{Bench, model};
+
+const STUDY: &str = r#"
+fmu = "lag.fmu"
+[design]
+points = 12
+[parameters."lag.rate"]
+distribution = "uniform"
+min = 0.5
+max = 2
+[criteria.Y]
+variable = "lag.y"
+nominal = 0.8
+tolerance = 1
+"#;
+
+/// How many instances 12 points took with one worker, and the points.
+fn instances(macros: &[&str], description: &str) -> (usize, String) {
+    let bench = Bench::empty();
+    bench.fmu("lag.fmu", macros, description);
+    bench.write("study.toml", STUDY);
+    let count = bench.path("instances");
+    let command = ["verify", "study.toml", "--output", "out", "--jobs", "1"];
+    let in_process = bench
+        .command(&[&command[..], &["--in-process"]].concat())
+        .env("LAG_INSTANCES", &count)
+        .output()
+        .unwrap();
+    assert!(
+        in_process.status.success(),
+        "{}",
+        String::from_utf8_lossy(&in_process.stderr)
+    );
+    // One more runs the report's best point.
+    let instances = fs::read(count).unwrap().len() - 1;
+    let points = bench.read("out/points.csv");
+    let said = bench.run(&command);
+    assert_eq!(said.code, 0, "{}", said.err);
+    assert_eq!(bench.read("out/points.csv"), points);
+    (instances, points)
+}
+
+fn with_states() -> String {
+    model("canHandle", "canGetAndSetFMUstate=\"true\" canHandle")
+}
+
+#[test]
+fn a_reset_instance_is_compared_with_a_fresh_one_once() {
+    assert_eq!(instances(&[], &model("", "")).0, 2);
+}
+
+#[test]
+fn without_a_sound_reset_every_point_gets_an_instance() {
+    let (_, right) = instances(&[], &model("", ""));
+    for macros in [["NO_RESET"], ["FAILING_RESET"]] {
+        assert_eq!(
+            instances(&macros, &model("", "")),
+            (12, right.clone()),
+            "{macros:?}"
+        );
+    }
+    // Found out by the second point, which ran twice.
+    assert_eq!(instances(&["BROKEN_RESET"], &model("", "")), (12, right));
+}
+
+#[test]
+fn a_state_is_restored_where_there_is_no_reset() {
+    let (_, right) = instances(&[], &model("", ""));
+    // The first instance is without a saved state; the second one is compared with a third.
+    for macros in [["NO_RESET", "STATES"], ["FAILING_RESET", "STATES"]] {
+        assert_eq!(
+            instances(&macros, &with_states()),
+            (3, right.clone()),
+            "{macros:?}"
+        );
+    }
+}
+
+#[test]
+fn an_fmu_that_allows_one_instance_is_not_compared() {
+    let once = model(
+        "canHandle",
+        "canBeInstantiatedOnlyOncePerProcess=\"true\" canHandle",
+    );
+    assert_eq!(instances(&[], &once).0, 1);
+}

@@ -1,0 +1,80 @@
+"""What lies in the FMU beside the binary and the model description."""
+
+import hashlib
+import zipfile
+from pathlib import Path
+
+import fmpy
+import pytest
+from lxml import etree
+
+SCHEMAS = Path(fmpy.__file__).parent
+FOLDER = "extra/org.fmi-standard.fmi-ls-ref/"
+NAMESPACE = {"ssv": "http://ssp-standard.org/SSP1/SystemStructureParameterValues"}
+
+
+@pytest.fixture(scope="module")
+def archive(fmu):
+    with zipfile.ZipFile(fmu) as archive:
+        yield archive
+
+
+def valid(text, schema):
+    document = etree.fromstring(text)
+    etree.XMLSchema(etree.parse(str(SCHEMAS / schema))).assertValid(document)
+    return document
+
+
+def test_terminals_are_made_of_the_models_variables(archive, description):
+    known = {variable.name: variable for variable in description.modelVariables}
+    document = valid(archive.read("terminalsAndIcons/terminalsAndIcons.xml"),
+                     "schema/fmi3/fmi3TerminalsAndIcons.xsd")
+    members = [node.get("variableName") for node in document.iter("TerminalMemberVariable")]
+    assert len(members) == len(set(members)) > 0 and set(members) <= set(known)
+    inputs = {name for name, variable in known.items() if variable.causality == "input"}
+    assert inputs <= set(members)
+    assert archive.read("terminalsAndIcons/icon.png") == archive.read("model.png")
+
+
+def sets(archive):
+    manifest = etree.fromstring(archive.read(FOLDER + "fmi-ls-manifest.xml"))
+    for related in manifest.iter("Related"):
+        content = archive.read(FOLDER + related.get("source"))
+        assert related.get("role") == "parameter"
+        assert related.get("checksum") == hashlib.sha3_256(content).hexdigest()
+        yield related.get("source").removesuffix(".ssv"), content
+
+
+def values_of(content):
+    document = valid(content, "ssp/schema/SystemStructureParameterValues.xsd")
+    return {node.get("name"): node[0].get("value") for node in document.iterfind(".//ssv:Parameter", NAMESPACE)}
+
+
+def test_parameter_sets_are_complete_and_in_their_ranges(archive, description):
+    known = {v.name: v for v in description.modelVariables if v.causality == "parameter"}
+    found = dict(sets(archive))
+    assert set(found) == {"rig", "paper-table3"}
+    for content in found.values():
+        values = values_of(content)
+        assert set(values) == set(known)
+        for name, variable in known.items():
+            if variable.type == "Real":
+                assert float(variable.min) <= float(values[name]) <= float(variable.max), name
+
+
+def test_the_rigs_set_is_the_start_values(archive, description):
+    values = values_of(dict(sets(archive))["rig"])
+    for variable in description.modelVariables:
+        if variable.causality == "parameter" and variable.type == "Real":
+            assert float(values[variable.name]) == pytest.approx(float(variable.start), rel=1e-9), variable.name
+
+
+def test_a_set_is_taken_by_an_importer(archive, fmu):
+    """Calibration A has no asperity contact, and an oil that is thick enough without it."""
+    values = values_of(dict(sets(archive))["paper-table3"])
+    result = fmpy.simulate_fmu(str(fmu), stop_time=0.2, start_values=values,
+                               output=["bearing.contactShare", "bearing.filmViscosity"])
+    assert result["bearing.contactShare"][-1] == 0.0
+    assert result["bearing.filmViscosity"][-1] > 0.1
+    assert float(values["thermal.initialBearingTemperature"]) == pytest.approx(355.15)
+    assert float(values["thermal.initialFilmRise"]) == -12.76
