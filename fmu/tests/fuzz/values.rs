@@ -83,7 +83,7 @@ getter!(
     fmi2GetInteger,
     Kind::Integer { .. } | Kind::Enumeration { .. },
     i32::MIN,
-    |value| *value > 0
+    |value| *value != i32::MIN
 );
 getter!(
     get_boolean,
