@@ -80,7 +80,7 @@ fn step(steps: u32) -> Result<f64, Box<dyn Error>> {
 
 /// Multiplications and additions a second on one core, in chains enough to fill its pipelines.
 fn peak() -> f64 {
-    const CHAINS: usize = 16;
+    const CHAINS: usize = 24;
     const ROUNDS: u32 = 4_000_000;
     let (factor, summand) = (black_box(0.999_999), black_box(1e-6));
     let once = || {

@@ -367,6 +367,10 @@ fn bearing() -> Vec<V> {
             "Columns of the film's cells around the bush; 0 takes as many as the width needs (Reynolds film only)"),
         variable("bearing.filmRows", Role::Parameter, Kind::Integer { access: field!(bearing.resolution.rows), min: Some(0), max: Some(200) },
             "Rows of the film's cells over half the width; 0 takes as many as the width needs (Reynolds film only)"),
+        variable("bearing.flowFactors", Role::Parameter, Kind::Boolean { access: field!(bearing.resolution.flow_factors) },
+            "The film sees the surfaces' roughness: mean gap and flow factors of Patir and Cheng (Reynolds film only)"),
+        fixed("bearing.journalRoughnessShare", &ONE, field!(bearing.resolution.journal_roughness_share), "Journal's share of the composite roughness' variance; matters with flow factors (Reynolds film only)")
+            .within(0.0, 1.0).about(0.5),
     ]
 }
 

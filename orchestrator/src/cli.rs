@@ -149,7 +149,7 @@ pub struct Verify {
     /// The seed, instead of the study's
     #[arg(long, value_name = "S")]
     pub seed: Option<u64>,
-    /// Simulate the points of a table instead of sampling
+    /// Simulate the points of a table (csv or Parquet) instead of sampling
     #[arg(long, value_name = "TABLE.csv", conflicts_with_all = ["points", "seed"])]
     pub points_from: Option<PathBuf>,
     /// How many points at a time [default: the number of cores]
@@ -161,6 +161,9 @@ pub struct Verify {
     /// Continue a study that was interrupted
     #[arg(long)]
     pub resume: bool,
+    /// Write points.parquet, too
+    #[arg(long)]
+    pub parquet: bool,
     /// Simulate only one of several equal parts of the points; `merge` joins them
     #[arg(long, value_name = "I/N")]
     pub shard: Option<Shard>,
@@ -208,6 +211,9 @@ pub struct Merge {
     /// The folder for the results
     #[arg(long, value_name = "DIR")]
     pub output: PathBuf,
+    /// Write points.parquet, too
+    #[arg(long)]
+    pub parquet: bool,
     /// Where the FMU is, if it has moved
     #[arg(long, value_name = "FMU")]
     pub fmu: Option<PathBuf>,

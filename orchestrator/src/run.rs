@@ -257,8 +257,7 @@ impl Runner {
         let points = *points;
         let driven = !self.task.inputs.is_empty();
         for index in steps {
-            let time = points.at(index);
-            let step = points.at(index + 1) - time;
+            let (time, step) = points.step(index);
             if driven {
                 feed(&self.task, instance, time)?;
             }

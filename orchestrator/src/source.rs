@@ -1,5 +1,6 @@
 //! Where points come from: a design, or a table.
 
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
@@ -7,6 +8,7 @@ use thiserror::Error;
 use crate::design::Design;
 use crate::distribution::Distribution;
 use crate::names::{did_you_mean, nearest};
+use crate::results::parquet;
 use crate::study::Study;
 use crate::study::plan::Input;
 
@@ -41,12 +43,20 @@ pub enum TableError {
         /// The cell.
         text: String,
     },
+    /// A Parquet file cannot be read.
+    #[error("{path}: {message}")]
+    Parquet {
+        /// The table.
+        path: PathBuf,
+        /// What is wrong.
+        message: String,
+    },
     /// There are no rows.
     #[error("{0}: the table has no rows")]
     Empty(PathBuf),
 }
 
-/// Columns of numbers from a csv file, with the rows' own numbers where it has a column `point`.
+/// Columns of numbers from a csv or Parquet file, with the rows' own numbers where it has a column `point`.
 #[derive(Clone, Debug)]
 pub struct Table {
     /// A row's numbers, in the order of the columns asked for.
@@ -61,6 +71,10 @@ impl Table {
     /// # Errors
     /// When the table cannot be read, a column is missing, or a cell is not a number.
     pub fn read(path: &Path, columns: &[(Vec<String>, String)]) -> Result<Self, TableError> {
+        let parquet = |extension: &OsStr| extension.eq_ignore_ascii_case("parquet");
+        if path.extension().is_some_and(parquet) {
+            return Self::read_parquet(path, columns);
+        }
         let failed = |source| TableError::Read {
             path: path.to_owned(),
             source,
@@ -102,6 +116,50 @@ impl Table {
                 .rows
                 .push(places.iter().map(number).collect::<Result<_, _>>()?);
             let own = label.and_then(|place| record.get(place)?.parse().ok());
+            table.labels.push(own.unwrap_or(table.rows.len() as u64));
+        }
+        if table.rows.is_empty() {
+            return Err(TableError::Empty(path.to_owned()));
+        }
+        Ok(table)
+    }
+}
+
+impl Table {
+    /// The same from a Parquet file.
+    fn read_parquet(path: &Path, columns: &[(Vec<String>, String)]) -> Result<Self, TableError> {
+        let failed = |message: String| TableError::Parquet {
+            path: path.to_owned(),
+            message,
+        };
+        let source = parquet::Columns::open(path).map_err(failed)?;
+        let header = source.names();
+        let places = columns
+            .iter()
+            .map(|(names, purpose)| find(path, &header, names, purpose))
+            .collect::<Result<Vec<usize>, _>>()?;
+        let label = header
+            .iter()
+            .position(|name| name.eq_ignore_ascii_case("point"));
+        let mut table = Self {
+            rows: Vec::new(),
+            labels: Vec::new(),
+        };
+        for row in source.rows().map_err(failed)? {
+            let row = row.map_err(failed)?;
+            let number = |&place: &usize| {
+                let cell = row.get(place);
+                cell.and_then(parquet::number)
+                    .ok_or_else(|| TableError::Number {
+                        path: path.to_owned(),
+                        line: table.rows.len() as u64 + 1,
+                        column: header[place].clone(),
+                        text: cell.map_or_else(String::new, ToString::to_string),
+                    })
+            };
+            let numbers = places.iter().map(number).collect::<Result<_, _>>()?;
+            let own = label.and_then(|place| row.get(place).and_then(parquet::whole));
+            table.rows.push(numbers);
             table.labels.push(own.unwrap_or(table.rows.len() as u64));
         }
         if table.rows.is_empty() {

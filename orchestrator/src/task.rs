@@ -260,11 +260,13 @@ impl Schedule {
     /// The communication points, counted once.
     pub fn points(&self) -> CommunicationPoints {
         let (leap, even) = self.even();
+        let steps = self.steps();
         CommunicationPoints {
             schedule: *self,
-            steps: self.steps(),
+            steps,
             leap,
             even,
+            between: steps.saturating_sub(leap + 1),
         }
     }
 
@@ -287,6 +289,8 @@ pub struct CommunicationPoints {
     /// Steps before the even ones, and where those begin.
     leap: u64,
     even: f64,
+    /// Even steps of which neither end is the stop time.
+    between: u64,
 }
 
 impl CommunicationPoints {
@@ -301,6 +305,22 @@ impl CommunicationPoints {
         } else {
             // Signed numbers are converted faster, and there are no more steps than those hold.
             self.even + (index - self.leap) as i64 as f64 * self.schedule.step
+        }
+    }
+
+    /// The `index`th step: where it begins, and how long it is.
+    #[inline]
+    #[allow(clippy::cast_precision_loss, clippy::cast_possible_wrap)]
+    pub fn step(&self, index: u64) -> (f64, f64) {
+        let even = index.wrapping_sub(self.leap);
+        if even < self.between {
+            // As `at` has both ends, with one comparison for the two.
+            let time = self.even + even as i64 as f64 * self.schedule.step;
+            let next = self.even + (even + 1) as i64 as f64 * self.schedule.step;
+            (time, next - time)
+        } else {
+            let time = self.at(index);
+            (time, self.at(index + 1) - time)
         }
     }
 
@@ -339,6 +359,13 @@ mod tests {
         assert_eq!(schedule(1.0, 0.3).time(4), 1.0);
         assert_eq!(schedule(1.0, 5.0).steps(), 1);
         let points = schedule(1.0, 0.3).points();
+        for index in 0..4 {
+            let (time, step) = points.step(index);
+            assert_eq!(
+                (time, time + step),
+                (points.at(index), points.at(index + 1))
+            );
+        }
         let from = [0.0, 0.1, 0.3, 0.95, 1.0, 2.0].map(|time| points.from(time));
         assert_eq!(from, [0, 1, 1, 4, 4, 4]);
     }

@@ -1,4 +1,5 @@
 //! Nothing is lost: interrupted, sharded and parallel runs end with the same files.
+#![allow(clippy::unwrap_used)]
 
 mod support;
 
@@ -130,6 +131,7 @@ fn kill(points: u32, kills: u32) {
         killed += 1;
     }
     assert!(run("killed", &["--resume"]).wait().unwrap().success());
+    assert!(workers > 0, "no worker was killed");
     println!("{killed} supervisors and {workers} workers killed over {points} points");
     assert!(files(&bench, "killed") == files(&bench, "whole"));
     for file in ["best.ssv", "best.srmd", "best-point.csv"] {
@@ -143,11 +145,16 @@ fn kill(points: u32, kills: u32) {
     assert_eq!(left_over.filter(hidden).count(), 0);
 }
 
-/// The number of a process that another one has started.
+/// The number of a process that another one has started: every thread has children of its own.
 fn worker_of(supervisor: u32) -> Option<String> {
-    let children =
-        fs::read_to_string(format!("/proc/{supervisor}/task/{supervisor}/children")).ok()?;
-    children.split_whitespace().next().map(str::to_owned)
+    let threads = fs::read_dir(format!("/proc/{supervisor}/task"))
+        .ok()?
+        .flatten();
+    let children = |thread: fs::DirEntry| fs::read_to_string(thread.path().join("children")).ok();
+    threads.filter_map(children).find_map(|children| {
+        let first = children.split_whitespace().next();
+        first.map(str::to_owned)
+    })
 }
 
 #[test]

@@ -1,4 +1,5 @@
 //! What comes from files of others and goes into them: recordings of inputs, SSP parameter sets.
+#![allow(clippy::unwrap_used)]
 
 mod support;
 
@@ -138,6 +139,34 @@ fn the_best_point_is_a_parameter_set_with_its_provenance() {
         .find_map(|line| line.strip_prefix("lag.micrometres = "))
         .unwrap();
     assert!((shown.trim().parse::<f64>().unwrap() - 1e3 * length).abs() < 1e-9);
+}
+
+#[test]
+fn points_go_out_and_come_in_as_parquet() {
+    let bench = bench();
+    let verify = |more: &[&str]| bench.run(&[&["verify", "studies/study.toml"], more].concat());
+    assert_eq!(verify(&["--output", "out", "--parquet"]).code, 0);
+    let said = verify(&[
+        "--output",
+        "again",
+        "--points-from",
+        "out/points.parquet",
+        "--parquet",
+    ]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    assert_eq!(bench.read("again/points.csv"), bench.read("out/points.csv"));
+    let judged = |table: &str| bench.run(&["judge", "studies/study.toml", table]).out;
+    assert_eq!(judged("out/points.parquet"), judged("out/points.csv"));
+    let bytes = std::fs::read(bench.path("out/points.parquet")).unwrap();
+    assert_eq!(
+        std::fs::read(bench.path("again/points.parquet")).unwrap(),
+        bytes
+    );
+    std::fs::write(bench.path("cut.parquet"), &bytes[..bytes.len() / 2]).unwrap();
+    verify(&["--output", "cut", "--points-from", "cut.parquet"]).is_mistake(&["cut.parquet"]);
+    bench
+        .run(&["judge", "studies/study.toml", "none.parquet"])
+        .is_mistake(&["none.parquet"]);
 }
 
 #[test]

@@ -1,4 +1,5 @@
 //! Damaged files are no panic: each one gives a clear error of one line, or still makes sense.
+#![allow(clippy::unwrap_used)]
 
 mod support;
 
@@ -91,6 +92,11 @@ const WORDS: [&str; 24] = [
 /// Some changes to a file.
 fn mutate(original: &[u8], random: &mut StdRng) -> Vec<u8> {
     let mut bytes = original.to_vec();
+    if random.random() {
+        // Gentle: what can still be read, with other content.
+        rearrange(&mut bytes, random);
+        return bytes;
+    }
     for _ in 0..random.random_range(1..4) {
         let place = random.random_range(0..=bytes.len());
         let end = (place + random.random_range(0..40)).min(bytes.len());
@@ -115,6 +121,29 @@ fn mutate(original: &[u8], random: &mut StdRng) -> Vec<u8> {
         }
     }
     bytes
+}
+
+/// Changes a number, or removes, doubles or moves a line.
+fn rearrange(bytes: &mut Vec<u8>, random: &mut StdRng) {
+    let digits: Vec<usize> = (0..bytes.len())
+        .filter(|&k| bytes[k].is_ascii_digit())
+        .collect();
+    let mut lines: Vec<&[u8]> = bytes.split_inclusive(|&byte| byte == b'\n').collect();
+    let (from, to) = (
+        random.random_range(0..lines.len()),
+        random.random_range(0..lines.len()),
+    );
+    match random.random_range(0..5) {
+        0 => drop(lines.remove(from)),
+        1 => lines.insert(to, lines[from]),
+        2 => lines.swap(from, to),
+        _ if digits.is_empty() => {}
+        _ => {
+            bytes[digits[random.random_range(0..digits.len())]] = random.random_range(b'0'..=b'9');
+            return;
+        }
+    }
+    *bytes = lines.concat();
 }
 
 type Attempt = Result<(), String>;

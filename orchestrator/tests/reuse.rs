@@ -1,4 +1,5 @@
 //! An instance is used again where the FMU can go back to its beginning, and replaced where it cannot.
+#![allow(clippy::unwrap_used)]
 
 mod support;
 

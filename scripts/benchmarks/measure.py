@@ -20,6 +20,7 @@ class Cost:
     cpu: float
     wall: float
     memory: float
+    child_memory: float
     text: str
 
 
@@ -44,11 +45,11 @@ def cost(command, allowed=(0,), watch=False):
         reader.join()
     if process.returncode not in allowed:
         raise Trouble(f"`{' '.join(command)}` ended with {process.returncode}: {complaint[0].strip()}")
-    return Cost(usage.ru_utime + usage.ru_stime, wall, peak.megabytes, text[0])
+    return Cost(usage.ru_utime + usage.ru_stime, wall, peak.own, peak.largest_child, text[0])
 
 
 class Peak(threading.Thread):
-    """The most memory that a process and its children held, each its own peak (VmHWM), summed."""
+    """The most resident memory that a process and its children held, each its own peak (VmHWM), MB."""
 
     def __init__(self, pid):
         super().__init__(daemon=True)
@@ -60,8 +61,12 @@ class Peak(threading.Thread):
                 self.most[pid] = max(self.most.get(pid, 0), high_water(pid))
 
     @property
-    def megabytes(self):
-        return sum(self.most.values()) / 1e3
+    def own(self):
+        return self.most.get(self.pid, 0) / 1e3
+
+    @property
+    def largest_child(self):
+        return max((peak for pid, peak in self.most.items() if pid != self.pid), default=0) / 1e3
 
 
 def family(pid):

@@ -91,6 +91,8 @@ def errors(found):
 def scaling(sizes):
     """The table of the scaling series."""
     alone = {size.points: size.wall for size in sizes if size.jobs == 1}
-    return table(["points", "run", "CPU a point, ms", "wall, s", "one worker / this, wall", "peak memory, MB"], [
+    return table(["points", "run", "CPU a point, ms", "wall, s", "one worker / this, wall", "peak memory, MB",
+                  "largest worker's, MB"], [
         [f"{size.points:,}", f"{size.jobs} at a time, {size.place}", f"{1e3 * size.cpu / size.points:.2f}",
-         f"{size.wall:.2f}", f"{alone[size.points] / size.wall:.2f}", f"{size.memory:.0f}"] for size in sizes])
+         f"{size.wall:.2f}", f"{alone[size.points] / size.wall:.2f}", f"{size.memory:.0f}",
+         f"{size.worker_memory:.0f}" if size.worker_memory else ""] for size in sizes])

@@ -215,6 +215,7 @@ class Size:
     cpu: float
     wall: float
     memory: float
+    worker_memory: float
 
 
 def scaling(scale, progress):
@@ -225,5 +226,37 @@ def scaling(scale, progress):
         for jobs, options in [(1, []), (2, []), (2, ["--in-process"])]:
             progress(f"scaling: {points:,} points, {jobs} at a time {' '.join(options)}")
             seen = verify(study, "--points", points, "--jobs", jobs, *options, watch=True)
-            sizes.append(Size(points, jobs, "in process" if options else "isolated", seen.cpu, seen.wall, seen.memory))
+            sizes.append(Size(points, jobs, "in process" if options else "isolated", seen.cpu, seen.wall,
+                              seen.memory, seen.child_memory))
     return sizes
+
+
+def at_scale(sizes):
+    """What the issue asks of a million points, at the largest size that was run."""
+    most = max(size.points for size in sizes)
+    rows = []
+    for one in (size for size in sizes if size.points == most):
+        how, points = f"{one.jobs} at a time, {one.place}", f"{most:,} points"
+        cpu = Ratio([1e3 * one.cpu / most])
+        rows.append(Row(f"CPU time a point, {how}", cpu, unit=" ms", note=f"{points}, all included", **at_most(cpu, 1.8)))
+        for ten in sizes:
+            if (ten.points, ten.jobs, ten.place) == (10_000, one.jobs, one.place) and most > 10_000:
+                growth = Ratio([one.cpu / most * ten.points / ten.cpu])
+                rows.append(Row(f"the same over that at 10,000 points, {how}", growth, **at_most(growth, 1.1)))
+        memory = Ratio([one.memory])
+        rows.append(Row(f"peak resident memory, {how}", memory, unit=" MB", note=points, **at_most(memory, 200)))
+        if one.worker_memory:
+            memory = Ratio([one.worker_memory])
+            rows.append(Row(f"that of its largest worker, {how}", memory, unit=" MB", note=points, **at_most(memory, 200)))
+    return rows
+
+
+def film(scale):
+    """A step of the Reynolds film over the time of its counted operations at the machine's peak."""
+    steps = round(600 * scale.work)
+    seen = [[float(word) for word in subjects.bound(steps).split()] for _ in range(scale.repetitions)]
+    ratio = Ratio([seconds / (operations / peak) for seconds, operations, peak in seen])
+    seconds, operations, peak = (statistics.median(column) for column in zip(*seen))
+    note = (f"{1e6 * seconds:.0f} us a step; {operations / 1e3:.0f} thousand operations at {peak / 1e9:.1f} "
+            f"thousand million a second are {1e6 * operations / peak:.0f} us")
+    return [Row("a step of 1 ms, 96 x 8 cells, mass-conserving, warm", ratio, note=note)]

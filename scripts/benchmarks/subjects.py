@@ -101,6 +101,11 @@ def direct(step, steps, runs):
     return cost([TARGET / "examples" / "direct", step, steps, runs]).cpu
 
 
+def bound(steps):
+    """What the film's step costs, and what its arithmetic would."""
+    return cost([TARGET / "examples" / "bound", steps]).text
+
+
 def importer(kind, fmu, step, steps, runs):
     """CPU seconds a run of another importer, loading left out, and the output's last value."""
     text = cost([sys.executable, HERE / "importer.py", kind, fmu.file, step, steps, runs, fmu.output]).text

@@ -4,6 +4,7 @@ use super::contact::ContactTable;
 use super::profile::Profile;
 use super::reynolds::{
     Asperities, Cavitation, Drive, FilmError, FilmSettings, Grid, ReynoldsFilm, Rheology,
+    RoughFilm,
 };
 use super::{Bearing, Flows, Motion, friction};
 use crate::solver::Failure;
@@ -23,6 +24,10 @@ pub struct Resolution {
     pub rows: i32,
     /// Displacement of the journal's end at `z = B/2` by its tilt, along and across the load, m.
     pub tilt: [f64; 2],
+    /// The film sees the surfaces' roughness, also of a round and aligned bearing: mean gap and flow factors.
+    pub flow_factors: bool,
+    /// The journal's share of the composite roughness' variance, 1.
+    pub journal_roughness_share: f64,
 }
 
 impl Default for Resolution {
@@ -33,6 +38,8 @@ impl Default for Resolution {
             columns: 0,
             rows: 0,
             tilt: [0.0; 2],
+            flow_factors: false,
+            journal_roughness_share: 0.5,
         }
     }
 }
@@ -42,7 +49,7 @@ impl Default for Resolution {
 pub struct ResolvedFilm {
     film: ReynoldsFilm,
     motion: Motion,
-    /// Round and aligned: contact comes from the table, else from the film's cells.
+    /// Round, aligned and without flow factors: contact comes from the table, else from the film's cells.
     plain: bool,
 }
 
@@ -55,8 +62,10 @@ impl ResolvedFilm {
             columns,
             rows,
             tilt,
+            flow_factors,
+            journal_roughness_share: journal_share,
         } = bearing.resolution;
-        let plain = profile.is_round() && tilt == [0.0; 2];
+        let plain = profile.is_round() && tilt == [0.0; 2] && !flow_factors;
         let enough = Grid::sufficient_cells(bearing.width / bearing.diameter);
         let rough = bearing.surface.roughness > 0.0;
         let settings = FilmSettings {
@@ -74,6 +83,11 @@ impl ResolvedFilm {
             profile,
             tilt,
             asperities: (rough && !plain).then(|| Asperities(bearing.surface.clone())),
+            rough_film: if flow_factors {
+                RoughFilm::FlowFactors { journal_share }
+            } else {
+                RoughFilm::MeanGap
+            },
             ..FilmSettings::new(bearing.width, bearing.diameter, bearing.radial_clearance)
         };
         let film = ReynoldsFilm::new(settings)?;

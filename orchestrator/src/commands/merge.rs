@@ -4,8 +4,8 @@ use std::process::ExitCode;
 
 use super::{CommandError, verify};
 use crate::cli::Merge;
-use crate::results::ResultsError;
 use crate::results::journal::{self, Header};
+use crate::results::{ResultsError, parquet};
 use crate::session::{Request, Session};
 
 pub(super) fn run(options: &Merge) -> Result<ExitCode, CommandError> {
@@ -32,5 +32,8 @@ pub(super) fn run(options: &Merge) -> Result<ExitCode, CommandError> {
     joined.sync()?;
     drop(joined);
     let summary = session.conclude(&options.output, None, |_| false)?;
+    if options.parquet {
+        parquet::convert(&options.output, &summary)?;
+    }
     verify::conclude(&mut session, &options.output, &summary)
 }

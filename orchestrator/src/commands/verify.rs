@@ -12,9 +12,9 @@ use super::until::Front;
 use super::{CommandError, best, output, report, stop, table, verdict};
 use crate::cli::Verify;
 use crate::engine;
-use crate::results::Journal;
 use crate::results::journal::Finished;
 use crate::results::summary::{Run, Tally};
+use crate::results::{Journal, parquet};
 use crate::session::{Place, Request, Session, scratch};
 use crate::study::Method;
 
@@ -79,6 +79,9 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, CommandError> {
     };
     let enough = |tally: &Tally<'_>| options.until.is_some_and(|until| until.is_met(tally));
     let summary = session.conclude(&folder, Some(run), enough)?;
+    if options.parquet {
+        parquet::convert(&folder, &summary)?;
+    }
     conclude(&mut session, &folder, &summary)
 }
 

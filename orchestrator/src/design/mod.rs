@@ -77,11 +77,7 @@ impl Design {
             return Err("replicates must be at least 1".to_owned());
         }
         if design.replicates > 1 && design.method != Method::Sobol {
-            return Err(
-                "replicates belong to method = \"sobol\"; the points of the others tell \
-                        by themselves how sure a count is"
-                    .to_owned(),
-            );
+            return Err("replicates need method = \"sobol\"; remove them".to_owned());
         }
         let study::Design { points, seed, .. } = *design;
         let varies = |input: &&Distribution| input.varies();

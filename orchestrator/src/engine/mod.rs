@@ -16,6 +16,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
 use std::thread;
+use std::time::Duration;
 
 use thiserror::Error;
 
@@ -122,6 +123,9 @@ pub fn run<E: From<EngineError>>(
     })
 }
 
+/// How long answers are gathered before they are handed over.
+const GATHERING: Duration = Duration::from_millis(1);
+
 /// Hands over everything that comes, until all workers have ended.
 fn collect<E: From<EngineError>>(
     receiver: &Receiver<Result<(u64, Answer), EngineError>>,
@@ -149,10 +153,10 @@ fn collect<E: From<EngineError>>(
             Err(TryRecvError::Disconnected) => break,
             Err(TryRecvError::Empty) => {
                 handle(Ok(Event::Idle));
-                match receiver.recv() {
-                    Ok(message) => message,
-                    Err(_) => break,
-                }
+                let Ok(message) = receiver.recv() else { break };
+                // Answers of a fast FMU come in company: to wake up for each would cost more than they do.
+                thread::sleep(GATHERING);
+                message
             }
         };
         handle(message.map(|(index, answer)| Event::Answer(index, answer)));

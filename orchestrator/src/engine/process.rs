@@ -96,7 +96,7 @@ impl Process {
             record: None,
         };
         Ok(Self {
-            program: std::env::current_exe().map_err(start)?,
+            program: program().map_err(start)?,
             setup,
             limits,
             child: None,
@@ -131,6 +131,7 @@ impl Process {
 
     fn start(&self) -> io::Result<Running> {
         let mut child = Command::new(&self.program)
+            .arg0("orchestrator")
             .arg(COMMAND)
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
@@ -364,6 +365,16 @@ impl Running {
             Some((None, code)) => Failure::Exited(code.unwrap_or(-1)),
             None => Failure::Crashed("the worker closed its pipes".to_owned()),
         }
+    }
+}
+
+/// This program, even when its file has been replaced since.
+fn program() -> io::Result<PathBuf> {
+    let own = Path::new("/proc/self/exe");
+    if own.exists() {
+        Ok(own.to_owned())
+    } else {
+        std::env::current_exe()
     }
 }
 

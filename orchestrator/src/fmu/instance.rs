@@ -1,114 +1,25 @@
 //! One simulation of an FMU.
 
 use std::ffi::{CString, c_char, c_int, c_void};
-use std::fmt;
 use std::ptr;
 use std::sync::Arc;
 use std::time::Duration;
 
-use serde::{Deserialize, Serialize};
-use thiserror::Error;
-
 use super::Library;
+use super::call::{Call, Status, Value};
 use super::library::{Callbacks, Component};
 use super::logger::{Log, orchestrator_logger};
 use crate::task::{Column, Content};
 
-/// The status that a function of FMI 2.0 returns.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Status {
-    /// Done.
-    Ok,
-    /// Done, but something is to be looked at.
-    Warning,
-    /// Not done; nothing has changed.
-    Discard,
-    /// Failed; the instance cannot go on.
-    Error,
-    /// Failed; the FMU cannot go on in this process.
-    Fatal,
-    /// Not yet done.
-    Pending,
-    /// A number that the standard does not know.
-    Unknown(i32),
-}
-
-impl From<c_int> for Status {
-    fn from(status: c_int) -> Self {
-        match status {
-            0 => Self::Ok,
-            1 => Self::Warning,
-            2 => Self::Discard,
-            3 => Self::Error,
-            4 => Self::Fatal,
-            5 => Self::Pending,
-            other => Self::Unknown(other),
-        }
-    }
-}
-
-impl fmt::Display for Status {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Unknown(number) => write!(f, "unknown status {number}"),
-            known => write!(f, "fmi2{known:?}"),
-        }
-    }
-}
-
-/// A call that did not succeed.
-#[derive(Clone, Debug, Error)]
-#[error("{status}: {}", self.reason())]
-pub struct Call {
-    /// The function, such as `fmi2DoStep`.
-    pub function: &'static str,
-    /// What it returned.
-    pub status: Status,
-    /// What the FMU said.
-    pub message: Option<String>,
-}
-
-impl Call {
-    fn reason(&self) -> String {
-        match &self.message {
-            Some(message) => format!("{message} ({})", self.function),
-            None => format!("{} failed without a message", self.function),
-        }
-    }
-}
-
-/// A value of a variable.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Value {
-    /// A real number, in the variable's unit.
-    Real(f64),
-    /// A whole number, or an item of an enumeration.
-    Integer(i32),
-    /// Yes or no.
-    Boolean(bool),
-    /// A text.
-    String(String),
-}
-
-/// A state of one instance. It must be given back to that instance with [`Instance::forget`].
-#[derive(Debug)]
-pub struct State {
-    state: *mut c_void,
-    free: unsafe extern "C" fn(Component, *mut *mut c_void) -> c_int,
-}
-
-// SAFETY: as for the instance to which it belongs.
-unsafe impl Send for State {}
-
 /// One instance. It may move between threads, but only one at a time may use it.
 #[derive(Debug)]
 pub struct Instance {
-    library: Arc<Library>,
-    component: Component,
+    pub(super) library: Arc<Library>,
+    pub(super) component: Component,
     // Both are known to the FMU by address: they must outlive the component.
-    log: Box<Log>,
+    pub(super) log: Box<Log>,
     _callbacks: Box<Callbacks>,
-    dead: bool,
+    pub(super) dead: bool,
 }
 
 // SAFETY: FMI 2.0 ties an instance to no thread; it only forbids concurrent calls, which `&mut self`
@@ -187,7 +98,7 @@ impl Instance {
     }
 
     #[inline]
-    fn check(&mut self, function: &'static str, status: c_int) -> Result<(), Call> {
+    pub(super) fn check(&mut self, function: &'static str, status: c_int) -> Result<(), Call> {
         match status {
             // Ok and warning.
             0 | 1 => Ok(()),
@@ -206,7 +117,7 @@ impl Instance {
     }
 
     /// A call of the optional function `function`, which some FMUs leave out.
-    fn missing(function: &'static str) -> Call {
+    pub(super) fn missing(function: &'static str) -> Call {
         Call {
             function,
             status: Status::Error,
@@ -456,38 +367,6 @@ impl Instance {
         // SAFETY: the component is alive.
         let status = unsafe { reset(self.component) };
         self.check("fmi2Reset", status)
-    }
-
-    /// Keeps the present state of the FMU; `None` where the FMU cannot.
-    pub fn save(&mut self) -> Option<State> {
-        let functions = self.library.functions;
-        let (get, _, free) = functions.states?;
-        let mut state = ptr::null_mut();
-        // SAFETY: the component is alive, and the state is a valid place to write to.
-        let status = unsafe { get(self.component, &raw mut state) };
-        self.check("fmi2GetFMUstate", status).ok()?;
-        Some(State { state, free })
-    }
-
-    /// Takes the instance back to a state that it has kept.
-    ///
-    /// # Errors
-    /// When the FMU cannot; then a new instance is needed.
-    pub fn restore(&mut self, state: &State) -> Result<(), Call> {
-        let states = self.library.functions.states;
-        let (_, set, _) = states.ok_or_else(|| Self::missing("fmi2SetFMUstate"))?;
-        self.log.clear();
-        // SAFETY: the component is alive, and the state is one of its own.
-        let status = unsafe { set(self.component, state.state) };
-        self.check("fmi2SetFMUstate", status)
-    }
-
-    /// Gives back what a state occupies.
-    pub fn forget(&mut self, mut state: State) {
-        if !self.dead {
-            // SAFETY: the component is alive, and the state is one of its own, used no more.
-            unsafe { (state.free)(self.component, &raw mut state.state) };
-        }
     }
 
     /// Ends a simulation that was initialised. What the FMU returns no longer matters.

@@ -177,7 +177,12 @@ fn functions(path: &Path) -> Result<Functions, LibraryError> {
 fn plain(error: &libloading::Error) -> String {
     let source = std::error::Error::source(error);
     let text = source.map_or_else(|| error.to_string(), ToString::to_string);
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
+    let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    // FMUs of pythonfmu and the like expect to be loaded by a Python.
+    if text.contains("undefined symbol: _Py") || text.contains("undefined symbol: Py") {
+        return format!("{text}; the FMU runs Python: set LD_PRELOAD to the path of libpython3.so");
+    }
+    text
 }
 
 /// A symbol as a function pointer of the type that the field asks for.

@@ -3,17 +3,19 @@
 //! - [`archive`] finds and unpacks the file, trusting nothing in it;
 //! - [`description`] is what `modelDescription.xml` says, read tolerantly;
 //! - [`library`] is the binary: its functions, loaded once and never unloaded;
-//! - [`instance`] is one simulation of it.
+//! - [`instance`] is one simulation of it, by [`call`]s.
 //!
 //! A [`Package`] is an FMU at rest. It loads no code until [`Package::load`] is called, so a
 //! process that only reads descriptions cannot be brought down by a faulty binary.
 
 pub mod archive;
+pub mod call;
 pub mod description;
 pub mod instance;
 pub mod library;
 mod logger;
 mod parse;
+mod state;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -23,10 +25,12 @@ use tempfile::TempDir;
 use thiserror::Error;
 
 pub use archive::ArchiveError;
+pub use call::{Call, Status, Value};
 pub use description::{Causality, Description, Kind, Variability, Variable};
-pub use instance::{Call, Instance, State, Status, Value};
+pub use instance::Instance;
 pub use library::{Library, LibraryError};
 pub use parse::DescriptionError;
+pub use state::State;
 
 use archive::Archive;
 

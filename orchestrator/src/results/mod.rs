@@ -5,9 +5,12 @@
 //! are the same, byte for byte, however the points were computed; only [`Summary::run`] tells
 //! how long it took.
 
+pub mod finished;
 pub mod journal;
+pub mod parquet;
 pub mod points;
 pub mod summary;
+mod tally;
 
 use std::io;
 use std::path::{Path, PathBuf};

@@ -1,18 +1,18 @@
 //! Ties a study to an FMU: names become variables, units convert, numbers are checked.
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use toml::Spanned;
 
-use super::quantity::{Quantity, Scale, Sense};
-use super::{Method, Name, Pair, Parameter, Setting, Shape, Study, StudyError};
-use super::{inputs, ssv};
+use super::quantity::Scale;
+use super::{Name, Parameter, Setting, Study, StudyError, inputs, points, ssv};
 use crate::design::correlation::Correlation;
 use crate::design::{self, Design};
 use crate::distribution::Distribution;
-use crate::fmu::{Description, Kind, Value, Variability, Variable};
-use crate::names::{did_you_mean, nearest};
+use crate::fmu::{Description, Value, Variable};
 use crate::task::{Probe, Schedule, Slot, Storage, Task};
 use crate::units::Conversion;
+
+pub use super::values::{find, slot_of, value_of};
 
 /// A study that fits an FMU.
 #[derive(Clone, Debug)]
@@ -51,7 +51,7 @@ impl Plan {
     /// With line and column, when a name, a unit or a number of the study doesn't fit.
     pub fn new(study: &Study, fmu: &Description) -> Result<Self, StudyError> {
         let binder = Binder { study, fmu };
-        check_points(study)?;
+        points::check(study)?;
         let (inputs, varied) = binder.parameters()?;
         let (outputs, observed) = binder.criteria()?;
         let schedule = binder.schedule()?;
@@ -67,7 +67,7 @@ impl Plan {
             inputs,
             outputs,
             levels: study.parameters.values().map(|p| p.levels).collect(),
-            correlation: correlation(study)?,
+            correlation: points::correlation(study)?,
         })
     }
 
@@ -241,301 +241,5 @@ impl Binder<'_> {
             .check()
             .map_err(|message| self.study.error(format!("[simulation] {message}")))?;
         Ok(schedule)
-    }
-}
-
-/// A number of points that the design would ignore is an error: it was meant to do something.
-fn check_points(study: &Study) -> Result<(), StudyError> {
-    #[derive(Deserialize)]
-    struct Text {
-        #[serde(default)]
-        design: Points,
-    }
-    #[derive(Default, Deserialize)]
-    struct Points {
-        points: Option<Spanned<u64>>,
-    }
-    match study.section::<Text>()?.design.points {
-        Some(points) if study.design.method == Method::FullFactorial => {
-            let message = "a full factorial has as many points as the levels make; remove `points`";
-            Err(study.error_at(&points, message))
-        }
-        _ => Ok(()),
-    }
-}
-
-/// The correlations of a study's parameters.
-fn correlation(study: &Study) -> Result<Option<Correlation>, StudyError> {
-    let mut pairs: Vec<(usize, usize, f64)> = Vec::new();
-    for entry in &study.correlations {
-        let Pair {
-            between,
-            coefficient,
-            ..
-        } = entry.as_ref();
-        let [a, b] = between.each_ref().map(|name| {
-            let parameter = study.parameters.get_full(name.as_ref().as_str());
-            let (index, _, parameter) = parameter.ok_or_else(|| {
-                let names = study.parameters.keys().map(|key| key.as_ref().as_str());
-                let suggestion = did_you_mean(nearest(name.as_ref(), names));
-                let message = format!("no parameter `{}`{suggestion}", name.as_ref());
-                study.error_at(name, message)
-            })?;
-            if parameter.distribution == Shape::Fixed {
-                return Err(study.error_at(name, format!("{} does not vary", name.as_ref())));
-            }
-            Ok(index)
-        });
-        let (a, b) = (a?, b?);
-        let wrong = |message: &str| Err(study.error_at(entry, message));
-        if a == b {
-            return wrong("a parameter is not correlated with itself; name two");
-        }
-        if !(coefficient.abs() < 1.0) {
-            return wrong("the coefficient must be more than -1 and less than 1");
-        }
-        if pairs
-            .iter()
-            .any(|&(x, y, _)| (x, y) == (a, b) || (x, y) == (b, a))
-        {
-            return wrong("the correlation of these two stands above already; keep one");
-        }
-        pairs.push((a, b, *coefficient));
-    }
-    let Some(first) = study.correlations.first() else {
-        return Ok(None);
-    };
-    let correlation = Correlation::new(study.parameters.len(), &pairs);
-    correlation
-        .map(Some)
-        .map_err(|message| study.error_at(first, message))
-}
-
-impl Parameter {
-    /// The unit of its first number that has one.
-    fn first_unit(&self) -> Option<&str> {
-        let numbers = [&self.mean, &self.value, &self.min, &self.mode, &self.max];
-        numbers
-            .into_iter()
-            .flatten()
-            .find_map(|number| number.unit.as_deref())
-    }
-
-    /// The distribution in the study's unit.
-    fn distribution(&self, scale: &Scale<'_>) -> Result<Distribution, String> {
-        let shape = self.distribution;
-        let maybe = |number: &Option<Quantity>, sense| {
-            number
-                .as_ref()
-                .map(|number| scale.number(number, sense))
-                .transpose()
-        };
-        let need = |number: &Option<Quantity>, key: &str| {
-            let sense = if key == "deviation" {
-                Sense::Difference
-            } else {
-                Sense::Value
-            };
-            maybe(number, sense)?
-                .ok_or_else(|| format!("`{key}` is missing for the distribution {}", shape.name()))
-        };
-        self.refuse_others()?;
-        let [mean, deviation] = [(&self.mean, "mean"), (&self.deviation, "deviation")];
-        Ok(match shape {
-            Shape::Normal => Distribution::Normal {
-                mean: need(mean.0, mean.1)?,
-                deviation: need(deviation.0, deviation.1)?,
-            },
-            Shape::TruncatedNormal => Distribution::TruncatedNormal {
-                mean: need(mean.0, mean.1)?,
-                deviation: need(deviation.0, deviation.1)?,
-                min: maybe(&self.min, Sense::Value)?,
-                max: maybe(&self.max, Sense::Value)?,
-            },
-            Shape::Uniform => Distribution::Uniform {
-                min: need(&self.min, "min")?,
-                max: need(&self.max, "max")?,
-            },
-            Shape::Triangular => Distribution::Triangular {
-                min: need(&self.min, "min")?,
-                mode: need(&self.mode, "mode")?,
-                max: need(&self.max, "max")?,
-            },
-            Shape::Lognormal => Distribution::Lognormal {
-                mean: need(mean.0, mean.1)?,
-                deviation: need(deviation.0, deviation.1)?,
-            },
-            Shape::Fixed => Distribution::Fixed {
-                value: need(&self.value, "value")?,
-            },
-        })
-    }
-
-    /// A number that the distribution would ignore is an error: it was meant to do something.
-    fn refuse_others(&self) -> Result<(), String> {
-        let wanted: &[&str] = match self.distribution {
-            Shape::Normal | Shape::Lognormal => &["mean", "deviation"],
-            Shape::TruncatedNormal => &["mean", "deviation", "min", "max"],
-            Shape::Uniform => &["min", "max"],
-            Shape::Triangular => &["min", "mode", "max"],
-            Shape::Fixed => &["value"],
-        };
-        let given = [
-            ("mean", &self.mean),
-            ("deviation", &self.deviation),
-            ("min", &self.min),
-            ("mode", &self.mode),
-            ("max", &self.max),
-            ("value", &self.value),
-        ];
-        let stray = given
-            .iter()
-            .find(|(key, number)| number.is_some() && !wanted.contains(key));
-        match stray {
-            Some((key, _)) => Err(format!(
-                "the distribution {} does not use `{key}`; it takes {}",
-                self.distribution.name(),
-                wanted.join(", ")
-            )),
-            None => Ok(()),
-        }
-    }
-}
-
-impl Shape {
-    fn name(self) -> &'static str {
-        match self {
-            Self::Normal => "normal",
-            Self::TruncatedNormal => "truncated-normal",
-            Self::Uniform => "uniform",
-            Self::Triangular => "triangular",
-            Self::Lognormal => "lognormal",
-            Self::Fixed => "fixed",
-        }
-    }
-}
-
-/// The variable of this name.
-///
-/// # Errors
-/// Suggests the nearest name.
-pub fn find<'a>(fmu: &'a Description, name: &str) -> Result<&'a Variable, String> {
-    fmu.variables.get(name).ok_or_else(|| {
-        let suggestion = did_you_mean(fmu.nearest(name));
-        format!("the FMU has no variable `{name}`{suggestion}")
-    })
-}
-
-/// The smallest and largest value that the FMU's description allows, in the FMU's unit.
-fn limits(variable: &Variable) -> (Option<f64>, Option<f64>) {
-    match &variable.kind {
-        Kind::Real { min, max, .. } => (*min, *max),
-        Kind::Integer { min, max, .. } => (min.map(f64::from), max.map(f64::from)),
-        _ => (None, None),
-    }
-}
-
-/// How a variable takes a number before a simulation.
-///
-/// # Errors
-/// When it cannot be set, or is a text.
-pub fn slot_of(variable: &Variable) -> Result<Slot, String> {
-    settable(variable)?;
-    let storage = Storage::of(variable).ok_or("a text cannot vary; set it under [fixed]")?;
-    let (min, max) = limits(variable);
-    Ok(Slot {
-        name: variable.name.clone(),
-        reference: variable.value_reference,
-        storage,
-        min,
-        max,
-    })
-}
-
-fn settable(variable: &Variable) -> Result<(), String> {
-    if variable.is_settable() {
-        return Ok(());
-    }
-    let reason = match variable.variability {
-        Variability::Constant => "a constant",
-        _ => "computed by the FMU",
-    };
-    Err(format!(
-        "it is {reason}; only parameters and inputs can be set"
-    ))
-}
-
-/// A start value for a variable.
-///
-/// # Errors
-/// When the type, the unit or the number doesn't fit.
-pub fn value_of(
-    fmu: &Description,
-    variable: &Variable,
-    setting: &Setting,
-) -> Result<Value, String> {
-    let named = |message: String| format!("{}: {message}", variable.name);
-    settable(variable).map_err(named)?;
-    value(fmu, variable, setting).map_err(named)
-}
-
-fn value(fmu: &Description, variable: &Variable, setting: &Setting) -> Result<Value, String> {
-    let text = match setting {
-        Setting::Boolean(flag) => flag.to_string(),
-        Setting::Integer(number) => number.to_string(),
-        Setting::Number(number) => number.to_string(),
-        Setting::Text(text) => text.clone(),
-    };
-    let whole = || {
-        let number = text.trim().parse::<i32>();
-        number.map_err(|_| format!("`{text}` is not a whole number"))
-    };
-    match &variable.kind {
-        Kind::Real { unit, .. } => {
-            let quantity: Quantity = text.parse()?;
-            let scale = Scale::new(None, &fmu.units, unit.as_deref())?;
-            let number = scale.number(&quantity, Sense::Value)?;
-            check_limits(variable, number)?;
-            Ok(Value::Real(number))
-        }
-        Kind::Integer { .. } => {
-            let number = whole()?;
-            check_limits(variable, f64::from(number))?;
-            Ok(Value::Integer(number))
-        }
-        Kind::Boolean { .. } => match text.trim() {
-            "true" | "1" => Ok(Value::Boolean(true)),
-            "false" | "0" => Ok(Value::Boolean(false)),
-            _ => Err(format!("`{text}` is neither true nor false")),
-        },
-        Kind::String { .. } => Ok(Value::String(text)),
-        Kind::Enumeration { items, .. } => {
-            if let Some((_, number)) = items.iter().find(|(name, _)| *name == text.trim()) {
-                return Ok(Value::Integer(*number));
-            }
-            let number = whole().ok();
-            let known =
-                |number: &i32| items.is_empty() || items.iter().any(|(_, value)| value == number);
-            number.filter(known).map(Value::Integer).ok_or_else(|| {
-                let names: Vec<&str> = items.iter().map(|(name, _)| name.as_str()).collect();
-                format!("`{text}` is none of {}", names.join(", "))
-            })
-        }
-    }
-}
-
-fn check_limits(variable: &Variable, number: f64) -> Result<(), String> {
-    let unit = variable
-        .unit()
-        .map_or_else(String::new, |unit| format!(" {unit}"));
-    match limits(variable) {
-        _ if !number.is_finite() => Err(format!("{number} is not a finite number")),
-        (Some(min), _) if number < min => Err(format!(
-            "{number}{unit} is less than the smallest value {min}{unit}"
-        )),
-        (_, Some(max)) if number > max => Err(format!(
-            "{number}{unit} is more than the largest value {max}{unit}"
-        )),
-        _ => Ok(()),
     }
 }

@@ -2,8 +2,12 @@
 
 use nalgebra::Vector2;
 
-use super::cells::Stage;
-use super::film::{Drive, ReynoldsFilm};
+use super::balance::Stage;
+use super::film::ReynoldsFilm;
+use super::lanes::{dot, largest, sum_of};
+use super::linear::load;
+use super::roughness::shear_flow_factor;
+use super::settings::Drive;
 
 /// The film after an interval, and its means over it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -74,6 +78,8 @@ struct Sums {
     shear: f64,
     /// Integral of the gap times the pressure's rise around the bush.
     rise: f64,
+    /// The same of the gap that the roughness carries, by the sliding.
+    rough: f64,
     /// Moment of the pressure on the surfaces' form errors, by turning journal and bush.
     form: [f64; 2],
     /// Dissipation of the pressure flow, and of oil that fills an emptier gap.
@@ -88,14 +94,15 @@ pub(super) fn diagnose(film: &ReynoldsFilm, stage: &Stage<'_>, drive: &Drive) ->
     let settings = &film.settings;
     let radius = 0.5 * settings.diameter;
     let psi = settings.clearance / radius;
-    let scale = film.force_scale(drive.viscosity);
+    let scale = settings.force_scale(drive.viscosity);
     let moment = scale * settings.clearance;
     let sums = sum(film, stage, drive);
     let sliding = drive.journal_speed - drive.bush_speed;
     let viscous = drive.viscosity * sliding * radius.powi(3) * settings.width / settings.clearance;
     let shear = viscous * sums.shear;
-    let journal_torque = shear + moment * (0.5 * sums.rise - sums.form[0]);
-    let bush_torque = shear - moment * (0.5 * sums.rise - sums.form[1]);
+    // Of the pressure's moment on the moving gap each surface takes half; on their roughness, both take it alike.
+    let journal_torque = shear + moment * (0.5 * (sums.rise + sums.rough) - sums.form[0]);
+    let bush_torque = shear - moment * (0.5 * (sums.rise - sums.rough) - sums.form[1]);
     let velocity = film.state.velocity;
     let heat = shear * sliding + moment * sums.loss;
     let works = [
@@ -107,7 +114,7 @@ pub(super) fn diagnose(film: &ReynoldsFilm, stage: &Stage<'_>, drive: &Drive) ->
     // A film that next to nothing moves is judged by what moving it a millionth of the clearance takes.
     let still = moment * (1e-6 / stage.duration).powi(2);
     let through = works.iter().map(|work| work.abs()).sum::<f64>() + heat.abs() + still;
-    let flow = film.cells.end_flow(stage.side);
+    let flow = film.balance.end_flow();
     let volume = settings.clearance * radius * settings.width;
     let asperities = settings.asperities.as_ref();
     Diagnostics {
@@ -129,59 +136,107 @@ pub(super) fn diagnose(film: &ReynoldsFilm, stage: &Stage<'_>, drive: &Drive) ->
 
 /// Sums what the cells and edges contribute.
 fn sum(film: &ReynoldsFilm, stage: &Stage<'_>, drive: &Drive) -> Sums {
-    let (cells, gap) = (&film.cells, &film.gap);
-    let grid = &cells.grid;
-    let (columns, rows) = (grid.columns(), grid.rows());
+    let (cells, gap, balance) = (&film.cells, &film.gap, &film.balance);
+    let field = &film.state.field;
     let profile = &film.settings.profile;
-    let mut sums = Sums::default();
-    for i in 0..columns {
-        let before = (i + columns - 1) % columns * rows;
+    let mut sums = Sums {
+        load: load(cells, gap, &field.pressure).force,
+        max_pressure: largest(&field.pressure),
+        ..Sums::default()
+    };
+    for (i, range) in cells.columns() {
         let mean = cells.directions.mean[i];
         // How fast turning the journal, or the bush, by an angle opens the gap here.
         let opening = profile
-            .opening_rates(grid.theta_centre(i), film.state.angles)
+            .opening_rates(cells.grid.theta_centre(i), film.state.angles)
             .map(|rate| rate / film.settings.clearance);
         let turning = opening[0] * drive.journal_speed + opening[1] * drive.bush_speed;
-        for j in 0..rows {
-            let (cell, left) = (i * rows + j, before + j);
-            let (p, h, area) = (cells.pressure[cell], gap.cell[cell], cells.area(i, j));
-            sums.max_pressure = sums.max_pressure.max(p);
-            sums.load += mean * (p * area);
-            sums.shear += area * cells.content[cell].max(0.0) / (h * cells.fluidity[cell]);
-            sums.form[0] += opening[0] * p * area;
-            sums.form[1] += opening[1] * p * area;
-
-            let fall = p - cells.pressure[left];
-            sums.rise += cells.share[j] * gap.edge[cell] * fall;
-            sums.loss += cells.conductance_along(cell) * fall * fall;
-            if j > 0 {
-                let fall = p - cells.pressure[cell - 1];
-                sums.loss += cells.conductance_across(i, j) * fall * fall;
-            }
-            let ends = [(j + 1 == rows, rows), (j == 0 && grid.is_whole_width(), 0)];
-            for (_, edge) in ends.into_iter().filter(|end| end.0) {
-                let conductance = cells.conductance_across(i, edge);
-                sums.loss += conductance * (p - stage.side).powi(2);
-                sums.bath -= conductance * (p - stage.side) * stage.side;
-            }
-            // Oil that comes into a full cell from a less full one, or fills it up, arrives without
-            // the pressure: its work is lost.
-            let conserving = cells.conserves_mass();
-            if p != 0.0 && conserving {
-                let upstream = if stage.rotation > 0.0 {
-                    left
-                } else {
-                    (i + 1) % columns * rows + j
-                };
-                let edge = if stage.rotation > 0.0 { cell } else { upstream };
-                let lack = 1.0 - cells.content[upstream];
-                let swept = stage.rotation.abs() * cells.share[j] * gap.edge[edge];
-                let squeezed = film.state.velocity.dot(&mean)
-                    + (h - stage.mass[cell]) / stage.duration
-                    - turning;
-                sums.loss += p * (swept * lack + area * squeezed);
-            }
+        let squeeze = film.state.velocity.dot(&mean) - turning;
+        let pressed = dot(&gap.pressed[range.clone()], &field.pressure[range.clone()]);
+        sums.form[0] += opening[0] * pressed;
+        sums.form[1] += opening[1] * pressed;
+        if cells.conserves_mass() {
+            sums.loss += filling_loss(film, stage, i, squeeze);
         }
     }
+    sums.shear = shear(film);
+    for (own, before) in cells.neighbours() {
+        let p = [&field.pressure[before], &field.pressure[own.clone()]];
+        sums.loss += lost(&balance.along[own.clone()], p);
+        let share = &cells.share[own.clone()];
+        sums.rise += rise(share, &gap.edge[own.clone()], p);
+        if let Some(journal_share) = film.settings.flow_factors() {
+            let excess = film.form.roughness * (2.0 * journal_share - 1.0);
+            let ratio = &gap.edge_ratio[own];
+            let rough = |k: usize| share[k] * shear_flow_factor(ratio[k]) * (p[1][k] - p[0][k]);
+            sums.rough += excess * sum_of(share.len(), rough);
+        }
+    }
+    let n = field.pressure.len();
+    let p = &field.pressure;
+    sums.loss += lost(&balance.across[1..n], [&p[..n - 1], &p[1..]]);
+    let open: f64 = balance
+        .open
+        .iter()
+        .zip(p)
+        .map(|(open, p)| open * (p - stage.side))
+        .sum();
+    let pressed: f64 = balance
+        .open
+        .iter()
+        .zip(p)
+        .map(|(open, p)| open * (p - stage.side) * p)
+        .sum();
+    sums.loss += pressed - open * stage.side;
+    sums.bath = -open * stage.side;
     sums
+}
+
+/// Integral of content over viscous gap, where the surfaces do not touch.
+fn shear(film: &ReynoldsFilm) -> f64 {
+    let (area, content) = (&film.cells.area, &film.state.field.content);
+    let (h, apart, fluidity) = (&film.gap.cell, &film.gap.cell_apart, &film.liquid.fluidity);
+    let n = area.len();
+    let (area, content, h) = (&area[..n], &content[..n], &h[..n]);
+    let (apart, fluidity) = (&apart[..n], &fluidity[..n]);
+    sum_of(n, |c| {
+        area[c] * content[c] * apart[c] / (h[c] * fluidity[c])
+    })
+}
+
+/// Dissipation of the pressure flow through edges.
+fn lost(conductance: &[f64], p: [&[f64]; 2]) -> f64 {
+    let n = conductance.len();
+    let p = p.map(|p| &p[..n]);
+    sum_of(n, |k| conductance[k] * (p[0][k] - p[1][k]).powi(2))
+}
+
+/// Integral of the gap times the pressure's rise.
+fn rise(share: &[f64], h: &[f64], p: [&[f64]; 2]) -> f64 {
+    let n = share.len();
+    let (h, p) = (&h[..n], p.map(|p| &p[..n]));
+    sum_of(n, |k| share[k] * h[k] * (p[1][k] - p[0][k]))
+}
+
+/// Work lost in a column: oil that comes into a full cell from a less full one, or fills it up, arrives without the
+/// pressure. `squeeze` is how fast the surfaces approach.
+fn filling_loss(film: &ReynoldsFilm, stage: &Stage<'_>, column: usize, squeeze: f64) -> f64 {
+    let (cells, gap, carried) = (&film.cells, &film.gap, &film.balance.carried);
+    let field = &film.state.field;
+    let w = cells.stride;
+    let (own, left) = (column * w, cells.before(column) * w);
+    let right = cells.after(column) * w;
+    let mut loss = 0.0;
+    for k in 0..w {
+        let cell = own + k;
+        let p = field.pressure[cell];
+        if p == 0.0 {
+            continue;
+        }
+        let lack = [left, right].map(|side| 1.0 - field.content[side + k]);
+        let swept = carried[cell].max(0.0) * lack[0] - carried[right + k].min(0.0) * lack[1];
+        let filled = (gap.cell[cell] - stage.mass[cell]) / stage.duration;
+        loss += p * (swept + cells.area[cell] * (filled + squeeze * gap.cell_apart[cell]));
+    }
+    loss
 }

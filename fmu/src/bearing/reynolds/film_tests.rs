@@ -114,7 +114,7 @@ fn a_snapshot_continues_bit_for_bit() {
     let [one, two] = [&mut film, &mut again].map(|film| film.advance(0.02, &drive, &smooth));
     assert_eq!(one, two);
     assert_eq!(film.eccentricity(), again.eccentricity());
-    assert_eq!(film.content(), again.content());
+    assert_eq!(film.state.field, again.state.field);
 }
 
 /// A tilted journal without tilt, and a profile without deviation, change nothing.
@@ -238,5 +238,47 @@ proptest! {
     #[ignore = "minutes: the long version of any_life_is_survived"]
     fn ten_thousand_lives_are_survived(life in lives()) {
         live(&life)?;
+    }
+}
+
+/// A journal tilted so far that its edge would cut into the bush: the asperities there and the film elsewhere carry it.
+#[test]
+fn a_journal_whose_edge_touches_is_carried() {
+    use crate::bearing::contact::Surface;
+    let surface = Surface {
+        roughness: 1e-6,
+        ..Surface::default()
+    };
+    let flow_factors = RoughFilm::FlowFactors { journal_share: 0.8 };
+    for (rough_film, cavitation) in [
+        (RoughFilm::MeanGap, Cavitation::MassConserving),
+        (RoughFilm::MeanGap, Cavitation::NonNegative),
+        (flow_factors, Cavitation::MassConserving),
+    ] {
+        let mut settings = FilmSettings {
+            cavitation,
+            cells: [48, 4],
+            rough_film,
+            asperities: Some(Asperities(surface.clone())),
+            tilt: [15e-6, 5e-6],
+            ..FilmSettings::new(0.019, 0.025, 20e-6)
+        };
+        let drive = Drive::steady(Vector2::new(2000.0, 0.0), SPEED, VISCOSITY);
+        let mut film = ReynoldsFilm::new(settings.clone()).unwrap();
+        let report = film.advance(0.5, &drive, &smooth).unwrap();
+        let touching = film.advance(0.1, &drive, &smooth).unwrap();
+        assert!(report.mass_error < 1e-10, "{}", report.mass_error);
+        assert!(report.energy_error < 1e-3, "{}", report.energy_error);
+        assert!(touching.contact_normal > 100.0, "{touching:?}");
+        // At rest, both together carry the load.
+        assert!(touching.velocity.norm() < 1e-3, "{}", touching.velocity);
+        let by_film = touching.film_load.x / 2000.0;
+        assert!(by_film > 0.1 && by_film < 0.99, "{by_film}");
+        // Without the tilt, the film carries nearly all.
+        settings.tilt = [0.0; 2];
+        let mut aligned = ReynoldsFilm::new(settings).unwrap();
+        let report = aligned.advance(0.5, &drive, &smooth).unwrap();
+        assert!(report.contact_normal < 0.5 * touching.contact_normal);
+        assert!(aligned.smallest_gap() > film.smallest_gap());
     }
 }

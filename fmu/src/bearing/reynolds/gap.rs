@@ -2,7 +2,10 @@
 
 use nalgebra::Vector2;
 
+use super::cells::Cells;
 use super::grid::Grid;
+use super::lanes::smallest;
+use super::roughness::mean_gap;
 
 /// Where the surfaces are: what makes the gap, apart from the eccentricity.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -13,6 +16,15 @@ pub(super) struct Form {
     pub(super) middle: Vec<f64>,
     /// The same at the edges before the columns.
     pub(super) edge: Vec<f64>,
+    /// Roughness of surfaces whose gap is a mean of what lies between their asperities; zero: smooth.
+    pub(super) roughness: f64,
+}
+
+impl Form {
+    /// Whether both surfaces are round, aligned and smooth.
+    pub(super) fn is_plain(&self) -> bool {
+        self.tilt == Vector2::zeros() && self.middle.is_empty() && self.roughness == 0.0
+    }
 }
 
 /// The directions of a grid's columns.
@@ -42,54 +54,106 @@ impl Directions {
 }
 
 /// The gap in every cell and at every edge between columns, column by column.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Gap {
     /// The mean over each cell.
     pub(super) cell: Vec<f64>,
     /// At the edge before each cell, in the middle of its row.
     pub(super) edge: Vec<f64>,
+    /// The derivative of `cell` over the distance of the surfaces' mean planes: the share of the area where rough
+    /// surfaces do not touch; one for smooth ones.
+    pub(super) cell_apart: Vec<f64>,
+    /// The same of `edge`.
+    pub(super) edge_apart: Vec<f64>,
+    /// Distance of rough surfaces' mean planes in each cell and at each edge, over the roughness; else of no meaning.
+    pub(super) ratio: Vec<f64>,
+    pub(super) edge_ratio: Vec<f64>,
+    /// The share of the developed area on which the film's pressure acts, per cell.
+    pub(super) pressed: Vec<f64>,
     /// The smallest of all.
     pub(super) smallest: f64,
 }
 
 impl Gap {
-    /// Computes the gap at the eccentricity ratio `eps` (in the middle plane).
-    pub(super) fn update(
-        &mut self,
-        grid: &Grid,
-        directions: &Directions,
-        form: &Form,
-        eps: Vector2<f64>,
-    ) {
-        let rows = grid.rows();
-        self.cell.clear();
-        self.edge.clear();
-        self.smallest = f64::INFINITY;
-        for (i, (mean, edge)) in directions.mean.iter().zip(&directions.edge).enumerate() {
-            let deviation = |of: &[f64]| of.get(i).copied().unwrap_or(0.0);
-            let cell = 1.0 - eps.dot(mean) + deviation(&form.middle);
-            let before = 1.0 - eps.dot(edge) + deviation(&form.edge);
-            let (slope, slope_before) = (form.tilt.dot(mean), form.tilt.dot(edge));
-            for j in 0..rows {
-                let zeta = 0.5 * (grid.zeta_edge(j) + grid.zeta_edge(j + 1));
-                let (h, b) = (cell - zeta * slope, before - zeta * slope_before);
-                self.smallest = self.smallest.min(h).min(b);
-                self.cell.push(h);
-                self.edge.push(b);
-            }
+    pub(super) fn new(cells: &Cells) -> Self {
+        let ones = || vec![1.0; cells.count()];
+        Self {
+            cell: ones(),
+            edge: ones(),
+            cell_apart: ones(),
+            edge_apart: ones(),
+            ratio: vec![0.0; cells.count()],
+            edge_ratio: vec![0.0; cells.count()],
+            pressed: cells.area.clone(),
+            smallest: 1.0,
         }
     }
 
-    /// The largest share of the step `change` of the eccentricity that leaves at least `rest` of
-    /// the gap everywhere.
-    pub(super) fn allowed(&self, directions: &Directions, change: Vector2<f64>, rest: f64) -> f64 {
-        let rows = self.cell.len() / directions.mean.len();
+    /// Computes the gap at the eccentricity ratio `eps` (in the middle plane).
+    pub(super) fn update(&mut self, cells: &Cells, form: &Form, eps: Vector2<f64>) {
+        let columns = self.cell.chunks_exact_mut(cells.stride);
+        let columns = columns.zip(self.edge.chunks_exact_mut(cells.stride));
+        for (i, (cell, edge)) in columns.enumerate() {
+            let (n, n_edge) = (cells.directions.mean[i], cells.directions.edge[i]);
+            let deviation = |of: &[f64]| of.get(i).copied().unwrap_or(0.0);
+            cell.fill(1.0 - eps.dot(&n) + deviation(&form.middle));
+            edge.fill(1.0 - eps.dot(&n_edge) + deviation(&form.edge));
+            if form.tilt != Vector2::zeros() {
+                let (slope, slope_edge) = (form.tilt.dot(&n), form.tilt.dot(&n_edge));
+                for ((cell, edge), zeta) in cell.iter_mut().zip(edge).zip(&cells.zeta) {
+                    *cell -= zeta * slope;
+                    *edge -= zeta * slope_edge;
+                }
+            }
+        }
+        if form.roughness > 0.0 {
+            self.fill_valleys(cells, form.roughness);
+        }
+        self.smallest = if form.is_plain() {
+            // The narrowest point may lie between the grid's.
+            1.0 - eps.norm()
+        } else {
+            smallest(&self.cell).min(smallest(&self.edge))
+        };
+    }
+
+    /// Turns distances of rough surfaces into mean gaps.
+    fn fill_valleys(&mut self, cells: &Cells, roughness: f64) {
+        let of_cells = (&mut self.cell, &mut self.ratio, &mut self.cell_apart);
+        let of_edges = (&mut self.edge, &mut self.edge_ratio, &mut self.edge_apart);
+        for (gap, ratio, apart) in [of_cells, of_edges] {
+            for ((gap, ratio), apart) in gap.iter_mut().zip(ratio).zip(apart) {
+                *ratio = *gap / roughness;
+                let [mean, slope] = mean_gap(*ratio);
+                (*gap, *apart) = (mean * roughness, slope);
+            }
+        }
+        let areas = cells.area.iter().zip(&self.cell_apart);
+        for (pressed, (area, apart)) in self.pressed.iter_mut().zip(areas) {
+            *pressed = area * apart;
+        }
+    }
+
+    /// The largest share of the step `change` of the eccentricity that leaves at least `rest` of the gap everywhere;
+    /// rough surfaces may come closer by half their roughness in any case.
+    pub(super) fn allowed(
+        &self,
+        cells: &Cells,
+        form: &Form,
+        change: Vector2<f64>,
+        rest: f64,
+    ) -> f64 {
         let mut share: f64 = 1.0;
-        for (i, (mean, edge)) in directions.mean.iter().zip(&directions.edge).enumerate() {
-            let (closing, closing_before) = (change.dot(mean), change.dot(edge));
-            for at in i * rows..(i + 1) * rows {
-                let room = (1.0 - rest) * self.cell[at];
-                let room_before = (1.0 - rest) * self.edge[at];
+        let valleys = 0.5 * form.roughness;
+        if change.norm() <= ((1.0 - rest) * self.smallest).max(valleys) {
+            return share;
+        }
+        for (i, range) in cells.columns() {
+            let closing = change.dot(&cells.directions.mean[i]);
+            let closing_before = change.dot(&cells.directions.edge[i]);
+            for at in range {
+                let room = ((1.0 - rest) * self.cell[at]).max(valleys);
+                let room_before = ((1.0 - rest) * self.edge[at]).max(valleys);
                 if closing * share > room {
                     share = room / closing;
                 }

@@ -21,16 +21,27 @@
 //! and the external load that the film carries is `F = 12 eta (R/c)^2 R B W`, `W` the integral of
 //! `P n` over `theta` and `zeta` in 0..1 (the mean over the width).
 
+mod active_set;
 mod asperities;
+mod assembly;
+mod balance;
 mod cells;
 mod diagnostics;
+mod field;
 mod film;
 mod gap;
 mod grid;
-mod profile_lu;
+mod lanes;
+mod linear;
+mod liquid;
+mod newton;
 mod quasi_static;
 mod rheology;
+mod ring;
+mod roughness;
+mod settings;
 mod skyline;
+mod support;
 
 #[cfg(test)]
 mod film_tests;
@@ -38,7 +49,9 @@ mod film_tests;
 pub use asperities::Asperities;
 pub use cells::Cavitation;
 pub use diagnostics::Diagnostics;
-pub use film::{Drive, FilmError, FilmSettings, ReynoldsFilm};
+pub use film::ReynoldsFilm;
 pub use grid::Grid;
 pub use quasi_static::{Boundary, Carried, NotConverged, QuasiStatic};
 pub use rheology::{PressureViscosity, Rheology, ShearThinning};
+pub use roughness::{RoughFilm, pressure_flow_factor, shear_flow_factor};
+pub use settings::{Drive, FilmError, FilmSettings};

@@ -1,0 +1,66 @@
+//! The oil's properties in the film's cells.
+
+use super::field::Field;
+use super::gap::Gap;
+use super::roughness::ease_of_mean_gap;
+use super::settings::{Drive, FilmSettings};
+
+/// Viscosity and density, cell by cell, relative to the oil's at ambient pressure and low shear.
+#[derive(Clone, Debug)]
+pub(super) struct Liquid {
+    /// Reciprocal viscosity.
+    pub(super) fluidity: Vec<f64>,
+    /// Density.
+    pub(super) density: Vec<f64>,
+    /// Mass that flows under a pressure gradient at `H = 1`: density times fluidity, times the flow factor of rough
+    /// surfaces.
+    pub(super) ease: Vec<f64>,
+    /// Whether all of them are one.
+    pub(super) uniform: bool,
+}
+
+impl Liquid {
+    pub(super) fn new(cells: usize) -> Self {
+        let ones = || vec![1.0; cells];
+        Self {
+            fluidity: ones(),
+            density: ones(),
+            ease: ones(),
+            uniform: true,
+        }
+    }
+
+    /// Updates the properties to the field; true when they have come to rest.
+    pub(super) fn update(
+        &mut self,
+        settings: &FilmSettings,
+        gap: &Gap,
+        field: &Field,
+        drive: &Drive,
+    ) -> bool {
+        let factors = settings.flow_factors().is_some();
+        if settings.rheology.is_newtonian() && !factors {
+            return true;
+        }
+        self.uniform = false;
+        let to_pascal = settings.pressure_scale(drive.viscosity);
+        let psi = settings.clearance / (0.5 * settings.diameter);
+        let sliding = (drive.journal_speed - drive.bush_speed).abs() / psi;
+        let mut largest: f64 = 0.0;
+        for (cell, fluidity) in self.fluidity.iter_mut().enumerate() {
+            let pressure = field.pressure[cell] * to_pascal;
+            let rate = sliding / gap.cell[cell];
+            let ratio = settings.rheology.ratio(drive.viscosity, pressure, rate);
+            let now = 1.0 / ratio;
+            largest = largest.max((now / *fluidity - 1.0).abs());
+            *fluidity = now;
+            let factor = if factors {
+                ease_of_mean_gap(gap.ratio[cell])
+            } else {
+                1.0
+            };
+            self.ease[cell] = now * self.density[cell] * factor;
+        }
+        largest < 1e-9
+    }
+}

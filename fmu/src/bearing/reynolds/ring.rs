@@ -1,0 +1,472 @@
+//! Factorisation of the film's matrix: a ring of columns, each coupled to its two neighbours row by row.
+//!
+//! Within a column the matrix is tridiagonal, between columns diagonal. One column, the cut, is set aside; the
+//! others form a chain that is eliminated block by block, each pivot block inverted (block LU without
+//! pivoting, stable for the diagonally dominant matrices of a film: Demmel, Higham & Schreiber 1995, Numer. Linear
+//! Algebra Appl. 2). The cut column follows by its Schur complement, through the chain's answers ("spikes") to it.
+//!
+//! All sums run down whole columns of [`LANES`] rows, which the compiler keeps in vector registers; no sum's order
+//! depends on the machine.
+
+/// Rows go through the arithmetic in groups of this many; a column is padded to a multiple.
+pub(super) const LANES: usize = 8;
+
+/// A spike is followed until it has fallen to this share of its largest entry. The factorisation then is
+/// inexact by as much, which an iteration with exact residuals does not feel.
+const FADED: f64 = 1e-13;
+
+/// The matrix and its factorisation. The buffers are kept between uses.
+#[derive(Clone, Debug)]
+pub(super) struct Ring {
+    columns: usize,
+    rows: usize,
+    /// The matrix: a cell's own entry.
+    pub(super) own: Vec<f64>,
+    /// A cell's row: the entry of the row below in its column.
+    pub(super) below: Vec<f64>,
+    /// The entry of the row above.
+    pub(super) above: Vec<f64>,
+    /// The entry of the same row in the column before.
+    pub(super) before: Vec<f64>,
+    /// The entry of the same row in the column after.
+    pub(super) after: Vec<f64>,
+    /// Columns that are more than an identity; the others are left out.
+    pub(super) active: Vec<bool>,
+    cut: usize,
+    /// The inverted pivot blocks, each by columns; the cut's is that of the Schur complement.
+    inverse: Vec<f64>,
+    /// The chain's answers to unit values of the cut's cells, by the cut's cell in each column.
+    spike: Vec<f64>,
+    spiked: Vec<bool>,
+    scratch: Vec<f64>,
+}
+
+impl Ring {
+    /// A ring of so many columns and rows (a multiple of [`LANES`]).
+    pub(super) fn new(columns: usize, rows: usize) -> Self {
+        debug_assert!(rows.is_multiple_of(LANES) && columns > 2);
+        let cells = columns * rows;
+        Self {
+            columns,
+            rows,
+            own: vec![1.0; cells],
+            below: vec![0.0; cells],
+            above: vec![0.0; cells],
+            before: vec![0.0; cells],
+            after: vec![0.0; cells],
+            active: vec![false; columns],
+            cut: 0,
+            inverse: vec![0.0; cells * rows],
+            spike: vec![0.0; cells * rows],
+            spiked: vec![false; columns],
+            scratch: vec![0.0; 3 * rows],
+        }
+    }
+
+    /// Factorises the matrix, with `cut` as the column set aside.
+    pub(super) fn factorise(&mut self, cut: usize) {
+        self.cut = cut;
+        match self.rows {
+            8 => self.eliminate(8),
+            16 => self.eliminate(16),
+            rows => self.eliminate(rows),
+        }
+    }
+
+    /// Solves for several right-hand sides, in place. Needs [`factorise`](Self::factorise).
+    pub(super) fn solve<const N: usize>(&mut self, x: [&mut [f64]; N]) {
+        match self.rows {
+            8 => self.substitute(8, x),
+            16 => self.substitute(16, x),
+            rows => self.substitute(rows, x),
+        }
+    }
+
+    #[inline(always)]
+    fn eliminate(&mut self, rows: usize) {
+        let (columns, cut) = (self.columns, self.cut);
+        for place in 1..columns {
+            let column = (cut + place) % columns;
+            if !self.active[column] {
+                continue;
+            }
+            self.load_block(rows, column);
+            let previous = (column + columns - 1) % columns;
+            if previous != cut && self.active[previous] {
+                let [own, other] = two_blocks(&mut self.inverse, rows, column, previous);
+                let before = &self.before[column * rows..][..rows];
+                let after = &self.after[previous * rows..][..rows];
+                for (q, &after) in after.iter().enumerate() {
+                    let (own, other) = (&mut own[q * rows..][..rows], &other[q * rows..][..rows]);
+                    for j in 0..rows {
+                        own[j] -= before[j] * other[j] * after;
+                    }
+                }
+            }
+            let block = &mut self.inverse[column * rows * rows..][..rows * rows];
+            invert(rows, block, &mut self.scratch);
+        }
+        self.spiked.fill(false);
+        if self.active[cut] {
+            self.grow_spikes(rows);
+            self.close(rows);
+        }
+    }
+
+    /// Loads a column's tridiagonal block, by columns.
+    #[inline(always)]
+    fn load_block(&mut self, rows: usize, column: usize) {
+        let at = column * rows;
+        let block = &mut self.inverse[at * rows..][..rows * rows];
+        block.fill(0.0);
+        for j in 0..rows {
+            block[j * rows + j] = self.own[at + j];
+            if j > 0 {
+                block[(j - 1) * rows + j] = self.below[at + j];
+            }
+            if j + 1 < rows {
+                block[(j + 1) * rows + j] = self.above[at + j];
+            }
+        }
+    }
+
+    /// Solves the chain for the cut's couplings to its two ends.
+    #[inline(always)]
+    fn grow_spikes(&mut self, rows: usize) {
+        let (columns, cut) = (self.columns, self.cut);
+        let (first, last) = ((cut + 1) % columns, (cut + columns - 1) % columns);
+        let block = rows * rows;
+        let mut largest: f64 = 0.0;
+        for place in 1..columns {
+            let column = (cut + place) % columns;
+            let previous = (column + columns - 1) % columns;
+            let follows = place > 1 && self.spiked[previous] && self.active[column];
+            let ends = (column == first || column == last) && self.active[column];
+            if !follows && !ends {
+                continue;
+            }
+            let [spike, other] = two_blocks(&mut self.spike, rows, column, previous);
+            let inverse = &self.inverse[column * block..][..block];
+            let before = &self.before[column * rows..][..rows];
+            let after = &self.after[column * rows..][..rows];
+            let mut size: f64 = 0.0;
+            for k in 0..rows {
+                let source = &mut self.scratch[..rows];
+                source.fill(0.0);
+                if follows {
+                    let other = &other[k * rows..][..rows];
+                    for j in 0..rows {
+                        source[j] = -before[j] * other[j];
+                    }
+                }
+                if column == first {
+                    source[k] += before[k];
+                }
+                if column == last {
+                    source[k] += after[k];
+                }
+                let answer = &mut spike[k * rows..][..rows];
+                multiply(rows, inverse, source, answer);
+                size = answer.iter().fold(size, |m, x| m.max(x.abs()));
+            }
+            largest = largest.max(size);
+            self.spiked[column] = size > FADED * largest;
+        }
+        for place in (1..columns - 1).rev() {
+            let column = (cut + place) % columns;
+            let next = (column + 1) % columns;
+            if !(self.spiked[next] && self.active[column]) {
+                continue;
+            }
+            let [spike, other] = two_blocks(&mut self.spike, rows, column, next);
+            let inverse = &self.inverse[column * block..][..block];
+            let after = &self.after[column * rows..][..rows];
+            let fresh = !self.spiked[column];
+            let mut size: f64 = 0.0;
+            for k in 0..rows {
+                let (source, answer) = self.scratch[..2 * rows].split_at_mut(rows);
+                let other = &other[k * rows..][..rows];
+                for j in 0..rows {
+                    source[j] = after[j] * other[j];
+                }
+                multiply(rows, inverse, source, answer);
+                let spike = &mut spike[k * rows..][..rows];
+                for j in 0..rows {
+                    spike[j] = if fresh { 0.0 } else { spike[j] } - answer[j];
+                    size = size.max(spike[j].abs());
+                }
+            }
+            self.spiked[column] = size > FADED * largest;
+        }
+    }
+
+    /// Inverts the Schur complement of the cut.
+    #[inline(always)]
+    fn close(&mut self, rows: usize) {
+        let (columns, cut) = (self.columns, self.cut);
+        self.load_block(rows, cut);
+        let block = rows * rows;
+        let own = &mut self.inverse[cut * block..][..block];
+        let neighbours = [
+            ((cut + columns - 1) % columns, &self.before),
+            ((cut + 1) % columns, &self.after),
+        ];
+        for (neighbour, coupling) in neighbours {
+            if !self.spiked[neighbour] {
+                continue;
+            }
+            let coupling = &coupling[cut * rows..][..rows];
+            let spike = &self.spike[neighbour * block..][..block];
+            for k in 0..rows {
+                for j in 0..rows {
+                    own[k * rows + j] -= coupling[j] * spike[k * rows + j];
+                }
+            }
+        }
+        invert(rows, own, &mut self.scratch);
+    }
+
+    #[inline(always)]
+    fn substitute<const N: usize>(&mut self, rows: usize, mut x: [&mut [f64]; N]) {
+        let (columns, cut, block) = (self.columns, self.cut, rows * rows);
+        for place in 1..columns {
+            let column = (cut + place) % columns;
+            if !self.active[column] {
+                continue;
+            }
+            let previous = (column + columns - 1) % columns;
+            let inverse = &self.inverse[column * block..][..block];
+            let before = &self.before[column * rows..][..rows];
+            let follows = previous != cut && self.active[previous];
+            for x in &mut x {
+                let (source, answer) = self.scratch[..2 * rows].split_at_mut(rows);
+                let own = &x[column * rows..][..rows];
+                if follows {
+                    let other = &x[previous * rows..][..rows];
+                    for j in 0..rows {
+                        source[j] = own[j] - before[j] * other[j];
+                    }
+                } else {
+                    source.copy_from_slice(own);
+                }
+                multiply(rows, inverse, source, answer);
+                x[column * rows..][..rows].copy_from_slice(answer);
+            }
+        }
+        for place in (1..columns - 1).rev() {
+            let column = (cut + place) % columns;
+            let next = (column + 1) % columns;
+            if !(self.active[column] && self.active[next]) {
+                continue;
+            }
+            let inverse = &self.inverse[column * block..][..block];
+            let after = &self.after[column * rows..][..rows];
+            for x in &mut x {
+                let (source, answer) = self.scratch[..2 * rows].split_at_mut(rows);
+                let other = &x[next * rows..][..rows];
+                for j in 0..rows {
+                    source[j] = after[j] * other[j];
+                }
+                multiply(rows, inverse, source, answer);
+                let own = &mut x[column * rows..][..rows];
+                for j in 0..rows {
+                    own[j] -= answer[j];
+                }
+            }
+        }
+        if self.active[cut] {
+            for x in &mut x {
+                self.join(rows, x);
+            }
+        }
+    }
+
+    /// Completes a solution of the chain alone by the cut.
+    #[inline(always)]
+    fn join(&mut self, rows: usize, x: &mut [f64]) {
+        let (columns, cut, block) = (self.columns, self.cut, rows * rows);
+        let (source, answer) = self.scratch[..2 * rows].split_at_mut(rows);
+        source.copy_from_slice(&x[cut * rows..][..rows]);
+        let neighbours = [
+            ((cut + columns - 1) % columns, &self.before),
+            ((cut + 1) % columns, &self.after),
+        ];
+        for (neighbour, coupling) in neighbours {
+            let coupling = &coupling[cut * rows..][..rows];
+            let other = &x[neighbour * rows..][..rows];
+            for j in 0..rows {
+                source[j] -= coupling[j] * other[j];
+            }
+        }
+        multiply(rows, &self.inverse[cut * block..][..block], source, answer);
+        x[cut * rows..][..rows].copy_from_slice(answer);
+        for column in 0..columns {
+            if !self.spiked[column] {
+                continue;
+            }
+            let spike = &self.spike[column * block..][..block];
+            multiply(rows, spike, answer, source);
+            let own = &mut x[column * rows..][..rows];
+            for j in 0..rows {
+                own[j] -= source[j];
+            }
+        }
+    }
+}
+
+/// Two blocks of a row of them, the first to write to.
+fn two_blocks(all: &mut [f64], rows: usize, write: usize, read: usize) -> [&mut [f64]; 2] {
+    let size = rows * rows;
+    if write > read {
+        let (low, high) = all.split_at_mut(write * size);
+        [&mut high[..size], &mut low[read * size..][..size]]
+    } else {
+        let (low, high) = all.split_at_mut(read * size);
+        [&mut low[write * size..][..size], &mut high[..size]]
+    }
+}
+
+/// The product of a block, stored by columns, and a column.
+#[inline(always)]
+fn multiply(rows: usize, block: &[f64], x: &[f64], product: &mut [f64]) {
+    for group in (0..rows).step_by(LANES) {
+        let mut sum = [0.0; LANES];
+        for (q, &x) in x[..rows].iter().enumerate() {
+            let lanes = &block[q * rows + group..][..LANES];
+            for (sum, lane) in sum.iter_mut().zip(lanes) {
+                *sum += lane * x;
+            }
+        }
+        product[group..][..LANES].copy_from_slice(&sum);
+    }
+}
+
+/// Inverts a block in place by Gauss and Jordan's elimination, without pivoting.
+#[inline(always)]
+fn invert(rows: usize, block: &mut [f64], scratch: &mut [f64]) {
+    if rows == LANES
+        && let (lines, []) = block.as_chunks_mut::<LANES>()
+        && let Ok(lines) = lines.try_into()
+    {
+        return invert_small(lines);
+    }
+    let (keep, pivot) = scratch[..2 * rows].split_at_mut(rows);
+    for p in 0..rows {
+        // Factors instead of single stores: those would stall the vector loads that follow.
+        for (q, keep) in keep.iter_mut().enumerate() {
+            *keep = if q == p { 0.0 } else { 1.0 };
+        }
+        let line = &block[p * rows..][..rows];
+        let reciprocal = 1.0 / line[p];
+        for q in 0..rows {
+            pivot[q] = (line[q] * keep[q] + (1.0 - keep[q])) * reciprocal;
+        }
+        for r in 0..rows {
+            let line = &mut block[r * rows..][..rows];
+            let factor = line[p];
+            for q in 0..rows {
+                line[q] = line[q] * keep[q] - factor * pivot[q];
+            }
+        }
+        block[p * rows..][..rows].copy_from_slice(pivot);
+    }
+}
+
+/// The same for the usual size, its steps unrolled.
+fn invert_small(block: &mut [[f64; LANES]; LANES]) {
+    pivot_on::<0>(block);
+    pivot_on::<1>(block);
+    pivot_on::<2>(block);
+    pivot_on::<3>(block);
+    pivot_on::<4>(block);
+    pivot_on::<5>(block);
+    pivot_on::<6>(block);
+    pivot_on::<7>(block);
+}
+
+#[inline(always)]
+fn pivot_on<const P: usize>(block: &mut [[f64; LANES]; LANES]) {
+    let mut pivot = block[P];
+    let reciprocal = 1.0 / pivot[P];
+    pivot[P] = 1.0;
+    for value in &mut pivot {
+        *value *= reciprocal;
+    }
+    for line in block.iter_mut() {
+        let factor = line[P];
+        let mut rest = *line;
+        rest[P] = 0.0;
+        for q in 0..LANES {
+            rest[q] -= factor * pivot[q];
+        }
+        *line = rest;
+    }
+    block[P] = pivot;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{DMatrix, DVector};
+
+    /// A ring with all couplings, column-wise dominant, and its dense form.
+    fn example(columns: usize, rows: usize, idle: &[usize]) -> (Ring, DMatrix<f64>) {
+        let mut ring = Ring::new(columns, rows);
+        let n = columns * rows;
+        let mut dense = DMatrix::identity(n, n);
+        let value = |a: usize, b: usize| -0.2 - 0.5 * ((a * 7 + b * 3) as f64).sin().powi(2);
+        for column in 0..columns {
+            if idle.contains(&column) {
+                continue;
+            }
+            ring.active[column] = true;
+            let (before, after) = ((column + columns - 1) % columns, (column + 1) % columns);
+            for j in 0..rows {
+                let cell = column * rows + j;
+                ring.own[cell] = 4.0 + 0.1 * j as f64;
+                dense[(cell, cell)] = ring.own[cell];
+                if !idle.contains(&before) {
+                    ring.before[cell] = value(cell, 1);
+                    dense[(cell, before * rows + j)] = value(cell, 1);
+                }
+                if !idle.contains(&after) {
+                    ring.after[cell] = value(cell, 2);
+                    dense[(cell, after * rows + j)] = value(cell, 2);
+                }
+                if j > 0 {
+                    ring.below[cell] = value(cell, 3);
+                    dense[(cell, cell - 1)] = value(cell, 3);
+                }
+                if j + 1 < rows {
+                    ring.above[cell] = value(cell, 4);
+                    dense[(cell, cell + 1)] = value(cell, 4);
+                }
+            }
+        }
+        (ring, dense)
+    }
+
+    #[test]
+    fn agrees_with_a_dense_solution() {
+        for (columns, rows, idle, cut) in [
+            (5, 8, &[][..], 2),
+            (40, 8, &[], 7),
+            (6, 16, &[], 0),
+            (9, 24, &[3, 4], 5),
+            (12, 8, &[0, 11, 5], 0),
+        ] {
+            let (mut ring, dense) = example(columns, rows, idle);
+            ring.factorise(cut);
+            let idle_cell = |k: usize| idle.contains(&(k / rows));
+            let b = DVector::from_fn(columns * rows, |k, _| {
+                if idle_cell(k) { 0.0 } else { (k as f64).sin() }
+            });
+            let mut x = b.clone();
+            let mut twice = &b * 2.0;
+            ring.solve([x.as_mut_slice(), twice.as_mut_slice()]);
+            let expected = dense.lu().solve(&b).unwrap();
+            assert!((&x - &expected).amax() < 1e-12, "{columns} x {rows}");
+            assert!((twice * 0.5 - &expected).amax() < 1e-12);
+        }
+    }
+}

@@ -1,0 +1,156 @@
+//! Periodic orbits of the journal, and polynomials between them.
+
+use crate::bearing::Flows;
+use nalgebra::{SVector, Vector2};
+
+/// A periodic orbit: where it begins, and the logarithms of its flows averaged over the turn. The flows
+/// go nearly as powers of the viscosity, so their logarithms are nearly straight over its logarithm.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Orbit(pub(super) SVector<f64, 5>);
+
+/// Boundary heat is stored on top of this part of the viscous heat: a logarithm wants no zero.
+const PEDESTAL: f64 = 1e-3;
+/// The least viscous heat, W, and side flow, m³/s, for the same reason.
+const LEAST: f64 = 1e-18;
+
+impl Orbit {
+    pub(super) fn new(place: [f64; 2], flows: &Flows) -> Self {
+        let viscous = flows.viscous.max(LEAST);
+        let boundary = flows.boundary.max(0.0) + PEDESTAL * viscous;
+        let side_flow = flows.side_flow.max(0.0) + LEAST;
+        let [x, y] = place;
+        Self([x, y, viscous.ln(), boundary.ln(), side_flow.ln()].into())
+    }
+
+    pub(super) fn place(&self) -> Vector2<f64> {
+        self.0.fixed_rows::<2>(0).into()
+    }
+
+    pub(super) fn flows(&self) -> Flows {
+        let viscous = self.0[2].exp();
+        Flows {
+            viscous,
+            boundary: self.0[3].exp() - PEDESTAL * viscous,
+            side_flow: self.0[4].exp() - LEAST,
+        }
+    }
+
+    /// By how much of the whole heat, or of the side flow, a small difference of orbits changes them.
+    pub(super) fn weigh(&self, difference: &SVector<f64, 5>) -> f64 {
+        let flows = self.flows();
+        let heat = flows.viscous + flows.boundary;
+        let on_pedestal = flows.boundary + PEDESTAL * flows.viscous;
+        let of_heat = (difference[2] * (flows.viscous - PEDESTAL * flows.viscous)
+            + difference[3] * on_pedestal)
+            / heat;
+        of_heat.abs().max(difference[4].abs())
+    }
+}
+
+/// A polynomial through the nodes next to a gap between nodes, in Newton's form.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Piece {
+    /// How many nodes are below the gap.
+    pub(super) gap: usize,
+    /// How many nodes it passes through.
+    pub(super) count: usize,
+    /// Those nodes, those at the gap first.
+    pub(super) x: [f64; 4],
+    /// The divided differences.
+    coefficients: [SVector<f64, 5>; 4],
+    pub(super) nearest: Orbit,
+}
+
+impl Piece {
+    /// Through up to four of the nodes next to the gap above the first `gap` of them.
+    pub(super) fn new(nodes: &[(f64, Orbit)], gap: usize) -> Self {
+        // From the gap outwards, the nearer one first.
+        let (mut below, mut above) = (gap, gap);
+        let (mut x, mut coefficients) = ([0.0; 4], [SVector::zeros(); 4]);
+        let mut count = 0;
+        let bounds = [gap.saturating_sub(1), gap.min(nodes.len() - 1)];
+        let middle = 0.5 * (nodes[bounds[0]].0 + nodes[bounds[1]].0);
+        while count < 4 && (below > 0 || above < nodes.len()) {
+            let down = below > 0
+                && nodes
+                    .get(above)
+                    .is_none_or(|(x, _)| x - middle >= middle - nodes[below - 1].0);
+            let index = if down {
+                below -= 1;
+                below
+            } else {
+                above += 1;
+                above - 1
+            };
+            (x[count], coefficients[count]) = (nodes[index].0, nodes[index].1.0);
+            count += 1;
+        }
+        let nearest = Orbit(coefficients[0]);
+        for order in 1..count {
+            for i in (order..count).rev() {
+                coefficients[i] = (coefficients[i] - coefficients[i - 1]) / (x[i] - x[i - order]);
+            }
+        }
+        Self {
+            gap,
+            count,
+            x,
+            coefficients,
+            nearest,
+        }
+    }
+
+    /// The orbit at `x`, and what the highest order adds.
+    pub(super) fn at(&self, x: f64) -> (Orbit, SVector<f64, 5>) {
+        let (mut sum, mut last) = (self.coefficients[0], self.coefficients[0]);
+        let mut product = 1.0;
+        for i in 1..self.count {
+            product *= x - self.x[i - 1];
+            last = self.coefficients[i] * product;
+            sum += last;
+        }
+        (Orbit(sum), last)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn orbit(x: f64) -> Orbit {
+        let heat = 3.0 + x - 0.2 * x * x + 0.05 * x * x * x;
+        Orbit([0.1 * x, -0.2, heat, heat - 4.0, 0.5 * x].into())
+    }
+
+    #[test]
+    fn a_cubic_is_its_own_piece_from_every_gap() {
+        let nodes = [-1.0, -0.8, -0.3, 0.5, 0.9, 1.0].map(|x| (x, orbit(x)));
+        for gap in 0..=nodes.len() {
+            let piece = Piece::new(&nodes, gap);
+            for x in [-1.2, -0.5, 0.0, 0.7] {
+                let (found, _) = piece.at(x);
+                assert!((found.0 - orbit(x).0).norm() < 1e-10, "{gap} {x}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_last_term_shows_what_a_piece_of_lower_order_lacks() {
+        let nodes = [-0.5, 0.0, 0.5].map(|x| (x, orbit(x)));
+        let (whole, last) = Piece::new(&nodes, 2).at(0.2);
+        let (line, _) = Piece::new(&nodes[1..], 1).at(0.2);
+        assert!((whole.0 - line.0 - last).norm() < 1e-12);
+    }
+
+    #[test]
+    fn flows_come_back() {
+        let flows = Flows {
+            viscous: 12.0,
+            boundary: 0.0,
+            side_flow: 3e-7,
+        };
+        let back = Orbit::new([0.1, 0.2], &flows).flows();
+        assert!((back.viscous - 12.0).abs() < 1e-12 && back.boundary.abs() < 1e-12);
+        assert!((back.side_flow / 3e-7 - 1.0).abs() < 1e-9);
+    }
+}

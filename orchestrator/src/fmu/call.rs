@@ -1,0 +1,83 @@
+//! Calls of an FMU: what they return, and the values that they pass.
+
+use std::ffi::c_int;
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+/// The status that a function of FMI 2.0 returns.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Status {
+    /// Done.
+    Ok,
+    /// Done, but something is to be looked at.
+    Warning,
+    /// Not done; nothing has changed.
+    Discard,
+    /// Failed; the instance cannot go on.
+    Error,
+    /// Failed; the FMU cannot go on in this process.
+    Fatal,
+    /// Not yet done.
+    Pending,
+    /// A number that the standard does not know.
+    Unknown(i32),
+}
+
+impl From<c_int> for Status {
+    fn from(status: c_int) -> Self {
+        match status {
+            0 => Self::Ok,
+            1 => Self::Warning,
+            2 => Self::Discard,
+            3 => Self::Error,
+            4 => Self::Fatal,
+            5 => Self::Pending,
+            other => Self::Unknown(other),
+        }
+    }
+}
+
+impl fmt::Display for Status {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Unknown(number) => write!(f, "unknown status {number}"),
+            known => write!(f, "fmi2{known:?}"),
+        }
+    }
+}
+
+/// A call that did not succeed.
+#[derive(Clone, Debug, Error)]
+#[error("{status}: {}", self.reason())]
+pub struct Call {
+    /// The function, such as `fmi2DoStep`.
+    pub function: &'static str,
+    /// What it returned.
+    pub status: Status,
+    /// What the FMU said.
+    pub message: Option<String>,
+}
+
+impl Call {
+    fn reason(&self) -> String {
+        match &self.message {
+            Some(message) => format!("{message} ({})", self.function),
+            None => format!("{} failed without a message", self.function),
+        }
+    }
+}
+
+/// A value of a variable.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Value {
+    /// A real number, in the variable's unit.
+    Real(f64),
+    /// A whole number, or an item of an enumeration.
+    Integer(i32),
+    /// Yes or no.
+    Boolean(bool),
+    /// A text.
+    String(String),
+}

@@ -1,0 +1,200 @@
+//! The journal, read again.
+
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Seek, SeekFrom};
+use std::path::{Path, PathBuf};
+
+use super::journal::{Header, Journal};
+use super::{Outcome, ResultsError};
+
+/// Opens the journal of a folder and reads its first line.
+pub(super) fn open(folder: &Path) -> Result<(Lines, Header), ResultsError> {
+    let path = Journal::path_in(folder);
+    let file = File::open(&path).map_err(|error| match error.kind() {
+        io::ErrorKind::NotFound => ResultsError::Missing(folder.to_owned()),
+        _ => ResultsError::io(&path)(error),
+    })?;
+    let mut lines = Lines::new(file);
+    let header = lines.next_line().map_err(ResultsError::io(&path))?;
+    let header = header.and_then(|line| serde_json::from_str(line).ok());
+    let header = header.ok_or_else(|| ResultsError::Content {
+        path,
+        message: "the first line is damaged; delete the folder and begin again".to_owned(),
+    })?;
+    Ok((lines, header))
+}
+
+/// What a journal holds: where the line of each finished point is.
+#[derive(Debug)]
+pub struct Finished {
+    /// What the journal belongs to.
+    pub header: Header,
+    path: PathBuf,
+    /// A place in the file for each point; [`NOWHERE`] when it is not finished.
+    places: Vec<u64>,
+    /// How many points are finished.
+    pub count: u64,
+    /// The length of the sound part of the file.
+    pub(super) sound: u64,
+}
+
+const NOWHERE: u64 = u64::MAX;
+
+/// As many places as points: 8 bytes each.
+fn places(folder: &Path, points: u64) -> Result<Vec<u64>, ResultsError> {
+    let mut places = Vec::new();
+    let count = usize::try_from(points).unwrap_or(usize::MAX);
+    let room = places.try_reserve_exact(count);
+    room.map_err(|_| ResultsError::Content {
+        path: Journal::path_in(folder),
+        message: format!("{points} points do not fit into the memory; use --shard"),
+    })?;
+    places.resize(count, NOWHERE);
+    Ok(places)
+}
+
+impl Finished {
+    /// Reads the journal of a folder.
+    ///
+    /// # Errors
+    /// When there is none, when its first line is damaged, and when the system says no.
+    pub fn read(folder: &Path) -> Result<Self, ResultsError> {
+        let (mut lines, header) = open(folder)?;
+        let mut finished = Self {
+            places: places(folder, header.points)?,
+            header,
+            path: Journal::path_in(folder),
+            count: 0,
+            sound: lines.sound,
+        };
+        loop {
+            let place = lines.sound;
+            let line = lines
+                .next_line()
+                .map_err(ResultsError::io(&finished.path))?;
+            let Some(line) = line else { break };
+            let index = line
+                .split(' ')
+                .next()
+                .and_then(|text| text.parse::<usize>().ok());
+            if let Some(slot) = index.and_then(|index| finished.places.get_mut(index)) {
+                finished.count += u64::from(*slot == NOWHERE);
+                *slot = place;
+            }
+        }
+        finished.sound = lines.sound;
+        Ok(finished)
+    }
+
+    /// Whether a point is finished.
+    pub fn has(&self, index: u64) -> bool {
+        let place = usize::try_from(index)
+            .ok()
+            .and_then(|index| self.places.get(index));
+        place.is_some_and(|&place| place != NOWHERE)
+    }
+
+    /// Reads outcomes, in whatever order they are asked for.
+    ///
+    /// # Errors
+    /// When the journal cannot be opened.
+    pub fn outcomes(&self) -> Result<Outcomes<'_>, ResultsError> {
+        let file = File::open(&self.path).map_err(ResultsError::io(&self.path))?;
+        Ok(Outcomes {
+            finished: self,
+            lines: Lines::new(file),
+        })
+    }
+}
+
+/// Reads outcomes from a journal.
+#[derive(Debug)]
+pub struct Outcomes<'a> {
+    finished: &'a Finished,
+    lines: Lines,
+}
+
+impl Outcomes<'_> {
+    /// The outcome of a point, if it is finished.
+    ///
+    /// # Errors
+    /// When the journal cannot be read any more.
+    pub fn get(&mut self, index: u64) -> Result<Option<Outcome>, ResultsError> {
+        let path = &self.finished.path;
+        if !self.finished.has(index) {
+            return Ok(None);
+        }
+        // `has` has checked the index.
+        let place = usize::try_from(index).map_or(NOWHERE, |index| self.finished.places[index]);
+        self.lines.seek(place).map_err(ResultsError::io(path))?;
+        let line = self.lines.next_line().map_err(ResultsError::io(path))?;
+        let outcome = line.and_then(parse).ok_or_else(|| ResultsError::Content {
+            path: path.clone(),
+            message: format!("the line of point {} is damaged", index + 1),
+        })?;
+        Ok(Some(outcome))
+    }
+}
+
+fn parse(line: &str) -> Option<Outcome> {
+    let mut parts = line.splitn(3, ' ');
+    let (_, word) = (parts.next()?, parts.next()?);
+    let rest = parts.next().unwrap_or("");
+    match word {
+        "ok" => {
+            let values = rest.split_ascii_whitespace().map(|text| text.parse().ok());
+            Some(Ok(values.collect::<Option<_>>()?))
+        }
+        "failed" => Some(Err(serde_json::from_str(rest).ok()?)),
+        _ => None,
+    }
+}
+
+/// Lines whose checksums are right.
+#[derive(Debug)]
+pub(super) struct Lines {
+    reader: BufReader<File>,
+    line: Vec<u8>,
+    /// Where the sound lines end.
+    sound: u64,
+}
+
+impl Lines {
+    fn new(file: File) -> Self {
+        Self {
+            reader: BufReader::with_capacity(1 << 16, file),
+            line: Vec::new(),
+            sound: 0,
+        }
+    }
+
+    fn seek(&mut self, place: u64) -> io::Result<()> {
+        match i64::try_from(i128::from(place) - i128::from(self.sound)) {
+            // Stays in the buffer where that holds the place.
+            Ok(distance) => self.reader.seek_relative(distance)?,
+            Err(_) => self.reader.seek(SeekFrom::Start(place)).map(drop)?,
+        }
+        self.sound = place;
+        Ok(())
+    }
+
+    /// The next sound line without its checksum; `None` at the end, or where damage begins.
+    pub(super) fn next_line(&mut self) -> io::Result<Option<&str>> {
+        self.line.clear();
+        let length = self.reader.read_until(b'\n', &mut self.line)?;
+        let Some(line) = self.line.strip_suffix(b"\n") else {
+            return Ok(None);
+        };
+        let Some((sum, text)) = std::str::from_utf8(line)
+            .ok()
+            .and_then(|line| line.split_once(' '))
+        else {
+            return Ok(None);
+        };
+        if u32::from_str_radix(sum, 16).ok() != Some(crc32fast::hash(text.as_bytes())) {
+            return Ok(None);
+        }
+        self.sound += length as u64;
+        Ok(Some(text))
+    }
+}

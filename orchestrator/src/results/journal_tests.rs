@@ -1,0 +1,83 @@
+//! Tests of the journal: what was written comes back, damage is cut off.
+
+use super::*;
+use crate::failure::Failure;
+
+fn header() -> Header {
+    Header {
+        orchestrator: "1".to_owned(),
+        study: "s".to_owned(),
+        fmu: "f".to_owned(),
+        table: None,
+        seed: 1,
+        points: 5,
+        shard: None,
+    }
+}
+
+fn written() -> (tempfile::TempDir, Vec<Outcome>) {
+    let folder = tempfile::tempdir().unwrap();
+    let outcomes = vec![
+        Ok(vec![1.0 / 3.0, -2e-300]),
+        Err(Failure::Error("it \"broke\"\nbadly".to_owned())),
+        Ok(vec![0.1, 82.0]),
+    ];
+    let mut journal = Journal::create(folder.path(), &header()).unwrap();
+    for (index, outcome) in [(3, 0), (0, 1), (1, 2)] {
+        journal.append(index, &outcomes[outcome]).unwrap();
+    }
+    journal.sync().unwrap();
+    (folder, outcomes)
+}
+
+#[test]
+fn what_was_written_comes_back_exactly() {
+    let (folder, outcomes) = written();
+    let finished = Finished::read(folder.path()).unwrap();
+    assert_eq!(finished.count, 3);
+    let mut reader = finished.outcomes().unwrap();
+    for (index, outcome) in [(0, 1), (1, 2), (3, 0)] {
+        assert_eq!(
+            reader.get(index).unwrap().as_ref(),
+            Some(&outcomes[outcome])
+        );
+    }
+    assert_eq!(reader.get(2).unwrap(), None);
+}
+
+#[test]
+fn a_damaged_end_is_cut_off_wherever_it_begins() {
+    let (folder, _) = written();
+    let path = Journal::path_in(folder.path());
+    let whole = fs::read(&path).unwrap();
+    let header_end = whole.iter().position(|&byte| byte == b'\n').unwrap() + 1;
+    for end in header_end..=whole.len() {
+        fs::write(&path, &whole[..end]).unwrap();
+        let (mut journal, finished) = Journal::resume(folder.path(), &header()).unwrap();
+        let complete = whole[header_end..end]
+            .iter()
+            .filter(|&&byte| byte == b'\n')
+            .count();
+        assert_eq!(finished.count, complete as u64);
+        journal.append(4, &Ok(vec![1.0])).unwrap();
+        journal.flush().unwrap();
+        let again = Finished::read(folder.path()).unwrap();
+        assert_eq!(again.count, complete as u64 + 1);
+    }
+}
+
+#[test]
+fn a_changed_study_is_refused_with_what_differs() {
+    let (folder, _) = written();
+    let now = Header {
+        seed: 2,
+        ..header()
+    };
+    let error = Journal::resume(folder.path(), &now).unwrap_err();
+    assert!(
+        error.to_string().contains("another seed (1 then, 2 now)"),
+        "{error}"
+    );
+    let error = Journal::create(folder.path(), &header()).unwrap_err();
+    assert!(matches!(error, ResultsError::Begun(_)));
+}

@@ -1,0 +1,232 @@
+//! Tables as Apache Parquet: columns with types, compressed, as pandas, DuckDB and Spark read them.
+
+use std::fs::File;
+use std::io;
+use std::path::Path;
+use std::sync::Arc;
+
+use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical};
+use parquet::column::writer::ColumnWriter;
+use parquet::data_type::ByteArray;
+use parquet::errors::ParquetError;
+use parquet::file::properties::WriterProperties;
+use parquet::file::reader::{FileReader, SerializedFileReader};
+use parquet::file::writer::SerializedFileWriter;
+use parquet::record::{Field, Row};
+use parquet::schema::types::Type;
+
+use super::{ResultsError, Summary, keep};
+
+/// So many rows are held at a time.
+const GROUP: usize = 1 << 16;
+
+/// A Parquet file that is read row by row.
+pub struct Columns {
+    reader: SerializedFileReader<File>,
+}
+
+impl Columns {
+    /// Opens a file.
+    ///
+    /// # Errors
+    /// When there is none, or it is none of Parquet.
+    pub fn open(path: &Path) -> Result<Self, String> {
+        let file = File::open(path).map_err(|error| error.to_string())?;
+        let reader = SerializedFileReader::new(file).map_err(|error| one_line(&error))?;
+        Ok(Self { reader })
+    }
+
+    /// The names of the columns.
+    pub fn names(&self) -> Vec<String> {
+        let schema = self.reader.metadata().file_metadata().schema();
+        let fields = schema.get_fields().iter();
+        fields.map(|field| field.name().to_owned()).collect()
+    }
+
+    /// The rows, in order.
+    ///
+    /// # Errors
+    /// When they cannot be read.
+    pub fn rows(&self) -> Result<impl Iterator<Item = Result<Vec<Field>, String>>, String> {
+        let rows = self.reader.get_row_iter(None);
+        let rows = rows.map_err(|error| one_line(&error))?;
+        let cells = |row: Row| {
+            row.into_columns()
+                .into_iter()
+                .map(|(_, cell)| cell)
+                .collect()
+        };
+        Ok(rows.map(move |row| row.map(cells).map_err(|error| one_line(&error))))
+    }
+}
+
+fn one_line(error: &ParquetError) -> String {
+    let text = error.to_string();
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// A cell as a number.
+#[allow(clippy::cast_precision_loss)]
+pub fn number(cell: &Field) -> Option<f64> {
+    Some(match cell {
+        Field::Double(value) => *value,
+        Field::Float(value) => f64::from(*value),
+        Field::Bool(value) => f64::from(u8::from(*value)),
+        Field::Long(value) => *value as f64,
+        Field::ULong(value) => *value as f64,
+        other => integer(other)? as f64,
+    })
+}
+
+/// A cell as a count.
+pub fn whole(cell: &Field) -> Option<u64> {
+    match cell {
+        Field::ULong(value) => Some(*value),
+        other => u64::try_from(integer(other)?).ok(),
+    }
+}
+
+fn integer(cell: &Field) -> Option<i64> {
+    Some(match cell {
+        Field::Byte(value) => (*value).into(),
+        Field::Short(value) => (*value).into(),
+        Field::Int(value) => (*value).into(),
+        Field::Long(value) => *value,
+        Field::UByte(value) => (*value).into(),
+        Field::UShort(value) => (*value).into(),
+        Field::UInt(value) => (*value).into(),
+        _ => return None,
+    })
+}
+
+/// Writes `points.parquet` beside `points.csv`: the same rows, with types. It is either as before or complete.
+///
+/// # Errors
+/// When the table cannot be read or the file not be written.
+pub fn convert(folder: &Path, summary: &Summary) -> Result<(), ResultsError> {
+    let path = folder.join("points.parquet");
+    let draft = tempfile::Builder::new()
+        .prefix(".writing-")
+        .tempfile_in(folder);
+    let draft = draft.map_err(ResultsError::io(folder))?;
+    let attempt = || -> Result<(), ParquetError> {
+        let mut table = csv::Reader::from_path(folder.join("points.csv")).map_err(other)?;
+        let header = table.headers().map_err(other)?.clone();
+        let kinds = kinds(summary, header.len());
+        let schema = Arc::new(schema(&header, &kinds)?);
+        let settings = WriterProperties::builder().set_compression(Compression::SNAPPY);
+        let mut writer =
+            SerializedFileWriter::new(draft.reopen()?, schema, Arc::new(settings.build()))?;
+        let mut rows = table.records();
+        loop {
+            let group: Vec<_> = rows
+                .by_ref()
+                .take(GROUP)
+                .collect::<Result<_, _>>()
+                .map_err(other)?;
+            if group.is_empty() {
+                break;
+            }
+            write_group(&mut writer, &kinds, &group)?;
+        }
+        writer.close().map(drop)
+    };
+    attempt().map_err(|error| match error {
+        ParquetError::External(source) => match source.downcast::<io::Error>() {
+            Ok(error) => ResultsError::io(&path)(*error),
+            Err(source) => ResultsError::io(&path)(io::Error::other(source.to_string())),
+        },
+        error => ResultsError::io(&path)(io::Error::other(one_line(&error))),
+    })?;
+    keep(draft, &path)
+}
+
+fn other(error: csv::Error) -> ParquetError {
+    ParquetError::External(Box::new(io::Error::from(error)))
+}
+
+/// What a column holds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kind {
+    Count,
+    Number,
+    Flag,
+    Text,
+}
+
+/// The columns of `points.csv`: the point, parameters, values, passes, verified, status.
+fn kinds(summary: &Summary, width: usize) -> Vec<Kind> {
+    let numbers = summary.parameters.len() + summary.criteria.len();
+    let kind = |place: usize| match place {
+        0 => Kind::Count,
+        place if place <= numbers => Kind::Number,
+        place if place + 1 < width => Kind::Flag,
+        _ => Kind::Text,
+    };
+    (0..width).map(kind).collect()
+}
+
+fn schema(header: &csv::StringRecord, kinds: &[Kind]) -> Result<Type, ParquetError> {
+    let column = |(name, kind): (&str, &Kind)| {
+        let physical = match kind {
+            Kind::Count => Physical::INT64,
+            Kind::Number => Physical::DOUBLE,
+            Kind::Flag => Physical::BOOLEAN,
+            Kind::Text => Physical::BYTE_ARRAY,
+        };
+        let repetition = if *kind == Kind::Number {
+            // A point that failed has no values.
+            Repetition::OPTIONAL
+        } else {
+            Repetition::REQUIRED
+        };
+        let builder = Type::primitive_type_builder(name, physical).with_repetition(repetition);
+        let logical = (*kind == Kind::Text).then_some(LogicalType::String);
+        builder.with_logical_type(logical).build().map(Arc::new)
+    };
+    let columns = header
+        .iter()
+        .zip(kinds)
+        .map(column)
+        .collect::<Result<_, _>>()?;
+    Type::group_type_builder("points")
+        .with_fields(columns)
+        .build()
+}
+
+fn write_group(
+    writer: &mut SerializedFileWriter<File>,
+    kinds: &[Kind],
+    rows: &[csv::StringRecord],
+) -> Result<(), ParquetError> {
+    let mut group = writer.next_row_group()?;
+    for place in 0..kinds.len() {
+        let cells = rows.iter().map(|row| row.get(place).unwrap_or(""));
+        let Some(mut column) = group.next_column()? else {
+            break;
+        };
+        match column.untyped() {
+            ColumnWriter::Int64ColumnWriter(column) => {
+                let values: Vec<i64> = cells.map(|cell| cell.parse().unwrap_or(-1)).collect();
+                column.write_batch(&values, None, None)?;
+            }
+            ColumnWriter::DoubleColumnWriter(column) => {
+                let numbers: Vec<Option<f64>> = cells.map(|cell| cell.parse().ok()).collect();
+                let values: Vec<f64> = numbers.iter().flatten().copied().collect();
+                let present: Vec<i16> = numbers.iter().map(|n| n.is_some().into()).collect();
+                column.write_batch(&values, Some(&present), None)?;
+            }
+            ColumnWriter::BoolColumnWriter(column) => {
+                let values: Vec<bool> = cells.map(|cell| cell == "true").collect();
+                column.write_batch(&values, None, None)?;
+            }
+            ColumnWriter::ByteArrayColumnWriter(column) => {
+                let values: Vec<ByteArray> = cells.map(ByteArray::from).collect();
+                column.write_batch(&values, None, None)?;
+            }
+            _ => {}
+        }
+        column.close()?;
+    }
+    group.close().map(drop)
+}

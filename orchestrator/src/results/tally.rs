@@ -1,0 +1,315 @@
+//! The counts of `summary.json`.
+
+use indexmap::IndexMap;
+
+use super::Outcome;
+use super::summary::{
+    BestPoint, Count, CriterionCount, ParameterSummary, Provenance, Summary, VariantCount,
+};
+use crate::analysis::verdict::{randomised_share, sure_within};
+use crate::judge::{Criterion, Judge, Variant, Verdict};
+
+impl Count {
+    /// The count of points that belong to randomisations of a design in turn, given that of each.
+    #[allow(clippy::cast_precision_loss)]
+    fn new(shares: &Shares, points: u64) -> Self {
+        let passed = shares.total();
+        Self {
+            passed,
+            fraction: passed as f64 / points.max(1) as f64,
+            interval: randomised_share(&shares.0, points),
+        }
+    }
+}
+
+/// A count, for each randomisation of the design on its own.
+#[derive(Clone, Debug)]
+struct Shares(Vec<u64>);
+
+impl Shares {
+    fn add(&mut self, replicate: usize, passed: bool) {
+        self.0[replicate] += u64::from(passed);
+    }
+
+    fn total(&self) -> u64 {
+        self.0.iter().sum()
+    }
+}
+
+/// Counts points one by one, in constant memory.
+#[derive(Clone, Debug)]
+pub struct Tally<'a> {
+    judge: &'a Judge,
+    replicates: usize,
+    points: u64,
+    failures: IndexMap<String, u64>,
+    own: Counts,
+    variants: Vec<Counts>,
+    binds: Vec<u64>,
+    only_failure: Vec<u64>,
+    expected_verified: f64,
+    best: Option<Best>,
+}
+
+#[derive(Clone, Debug)]
+struct Counts {
+    verified: Shares,
+    criteria: Vec<Shares>,
+    groups: Vec<Shares>,
+}
+
+#[derive(Clone, Debug)]
+struct Best {
+    label: u64,
+    verified: bool,
+    distance: f64,
+    parameters: Vec<f64>,
+    values: Vec<f64>,
+}
+
+impl Counts {
+    fn new(judge: &Judge, replicates: usize) -> Self {
+        let none = Shares(vec![0; replicates]);
+        Self {
+            verified: none.clone(),
+            criteria: vec![none.clone(); judge.criteria.len()],
+            groups: vec![none; judge.groups.len()],
+        }
+    }
+
+    fn add(&mut self, judge: &Judge, verdict: &Verdict, replicate: usize) {
+        self.verified.add(replicate, verdict.verified());
+        for (count, passed) in self.criteria.iter_mut().zip(&verdict.passed) {
+            count.add(replicate, *passed);
+        }
+        for (count, (_, members)) in self.groups.iter_mut().zip(&judge.groups) {
+            let passed = members.iter().all(|&member| verdict.passed[member]);
+            count.add(replicate, passed);
+        }
+    }
+
+    fn by_criterion(&self, judge: &Judge, points: u64) -> IndexMap<String, Count> {
+        let names = judge
+            .criteria
+            .iter()
+            .map(|criterion| criterion.name.clone());
+        names
+            .zip(self.criteria.iter().map(|count| Count::new(count, points)))
+            .collect()
+    }
+
+    fn by_group(&self, judge: &Judge, points: u64) -> IndexMap<String, Count> {
+        let names = judge.groups.iter().map(|(name, _)| name.clone());
+        names
+            .zip(self.groups.iter().map(|count| Count::new(count, points)))
+            .collect()
+    }
+}
+
+impl<'a> Tally<'a> {
+    /// No points yet.
+    pub fn new(judge: &'a Judge) -> Self {
+        Self::of_replicates(judge, 1)
+    }
+
+    /// No points yet of a design of which the points belong to randomisations in turn; they must
+    /// be added in their order.
+    pub fn of_replicates(judge: &'a Judge, replicates: u64) -> Self {
+        let replicates = usize::try_from(replicates).unwrap_or(1).max(1);
+        let none = || Counts::new(judge, replicates);
+        Self {
+            judge,
+            replicates,
+            points: 0,
+            failures: IndexMap::new(),
+            own: none(),
+            variants: judge.variants.iter().map(|_| none()).collect(),
+            binds: vec![0; judge.criteria.len()],
+            only_failure: vec![0; judge.criteria.len()],
+            expected_verified: 0.0,
+            best: None,
+        }
+    }
+
+    /// Counts a point and returns the verdict on it.
+    pub fn add(&mut self, label: u64, parameters: &[f64], outcome: &Outcome) -> Verdict {
+        let replicate = (self.points % self.replicates as u64) as usize;
+        self.points += 1;
+        let values = outcome.as_deref().ok();
+        let verdict = self.judge.verdict(values);
+        self.own.add(self.judge, &verdict, replicate);
+        for (counts, variant) in self.variants.iter_mut().zip(&self.judge.variants) {
+            let verdict = self.judge.variant_verdict(variant, values);
+            counts.add(self.judge, &verdict, replicate);
+        }
+        match outcome {
+            Ok(values) => {
+                self.blame(values, &verdict);
+                self.compare(label, parameters, values, verdict.verified());
+            }
+            Err(failure) => {
+                *self.failures.entry(failure.class().to_owned()).or_default() += 1;
+            }
+        }
+        verdict
+    }
+
+    /// Notes which criterion decides at a point, and how sure its verdict is.
+    fn blame(&mut self, values: &[f64], verdict: &Verdict) {
+        let criteria = || self.judge.criteria.iter().zip(values);
+        let deviations: Vec<f64> = criteria()
+            .map(|(c, value)| (value - c.nominal).abs() / c.tolerance)
+            .collect();
+        let worst = (0..deviations.len()).reduce(|most, k| {
+            let larger = deviations[k] > deviations[most];
+            if larger { k } else { most }
+        });
+        if let Some(worst) = worst.filter(|_| deviations.iter().all(|d| !d.is_nan())) {
+            self.binds[worst] += 1;
+        }
+        let mut failed = (0..verdict.passed.len()).filter(|&k| !verdict.passed[k]);
+        if let (Some(only), None) = (failed.next(), failed.next()) {
+            self.only_failure[only] += 1;
+        }
+        let sure = |(c, value): (&Criterion, &f64)| {
+            let (lower, upper) = (c.nominal - c.tolerance, c.nominal + c.tolerance);
+            sure_within(*value, c.nominal, lower, upper)
+        };
+        self.expected_verified += criteria().map(sure).product::<f64>();
+    }
+
+    /// Keeps the point if it is better than the best so far; of equals the first one stays.
+    fn compare(&mut self, label: u64, parameters: &[f64], values: &[f64], verified: bool) {
+        let distance = self.judge.distance(values);
+        let better = self
+            .best
+            .as_ref()
+            .is_none_or(|best| (verified, -distance) > (best.verified, -best.distance));
+        if better {
+            self.best = Some(Best {
+                label,
+                verified,
+                distance,
+                parameters: parameters.to_vec(),
+                values: values.to_vec(),
+            });
+        }
+    }
+
+    /// How many points were counted.
+    pub fn points(&self) -> u64 {
+        self.points
+    }
+
+    /// How many of them meet all criteria.
+    pub fn verified(&self) -> u64 {
+        self.own.verified.total()
+    }
+
+    /// How many of them have no result.
+    pub fn failed(&self) -> u64 {
+        self.failures.values().sum()
+    }
+
+    /// The summary of what was counted.
+    pub fn summary(
+        &self,
+        title: Option<String>,
+        provenance: Provenance,
+        parameters: Vec<ParameterSummary>,
+    ) -> Summary {
+        let (judge, points) = (self.judge, self.points);
+        let all = Count::new(&self.own.verified, points);
+        let own = self.own.by_criterion(judge, points);
+        let criteria =
+            judge
+                .criteria
+                .iter()
+                .zip(own)
+                .enumerate()
+                .map(|(k, (criterion, (name, count)))| {
+                    let count = CriterionCount {
+                        count,
+                        binds: self.binds[k],
+                        only_failure: self.only_failure[k],
+                        criterion: criterion.clone(),
+                    };
+                    (name, count)
+                });
+        let variants = judge.variants.iter().zip(&self.variants);
+        let mut failures = self.failures.clone();
+        failures.sort_unstable_keys();
+        Summary {
+            title,
+            points,
+            failed: self.failed(),
+            verified: all.passed,
+            verified_fraction: all.fraction,
+            verified_interval: all.interval,
+            interval_method: self.interval_method(&provenance),
+            expected_verified: self.expected_verified,
+            criteria: criteria.collect(),
+            groups: self.own.by_group(judge, points),
+            variants: variants
+                .map(|(variant, counts)| self.variant(variant, counts))
+                .collect(),
+            failures,
+            best_point: self
+                .best
+                .as_ref()
+                .map(|best| self.best_point(best, &parameters)),
+            parameters,
+            run: None,
+            provenance,
+        }
+    }
+
+    fn interval_method(&self, provenance: &Provenance) -> String {
+        match (self.replicates, provenance.method.as_str()) {
+            (1, "monte-carlo" | "table") => "Wilson's score interval".to_owned(),
+            (1, "full-factorial") => "Wilson's score interval, as if the points were drawn by \
+                chance; those of a grid are not"
+                .to_owned(),
+            (1, _) => {
+                "Wilson's score interval; it takes the points as independent, which makes it \
+                wider than the even design needs"
+                    .to_owned()
+            }
+            (n, _) => format!(
+                "Student's over {n} independently scrambled nets; Wilson's where fewer than {n} points pass or fail"
+            ),
+        }
+    }
+
+    fn variant(&self, variant: &Variant, counts: &Counts) -> (String, VariantCount) {
+        let names = self
+            .judge
+            .criteria
+            .iter()
+            .map(|criterion| criterion.name.clone());
+        let count = VariantCount {
+            about: variant.about.clone(),
+            verified: Count::new(&counts.verified, self.points),
+            criteria: counts.by_criterion(self.judge, self.points),
+            groups: counts.by_group(self.judge, self.points),
+            tolerances: names.zip(variant.tolerances.iter().copied()).collect(),
+        };
+        (variant.name.clone(), count)
+    }
+
+    fn best_point(&self, best: &Best, parameters: &[ParameterSummary]) -> BestPoint {
+        let names = parameters.iter().map(|parameter| parameter.name.clone());
+        let criteria = self
+            .judge
+            .criteria
+            .iter()
+            .map(|criterion| criterion.name.clone());
+        BestPoint {
+            point: best.label,
+            verified: best.verified,
+            distance: best.distance,
+            parameters: names.zip(best.parameters.iter().copied()).collect(),
+            values: criteria.zip(best.values.iter().copied()).collect(),
+        }
+    }
+}

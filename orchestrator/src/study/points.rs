@@ -1,0 +1,75 @@
+//! What a study says of its points beyond the parameters: how many there are, and correlations.
+
+use serde::Deserialize;
+use toml::Spanned;
+
+use super::{Method, Pair, Shape, Study, StudyError};
+use crate::design::correlation::Correlation;
+use crate::names::{did_you_mean, nearest};
+
+/// A number of points that the design would ignore is an error: it was meant to do something.
+pub(super) fn check(study: &Study) -> Result<(), StudyError> {
+    #[derive(Deserialize)]
+    struct Text {
+        #[serde(default)]
+        design: Points,
+    }
+    #[derive(Default, Deserialize)]
+    struct Points {
+        points: Option<Spanned<u64>>,
+    }
+    match study.section::<Text>()?.design.points {
+        Some(points) if study.design.method == Method::FullFactorial => {
+            let message = "a full factorial has as many points as the levels make; remove `points`";
+            Err(study.error_at(&points, message))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The correlations of a study's parameters.
+pub(super) fn correlation(study: &Study) -> Result<Option<Correlation>, StudyError> {
+    let mut pairs: Vec<(usize, usize, f64)> = Vec::new();
+    for entry in &study.correlations {
+        let Pair {
+            between,
+            coefficient,
+            ..
+        } = entry.as_ref();
+        let [a, b] = between.each_ref().map(|name| {
+            let parameter = study.parameters.get_full(name.as_ref().as_str());
+            let (index, _, parameter) = parameter.ok_or_else(|| {
+                let names = study.parameters.keys().map(|key| key.as_ref().as_str());
+                let suggestion = did_you_mean(nearest(name.as_ref(), names));
+                let message = format!("no parameter `{}`{suggestion}", name.as_ref());
+                study.error_at(name, message)
+            })?;
+            if parameter.distribution == Shape::Fixed {
+                return Err(study.error_at(name, format!("{} does not vary", name.as_ref())));
+            }
+            Ok(index)
+        });
+        let (a, b) = (a?, b?);
+        let wrong = |message: &str| Err(study.error_at(entry, message));
+        if a == b {
+            return wrong("a parameter is not correlated with itself; name two");
+        }
+        if coefficient.is_nan() || coefficient.abs() >= 1.0 {
+            return wrong("the coefficient must be more than -1 and less than 1");
+        }
+        if pairs
+            .iter()
+            .any(|&(x, y, _)| (x, y) == (a, b) || (x, y) == (b, a))
+        {
+            return wrong("the correlation of these two stands above already; keep one");
+        }
+        pairs.push((a, b, *coefficient));
+    }
+    let Some(first) = study.correlations.first() else {
+        return Ok(None);
+    };
+    let correlation = Correlation::new(study.parameters.len(), &pairs);
+    correlation
+        .map(Some)
+        .map_err(|message| study.error_at(first, message))
+}

@@ -1,0 +1,132 @@
+//! Start values for an FMU's variables: found by name, converted, checked.
+
+use super::Setting;
+use super::quantity::{Quantity, Scale, Sense};
+use crate::fmu::{Description, Kind, Value, Variability, Variable};
+use crate::names::did_you_mean;
+use crate::task::{Slot, Storage};
+
+/// The variable of this name.
+///
+/// # Errors
+/// Suggests the nearest name.
+pub fn find<'a>(fmu: &'a Description, name: &str) -> Result<&'a Variable, String> {
+    fmu.variables.get(name).ok_or_else(|| {
+        let suggestion = did_you_mean(fmu.nearest(name));
+        format!("the FMU has no variable `{name}`{suggestion}")
+    })
+}
+
+/// The smallest and largest value that the FMU's description allows, in the FMU's unit.
+fn limits(variable: &Variable) -> (Option<f64>, Option<f64>) {
+    match &variable.kind {
+        Kind::Real { min, max, .. } => (*min, *max),
+        Kind::Integer { min, max, .. } => (min.map(f64::from), max.map(f64::from)),
+        _ => (None, None),
+    }
+}
+
+/// How a variable takes a number before a simulation.
+///
+/// # Errors
+/// When it cannot be set, or is a text.
+pub fn slot_of(variable: &Variable) -> Result<Slot, String> {
+    settable(variable)?;
+    let storage = Storage::of(variable).ok_or("a text cannot vary; set it under [fixed]")?;
+    let (min, max) = limits(variable);
+    Ok(Slot {
+        name: variable.name.clone(),
+        reference: variable.value_reference,
+        storage,
+        min,
+        max,
+    })
+}
+
+fn settable(variable: &Variable) -> Result<(), String> {
+    if variable.is_settable() {
+        return Ok(());
+    }
+    let reason = match variable.variability {
+        Variability::Constant => "a constant",
+        _ => "computed by the FMU",
+    };
+    Err(format!(
+        "it is {reason}; only parameters and inputs can be set"
+    ))
+}
+
+/// A start value for a variable.
+///
+/// # Errors
+/// When the type, the unit or the number doesn't fit.
+pub fn value_of(
+    fmu: &Description,
+    variable: &Variable,
+    setting: &Setting,
+) -> Result<Value, String> {
+    let named = |message: String| format!("{}: {message}", variable.name);
+    settable(variable).map_err(named)?;
+    value(fmu, variable, setting).map_err(named)
+}
+
+fn value(fmu: &Description, variable: &Variable, setting: &Setting) -> Result<Value, String> {
+    let text = match setting {
+        Setting::Boolean(flag) => flag.to_string(),
+        Setting::Integer(number) => number.to_string(),
+        Setting::Number(number) => number.to_string(),
+        Setting::Text(text) => text.clone(),
+    };
+    let whole = || {
+        let number = text.trim().parse::<i32>();
+        number.map_err(|_| format!("`{text}` is not a whole number"))
+    };
+    match &variable.kind {
+        Kind::Real { unit, .. } => {
+            let quantity: Quantity = text.parse()?;
+            let scale = Scale::new(None, &fmu.units, unit.as_deref())?;
+            let number = scale.number(&quantity, Sense::Value)?;
+            check_limits(variable, number)?;
+            Ok(Value::Real(number))
+        }
+        Kind::Integer { .. } => {
+            let number = whole()?;
+            check_limits(variable, f64::from(number))?;
+            Ok(Value::Integer(number))
+        }
+        Kind::Boolean { .. } => match text.trim() {
+            "true" | "1" => Ok(Value::Boolean(true)),
+            "false" | "0" => Ok(Value::Boolean(false)),
+            _ => Err(format!("`{text}` is neither true nor false")),
+        },
+        Kind::String { .. } => Ok(Value::String(text)),
+        Kind::Enumeration { items, .. } => {
+            if let Some((_, number)) = items.iter().find(|(name, _)| *name == text.trim()) {
+                return Ok(Value::Integer(*number));
+            }
+            let number = whole().ok();
+            let known =
+                |number: &i32| items.is_empty() || items.iter().any(|(_, value)| value == number);
+            number.filter(known).map(Value::Integer).ok_or_else(|| {
+                let names: Vec<&str> = items.iter().map(|(name, _)| name.as_str()).collect();
+                format!("`{text}` is none of {}", names.join(", "))
+            })
+        }
+    }
+}
+
+fn check_limits(variable: &Variable, number: f64) -> Result<(), String> {
+    let unit = variable
+        .unit()
+        .map_or_else(String::new, |unit| format!(" {unit}"));
+    match limits(variable) {
+        _ if !number.is_finite() => Err(format!("{number} is not a finite number")),
+        (Some(min), _) if number < min => Err(format!(
+            "{number}{unit} is less than the smallest value {min}{unit}"
+        )),
+        (_, Some(max)) if number > max => Err(format!(
+            "{number}{unit} is more than the largest value {max}{unit}"
+        )),
+        _ => Ok(()),
+    }
+}
