@@ -75,7 +75,7 @@ impl<M: Model> Instance<M> {
     ) -> Outcome {
         self.refresh()?;
         let mut ahead = None;
-        for ((reference, order), value) in references.iter().zip(orders).zip(values) {
+        for ((reference, order), value) in references.iter().zip(orders).zip(values.iter_mut()) {
             let (read, derivative) = output(variable::<M>(*reference)?, *order)?;
             *value = match derivative {
                 Some(derivative) => derivative(&self.run.model),
@@ -89,7 +89,7 @@ impl<M: Model> Instance<M> {
                 }
             };
         }
-        Ok(Status::Ok)
+        bounded(values)
     }
 
     /// Copies of the model one and two short steps ahead.
@@ -140,7 +140,7 @@ impl<M: Model> Instance<M> {
                 *value += weight * read(&model) / step;
             }
         }
-        Ok(Status::Ok)
+        bounded(values)
     }
 
     fn known(&self, variable: &'static Variable<M>, direction: f64) -> Outcome<Known<M>> {
@@ -190,6 +190,14 @@ impl<M: Model> Instance<M> {
             max: *max,
         })
     }
+}
+
+/// Derivatives that overflow, as along directions of 1e300, are none.
+fn bounded(values: &[Real]) -> Outcome {
+    if values.iter().all(|value| value.is_finite()) {
+        return Ok(Status::Ok);
+    }
+    Err(Refusal::Unsupported("a derivative is beyond all numbers"))
 }
 
 impl<M> Known<M> {

@@ -83,7 +83,7 @@ getter!(
     fmi2GetInteger,
     Kind::Integer { .. } | Kind::Enumeration { .. },
     i32::MIN,
-    |value| *value > 0
+    |value| *value != i32::MIN
 );
 getter!(
     get_boolean,
@@ -318,7 +318,7 @@ pub fn directional(host: &mut Host, component: Component) {
         values.len(),
     );
     // SAFETY: as for the getters.
-    host.call("fmi2GetDirectionalDerivative", component, |c| unsafe {
+    let status = host.call("fmi2GetDirectionalDerivative", component, |c| unsafe {
         fmi2GetDirectionalDerivative(
             c,
             from,
@@ -329,4 +329,5 @@ pub fn directional(host: &mut Host, component: Component) {
             into,
         )
     });
+    assert!(status != Status::Ok || n == 0 || values.iter().all(|value| value.is_finite()));
 }

@@ -86,7 +86,7 @@ struct Step {
 }
 
 /// The most internal steps, taken or not, in one interval: ordinary ones need a few.
-const MOST_TRIES: usize = 20_000;
+const MOST_TRIES: usize = 2_000;
 
 impl ReynoldsFilm {
     /// A flooded film with the journal in the middle.
