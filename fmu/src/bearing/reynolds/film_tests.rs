@@ -266,14 +266,14 @@ fn a_journal_whose_edge_touches_is_carried() {
         let drive = Drive::steady(Vector2::new(2000.0, 0.0), SPEED, VISCOSITY);
         let mut film = ReynoldsFilm::new(settings.clone()).unwrap();
         let report = film.advance(0.5, &drive, &smooth).unwrap();
-        let touching = film.advance(0.1, &drive, &smooth).unwrap();
+        let touching = film.advance(1.0, &drive, &smooth).unwrap();
         assert!(report.mass_error < 1e-10, "{}", report.mass_error);
         assert!(report.energy_error < 1e-3, "{}", report.energy_error);
         assert!(touching.contact_normal > 100.0, "{touching:?}");
         // At rest, both together carry the load.
         assert!(touching.velocity.norm() < 1e-3, "{}", touching.velocity);
         let by_film = touching.film_load.x / 2000.0;
-        assert!(by_film > 0.1 && by_film < 0.99, "{by_film}");
+        assert!(by_film > 0.01 && by_film < 0.5, "{by_film}");
         // Without the tilt, the film carries nearly all.
         settings.tilt = [0.0; 2];
         let mut aligned = ReynoldsFilm::new(settings).unwrap();

@@ -1,11 +1,16 @@
 //! The gap between journal and bush, in units of the radial clearance.
 
+use std::f64::consts::TAU;
+
 use nalgebra::Vector2;
 
 use super::cells::Cells;
 use super::grid::Grid;
 use super::lanes::smallest;
 use super::roughness::mean_gap;
+
+/// No journal starts where the mean planes of rough surfaces have crossed by more than so many times their roughness.
+const DEEPEST: f64 = -3.0;
 
 /// Where the surfaces are: what makes the gap, apart from the eccentricity.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -132,6 +137,21 @@ impl Gap {
         for (pressed, (area, apart)) in self.pressed.iter_mut().zip(areas) {
             *pressed = area * apart;
         }
+    }
+
+    /// Whether the surfaces leave each other room; rough ones may touch.
+    pub(super) fn is_open(&self, form: &Form) -> bool {
+        if form.roughness > 0.0 {
+            smallest(&self.ratio).min(smallest(&self.edge_ratio)) > DEEPEST
+        } else {
+            self.smallest > 0.0
+        }
+    }
+
+    /// The derivative of `pressed` over the distance of the mean planes, per area.
+    pub(super) fn parting(&self, form: &Form, cell: usize) -> f64 {
+        let density = |x: f64| (-0.5 * x * x).exp() / TAU.sqrt();
+        density(self.ratio[cell]) / form.roughness
     }
 
     /// The largest share of the step `change` of the eccentricity that leaves at least `rest` of the gap everywhere;

@@ -41,10 +41,15 @@ mod ring;
 mod roughness;
 mod settings;
 mod skyline;
+mod step;
 mod support;
 
 #[cfg(test)]
 mod film_tests;
+#[cfg(test)]
+mod quasi_static_tests;
+#[cfg(test)]
+mod ring_tests;
 
 pub use asperities::Asperities;
 pub use cells::Cavitation;

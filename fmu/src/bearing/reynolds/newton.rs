@@ -204,6 +204,21 @@ impl ReynoldsFilm {
             .refill(&self.cells, field, &self.balance, stage)
     }
 
+    /// What a closing gap between rough surfaces takes from the load, as touching asperities take area from the film.
+    fn parting(&self) -> Matrix2<f64> {
+        let pressure = &self.state.field.pressure;
+        let mut taken = Matrix2::zeros();
+        for (i, range) in self.cells.columns() {
+            let n = self.cells.directions.mean[i];
+            let sum: f64 = range
+                .filter(|&c| pressure[c] != 0.0)
+                .map(|c| pressure[c] * self.cells.area[c] * self.gap.parting(&self.form, c))
+                .sum();
+            taken += n * n.transpose() * sum;
+        }
+        taken
+    }
+
     fn linearise(&mut self, stage: &Stage<'_>) {
         self.linear.renew(
             &self.cells,
@@ -213,5 +228,8 @@ impl ReynoldsFilm {
             &self.balance,
             stage,
         );
+        if self.form.roughness > 0.0 {
+            self.linear.slope -= self.parting();
+        }
     }
 }
