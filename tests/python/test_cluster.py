@@ -14,11 +14,11 @@ from test_acceptance import PROGRAM, ROOT, orchestrator
 sys.path.insert(0, str(ROOT / "examples" / "cluster"))
 import dask_shards  # noqa: E402
 
-# Some 10 ms a point: long enough to be killed in the middle.
+# Some milliseconds a point: long enough to be killed in the middle.
 STUDY = """
 fmu = "{fmu}"
 [simulation]
-stop = 20
+stop = 10
 step = 0.001
 [design]
 method = "halton"
@@ -42,24 +42,18 @@ def files(folder):
     return [(folder / name).read_bytes() for name in ["points.csv", "best.ssv", "best.srmd"]] + [summary]
 
 
-def kill_one(client, folder, killed):
-    """Kills the Dask worker of the first part that has finished a point."""
+def kill_one(client, processes, folder, killed):
+    """Kills a Dask worker that is at work as soon as a part has finished a point."""
     end = time.monotonic() + 60
-    while time.monotonic() < end and not killed:
-        for journal in folder.glob("shard-*/journal.txt"):
-            number = int(journal.parent.name.split("-")[1])
-            if len(journal.read_text().splitlines()) < 2:
-                continue
-            processing = client.run(worker_pid)
-            for address, tasks in client.processing().items():
-                if tasks and not killed:
-                    os.kill(processing[address], signal.SIGKILL)
-                    killed.append(number)
+    while time.monotonic() < end:
+        begun = [journal for journal in folder.glob("shard-*/journal.txt")
+                 if len(journal.read_text().splitlines()) > 1]
+        busy = [address for address, tasks in client.processing().items() if tasks] if begun else []
+        if busy:
+            os.kill(processes[busy[0]], signal.SIGKILL)
+            killed.append(busy[0])
+            return
         time.sleep(0.005)
-
-
-def worker_pid():
-    return os.getpid()
 
 
 def test_a_lost_dask_worker_costs_nothing(fmu, tmp_path):
@@ -68,7 +62,8 @@ def test_a_lost_dask_worker_costs_nothing(fmu, tmp_path):
     orchestrator("verify", study, "--output", tmp_path / "single")
     killed = []
     with LocalCluster(n_workers=3, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
-        thread = threading.Thread(target=kill_one, args=(client, tmp_path / "dask", killed))
+        processes = client.run(os.getpid)
+        thread = threading.Thread(target=kill_one, args=(client, processes, tmp_path / "dask", killed))
         thread.start()
         code = dask_shards.run(client, str(PROGRAM), study, tmp_path / "dask", 6)
         thread.join()
