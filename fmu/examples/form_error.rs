@@ -1,4 +1,4 @@
-//! How far form error raises the friction of the Reynolds film: the table of `docs/film.md`.
+//! How far form error and tilt raise the friction of the Reynolds film: the table of `docs/film.md`.
 //!
 //!     cargo run --release -p plain-bearing-stand --example form_error
 
@@ -9,20 +9,23 @@ use std::path::Path;
 
 /// Angle of the lobes against the load line, rad: one that closes the gap stands where the journal runs.
 const LOBE_PHASE: f64 = 2.5;
-/// Amplitude of the bush's three lobes, m, and roughness, m.
-const CASES: [(f64, f64); 5] = [
-    (0.0, 0.0),
-    (2e-6, 0.0),
-    (4e-6, 0.0),
-    (0.0, 1e-6),
-    (4e-6, 1e-6),
+/// Amplitude of the bush's three lobes, roughness, and displacement of the journal's end by its tilt along the load, m.
+const CASES: [(f64, f64, f64); 8] = [
+    (0.0, 0.0, 0.0),
+    (2e-6, 0.0, 0.0),
+    (4e-6, 0.0, 0.0),
+    (0.0, 1e-6, 0.0),
+    (4e-6, 1e-6, 0.0),
+    (0.0, 1e-6, 5e-6),
+    (0.0, 1e-6, 15e-6),
+    (4e-6, 1e-6, 15e-6),
 ];
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    println!("| lobes, um | roughness, um | smallest gap, um | friction coefficient |");
-    println!("|---|---|---|---|");
+    println!("| lobes, um | roughness, um | tilt, um | smallest gap, um | friction coefficient |");
+    println!("|---|---|---|---|---|");
     let file = std::env::temp_dir().join("plain-bearing-form-error.csv");
-    for (amplitude, roughness) in CASES {
+    for (amplitude, roughness, tilt) in CASES {
         let lobes = (0..72).map(|i| {
             let angle = 5.0 * f64::from(i);
             format!(
@@ -34,12 +37,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             &file,
             format!("angle,bush,journal\n{}", lobes.collect::<String>()),
         )?;
-        let stand = settled(&file, roughness)?;
+        let stand = settled(&file, roughness, tilt)?;
         let r = stand.readings();
         println!(
-            "| {:.0} | {:.1} | {:.2} | {:.5} |",
+            "| {:.0} | {:.1} | {:.0} | {:.2} | {:.5} |",
             1e6 * amplitude,
             1e6 * roughness,
+            1e6 * tilt,
             1e6 * r.min_film_thickness,
             r.friction_coefficient
         );
@@ -48,11 +52,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 }
 
 /// The journal after four turns under a constant load of 750 N at the rig's temperature.
-fn settled(profile: &Path, roughness: f64) -> Result<Stand, Fault> {
+fn settled(profile: &Path, roughness: f64, tilt: f64) -> Result<Stand, Fault> {
     let mut stand = Stand::default();
     stand.bearing.film = FilmModel::Reynolds;
     stand.bearing.profile_file = profile.display().to_string();
     stand.bearing.surface.roughness = roughness;
+    stand.bearing.resolution.tilt[0] = tilt;
     stand.thermal.isothermal = true;
     stand.load.eccentricity = 0.0;
     stand.load.stiffness = 0.0;

@@ -62,7 +62,9 @@ impl ReynoldsFilm {
 
         self.state.velocity = (end - task.start) / first;
         self.state.eps = end;
-        let error = (end - straight).norm() / (self.settings.tolerance * self.gap.smallest);
+        // A gap finer than what the grid resolves is not worth finer steps.
+        let gap = self.gap.smallest.max(self.resolved_gap());
+        let error = (end - straight).norm() / (self.settings.tolerance * gap);
         let stage = self.stage_over(first, &self.launch, drive);
         let mut report = diagnose(self, &stage, drive);
         if self.cells.conserves_mass() {

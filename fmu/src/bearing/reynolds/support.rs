@@ -74,6 +74,11 @@ impl ReynoldsFilm {
         (n * force, along * slope + across * (force / e))
     }
 
+    /// The smallest gap that the grid resolves: the gap's variation over half a column at the narrowest point.
+    pub(super) fn resolved_gap(&self) -> f64 {
+        0.5 * (0.5 * self.cells.grid.theta_width(0)).powi(2)
+    }
+
     /// The load that the film's narrowest part carries beyond what the grid resolves.
     ///
     /// A closing gap carries near its narrowest point (the squeeze film of a long bearing with
@@ -82,7 +87,7 @@ impl ReynoldsFilm {
     /// `d` of the bush (`d` is 5e-4 of the clearance at 96 columns), and keeps the journal from it.
     fn unresolved(&self, eps: Vector2<f64>, motion: &Motion) -> (Vector2<f64>, Matrix2<f64>) {
         let e = eps.norm();
-        let variation = 0.5 * (0.5 * self.cells.grid.theta_width(0)).powi(2);
+        let variation = self.resolved_gap();
         let gap = 1.0 - e;
         if !self.form.is_plain() || gap > 3.0 * variation {
             return (Vector2::zeros(), Matrix2::zeros());
