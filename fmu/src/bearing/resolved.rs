@@ -3,8 +3,7 @@
 use super::contact::ContactTable;
 use super::profile::Profile;
 use super::reynolds::{
-    Asperities, Cavitation, Drive, FilmError, FilmSettings, Grid, ReynoldsFilm, Rheology,
-    RoughFilm,
+    Asperities, Cavitation, Drive, FilmError, FilmSettings, Grid, ReynoldsFilm, Rheology, RoughFilm,
 };
 use super::{Bearing, Flows, Motion, friction};
 use crate::solver::Failure;
