@@ -44,7 +44,12 @@ pub struct Readings {
 }
 
 /// A force over the load, 1, such as the friction coefficient `M/(F_N*D/2)` (the paper's formula for mu_fr
-/// with the M that its print lacks); zero where there is no load to refer to.
+/// with the M that its print lacks); zero where there is no load to refer to. Hardly any load gives the
+/// largest value that the variables' ranges allow.
 pub fn over_load(force: f64, load: f64) -> f64 {
-    if load == 0.0 { 0.0 } else { force / load }
+    const MOST: f64 = 1e9;
+    if load == 0.0 {
+        return 0.0;
+    }
+    (force / load).clamp(-MOST, MOST)
 }

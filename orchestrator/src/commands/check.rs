@@ -1,6 +1,9 @@
 //! `check`: looks at an FMU before it is used.
 //!
-//! Two short simulations, in a worker process: a fresh instance, and a reset one, must agree.
+//! What the model description says, by the rules of [`rules`]; then two short simulations, in a worker
+//! process: a fresh instance, and a reset one, must agree, and keep to the declared ranges.
+
+mod rules;
 
 use std::ops::ControlFlow;
 use std::process::ExitCode;
@@ -10,7 +13,7 @@ use super::{CommandError, output};
 use crate::cli::Check;
 use crate::engine::process::{Limits, Process};
 use crate::engine::{Answer, Job, Worker};
-use crate::fmu::{Causality, Package};
+use crate::fmu::{Causality, Description, FmuError, Package, Variable};
 use crate::results::ResultsError;
 use crate::study::Statistic;
 use crate::task::{Probe, Schedule, Storage, Task};
@@ -22,30 +25,14 @@ const LIMITS: Limits = Limits {
 };
 
 pub(super) fn run(options: &Check) -> Result<ExitCode, CommandError> {
-    let mut package = Package::open(&options.fmu)?;
-    let mut findings = package.description().remarks.clone();
-    if package
-        .description()
-        .with(Causality::Output)
-        .next()
-        .is_none()
-    {
-        findings.push("the FMU has no outputs".to_owned());
-    }
-    let folder = tempfile::tempdir().map_err(ResultsError::io(&std::env::temp_dir()))?;
-    let unpacked = package.unpack(folder.path())?;
-    let task = task(&package);
-    let mut worker = Process::new(&unpacked, &task, LIMITS, folder.path(), 0)?;
-    let jobs = [0, 1].map(|index| Job {
-        index,
-        values: Vec::new(),
-    });
-    let mut answers: Vec<Answer> = Vec::new();
-    worker.run(&jobs, &mut |_, answer| {
-        answers.push(answer);
-        ControlFlow::Continue(())
-    })?;
-    findings.extend(compare(&answers, &task));
+    let findings = match Package::open(&options.fmu) {
+        Ok(package) => findings(package)?,
+        // What is no FMU of this version is a finding; what is no archive, a mistake.
+        Err(FmuError::Description { source, .. }) => {
+            vec![format!("modelDescription.xml: {source}")]
+        }
+        Err(error) => return Err(error.into()),
+    };
     let verdict = if findings.is_empty() {
         "nothing found"
     } else {
@@ -62,19 +49,51 @@ pub(super) fn run(options: &Check) -> Result<ExitCode, CommandError> {
     })
 }
 
+fn findings(mut package: Package) -> Result<Vec<String>, CommandError> {
+    let fmu = package.description();
+    let mut findings = fmu.remarks.clone();
+    findings.extend(rules::broken(fmu));
+    if fmu.with(Causality::Output).next().is_none() {
+        findings.push("the FMU has no outputs".to_owned());
+    }
+    let folder = tempfile::tempdir().map_err(ResultsError::io(&std::env::temp_dir()))?;
+    let unpacked = match package.unpack(folder.path()) {
+        Ok(unpacked) => unpacked,
+        Err(error) => {
+            findings.push(error.to_string());
+            return Ok(findings);
+        }
+    };
+    let task = task(&package);
+    let mut worker = Process::new(&unpacked, &task, LIMITS, folder.path(), 0)?;
+    let jobs = [0, 1].map(|index| Job {
+        index,
+        values: Vec::new(),
+    });
+    let mut answers: Vec<Answer> = Vec::new();
+    worker.run(&jobs, &mut |_, answer| {
+        answers.push(answer);
+        ControlFlow::Continue(())
+    })?;
+    findings.extend(compare(&answers, &task));
+    findings.extend(outside(&answers, &task, package.description()));
+    Ok(findings)
+}
+
 /// A few steps of the suggested experiment, with all numeric outputs.
 fn task(package: &Package) -> Task {
     const STEPS: f64 = 10.0;
     let fmu = package.description();
-    let suggested = Schedule::suggested(fmu);
-    let probe = |variable: &crate::fmu::Variable| {
+    let suggested = usable(Schedule::suggested(fmu));
+    let probe = |variable: &Variable, statistic| {
         Some(Probe {
             name: variable.name.clone(),
             reference: variable.value_reference,
             storage: Storage::of(variable)?,
-            statistic: Statistic::Final,
+            statistic,
         })
     };
+    let extremes = |variable| [Statistic::Min, Statistic::Max].map(|of| probe(variable, of));
     Task {
         schedule: Schedule {
             stop: suggested.stop.min(suggested.start + STEPS * suggested.step),
@@ -83,8 +102,46 @@ fn task(package: &Package) -> Task {
         fixed: Vec::new(),
         varied: Vec::new(),
         inputs: Vec::new(),
-        observed: fmu.with(Causality::Output).filter_map(probe).collect(),
+        observed: fmu
+            .with(Causality::Output)
+            .flat_map(extremes)
+            .flatten()
+            .collect(),
     }
+}
+
+/// The suggested times, or others where those are of no use (which is a finding of its own).
+fn usable(suggested: Schedule) -> Schedule {
+    let mut schedule = suggested;
+    if !(schedule.stop > schedule.start) {
+        schedule.stop = schedule.start + 1.0;
+    }
+    if !(schedule.step > 0.0 && schedule.step.is_finite()) {
+        schedule.step = (schedule.stop - schedule.start) / 500.0;
+    }
+    schedule.tolerance = schedule.tolerance.filter(|tolerance| *tolerance > 0.0);
+    schedule
+}
+
+/// Outputs that leave the range that the FMU declares for them.
+fn outside(answers: &[Answer], task: &Task, fmu: &Description) -> Vec<String> {
+    let Some(Ok(sampled)) = answers.first() else {
+        return Vec::new();
+    };
+    let pairs = task.observed.iter().zip(sampled);
+    pairs
+        .filter_map(|(probe, value)| {
+            let (min, max) = fmu.variables.get(&probe.name)?.kind.range();
+            let (bound, name) = match probe.statistic {
+                Statistic::Min => (min.filter(|min| value < min)?, "min"),
+                _ => (max.filter(|max| value > max)?, "max"),
+            };
+            Some(format!(
+                "{}: {value} in a simulation, beyond its {name} of {bound}",
+                probe.name
+            ))
+        })
+        .collect()
 }
 
 /// What is wrong with the answers of a fresh and a reset instance.

@@ -32,6 +32,9 @@ pub struct Description {
     pub units: Units,
     /// The variables by name, in the order of the file.
     pub variables: IndexMap<String, Variable>,
+    /// The variables that `ModelStructure` lists as outputs, counted from 1 in the order of the file.
+    #[serde(skip)]
+    pub listed_outputs: Vec<usize>,
     /// What is not as the standard wants it, but does not prevent a simulation.
     pub remarks: Vec<String>,
 }
@@ -180,6 +183,17 @@ impl Description {
     /// The name that looks most like `name`, if any comes close.
     pub fn nearest(&self, name: &str) -> Option<&str> {
         crate::names::nearest(name, self.variables.keys().map(String::as_str))
+    }
+}
+
+impl Kind {
+    /// The smallest and the largest value, where these are declared.
+    pub fn range(&self) -> (Option<f64>, Option<f64>) {
+        match self {
+            Self::Real { min, max, .. } => (*min, *max),
+            Self::Integer { min, max, .. } => (min.map(f64::from), max.map(f64::from)),
+            _ => (None, None),
+        }
     }
 }
 

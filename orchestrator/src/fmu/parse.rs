@@ -87,6 +87,7 @@ pub(super) fn description(bytes: &[u8]) -> Result<Description, DescriptionError>
         ..Description::default()
     };
     reader.variables(root, &types, &mut description);
+    description.listed_outputs = reader.listed_outputs(root);
     description.remarks = reader.remarks;
     Ok(description)
 }
@@ -224,6 +225,15 @@ impl Reader {
             tolerance: self.number(node, "tolerance"),
             step: self.number(node, "stepSize"),
         }
+    }
+
+    fn listed_outputs(&mut self, root: Node<'_, '_>) -> Vec<usize> {
+        let outputs = child(root, "ModelStructure").and_then(|node| child(node, "Outputs"));
+        outputs
+            .into_iter()
+            .flat_map(|node| children(node, "Unknown"))
+            .filter_map(|node| self.number(node, "index"))
+            .collect()
     }
 
     fn units(&mut self, root: Node<'_, '_>) -> Units {
