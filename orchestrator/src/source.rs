@@ -190,7 +190,8 @@ fn find(
         .find_map(|name| header.iter().position(|column| column == name));
     place.ok_or_else(|| {
         let column = names.first().map_or("", String::as_str);
-        let suggestion = did_you_mean(nearest(column, header.iter().map(String::as_str)));
+        let near = nearest(column, header.iter().map(String::as_str)).map(shown);
+        let suggestion = did_you_mean(near.as_deref());
         let known: Vec<String> = header.iter().map(|name| shown(name)).collect();
         let known = known.join(", ");
         TableError::Column {
