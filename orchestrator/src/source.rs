@@ -108,8 +108,8 @@ impl Table {
                 text.parse::<f64>().map_err(|_| TableError::Number {
                     path: path.to_owned(),
                     line: record.position().map_or(0, csv::Position::line),
-                    column: header[place].clone(),
-                    text: text.to_owned(),
+                    column: shown(&header[place]),
+                    text: shown(text),
                 })
             };
             table
@@ -153,8 +153,8 @@ impl Table {
                     .ok_or_else(|| TableError::Number {
                         path: path.to_owned(),
                         line: table.rows.len() as u64 + 1,
-                        column: header[place].clone(),
-                        text: cell.map_or_else(String::new, ToString::to_string),
+                        column: shown(&header[place]),
+                        text: cell.map_or_else(String::new, |cell| shown(&cell.to_string())),
                     })
             };
             let numbers = places.iter().map(number).collect::<Result<_, _>>()?;
@@ -169,6 +169,16 @@ impl Table {
     }
 }
 
+/// A cell as a message shows it: on one line, and not longer than people read.
+fn shown(text: &str) -> String {
+    const ENOUGH: usize = 60;
+    let line = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    match line.char_indices().nth(ENOUGH) {
+        Some((end, _)) => format!("{}...", &line[..end]),
+        None => line,
+    }
+}
+
 fn find(
     path: &Path,
     header: &[String],
@@ -180,8 +190,10 @@ fn find(
         .find_map(|name| header.iter().position(|column| column == name));
     place.ok_or_else(|| {
         let column = names.first().map_or("", String::as_str);
-        let suggestion = did_you_mean(nearest(column, header.iter().map(String::as_str)));
-        let known = header.join(", ");
+        let near = nearest(column, header.iter().map(String::as_str)).map(shown);
+        let suggestion = did_you_mean(near.as_deref());
+        let known: Vec<String> = header.iter().map(|name| shown(name)).collect();
+        let known = known.join(", ");
         TableError::Column {
             path: path.to_owned(),
             message: format!("`{column}` for {purpose}{suggestion}; it has {known}"),

@@ -28,7 +28,7 @@ step = 0.01
 warm-up = 0.5
 [design]
 method = "optimised-latin-hypercube"
-points = 9
+points = 2
 seed = 3
 [parameters."lag.rate"]
 distribution = "truncated-normal"
@@ -51,7 +51,7 @@ file = "drive.csv"
 [criteria.Y]
 variable = "lag.y"
 nominal = 0.86
-tolerance = "5 %"
+tolerance = "50 %"
 group = "all"
 [variants.wide]
 tolerance.Y = 0.5
