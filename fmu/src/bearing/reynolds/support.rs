@@ -83,13 +83,15 @@ impl ReynoldsFilm {
     ///
     /// A closing gap carries near its narrowest point (the squeeze film of a long bearing with
     /// `H = g + theta^2/2`) `pi sqrt(2)/4 g^(-3/2)` times its rate. Where `g` is narrower than the gap's
-    /// variation `d` over half a column, what is beyond `(g + d)^(-3/2)` is added. It matters only within a few
-    /// `d` of the bush (`d` is 5e-4 of the clearance at 96 columns), and keeps the journal from it.
+    /// variation `d` over half a column, what is beyond `(g + d)^(-3/2)` is added, less its value at `3 d`, from
+    /// where on it is nothing. So it sets in without a jump, at which Newton's method would go to and fro. It matters
+    /// only within a few `d` of the bush (`d` is 5e-4 of the clearance at 96 columns), and keeps the journal from it.
     fn unresolved(&self, eps: Vector2<f64>, motion: &Motion) -> (Vector2<f64>, Matrix2<f64>) {
         let e = eps.norm();
         let variation = self.resolved_gap();
         let gap = 1.0 - e;
-        if !self.form.is_plain() || gap > 3.0 * variation {
+        let farthest = 3.0 * variation;
+        if !self.form.is_plain() || gap > farthest {
             return (Vector2::zeros(), Matrix2::zeros());
         }
         let n = eps / e;
@@ -98,9 +100,9 @@ impl ReynoldsFilm {
             return (Vector2::zeros(), Matrix2::zeros());
         }
         let factor = 0.25 * std::f64::consts::PI * std::f64::consts::SQRT_2;
-        let beyond = |power: f64| gap.powf(power) - (gap + variation).powf(power);
-        let carried = factor * beyond(-1.5);
-        let slope = carried / motion.duration + closing * 1.5 * factor * beyond(-2.5);
+        let beyond = |gap: f64, power: f64| gap.powf(power) - (gap + variation).powf(power);
+        let carried = factor * (beyond(gap, -1.5) - beyond(farthest, -1.5));
+        let slope = carried / motion.duration + closing * 1.5 * factor * beyond(gap, -2.5);
         (n * (carried * closing), n * n.transpose() * slope)
     }
 }
