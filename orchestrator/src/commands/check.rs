@@ -113,7 +113,8 @@ fn task(package: &Package) -> Task {
 /// The suggested times, or others where those are of no use (which is a finding of its own).
 fn usable(suggested: Schedule) -> Schedule {
     let mut schedule = suggested;
-    if !(schedule.stop > schedule.start) {
+    let passes = schedule.stop > schedule.start;
+    if !passes {
         schedule.stop = schedule.start + 1.0;
     }
     if !(schedule.step > 0.0 && schedule.step.is_finite()) {
