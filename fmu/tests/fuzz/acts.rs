@@ -15,8 +15,11 @@ use crate::values::*;
 /// The most instances and saved states at once.
 pub const MOST: usize = 4;
 
+/// What is done to a host with one of its instances.
+type Act = fn(&mut Host, Component);
+
 /// The acts, each with how often it comes.
-const ACTS: &[(usize, fn(&mut Host, Component))] = &[
+const ACTS: &[(usize, Act)] = &[
     (2, |host, _| {
         if host.instances.len() < MOST {
             host.instantiate();
@@ -86,14 +89,16 @@ fn start(host: &mut Host, component: Component) {
     experiment(host, component);
     small_film(host, component);
     // SAFETY of both: an instance that is alive, NULL, or readable memory.
-    host.call("fmi2EnterInitializationMode", component, |c| unsafe {
-        fmi2EnterInitializationMode(c)
+    host.call("fmi2EnterInitializationMode", component, |c| {
+        // SAFETY: as said above.
+        unsafe { fmi2EnterInitializationMode(c) }
     });
     if host.random.once_in(5) {
         return; // where it may still be configured
     }
-    host.call("fmi2ExitInitializationMode", component, |c| unsafe {
-        fmi2ExitInitializationMode(c)
+    host.call("fmi2ExitInitializationMode", component, |c| {
+        // SAFETY: as said above.
+        unsafe { fmi2ExitInitializationMode(c) }
     });
 }
 
@@ -156,8 +161,9 @@ fn experiment(host: &mut Host, component: Component) {
 fn step(host: &mut Host, component: Component) {
     let mut time = 0.0;
     // SAFETY of both: as for `start`; the place is ours.
-    host.call("fmi2GetRealStatus", component, |c| unsafe {
-        fmi2GetRealStatus(c, LAST_SUCCESSFUL_TIME, &raw mut time)
+    host.call("fmi2GetRealStatus", component, |c| {
+        // SAFETY: as said above.
+        unsafe { fmi2GetRealStatus(c, LAST_SUCCESSFUL_TIME, &raw mut time) }
     });
     let random = &mut host.random;
     let (from, step) = match random.below(20) {
@@ -170,8 +176,9 @@ fn step(host: &mut Host, component: Component) {
         _ => (time, random.magnitude(1e-7, 1e-2)),
     };
     let prior = random.integer();
-    host.call("fmi2DoStep", component, |c| unsafe {
-        fmi2DoStep(c, from, step, prior)
+    host.call("fmi2DoStep", component, |c| {
+        // SAFETY: as said above.
+        unsafe { fmi2DoStep(c, from, step, prior) }
     });
 }
 
@@ -181,20 +188,25 @@ fn status(host: &mut Host, component: Component) {
     let (mut ended, mut real, mut integer, mut text) = (Status::Ok, 0.0, 0, null());
     // SAFETY of all: as for `start`; the places are ours, or NULL.
     match host.random.below(5) {
-        0 => host.call("fmi2GetStatus", component, |c| unsafe {
-            fmi2GetStatus(c, kind, hidden(&mut ended, missing))
+        0 => host.call("fmi2GetStatus", component, |c| {
+            // SAFETY: as said above.
+            unsafe { fmi2GetStatus(c, kind, hidden(&mut ended, missing)) }
         }),
-        1 => host.call("fmi2GetRealStatus", component, |c| unsafe {
-            fmi2GetRealStatus(c, kind, hidden(&mut real, missing))
+        1 => host.call("fmi2GetRealStatus", component, |c| {
+            // SAFETY: as said above.
+            unsafe { fmi2GetRealStatus(c, kind, hidden(&mut real, missing)) }
         }),
-        2 => host.call("fmi2GetIntegerStatus", component, |c| unsafe {
-            fmi2GetIntegerStatus(c, kind, hidden(&mut integer, missing))
+        2 => host.call("fmi2GetIntegerStatus", component, |c| {
+            // SAFETY: as said above.
+            unsafe { fmi2GetIntegerStatus(c, kind, hidden(&mut integer, missing)) }
         }),
-        3 => host.call("fmi2GetBooleanStatus", component, |c| unsafe {
-            fmi2GetBooleanStatus(c, kind, hidden(&mut integer, missing))
+        3 => host.call("fmi2GetBooleanStatus", component, |c| {
+            // SAFETY: as said above.
+            unsafe { fmi2GetBooleanStatus(c, kind, hidden(&mut integer, missing)) }
         }),
-        _ => host.call("fmi2GetStringStatus", component, |c| unsafe {
-            fmi2GetStringStatus(c, kind, hidden(&mut text, missing))
+        _ => host.call("fmi2GetStringStatus", component, |c| {
+            // SAFETY: as said above.
+            unsafe { fmi2GetStringStatus(c, kind, hidden(&mut text, missing)) }
         }),
     };
     assert!(real.is_finite());

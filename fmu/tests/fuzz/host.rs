@@ -238,12 +238,14 @@ impl Host {
     pub fn bytes_of(&mut self, component: Component) -> Vec<u8> {
         let mut state = null_mut();
         // SAFETY of all: the instance and the state are alive, the places are ours.
-        self.call("fmi2GetFMUstate", component, |c| unsafe {
-            fmi2GetFMUstate(c, &raw mut state)
+        self.call("fmi2GetFMUstate", component, |c| {
+            // SAFETY: as said above.
+            unsafe { fmi2GetFMUstate(c, &raw mut state) }
         });
         let bytes = self.bytes(component, state);
-        self.call("fmi2FreeFMUstate", component, |c| unsafe {
-            fmi2FreeFMUstate(c, &raw mut state)
+        self.call("fmi2FreeFMUstate", component, |c| {
+            // SAFETY: as said above.
+            unsafe { fmi2FreeFMUstate(c, &raw mut state) }
         });
         assert!(state.is_null());
         bytes
@@ -253,13 +255,15 @@ impl Host {
     pub fn bytes(&mut self, component: Component, state: FmuState) -> Vec<u8> {
         let mut size = 0;
         // SAFETY of both: the instance and the state are alive, there is room for the bytes.
-        self.call("fmi2SerializedFMUstateSize", component, |c| unsafe {
-            fmi2SerializedFMUstateSize(c, state, &raw mut size)
+        self.call("fmi2SerializedFMUstateSize", component, |c| {
+            // SAFETY: as said above.
+            unsafe { fmi2SerializedFMUstateSize(c, state, &raw mut size) }
         });
         let mut bytes = vec![0_u8; size];
         let into = bytes.as_mut_ptr().cast();
-        self.call("fmi2SerializeFMUstate", component, |c| unsafe {
-            fmi2SerializeFMUstate(c, state, into, size)
+        self.call("fmi2SerializeFMUstate", component, |c| {
+            // SAFETY: as said above.
+            unsafe { fmi2SerializeFMUstate(c, state, into, size) }
         });
         bytes
     }

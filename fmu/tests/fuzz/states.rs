@@ -92,14 +92,17 @@ fn strange(host: &mut Host, component: Component) {
     let mut size = 0;
     // SAFETY of all: NULL, or readable memory that is no state.
     match host.random.below(3) {
-        0 => host.call("fmi2SetFMUstate", component, |c| unsafe {
-            fmi2SetFMUstate(c, state)
+        0 => host.call("fmi2SetFMUstate", component, |c| {
+            // SAFETY: as said above.
+            unsafe { fmi2SetFMUstate(c, state) }
         }),
-        1 => host.call("fmi2SerializedFMUstateSize", component, |c| unsafe {
-            fmi2SerializedFMUstateSize(c, state, &raw mut size)
+        1 => host.call("fmi2SerializedFMUstateSize", component, |c| {
+            // SAFETY: as said above.
+            unsafe { fmi2SerializedFMUstateSize(c, state, &raw mut size) }
         }),
-        _ => host.call("fmi2FreeFMUstate", component, |c| unsafe {
-            fmi2FreeFMUstate(c, &raw mut state)
+        _ => host.call("fmi2FreeFMUstate", component, |c| {
+            // SAFETY: as said above.
+            unsafe { fmi2FreeFMUstate(c, &raw mut state) }
         }),
     };
 }

@@ -98,7 +98,10 @@ getter!(
     fmi2GetString,
     Kind::String { .. },
     null(),
-    |value| unsafe { std::ffi::CStr::from_ptr(*value).to_str().is_ok() }
+    |value| {
+        // SAFETY: the FMU's own text, which ends with NUL and lives until the next call.
+        unsafe { std::ffi::CStr::from_ptr(*value).to_str().is_ok() }
+    }
 );
 
 /// Calls a setter with what it is given; when it refuses, nothing may have changed.
