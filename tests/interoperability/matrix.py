@@ -53,8 +53,8 @@ KNOWN = {
     "fmuloader": ("undefined symbol: fmi2EnterEventMode",
                   "cannot: needs the Model-Exchange functions in every FMU"),
     "OMSimulator": ("build.openmodelica.org",
-                    "does not install here: its package on PyPI fetches the program from "
-                    "build.openmodelica.org"),
+                    "does not install here: its package on PyPI is a script that fetches the "
+                    "program from elsewhere"),
     "PyFMI": ("Getting requirements to build wheel",
               "does not install here: PyPI has an old source package only (2.5), which needs the FMI "
               "Library built beforehand; newer ones are on conda-forge"),
