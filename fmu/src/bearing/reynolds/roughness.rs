@@ -68,7 +68,8 @@ pub(super) fn mean_gap(ratio: f64) -> [f64; 2] {
         let fall = (slope / gap * (ratio - LEAST)).exp();
         return [gap * fall, slope * fall];
     }
-    let cell = position as usize;
+    // Huge ratios saturate.
+    let cell = (position as usize).min(nodes.len());
     let (Some(&[a, slope_a]), Some(&[b, slope_b])) = (nodes.get(cell), nodes.get(cell + 1)) else {
         return [ratio, 1.0];
     };
@@ -134,6 +135,7 @@ mod tests {
         let [gap, slope] = mean_gap(5.999);
         assert!((gap - 5.999).abs() < 1e-8 && (slope - 1.0).abs() < 1e-8);
         assert_eq!(mean_gap(7.0), [7.0, 1.0]);
+        assert_eq!(mean_gap(1e300), [1e300, 1.0]);
         // On and on towards nothing, without a jump.
         let [above, below] = [-4.999, -5.001].map(|ratio| mean_gap(ratio)[0]);
         assert!(below > 0.0 && below < above && above < 1.1 * below);
