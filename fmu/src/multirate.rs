@@ -16,7 +16,7 @@ mod curve;
 mod orbit;
 
 use crate::bearing::Flows;
-use crate::solver::{Failure, Rodas3};
+use crate::solver::{Budget, Failure, Rodas3};
 use crate::thermal::Temperatures;
 use curve::{Aim, Curve};
 use nalgebra::{SMatrix, SVector};
@@ -98,7 +98,7 @@ pub fn leap(
     };
     let integrator = Rodas3 {
         allowed: [DRIFT_ERROR * tolerance; 4],
-        limit: 100_000,
+        budget: Budget::of(100_000),
     };
     let span = turns as f64 * model.period();
     integrator.integrate(

@@ -147,7 +147,7 @@ impl Oil {
     }
 
     /// ASTM D341-20, eq. 1, through the viscosities at 40 and 100 °C: `log10(log10(nu + 0.7)) = A - B*log10(T)`.
-    fn through_two_points(&self) -> Properties {
+    pub(crate) fn through_two_points(&self) -> Properties {
         let at_40 = (self.kinematic_viscosity_40 * 1e6 + D341_SHIFT).ln();
         let at_100 = (self.kinematic_viscosity_100 * 1e6 + D341_SHIFT).ln();
         let (t_40, t_100) = (CELSIUS_0 + 40.0, CELSIUS_0 + 100.0);

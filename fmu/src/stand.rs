@@ -11,7 +11,9 @@
 //! The drive's angle follows in closed form. The unknowns of the time integration are the journal's
 //! eccentricity-ratio vector and the four temperatures.
 
+mod inputs;
 mod march;
+mod stuck;
 
 use crate::bearing::profile::Profile;
 use crate::bearing::resolved::ResolvedFilm;
@@ -25,55 +27,7 @@ use crate::thermal::{Heat, Temperatures, Thermal};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// An input and its rate over the present step.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Input {
-    /// Value at the start of the step.
-    pub value: f64,
-    /// Time derivative during the step.
-    pub slope: f64,
-}
-
-impl Input {
-    const fn constant(value: f64) -> Self {
-        Self { value, slope: 0.0 }
-    }
-
-    fn at(&self, tau: f64) -> f64 {
-        self.value + self.slope * tau
-    }
-}
-
-/// What the host drives the stand with.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Inputs {
-    /// Mean shaft speed, rad/s.
-    pub speed: Input,
-    /// Force added to the load mechanism's, N.
-    pub external_force: Input,
-    /// Temperature of the surroundings, K.
-    pub ambient_temperature: Input,
-}
-
-impl Inputs {
-    fn all(&mut self) -> [&mut Input; 3] {
-        [
-            &mut self.speed,
-            &mut self.external_force,
-            &mut self.ambient_temperature,
-        ]
-    }
-}
-
-impl Default for Inputs {
-    fn default() -> Self {
-        Self {
-            speed: Input::constant(10.0 * std::f64::consts::PI),
-            external_force: Input::constant(0.0),
-            ambient_temperature: Input::constant(295.15),
-        }
-    }
-}
+pub use inputs::{Input, Inputs};
 
 /// How the stand is integrated over time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -148,9 +102,6 @@ const SCALES: Unknowns = [1.0, 1.0, 100.0, 100.0, 100.0, 100.0];
 /// The internal step to try first, s.
 const FIRST_STEP: f64 = 1e-4;
 
-/// The most internal steps in one communication step.
-const STEP_LIMIT: usize = 5_000_000;
-
 /// What drive, load mechanism and bearing tell each other at one instant.
 struct Instant {
     speed: f64,
@@ -171,10 +122,11 @@ impl Stand {
         const AHEAD: f64 = 1e-6;
         let mut ahead = self.clone();
         // What cannot be advanced has no rate.
-        let moved = ahead
-            .resolve(AHEAD)
-            .map(|()| ahead.read(0.0, &unknowns(&ahead.state)));
-        moved.map_or(0.0, |then| (output(&then) - output(&self.readings)) / AHEAD)
+        if ahead.check_inputs_after(AHEAD).is_err() || ahead.resolve(AHEAD).is_err() {
+            return 0.0;
+        }
+        let then = ahead.read(0.0, &unknowns(&ahead.state));
+        (output(&then) - output(&self.readings)) / AHEAD
     }
 
     /// The friction heat that goes into film, bush and shaft at the present communication point, W.
@@ -366,6 +318,7 @@ impl Model for Stand {
             self.solver.tolerance = tolerance.clamp(1e-12, 1e-2);
         }
         self.fluid = self.oil.properties(experiment)?;
+        self.check_oil()?;
         self.nearby = Nearby::default();
         self.prepared = prepare(&self.bearing)?;
         self.film = self.resolved_film(experiment)?;
@@ -386,6 +339,7 @@ impl Model for Stand {
     }
 
     fn advance(&mut self, time: f64, step: f64, _: &mut dyn Log) -> Result<(), Fault> {
+        self.check_inputs_after(step)?;
         self.state.time = time;
         let before = (self.state, self.inputs, self.film.clone());
         let done = if self.can_leap(step) {

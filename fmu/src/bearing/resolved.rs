@@ -6,7 +6,6 @@ use super::reynolds::{
     Asperities, Cavitation, Drive, FilmError, FilmSettings, Grid, ReynoldsFilm, Rheology, RoughFilm,
 };
 use super::{Bearing, Flows, Motion, friction};
-use crate::solver::Failure;
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
@@ -164,15 +163,4 @@ impl ResolvedFilm {
             side_flow: report.mean_outflow,
         })
     }
-}
-
-/// Why a step of the journal failed.
-#[derive(Clone, Debug, thiserror::Error)]
-pub enum Stuck {
-    /// The time integration failed.
-    #[error(transparent)]
-    Integration(#[from] Failure),
-    /// The film could not be solved.
-    #[error(transparent)]
-    Film(#[from] FilmError),
 }

@@ -3,7 +3,7 @@
 use super::orbit::{Orbit, Piece};
 use super::{Departure, NoLeap, TwoScales};
 use crate::bearing::Flows;
-use crate::solver::{DormandPrince, Failure, Quadrature};
+use crate::solver::{Budget, DormandPrince, Failure, Quadrature};
 use nalgebra::{Matrix2, SMatrix, Vector2};
 
 /// Orbits over the logarithm of the viscosity.
@@ -22,6 +22,8 @@ pub(super) struct Curve<'a, M> {
     heat: f64,
     /// The step within a turn to try next, s.
     step: f64,
+    /// The internal steps that all turns together may still take.
+    left: usize,
 }
 
 /// The distance of the second orbit in the logarithm of the viscosity.
@@ -32,6 +34,8 @@ const WIDENING: f64 = 4.0;
 const FARTHEST: f64 = 0.5;
 /// No orbits are found closer together than this.
 const CLOSEST: f64 = 0.01;
+/// Internal steps in all turns of a leap, at the most: a leap takes some thousands.
+const MOST_STEPS: usize = 200_000;
 /// Error allowed in the place per step within a turn, at a relative tolerance of one.
 const PLACE_ERROR: f64 = 100.0;
 /// The same of a turn's mean heat, as a part of it.
@@ -91,6 +95,7 @@ impl<'a, M: TwoScales> Curve<'a, M> {
             slope: SMatrix::zeros(),
             heat: flows.viscous + flows.boundary,
             step: model.period() / 50.0,
+            left: MOST_STEPS,
         };
         // What the resolved turn tells of the slope.
         let turn = curve.turn(viscosity, end)?;
@@ -235,15 +240,16 @@ impl<'a, M: TwoScales> Curve<'a, M> {
         };
         let integrator = DormandPrince {
             allowed: [PLACE_ERROR * self.tolerance; 2],
-            limit: 1_000_000,
+            budget: Budget::of(self.left),
         };
         let heat_error = HEAT_ERROR * self.tolerance * self.heat * period;
         let along = Quadrature {
             allowed: [heat_error, heat_error, f64::INFINITY],
         };
         let mut y = start.into();
-        let (_, integrals) =
+        let (work, integrals) =
             integrator.integrate_along(rates, &mut y, along, period, &mut self.step)?;
+        self.left = self.left.saturating_sub(work.accepted + work.rejected);
         let [viscous, boundary, side_flow] = integrals.map(|integral| integral / period);
         self.heat = viscous + boundary;
         Ok(Orbit::new(

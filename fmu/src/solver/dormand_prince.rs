@@ -1,15 +1,15 @@
 //! The explicit Runge-Kutta pair 5(4) of Dormand & Prince (1980), J. Comput. Appl. Math. 6, 19-26, with
 //! the stabilised step control of Hairer & Wanner (1996), Solving Ordinary Differential Equations II, IV.2.
 
-use super::{Failure, Work, worst};
+use super::{Budget, Failure, Work, worst};
 
 /// An integrator of `dy/dt = f(t, y)` for N unknowns.
 #[derive(Clone, Copy, Debug)]
 pub struct DormandPrince<const N: usize> {
     /// The error allowed in each unknown per step, in its unit.
     pub allowed: [f64; N],
-    /// The most steps in one call.
-    pub limit: usize,
+    /// The steps that one call may take.
+    pub budget: Budget,
 }
 
 const A: [[f64; 6]; 6] = [
@@ -120,12 +120,11 @@ impl<const N: usize> DormandPrince<N> {
                 };
                 *step = h * shrink.clamp(0.1, 0.9);
                 if *step < 1e-14 * span.max(1e-3) {
-                    return Err(Failure::StepTooSmall(*step));
+                    let (step, passed) = (*step, t);
+                    return Err(Failure::StepTooSmall { step, passed });
                 }
             }
-            if work.accepted + work.rejected > self.limit {
-                return Err(Failure::TooManySteps(self.limit));
-            }
+            self.budget.check(work, t, span)?;
         }
         Ok((work, integrals))
     }
@@ -185,7 +184,7 @@ mod tests {
 
     const INTEGRATOR: DormandPrince<2> = DormandPrince {
         allowed: [1e-9; 2],
-        limit: 100_000,
+        budget: Budget::of(100_000),
     };
 
     #[test]
@@ -248,10 +247,37 @@ mod tests {
     }
 
     #[test]
+    fn what_stands_still_is_given_up_early_and_what_moves_on_is_not() {
+        let integrator = DormandPrince {
+            budget: Budget {
+                at_once: 1000,
+                per_second: 100.0,
+                most: 200_000.0,
+            },
+            ..INTEGRATOR
+        };
+        let run = |rate: f64, span: f64| {
+            let rates = |t: f64, y: &[f64; 2]| [-rate * (y[0] - t.cos()), 0.0];
+            integrator.integrate(rates, &mut [1.0, 0.0], span, &mut 1e-3)
+        };
+        // Some 4 steps a second from stiffness, and some 30 for the cosine.
+        let work = run(10.0, 1000.0).unwrap();
+        assert!(work.accepted > 10_000, "{work:?}");
+        let Err(Failure::TooManySteps { steps, passed, .. }) = run(1e6, 1000.0) else {
+            panic!("not given up");
+        };
+        assert!(steps <= 1100 && passed < 0.01, "{steps} {passed}");
+        let Err(Failure::SpanTooLong { needed, passed }) = run(10.0, 1e6) else {
+            panic!("not given up");
+        };
+        assert!(needed > 1e6 && passed < 1000.0, "{needed} {passed}");
+    }
+
+    #[test]
     fn what_is_no_number_is_an_error() {
         let mut y = [1.0, 0.0];
         let mut step = 0.1;
         let result = INTEGRATOR.integrate(|_, _| [f64::NAN, 0.0], &mut y, 1.0, &mut step);
-        assert!(matches!(result, Err(Failure::StepTooSmall(_))));
+        assert!(matches!(result, Err(Failure::StepTooSmall { .. })));
     }
 }

@@ -12,11 +12,87 @@ use thiserror::Error;
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum Failure {
     /// The step became smaller than the time's own resolution.
-    #[error("the internal step fell below {0:e} s: the solution changes too fast or is no number")]
-    StepTooSmall(f64),
-    /// Too many steps in one call.
-    #[error("more than {0} internal steps in one communication step")]
-    TooManySteps(usize),
+    #[error("after {passed:.1e} s the internal step fell below {step:.1e} s")]
+    StepTooSmall {
+        /// The step, s.
+        step: f64,
+        /// The time that had passed, s.
+        passed: f64,
+    },
+    /// Too many steps for the time that they took the solution on.
+    #[error("{steps} internal steps were taken for the first {passed:.1e} of {span} s")]
+    TooManySteps {
+        /// The steps.
+        steps: usize,
+        /// The time that had passed, s.
+        passed: f64,
+        /// The time that was to pass, s.
+        span: f64,
+    },
+    /// The span is too long for the steps that it takes.
+    #[error("some {needed:.0e} internal steps would be needed: take shorter communication steps")]
+    SpanTooLong {
+        /// The steps that it would take.
+        needed: f64,
+        /// The time that had passed, s.
+        passed: f64,
+    },
+}
+
+impl Failure {
+    /// The time that had passed, s.
+    pub fn passed(&self) -> f64 {
+        match self {
+            Self::StepTooSmall { passed, .. }
+            | Self::TooManySteps { passed, .. }
+            | Self::SpanTooLong { passed, .. } => *passed,
+        }
+    }
+}
+
+/// How many internal steps an integration may take: so many at once, so many more with every second that has
+/// passed, and so many in all. A solution that stands still in its own time is given up early, however long
+/// the span, and so is one whose span is too long for its steps. What is counted is work: the same call ends
+/// the same way on every machine.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Budget {
+    /// Steps before any time has passed.
+    pub at_once: usize,
+    /// Further steps per second.
+    pub per_second: f64,
+    /// Steps in all.
+    pub most: f64,
+}
+
+impl Budget {
+    /// So many steps, whatever time they take the solution on.
+    pub const fn of(steps: usize) -> Self {
+        Self {
+            at_once: steps,
+            per_second: 0.0,
+            most: f64::INFINITY,
+        }
+    }
+
+    /// Whether the work is within it after `passed` seconds of a span.
+    fn check(&self, work: Work, passed: f64, span: f64) -> Result<(), Failure> {
+        /// After this part of all steps the others are foreseen.
+        const SAMPLE: f64 = 0.02;
+        let steps = work.accepted + work.rejected;
+        let taken = steps as f64;
+        let needed = taken * (span / passed);
+        if taken > SAMPLE * self.most && needed > self.most {
+            return Err(Failure::SpanTooLong { needed, passed });
+        }
+        if taken > self.at_once as f64 + self.per_second * passed {
+            return Err(Failure::TooManySteps {
+                steps,
+                passed,
+                span,
+            });
+        }
+        Ok(())
+    }
 }
 
 /// Work done, for diagnostics.

@@ -1,7 +1,7 @@
 //! The linearly implicit, L-stable Rosenbrock method RODAS3 of order 3(2) for stiff systems:
 //! Sandu, Verwer, Blom, Spee, Carmichael & Potra (1997), Atmospheric Environment 31, 3459-3472, eq. 3.4.
 
-use super::{Failure, Work, worst};
+use super::{Budget, Failure, Work, worst};
 use nalgebra::{Const, DimMin, SMatrix, SVector, ToTypenum};
 
 /// An integrator of the autonomous system `dy/dt = f(y)` for N unknowns.
@@ -9,8 +9,8 @@ use nalgebra::{Const, DimMin, SMatrix, SVector, ToTypenum};
 pub struct Rodas3<const N: usize> {
     /// The error allowed in each unknown per step, in its unit.
     pub allowed: [f64; N],
-    /// The most steps in one call.
-    pub limit: usize,
+    /// The steps that one call may take.
+    pub budget: Budget,
 }
 
 impl<const N: usize> Rodas3<N>
@@ -38,7 +38,7 @@ where
             let lu = system.lu();
             let solve = |right: SVector<f64, N>| {
                 lu.solve(&right)
-                    .ok_or_else(|| E::from(Failure::StepTooSmall(h)))
+                    .ok_or_else(|| E::from(Failure::StepTooSmall { step: h, passed: t }))
             };
             let u1 = solve(rates)?;
             let u2 = solve(rates + u1 * (4.0 / h))?;
@@ -64,11 +64,9 @@ where
             };
             step = h * factor.clamp(0.1, 6.0);
             if step < 1e-14 * span {
-                return Err(Failure::StepTooSmall(step).into());
+                return Err(Failure::StepTooSmall { step, passed: t }.into());
             }
-            if work.accepted + work.rejected > self.limit {
-                return Err(Failure::TooManySteps(self.limit).into());
-            }
+            self.budget.check(work, t, span)?;
         }
         Ok(work)
     }
@@ -89,7 +87,7 @@ mod tests {
     fn a_stiff_problem_takes_few_steps() {
         let integrator = Rodas3 {
             allowed: [1e-6, 1e-9, 1e-6],
-            limit: 10_000,
+            budget: Budget::of(10_000),
         };
         let mut y = vector![1.0, 0.0, 0.0];
         let linear = |y: &SVector<f64, 3>| {
@@ -115,7 +113,7 @@ mod tests {
         // Fixed steps: everything allowed, the span cut by hand.
         let integrator = Rodas3 {
             allowed: [f64::INFINITY],
-            limit: 10,
+            budget: Budget::of(10),
         };
         let run = |n: usize| {
             let mut y = vector![1.0];

@@ -1,10 +1,11 @@
 //! How time passes in the stand: turn by turn, or in leaps over whole turns.
 
-use super::{Inputs, SCALES, STEP_LIMIT, Stand, State, Unknowns, temperatures, unknowns};
-use crate::bearing::resolved::{ResolvedFilm, Stuck};
+use super::stuck::Stuck;
+use super::{Inputs, SCALES, Stand, State, Unknowns, temperatures, unknowns};
+use crate::bearing::resolved::ResolvedFilm;
 use crate::bearing::{FilmModel, Flows};
 use crate::multirate::{self, Departure, TwoScales};
-use crate::solver::{DormandPrince, Failure};
+use crate::solver::{Budget, DormandPrince};
 use crate::thermal::Temperatures;
 
 /// Fewer turns than this are resolved, each.
@@ -19,6 +20,17 @@ const MOST_SETTLING_TURNS: usize = 1;
 const FILM_STEPS_PER_TURN: f64 = 100.0;
 /// The longest step of the Reynolds film, s.
 const LONGEST_FILM_STEP: f64 = 2e-3;
+/// Internal steps that may be taken before any time has passed: a rig takes some tens to leave a start.
+const STEPS_AT_ONCE: usize = 30_000;
+/// Further ones per second and per turn: a rig takes some 60 a turn.
+const STEPS_PER_SECOND: f64 = 3e5;
+const STEPS_PER_TURN: f64 = 1e3;
+/// In all, in one communication step: some minutes of work.
+const MOST_STEPS: f64 = 5e7;
+/// Steps of the Reynolds film in one communication step: some hours.
+const MOST_FILM_STEPS: f64 = 1e7;
+/// Steps of the temperatures within one of the Reynolds film.
+const WARMING_STEPS: usize = 5_000;
 
 impl Stand {
     /// Lets `span` seconds pass with every turn resolved.
@@ -30,13 +42,18 @@ impl Stand {
         }
         let integrator = DormandPrince {
             allowed: SCALES.map(|scale| self.solver.tolerance * scale),
-            limit: STEP_LIMIT,
+            budget: Budget {
+                at_once: STEPS_AT_ONCE,
+                per_second: STEPS_PER_SECOND + STEPS_PER_TURN / self.period(),
+                most: MOST_STEPS,
+            },
         };
         let mut y = unknowns(&self.state);
         let mut next_step = self.state.next_step;
         let mut oil = self.nearby;
         let rates = |tau: f64, y: &Unknowns| self.rates(tau, y, &mut oil);
-        integrator.integrate(rates, &mut y, span, &mut next_step)?;
+        let done = integrator.integrate(rates, &mut y, span, &mut next_step);
+        done.map_err(|failure| self.explain(failure, &y, 0..6))?;
         self.nearby = oil;
         self.state.next_step = next_step;
         self.arrive(span, [y[0], y[1]], temperatures(&y));
@@ -47,6 +64,9 @@ impl Stand {
     fn resolve_film(&mut self, film: &mut ResolvedFilm, span: f64) -> Result<(), Stuck> {
         let longest = LONGEST_FILM_STEP.min(self.period() / FILM_STEPS_PER_TURN);
         let steps = (span / longest).ceil().max(1.0);
+        if steps > MOST_FILM_STEPS {
+            return Err(Stuck::TooLong(steps));
+        }
         let step = span / steps;
         for _ in 0..steps as usize {
             let load = [0.0, step].map(|tau| self.driven(tau).2);
@@ -61,7 +81,7 @@ impl Stand {
     }
 
     /// The temperatures after `span` seconds under constant flows.
-    fn warm(&self, span: f64, flows: &Flows) -> Result<Temperatures, Failure> {
+    fn warm(&self, span: f64, flows: &Flows) -> Result<Temperatures, Stuck> {
         let pack = |t: Temperatures| [t.film, t.bush, t.shaft, t.oil];
         let unpack = |&[film, bush, shaft, oil]: &[f64; 4]| Temperatures {
             film,
@@ -71,11 +91,13 @@ impl Stand {
         };
         let integrator = DormandPrince {
             allowed: [100.0 * self.solver.tolerance; 4],
-            limit: STEP_LIMIT,
+            budget: Budget::of(WARMING_STEPS),
         };
         let mut t = pack(self.state.temperatures);
         let rates = |tau: f64, t: &[f64; 4]| pack(self.thermal_rates(tau, &unpack(t), flows));
-        integrator.integrate(rates, &mut t, span, &mut span.clone())?;
+        let done = integrator.integrate(rates, &mut t, span, &mut span.clone());
+        let [ex, ey] = self.state.eccentricity;
+        done.map_err(|failure| self.explain(failure, &[ex, ey, t[0], t[1], t[2], t[3]], 2..6))?;
         Ok(unpack(&t))
     }
 

@@ -154,8 +154,7 @@ pub fn set_real(host: &mut Host, component: Component) {
     );
 }
 
-/// A value near the start value, or anything; seldom from anywhere in the variable's range, as the
-/// corners of all ranges take the solver millions of internal steps.
+/// A value near the start value, from anywhere in the variable's range, or from nowhere in it.
 fn real_for(host: &mut Host, reference: ValueReference) -> f64 {
     let random = &mut host.random;
     let Some(Variable {
@@ -171,11 +170,12 @@ fn real_for(host: &mut Host, reference: ValueReference) -> f64 {
     else {
         return random.hostile();
     };
-    match random.below(30_000) {
-        0..1500 => random.hostile(),
-        1500 => min + random.unit() * (max - min),
-        1501 => random.one(&[*min, *max]),
-        1502 if *min > 0.0 => random.magnitude(*min, *max),
+    match random.below(40) {
+        0 | 1 => random.hostile(),
+        2 => min + random.unit() * (max - min),
+        3 => random.one(&[*min, *max]),
+        4 if *min > 0.0 => random.magnitude(*min, *max),
+        4 => random.one(&[*min, *max]) * random.magnitude(1e-9, 1.0),
         _ => (access.get)(&Stand::default()) * random.magnitude(0.5, 2.0),
     }
 }

@@ -1,0 +1,95 @@
+//! What drives the stand from outside, and where it leads within a step.
+
+use super::Stand;
+use crate::model::{Fault, Kind, Model, Role};
+use serde::{Deserialize, Serialize};
+
+/// An input and its rate over the present step.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Input {
+    /// Value at the start of the step.
+    pub value: f64,
+    /// Time derivative during the step.
+    pub slope: f64,
+}
+
+impl Input {
+    const fn constant(value: f64) -> Self {
+        Self { value, slope: 0.0 }
+    }
+
+    pub(super) fn at(&self, tau: f64) -> f64 {
+        self.value + self.slope * tau
+    }
+}
+
+/// What the host drives the stand with.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Inputs {
+    /// Mean shaft speed, rad/s.
+    pub speed: Input,
+    /// Force added to the load mechanism's, N.
+    pub external_force: Input,
+    /// Temperature of the surroundings, K.
+    pub ambient_temperature: Input,
+}
+
+impl Inputs {
+    pub(super) fn all(&mut self) -> [&mut Input; 3] {
+        [
+            &mut self.speed,
+            &mut self.external_force,
+            &mut self.ambient_temperature,
+        ]
+    }
+}
+
+impl Default for Inputs {
+    fn default() -> Self {
+        Self {
+            speed: Input::constant(10.0 * std::f64::consts::PI),
+            external_force: Input::constant(0.0),
+            ambient_temperature: Input::constant(295.15),
+        }
+    }
+}
+
+impl Stand {
+    /// Refuses a step by whose end the slopes would take an input out of its range.
+    pub(super) fn check_inputs_after(&mut self, span: f64) -> Result<(), Fault> {
+        // A ramp that ends at the bound may miss it by its rounding.
+        const ROUNDING: f64 = 1e-9;
+        let now = self.inputs;
+        if self.inputs.all().iter().all(|input| input.slope == 0.0) {
+            return Ok(());
+        }
+        for input in self.inputs.all() {
+            input.value = input.at(span);
+        }
+        let mut inputs = Self::variables().iter().filter(|v| v.role == Role::Input);
+        let left = inputs.find_map(|variable| {
+            let Kind::Real {
+                access,
+                unit,
+                min: Some(min),
+                max: Some(max),
+                ..
+            } = &variable.kind
+            else {
+                return None;
+            };
+            let (value, unit) = ((access.get)(self), unit.name);
+            let slack = ROUNDING * (max - min);
+            let within = (min - slack..=max + slack).contains(&value);
+            (!within).then(|| {
+                Fault::Failed(format!(
+                    "the step over {span} s would take {} to {value} {unit}: it must lie between {min} and {max} \
+                     {unit}; set a smaller input derivative or take a shorter step",
+                    variable.name
+                ))
+            })
+        });
+        self.inputs = now;
+        left.map_or(Ok(()), Err)
+    }
+}

@@ -1,0 +1,223 @@
+//! Why a step could not be made: what changes too fast, and which parameter makes it so.
+
+use super::{SCALES, Stand, Unknowns, prepare};
+use crate::bearing::reynolds::FilmError;
+use crate::model::{Fault, Kind, Model};
+use crate::oil::Nearby;
+use crate::solver::Failure;
+use std::fmt;
+use std::ops::Range;
+use thiserror::Error;
+
+/// Why a step failed.
+#[derive(Clone, Debug, Error)]
+pub enum Stuck {
+    /// The time integration failed.
+    #[error(transparent)]
+    Integration(#[from] Failure),
+    /// The same, with what is known of the reason.
+    #[error("{0}: {1}")]
+    Explained(Failure, Reason),
+    /// The film could not be solved.
+    #[error(transparent)]
+    Film(#[from] FilmError),
+    /// The step would take hours.
+    #[error(
+        "some {0:.0e} steps of the Reynolds film would be needed: take shorter communication steps"
+    )]
+    TooLong(f64),
+}
+
+/// What changes too fast to be followed.
+#[derive(Clone, Debug)]
+pub struct Reason {
+    /// The fastest unknown and its time constant, s; none when the rates are no numbers.
+    fastest: Option<(&'static str, f64)>,
+    /// Temperature, K, and viscosity, Pa.s, of the film.
+    film: (f64, f64),
+    cause: Option<Cause>,
+}
+
+/// The parameter or input that alone makes it so.
+#[derive(Clone, Debug)]
+struct Cause {
+    name: &'static str,
+    value: f64,
+    default: f64,
+    unit: &'static str,
+}
+
+impl fmt::Display for Reason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (temperature, viscosity) = self.film;
+        match self.fastest {
+            Some((name, time)) => write!(
+                f,
+                "{name} settles within {time:.1e} s, faster than in any bearing"
+            )?,
+            None => write!(f, "the state's rates are no numbers")?,
+        }
+        write!(
+            f,
+            " (film at {temperature:.1} K with {viscosity:.2e} Pa.s); "
+        )?;
+        match &self.cause {
+            Some(Cause {
+                name,
+                value,
+                default,
+                unit,
+            }) => {
+                let unit = match *unit {
+                    "1" => String::new(),
+                    unit => format!(" {unit}"),
+                };
+                write!(
+                    f,
+                    "check {name}: it is {value}{unit}, by default {default}{unit}"
+                )
+            }
+            None => f.write_str("check the parameters that are far from their defaults"),
+        }
+    }
+}
+
+/// Where the step got stuck: the time into it, s, the unknowns, and which of them are in question.
+struct Place {
+    tau: f64,
+    y: Unknowns,
+    among: Range<usize>,
+}
+
+/// A cause makes things so many times faster than the usual value would.
+const TELLING: f64 = 3.0;
+
+impl Stand {
+    /// Refuses an oil that gets thicker with heat, and a start at which it would be solid.
+    pub(super) fn check_oil(&self) -> Result<(), Fault> {
+        /// The declared maximum of `bearing.filmViscosity`, Pa.s.
+        const SOLID: f64 = 1e6;
+        let [cold, hot] = [
+            self.oil.kinematic_viscosity_40,
+            self.oil.kinematic_viscosity_100,
+        ];
+        if self.oil.properties_file.is_empty() && hot > cold {
+            return Err(Fault::Invalid(format!(
+                "oil.kinematicViscosity100 = {hot} m2/s: it must not be greater than oil.kinematicViscosity40, \
+                 {cold} m2/s"
+            )));
+        }
+        let start = self.thermal.initial().film;
+        let viscosity = self.fluid.viscosity(start);
+        if viscosity.is_nan() || viscosity > SOLID {
+            return Err(Fault::Invalid(format!(
+                "the film would start at {start} K, where the oil's viscosity is {viscosity:.1e} Pa.s: raise \
+                 thermal.initialBearingTemperature or thermal.initialFilmRise"
+            )));
+        }
+        Ok(())
+    }
+
+    /// A failure at unknowns `y`, with its reason among some of them.
+    pub(super) fn explain(&self, failure: Failure, y: &Unknowns, among: Range<usize>) -> Stuck {
+        if let Failure::SpanTooLong { .. } = failure {
+            return Stuck::Integration(failure);
+        }
+        let at = Place {
+            tau: failure.passed(),
+            y: *y,
+            among,
+        };
+        let fastest = self.fastest(&at);
+        let pace = fastest.map_or(f64::INFINITY, |(_, pace)| pace);
+        let reason = Reason {
+            fastest: fastest.map(|(name, pace)| (name, 1.0 / pace)),
+            film: (y[2], self.fluid.viscosity(y[2])),
+            cause: self.cause(&at, pace).or_else(|| self.oddest()),
+        };
+        Stuck::Explained(failure, reason)
+    }
+
+    /// What changes fastest when it is disturbed, and its rate, 1/s; none when that is no number.
+    fn fastest(&self, at: &Place) -> Option<(&'static str, f64)> {
+        const NAMES: [&str; 6] = [
+            "the journal",
+            "the journal",
+            "the film's temperature",
+            "the bush's temperature",
+            "the shaft's temperature",
+            "the oil bath's temperature",
+        ];
+        const NUDGE: f64 = 1e-7;
+        let mut oil = Nearby::default();
+        let here = self.rates(at.tau, &at.y, &mut oil);
+        let mut fastest = ("nothing", 0.0_f64);
+        for i in at.among.clone() {
+            let mut beside = at.y;
+            beside[i] += NUDGE * SCALES[i];
+            let there = self.rates(at.tau, &beside, &mut oil);
+            let pace = ((there[i] - here[i]) / (beside[i] - at.y[i])).abs();
+            if !pace.is_finite() {
+                return None;
+            }
+            if pace > fastest.1 {
+                fastest = (NAMES[i], pace);
+            }
+        }
+        Some(fastest)
+    }
+
+    /// The parameter or input whose default would slow things down most.
+    fn cause(&self, at: &Place, pace: f64) -> Option<Cause> {
+        let mut slowest = pace / TELLING;
+        let mut found = None;
+        for (cause, set) in self.changed() {
+            let mut other = self.clone();
+            set(&mut other, &cause.default);
+            let anew = other.prepared_anew();
+            let Some((_, pace)) = anew.and_then(|other| other.fastest(at)) else {
+                continue;
+            };
+            if pace < slowest {
+                slowest = pace;
+                found = Some(cause);
+            }
+        }
+        found
+    }
+
+    /// The parameter or input that is the furthest from its default, by a factor.
+    fn oddest(&self) -> Option<Cause> {
+        let far = |cause: &Cause| (cause.value / cause.default).ln().abs();
+        self.changed()
+            .map(|(cause, _)| cause)
+            .filter(|cause| far(cause).is_finite())
+            .max_by(|one, other| far(one).total_cmp(&far(other)))
+    }
+
+    /// What is not at its default, and how that is set.
+    fn changed(&self) -> impl Iterator<Item = (Cause, fn(&mut Self, &f64))> {
+        let usual = Self::default();
+        Self::variables().iter().filter_map(move |variable| {
+            let Kind::Real { access, unit, .. } = &variable.kind else {
+                return None;
+            };
+            let cause = Cause {
+                name: variable.name,
+                value: (access.get)(self),
+                default: (access.get)(&usual),
+                unit: unit.name,
+            };
+            (cause.value != cause.default).then_some((cause, access.set?))
+        })
+    }
+
+    /// With what follows from the parameters; the oil of a file stays as it was.
+    fn prepared_anew(mut self) -> Option<Self> {
+        if self.oil.properties_file.is_empty() {
+            self.fluid = self.oil.through_two_points();
+        }
+        self.prepared = prepare(&self.bearing).ok()?;
+        Some(self)
+    }
+}

@@ -1,0 +1,178 @@
+//! Parameters from anywhere in their ranges: a step is made, or refused soon with a message that names what is
+//! unusual. How much work "soon" is, the solver's budget says, and its own tests.
+
+#![allow(clippy::unwrap_used)]
+
+use plain_bearing_stand::model::{Experiment, Fault, Kind, Model, Variable};
+use plain_bearing_stand::stand::Stand;
+use proptest::prelude::*;
+use proptest::sample::Index;
+
+const EXPERIMENT: Experiment<'static> = Experiment {
+    start: 0.0,
+    stop: None,
+    tolerance: None,
+    resources: None,
+};
+
+fn set(stand: &mut Stand, name: &str, value: f64) {
+    let variable = Stand::variables().iter().find(|v| v.name == name).unwrap();
+    if let Kind::Real { access, .. } = &variable.kind {
+        access.set.unwrap()(stand, &value);
+    }
+}
+
+/// The stand with some variables set, and what became of its steps.
+fn run(settings: &[(&str, f64)], steps: &[f64]) -> Result<Stand, Fault> {
+    let mut stand = Stand::default();
+    for (name, value) in settings {
+        set(&mut stand, name, *value);
+    }
+    stand.initialise(&EXPERIMENT, &mut ())?;
+    let mut time = 0.0;
+    for step in steps {
+        stand.advance(time, *step, &mut ())?;
+        time += step;
+    }
+    Ok(stand)
+}
+
+/// A variable that can be set, and its range.
+fn settable(variable: &Variable<Stand>) -> Option<(&'static str, f64, f64)> {
+    match &variable.kind {
+        Kind::Real {
+            access,
+            min: Some(min),
+            max: Some(max),
+            ..
+        } if access.set.is_some() => Some((variable.name, *min, *max)),
+        _ => None,
+    }
+}
+
+/// One end of a range, evenly from within it, or of any magnitude.
+fn anywhere(way: u8, part: f64, min: f64, max: f64) -> f64 {
+    let value = match way {
+        0 => min,
+        1 => max,
+        2 => min + part * (max - min),
+        _ if min > 0.0 => min * (max / min).powf(part),
+        _ => max * 1e-9_f64.powf(part) * if way == 3 { 1.0 } else { -1.0 },
+    };
+    value.clamp(min, max)
+}
+
+fn corners() -> impl Strategy<Value = Vec<(&'static str, f64)>> {
+    let variables: Vec<_> = Stand::variables().iter().filter_map(settable).collect();
+    let setting = (any::<Index>(), 0..5_u8, 0.0..=1.0).prop_map(move |(index, way, part)| {
+        let (name, min, max) = *index.get(&variables);
+        (name, anywhere(way, part, min, max))
+    });
+    prop::collection::vec(setting, 1..10)
+}
+
+fn names_a_variable(fault: &Fault) -> bool {
+    let message = fault.to_string();
+    Stand::variables().iter().any(|v| message.contains(v.name))
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 500, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn a_step_is_made_or_refused_with_a_name(settings in corners()) {
+        match run(&settings, &[1e-3, 0.1]) {
+            Ok(stand) => {
+                for variable in Stand::variables() {
+                    if let Kind::Real { access, .. } = &variable.kind {
+                        let value = (access.get)(&stand);
+                        prop_assert!(value.is_finite(), "{} = {value}", variable.name);
+                    }
+                }
+            }
+            Err(fault) => prop_assert!(names_a_variable(&fault), "{fault}"),
+        }
+    }
+}
+
+#[test]
+fn what_makes_a_step_impossible_is_named() {
+    let cases: [(&[(&str, f64)], &str); 5] = [
+        (
+            &[
+                ("thermal.filmCapacity", 1e-3),
+                ("thermal.filmBushConductance", 1e4),
+            ],
+            "the film's temperature settles within",
+        ),
+        (
+            &[
+                ("thermal.filmCapacity", 1e-3),
+                ("thermal.filmBushConductance", 1e4),
+            ],
+            "check thermal.filmCapacity: it is 0.001 J/K, by default 2 J/K",
+        ),
+        (
+            &[("bearing.diameter", 1e-4), ("load.leverRatio", 300.0)],
+            "check bearing.diameter: it is 0.0001 m, by default 0.025 m",
+        ),
+        (
+            &[("oil.kinematicViscosity100", 2e-4)],
+            "must not be greater than oil.kinematicViscosity40",
+        ),
+        (
+            &[("thermal.initialFilmRise", -300.0)],
+            "raise thermal.initialBearingTemperature or thermal.initialFilmRise",
+        ),
+    ];
+    for (settings, expected) in cases {
+        let message = match run(settings, &[0.1]) {
+            Ok(_) => "a step was made".to_owned(),
+            Err(fault) => fault.to_string(),
+        };
+        assert!(message.contains(expected), "{settings:?}: {message}");
+    }
+}
+
+#[test]
+fn no_step_takes_an_input_out_of_its_range() {
+    let mut stand = Stand::default();
+    stand.initialise(&EXPERIMENT, &mut ()).unwrap();
+    stand.inputs.speed.slope = 1e6;
+    let before = stand.save();
+    let Err(Fault::Failed(message)) = stand.advance(0.0, 0.01, &mut ()) else {
+        panic!("the step was made");
+    };
+    assert!(message.contains("take drive.speed to 10031.4"), "{message}");
+    assert!(
+        message.contains("set a smaller input derivative"),
+        "{message}"
+    );
+    assert_eq!(stand.save(), before);
+    // A shorter step does; and a ramp may end at the bound.
+    stand.advance(0.0, 1e-4, &mut ()).unwrap();
+    stand.inputs.speed.value = 0.3;
+    stand.inputs.speed.slope = (2000.0 - 0.3) / 0.07;
+    stand.advance(1e-4, 0.07, &mut ()).unwrap();
+}
+
+/// The speed fluctuates, so every turn is resolved.
+#[test]
+fn a_thousand_seconds_are_one_step() {
+    let stand = run(&[("drive.fluctuationAmplitude", 0.02)], &[1000.0]).unwrap();
+    assert!(
+        (stand.readings().shaft_angle / (1000.0 * stand.inputs.speed.value) - 1.0).abs() < 1e-3
+    );
+}
+
+#[test]
+fn a_step_of_years_is_refused() {
+    let settings = [("drive.fluctuationAmplitude", 0.02)];
+    let Err(Fault::Failed(message)) = run(&settings, &[1e9]) else {
+        panic!("the step was made");
+    };
+    assert!(
+        message.contains("take shorter communication steps"),
+        "{message}"
+    );
+}
