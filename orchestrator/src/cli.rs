@@ -76,6 +76,9 @@ pub struct Inspect {
 pub struct Check {
     /// The FMU
     pub fmu: PathBuf,
+    /// How long each of the two short simulations may take, s
+    #[arg(long, value_name = "SECONDS", default_value_t = 60.0)]
+    pub patience: f64,
 }
 
 /// Options of `init`.

@@ -1,11 +1,18 @@
 //! `check`: looks at an FMU before it is used.
 //!
-//! What the model description says, by the rules of [`rules`]; then two short simulations, in a worker
-//! process: a fresh instance, and a reset one, must agree, and keep to the declared ranges.
+//! What the archive holds ([`files`]) and the model description says ([`schema`], [`rules`], [`variables`],
+//! [`structure`]); then two short simulations, in a worker process: a fresh instance, and a reset one, must
+//! agree, and keep to the declared ranges.
 
+mod document;
+mod files;
 mod rules;
+mod schema;
+mod structure;
+mod variables;
 
 use std::ops::ControlFlow;
+use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
 
@@ -13,24 +20,29 @@ use super::{CommandError, output};
 use crate::cli::Check;
 use crate::engine::process::{Limits, Process};
 use crate::engine::{Answer, Job, Worker};
-use crate::fmu::{Causality, Description, FmuError, Package, Variable};
+use crate::fmu::{ArchiveError, Causality, Description, FmuError, Package, Variable};
 use crate::results::ResultsError;
 use crate::study::Statistic;
 use crate::task::{Probe, Schedule, Storage, Task};
 
-/// What a pre-flight may use.
-const LIMITS: Limits = Limits {
-    time: Duration::from_secs(60),
-    memory: 8 << 30,
-};
+/// The most memory that a pre-flight may use, bytes.
+const MEMORY: u64 = 8 << 30;
 
 pub(super) fn run(options: &Check) -> Result<ExitCode, CommandError> {
     let findings = match Package::open(&options.fmu) {
-        Ok(package) => findings(package)?,
-        // What is no FMU of this version is a finding; what is no archive, a mistake.
+        Ok(package) => findings(package, options.patience)?,
+        // An archive that is no FMU of this version is a finding; what is no archive, a mistake.
         Err(FmuError::Description { source, .. }) => {
             vec![format!("modelDescription.xml: {source}")]
         }
+        Err(FmuError::Archive {
+            source: ArchiveError::NoDescription,
+            ..
+        }) => vec![
+            "modelDescription.xml is not there: it belongs to the top of the archive (pack the files, not \
+             the folder around them)"
+                .to_owned(),
+        ],
         Err(error) => return Err(error.into()),
     };
     let verdict = if findings.is_empty() {
@@ -49,35 +61,83 @@ pub(super) fn run(options: &Check) -> Result<ExitCode, CommandError> {
     })
 }
 
-fn findings(mut package: Package) -> Result<Vec<String>, CommandError> {
-    let fmu = package.description();
-    let mut findings = fmu.remarks.clone();
-    findings.extend(rules::broken(fmu));
-    if fmu.with(Causality::Output).next().is_none() {
-        findings.push("the FMU has no outputs".to_owned());
+fn findings(mut package: Package, patience: f64) -> Result<Vec<String>, CommandError> {
+    let mut findings = described(&mut package)?;
+    let files = files::broken(&mut package)?;
+    findings.extend(files.findings);
+    // Without a GUID it would be refused.
+    if !files.fatal && !package.description().guid.is_empty() {
+        findings.extend(simulated(&mut package, patience)?);
     }
+    Ok(findings)
+}
+
+/// What the model description says.
+fn described(package: &mut Package) -> Result<Vec<String>, CommandError> {
+    let strict = package.with_document(|root| {
+        let scalars = document::scalars(root);
+        let mut findings = schema::broken(root);
+        findings.extend(variables::broken(root, &scalars));
+        findings.extend(structure::broken(root, &scalars));
+        findings
+    })?;
+    let fmu = package.description();
+    let remarks = fmu.remarks.iter();
+    let mut findings: Vec<String> = remarks
+        .map(|remark| format!("modelDescription.xml, {remark}"))
+        .collect();
+    findings.extend(rules::broken(fmu));
+    findings.extend(strict);
+    if fmu.with(Causality::Output).next().is_none() {
+        findings.push("modelDescription.xml: the FMU has no outputs".to_owned());
+    }
+    Ok(findings)
+}
+
+/// What two short simulations show.
+fn simulated(package: &mut Package, patience: f64) -> Result<Vec<String>, CommandError> {
     let folder = tempfile::tempdir().map_err(ResultsError::io(&std::env::temp_dir()))?;
     let unpacked = match package.unpack(folder.path()) {
         Ok(unpacked) => unpacked,
-        Err(error) => {
-            findings.push(error.to_string());
-            return Ok(findings);
-        }
+        Err(FmuError::Archive { source, .. }) => return Ok(vec![source.to_string()]),
+        Err(error) => return Err(error.into()),
     };
-    let task = task(&package);
-    let mut worker = Process::new(&unpacked, &task, LIMITS, folder.path(), 0)?;
+    let task = task(package);
+    let limits = Limits {
+        time: Duration::try_from_secs_f64(patience).unwrap_or(Duration::MAX),
+        memory: MEMORY,
+    };
+    let mut worker = Process::new(&unpacked, &task, limits, folder.path(), 0)?;
+    worker.be_candid();
     let jobs = [0, 1].map(|index| Job {
         index,
         values: Vec::new(),
     });
     let mut answers: Vec<Answer> = Vec::new();
-    worker.run(&jobs, &mut |_, answer| {
+    let done = worker.run(&jobs, &mut |_, answer| {
+        // What went wrong once goes wrong again.
+        let failed = answer.is_err();
         answers.push(answer);
+        if failed {
+            return ControlFlow::Break(());
+        }
         ControlFlow::Continue(())
-    })?;
-    findings.extend(compare(&answers, &task));
+    });
+    if let Err(error) = done {
+        return Ok(vec![unloadable(&error.to_string(), &unpacked)]);
+    }
+    let mut findings = compare(&answers, &task);
     findings.extend(outside(&answers, &task, package.description()));
     Ok(findings)
+}
+
+/// Why a binary cannot be loaded, without the folder into which it was unpacked.
+fn unloadable(error: &str, unpacked: &Path) -> String {
+    let folder = unpacked.display();
+    let short = error
+        .replace(&format!("{folder}/"), "")
+        .replace(&format!("{folder}: "), "");
+    format!("the binary cannot be loaded: {short}")
 }
 
 /// A few steps of the suggested experiment, with all numeric outputs.
@@ -133,12 +193,16 @@ fn outside(answers: &[Answer], task: &Task, fmu: &Description) -> Vec<String> {
     pairs
         .filter_map(|(probe, value)| {
             let (min, max) = fmu.variables.get(&probe.name)?.kind.range();
+            // A range that is none is a finding of its own.
+            if min.zip(max).is_some_and(|(min, max)| min > max) {
+                return None;
+            }
             let (bound, name) = match probe.statistic {
                 Statistic::Min => (min.filter(|min| value < min)?, "min"),
                 _ => (max.filter(|max| value > max)?, "max"),
             };
             Some(format!(
-                "{}: {value} in a simulation, beyond its {name} of {bound}",
+                "{}: {value} in a simulation, beyond its {name} of {bound}: correct the range or the model",
                 probe.name
             ))
         })
@@ -150,18 +214,21 @@ fn compare(answers: &[Answer], task: &Task) -> Vec<String> {
     match answers {
         [Ok(fresh), Ok(again)] => {
             let pairs = task.observed.iter().zip(fresh.iter().zip(again));
-            pairs
+            let first = pairs
                 .filter(|(_, (fresh, again))| fresh.to_bits() != again.to_bits())
                 .map(|(probe, (fresh, again))| {
                     format!(
-                        "after fmi2Reset, {} is {again} instead of {fresh}",
+                        "after fmi2Reset, {} is {again} instead of {fresh}: it must begin anew, as all others",
                         probe.name
                     )
                 })
-                .collect()
+                .next();
+            first.into_iter().collect()
         }
-        [Err(failure), ..] => vec![format!("a simulation with the start values: {failure}")],
-        [Ok(_), Err(failure)] => vec![format!("a simulation after fmi2Reset: {failure}")],
+        [Err(failure), ..] => vec![format!(
+            "a simulation with the start values failed: {failure}"
+        )],
+        [Ok(_), Err(failure)] => vec![format!("a simulation after fmi2Reset failed: {failure}")],
         _ => vec!["the simulations gave no answer".to_owned()],
     }
 }

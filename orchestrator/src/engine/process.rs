@@ -94,6 +94,7 @@ impl Process {
             supervisor: std::process::id(),
             name: fmu.to_owned(),
             record: None,
+            candid: false,
         };
         Ok(Self {
             program: program().map_err(start)?,
@@ -109,6 +110,12 @@ impl Process {
     pub(super) fn name(&mut self, name: &Path, echo: bool) {
         self.setup.name = name.to_owned();
         self.echo = echo;
+    }
+
+    /// Takes a reset at its word: a point after it is not compared with one of a fresh instance, and its failure
+    /// is the point's.
+    pub fn be_candid(&mut self) {
+        self.setup.candid = true;
     }
 
     /// Lets the worker run one point with its trajectory, instead of jobs.

@@ -64,7 +64,12 @@ fn begin(setup: &Setup) -> Result<Runner, String> {
     let named = |error: FmuError| error.at(&setup.name).to_string();
     let mut package = Package::open(&setup.fmu).map_err(named)?;
     let library = package.load().map_err(named)?;
-    Ok(Runner::new(library, setup.task.clone()))
+    let runner = Runner::new(library, setup.task.clone());
+    Ok(if setup.candid {
+        runner.candid()
+    } else {
+        runner
+    })
 }
 
 /// Runs a point and sends its trajectory.

@@ -31,6 +31,8 @@ pub(super) struct Setup {
     pub(super) name: PathBuf,
     /// A point that is run with its trajectory, instead of jobs.
     pub(super) record: Option<Record>,
+    /// A reset is taken at its word, for those who want to see what it does.
+    pub(super) candid: bool,
 }
 
 /// Whether a trajectory ends with a frame.

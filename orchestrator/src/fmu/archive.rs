@@ -3,6 +3,7 @@
 //! Nothing in an archive is trusted: no entry leaves the target folder, links are refused, and
 //! the number of entries and the unpacked size are limited.
 
+use std::borrow::Cow;
 use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
@@ -138,6 +139,32 @@ impl Archive {
         Ok(bytes)
     }
 
+    /// The names of the files.
+    pub(super) fn entries(&self) -> Vec<String> {
+        match self {
+            Self::Folder(path) => files_below(path, path),
+            // Not by the zip's own order of names: what could not be unpacked is to be seen, too.
+            Self::Zip { zip, .. } => zip
+                .file_names()
+                .filter_map(Result::ok)
+                .map(Cow::into_owned)
+                .collect(),
+        }
+    }
+
+    /// The content of one file.
+    pub(super) fn bytes_of(&mut self, entry: &str) -> Result<Vec<u8>, ArchiveError> {
+        let mut bytes = Vec::new();
+        match self {
+            Self::Folder(path) => bytes = fs::read(path.join(entry))?,
+            Self::Zip { zip, .. } => {
+                let file = zip.by_name(entry).map_err(ArchiveError::Damaged)?;
+                file.take(MAX_UNPACKED).read_to_end(&mut bytes)?;
+            }
+        }
+        Ok(bytes)
+    }
+
     /// What identifies the content: the whole file, or the description of a folder.
     pub(super) fn bytes(&self) -> Result<Vec<u8>, ArchiveError> {
         Ok(match self {
@@ -199,6 +226,21 @@ fn platform_of(name: &str, identifier: &str) -> Option<String> {
     let (platform, file) = name.strip_prefix("binaries/")?.split_once('/')?;
     let stem = file.rsplit_once('.')?.0;
     (stem == identifier).then(|| platform.to_owned())
+}
+
+/// The files below a folder, by their paths from `root`, with forward slashes.
+fn files_below(folder: &Path, root: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    entries
+        .flat_map(|entry| match entry.file_type() {
+            Ok(kind) if kind.is_dir() => files_below(&entry.path(), root),
+            _ => {
+                let path = entry.path();
+                let below = path.strip_prefix(root).unwrap_or(&path);
+                vec![below.to_string_lossy().replace('\\', "/")]
+            }
+        })
+        .collect()
 }
 
 fn folder_platforms(binaries: &Path, identifier: &str) -> Vec<String> {

@@ -32,9 +32,6 @@ pub struct Description {
     pub units: Units,
     /// The variables by name, in the order of the file.
     pub variables: IndexMap<String, Variable>,
-    /// The variables that `ModelStructure` lists as outputs, counted from 1 in the order of the file.
-    #[serde(skip)]
-    pub listed_outputs: Vec<usize>,
     /// What is not as the standard wants it, but does not prevent a simulation.
     pub remarks: Vec<String>,
 }
@@ -112,6 +109,9 @@ pub enum Variability {
 pub struct Variable {
     /// Its unique name.
     pub name: String,
+    /// The line in `modelDescription.xml`, from 1.
+    #[serde(skip)]
+    pub line: u32,
     /// The handle by which the binary knows it.
     pub value_reference: u32,
     /// One sentence.

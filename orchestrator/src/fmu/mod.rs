@@ -20,6 +20,7 @@ mod state;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use roxmltree::Node;
 use sha2::{Digest, Sha256};
 use tempfile::TempDir;
 use thiserror::Error;
@@ -122,6 +123,47 @@ impl Package {
     /// The platforms for which it holds a binary, such as `linux64`.
     pub fn platforms(&self) -> Vec<String> {
         self.archive.platforms(&self.description.model_identifier)
+    }
+
+    /// The names of its files, as they are written in the archive.
+    pub fn entries(&self) -> Vec<String> {
+        self.archive.entries()
+    }
+
+    /// The content of one file.
+    ///
+    /// # Errors
+    /// When it cannot be read.
+    pub fn bytes_of(&mut self, entry: &str) -> Result<Vec<u8>, FmuError> {
+        self.archive
+            .bytes_of(entry)
+            .map_err(|source| FmuError::Archive {
+                path: self.path.clone(),
+                source,
+            })
+    }
+
+    /// Hands the document of `modelDescription.xml` to `read`.
+    ///
+    /// # Errors
+    /// When it cannot be read any more.
+    pub fn with_document<T>(
+        &mut self,
+        read: impl FnOnce(Node<'_, '_>) -> T,
+    ) -> Result<T, FmuError> {
+        let bytes = self
+            .archive
+            .description()
+            .map_err(|source| FmuError::Archive {
+                path: self.path.clone(),
+                source,
+            })?;
+        let text = parse::decode(&bytes);
+        let document = parse::document(&text).map_err(|source| FmuError::Description {
+            path: self.path.clone(),
+            source,
+        })?;
+        Ok(read(document.root_element()))
     }
 
     /// The SHA-256 digest of the FMU file, as hexadecimal digits; of the description alone for a folder.

@@ -49,14 +49,19 @@ pub enum DescriptionError {
     Identifier(String),
 }
 
-/// Reads a model description.
-pub(super) fn description(bytes: &[u8]) -> Result<Description, DescriptionError> {
-    let text = decode(bytes);
+/// The document of a model description.
+pub(super) fn document(text: &str) -> Result<Document<'_>, DescriptionError> {
     let options = ParsingOptions {
         nodes_limit: MAX_NODES,
         ..ParsingOptions::default()
     };
-    let document = Document::parse_with_options(&text, options)?;
+    Ok(Document::parse_with_options(text, options)?)
+}
+
+/// Reads a model description.
+pub(super) fn description(bytes: &[u8]) -> Result<Description, DescriptionError> {
+    let text = decode(bytes);
+    let document = document(&text)?;
     let root = document.root_element();
     if root.tag_name().name() != "fmiModelDescription" {
         return Err(DescriptionError::Root(root.tag_name().name().to_owned()));
@@ -87,14 +92,13 @@ pub(super) fn description(bytes: &[u8]) -> Result<Description, DescriptionError>
         ..Description::default()
     };
     reader.variables(root, &types, &mut description);
-    description.listed_outputs = reader.listed_outputs(root);
     description.remarks = reader.remarks;
     Ok(description)
 }
 
 /// The text of the bytes: UTF-8 unless a byte-order mark, the XML declaration or the bytes
 /// themselves say that it is UTF-16 or Latin-1.
-fn decode(bytes: &[u8]) -> Cow<'_, str> {
+pub(super) fn decode(bytes: &[u8]) -> Cow<'_, str> {
     let utf16 = |decode: fn([u8; 2]) -> u16| {
         let units = bytes[2..]
             .chunks_exact(2)
@@ -227,15 +231,6 @@ impl Reader {
         }
     }
 
-    fn listed_outputs(&mut self, root: Node<'_, '_>) -> Vec<usize> {
-        let outputs = child(root, "ModelStructure").and_then(|node| child(node, "Outputs"));
-        outputs
-            .into_iter()
-            .flat_map(|node| children(node, "Unknown"))
-            .filter_map(|node| self.number(node, "index"))
-            .collect()
-    }
-
     fn units(&mut self, root: Node<'_, '_>) -> Units {
         let mut units = Units::default();
         let definitions = child(root, "UnitDefinitions");
@@ -319,6 +314,7 @@ impl Reader {
             .and_then(|name| types.get(name));
         Some(Variable {
             name: name.to_owned(),
+            line: line(node),
             value_reference,
             description: node.attribute("description").map(str::to_owned),
             causality: self.causality(node),

@@ -312,6 +312,7 @@ mod tests {
         fn texts_and_names_come_back(name in "[a-z<&\"]{1,8}", text in "[ -~äµ\t\n]{0,20}") {
             let variable = Variable {
                 name: name.clone(),
+                line: 1,
                 value_reference: 1,
                 description: None,
                 causality: crate::fmu::Causality::Parameter,

@@ -42,6 +42,16 @@ impl Bench {
 
     /// Compiles the fixture with these macros and packs it with a model description.
     pub fn fmu(&self, name: &str, macros: &[&str], description: &str) {
+        let binary = self.binary(macros);
+        let entries: [(&str, &[u8]); 2] = [
+            ("modelDescription.xml", description.as_bytes()),
+            ("binaries/linux64/lag.so", &binary),
+        ];
+        self.zip(name, &entries);
+    }
+
+    /// The fixture, compiled with these macros.
+    pub fn binary(&self, macros: &[&str]) -> Vec<u8> {
         let source = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/fixtures/lag.c");
         let binary = self.path("lag.so");
         let status = Command::new("cc")
@@ -52,12 +62,7 @@ impl Bench {
             .status()
             .unwrap();
         assert!(status.success());
-        let binary = fs::read(binary).unwrap();
-        let entries: [(&str, &[u8]); 2] = [
-            ("modelDescription.xml", description.as_bytes()),
-            ("binaries/linux64/lag.so", &binary),
-        ];
-        self.zip(name, &entries);
+        fs::read(binary).unwrap()
     }
 
     pub fn zip(&self, name: &str, entries: &[(&str, &[u8])]) {
