@@ -5,7 +5,6 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 
 use crate::analysis::sensitivity::sobol::FirstOrder;
-
 use crate::commands::Until;
 use crate::session::Shard;
 
@@ -128,6 +127,17 @@ pub struct Simulate {
     pub output: Option<PathBuf>,
 }
 
+/// With what a study is run.
+#[derive(Debug, Args)]
+pub struct Means {
+    /// Another FMU than the study's
+    #[arg(long, value_name = "FMU")]
+    pub fmu: Option<PathBuf>,
+    /// How many simulations at a time [default: the number of cores]
+    #[arg(long, value_name = "J")]
+    pub jobs: Option<usize>,
+}
+
 /// Options of `verify`.
 #[derive(Debug, Args)]
 #[command(
@@ -140,9 +150,9 @@ pub struct Verify {
     /// The folder for the results [default: results/ and the study's name]
     #[arg(long, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// Another FMU than the study's
-    #[arg(long, value_name = "FMU")]
-    pub fmu: Option<PathBuf>,
+    /// What runs it
+    #[command(flatten)]
+    pub means: Means,
     /// How many points, instead of the study's number
     #[arg(long, value_name = "N")]
     pub points: Option<u64>,
@@ -152,9 +162,6 @@ pub struct Verify {
     /// Simulate the points of a table (csv or Parquet) instead of sampling
     #[arg(long, value_name = "TABLE.csv", conflicts_with_all = ["points", "seed"])]
     pub points_from: Option<PathBuf>,
-    /// How many points at a time [default: the number of cores]
-    #[arg(long, value_name = "J")]
-    pub jobs: Option<usize>,
     /// Only say what would be done: points, design, criteria
     #[arg(long)]
     pub dry_run: bool,
@@ -235,25 +242,22 @@ pub struct Judge {
 
 /// Options of `identify`.
 #[derive(Debug, Args)]
-#[command(after_help = IDENTIFY)]
+#[command(after_help = include_str!("cli/identify.txt"))]
 pub struct Identify {
     /// The study
     pub study: PathBuf,
     /// The folder for the results [default: results/ and the study's name]
     #[arg(long, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// Another FMU than the study's
-    #[arg(long, value_name = "FMU")]
-    pub fmu: Option<PathBuf>,
+    /// What runs it
+    #[command(flatten)]
+    pub means: Means,
     /// How many starts are screened, instead of the study's number
     #[arg(long, value_name = "N")]
     pub starts: Option<u64>,
     /// The seed of the starts, instead of the study's
     #[arg(long, value_name = "S")]
     pub seed: Option<u64>,
-    /// How many simulations at a time [default: the number of cores]
-    #[arg(long, value_name = "J")]
-    pub jobs: Option<usize>,
     /// End the search after this long and report the best so far
     #[arg(long, value_name = "SECONDS")]
     pub time_limit: Option<f64>,
@@ -262,28 +266,6 @@ pub struct Identify {
     pub resume: bool,
 }
 
-const IDENTIFY: &str = "Example: orchestrator identify studies/calibration-table3.toml
-
-The section [identify] of a study:
-  cases = \"table.csv\"                      a measured case each row; one case without it
-  [identify.free.\"oil.viscosityScale\"]     to be found, the same for all cases
-  min = 1
-  max = 1000
-  scale = \"log\"                            with median and factor as prior; linear: mean, deviation
-  [identify.known.\"bearing.width\"]         from the table
-  column = \"B_mm\"
-  unit = \"mm\"
-  [identify.latent.\"bearing.radialClearance\"]   known to an interval only, case by case
-  column = \"h_mm\"
-  within = 0.005
-  unit = \"mm\"
-  [identify.measured.P_fr]
-  variable = \"sensor.frictionPower\"
-  column = \"P_fr_W\"                        or value = \"14 W\"
-  accuracy = \"1 %\"                         one standard deviation
-
-Writes identification.json (everything) and optimum.toml (a [fixed] section to paste into a study).
-Exit codes: 0 converged, 1 ended before that, 2 a mistake in what was asked for.";
 /// Options of `report`.
 #[derive(Debug, Args)]
 #[command(after_help = "Example: orchestrator report results/table3")]
@@ -320,12 +302,9 @@ pub struct Sensitivity {
     /// The seed
     #[arg(long, value_name = "S", default_value_t = 1)]
     pub seed: u64,
-    /// Another FMU than the study's
-    #[arg(long, value_name = "FMU")]
-    pub fmu: Option<PathBuf>,
-    /// How many runs at a time [default: the number of cores]
-    #[arg(long, value_name = "J")]
-    pub jobs: Option<usize>,
+    /// What runs it
+    #[command(flatten)]
+    pub means: Means,
     /// The folder for the results [default: results/ and the study's name, or DIR of --from]
     #[arg(long, value_name = "DIR")]
     pub output: Option<PathBuf>,
@@ -373,12 +352,9 @@ pub struct Robustness {
     /// The seed
     #[arg(long, value_name = "S", default_value_t = 1)]
     pub seed: u64,
-    /// Another FMU than the study's
-    #[arg(long, value_name = "FMU")]
-    pub fmu: Option<PathBuf>,
-    /// How many runs at a time [default: the number of cores]
-    #[arg(long, value_name = "J")]
-    pub jobs: Option<usize>,
+    /// What runs it
+    #[command(flatten)]
+    pub means: Means,
     /// The folder for the results [default: that of the study]
     #[arg(long, value_name = "DIR")]
     pub output: Option<PathBuf>,
@@ -410,12 +386,9 @@ pub struct Pareto {
     /// The seed of the search
     #[arg(long, value_name = "S", default_value_t = 1)]
     pub seed: u64,
-    /// Another FMU than the study's
-    #[arg(long, value_name = "FMU")]
-    pub fmu: Option<PathBuf>,
-    /// How many runs at a time [default: the number of cores]
-    #[arg(long, value_name = "J")]
-    pub jobs: Option<usize>,
+    /// What runs it
+    #[command(flatten)]
+    pub means: Means,
     /// The folder for the results [default: that of the study]
     #[arg(long, value_name = "DIR")]
     pub output: Option<PathBuf>,

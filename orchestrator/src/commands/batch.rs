@@ -3,10 +3,10 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
-use std::thread::available_parallelism;
 
 use super::CommandError;
 use super::progress::Progress;
+use crate::cli::Means;
 use crate::design::Design;
 use crate::distribution::Distribution;
 use crate::engine::{self, Job, Worker, local::Local};
@@ -25,26 +25,20 @@ pub(super) struct Batch {
 }
 
 impl Batch {
-    pub(super) fn new(
-        path: &Path,
-        fmu: Option<&Path>,
-        jobs: Option<usize>,
-    ) -> Result<Self, CommandError> {
+    pub(super) fn new(path: &Path, means: &Means) -> Result<Self, CommandError> {
         let study = Study::read(path)?;
-        let package = Package::open(&fmu.map_or_else(|| study.fmu_path(), Path::to_owned))?;
+        let package = Package::open(&means.fmu(&study))?;
         let judge = Judge::new(&study, Some(package.description()))?;
         let plan = Plan::new(&study, package.description())?;
         if !plan.is_independent() {
             let message = "this analysis takes every parameter on its own; remove [[correlations]]";
             return Err(study.error(message).into());
         }
-        let cores = || available_parallelism().map_or(1, Into::into);
-        let jobs = jobs.unwrap_or_else(cores).max(1);
         Ok(Self {
             plan,
             judge,
             package,
-            jobs,
+            jobs: means.jobs(),
         })
     }
 

@@ -3,13 +3,12 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::thread::available_parallelism;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::{Deserialize, Serialize};
 
-use super::{CommandError, output};
+use super::{CommandError, finding, output};
 use crate::cli::Identify;
 use crate::design::Design;
 use crate::distribution::Distribution;
@@ -33,16 +32,17 @@ pub(super) fn run(options: &Identify) -> Result<ExitCode, CommandError> {
     })?;
     settings.starts = options.starts.unwrap_or(settings.starts);
     settings.seed = options.seed.unwrap_or(settings.seed);
-    let path = options.fmu.clone().unwrap_or_else(|| study.fmu_path());
+    let path = options.means.fmu(&study);
     let mut package = Package::open(&path)?;
     let bound =
         Bound::new(&study, &settings, package.description()).map_err(|error| match error {
             BindError::Study(error) => CommandError::from(error),
             BindError::Table(error) => CommandError::from(error),
         })?;
-    let folder = options.output.clone().unwrap_or_else(|| {
-        Path::new("results").join(options.study.file_stem().unwrap_or("study".as_ref()))
-    });
+    let folder = options
+        .output
+        .clone()
+        .unwrap_or_else(|| finding::folder_of(&options.study));
     let mut saved = Saved::begin(&folder, key(&study, &package, &settings)?, options.resume)?;
     let model = FmuModel::new(&bound, package.load()?);
     let objective = Objective::new(&bound.problem, &model, settings.difference);
@@ -96,11 +96,10 @@ fn starts(study: &Study, settings: &Settings) -> Result<Vec<Vec<f64>>, CommandEr
 
 fn pool(options: &Identify, package: &Package) -> Result<rayon::ThreadPool, CommandError> {
     let capabilities = &package.description().capabilities;
-    let cores = || available_parallelism().map_or(1, Into::into);
     let jobs = if capabilities.can_be_instantiated_only_once_per_process {
         1
     } else {
-        options.jobs.unwrap_or_else(cores).max(1)
+        options.means.jobs()
     };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build();
     pool.map_err(|error| CommandError::Option {

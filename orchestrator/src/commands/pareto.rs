@@ -1,25 +1,24 @@
 //! `pareto`: what the criteria cost each other.
 
-use std::path::PathBuf;
 use std::process::ExitCode;
 
 use super::batch::Batch;
-use super::{CommandError, output};
+use super::{CommandError, finding};
 use crate::analysis::from_results;
 use crate::analysis::pareto::nsga2;
 use crate::analysis::pareto::study::{CONFLICT, Member, Pareto, trade_off};
 use crate::analysis::table::PointTable;
 use crate::cli;
 use crate::report::format::number;
-use crate::report::{Report, pareto as page};
-use crate::results::{Outcome, ResultsError, write_atomically};
+use crate::report::pareto as page;
+use crate::results::Outcome;
 
 pub(super) fn run(options: &cli::Pareto) -> Result<ExitCode, CommandError> {
-    let folder = options.from.clone().unwrap_or_else(|| {
-        let stem = options.study.file_stem().unwrap_or("study".as_ref());
-        PathBuf::from("results").join(stem)
-    });
-    let batch = Batch::new(&options.study, options.fmu.as_deref(), options.jobs);
+    let folder = options
+        .from
+        .clone()
+        .unwrap_or_else(|| finding::folder_of(&options.study));
+    let batch = Batch::new(&options.study, &options.means);
     let result = match options.generations {
         Some(generations) => {
             let mut batch = batch?;
@@ -43,20 +42,7 @@ pub(super) fn run(options: &cli::Pareto) -> Result<ExitCode, CommandError> {
     };
     let result = result.ok_or_else(|| CommandError::Search("no point has values".to_owned()))?;
     let target = options.output.clone().unwrap_or(folder);
-    std::fs::create_dir_all(&target).map_err(ResultsError::io(&target))?;
-    write_atomically(&target.join(page::FILE), |out| {
-        serde_json::to_writer(&mut *out, &result)?;
-        writeln!(out)
-    })?;
-    if target.join("summary.json").exists() {
-        Report::from_folder(&target)?.write(&target)?;
-    }
-    output::print(&format!(
-        "{}\nresults in {}\n",
-        text(&result),
-        target.display()
-    ));
-    Ok(ExitCode::SUCCESS)
+    finding::tell(&result, &text(&result), &target, page::FILE)
 }
 
 /// The parameters at the medians of their distributions.
@@ -104,10 +90,7 @@ fn table(batch: &Batch, points: &[Vec<f64>], outcomes: Vec<Outcome>) -> PointTab
 fn text(result: &Pareto) -> String {
     let mut out = format!(
         "from {}: of {} points {} are beaten by no other in every criterion, {} of these meet all criteria\n",
-        result.method,
-        result.points,
-        result.front.len(),
-        result.front.iter().filter(|m| m.verified()).count()
+        result.method, result.points, result.unbeaten, result.unbeaten_verified
     );
     out += &member(
         result,

@@ -10,6 +10,7 @@
 
 pub mod archive;
 pub mod call;
+mod decode;
 pub mod description;
 pub mod instance;
 pub mod library;

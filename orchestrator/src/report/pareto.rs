@@ -59,7 +59,6 @@ pub fn view(result: &Pareto) -> View {
             .iter()
             .map(|n| row("Nominal design", &n.member)),
     );
-    let verified = result.front.iter().filter(|m| m.verified()).count();
     let units = result.parameters.iter().zip(&result.units);
     let nothing = |name: &String| (name.clone(), String::new());
     View {
@@ -67,8 +66,8 @@ pub fn view(result: &Pareto) -> View {
             "From {}: of {} points {} are beaten by no other in every criterion, and {} of these meet all criteria.",
             result.method,
             count(result.points),
-            count(result.front.len()),
-            count(verified)
+            count(result.unbeaten),
+            count(result.unbeaten_verified)
         ),
         nominal: result.nominal.as_ref().map(|n| {
             format!(
@@ -182,6 +181,15 @@ fn plot(result: &Pareto, a: usize, b: usize) -> Plot {
         );
     }
     let outside = result.front.iter().filter(|m| place(m).is_none()).count();
+    let mut note = String::new();
+    if result.front.len() < result.unbeaten {
+        let shown = count(result.front.len());
+        note +=
+            &format!("Only the {shown} points with the least largest deviation are looked at. ");
+    }
+    if outside > 0 {
+        note += &format!("{outside} points of the front lie outside the plot.");
+    }
     let title = format!(
         "Deviations of {} and {} over the {} points of the front",
         result.criteria[a],
@@ -191,9 +199,6 @@ fn plot(result: &Pareto, a: usize, b: usize) -> Plot {
     Plot {
         name: format!("pareto-{}-{}", result.criteria[a], result.criteria[b]),
         svg: frame.wrap(&title, &out),
-        note: match outside {
-            0 => String::new(),
-            n => format!("{n} points of the front lie outside the plot."),
-        },
+        note,
     }
 }
