@@ -8,10 +8,12 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::{Deserialize, Serialize};
 
+use super::limits::place;
 use super::{CommandError, finding, output};
 use crate::cli::Identify;
 use crate::design::Design;
 use crate::distribution::Distribution;
+use crate::engine::crew::Crew;
 use crate::fmu::Package;
 use crate::identify::bind::{BindError, Bound};
 use crate::identify::local::End;
@@ -44,7 +46,11 @@ pub(super) fn run(options: &Identify) -> Result<ExitCode, CommandError> {
         .clone()
         .unwrap_or_else(|| finding::folder_of(&options.study));
     let mut saved = Saved::begin(&folder, key(&study, &package, &settings)?, options.resume)?;
-    let model = FmuModel::new(&bound, package.load()?);
+    let scratch = tempfile::tempdir().map_err(ResultsError::io(&std::env::temp_dir()))?;
+    let jobs = options.means.jobs();
+    let place = place(&options.isolation, jobs)?;
+    let crew = Crew::new(&mut package, place, scratch.path(), jobs)?;
+    let model = FmuModel::new(&bound, &crew);
     let objective = Objective::new(&bound.problem, &model, settings.difference);
     let starts = starts(&study, &settings)?;
     let limits = search::Settings {
@@ -54,7 +60,7 @@ pub(super) fn run(options: &Identify) -> Result<ExitCode, CommandError> {
             .time_limit
             .map(|seconds| Instant::now() + Duration::from_secs_f64(seconds.clamp(0.0, 1e9))),
     };
-    let found = pool(options, &package)?.install(|| {
+    let found = pool(crew.size())?.install(|| {
         let progress = Progress::new(starts.len(), limits.descents.min(starts.len()));
         let mut state = std::mem::take(&mut saved.state);
         let minimum = search(&objective, &starts, &limits, &mut state, &mut |state| {
@@ -94,13 +100,7 @@ fn starts(study: &Study, settings: &Settings) -> Result<Vec<Vec<f64>>, CommandEr
     Ok((0..design.len()).map(|index| design.point(index)).collect())
 }
 
-fn pool(options: &Identify, package: &Package) -> Result<rayon::ThreadPool, CommandError> {
-    let capabilities = &package.description().capabilities;
-    let jobs = if capabilities.can_be_instantiated_only_once_per_process {
-        1
-    } else {
-        options.means.jobs()
-    };
+fn pool(jobs: usize) -> Result<rayon::ThreadPool, CommandError> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build();
     pool.map_err(|error| CommandError::Option {
         option: "jobs",

@@ -18,24 +18,21 @@ pub(super) fn run(options: &cli::Pareto) -> Result<ExitCode, CommandError> {
         .from
         .clone()
         .unwrap_or_else(|| finding::folder_of(&options.study));
-    let batch = Batch::new(&options.study, &options.means);
+    let batch = Batch::new(&options.study, &options.means, &options.isolation);
     let result = match options.generations {
         Some(generations) => {
-            let mut batch = batch?;
-            let table = search(&mut batch, options, generations)?;
+            let batch = batch?;
+            let table = search(&batch, options, generations)?;
             let method = format!(
                 "NSGA-II over {generations} generations of {}",
                 options.population
             );
-            trade_off(&table, false, Some(nominal(&mut batch)?), method)
+            trade_off(&table, false, Some(nominal(&batch)?), method)
         }
         None => {
             let (_, table) = from_results::read(&folder)?;
             // Without the FMU the front is the same, but the nominal design cannot be run.
-            let nominal = batch
-                .ok()
-                .map(|mut batch| nominal(&mut batch))
-                .transpose()?;
+            let nominal = batch.ok().map(|batch| nominal(&batch)).transpose()?;
             let nominal = nominal.filter(|own| own.parameters.len() == table.parameters.len());
             trade_off(&table, true, nominal, "the study's points".to_owned())
         }
@@ -46,7 +43,7 @@ pub(super) fn run(options: &cli::Pareto) -> Result<ExitCode, CommandError> {
 }
 
 /// The parameters at the medians of their distributions.
-fn nominal(batch: &mut Batch) -> Result<Member, CommandError> {
+fn nominal(batch: &Batch) -> Result<Member, CommandError> {
     let middle = vec![0.5; batch.varied().len()];
     let point = batch.parameters(&middle);
     let outcomes = batch.run(std::slice::from_ref(&point))?;
@@ -55,7 +52,7 @@ fn nominal(batch: &mut Batch) -> Result<Member, CommandError> {
 
 /// All runs of a search over the middle 99.8 % of every distribution.
 fn search(
-    batch: &mut Batch,
+    batch: &Batch,
     options: &cli::Pareto,
     generations: usize,
 ) -> Result<PointTable, CommandError> {

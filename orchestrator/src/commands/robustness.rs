@@ -24,7 +24,12 @@ pub(super) fn run(options: &cli::Robustness) -> Result<ExitCode, CommandError> {
     if !(options.level > 0.0 && options.level < 1.0) {
         return Err(option("level", "must lie between 0 and 1"));
     }
-    let mut batch = Batch::new(&options.study, &options.means).ok();
+    let batch = Batch::new(&options.study, &options.means, &options.isolation);
+    let batch = match batch {
+        Err(error) if options.confirm > 0 => return Err(error),
+        // Without the FMU there are no new runs, but all else can be told.
+        other => other.ok(),
+    };
     let cloud = cloud(batch.as_ref(), &table, options.seed)?;
     let mut result = robustness(&table, &cloud, options.level).ok_or_else(|| {
         option(
@@ -32,19 +37,15 @@ pub(super) fn run(options: &cli::Robustness) -> Result<ExitCode, CommandError> {
             "the points are too few for a surrogate, or no parameter varies: verify more points",
         )
     })?;
-    match (&mut batch, options.confirm) {
-        (_, 0) => {}
-        (Some(batch), points) => {
-            result = Confirmation {
-                batch,
-                table: &table,
-                cloud: &cloud,
-                points,
-                seed: options.seed,
-            }
-            .of(result)?;
+    if let (Some(batch), points @ 1..) = (&batch, options.confirm) {
+        result = Confirmation {
+            batch,
+            table: &table,
+            cloud: &cloud,
+            points,
+            seed: options.seed,
         }
-        (None, _) => return Err(option("confirm", "needs the study's FMU for new runs")),
+        .of(result)?;
     }
     let target = options.output.clone().unwrap_or_else(|| folder.clone());
     finding::tell(&result, &text(&result), &target, page::FILE)

@@ -24,14 +24,14 @@ pub(super) fn run(options: &cli::Sensitivity) -> Result<ExitCode, CommandError> 
             (target, from_points(&table, options.seed))
         }
         None => {
-            let mut batch = Batch::new(&options.study, &options.means)?;
+            let batch = Batch::new(&options.study, &options.means, &options.isolation)?;
             let folder = options
                 .output
                 .clone()
                 .unwrap_or_else(|| finding::folder_of(&options.study));
             let result = match options.morris {
-                Some(trajectories) => screen(&mut batch, trajectories, options.seed, &folder)?,
-                None => indices(&mut batch, options, &folder)?,
+                Some(trajectories) => screen(&batch, trajectories, options.seed, &folder)?,
+                None => indices(&batch, options, &folder)?,
             };
             (folder, result)
         }
@@ -40,7 +40,7 @@ pub(super) fn run(options: &cli::Sensitivity) -> Result<ExitCode, CommandError> 
 }
 
 fn indices(
-    batch: &mut Batch,
+    batch: &Batch,
     options: &cli::Sensitivity,
     folder: &Path,
 ) -> Result<Sensitivity, CommandError> {
@@ -59,7 +59,7 @@ fn indices(
 }
 
 fn screen(
-    batch: &mut Batch,
+    batch: &Batch,
     trajectories: usize,
     seed: u64,
     folder: &Path,
@@ -77,7 +77,7 @@ fn screen(
 }
 
 /// Simulates points of the unit cube of the parameters that vary.
-fn simulate(batch: &mut Batch, cube: &[Vec<f64>]) -> Result<PointTable, CommandError> {
+fn simulate(batch: &Batch, cube: &[Vec<f64>]) -> Result<PointTable, CommandError> {
     let points: Vec<Vec<f64>> = cube.iter().map(|u| batch.parameters(u)).collect();
     let outcomes = batch.run(&points)?;
     let varied = batch.varied();

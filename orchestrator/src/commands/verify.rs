@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-use super::limits::limits;
+use super::limits::place;
 use super::progress::Progress;
 use super::until::Front;
 use super::{CommandError, best, finding, output, report, stop, table, verdict};
@@ -14,7 +14,7 @@ use crate::engine;
 use crate::results::journal::Finished;
 use crate::results::summary::{Run, Tally};
 use crate::results::{Journal, parquet};
-use crate::session::{Place, Request, Session, scratch};
+use crate::session::{Request, Session, scratch};
 use crate::study::Method;
 
 /// With `--until`, a study has as many points as needed, but for a limit.
@@ -173,11 +173,7 @@ fn compute(
     finished: Option<&Finished>,
     jobs: usize,
 ) -> Result<Computed, CommandError> {
-    let place = if options.in_process {
-        Place::Here
-    } else {
-        Place::Workers(limits(options, jobs)?)
-    };
+    let place = place(&options.isolation, jobs)?;
     let scratch = scratch(folder)?;
     let workers = session.workers(place, scratch.path(), jobs)?;
     let session = &*session;
