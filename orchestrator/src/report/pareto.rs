@@ -184,8 +184,7 @@ fn plot(result: &Pareto, a: usize, b: usize) -> Plot {
     let mut note = String::new();
     if result.front.len() < result.unbeaten {
         let shown = count(result.front.len());
-        note +=
-            &format!("Only the {shown} points with the least largest deviation are looked at. ");
+        note += &format!("{shown} points of the front are shown. ");
     }
     if outside > 0 {
         note += &format!("{outside} points of the front lie outside the plot.");

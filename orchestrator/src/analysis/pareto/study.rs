@@ -23,8 +23,8 @@ pub struct Pareto {
     pub unbeaten: usize,
     /// How many of these meet all criteria.
     pub unbeaten_verified: usize,
-    /// The unbeaten points, those with the least largest deviation first; of very many, the first two thousand and
-    /// the nearest.
+    /// The unbeaten points, those with the least largest deviation first; of very many, the first thousand, as
+    /// many from all over the others, and the nearest.
     pub front: Vec<Member>,
     /// The point nearest to the measurement, by the root of the sum of squared deviations; its
     /// place in the front. The best compromise is the front's first point.
@@ -158,14 +158,21 @@ pub fn trade_off(
     })
 }
 
-/// Keeps the first ones and the nearest; returns the latter's place.
+/// Keeps of a long front its first half of [`MOST`], a selection of the others all along it, and the nearest; returns
+/// the latter's place.
 fn shorten(front: &mut Vec<Member>, nearest: usize) -> usize {
     if front.len() <= MOST {
         return nearest;
     }
-    let place = nearest.min(MOST - 1);
-    front.swap(place, nearest);
-    front.truncate(MOST);
+    let first = MOST / 2;
+    let others = front.len() - first;
+    let spread = (0..MOST - first).map(|k| first + k * others / (MOST - first));
+    let mut kept: Vec<usize> = (0..first).chain(spread).collect();
+    let place = kept.partition_point(|&i| i < nearest);
+    if kept.get(place) != Some(&nearest) {
+        kept.insert(place, nearest);
+    }
+    *front = kept.into_iter().map(|i| front[i].clone()).collect();
     place
 }
 
@@ -277,11 +284,14 @@ mod tests {
     fn a_large_front_is_counted_and_its_best_points_are_kept() {
         let x: Vec<f64> = (0..=30_000).map(|k| f64::from(k) / 30_000.0).collect();
         let p = trade_off(&table(&x), true, None, String::new()).unwrap();
-        assert_eq!((p.unbeaten, p.front.len()), (30_001, MOST));
+        assert_eq!(
+            (p.unbeaten, p.front.len()),
+            (30_001, MOST + usize::from(p.nearest >= MOST / 2))
+        );
         // Verified from 0.5 on.
         assert_eq!(p.unbeaten_verified, 15_001);
         assert!((p.front[0].parameters[0] - 2.0 / 3.0).abs() < 1e-9);
-        // x^2 + 4 (1 - x)^2 is least at 0.8, which is also among the first.
+        // x^2 + 4 (1 - x)^2 is least at 0.8, which is kept, too.
         assert!((p.front[p.nearest].parameters[0] - 0.8).abs() < 1e-9);
     }
 
@@ -293,12 +303,14 @@ mod tests {
             values: vec![],
             deviations: vec![],
         };
-        let mut front: Vec<Member> = (0..MOST + 50).map(member).collect();
+        let mut front: Vec<Member> = (0..5 * MOST).map(member).collect();
         let place = shorten(&mut front, MOST + 7);
         assert_eq!(
             (front.len(), front[place].point),
-            (MOST, Some(MOST as u64 + 7))
+            (MOST + 1, Some(MOST as u64 + 7))
         );
+        assert!(front.is_sorted_by_key(|m| m.point));
+        assert!(front[MOST].point > Some(4 * MOST as u64));
     }
 
     #[test]
