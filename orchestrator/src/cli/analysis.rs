@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{Isolation, Means};
+use super::Means;
 use crate::analysis::sensitivity::sobol::FirstOrder;
 
 /// Options of `sensitivity`.
@@ -37,9 +37,6 @@ pub struct Sensitivity {
     /// The folder for the results [default: results/ and the study's name, or DIR of --from]
     #[arg(long, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// Where its points run
-    #[command(flatten)]
-    pub isolation: Isolation,
 }
 
 /// Options of `robustness`.
@@ -69,9 +66,6 @@ pub struct Robustness {
     /// The folder for the results [default: that of the study]
     #[arg(long, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// Where its points run
-    #[command(flatten)]
-    pub isolation: Isolation,
 }
 
 /// Options of `pareto`.
@@ -106,9 +100,6 @@ pub struct Pareto {
     /// The folder for the results [default: that of the study]
     #[arg(long, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// Where its points run
-    #[command(flatten)]
-    pub isolation: Isolation,
 }
 
 /// Options of `synchronise`.

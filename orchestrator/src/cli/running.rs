@@ -1,10 +1,10 @@
-//! With what and where points run.
+//! With what and where a study is run.
 
 use std::path::PathBuf;
 
 use clap::Args;
 
-/// With what a study is run.
+/// With what and where a study is run, and what a point may use.
 #[derive(Debug, Args)]
 pub struct Means {
     /// Another FMU than the study's
@@ -13,11 +13,6 @@ pub struct Means {
     /// How many simulations at a time [default: the number of cores]
     #[arg(long, value_name = "J")]
     pub jobs: Option<usize>,
-}
-
-/// Where points run, and what one may use.
-#[derive(Debug, Args)]
-pub struct Isolation {
     /// Run points in this process: a little faster, but a crash of the FMU ends the run
     #[arg(long)]
     pub in_process: bool,

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{Isolation, Means};
+use super::Means;
 use crate::commands::Until;
 use crate::session::Shard;
 
@@ -47,9 +47,6 @@ pub struct Verify {
     /// End when the 95 % interval of the verified share is narrow enough, such as "ci 0.01"
     #[arg(long, value_name = "CONDITION", conflicts_with = "shard")]
     pub until: Option<Until>,
-    /// Where its points run
-    #[command(flatten)]
-    pub isolation: Isolation,
 }
 
 /// Options of `replay`.
@@ -127,9 +124,6 @@ pub struct Identify {
     /// Continue a search that was interrupted
     #[arg(long)]
     pub resume: bool,
-    /// Where its points run
-    #[command(flatten)]
-    pub isolation: Isolation,
 }
 
 /// Options of `report`.

@@ -7,7 +7,7 @@ use std::sync::atomic::AtomicBool;
 use super::CommandError;
 use super::limits::place;
 use super::progress::Progress;
-use crate::cli::{Isolation, Means};
+use crate::cli::Means;
 use crate::design::Design;
 use crate::distribution::Distribution;
 use crate::engine::crew::Crew;
@@ -30,11 +30,7 @@ pub(super) struct Batch {
 }
 
 impl Batch {
-    pub(super) fn new(
-        path: &Path,
-        means: &Means,
-        isolation: &Isolation,
-    ) -> Result<Self, CommandError> {
+    pub(super) fn new(path: &Path, means: &Means) -> Result<Self, CommandError> {
         let study = Study::read(path)?;
         let mut package = Package::open(&means.fmu(&study))?;
         let judge = Judge::new(&study, Some(package.description()))?;
@@ -45,7 +41,7 @@ impl Batch {
         }
         let scratch = tempfile::tempdir().map_err(ResultsError::io(&std::env::temp_dir()))?;
         let jobs = means.jobs();
-        let crew = Crew::new(&mut package, place(isolation, jobs)?, scratch.path(), jobs)?;
+        let crew = Crew::new(&mut package, place(means, jobs)?, scratch.path(), jobs)?;
         Ok(Self {
             plan,
             judge,

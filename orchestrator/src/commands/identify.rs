@@ -48,7 +48,7 @@ pub(super) fn run(options: &Identify) -> Result<ExitCode, CommandError> {
     let mut saved = Saved::begin(&folder, key(&study, &package, &settings)?, options.resume)?;
     let scratch = tempfile::tempdir().map_err(ResultsError::io(&std::env::temp_dir()))?;
     let jobs = options.means.jobs();
-    let place = place(&options.isolation, jobs)?;
+    let place = place(&options.means, jobs)?;
     let crew = Crew::new(&mut package, place, scratch.path(), jobs)?;
     let model = FmuModel::new(&bound, &crew);
     let objective = Objective::new(&bound.problem, &model, settings.difference);

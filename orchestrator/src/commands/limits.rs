@@ -4,12 +4,12 @@ use std::fs;
 use std::time::Duration;
 
 use super::CommandError;
-use crate::cli::Isolation;
+use crate::cli::Means;
 use crate::engine::crew::Place;
 use crate::engine::process::Limits;
 
 /// Where `jobs` points at a time are run.
-pub(super) fn place(options: &Isolation, jobs: usize) -> Result<Place, CommandError> {
+pub(super) fn place(options: &Means, jobs: usize) -> Result<Place, CommandError> {
     if options.in_process {
         return Ok(Place::Here);
     }
@@ -17,7 +17,7 @@ pub(super) fn place(options: &Isolation, jobs: usize) -> Result<Place, CommandEr
 }
 
 /// The limits for one of `jobs` workers.
-fn limits(options: &Isolation, jobs: usize) -> Result<Limits, CommandError> {
+fn limits(options: &Means, jobs: usize) -> Result<Limits, CommandError> {
     let time = Duration::try_from_secs_f64(options.point_timeout);
     let time = time
         .ok()

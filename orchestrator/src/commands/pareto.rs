@@ -18,7 +18,7 @@ pub(super) fn run(options: &cli::Pareto) -> Result<ExitCode, CommandError> {
         .from
         .clone()
         .unwrap_or_else(|| finding::folder_of(&options.study));
-    let batch = Batch::new(&options.study, &options.means, &options.isolation);
+    let batch = Batch::new(&options.study, &options.means);
     let result = match options.generations {
         Some(generations) => {
             let batch = batch?;

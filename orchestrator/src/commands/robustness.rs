@@ -24,7 +24,7 @@ pub(super) fn run(options: &cli::Robustness) -> Result<ExitCode, CommandError> {
     if !(options.level > 0.0 && options.level < 1.0) {
         return Err(option("level", "must lie between 0 and 1"));
     }
-    let batch = Batch::new(&options.study, &options.means, &options.isolation);
+    let batch = Batch::new(&options.study, &options.means);
     let batch = match batch {
         Err(error) if options.confirm > 0 => return Err(error),
         // Without the FMU there are no new runs, but all else can be told.

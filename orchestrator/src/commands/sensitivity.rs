@@ -24,7 +24,7 @@ pub(super) fn run(options: &cli::Sensitivity) -> Result<ExitCode, CommandError> 
             (target, from_points(&table, options.seed))
         }
         None => {
-            let batch = Batch::new(&options.study, &options.means, &options.isolation)?;
+            let batch = Batch::new(&options.study, &options.means)?;
             let folder = options
                 .output
                 .clone()

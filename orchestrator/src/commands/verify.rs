@@ -173,7 +173,7 @@ fn compute(
     finished: Option<&Finished>,
     jobs: usize,
 ) -> Result<Computed, CommandError> {
-    let place = place(&options.isolation, jobs)?;
+    let place = place(&options.means, jobs)?;
     let scratch = scratch(folder)?;
     let workers = session.workers(place, scratch.path(), jobs)?;
     let session = &*session;
