@@ -17,11 +17,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let report = Report {
         robustness: if n <= 5000 { robustness(&table, &region::cloud(&rows(&table), 1), 0.8) } else { None },
         sensitivity: (n <= 5000).then(|| from_points(&table, 1)),
-        pareto: if n <= 5000 {
-            trade_off(&table, true, Some(Member::of(&table, 0)), "the study's points".into())
-        } else {
-            None
-        },
+        pareto: trade_off(&table, true, Some(Member::of(&table, 0)), "the study's points".into()),
         study: "Plain bearing, parameter distribution of Table 3".into(),
         description: "An invented cloud with the shape of the paper's: a smooth law for load and power, temperatures that follow the power.".into(),
         model: "PlainBearingStand".into(),

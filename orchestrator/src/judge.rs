@@ -99,10 +99,8 @@ impl Judge {
             let variable = fmu.map(|fmu| find(fmu, text.variable.as_ref())).transpose();
             let variable = variable.map_err(|message| study.error_at(&text.variable, message))?;
             let scale = match (fmu, variable) {
-                (Some(fmu), Some(variable)) => {
-                    Scale::new(text.unit.as_deref(), &fmu.units, variable.unit())
-                        .map_err(|message| at_name(study, name, &message))?
-                }
+                (Some(fmu), Some(variable)) => Scale::new(text.unit.as_deref(), fmu, variable)
+                    .map_err(|message| at_name(study, name, &message))?,
                 _ => Scale::alone(text.unit.as_deref()),
             };
             let criterion = criterion(name.as_ref(), text, &scale)

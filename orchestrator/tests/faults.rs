@@ -263,3 +263,72 @@ fn a_crash_of_the_best_points_trajectory_takes_nothing_away() {
     assert!(bench.path("out/report.html").exists());
     assert!(!bench.path("out/best-point.csv").exists());
 }
+
+/// A study of which a part of the points crashes.
+const PARTLY_DEADLY: &str = r#"
+fmu = "lag.fmu"
+[parameters."lag.rate"]
+distribution = "uniform"
+min = 0.5
+max = 2
+[parameters."lag.fault"]
+distribution = "uniform"
+min = 0
+max = 1.4
+[criteria.Y]
+variable = "lag.y"
+nominal = 0.8
+tolerance = 0.1
+[criteria.mean]
+variable = "lag.y"
+statistic = "mean"
+nominal = 0.5
+tolerance = 1
+"#;
+
+#[test]
+fn analyses_survive_crashes_too() {
+    let bench = Bench::new();
+    bench.write("study.toml", PARTLY_DEADLY);
+    let sobol = ["sensitivity", "study.toml", "--base", "16", "--output", "s"];
+    let said = bench.run(&sobol);
+    assert_eq!(said.code, 0, "{}", said.err);
+    let runs = bench.read("s/sensitivity-runs.csv");
+    let crashed = runs
+        .lines()
+        .filter(|line| line.ends_with("crashed: SIGSEGV"))
+        .count();
+    assert!(crashed > 8 && crashed < 56, "{runs}");
+    let search = [
+        "pareto",
+        "study.toml",
+        "--generations",
+        "2",
+        "--population",
+        "12",
+    ];
+    let said = bench.run(&[&search[..], &["--output", "p"]].concat());
+    assert_eq!(said.code, 0, "{}", said.err);
+    assert!(said.out.contains("best compromise"), "{}", said.out);
+}
+
+#[test]
+fn an_identification_says_that_the_model_crashes() {
+    let bench = Bench::new();
+    let study = r#"
+fmu = "lag.fmu"
+[fixed]
+"lag.fault" = 1
+[identify.free."lag.rate"]
+min = 0.5
+max = 2
+[identify.measured.Y]
+variable = "lag.y"
+value = 0.8
+accuracy = 0.01
+"#;
+    bench.write("study.toml", study);
+    let said = bench.run(&["identify", "study.toml", "--output", "i"]);
+    assert_eq!(said.code, 2, "{}{}", said.out, said.err);
+    assert!(said.err.contains("SIGSEGV"), "{}", said.err);
+}

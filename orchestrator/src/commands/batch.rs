@@ -3,48 +3,51 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
-use std::thread::available_parallelism;
 
 use super::CommandError;
+use super::limits::place;
 use super::progress::Progress;
+use crate::cli::Means;
 use crate::design::Design;
 use crate::distribution::Distribution;
-use crate::engine::{self, Job, Worker, local::Local};
+use crate::engine::crew::Crew;
+use crate::engine::{self, Job};
 use crate::fmu::Package;
 use crate::judge::Judge;
-use crate::results::Outcome;
+use crate::results::{Outcome, ResultsError};
 use crate::study::plan::Plan;
 use crate::study::{self, Method, Study};
+use tempfile::TempDir;
 
 /// A study that is ready to run.
 pub(super) struct Batch {
     pub(super) plan: Plan,
     pub(super) judge: Judge,
-    package: Package,
-    jobs: usize,
+    crew: Crew,
+    // What the workers need on disk lives as long as these.
+    _scratch: TempDir,
+    _package: Package,
 }
 
 impl Batch {
-    pub(super) fn new(
-        path: &Path,
-        fmu: Option<&Path>,
-        jobs: Option<usize>,
-    ) -> Result<Self, CommandError> {
+    pub(super) fn new(path: &Path, means: &Means) -> Result<Self, CommandError> {
         let study = Study::read(path)?;
-        let package = Package::open(&fmu.map_or_else(|| study.fmu_path(), Path::to_owned))?;
+        let mut package = Package::open(&means.fmu(&study))?;
         let judge = Judge::new(&study, Some(package.description()))?;
         let plan = Plan::new(&study, package.description())?;
         if !plan.is_independent() {
             let message = "this analysis takes every parameter on its own; remove [[correlations]]";
             return Err(study.error(message).into());
         }
-        let cores = || available_parallelism().map_or(1, Into::into);
-        let jobs = jobs.unwrap_or_else(cores).max(1);
+        let scratch = tempfile::tempdir().map_err(ResultsError::io(&std::env::temp_dir()))?;
+        let jobs = means.jobs();
+        let crew = Crew::new(&mut package, place(means, jobs)?, scratch.path(), jobs)?;
         Ok(Self {
             plan,
             judge,
-            package,
-            jobs,
+            crew,
+            _scratch: scratch,
+            _package: package,
         })
     }
 
@@ -79,17 +82,8 @@ impl Batch {
     }
 
     /// Simulates points given by their parameters; the outcomes are in the study's units.
-    pub(super) fn run(&mut self, points: &[Vec<f64>]) -> Result<Vec<Outcome>, CommandError> {
-        let library = self.package.load()?;
-        let single = self
-            .package
-            .description()
-            .capabilities
-            .can_be_instantiated_only_once_per_process;
-        let worker = || Box::new(Local::new(&library, &self.plan.task)) as Box<dyn Worker>;
-        let workers = (0..if single { 1 } else { self.jobs })
-            .map(|_| worker())
-            .collect();
+    pub(super) fn run(&self, points: &[Vec<f64>]) -> Result<Vec<Outcome>, CommandError> {
+        let workers = self.crew.workers(&self.plan.task)?;
         let plan = &self.plan;
         let job = |(index, parameters): (usize, &Vec<f64>)| {
             let mut values = Vec::new();

@@ -3,16 +3,17 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::thread::available_parallelism;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::{Deserialize, Serialize};
 
-use super::{CommandError, output};
+use super::limits::place;
+use super::{CommandError, finding, output};
 use crate::cli::Identify;
 use crate::design::Design;
 use crate::distribution::Distribution;
+use crate::engine::crew::Crew;
 use crate::fmu::Package;
 use crate::identify::bind::{BindError, Bound};
 use crate::identify::local::End;
@@ -33,18 +34,23 @@ pub(super) fn run(options: &Identify) -> Result<ExitCode, CommandError> {
     })?;
     settings.starts = options.starts.unwrap_or(settings.starts);
     settings.seed = options.seed.unwrap_or(settings.seed);
-    let path = options.fmu.clone().unwrap_or_else(|| study.fmu_path());
+    let path = options.means.fmu(&study);
     let mut package = Package::open(&path)?;
     let bound =
         Bound::new(&study, &settings, package.description()).map_err(|error| match error {
             BindError::Study(error) => CommandError::from(error),
             BindError::Table(error) => CommandError::from(error),
         })?;
-    let folder = options.output.clone().unwrap_or_else(|| {
-        Path::new("results").join(options.study.file_stem().unwrap_or("study".as_ref()))
-    });
+    let folder = options
+        .output
+        .clone()
+        .unwrap_or_else(|| finding::folder_of(&options.study));
     let mut saved = Saved::begin(&folder, key(&study, &package, &settings)?, options.resume)?;
-    let model = FmuModel::new(&bound, package.load()?);
+    let scratch = tempfile::tempdir().map_err(ResultsError::io(&std::env::temp_dir()))?;
+    let jobs = options.means.jobs();
+    let place = place(&options.means, jobs)?;
+    let crew = Crew::new(&mut package, place, scratch.path(), jobs)?;
+    let model = FmuModel::new(&bound, &crew);
     let objective = Objective::new(&bound.problem, &model, settings.difference);
     let starts = starts(&study, &settings)?;
     let limits = search::Settings {
@@ -54,7 +60,7 @@ pub(super) fn run(options: &Identify) -> Result<ExitCode, CommandError> {
             .time_limit
             .map(|seconds| Instant::now() + Duration::from_secs_f64(seconds.clamp(0.0, 1e9))),
     };
-    let found = pool(options, &package)?.install(|| {
+    let found = pool(crew.size())?.install(|| {
         let progress = Progress::new(starts.len(), limits.descents.min(starts.len()));
         let mut state = std::mem::take(&mut saved.state);
         let minimum = search(&objective, &starts, &limits, &mut state, &mut |state| {
@@ -94,14 +100,7 @@ fn starts(study: &Study, settings: &Settings) -> Result<Vec<Vec<f64>>, CommandEr
     Ok((0..design.len()).map(|index| design.point(index)).collect())
 }
 
-fn pool(options: &Identify, package: &Package) -> Result<rayon::ThreadPool, CommandError> {
-    let capabilities = &package.description().capabilities;
-    let cores = || available_parallelism().map_or(1, Into::into);
-    let jobs = if capabilities.can_be_instantiated_only_once_per_process {
-        1
-    } else {
-        options.jobs.unwrap_or_else(cores).max(1)
-    };
+fn pool(jobs: usize) -> Result<rayon::ThreadPool, CommandError> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build();
     pool.map_err(|error| CommandError::Option {
         option: "jobs",

@@ -62,15 +62,13 @@ fn study(fmu: &Description, path: &Path) -> String {
 
 fn parameter(text: &mut String, fmu: &Description, variable: &Variable) {
     let Kind::Real {
-        start: Some(start),
-        unit,
-        ..
+        start: Some(start), ..
     } = &variable.kind
     else {
         return;
     };
     let shown = variable.display_unit();
-    let way = shown.and_then(|shown| fmu.units.conversion(shown, unit.as_deref()).ok());
+    let way = shown.and_then(|shown| fmu.conversion(shown, variable).ok());
     let mean = way.map_or(*start, |way| way.inverse().value(*start));
     // Twelve digits hide what the conversion rounds.
     let mean: f64 = format!("{mean:.11e}").parse().unwrap_or(mean);

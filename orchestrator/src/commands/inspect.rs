@@ -115,7 +115,7 @@ fn value(fmu: &Description, variable: &Variable) -> String {
         Kind::Real { start, unit, .. } => {
             let shown = variable.display_unit();
             let conversion = shown.and_then(|shown| {
-                let to_unit = fmu.units.conversion(shown, unit.as_deref()).ok()?;
+                let to_unit = fmu.conversion(shown, variable).ok()?;
                 Some(to_unit.inverse())
             });
             let start = start.map(|start| conversion.map_or(start, |way| way.value(start)));

@@ -77,7 +77,7 @@ fn conversions(
         };
         let variable = fmu.and_then(|fmu| fmu.variables.get(text.variable.as_ref().as_str()));
         let scale = match (fmu, variable) {
-            (Some(fmu), Some(variable)) => Scale::new(unit, &fmu.units, variable.unit()),
+            (Some(fmu), Some(variable)) => Scale::new(unit, fmu, variable),
             _ => Ok(Scale::alone(unit)),
         };
         let conversion = scale.and_then(|scale| scale.from(column_unit));

@@ -4,11 +4,20 @@ use std::fs;
 use std::time::Duration;
 
 use super::CommandError;
-use crate::cli::Verify;
+use crate::cli::Means;
+use crate::engine::crew::Place;
 use crate::engine::process::Limits;
 
+/// Where `jobs` points at a time are run.
+pub(super) fn place(options: &Means, jobs: usize) -> Result<Place, CommandError> {
+    if options.in_process {
+        return Ok(Place::Here);
+    }
+    Ok(Place::Workers(limits(options, jobs)?))
+}
+
 /// The limits for one of `jobs` workers.
-pub(super) fn limits(options: &Verify, jobs: usize) -> Result<Limits, CommandError> {
+fn limits(options: &Means, jobs: usize) -> Result<Limits, CommandError> {
     let time = Duration::try_from_secs_f64(options.point_timeout);
     let time = time
         .ok()

@@ -1,66 +1,49 @@
 //! `pareto`: what the criteria cost each other.
 
-use std::path::PathBuf;
 use std::process::ExitCode;
 
 use super::batch::Batch;
-use super::{CommandError, output};
+use super::{CommandError, finding};
 use crate::analysis::from_results;
 use crate::analysis::pareto::nsga2;
 use crate::analysis::pareto::study::{CONFLICT, Member, Pareto, trade_off};
 use crate::analysis::table::PointTable;
 use crate::cli;
 use crate::report::format::number;
-use crate::report::{Report, pareto as page};
-use crate::results::{Outcome, ResultsError, write_atomically};
+use crate::report::pareto as page;
+use crate::results::Outcome;
 
 pub(super) fn run(options: &cli::Pareto) -> Result<ExitCode, CommandError> {
-    let folder = options.from.clone().unwrap_or_else(|| {
-        let stem = options.study.file_stem().unwrap_or("study".as_ref());
-        PathBuf::from("results").join(stem)
-    });
-    let batch = Batch::new(&options.study, options.fmu.as_deref(), options.jobs);
+    let folder = options
+        .from
+        .clone()
+        .unwrap_or_else(|| finding::folder_of(&options.study));
+    let batch = Batch::new(&options.study, &options.means);
     let result = match options.generations {
         Some(generations) => {
-            let mut batch = batch?;
-            let table = search(&mut batch, options, generations)?;
+            let batch = batch?;
+            let table = search(&batch, options, generations)?;
             let method = format!(
                 "NSGA-II over {generations} generations of {}",
                 options.population
             );
-            trade_off(&table, false, Some(nominal(&mut batch)?), method)
+            trade_off(&table, false, Some(nominal(&batch)?), method)
         }
         None => {
             let (_, table) = from_results::read(&folder)?;
             // Without the FMU the front is the same, but the nominal design cannot be run.
-            let nominal = batch
-                .ok()
-                .map(|mut batch| nominal(&mut batch))
-                .transpose()?;
+            let nominal = batch.ok().map(|batch| nominal(&batch)).transpose()?;
             let nominal = nominal.filter(|own| own.parameters.len() == table.parameters.len());
             trade_off(&table, true, nominal, "the study's points".to_owned())
         }
     };
     let result = result.ok_or_else(|| CommandError::Search("no point has values".to_owned()))?;
     let target = options.output.clone().unwrap_or(folder);
-    std::fs::create_dir_all(&target).map_err(ResultsError::io(&target))?;
-    write_atomically(&target.join(page::FILE), |out| {
-        serde_json::to_writer(&mut *out, &result)?;
-        writeln!(out)
-    })?;
-    if target.join("summary.json").exists() {
-        Report::from_folder(&target)?.write(&target)?;
-    }
-    output::print(&format!(
-        "{}\nresults in {}\n",
-        text(&result),
-        target.display()
-    ));
-    Ok(ExitCode::SUCCESS)
+    finding::tell(&result, &text(&result), &target, page::FILE)
 }
 
 /// The parameters at the medians of their distributions.
-fn nominal(batch: &mut Batch) -> Result<Member, CommandError> {
+fn nominal(batch: &Batch) -> Result<Member, CommandError> {
     let middle = vec![0.5; batch.varied().len()];
     let point = batch.parameters(&middle);
     let outcomes = batch.run(std::slice::from_ref(&point))?;
@@ -69,7 +52,7 @@ fn nominal(batch: &mut Batch) -> Result<Member, CommandError> {
 
 /// All runs of a search over the middle 99.8 % of every distribution.
 fn search(
-    batch: &mut Batch,
+    batch: &Batch,
     options: &cli::Pareto,
     generations: usize,
 ) -> Result<PointTable, CommandError> {
@@ -104,10 +87,7 @@ fn table(batch: &Batch, points: &[Vec<f64>], outcomes: Vec<Outcome>) -> PointTab
 fn text(result: &Pareto) -> String {
     let mut out = format!(
         "from {}: of {} points {} are beaten by no other in every criterion, {} of these meet all criteria\n",
-        result.method,
-        result.points,
-        result.front.len(),
-        result.front.iter().filter(|m| m.verified()).count()
+        result.method, result.points, result.unbeaten, result.unbeaten_verified
     );
     out += &member(
         result,

@@ -2,31 +2,34 @@
 
 mod confirm;
 
-use std::path::PathBuf;
 use std::process::ExitCode;
 
 use super::batch::{self, Batch};
-use super::{CommandError, output};
+use super::{CommandError, finding};
 use crate::analysis::from_results;
 use crate::analysis::robustness::region::Confirmed;
 use crate::analysis::robustness::{Robustness, region, robustness, rows};
 use crate::analysis::table::PointTable;
 use crate::cli;
 use crate::report::format::{number, percent};
-use crate::report::{Report, robustness as page};
-use crate::results::{ResultsError, write_atomically};
+use crate::report::robustness as page;
 use confirm::Confirmation;
 
 pub(super) fn run(options: &cli::Robustness) -> Result<ExitCode, CommandError> {
-    let folder = options.from.clone().unwrap_or_else(|| {
-        let stem = options.study.file_stem().unwrap_or("study".as_ref());
-        PathBuf::from("results").join(stem)
-    });
+    let folder = options
+        .from
+        .clone()
+        .unwrap_or_else(|| finding::folder_of(&options.study));
     let (_, table) = from_results::read(&folder)?;
     if !(options.level > 0.0 && options.level < 1.0) {
         return Err(option("level", "must lie between 0 and 1"));
     }
-    let mut batch = Batch::new(&options.study, options.fmu.as_deref(), options.jobs).ok();
+    let batch = Batch::new(&options.study, &options.means);
+    let batch = match batch {
+        Err(error) if options.confirm > 0 => return Err(error),
+        // Without the FMU there are no new runs, but all else can be told.
+        other => other.ok(),
+    };
     let cloud = cloud(batch.as_ref(), &table, options.seed)?;
     let mut result = robustness(&table, &cloud, options.level).ok_or_else(|| {
         option(
@@ -34,35 +37,18 @@ pub(super) fn run(options: &cli::Robustness) -> Result<ExitCode, CommandError> {
             "the points are too few for a surrogate, or no parameter varies: verify more points",
         )
     })?;
-    match (&mut batch, options.confirm) {
-        (_, 0) => {}
-        (Some(batch), points) => {
-            result = Confirmation {
-                batch,
-                table: &table,
-                cloud: &cloud,
-                points,
-                seed: options.seed,
-            }
-            .of(result)?;
+    if let (Some(batch), points @ 1..) = (&batch, options.confirm) {
+        result = Confirmation {
+            batch,
+            table: &table,
+            cloud: &cloud,
+            points,
+            seed: options.seed,
         }
-        (None, _) => return Err(option("confirm", "needs the study's FMU for new runs")),
+        .of(result)?;
     }
     let target = options.output.clone().unwrap_or_else(|| folder.clone());
-    std::fs::create_dir_all(&target).map_err(ResultsError::io(&target))?;
-    write_atomically(&target.join(page::FILE), |out| {
-        serde_json::to_writer(&mut *out, &result)?;
-        writeln!(out)
-    })?;
-    if target.join("summary.json").exists() {
-        Report::from_folder(&target)?.write(&target)?;
-    }
-    output::print(&format!(
-        "{}\nresults in {}\n",
-        text(&result),
-        target.display()
-    ));
-    Ok(ExitCode::SUCCESS)
+    finding::tell(&result, &text(&result), &target, page::FILE)
 }
 
 fn option(option: &'static str, message: &str) -> CommandError {

@@ -1,10 +1,10 @@
 //! `sensitivity`: which parameter matters.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 
 use super::batch::{self, Batch};
-use super::{CommandError, output};
+use super::{CommandError, finding};
 use crate::analysis::from_results;
 use crate::analysis::sensitivity::study::{
     Output, Sensitivity, from_morris, from_points, from_sobol,
@@ -13,7 +13,7 @@ use crate::analysis::sensitivity::{morris, sobol};
 use crate::analysis::table::PointTable;
 use crate::cli;
 use crate::report::format::number;
-use crate::report::{Report, sensitivity};
+use crate::report::sensitivity;
 use crate::results::{ResultsError, points, write_atomically};
 
 pub(super) fn run(options: &cli::Sensitivity) -> Result<ExitCode, CommandError> {
@@ -24,33 +24,23 @@ pub(super) fn run(options: &cli::Sensitivity) -> Result<ExitCode, CommandError> 
             (target, from_points(&table, options.seed))
         }
         None => {
-            let mut batch = Batch::new(&options.study, options.fmu.as_deref(), options.jobs)?;
-            let folder = options.output.clone().unwrap_or_else(|| {
-                let stem = options.study.file_stem().unwrap_or("study".as_ref());
-                PathBuf::from("results").join(stem)
-            });
+            let batch = Batch::new(&options.study, &options.means)?;
+            let folder = options
+                .output
+                .clone()
+                .unwrap_or_else(|| finding::folder_of(&options.study));
             let result = match options.morris {
-                Some(trajectories) => screen(&mut batch, trajectories, options.seed, &folder)?,
-                None => indices(&mut batch, options, &folder)?,
+                Some(trajectories) => screen(&batch, trajectories, options.seed, &folder)?,
+                None => indices(&batch, options, &folder)?,
             };
             (folder, result)
         }
     };
-    write(&folder, &result)?;
-    // A finished study in the same folder shows the result on its page.
-    if folder.join("summary.json").exists() {
-        Report::from_folder(&folder)?.write(&folder)?;
-    }
-    output::print(&format!(
-        "{}\nresults in {}\n",
-        text(&result),
-        folder.display()
-    ));
-    Ok(ExitCode::SUCCESS)
+    finding::tell(&result, &text(&result), &folder, sensitivity::FILE)
 }
 
 fn indices(
-    batch: &mut Batch,
+    batch: &Batch,
     options: &cli::Sensitivity,
     folder: &Path,
 ) -> Result<Sensitivity, CommandError> {
@@ -69,7 +59,7 @@ fn indices(
 }
 
 fn screen(
-    batch: &mut Batch,
+    batch: &Batch,
     trajectories: usize,
     seed: u64,
     folder: &Path,
@@ -87,7 +77,7 @@ fn screen(
 }
 
 /// Simulates points of the unit cube of the parameters that vary.
-fn simulate(batch: &mut Batch, cube: &[Vec<f64>]) -> Result<PointTable, CommandError> {
+fn simulate(batch: &Batch, cube: &[Vec<f64>]) -> Result<PointTable, CommandError> {
     let points: Vec<Vec<f64>> = cube.iter().map(|u| batch.parameters(u)).collect();
     let outcomes = batch.run(&points)?;
     let varied = batch.varied();
@@ -98,15 +88,6 @@ fn simulate(batch: &mut Batch, cube: &[Vec<f64>]) -> Result<PointTable, CommandE
         &points,
         outcomes,
     ))
-}
-
-fn write(folder: &Path, result: &Sensitivity) -> Result<(), CommandError> {
-    std::fs::create_dir_all(folder).map_err(ResultsError::io(folder))?;
-    write_atomically(&folder.join(sensitivity::FILE), |out| {
-        serde_json::to_writer_pretty(&mut *out, result)?;
-        writeln!(out)
-    })?;
-    Ok(())
 }
 
 /// Writes the runs in the order of their design, for other programs to analyse.

@@ -3,19 +3,18 @@
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::thread::available_parallelism;
 use std::time::{Duration, Instant};
 
-use super::limits::limits;
+use super::limits::place;
 use super::progress::Progress;
 use super::until::Front;
-use super::{CommandError, best, output, report, stop, table, verdict};
+use super::{CommandError, best, finding, output, report, stop, table, verdict};
 use crate::cli::Verify;
 use crate::engine;
 use crate::results::journal::Finished;
 use crate::results::summary::{Run, Tally};
 use crate::results::{Journal, parquet};
-use crate::session::{Place, Request, Session, scratch};
+use crate::session::{Request, Session, scratch};
 use crate::study::Method;
 
 /// With `--until`, a study has as many points as needed, but for a limit.
@@ -45,10 +44,7 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, CommandError> {
         output::print(&plan(&session, &folder));
         return Ok(ExitCode::SUCCESS);
     }
-    let jobs = options
-        .jobs
-        .unwrap_or_else(|| available_parallelism().map_or(1, Into::into))
-        .max(1);
+    let jobs = options.means.jobs();
     let (mut journal, finished) = session.journal(&folder, options.resume)?;
     let computed = compute(
         &mut session,
@@ -139,7 +135,7 @@ fn request(options: &Verify) -> Request {
     let until = options.until.filter(|_| options.points_from.is_none());
     Request {
         study: options.study.clone(),
-        fmu: options.fmu.clone(),
+        fmu: options.means.fmu.clone(),
         points: options.points.or(until.map(|_| MOST_POINTS)),
         seed: options.seed,
         points_from: options.points_from.clone(),
@@ -151,7 +147,7 @@ fn request(options: &Verify) -> Request {
 /// `results/` and the study's name, unless the user says otherwise.
 fn output_folder(options: &Verify) -> PathBuf {
     let usual = || {
-        let folder = Path::new("results").join(options.study.file_stem().unwrap_or_default());
+        let folder = finding::folder_of(&options.study);
         match options.shard {
             Some(shard) => folder.join(format!("shard-{}-of-{}", shard.number, shard.of)),
             None => folder,
@@ -177,11 +173,7 @@ fn compute(
     finished: Option<&Finished>,
     jobs: usize,
 ) -> Result<Computed, CommandError> {
-    let place = if options.in_process {
-        Place::Here
-    } else {
-        Place::Workers(limits(options, jobs)?)
-    };
+    let place = place(&options.means, jobs)?;
     let scratch = scratch(folder)?;
     let workers = session.workers(place, scratch.path(), jobs)?;
     let session = &*session;

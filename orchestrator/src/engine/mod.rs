@@ -4,6 +4,7 @@
 //! come back to the calling thread in whatever order they finish.
 
 mod batch;
+pub mod crew;
 mod last_words;
 pub mod local;
 pub mod process;

@@ -3,7 +3,7 @@
 use indexmap::IndexMap;
 use serde::Serialize;
 
-use crate::units::Units;
+use crate::units::{Conversion, UnitError, Units};
 
 /// A model description of FMI 2.0 for Co-Simulation.
 #[derive(Clone, Debug, Default, Serialize)]
@@ -135,6 +135,8 @@ pub enum Kind {
         unit: Option<String>,
         /// The unit in which people want to read it.
         display_unit: Option<String>,
+        /// Whether it is a difference, such as a rise of temperature: units then convert without their offset.
+        relative: bool,
         /// The start value.
         start: Option<f64>,
         /// The smallest value.
@@ -173,6 +175,18 @@ pub enum Kind {
 }
 
 impl Description {
+    /// How values in `unit` become values of a variable.
+    ///
+    /// # Errors
+    /// When the units don't fit.
+    pub fn conversion(&self, unit: &str, variable: &Variable) -> Result<Conversion, UnitError> {
+        let conversion = self.units.conversion(unit, variable.unit())?;
+        Ok(match variable.kind {
+            Kind::Real { relative: true, .. } => conversion.of_differences(),
+            _ => conversion,
+        })
+    }
+
     /// The variables of one causality, in the order of the file.
     pub fn with(&self, causality: Causality) -> impl Iterator<Item = &Variable> {
         self.variables

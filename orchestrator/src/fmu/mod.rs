@@ -10,6 +10,7 @@
 
 pub mod archive;
 pub mod call;
+mod decode;
 pub mod description;
 pub mod instance;
 pub mod library;
@@ -158,7 +159,7 @@ impl Package {
                 path: self.path.clone(),
                 source,
             })?;
-        let text = parse::decode(&bytes);
+        let text = decode::decode(&bytes);
         let document = parse::document(&text).map_err(|source| FmuError::Description {
             path: self.path.clone(),
             source,

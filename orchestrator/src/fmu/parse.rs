@@ -4,13 +4,13 @@
 //! a byte-order mark and Latin-1 are understood. What cannot be ignored silently becomes one of
 //! [`Description::remarks`].
 
-use std::borrow::Cow;
 use std::collections::HashMap;
 use std::str::FromStr;
 
 use roxmltree::{Document, Node, ParsingOptions};
 use thiserror::Error;
 
+use super::decode::decode;
 use super::description::{
     Capabilities, Causality, DefaultExperiment, Description, Kind, Variability, Variable,
 };
@@ -94,36 +94,6 @@ pub(super) fn description(bytes: &[u8]) -> Result<Description, DescriptionError>
     reader.variables(root, &types, &mut description);
     description.remarks = reader.remarks;
     Ok(description)
-}
-
-/// The text of the bytes: UTF-8 unless a byte-order mark, the XML declaration or the bytes
-/// themselves say that it is UTF-16 or Latin-1.
-pub(super) fn decode(bytes: &[u8]) -> Cow<'_, str> {
-    let utf16 = |decode: fn([u8; 2]) -> u16| {
-        let units = bytes[2..]
-            .chunks_exact(2)
-            .map(|pair| decode([pair[0], pair[1]]));
-        Cow::Owned(
-            char::decode_utf16(units)
-                .map(|c| c.unwrap_or('\u{fffd}'))
-                .collect(),
-        )
-    };
-    match bytes {
-        [0xff, 0xfe, ..] => return utf16(u16::from_le_bytes),
-        [0xfe, 0xff, ..] => return utf16(u16::from_be_bytes),
-        _ => {}
-    }
-    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    let declaration = String::from_utf8_lossy(&bytes[..bytes.len().min(200)]).to_lowercase();
-    let declared_latin = ["iso-8859-1", "latin1", "windows-1252"]
-        .iter()
-        .any(|name| declaration.contains(name));
-    match std::str::from_utf8(bytes) {
-        Ok(text) if !declared_latin => Cow::Borrowed(text),
-        // In Latin-1 every byte is the code point of its character.
-        _ => Cow::Owned(bytes.iter().map(|&byte| char::from(byte)).collect()),
-    }
 }
 
 fn child<'a>(node: Node<'a, 'a>, name: &str) -> Option<Node<'a, 'a>> {
@@ -381,6 +351,9 @@ impl Reader {
             },
             _ => Kind::Real {
                 unit: text("unit"),
+                relative: self
+                    .boolean(source("relativeQuantity"), "relativeQuantity")
+                    .unwrap_or(false),
                 display_unit: text("displayUnit"),
                 start: self.number(own, "start"),
                 min: self.number(source("min"), "min"),

@@ -43,6 +43,23 @@ fn declared_types_give_what_a_variable_leaves_out() {
 }
 
 #[test]
+fn a_relative_quantity_converts_without_offset() {
+    let description = read(
+        r#"<UnitDefinitions><Unit name="K"><BaseUnit K="1"/><DisplayUnit name="degC" offset="-273.15"/></Unit></UnitDefinitions>
+        <TypeDefinitions><SimpleType name="Rise"><Real unit="K" relativeQuantity="true"/></SimpleType></TypeDefinitions>
+        <ModelVariables>
+        <ScalarVariable name="rise" valueReference="1"><Real declaredType="Rise"/></ScalarVariable>
+        <ScalarVariable name="level" valueReference="2"><Real unit="K"/></ScalarVariable>
+        </ModelVariables>"#,
+    );
+    let kelvin = |name: &str| {
+        let way = description.conversion("degC", &description.variables[name]);
+        way.unwrap().value(10.0)
+    };
+    assert_eq!((kelvin("rise"), kelvin("level")), (10.0, 283.15));
+}
+
+#[test]
 fn foreign_parts_are_ignored_and_doubtful_ones_remarked() {
     let description = read(
         r#"<VendorAnnotations><Tool name="x"><any/></Tool></VendorAnnotations>

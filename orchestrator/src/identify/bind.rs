@@ -159,7 +159,7 @@ impl Binder<'_> {
         unit: Option<&str>,
         variable: &'a Variable,
     ) -> Result<UnitScale<'a>, String> {
-        UnitScale::new(unit, &self.fmu.units, variable.unit())
+        UnitScale::new(unit, self.fmu, variable)
     }
 
     fn bind_known(&self, bound: &mut Bound) -> Result<(), BindError> {

@@ -115,7 +115,7 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
             .intervals
             .as_ref()
             .map_or("Wilson's score interval", |i| &i.method),
-        expected: number(sure.iter().sum(), 4),
+        expected: expected(sure.iter().sum()),
         planes: planes(table, &columns, &points),
         parameters: distributions(table, &columns[..table.parameters.len()], 0),
         criteria: distributions(
@@ -263,6 +263,16 @@ fn failures(table: &PointTable) -> Vec<(String, String, String)> {
             (reason.to_owned(), count(ids.len()), list.join(", "))
         })
         .collect()
+}
+
+/// A number of points that need not be whole.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+fn expected(points: f64) -> String {
+    if points < 1e3 {
+        number(points, 4)
+    } else {
+        count(points.round() as usize)
+    }
 }
 
 #[cfg(test)]

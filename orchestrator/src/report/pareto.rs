@@ -13,6 +13,9 @@ pub const FILE: &str = "pareto.json";
 /// So many pairs of criteria are drawn, those in conflict first.
 const MOST_PLOTS: usize = 6;
 
+/// More points than these are a crowd.
+const CROWD: usize = 300;
+
 /// Reads the result of a folder; nothing where there is none that can be read.
 pub fn read(folder: &Path) -> Option<Pareto> {
     serde_json::from_str(&std::fs::read_to_string(folder.join(FILE)).ok()?).ok()
@@ -59,7 +62,6 @@ pub fn view(result: &Pareto) -> View {
             .iter()
             .map(|n| row("Nominal design", &n.member)),
     );
-    let verified = result.front.iter().filter(|m| m.verified()).count();
     let units = result.parameters.iter().zip(&result.units);
     let nothing = |name: &String| (name.clone(), String::new());
     View {
@@ -67,13 +69,13 @@ pub fn view(result: &Pareto) -> View {
             "From {}: of {} points {} are beaten by no other in every criterion, and {} of these meet all criteria.",
             result.method,
             count(result.points),
-            count(result.front.len()),
-            count(verified)
+            count(result.unbeaten),
+            count(result.unbeaten_verified)
         ),
         nominal: result.nominal.as_ref().map(|n| {
             format!(
                 "The nominal design (all parameters at their medians) is beaten in every criterion by {} points of the front and lies {} of a tolerance from it.",
-                n.beaten_by,
+                count(n.beaten_by),
                 number(n.to_front, 3)
             )
         }),
@@ -153,6 +155,12 @@ fn plot(result: &Pareto, a: usize, b: usize) -> Plot {
         (x <= right && y <= top).then(|| (frame.x.at(x), frame.y.at(y)))
     };
     let (mut verified, mut others) = (String::new(), String::new());
+    // Small marks without edges, where these would hide each other.
+    let (r, class) = if result.front.len() > CROWD {
+        (1.5, "plot crowd")
+    } else {
+        (3.0, "plot")
+    };
     for m in &result.front {
         if let Some((x, y)) = place(m) {
             let path = if m.verified() {
@@ -160,12 +168,17 @@ fn plot(result: &Pareto, a: usize, b: usize) -> Plot {
             } else {
                 &mut others
             };
-            let _ = write!(path, "M{:.1},{y:.1}a3,3 0 1,0 6,0a3,3 0 1,0 -6,0", x - 3.0);
+            let d = 2.0 * r;
+            let _ = write!(
+                path,
+                "M{:.1},{y:.1}a{r},{r} 0 1,0 {d},0a{r},{r} 0 1,0 -{d},0",
+                x - r
+            );
         }
     }
     let _ = write!(
         out,
-        "<path class=\"pt part\" d=\"{others}\"/><path class=\"pt in\" d=\"{verified}\"/>"
+        "<g class=\"{class}\"><path class=\"pt part\" d=\"{others}\"/><path class=\"pt in\" d=\"{verified}\"/></g>"
     );
     if let Some((x, y)) = result.front.first().and_then(place) {
         let _ = write!(
@@ -182,6 +195,14 @@ fn plot(result: &Pareto, a: usize, b: usize) -> Plot {
         );
     }
     let outside = result.front.iter().filter(|m| place(m).is_none()).count();
+    let mut note = String::new();
+    if result.front.len() < result.unbeaten {
+        let shown = count(result.front.len());
+        note += &format!("{shown} points of the front are shown. ");
+    }
+    if outside > 0 {
+        note += &format!("{outside} points of the front lie outside the plot.");
+    }
     let title = format!(
         "Deviations of {} and {} over the {} points of the front",
         result.criteria[a],
@@ -191,9 +212,6 @@ fn plot(result: &Pareto, a: usize, b: usize) -> Plot {
     Plot {
         name: format!("pareto-{}-{}", result.criteria[a], result.criteria[b]),
         svg: frame.wrap(&title, &out),
-        note: match outside {
-            0 => String::new(),
-            n => format!("{n} points of the front lie outside the plot."),
-        },
+        note,
     }
 }

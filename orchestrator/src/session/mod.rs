@@ -10,8 +10,7 @@ use sha2::{Digest, Sha256};
 use tempfile::TempDir;
 use thiserror::Error;
 
-use crate::engine::local::Local;
-use crate::engine::process::{Limits, Process};
+use crate::engine::crew::{Crew, Place};
 use crate::engine::{EngineError, Job, Worker};
 use crate::fmu::{FmuError, Package, hexadecimal};
 use crate::judge::Judge;
@@ -60,15 +59,6 @@ pub struct Session {
     /// The points.
     pub source: Source,
     header: Header,
-}
-
-/// Where points are run.
-#[derive(Clone, Copy, Debug)]
-pub enum Place {
-    /// In this process.
-    Here,
-    /// In worker processes, within limits.
-    Workers(Limits),
 }
 
 impl Session {
@@ -212,24 +202,8 @@ impl Session {
         scratch: &Path,
         jobs: usize,
     ) -> Result<Vec<Box<dyn Worker>>, SessionError> {
-        let task = &self.plan.task;
-        match place {
-            Place::Here => {
-                let library = self.package.load()?;
-                let capabilities = self.package.description().capabilities;
-                let once = capabilities.can_be_instantiated_only_once_per_process;
-                let worker = |_| Box::new(Local::new(&library, task)) as Box<dyn Worker>;
-                Ok((0..if once { 1 } else { jobs }).map(worker).collect())
-            }
-            Place::Workers(limits) => {
-                let fmu = self.package.unpack(scratch)?;
-                let worker = |number| {
-                    let process = Process::new(&fmu, task, limits, scratch, number)?;
-                    Ok(Box::new(process) as Box<dyn Worker>)
-                };
-                (0..jobs).map(worker).collect()
-            }
-        }
+        let crew = Crew::new(&mut self.package, place, scratch, jobs)?;
+        Ok(crew.workers(&self.plan.task)?)
     }
 }
 

@@ -28,8 +28,7 @@ pub(super) fn series(
         }
         let variable = find(fmu, key).map_err(wrong)?;
         let slot = slot_of(variable).map_err(named)?;
-        let scale =
-            Scale::new(recording.unit.as_deref(), &fmu.units, variable.unit()).map_err(named)?;
+        let scale = Scale::new(recording.unit.as_deref(), fmu, variable).map_err(named)?;
         let path = study.beside(recording.file.as_ref());
         let column = |name: &Option<String>, usual: &str| name.clone().unwrap_or(usual.to_owned());
         let columns = [

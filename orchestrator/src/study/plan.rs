@@ -142,7 +142,7 @@ impl Binder<'_> {
         slot: &Slot,
     ) -> Result<Input, String> {
         let unit = parameter.unit.as_deref().or(parameter.first_unit());
-        let scale = Scale::new(unit, &self.fmu.units, variable.unit())?;
+        let scale = Scale::new(unit, self.fmu, variable)?;
         let distribution = parameter.distribution(&scale)?;
         distribution.check()?;
         slot.check(scale.conversion.value(distribution.median()))?;
@@ -162,7 +162,7 @@ impl Binder<'_> {
             let storage = Storage::of(variable)
                 .ok_or_else(|| at("a text cannot be compared with a measurement".to_owned()))?;
             let unit = criterion.unit.as_deref();
-            let scale = Scale::new(unit, &self.fmu.units, variable.unit()).map_err(at)?;
+            let scale = Scale::new(unit, self.fmu, variable).map_err(at)?;
             let probe = Probe {
                 name: variable.name.clone(),
                 reference: variable.value_reference,

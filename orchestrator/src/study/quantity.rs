@@ -5,7 +5,8 @@ use std::fmt;
 use serde::de::{self, Deserializer, Visitor};
 use serde::{Deserialize, Serialize};
 
-use crate::units::{Conversion, Units, split};
+use crate::fmu::{Description, Variable};
+use crate::units::{Conversion, split};
 
 /// A number in the unit of its table, or a number with a unit of its own.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,7 +76,7 @@ pub struct Scale<'a> {
     pub unit: Option<String>,
     /// From the study's unit to the variable's.
     pub conversion: Conversion,
-    fmu: Option<(&'a Units, Option<&'a str>)>,
+    fmu: Option<(&'a Description, &'a Variable)>,
 }
 
 /// What a study's number stands for.
@@ -88,25 +89,25 @@ pub enum Sense {
 }
 
 impl<'a> Scale<'a> {
-    /// The scale of a quantity that the study gives in `unit`, of a variable in `variable_unit`.
+    /// The scale of a quantity that the study gives in `unit`, of an FMU's variable.
     ///
     /// # Errors
     /// When the units don't fit.
     pub fn new(
         unit: Option<&str>,
-        units: &'a Units,
-        variable_unit: Option<&'a str>,
+        fmu: &'a Description,
+        variable: &'a Variable,
     ) -> Result<Self, String> {
         let conversion = match unit {
-            Some(unit) => units
-                .conversion(unit, variable_unit)
+            Some(unit) => fmu
+                .conversion(unit, variable)
                 .map_err(|error| error.to_string())?,
             None => Conversion::IDENTITY,
         };
         Ok(Self {
-            unit: unit.or(variable_unit).map(str::to_owned),
+            unit: unit.or(variable.unit()).map(str::to_owned),
             conversion,
-            fmu: Some((units, variable_unit)),
+            fmu: Some((fmu, variable)),
         })
     }
 
@@ -142,14 +143,14 @@ impl<'a> Scale<'a> {
         if self.unit.as_deref() == Some(unit) {
             return Ok(Conversion::IDENTITY);
         }
-        let Some((units, variable_unit)) = self.fmu else {
+        let Some((fmu, variable)) = self.fmu else {
             let own = self.unit.as_deref().unwrap_or("no unit");
             return Err(format!(
                 "unit `{unit}` cannot be converted to {own} without the FMU, which is missing"
             ));
         };
-        let to_fmu = units
-            .conversion(unit, variable_unit)
+        let to_fmu = fmu
+            .conversion(unit, variable)
             .map_err(|error| error.to_string())?;
         Ok(to_fmu.then(self.conversion.inverse()))
     }

@@ -82,9 +82,9 @@ fn value(fmu: &Description, variable: &Variable, setting: &Setting) -> Result<Va
         number.map_err(|_| format!("`{text}` is not a whole number"))
     };
     match &variable.kind {
-        Kind::Real { unit, .. } => {
+        Kind::Real { .. } => {
             let quantity: Quantity = text.parse()?;
-            let scale = Scale::new(None, &fmu.units, unit.as_deref())?;
+            let scale = Scale::new(None, fmu, variable)?;
             let number = scale.number(&quantity, Sense::Value)?;
             check_limits(variable, number)?;
             Ok(Value::Real(number))

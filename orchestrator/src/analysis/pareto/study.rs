@@ -19,7 +19,12 @@ pub struct Pareto {
     pub units: Vec<String>,
     /// The criteria, in the order of all lists below.
     pub criteria: Vec<String>,
-    /// Points that no other one beats in every criterion, those with the least largest deviation first.
+    /// How many points no other one beats in every criterion.
+    pub unbeaten: usize,
+    /// How many of these meet all criteria.
+    pub unbeaten_verified: usize,
+    /// The unbeaten points, those with the least largest deviation first; of very many, the first thousand, as
+    /// many from all over the others, and the nearest.
     pub front: Vec<Member>,
     /// The point nearest to the measurement, by the root of the sum of squared deviations; its
     /// place in the front. The best compromise is the front's first point.
@@ -83,6 +88,9 @@ pub struct Nominal {
     pub to_front: f64,
 }
 
+/// So many unbeaten points are told one by one. Nobody reads more, and a file of a million would be unwieldy.
+const MOST: usize = 2_000;
+
 /// Criteria with a rank correlation at or below this are said to be in conflict.
 pub const CONFLICT: f64 = -0.3;
 
@@ -130,6 +138,11 @@ pub fn trade_off(
     let by_distance =
         |a: &usize, b: &usize| chosen[*a].distance().total_cmp(&chosen[*b].distance());
     let nearest = (0..chosen.len()).min_by(by_distance)?;
+    let unbeaten = chosen.len();
+    let unbeaten_verified = chosen.iter().filter(|m| m.verified()).count();
+    let nominal = nominal.map(|member| compare(member, &chosen));
+    let conflicts = conflicts(&chosen, table.criteria.len());
+    let nearest = shorten(&mut chosen, nearest);
     Some(Pareto {
         method,
         points: completed.len(),
@@ -137,10 +150,30 @@ pub fn trade_off(
         units: table.parameters.iter().map(|p| p.unit.clone()).collect(),
         criteria: table.criteria.iter().map(|c| c.name.clone()).collect(),
         nearest,
-        nominal: nominal.map(|member| compare(member, &chosen)),
-        conflicts: conflicts(&chosen, table.criteria.len()),
+        nominal,
+        conflicts,
+        unbeaten,
+        unbeaten_verified,
         front: chosen,
     })
+}
+
+/// Keeps of a long front its first half of [`MOST`], a selection of the others all along it, and the nearest; returns
+/// the latter's place.
+fn shorten(front: &mut Vec<Member>, nearest: usize) -> usize {
+    if front.len() <= MOST {
+        return nearest;
+    }
+    let first = MOST / 2;
+    let others = front.len() - first;
+    let spread = (0..MOST - first).map(|k| first + k * others / (MOST - first));
+    let mut kept: Vec<usize> = (0..first).chain(spread).collect();
+    let place = kept.partition_point(|&i| i < nearest);
+    if kept.get(place) != Some(&nearest) {
+        kept.insert(place, nearest);
+    }
+    *front = kept.into_iter().map(|i| front[i].clone()).collect();
+    place
 }
 
 fn compare(member: Member, front: &[Member]) -> Nominal {
@@ -245,6 +278,39 @@ mod tests {
         assert!((n.to_front - 1.25f64.sqrt()).abs() < 1e-9, "{n:?}");
         assert_eq!(p.conflicts.len(), 1);
         assert!((p.conflicts[0].correlation + 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_large_front_is_counted_and_its_best_points_are_kept() {
+        let x: Vec<f64> = (0..=30_000).map(|k| f64::from(k) / 30_000.0).collect();
+        let p = trade_off(&table(&x), true, None, String::new()).unwrap();
+        assert_eq!(
+            (p.unbeaten, p.front.len()),
+            (30_001, MOST + usize::from(p.nearest >= MOST / 2))
+        );
+        // Verified from 0.5 on.
+        assert_eq!(p.unbeaten_verified, 15_001);
+        assert!((p.front[0].parameters[0] - 2.0 / 3.0).abs() < 1e-9);
+        // x^2 + 4 (1 - x)^2 is least at 0.8, which is kept, too.
+        assert!((p.front[p.nearest].parameters[0] - 0.8).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_nearest_point_is_kept_wherever_it_is() {
+        let member = |k: usize| Member {
+            point: Some(k as u64),
+            parameters: vec![],
+            values: vec![],
+            deviations: vec![],
+        };
+        let mut front: Vec<Member> = (0..5 * MOST).map(member).collect();
+        let place = shorten(&mut front, MOST + 7);
+        assert_eq!(
+            (front.len(), front[place].point),
+            (MOST + 1, Some(MOST as u64 + 7))
+        );
+        assert!(front.is_sorted_by_key(|m| m.point));
+        assert!(front[MOST].point > Some(4 * MOST as u64));
     }
 
     #[test]

@@ -18,7 +18,7 @@ const ROUNDS: u64 = 4;
 
 /// What is confirmed, and with what.
 pub(super) struct Confirmation<'a> {
-    pub(super) batch: &'a mut Batch,
+    pub(super) batch: &'a Batch,
     pub(super) table: &'a PointTable,
     pub(super) cloud: &'a [Vec<f64>],
     /// Fresh points in each region.

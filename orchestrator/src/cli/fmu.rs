@@ -1,0 +1,67 @@
+//! Options of what is done with a single FMU.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+/// Options of `inspect`.
+#[derive(Debug, Args)]
+#[command(after_help = "Example: orchestrator inspect dist/PlainBearingStand.fmu")]
+pub struct Inspect {
+    /// The FMU
+    pub fmu: PathBuf,
+    /// Everything, as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Options of `check`.
+#[derive(Debug, Args)]
+#[command(after_help = "Example: orchestrator check dist/PlainBearingStand.fmu")]
+pub struct Check {
+    /// The FMU
+    pub fmu: PathBuf,
+    /// How long each of the two short simulations may take, s
+    #[arg(long, value_name = "SECONDS", default_value_t = 60.0)]
+    pub patience: f64,
+}
+
+/// Options of `init`.
+#[derive(Debug, Args)]
+#[command(after_help = "Example: orchestrator init dist/PlainBearingStand.fmu --output study.toml")]
+pub struct Init {
+    /// The FMU
+    pub fmu: PathBuf,
+    /// Where to write the study [default: standard output]
+    #[arg(long, value_name = "STUDY.toml")]
+    pub output: Option<PathBuf>,
+}
+
+/// Options of `simulate`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Example: orchestrator simulate dist/PlainBearingStand.fmu --stop 10 \
+    --set bearing.radialClearance=\"0.02 mm\" --output run.csv"
+)]
+pub struct Simulate {
+    /// The FMU
+    pub fmu: PathBuf,
+    /// A start value, with or without a unit; may be repeated
+    #[arg(long, value_name = "NAME=VALUE")]
+    pub set: Vec<String>,
+    /// Start values from an SSP parameter set, such as the best.ssv that `verify` writes
+    #[arg(long, value_name = "FILE.ssv")]
+    pub set_from: Option<PathBuf>,
+    /// When to start, s [default: as the FMU suggests]
+    #[arg(long, value_name = "T")]
+    pub start: Option<f64>,
+    /// When to stop, s [default: as the FMU suggests]
+    #[arg(long, value_name = "T")]
+    pub stop: Option<f64>,
+    /// The communication step, s [default: as the FMU suggests]
+    #[arg(long, value_name = "H")]
+    pub step: Option<f64>,
+    /// Where to write the trajectory [default: standard output]
+    #[arg(long, value_name = "FILE.csv")]
+    pub output: Option<PathBuf>,
+}

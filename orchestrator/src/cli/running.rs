@@ -1,0 +1,26 @@
+//! With what and where a study is run.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+/// With what and where a study is run, and what a point may use.
+#[derive(Debug, Args)]
+pub struct Means {
+    /// Another FMU than the study's
+    #[arg(long, value_name = "FMU")]
+    pub fmu: Option<PathBuf>,
+    /// How many simulations at a time [default: the number of cores]
+    #[arg(long, value_name = "J")]
+    pub jobs: Option<usize>,
+    /// Run points in this process: a little faster, but a crash of the FMU ends the run
+    #[arg(long)]
+    pub in_process: bool,
+    /// The longest time that a point may take, s
+    #[arg(long, value_name = "T", default_value_t = 3600.0)]
+    pub point_timeout: f64,
+    /// The most memory that a worker process may take, such as 500MB [default: a fair share of
+    /// the machine's]
+    #[arg(long, value_name = "SIZE")]
+    pub memory_limit: Option<String>,
+}

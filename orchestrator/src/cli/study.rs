@@ -1,0 +1,139 @@
+//! Options of what is done with a study.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::Means;
+use crate::commands::Until;
+use crate::session::Shard;
+
+/// Options of `verify`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Example: orchestrator verify studies/paper-table3.toml --points 10000 \
+    --output results/table3"
+)]
+pub struct Verify {
+    /// The study
+    pub study: PathBuf,
+    /// The folder for the results [default: results/ and the study's name]
+    #[arg(long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// What runs it
+    #[command(flatten)]
+    pub means: Means,
+    /// How many points, instead of the study's number
+    #[arg(long, value_name = "N")]
+    pub points: Option<u64>,
+    /// The seed, instead of the study's
+    #[arg(long, value_name = "S")]
+    pub seed: Option<u64>,
+    /// Simulate the points of a table (csv or Parquet) instead of sampling
+    #[arg(long, value_name = "TABLE.csv", conflicts_with_all = ["points", "seed"])]
+    pub points_from: Option<PathBuf>,
+    /// Only say what would be done: points, design, criteria
+    #[arg(long)]
+    pub dry_run: bool,
+    /// Continue a study that was interrupted
+    #[arg(long)]
+    pub resume: bool,
+    /// Write points.parquet, too
+    #[arg(long)]
+    pub parquet: bool,
+    /// Simulate only one of several equal parts of the points; `merge` joins them
+    #[arg(long, value_name = "I/N")]
+    pub shard: Option<Shard>,
+    /// End when the 95 % interval of the verified share is narrow enough, such as "ci 0.01"
+    #[arg(long, value_name = "CONDITION", conflicts_with = "shard")]
+    pub until: Option<Until>,
+}
+
+/// Options of `replay`.
+#[derive(Debug, Args)]
+#[command(after_help = "Example: orchestrator replay results/table3 17")]
+pub struct Replay {
+    /// The folder that `verify` has written
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+    /// The point, as `points.csv` calls it
+    pub point: u64,
+    /// Where the FMU is, if it has moved
+    #[arg(long, value_name = "FMU")]
+    pub fmu: Option<PathBuf>,
+    /// Where to write the trajectory [default: point-N.csv in the folder]
+    #[arg(long, value_name = "FILE.csv")]
+    pub output: Option<PathBuf>,
+}
+
+/// Options of `merge`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Example: orchestrator merge results/table3/shard-* --output results/table3"
+)]
+pub struct Merge {
+    /// The folders of the shards
+    #[arg(value_name = "DIR", required = true)]
+    pub folders: Vec<PathBuf>,
+    /// The folder for the results
+    #[arg(long, value_name = "DIR")]
+    pub output: PathBuf,
+    /// Write points.parquet, too
+    #[arg(long)]
+    pub parquet: bool,
+    /// Where the FMU is, if it has moved
+    #[arg(long, value_name = "FMU")]
+    pub fmu: Option<PathBuf>,
+}
+
+/// Options of `judge`.
+#[derive(Debug, Args)]
+#[command(after_help = "Example: orchestrator judge studies/paper-table3.toml \
+    studies/paper/table3_solutions.csv")]
+pub struct Judge {
+    /// The study
+    pub study: PathBuf,
+    /// The table
+    pub table: PathBuf,
+    /// Where to write points.csv and summary.json
+    #[arg(long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+}
+
+/// Options of `identify`.
+#[derive(Debug, Args)]
+#[command(after_help = include_str!("identify.txt"))]
+pub struct Identify {
+    /// The study
+    pub study: PathBuf,
+    /// The folder for the results [default: results/ and the study's name]
+    #[arg(long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// What runs it
+    #[command(flatten)]
+    pub means: Means,
+    /// How many starts are screened, instead of the study's number
+    #[arg(long, value_name = "N")]
+    pub starts: Option<u64>,
+    /// The seed of the starts, instead of the study's
+    #[arg(long, value_name = "S")]
+    pub seed: Option<u64>,
+    /// End the search after this long and report the best so far
+    #[arg(long, value_name = "SECONDS")]
+    pub time_limit: Option<f64>,
+    /// Continue a search that was interrupted
+    #[arg(long)]
+    pub resume: bool,
+}
+
+/// Options of `report`.
+#[derive(Debug, Args)]
+#[command(after_help = "Example: orchestrator report results/table3")]
+pub struct Report {
+    /// The folder that `verify` has written
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+    /// The plots as PNG files, too; they are beside the page in plots/, as SVG in any case
+    #[arg(long)]
+    pub png: bool,
+}
