@@ -1,8 +1,8 @@
 """Two stands in an SSP: packs dist/two-bearings.ssp from two-bearings/ and the FMU, and runs it by FMPy.
 
-libcosim, OMSimulator and other tools run the same system. It has no connectors of its own, as libcosim knows
-connections between components only (libcosimpy 0.0.6 wants startElement in each): the first stand's speed is a
-start value of the SSP.
+libcosim, OMSimulator and other tools run the same file. The system has no connectors of its own, as libcosim
+knows connections between components only (libcosimpy 0.0.6: "No such node (<xmlattr>.startElement)"): the first
+stand's speed is a start value in the SSP.
 """
 
 import zipfile
