@@ -394,6 +394,20 @@ fn every_broken_binary_is_found() {
     none(&wrong);
 }
 
+/// What a build for static linking does to the functions' names.
+#[test]
+fn a_prefix_is_found() {
+    let word = |c: char| !c.is_ascii_alphanumeric();
+    let source = include_str!("fixtures/lag.c");
+    let names = source.split(word).filter(|name| name.starts_with("fmi2"));
+    let macros: Vec<String> = names.map(|name| format!("{name}=lag_{name}")).collect();
+    let macros: Vec<&str> = macros.iter().map(String::as_str).collect();
+    let bench = Bench::empty();
+    bench.fmu("broken.fmu", &macros, &model("guid", "guid"));
+    let words = "exports lag_fmi2DoStep instead of fmi2DoStep";
+    none(&Vec::from_iter(amiss(&bench, "a prefix", words)));
+}
+
 #[test]
 fn every_broken_archive_is_found() {
     let bench = Bench::empty();

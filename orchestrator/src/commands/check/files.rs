@@ -185,7 +185,15 @@ fn binary(bytes: &[u8], format: BinaryFormat, machine: Architecture) -> Option<S
         .filter(|name| !has(name))
         .collect();
     if absent.len() == FUNCTIONS.len() {
-        return Some("the binary exports none of the functions of FMI 2.0: export them".to_owned());
+        let prefixed = exports
+            .iter()
+            .find(|export| export.ends_with("_fmi2DoStep"));
+        return Some(prefixed.map_or_else(
+            || "the binary exports none of the functions of FMI 2.0: export them".to_owned(),
+            |name| {
+                format!("the binary exports {name} instead of fmi2DoStep: build it without a prefix of the functions")
+            },
+        ));
     }
     (!absent.is_empty()).then(|| {
         format!(
