@@ -7,7 +7,7 @@ use super::active_set::ActiveSet;
 use super::balance::Balance;
 use super::cells::Cells;
 use super::diagnostics::Diagnostics;
-use super::field::State;
+use super::field::{Field, State};
 use super::gap::{Form, Gap};
 use super::grid::Grid;
 use super::linear::Linear;
@@ -39,6 +39,8 @@ pub struct ReynoldsFilm {
     pub(super) launch: Vec<f64>,
     /// The state before the present internal step.
     pub(super) kept: State,
+    /// The field before a change that is tried.
+    pub(super) trial: Field,
     /// The state before the present interval.
     before: State,
 }
@@ -77,6 +79,11 @@ impl TryFrom<Saved> for ReynoldsFilm {
 
 /// The most internal steps, taken or not, in one interval: ordinary ones need a few.
 const MOST_TRIES: usize = 2_000;
+/// No step is shorter than this share of the interval.
+const SHORTEST: f64 = 1e-9;
+/// What happens within this share of the interval is a jump, as of a journal that falls through a gap without oil: its
+/// end has to balance, its way is not followed.
+const JUMP: f64 = 1e-7;
 
 impl ReynoldsFilm {
     /// A flooded film with the journal in the middle.
@@ -101,6 +108,7 @@ impl ReynoldsFilm {
         let mut film = Self {
             kept: state.clone(),
             before: state.clone(),
+            trial: state.field.clone(),
             state,
             form,
             gap: Gap::new(&cells),
@@ -179,7 +187,7 @@ impl ReynoldsFilm {
         self.linear.discard();
         let mut total = Diagnostics::default();
         let mut done = 0.0;
-        let shortest = 1e-9 * interval;
+        let shortest = SHORTEST * interval;
         let mut step = self.state.step.unwrap_or(interval).min(interval);
         for tries in 0.. {
             if interval - done <= shortest {
@@ -203,7 +211,7 @@ impl ReynoldsFilm {
                 duration,
             };
             match self.step(place, drive, contact) {
-                Ok((report, error)) if error <= 2.0 || duration <= shortest => {
+                Ok((report, error)) if error <= 2.0 || duration <= JUMP * interval => {
                     done += duration;
                     let fitting = duration * (0.9 / error.max(1e-6).sqrt()).clamp(0.3, 2.5);
                     // A step cut short by the interval's end says nothing against a longer one.

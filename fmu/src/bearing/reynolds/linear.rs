@@ -120,6 +120,14 @@ impl Linear {
         }
     }
 
+    /// Moves the unknowns by a share of the answer to the residuals.
+    pub(super) fn approach(&self, share: f64, field: &mut Field) {
+        for (c, step) in self.step.iter().enumerate() {
+            field.pressure[c] -= share * self.full[c] * step;
+            field.content[c] -= share * self.empty[c] * step;
+        }
+    }
+
     /// The size of the residuals that are to vanish.
     pub(super) fn imbalance(&self, balance: &Balance) -> f64 {
         balance.imbalance(&self.balanced)

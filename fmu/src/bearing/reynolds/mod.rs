@@ -31,6 +31,7 @@ mod field;
 mod film;
 mod gap;
 mod grid;
+mod landing;
 mod lanes;
 mod linear;
 mod liquid;
@@ -43,9 +44,12 @@ mod settings;
 mod skyline;
 mod step;
 mod support;
+mod way;
 
 #[cfg(test)]
 mod film_tests;
+#[cfg(test)]
+mod life_tests;
 #[cfg(test)]
 mod quasi_static_tests;
 #[cfg(test)]

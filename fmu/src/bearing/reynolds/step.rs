@@ -99,7 +99,9 @@ impl ReynoldsFilm {
     ) -> Result<Vector2<f64>, NoSolution> {
         let mass = std::mem::take(buffer(self));
         let stage = self.stage_over(duration, &mass, task.drive);
-        let result = self.settle(&stage, task);
+        let result = self
+            .settle(&stage, task)
+            .or_else(|NoSolution| self.land(&stage, task));
         *buffer(self) = mass;
         result
     }
