@@ -111,8 +111,10 @@ pub(super) fn diagnose(film: &ReynoldsFilm, stage: &Stage<'_>, drive: &Drive) ->
         moment * sums.load.dot(&velocity),
         moment * sums.bath,
     ];
-    // A film that next to nothing moves is judged by what moving it a millionth of the clearance takes.
-    let still = moment * (1e-6 / stage.duration).powi(2);
+    // A film that next to nothing moves is judged by what moving it a millionth of the clearance takes, and a billionth
+    // of what the bath could spend on flowing through it.
+    let bath = film.balance.open.iter().sum::<f64>() * stage.side.powi(2);
+    let still = moment * ((1e-6 / stage.duration).powi(2) + 1e-9 * bath);
     let through = works.iter().map(|work| work.abs()).sum::<f64>() + heat.abs() + still;
     let flow = film.balance.end_flow();
     let volume = settings.clearance * radius * settings.width;
