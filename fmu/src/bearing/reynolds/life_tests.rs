@@ -137,8 +137,10 @@ fn ten_thousand_lives_are_survived() {
 #[test]
 #[ignore = "takes minutes"]
 fn more_lives_are_survived() {
-    let asked = |name: &str, usual| std::env::var(name).map_or(usual, |n| n.parse().expect(name));
-    let first = asked("LIVES_FIRST", 0);
+    let asked = |name: &str, usual: u64| -> u64 {
+        std::env::var(name).map_or(usual, |n| n.parse().expect(name))
+    };
+    let first = asked("LIVES_FIRST", 0_u64);
     let columns = asked("LIVES_COLUMNS", 32);
     let mut lost = 0;
     for seed in first..first + asked("LIVES_SEEDS", 10) {
