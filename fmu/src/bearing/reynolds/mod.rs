@@ -25,6 +25,7 @@ mod active_set;
 mod asperities;
 mod assembly;
 mod balance;
+mod block;
 mod cells;
 mod diagnostics;
 mod field;
