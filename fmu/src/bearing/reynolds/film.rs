@@ -79,11 +79,6 @@ impl TryFrom<Saved> for ReynoldsFilm {
 
 /// The most internal steps, taken or not, in one interval: ordinary ones need a few.
 const MOST_TRIES: usize = 2_000;
-/// No step is shorter than this share of the interval.
-const SHORTEST: f64 = 1e-9;
-/// What happens within this share of the interval is a jump, as of a journal that falls through a gap without oil: its
-/// end has to balance, its way is not followed.
-const JUMP: f64 = 1e-7;
 
 impl ReynoldsFilm {
     /// A flooded film with the journal in the middle.
@@ -187,7 +182,7 @@ impl ReynoldsFilm {
         self.linear.discard();
         let mut total = Diagnostics::default();
         let mut done = 0.0;
-        let shortest = SHORTEST * interval;
+        let shortest = 1e-9 * interval;
         let mut step = self.state.step.unwrap_or(interval).min(interval);
         for tries in 0.. {
             if interval - done <= shortest {
@@ -211,7 +206,7 @@ impl ReynoldsFilm {
                 duration,
             };
             match self.step(place, drive, contact) {
-                Ok((report, error)) if error <= 2.0 || duration <= JUMP * interval => {
+                Ok((report, error)) if error <= 2.0 || duration <= shortest => {
                     done += duration;
                     let fitting = duration * (0.9 / error.max(1e-6).sqrt()).clamp(0.3, 2.5);
                     // A step cut short by the interval's end says nothing against a longer one.
@@ -321,6 +316,8 @@ impl ReynoldsFilm {
         self.linear.discard();
         self.shape();
         self.move_to(self.state.eps);
+        self.liquid
+            .compress(&self.settings, &self.state.field, self.state.unit);
         self.balance
             .weigh(&self.gap, &self.liquid, &self.state.field);
     }

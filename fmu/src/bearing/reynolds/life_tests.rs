@@ -16,8 +16,23 @@ struct Life {
     intervals: Vec<[f64; 5]>,
 }
 
+const CAVITATION: [Cavitation; 2] = [Cavitation::NonNegative, Cavitation::MassConserving];
+const DENSITY: [DensityLaw; 2] = [DensityLaw::Constant, DensityLaw::DowsonHigginson];
+
+/// Kinds of cavitation and, twice as heavy, of the density's law; the usual law more often.
+fn kinds() -> impl Strategy<Value = usize> {
+    prop_oneof![4 => 0..2_usize, 1 => 2..4_usize]
+}
+
+fn rheology(kind: usize) -> Rheology {
+    Rheology {
+        density: DENSITY[kind / 2],
+        ..Rheology::default()
+    }
+}
+
 fn lives() -> impl Strategy<Value = Life> {
-    let bearing = (-2.0..-0.6, 0.2..1.6, -3.7..-2.4, 0..2_u8, 0.0..6.0);
+    let bearing = (-2.0..-0.6, 0.2..1.6, -3.7..-2.4, kinds(), 0.0..6.0);
     let speed = || prop_oneof![1 => Just(0.0), 4 => -300.0..300.0];
     let load = prop_oneof![1 => Just(0.0), 4 => (3.0..7.0).prop_map(|p| 10_f64.powf(p))];
     let interval = (load, -3.2..3.2, speed(), speed(), -5.0..-1.0)
@@ -28,7 +43,8 @@ fn lives() -> impl Strategy<Value = Life> {
         let settings = FilmSettings {
             cells: [32, 3],
             side_pressure: if side < 2.0 { 0.0 } else { 10_f64.powf(side) },
-            cavitation: [Cavitation::NonNegative, Cavitation::MassConserving][usize::from(kind)],
+            cavitation: CAVITATION[kind % 2],
+            rheology: rheology(kind),
             ..FilmSettings::new(diameter * w, diameter, diameter * 10_f64.powf(c))
         };
         Life {
@@ -75,12 +91,13 @@ impl Life {
         let (intervals, []) = intervals.as_chunks() else {
             panic!("five numbers an interval: {line}")
         };
-        let cavitation = [Cavitation::NonNegative, Cavitation::MassConserving];
+        let kind = bearing[4] as usize;
         Self {
             settings: FilmSettings {
                 cells: [32, 3],
                 side_pressure: bearing[3],
-                cavitation: cavitation[bearing[4] as usize],
+                cavitation: CAVITATION[kind % 2],
+                rheology: rheology(kind),
                 ..FilmSettings::new(bearing[0], bearing[1], bearing[2])
             },
             viscosity: bearing[5],
@@ -96,7 +113,8 @@ impl Life {
             settings.diameter,
             settings.clearance,
             settings.side_pressure,
-            f64::from(settings.cavitation == Cavitation::MassConserving),
+            f64::from(settings.cavitation == CAVITATION[1])
+                + 2.0 * f64::from(settings.rheology.density == DENSITY[1]),
             self.viscosity,
         ];
         let numbers = bearing.iter().chain(self.intervals.iter().flatten());

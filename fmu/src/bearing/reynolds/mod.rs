@@ -27,6 +27,8 @@ mod assembly;
 mod balance;
 mod block;
 mod cells;
+mod centring;
+mod compression;
 mod diagnostics;
 mod field;
 mod film;
@@ -48,6 +50,8 @@ mod support;
 mod way;
 
 #[cfg(test)]
+mod compression_tests;
+#[cfg(test)]
 mod film_tests;
 #[cfg(test)]
 mod life_tests;
@@ -62,6 +66,6 @@ pub use diagnostics::Diagnostics;
 pub use film::ReynoldsFilm;
 pub use grid::Grid;
 pub use quasi_static::{Boundary, Carried, NotConverged, QuasiStatic};
-pub use rheology::{PressureViscosity, Rheology, ShearThinning};
+pub use rheology::{DensityLaw, PressureViscosity, Rheology, ShearThinning};
 pub use roughness::{RoughFilm, pressure_flow_factor, shear_flow_factor};
 pub use settings::{Drive, FilmError, FilmSettings};

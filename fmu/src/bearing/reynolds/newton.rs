@@ -136,7 +136,12 @@ impl ReynoldsFilm {
             let carries =
                 |inverse: Matrix2<f64>| steady && Self::carries(missing, size, inverse * missing);
             match path.judge(self.linear.serves(stage.duration), imbalance, rounding) {
-                Next::Rest if self.inverse(&support).is_some_and(carries) => return Ok(eps),
+                Next::Rest if self.inverse(&support).is_some_and(carries) => {
+                    // A pull that no film has may look like a balance.
+                    let forced =
+                        self.cells.conserves_mass() && self.active_set.is_forced(&self.state.field);
+                    return if forced { Err(NoSolution) } else { Ok(eps) };
+                }
                 Next::Renew => self.linearise(stage),
                 Next::Rest | Next::Reuse => self.linear.reuse(&self.balance),
             }

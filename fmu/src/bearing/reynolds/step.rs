@@ -62,6 +62,7 @@ impl ReynoldsFilm {
 
         self.state.velocity = (end - task.start) / first;
         self.state.eps = end;
+        self.state.unit = self.settings.pressure_scale(drive.viscosity);
         // A gap finer than what the grid resolves is not worth finer steps.
         let gap = self.gap.smallest.max(self.resolved_gap());
         let error = (end - straight).norm() / (self.settings.tolerance * gap);
