@@ -50,10 +50,12 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, CommandError> {
         .unwrap_or_else(|| available_parallelism().map_or(1, Into::into))
         .max(1);
     let (mut journal, finished) = session.journal(&folder, options.resume)?;
+    // The unpacked FMU is kept in it until the report is written.
+    let scratch = scratch(&folder)?;
     let computed = compute(
         &mut session,
         options,
-        &folder,
+        scratch.path(),
         &mut journal,
         finished.as_ref(),
         jobs,
@@ -82,14 +84,15 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, CommandError> {
     if options.parquet {
         parquet::convert(&folder, &summary)?;
     }
-    conclude(&mut session, &folder, &summary)
+    conclude(&mut session, &folder, &summary, options.in_process)
 }
 
-/// Completes the folder and says what came out.
+/// Completes the folder and says what came out. `trusted`: the FMU may run in this process.
 pub(super) fn conclude(
     session: &mut Session,
     folder: &Path,
     summary: &crate::results::Summary,
+    trusted: bool,
 ) -> Result<ExitCode, CommandError> {
     let Session {
         study,
@@ -98,7 +101,7 @@ pub(super) fn conclude(
         ..
     } = session;
     best::write(folder, plan, package.description(), summary)?;
-    report::complete(folder, study, plan, package, summary)?;
+    report::complete(folder, study, plan, package, summary, trusted)?;
     output::print(&format!(
         "{}{}\nresults in {}\n",
         table::counts(summary),
@@ -172,7 +175,7 @@ struct Computed {
 fn compute(
     session: &mut Session,
     options: &Verify,
-    folder: &Path,
+    scratch: &Path,
     journal: &mut Journal,
     finished: Option<&Finished>,
     jobs: usize,
@@ -182,8 +185,7 @@ fn compute(
     } else {
         Place::Workers(limits(options, jobs)?)
     };
-    let scratch = scratch(folder)?;
-    let workers = session.workers(place, scratch.path(), jobs)?;
+    let workers = session.workers(place, scratch, jobs)?;
     let session = &*session;
     let mut front = Front::default();
     let mut enough = false;
