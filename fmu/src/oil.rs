@@ -2,7 +2,7 @@
 
 pub mod measured;
 
-use crate::bearing::reynolds::{PressureViscosity, Rheology, ShearThinning};
+use crate::bearing::reynolds::{DensityLaw, PressureViscosity, Rheology, ShearThinning};
 use crate::model::{Experiment, Fault};
 use serde::{Deserialize, Serialize};
 
@@ -19,11 +19,11 @@ pub struct Oil {
     pub viscosity_scale: f64,
     /// A csv file of measured properties that replaces the two viscosities and the density; empty for none.
     pub properties_file: String,
-    /// How the viscosity depends on pressure and shear rate (Reynolds film only).
+    /// How viscosity and density depend on pressure and shear rate (Reynolds film only).
     pub thickening: Thickening,
 }
 
-/// How the viscosity depends on pressure and shear rate.
+/// How viscosity and density depend on pressure and shear rate.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Thickening {
     /// The law over pressure.
@@ -38,6 +38,8 @@ pub struct Thickening {
     pub shear_exponent: f64,
     /// Viscosity at the highest shear rates over that at the lowest, 1.
     pub shear_limit: f64,
+    /// The density's law over pressure.
+    pub density_law: DensityLaw,
 }
 
 /// The viscosity's law over pressure.
@@ -71,6 +73,7 @@ impl Default for Thickening {
             shear_time: 1e-7,
             shear_exponent: 0.7,
             shear_limit: 0.5,
+            density_law: DensityLaw::Constant,
         }
     }
 }
@@ -99,6 +102,7 @@ impl Thickening {
                     exponent,
                 },
             },
+            density: self.density_law,
         }
     }
 }

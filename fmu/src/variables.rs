@@ -2,6 +2,7 @@
 //! Start values are those of `Stand::default()`.
 
 use crate::bearing::FilmModel;
+use crate::bearing::reynolds::DensityLaw;
 use crate::model::{Access, Enumeration, Item, Kind, Role, Unit, Variable};
 use crate::oil::{PressureLaw, ShearLaw};
 use crate::sensors::Readings;
@@ -53,6 +54,11 @@ enumerations! {
         Constant = 1 "The viscosity does not depend on pressure",
         Barus = 2 "Barus (1893): exponential",
         Roelands = 3 "Roelands (1966)"
+    ];
+    /// The laws of the density over pressure.
+    DENSITY_LAW = "DensityLaw", "Law of the density over pressure", [
+        Constant = 1 "The density does not depend on pressure",
+        DowsonHigginson = 2 "Dowson and Higginson (1966)"
     ];
     /// The laws of the viscosity over the shear rate.
     SHEAR_LAW = "ShearLaw", "Law of the viscosity over the shear rate", [
@@ -455,6 +461,8 @@ fn oil() -> Vec<V> {
         )
         .within(0.0, 1.0)
         .about(0.5),
+        choice!("oil.densityLaw", DENSITY_LAW, DensityLaw { Constant = 1, DowsonHigginson = 2 }, oil.thickening.density_law,
+            "Law of the density over pressure (Reynolds film only)"),
     ]
 }
 

@@ -35,9 +35,57 @@ pub struct Runner {
 #[derive(Debug)]
 struct Watched {
     references: Vec<u32>,
+    /// The values of some steps, those of a step side by side.
     values: Vec<f64>,
+    /// How long those steps took.
+    elapsed: Vec<f64>,
+    accumulators: Vec<Accumulator>,
     /// The numbers of the probes.
-    probes: Vec<(usize, Accumulator)>,
+    probes: Vec<usize>,
+}
+
+impl Watched {
+    /// How many values are gathered, and from how many steps at the most, before they are looked at.
+    const GATHERED: (usize, usize) = (1024, 128);
+
+    fn new(task: &Task, probes: Vec<usize>) -> Self {
+        let observed = || probes.iter().map(|&index| &task.observed[index]);
+        let (values, steps) = Self::GATHERED;
+        let steps = (values / probes.len().max(1)).clamp(1, steps);
+        Self {
+            references: observed().map(|probe| probe.reference).collect(),
+            values: vec![0.0; steps * probes.len()],
+            elapsed: vec![0.0; steps],
+            accumulators: observed()
+                .map(|probe| Accumulator::new(probe.statistic))
+                .collect(),
+            probes,
+        }
+    }
+
+    /// Reads the values at one communication point.
+    fn read(&mut self, instance: &mut Instance, elapsed: f64) -> Result<(), Call> {
+        if !self.probes.is_empty() {
+            instance.reals(&self.references, &mut self.values[..self.probes.len()])?;
+            self.elapsed[0] = elapsed;
+            self.take(1);
+        }
+        Ok(())
+    }
+
+    /// Adds what has been gathered from some steps to the statistics.
+    fn take(&mut self, steps: usize) {
+        let elapsed = self.elapsed[..steps].iter().copied();
+        if let [accumulator] = &mut self.accumulators[..] {
+            accumulator.add_all(elapsed.zip(self.values.iter().copied()));
+            return;
+        }
+        let count = self.accumulators.len();
+        for (number, accumulator) in self.accumulators.iter_mut().enumerate() {
+            let values = self.values[number..].iter().step_by(count).copied();
+            accumulator.add_all(elapsed.clone().zip(values));
+        }
+    }
 }
 
 /// How a used instance gets ready for the next point.
@@ -68,12 +116,10 @@ impl Drop for Held {
 impl Runner {
     /// A runner of points of this task.
     pub fn new(library: Arc<Library>, task: Task) -> Self {
-        let over_time = task.observed.iter().enumerate();
-        let (probes, slow): (Vec<_>, Vec<_>) = over_time
-            .filter(|(_, probe)| probe.statistic != Statistic::Final)
-            .map(|(index, probe)| (index, Accumulator::new(probe.statistic)))
-            .partition(|(index, _)| task.observed[*index].storage == Storage::Real);
-        let reference = |(index, _): &(usize, _)| task.observed[*index].reference;
+        let over_time = (0..task.observed.len())
+            .filter(|&index| task.observed[index].statistic != Statistic::Final);
+        let (probes, slow): (Vec<_>, Vec<_>) =
+            over_time.partition(|&index| task.observed[index].storage == Storage::Real);
         Self {
             used: None,
             reuse: Reuse::Reset,
@@ -81,12 +127,11 @@ impl Runner {
             trusted: library.once,
             candid: false,
             library,
-            watched: Watched {
-                references: probes.iter().map(reference).collect(),
-                values: vec![0.0; probes.len()],
-                probes,
-            },
-            slow,
+            watched: Watched::new(&task, probes),
+            slow: slow
+                .into_iter()
+                .map(|index| (index, Accumulator::new(task.observed[index].statistic)))
+                .collect(),
             results: vec![0.0; task.observed.len()],
             task,
         }
@@ -253,28 +298,46 @@ impl Runner {
     }
 
     fn forget(&mut self) {
-        let probes = self.watched.probes.iter_mut().chain(&mut self.slow);
-        for (index, accumulator) in probes {
+        let watched = &mut self.watched;
+        let watched = watched.probes.iter().zip(&mut watched.accumulators);
+        let slow = self.slow.iter_mut();
+        for (index, accumulator) in watched.chain(slow.map(|(index, slow)| (&*index, slow))) {
             *accumulator = Accumulator::new(self.task.observed[*index].statistic);
         }
     }
 
     /// Takes some of the steps.
-    #[inline(never)]
     fn advance<const WATCH: bool>(
         &mut self,
         instance: &mut Instance,
         points: &CommunicationPoints,
         steps: Range<u64>,
     ) -> Result<(), Call> {
-        // A copy, which a call of the FMU cannot change: it stays where it is quickest.
-        let points = *points;
-        let driven = !self.task.inputs.is_empty();
+        if !self.task.inputs.is_empty() || WATCH && !self.slow.is_empty() {
+            return self.advance_each::<WATCH>(instance, points, steps);
+        }
+        let [before, even, after] = points.parts(steps);
+        self.advance_each::<WATCH>(instance, points, before)?;
+        if WATCH {
+            self.watch_evenly(instance, points, even)?;
+        } else {
+            advance_evenly(instance, points, even)?;
+        }
+        self.advance_each::<WATCH>(instance, points, after)
+    }
+
+    /// Takes any steps, with inputs and everything that is to be read.
+    #[inline(never)]
+    fn advance_each<const WATCH: bool>(
+        &mut self,
+        instance: &mut Instance,
+        points: &CommunicationPoints,
+        steps: Range<u64>,
+    ) -> Result<(), Call> {
         for index in steps {
-            let (time, step) = points.step(index);
-            if driven {
-                feed(&self.task, instance, time)?;
-            }
+            let time = points.at(index);
+            let step = points.at(index + 1) - time;
+            feed(&self.task, instance, time)?;
             instance.step(time, step)?;
             if WATCH {
                 self.watch(instance, step)?;
@@ -283,23 +346,40 @@ impl Runner {
         Ok(())
     }
 
-    /// Reads what has a statistic over time.
-    #[inline(always)]
-    fn watch(&mut self, instance: &mut Instance, elapsed: f64) -> Result<(), Call> {
-        let watched = &mut self.watched;
-        if !watched.probes.is_empty() {
-            instance.reals(&watched.references, &mut watched.values)?;
-            for ((_, accumulator), &value) in watched.probes.iter_mut().zip(&watched.values) {
-                accumulator.add(elapsed, value);
+    /// Takes even steps without inputs and reads real variables. Their statistics follow some steps at a
+    /// time: that takes less than to look at each value by itself.
+    #[inline(never)]
+    fn watch_evenly(
+        &mut self,
+        instance: &mut Instance,
+        points: &CommunicationPoints,
+        steps: Range<u64>,
+    ) -> Result<(), Call> {
+        let mut time = points.at(steps.start);
+        let mut first = steps.start;
+        while first < steps.end {
+            let watched = &mut self.watched;
+            let end = steps.end.min(first + watched.elapsed.len() as u64);
+            let rows = watched.values.chunks_exact_mut(watched.references.len());
+            let rows = watched.elapsed.iter_mut().zip(rows);
+            for (next, (elapsed, row)) in points.even_ends(first..end).zip(rows) {
+                *elapsed = next - time;
+                instance.step(time, *elapsed)?;
+                instance.reals(&watched.references, row)?;
+                time = next;
             }
+            watched.take((end - first) as usize);
+            first = end;
         }
-        if self.slow.is_empty() {
-            return Ok(());
-        }
+        Ok(())
+    }
+
+    /// Reads what has a statistic over time.
+    fn watch(&mut self, instance: &mut Instance, elapsed: f64) -> Result<(), Call> {
+        self.watched.read(instance, elapsed)?;
         self.watch_others(instance, elapsed)
     }
 
-    #[inline(never)]
     fn watch_others(&mut self, instance: &mut Instance, elapsed: f64) -> Result<(), Call> {
         for (index, accumulator) in &mut self.slow {
             accumulator.add(elapsed, self.task.observed[*index].read(instance)?);
@@ -309,7 +389,9 @@ impl Runner {
 
     /// The results, with the statistics taken over `span` seconds.
     fn finish(&mut self, instance: &mut Instance, span: f64) -> Result<(), Call> {
-        for (index, accumulator) in self.watched.probes.iter().chain(&self.slow) {
+        let watched = self.watched.probes.iter().zip(&self.watched.accumulators);
+        let slow = self.slow.iter().map(|(index, slow)| (index, slow));
+        for (index, accumulator) in watched.chain(slow) {
             self.results[*index] = accumulator.result(span);
         }
         for (probe, result) in self.task.observed.iter().zip(&mut self.results) {
@@ -319,6 +401,21 @@ impl Runner {
         }
         Ok(())
     }
+}
+
+/// Takes even steps without inputs: by far the most, so this loop does no more than it must.
+#[inline(never)]
+fn advance_evenly(
+    instance: &mut Instance,
+    points: &CommunicationPoints,
+    steps: Range<u64>,
+) -> Result<(), Call> {
+    let mut time = points.at(steps.start);
+    for next in points.even_ends(steps) {
+        instance.step(time, next - time)?;
+        time = next;
+    }
+    Ok(())
 }
 
 /// What interrupts a trajectory: the FMU, or who reads it.

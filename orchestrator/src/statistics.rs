@@ -30,26 +30,31 @@ impl Accumulator {
     }
 
     /// Takes a value, `elapsed` after the one before; the first one after zero.
-    #[inline]
     pub fn add(&mut self, elapsed: f64, value: f64) {
-        if self.statistic == Statistic::Mean {
-            self.integrate(elapsed, value);
-        } else {
-            self.add_other(elapsed, value);
+        self.add_all(std::iter::once((elapsed, value)));
+    }
+
+    /// Takes values one after another, each with the time since the one before.
+    #[inline]
+    pub fn add_all(&mut self, values: impl Iterator<Item = (f64, f64)>) {
+        match self.statistic {
+            Statistic::Mean => self.integrate(values),
+            Statistic::Rms => self.integrate(values.map(|(elapsed, v)| (elapsed, v * v))),
+            _ => values.for_each(|(_, value)| self.bound(value)),
         }
     }
 
     #[inline]
-    fn integrate(&mut self, elapsed: f64, value: f64) {
-        self.integral += elapsed * (self.last + value);
-        self.last = value;
+    fn integrate(&mut self, values: impl Iterator<Item = (f64, f64)>) {
+        let (mut integral, mut last) = (self.integral, self.last);
+        for (elapsed, value) in values {
+            integral += elapsed * (last + value);
+            last = value;
+        }
+        (self.integral, self.last) = (integral, last);
     }
 
-    fn add_other(&mut self, elapsed: f64, value: f64) {
-        if self.statistic == Statistic::Rms {
-            self.integrate(elapsed, value * value);
-            return;
-        }
+    fn bound(&mut self, value: f64) {
         self.last = value;
         // A value that is not a number must not get lost.
         if value < self.min || value.is_nan() {

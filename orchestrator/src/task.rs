@@ -1,6 +1,8 @@
 //! What is to be done for each point, in the FMU's own terms: plain data that can be sent to
 //! another process.
 
+use std::ops::Range;
+
 use serde::{Deserialize, Serialize};
 
 use crate::fmu::{Description, Kind, Value, Variable};
@@ -308,20 +310,22 @@ impl CommunicationPoints {
         }
     }
 
-    /// The `index`th step: where it begins, and how long it is.
+    /// Steps cut into those before the even ones, the even ones, and those after them.
+    pub fn parts(&self, steps: Range<u64>) -> [Range<u64>; 3] {
+        let within = |index: u64| index.clamp(steps.start, steps.end.max(steps.start));
+        let even = within(self.leap)..within(self.leap + self.between);
+        [steps.start..even.start, even.clone(), even.end..steps.end]
+    }
+
+    /// The ends of some of the even steps, one after the other: as [`at`](Self::at) has them, but with
+    /// nothing to decide.
     #[inline]
     #[allow(clippy::cast_precision_loss, clippy::cast_possible_wrap)]
-    pub fn step(&self, index: u64) -> (f64, f64) {
-        let even = index.wrapping_sub(self.leap);
-        if even < self.between {
-            // As `at` has both ends, with one comparison for the two.
-            let time = self.even + even as i64 as f64 * self.schedule.step;
-            let next = self.even + (even + 1) as i64 as f64 * self.schedule.step;
-            (time, next - time)
-        } else {
-            let time = self.at(index);
-            (time, self.at(index + 1) - time)
-        }
+    pub fn even_ends(&self, steps: Range<u64>) -> impl Iterator<Item = f64> + use<> {
+        let (begin, step) = (self.even, self.schedule.step);
+        let number = |index: u64| index.wrapping_sub(self.leap) as i64;
+        let numbers = number(steps.start)..number(steps.end);
+        numbers.map(move |number| begin + (number + 1) as f64 * step)
     }
 
     /// The number of the first one that is not before a time; the last one's where all are.
@@ -359,13 +363,10 @@ mod tests {
         assert_eq!(schedule(1.0, 0.3).time(4), 1.0);
         assert_eq!(schedule(1.0, 5.0).steps(), 1);
         let points = schedule(1.0, 0.3).points();
-        for index in 0..4 {
-            let (time, step) = points.step(index);
-            assert_eq!(
-                (time, time + step),
-                (points.at(index), points.at(index + 1))
-            );
-        }
+        assert_eq!(points.parts(0..4), [0..0, 0..3, 3..4]);
+        assert_eq!(points.parts(4..4), [4..4, 4..4, 4..4]);
+        let ends: Vec<f64> = points.even_ends(1..3).collect();
+        assert_eq!(ends, [points.at(2), points.at(3)]);
         let from = [0.0, 0.1, 0.3, 0.95, 1.0, 2.0].map(|time| points.from(time));
         assert_eq!(from, [0, 1, 1, 4, 4, 4]);
     }
@@ -402,6 +403,9 @@ mod tests {
         assert_eq!(schedule.steps(), 5);
         let times: Vec<f64> = (0..=5).map(|index| schedule.time(index)).collect();
         assert_eq!(times, [0.0, 99.0, 99.25, 99.5, 99.75, 100.0]);
+        let points = schedule.points();
+        assert_eq!(points.parts(0..5), [0..1, 1..4, 4..5]);
+        assert_eq!(points.even_ends(1..4).collect::<Vec<_>>(), times[2..5]);
         let all = Schedule {
             window_start: 100.0,
             ..schedule

@@ -35,5 +35,5 @@ pub(super) fn run(options: &Merge) -> Result<ExitCode, CommandError> {
     if options.parquet {
         parquet::convert(&options.output, &summary)?;
     }
-    verify::conclude(&mut session, &options.output, &summary)
+    verify::conclude(&mut session, &options.output, &summary, false)
 }

@@ -19,7 +19,9 @@ impl Progress {
             bar.set_style(style);
         }
         bar.reset_eta();
-        bar.enable_steady_tick(Duration::from_millis(500));
+        if !bar.is_hidden() {
+            bar.enable_steady_tick(Duration::from_millis(500));
+        }
         Self { bar }
     }
 

@@ -1,5 +1,6 @@
 //! `report`: the page that tells the result of a study.
 
+use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 use std::process::ExitCode;
@@ -13,6 +14,7 @@ use crate::fmu::{Package, Value};
 use crate::report::{Report, history};
 use crate::results::summary::{BestPoint, Summary};
 use crate::results::{ResultsError, write_atomically};
+use crate::run::{Runner, Trouble};
 use crate::study::Study;
 use crate::study::plan::Plan;
 use crate::task::{Column, Content, Schedule, Storage, Task};
@@ -34,12 +36,14 @@ pub(super) fn run(options: &cli::Report) -> Result<ExitCode, CommandError> {
 }
 
 /// Completes a folder of results: the study's text, the best point's trajectory, the page.
+/// `trusted`: the FMU may run in this process.
 pub(super) fn complete(
     folder: &Path,
     study: &Study,
     plan: &Plan,
-    package: &Package,
+    package: &mut Package,
     summary: &Summary,
+    trusted: bool,
 ) -> Result<(), CommandError> {
     keep_study(folder, study)?;
     let trajectory = folder.join(history::FILE);
@@ -47,7 +51,13 @@ pub(super) fn complete(
     let recorded = summary
         .best_point
         .as_ref()
-        .map(|best| record(best, plan, package))
+        .map(|best| {
+            // What a failed point has left behind in this process is not for another one.
+            let once = package.description().capabilities;
+            let once = once.can_be_instantiated_only_once_per_process;
+            let here = trusted && !once && summary.failed == 0;
+            record(best, plan, package, here)
+        })
         .transpose();
     match recorded {
         Ok(Some(text)) => fs::write(&trajectory, text).map_err(ResultsError::io(&trajectory))?,
@@ -70,7 +80,12 @@ pub(super) fn keep_study(folder: &Path, study: &Study) -> Result<(), CommandErro
 }
 
 /// The best point's criteria over time, as a table.
-fn record(best: &BestPoint, plan: &Plan, package: &Package) -> Result<String, CommandError> {
+fn record(
+    best: &BestPoint,
+    plan: &Plan,
+    package: &mut Package,
+    here: bool,
+) -> Result<String, CommandError> {
     let parameters: Vec<f64> = best.parameters.values().copied().collect();
     let mut values = Vec::new();
     plan.to_fmu(&parameters, &mut values);
@@ -93,10 +108,53 @@ fn record(best: &BestPoint, plan: &Plan, package: &Package) -> Result<String, Co
         text.push_str(names[k]);
     });
     text.push('\n');
+    let put = |time: f64, row: &[Value]| {
+        // Writing to a String cannot fail.
+        let _ = write!(text, "{time}");
+        for (value, &k) in row.iter().zip(&probes) {
+            let Value::Real(value) = value else { continue };
+            let _ = write!(text, ",{:.7e}", plan.outputs[k].value(*value));
+        }
+        text.push('\n');
+        Ok::<_, CommandError>(())
+    };
+    if here {
+        record_here(package, task, &values, &columns, put)?;
+    } else {
+        record_apart(package, &task, &values, &columns, put)?;
+    }
+    Ok(text)
+}
+
+/// Simulates a point in this process.
+fn record_here(
+    package: &mut Package,
+    task: Task,
+    values: &[f64],
+    columns: &[Column],
+    mut put: impl FnMut(f64, &[Value]) -> Result<(), CommandError>,
+) -> Result<(), CommandError> {
+    let mut runner = Runner::new(package.load()?, task);
+    let mut row = Vec::new();
+    runner.trajectory(values, |time, instance| {
+        row.clear();
+        for column in columns {
+            row.push(instance.value(column)?);
+        }
+        put(time, &row).map_err(Trouble::Other)
+    })
+}
+
+/// Simulates a point in a process of its own.
+fn record_apart(
+    package: &mut Package,
+    task: &Task,
+    values: &[f64],
+    columns: &[Column],
+    put: impl FnMut(f64, &[Value]) -> Result<(), CommandError>,
+) -> Result<(), CommandError> {
     let scratch = tempfile::tempdir().map_err(ResultsError::io(&std::env::temp_dir()))?;
-    // The run's own copy of the FMU may be gone by now.
-    let mut own = Package::open(package.path())?;
-    let fmu = own.unpack(scratch.path())?;
+    let fmu = package.unpack(scratch.path())?;
     let recorder = Recorder {
         fmu: &fmu,
         name: package.path(),
@@ -104,24 +162,19 @@ fn record(best: &BestPoint, plan: &Plan, package: &Package) -> Result<String, Co
         limits: LIMITS,
         echo: false,
     };
-    recorder.record(&task, &values, &columns, |time, row| {
-        text.push_str(&time.to_string());
-        for (value, &k) in row.iter().zip(&probes) {
-            let Value::Real(value) = value else { continue };
-            text.push_str(&format!(",{:.7e}", plan.outputs[k].value(*value)));
-        }
-        text.push('\n');
-        Ok::<_, CommandError>(())
-    })?;
-    Ok(text)
+    recorder.record(task, values, columns, put)
 }
 
-/// Communication points close enough to see what happens between the study's.
+/// The study's own communication points where they are enough for a plot, else closer ones: what happens
+/// between them is to be seen.
 fn fine(schedule: Schedule) -> Schedule {
-    const ENOUGH: f64 = 15_000.0;
-    let step = (schedule.stop - schedule.start) / ENOUGH;
+    const ENOUGH: u64 = 1000;
+    const PLENTY: f64 = 15_000.0;
+    if schedule.steps() >= ENOUGH {
+        return schedule;
+    }
     Schedule {
-        step: schedule.step.min(step),
+        step: schedule.step.min((schedule.stop - schedule.start) / PLENTY),
         ..schedule
     }
 }

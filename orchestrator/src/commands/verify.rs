@@ -46,10 +46,12 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, CommandError> {
     }
     let jobs = options.means.jobs();
     let (mut journal, finished) = session.journal(&folder, options.resume)?;
+    // The unpacked FMU is kept in it until the report is written.
+    let scratch = scratch(&folder)?;
     let computed = compute(
         &mut session,
         options,
-        &folder,
+        scratch.path(),
         &mut journal,
         finished.as_ref(),
         jobs,
@@ -78,14 +80,15 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, CommandError> {
     if options.parquet {
         parquet::convert(&folder, &summary)?;
     }
-    conclude(&mut session, &folder, &summary)
+    conclude(&mut session, &folder, &summary, options.means.in_process)
 }
 
-/// Completes the folder and says what came out.
+/// Completes the folder and says what came out. `trusted`: the FMU may run in this process.
 pub(super) fn conclude(
     session: &mut Session,
     folder: &Path,
     summary: &crate::results::Summary,
+    trusted: bool,
 ) -> Result<ExitCode, CommandError> {
     let Session {
         study,
@@ -94,7 +97,7 @@ pub(super) fn conclude(
         ..
     } = session;
     best::write(folder, plan, package.description(), summary)?;
-    report::complete(folder, study, plan, package, summary)?;
+    report::complete(folder, study, plan, package, summary, trusted)?;
     output::print(&format!(
         "{}{}\nresults in {}\n",
         table::counts(summary),
@@ -168,14 +171,13 @@ struct Computed {
 fn compute(
     session: &mut Session,
     options: &Verify,
-    folder: &Path,
+    scratch: &Path,
     journal: &mut Journal,
     finished: Option<&Finished>,
     jobs: usize,
 ) -> Result<Computed, CommandError> {
     let place = place(&options.means, jobs)?;
-    let scratch = scratch(folder)?;
-    let workers = session.workers(place, scratch.path(), jobs)?;
+    let workers = session.workers(place, scratch, jobs)?;
     let session = &*session;
     let mut front = Front::default();
     let mut enough = false;

@@ -83,7 +83,7 @@ pub fn run<E: From<EngineError>>(
     mut receive: impl FnMut(Event) -> Result<ControlFlow<()>, E>,
 ) -> Result<(), E> {
     // Bounded, so that slow storage holds the workers back instead of filling the memory.
-    const WAITING: usize = 4096;
+    const WAITING: usize = 16_384;
     let jobs = Mutex::new(Batches::new(jobs, workers.len()));
     let done = AtomicBool::new(false);
     let stopped = || stop.load(Ordering::Relaxed) || done.load(Ordering::Relaxed);
@@ -124,8 +124,9 @@ pub fn run<E: From<EngineError>>(
     })
 }
 
-/// How long answers are gathered before they are handed over.
-const GATHERING: Duration = Duration::from_millis(1);
+/// How long answers are gathered before they are handed over, at first and in the long run: to wake up
+/// and to write costs the workers a little each time.
+const GATHERING: [Duration; 2] = [Duration::from_millis(1), Duration::from_millis(8)];
 
 /// Hands over everything that comes, until all workers have ended.
 fn collect<E: From<EngineError>>(
@@ -148,6 +149,7 @@ fn collect<E: From<EngineError>>(
             }
         }
     };
+    let [mut gathering, longest] = GATHERING;
     loop {
         let message = match receiver.try_recv() {
             Ok(message) => message,
@@ -156,7 +158,8 @@ fn collect<E: From<EngineError>>(
                 handle(Ok(Event::Idle));
                 let Ok(message) = receiver.recv() else { break };
                 // Answers of a fast FMU come in company: to wake up for each would cost more than they do.
-                thread::sleep(GATHERING);
+                thread::sleep(gathering);
+                gathering = longest.min(gathering * 9 / 8);
                 message
             }
         };

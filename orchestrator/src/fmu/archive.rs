@@ -5,7 +5,7 @@
 
 use std::borrow::Cow;
 use std::fs::{self, File};
-use std::io::{self, Read};
+use std::io::{self, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
@@ -293,8 +293,9 @@ fn unpack_needed(zip: &mut ZipArchive<File>, target: &Path) -> Result<(), Archiv
             fs::create_dir_all(parent)?;
         }
         // The size in the directory may lie: count what really comes out.
-        let mut file = File::create(&path)?;
+        let mut file = BufWriter::with_capacity(1 << 17, File::create(&path)?);
         let written = io::copy(&mut entry.by_ref().take(room + 1), &mut file)?;
+        file.flush()?;
         room = room.checked_sub(written).ok_or(ArchiveError::TooLarge)?;
     }
     Ok(())

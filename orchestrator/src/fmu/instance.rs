@@ -7,14 +7,16 @@ use std::time::Duration;
 
 use super::Library;
 use super::call::{Call, Status, Value};
-use super::library::{Callbacks, Component};
+use super::library::{Callbacks, Component, Functions};
 use super::logger::{Log, orchestrator_logger};
 use crate::task::{Column, Content};
 
 /// One instance. It may move between threads, but only one at a time may use it.
 #[derive(Debug)]
 pub struct Instance {
-    pub(super) library: Arc<Library>,
+    library: Arc<Library>,
+    /// The library's, close at hand.
+    pub(super) functions: Functions,
     pub(super) component: Component,
     // Both are known to the FMU by address: they must outlive the component.
     pub(super) log: Box<Log>,
@@ -67,6 +69,7 @@ impl Instance {
         }
         let mut instance = Self {
             library: Arc::clone(library),
+            functions: library.functions,
             component,
             log,
             _callbacks: callbacks,
@@ -84,7 +87,7 @@ impl Instance {
             .iter()
             .map(|name| c_string(name))
             .collect();
-        if let (Some(function), false) = (library.functions.set_debug_logging, names.is_empty()) {
+        if let (Some(function), false) = (self.functions.set_debug_logging, names.is_empty()) {
             let pointers: Vec<*const c_char> = names.iter().map(|name| name.as_ptr()).collect();
             // SAFETY: the array holds as many valid strings as stated. What it returns does not
             // matter: without it there are fewer messages.
@@ -137,7 +140,7 @@ impl Instance {
     ) -> Result<(), Call> {
         // SAFETY: the component is alive.
         let status = unsafe {
-            (self.library.functions.setup_experiment)(
+            (self.functions.setup_experiment)(
                 self.component,
                 c_int::from(tolerance.is_some()),
                 tolerance.unwrap_or(0.0),
@@ -155,10 +158,10 @@ impl Instance {
     /// When the FMU cannot be initialised.
     pub fn initialise(&mut self) -> Result<(), Call> {
         // SAFETY: the component is alive.
-        let status = unsafe { (self.library.functions.enter_initialization_mode)(self.component) };
+        let status = unsafe { (self.functions.enter_initialization_mode)(self.component) };
         self.check("fmi2EnterInitializationMode", status)?;
         // SAFETY: the component is alive.
-        let status = unsafe { (self.library.functions.exit_initialization_mode)(self.component) };
+        let status = unsafe { (self.functions.exit_initialization_mode)(self.component) };
         self.check("fmi2ExitInitializationMode", status)
     }
 
@@ -169,7 +172,7 @@ impl Instance {
     #[inline]
     pub fn step(&mut self, time: f64, step: f64) -> Result<(), Call> {
         // SAFETY: the component is alive.
-        let status = unsafe { (self.library.functions.do_step)(self.component, time, step, 1) };
+        let status = unsafe { (self.functions.do_step)(self.component, time, step, 1) };
         if status == 0 {
             return Ok(());
         }
@@ -194,7 +197,7 @@ impl Instance {
     /// The present status of a step that returned before it was done.
     fn pending_step(&mut self) -> Result<c_int, Call> {
         const DO_STEP_STATUS: c_int = 0;
-        let function = self.library.functions.get_status;
+        let function = self.functions.get_status;
         let function = function.ok_or_else(|| Self::missing("fmi2GetStatus"))?;
         let mut status: c_int = 0;
         // SAFETY: the component is alive, and the status is a valid place to write to.
@@ -207,14 +210,11 @@ impl Instance {
     fn wants_to_stop(&self) -> bool {
         const TERMINATED: c_int = 3;
         let mut terminated: c_int = 0;
-        self.library
-            .functions
-            .get_boolean_status
-            .is_some_and(|function| {
-                // SAFETY: the component is alive, and the flag is a valid place to write to.
-                unsafe { function(self.component, TERMINATED, &raw mut terminated) };
-                terminated != 0
-            })
+        self.functions.get_boolean_status.is_some_and(|function| {
+            // SAFETY: the component is alive, and the flag is a valid place to write to.
+            unsafe { function(self.component, TERMINATED, &raw mut terminated) };
+            terminated != 0
+        })
     }
 
     /// Reads real variables.
@@ -226,7 +226,7 @@ impl Instance {
         let count = references.len().min(into.len());
         // SAFETY: both arrays hold `count` elements.
         let status = unsafe {
-            let get = self.library.functions.get_real;
+            let get = self.functions.get_real;
             get(
                 self.component,
                 references.as_ptr(),
@@ -245,7 +245,7 @@ impl Instance {
         let mut value: c_int = 0;
         // SAFETY: both pointers are to one element.
         let status = unsafe {
-            let get = self.library.functions.get_integer;
+            let get = self.functions.get_integer;
             get(self.component, &raw const reference, 1, &raw mut value)
         };
         self.check("fmi2GetInteger", status)?;
@@ -260,7 +260,7 @@ impl Instance {
         let mut value: c_int = 0;
         // SAFETY: both pointers are to one element.
         let status = unsafe {
-            let get = self.library.functions.get_boolean;
+            let get = self.functions.get_boolean;
             get(self.component, &raw const reference, 1, &raw mut value)
         };
         self.check("fmi2GetBoolean", status)?;
@@ -272,7 +272,7 @@ impl Instance {
     /// # Errors
     /// When the FMU refuses.
     pub fn string(&mut self, reference: u32) -> Result<String, Call> {
-        let get = self.library.functions.get_string;
+        let get = self.functions.get_string;
         let get = get.ok_or_else(|| Self::missing("fmi2GetString"))?;
         let mut value: *const c_char = ptr::null();
         // SAFETY: both pointers are to one element.
@@ -315,7 +315,7 @@ impl Instance {
         }
         // SAFETY: both arrays hold `count` elements.
         let status = unsafe {
-            let set = self.library.functions.set_real;
+            let set = self.functions.set_real;
             set(self.component, references.as_ptr(), count, values.as_ptr())
         };
         self.check("fmi2SetReal", status)
@@ -326,7 +326,7 @@ impl Instance {
     /// # Errors
     /// When the FMU refuses.
     pub fn set(&mut self, reference: u32, value: &Value) -> Result<(), Call> {
-        let functions = self.library.functions;
+        let functions = self.functions;
         let (component, reference) = (self.component, &raw const reference);
         match value {
             Value::Real(value) => {
@@ -361,7 +361,7 @@ impl Instance {
     /// # Errors
     /// When the FMU cannot; then a new instance is needed.
     pub fn reset(&mut self) -> Result<(), Call> {
-        let reset = self.library.functions.reset;
+        let reset = self.functions.reset;
         let reset = reset.ok_or_else(|| Self::missing("fmi2Reset"))?;
         self.log.clear();
         // SAFETY: the component is alive.
@@ -371,7 +371,7 @@ impl Instance {
 
     /// Ends a simulation that was initialised. What the FMU returns no longer matters.
     pub fn terminate(&mut self) {
-        if let (Some(terminate), false) = (self.library.functions.terminate, self.dead) {
+        if let (Some(terminate), false) = (self.functions.terminate, self.dead) {
             // SAFETY: the component is alive.
             let status = unsafe { terminate(self.component) };
             self.dead |= Status::from(status) == Status::Fatal;
@@ -383,7 +383,7 @@ impl Drop for Instance {
     fn drop(&mut self) {
         if !self.dead {
             // SAFETY: the component is alive and never used again.
-            unsafe { (self.library.functions.free_instance)(self.component) };
+            unsafe { (self.functions.free_instance)(self.component) };
         }
     }
 }

@@ -189,7 +189,9 @@ impl Package {
         if let Some(folder) = self.archive.folder() {
             return Ok(folder.to_owned());
         }
-        if self.unpacked.is_none() {
+        // What was unpacked for workers may have been removed with their other files.
+        let there = |folder: &TempDir| folder.path().exists();
+        if !self.unpacked.as_ref().is_some_and(there) {
             let folder = self
                 .archive
                 .unpack(&self.description.model_identifier, parent)

@@ -20,7 +20,7 @@ unsafe impl Send for State {}
 impl Instance {
     /// Keeps the present state of the FMU; `None` where the FMU cannot.
     pub fn save(&mut self) -> Option<State> {
-        let functions = self.library.functions;
+        let functions = self.functions;
         let (get, _, free) = functions.states?;
         let mut state = ptr::null_mut();
         // SAFETY: the component is alive, and the state is a valid place to write to.
@@ -34,7 +34,7 @@ impl Instance {
     /// # Errors
     /// When the FMU cannot; then a new instance is needed.
     pub fn restore(&mut self, state: &State) -> Result<(), Call> {
-        let states = self.library.functions.states;
+        let states = self.functions.states;
         let (_, set, _) = states.ok_or_else(|| Self::missing("fmi2SetFMUstate"))?;
         self.log.clear();
         // SAFETY: the component is alive, and the state is one of its own.

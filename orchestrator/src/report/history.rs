@@ -10,20 +10,23 @@ pub const FILE: &str = "best-point.csv";
 /// Reads the trajectory of a folder: a signal a variable, with the accepted range of the criterion.
 /// Nothing where there is no such file or it does not fit.
 pub fn read(folder: &Path, table: &PointTable) -> Vec<Series> {
-    let Ok(mut reader) = csv::Reader::from_path(folder.join(FILE)) else {
+    let Ok(text) = std::fs::read_to_string(folder.join(FILE)) else {
         return vec![];
     };
-    let Ok(header) = reader.headers().cloned() else {
-        return vec![];
-    };
+    let mut lines = text.lines();
+    let header: Vec<&str> = lines.next().unwrap_or("").split(',').collect();
     let mut columns = vec![Vec::new(); header.len()];
-    for record in reader.records() {
-        let Ok(record) = record else { return vec![] };
-        for (column, cell) in columns.iter_mut().zip(&record) {
+    for line in lines {
+        let mut cells = line.split(',');
+        for (column, cell) in columns.iter_mut().zip(cells.by_ref()) {
             column.push(cell.parse().unwrap_or(f64::NAN));
         }
+        let last = columns.last().map_or(0, Vec::len);
+        if last != columns[0].len() || cells.next().is_some() {
+            return vec![];
+        }
     }
-    let mut columns = header.iter().zip(columns);
+    let mut columns = header.into_iter().zip(columns);
     let Some((_, time)) = columns.next() else {
         return vec![];
     };

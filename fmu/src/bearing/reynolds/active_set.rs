@@ -5,16 +5,22 @@ use nalgebra::Vector2;
 use super::balance::{Balance, Stage};
 use super::cells::Cells;
 use super::field::Field;
+use super::lanes::largest;
 
 /// Moves cells into and out of the set of full ones, and counts how often each has moved.
 #[derive(Clone, Debug)]
 pub(super) struct ActiveSet {
     moves: Vec<u8>,
+    /// Whether a cell should have changed sides last, and was not let.
+    held: bool,
 }
 
 /// A share of the clearance that is lost in rounding: less inflow or suction than makes this much in a stage
 /// does not move a cell into or out of the set.
 const ROUNDING: f64 = 1e-13;
+
+/// What a cell on the brink of rupture may miss, as a share of the largest pressure or of the gap.
+const BRINK: f64 = 1e-6;
 
 /// A cell changes sides at most this often in a stage.
 const MOVES: u8 = 6;
@@ -23,6 +29,7 @@ impl ActiveSet {
     pub(super) fn new(cells: usize) -> Self {
         Self {
             moves: vec![0; cells],
+            held: false,
         }
     }
 
@@ -33,6 +40,7 @@ impl ActiveSet {
 
     /// Moves cells by what they hold, after their unknowns have changed; the number of cells that moved.
     pub(super) fn settle(&mut self, cells: &Cells, field: &mut Field, stage: &Stage<'_>) -> usize {
+        self.held = false;
         let conserving = cells.conserves_mass();
         let tension = if conserving {
             -ROUNDING / stage.duration
@@ -58,14 +66,28 @@ impl ActiveSet {
             } else {
                 field.content[cell] > over
             };
-            if crosses && self.may_move(cell) {
+            if !crosses {
+                continue;
+            }
+            if self.may_move(cell) {
                 field.full[cell] = !full;
                 moved += 1;
                 field.content[cell] = 1.0;
                 field.pressure[cell] = 0.0;
+            } else {
+                self.held = true;
             }
         }
         moved
+    }
+
+    /// Whether a cell that was held back is under a tension, or over its brim, that is more than a brink's.
+    pub(super) fn is_forced(&self, field: &Field) -> bool {
+        if !self.held {
+            return false;
+        }
+        let tension = -BRINK * largest(&field.pressure);
+        field.pressure.iter().any(|&p| p < tension) || largest(&field.content) > 1.0 + BRINK
     }
 
     /// Fills the cells of a film without conserved mass into which more oil flows than the closing gap wants; the

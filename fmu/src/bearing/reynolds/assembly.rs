@@ -5,7 +5,6 @@ use super::cells::Cells;
 use super::field::Field;
 use super::gap::Gap;
 use super::linear::Linear;
-use super::liquid::Liquid;
 
 impl Linear {
     /// Fills the matrix.
@@ -13,7 +12,6 @@ impl Linear {
         &mut self,
         cells: &Cells,
         gap: &Gap,
-        liquid: &Liquid,
         balance: &Balance,
         stage: &Stage<'_>,
     ) {
@@ -42,10 +40,10 @@ impl Linear {
                 carried,
             );
             let [full, empty] = [&self.full, &self.empty].map(|of| &of[own.clone()]);
-            choose(diagonal, full, empty, [held, &liquid.density[own.clone()]]);
+            choose(diagonal, full, empty, [held, &self.swell[own.clone()]]);
 
             let through = [along[1], carried[1]];
-            let kind = [&self.full, &self.empty, &liquid.density];
+            let kind = [&self.full, &self.swell];
             let from = kind.map(|of| &of[own.clone()]);
             let row = &self.balanced[after.clone()];
             couple::<true>(&mut self.ring.before[after.clone()], row, from, through);
@@ -130,7 +128,7 @@ fn leak(diagonal: &mut [f64], along: [&[f64]; 2], across: [&[f64]; 2], open: &[f
     }
 }
 
-/// What content is stored and carried out of a cell.
+/// What is stored and carried out of a cell as its oil grows.
 fn hold(held: &mut [f64], rate: f64, area: &[f64], gap: &[f64], carried: [&[f64]; 2]) {
     let n = held.len();
     let (area, gap, carried) = (&area[..n], &gap[..n], carried.map(|c| &c[..n]));
@@ -140,31 +138,30 @@ fn hold(held: &mut [f64], rate: f64, area: &[f64], gap: &[f64], carried: [&[f64]
     }
 }
 
-/// The diagonal by the cell's unknown; one where it has none.
+/// The diagonal by what the cell's unknown does; one where it has none.
 fn choose(diagonal: &mut [f64], full: &[f64], empty: &[f64], held: [&[f64]; 2]) {
     let n = diagonal.len();
     let (full, empty, held) = (&full[..n], &empty[..n], held.map(|h| &h[..n]));
     for k in 0..n {
         let idle = 1.0 - (full[k] + empty[k]);
-        diagonal[k] = full[k] * diagonal[k] + empty[k] * held[0][k] * held[1][k] + idle;
+        diagonal[k] = full[k] * diagonal[k] + held[0][k] * held[1][k] + idle;
     }
 }
 
-/// What comes from a neighbouring column, the one before or the one after: by pressure from a full cell, by the
-/// rotation from another.
+/// What comes from a neighbouring column, the one before or the one after: by its pressure, and by the rotation as its
+/// oil grows.
 fn couple<const BEFORE: bool>(
     coupling: &mut [f64],
     balanced: &[f64],
-    from: [&[f64]; 3],
+    from: [&[f64]; 2],
     through: [&[f64]; 2],
 ) {
     let n = coupling.len();
-    let ([full, empty, density], [along, carried]) =
-        (from.map(|f| &f[..n]), through.map(|t| &t[..n]));
+    let ([full, swell], [along, carried]) = (from.map(|f| &f[..n]), through.map(|t| &t[..n]));
     let balanced = &balanced[..n];
     for k in 0..n {
         let carried = positive(if BEFORE { carried[k] } else { -carried[k] });
-        coupling[k] = -balanced[k] * (full[k] * along[k] + empty[k] * density[k] * carried);
+        coupling[k] = -balanced[k] * (full[k] * along[k] + swell[k] * carried);
     }
 }
 

@@ -54,7 +54,7 @@ pub(super) struct Balance {
     /// Mass in each cell.
     pub(super) mass: Vec<f64>,
     /// Flux over the edge before each cell, in the sense of rotation.
-    around: Vec<f64>,
+    pub(super) around: Vec<f64>,
     /// Flux from the row below into each cell; with one more at the end, zero.
     over: Vec<f64>,
     /// Flux out through the open ends.
@@ -91,6 +91,9 @@ impl Balance {
     ) {
         self.weigh(gap, liquid, field);
         self.flow_around(cells, gap, liquid, field, stage);
+        if liquid.compressible {
+            self.centre(cells, liquid, field);
+        }
         self.flow_over(cells, gap, liquid, field, stage);
         self.miss(cells, stage);
     }

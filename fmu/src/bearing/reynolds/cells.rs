@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
+use super::block::LANES;
 use super::gap::Directions;
 use super::grid::Grid;
-use super::ring::LANES;
 
 /// What happens to oil where the film ruptures.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]

@@ -3,6 +3,7 @@
 use nalgebra::Vector2;
 
 use super::balance::Stage;
+use super::compression;
 use super::film::ReynoldsFilm;
 use super::lanes::{dot, largest, sum_of};
 use super::linear::load;
@@ -86,6 +87,8 @@ struct Sums {
     loss: f64,
     /// What the bath's pressure spends on oil coming in, less what it takes up.
     bath: f64,
+    /// What the oil's compression stores.
+    stored: f64,
     max_pressure: f64,
 }
 
@@ -105,14 +108,17 @@ pub(super) fn diagnose(film: &ReynoldsFilm, stage: &Stage<'_>, drive: &Drive) ->
     let bush_torque = shear - moment * (0.5 * (sums.rise - sums.rough) - sums.form[1]);
     let velocity = film.state.velocity;
     let heat = shear * sliding + moment * sums.loss;
+    let stored = moment * sums.stored;
     let works = [
         journal_torque * drive.journal_speed,
         -bush_torque * drive.bush_speed,
         moment * sums.load.dot(&velocity),
         moment * sums.bath,
     ];
-    // A film that next to nothing moves is judged by what moving it a millionth of the clearance takes.
-    let still = moment * (1e-6 / stage.duration).powi(2);
+    // A film that next to nothing moves is judged by what moving it a millionth of the clearance takes, and a billionth
+    // of what the bath could spend on flowing through it.
+    let bath = film.balance.open.iter().sum::<f64>() * stage.side.powi(2);
+    let still = moment * ((1e-6 / stage.duration).powi(2) + 1e-9 * bath);
     let through = works.iter().map(|work| work.abs()).sum::<f64>() + heat.abs() + still;
     let flow = film.balance.end_flow();
     let volume = settings.clearance * radius * settings.width;
@@ -129,7 +135,7 @@ pub(super) fn diagnose(film: &ReynoldsFilm, stage: &Stage<'_>, drive: &Drive) ->
         outflow: flow.out * volume,
         inflow: flow.into * volume,
         heat,
-        energy_error: (works.iter().sum::<f64>() - heat).abs() / through,
+        energy_error: (works.iter().sum::<f64>() - heat - stored).abs() / through,
         ..Diagnostics::default()
     }
 }
@@ -138,20 +144,14 @@ pub(super) fn diagnose(film: &ReynoldsFilm, stage: &Stage<'_>, drive: &Drive) ->
 fn sum(film: &ReynoldsFilm, stage: &Stage<'_>, drive: &Drive) -> Sums {
     let (cells, gap, balance) = (&film.cells, &film.gap, &film.balance);
     let field = &film.state.field;
-    let profile = &film.settings.profile;
     let mut sums = Sums {
         load: load(cells, gap, &field.pressure).force,
         max_pressure: largest(&field.pressure),
         ..Sums::default()
     };
     for (i, range) in cells.columns() {
-        let mean = cells.directions.mean[i];
-        // How fast turning the journal, or the bush, by an angle opens the gap here.
-        let opening = profile
-            .opening_rates(cells.grid.theta_centre(i), film.state.angles)
-            .map(|rate| rate / film.settings.clearance);
-        let turning = opening[0] * drive.journal_speed + opening[1] * drive.bush_speed;
-        let squeeze = film.state.velocity.dot(&mean) - turning;
+        let opening = opening(film, i);
+        let squeeze = squeeze(film, drive, i);
         let pressed = dot(&gap.pressed[range.clone()], &field.pressure[range.clone()]);
         sums.form[0] += opening[0] * pressed;
         sums.form[1] += opening[1] * pressed;
@@ -190,7 +190,25 @@ fn sum(film: &ReynoldsFilm, stage: &Stage<'_>, drive: &Drive) -> Sums {
         .sum();
     sums.loss += pressed - open * stage.side;
     sums.bath = -open * stage.side;
+    if film.settings.is_compressible() {
+        let powers = compression::powers(film, stage, |column| squeeze(film, drive, column));
+        (sums.loss, sums.stored, sums.bath) = (powers.loss, powers.stored, powers.bath);
+    }
     sums
+}
+
+/// How fast turning the journal, or the bush, by an angle opens the gap in a column.
+fn opening(film: &ReynoldsFilm, column: usize) -> [f64; 2] {
+    (film.settings.profile)
+        .opening_rates(film.cells.grid.theta_centre(column), film.state.angles)
+        .map(|rate| rate / film.settings.clearance)
+}
+
+/// How fast the surfaces approach in a column.
+fn squeeze(film: &ReynoldsFilm, drive: &Drive, column: usize) -> f64 {
+    let opening = opening(film, column);
+    let turning = opening[0] * drive.journal_speed + opening[1] * drive.bush_speed;
+    film.state.velocity.dot(&film.cells.directions.mean[column]) - turning
 }
 
 /// Integral of content over viscous gap, where the surfaces do not touch.

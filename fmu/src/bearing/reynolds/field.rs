@@ -51,6 +51,8 @@ pub(super) struct State {
     /// The internal step that the error control expects to fit, s.
     pub(super) step: Option<f64>,
     pub(super) field: Field,
+    /// What a pressure of one in the field stands for, Pa.
+    pub(super) unit: f64,
 }
 
 impl State {
@@ -62,6 +64,7 @@ impl State {
             angles: [0.0; 2],
             step: None,
             field: Field::flooded(cells),
+            unit: 0.0,
         }
     }
 
@@ -72,5 +75,6 @@ impl State {
         self.angles = other.angles;
         self.step = other.step;
         self.field.copy_from(&other.field);
+        self.unit = other.unit;
     }
 }

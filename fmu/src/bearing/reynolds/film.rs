@@ -7,7 +7,7 @@ use super::active_set::ActiveSet;
 use super::balance::Balance;
 use super::cells::Cells;
 use super::diagnostics::Diagnostics;
-use super::field::State;
+use super::field::{Field, State};
 use super::gap::{Form, Gap};
 use super::grid::Grid;
 use super::linear::Linear;
@@ -39,6 +39,8 @@ pub struct ReynoldsFilm {
     pub(super) launch: Vec<f64>,
     /// The state before the present internal step.
     pub(super) kept: State,
+    /// The field before a change that is tried.
+    pub(super) trial: Field,
     /// The state before the present interval.
     before: State,
 }
@@ -101,6 +103,7 @@ impl ReynoldsFilm {
         let mut film = Self {
             kept: state.clone(),
             before: state.clone(),
+            trial: state.field.clone(),
             state,
             form,
             gap: Gap::new(&cells),
@@ -313,6 +316,8 @@ impl ReynoldsFilm {
         self.linear.discard();
         self.shape();
         self.move_to(self.state.eps);
+        self.liquid
+            .compress(&self.settings, &self.state.field, self.state.unit);
         self.balance
             .weigh(&self.gap, &self.liquid, &self.state.field);
     }

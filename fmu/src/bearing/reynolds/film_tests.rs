@@ -1,9 +1,6 @@
 //! Tests of the transient film as a whole.
 
 use nalgebra::Vector2;
-use proptest::prelude::*;
-use proptest::test_runner::TestRunner;
-use std::cell::Cell;
 
 use super::*;
 use crate::bearing::mobility::{MobilityMap, SliceFamily};
@@ -165,93 +162,4 @@ fn asperities_cell_by_cell_agree_with_the_aligned_journal_s() {
     let normal = table.at(b.norm()).normal;
     assert!((report.contact_normal / normal - 1.0).abs() < 0.02);
     assert!(report.film_load.x < 700.0);
-}
-
-/// A bearing and a few intervals of its life, within ordinary engineering bounds.
-#[derive(Clone, Debug)]
-struct Life {
-    settings: FilmSettings,
-    viscosity: f64,
-    /// Specific load (Pa), its direction (rad), speeds of journal and bush (rad/s), duration (s).
-    intervals: Vec<[f64; 5]>,
-}
-
-fn lives() -> impl Strategy<Value = Life> {
-    let bearing = (-2.0..-0.6, 0.2..1.6, -3.7..-2.4, 0..2_u8, 0.0..6.0);
-    let speed = || prop_oneof![1 => Just(0.0), 4 => -300.0..300.0];
-    let load = prop_oneof![1 => Just(0.0), 4 => (3.0..7.0).prop_map(|p| 10_f64.powf(p))];
-    let interval = (load, -3.2..3.2, speed(), speed(), -5.0..-1.0)
-        .prop_map(|(p, a, j, b, t)| [p, a, j, b, 10_f64.powf(t)]);
-    let intervals = prop::collection::vec(interval, 1..4);
-    (bearing, -2.5..-0.5, intervals).prop_map(|((d, w, c, kind, side), eta, intervals)| {
-        let diameter = 10_f64.powf(d);
-        let settings = FilmSettings {
-            cells: [32, 3],
-            side_pressure: if side < 2.0 { 0.0 } else { 10_f64.powf(side) },
-            cavitation: [Cavitation::NonNegative, Cavitation::MassConserving][usize::from(kind)],
-            ..FilmSettings::new(diameter * w, diameter, diameter * 10_f64.powf(c))
-        };
-        Life {
-            settings,
-            viscosity: 10_f64.powf(eta),
-            intervals,
-        }
-    })
-}
-
-/// Lives a life; `given_up` counts those that end early because a starved film finds no solution.
-fn live(life: &Life, given_up: &Cell<u32>) -> Result<(), TestCaseError> {
-    let mut film = ReynoldsFilm::new(life.settings.clone()).unwrap();
-    let mut load_before = Vector2::zeros();
-    for &[pressure, angle, journal_speed, bush_speed, duration] in &life.intervals {
-        let force = pressure * life.settings.width * life.settings.diameter;
-        let load_after = Vector2::new(angle.cos(), angle.sin()) * force;
-        let drive = Drive {
-            load_before,
-            load_after,
-            journal_speed,
-            bush_speed,
-            viscosity: life.viscosity,
-        };
-        load_before = load_after;
-        let before = film.eccentricity();
-        let report = match film.advance(duration, &drive, &smooth) {
-            Ok(report) => report,
-            Err(FilmError::NotConverged { .. }) if life.is_starved() => {
-                // It is as before, and says so.
-                prop_assert_eq!(film.eccentricity(), before);
-                given_up.set(given_up.get() + 1);
-                return Ok(());
-            }
-            Err(error) => return Err(TestCaseError::fail(error.to_string())),
-        };
-        prop_assert!(film.eccentricity().norm() < 1.0);
-        prop_assert!(report.journal_torque.is_finite() && report.bush_torque.is_finite());
-        prop_assert!(report.max_pressure.is_finite() && report.heat.is_finite());
-        prop_assert!(report.energy_error < 1e-3, "energy {}", report.energy_error);
-    }
-    Ok(())
-}
-
-impl Life {
-    /// Whether hardly anything presses oil back into the film.
-    fn is_starved(&self) -> bool {
-        self.settings.cavitation == Cavitation::MassConserving && self.settings.side_pressure < 1e3
-    }
-}
-
-#[test]
-fn ten_thousand_lives_are_survived() {
-    let given_up = Cell::new(0);
-    let mut runner = TestRunner::new(ProptestConfig {
-        cases: 10_000,
-        failure_persistence: None,
-        ..ProptestConfig::default()
-    });
-    runner
-        .run(&lives(), |life| live(&life, &given_up))
-        .unwrap_or_else(|failure| panic!("{failure}"));
-    println!("{} of 10,000 gave up", given_up.get());
-    // `docs/film.md`, limits: a few in 10,000.
-    assert!(given_up.get() <= 20, "{} gave up", given_up.get());
 }

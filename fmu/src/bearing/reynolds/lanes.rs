@@ -1,6 +1,6 @@
 //! Sums over cells that the compiler can keep in vector registers, in an order that no machine changes.
 
-use super::ring::LANES;
+use super::block::LANES;
 
 fn total(sum: [f64; LANES]) -> f64 {
     ((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7]))

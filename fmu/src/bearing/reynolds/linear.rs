@@ -19,6 +19,8 @@ pub(super) struct Linear {
     pub(super) full: Vec<f64>,
     /// One for cells whose unknown is the content.
     pub(super) empty: Vec<f64>,
+    /// How the oil in a full gap grows with the cell's unknown: by the density or its slope.
+    pub(super) swell: Vec<f64>,
     /// One for cells whose balance is to be met.
     pub(super) balanced: Vec<f64>,
     /// The unknowns' answer to the present residuals.
@@ -41,6 +43,7 @@ impl Linear {
             ring: Ring::new(cells.grid.columns(), cells.stride),
             full: zeros(),
             empty: zeros(),
+            swell: zeros(),
             balanced: zeros(),
             step: zeros(),
             answer: [zeros(), zeros()],
@@ -71,8 +74,11 @@ impl Linear {
         balance: &Balance,
         stage: &Stage<'_>,
     ) {
-        self.sort(cells, field);
-        self.assemble(cells, gap, liquid, balance, stage);
+        self.sort(cells, liquid, field);
+        self.assemble(cells, gap, balance, stage);
+        if liquid.compressible {
+            self.centre(cells, liquid, field, balance);
+        }
         let cut = self.cut(cells);
         self.ring.factorise(cut);
         self.slide(cells, gap, field, balance, stage);
@@ -120,6 +126,14 @@ impl Linear {
         }
     }
 
+    /// Moves the unknowns by a share of the answer to the residuals.
+    pub(super) fn approach(&self, share: f64, field: &mut Field) {
+        for (c, step) in self.step.iter().enumerate() {
+            field.pressure[c] -= share * self.full[c] * step;
+            field.content[c] -= share * self.empty[c] * step;
+        }
+    }
+
     /// The size of the residuals that are to vanish.
     pub(super) fn imbalance(&self, balance: &Balance) -> f64 {
         balance.imbalance(&self.balanced)
@@ -145,7 +159,7 @@ impl Linear {
     }
 
     /// Sorts the cells by their unknowns.
-    fn sort(&mut self, cells: &Cells, field: &Field) {
+    fn sort(&mut self, cells: &Cells, liquid: &Liquid, field: &Field) {
         let conserving = cells.conserves_mass();
         for (c, &full) in field.full.iter().enumerate() {
             let real = cells.area[c] > 0.0;
@@ -153,8 +167,18 @@ impl Linear {
             self.empty[c] = f64::from(!full && conserving && real);
             self.balanced[c] = self.full[c] + self.empty[c];
         }
+        self.swell(liquid);
         for (i, range) in cells.columns() {
             self.ring.active[i] = conserving || field.full[range].contains(&true);
+        }
+    }
+
+    fn swell(&mut self, liquid: &Liquid) {
+        let n = self.full.len();
+        let (full, empty, swell) = (&self.full[..n], &self.empty[..n], &mut self.swell[..n]);
+        let (density, swelling) = (&liquid.density[..n], &liquid.swelling[..n]);
+        for c in 0..n {
+            swell[c] = full[c] * swelling[c] + empty[c] * density[c];
         }
     }
 

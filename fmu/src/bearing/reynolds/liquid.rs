@@ -12,11 +12,15 @@ pub(super) struct Liquid {
     pub(super) fluidity: Vec<f64>,
     /// Density.
     pub(super) density: Vec<f64>,
+    /// Its slope over the cells' pressure, s.
+    pub(super) swelling: Vec<f64>,
     /// Mass that flows under a pressure gradient at `H = 1`: density times fluidity, times the flow factor of rough
     /// surfaces.
     pub(super) ease: Vec<f64>,
-    /// Whether all of them are one.
+    /// Whether `ease` is one everywhere.
     pub(super) uniform: bool,
+    /// Whether the density depends on the pressure.
+    pub(super) compressible: bool,
 }
 
 impl Liquid {
@@ -25,8 +29,10 @@ impl Liquid {
         Self {
             fluidity: ones(),
             density: ones(),
+            swelling: vec![0.0; cells],
             ease: ones(),
             uniform: true,
+            compressible: false,
         }
     }
 
@@ -39,11 +45,12 @@ impl Liquid {
         drive: &Drive,
     ) -> bool {
         let factors = settings.flow_factors().is_some();
-        if settings.rheology.is_newtonian() && !factors {
+        let to_pascal = settings.pressure_scale(drive.viscosity);
+        self.compress(settings, field, to_pascal);
+        if settings.rheology.is_newtonian() && !factors && !settings.is_compressible() {
             return true;
         }
         self.uniform = false;
-        let to_pascal = settings.pressure_scale(drive.viscosity);
         let psi = settings.clearance / (0.5 * settings.diameter);
         let sliding = (drive.journal_speed - drive.bush_speed).abs() / psi;
         let mut largest: f64 = 0.0;
@@ -62,5 +69,18 @@ impl Liquid {
             self.ease[cell] = now * self.density[cell] * factor;
         }
         largest < 1e-9
+    }
+
+    /// Updates the density to pressures of so many pascals a unit.
+    pub(super) fn compress(&mut self, settings: &FilmSettings, field: &Field, to_pascal: f64) {
+        if !settings.is_compressible() {
+            return;
+        }
+        self.compressible = true;
+        let of = self.density.iter_mut().zip(&mut self.swelling);
+        for ((density, swelling), pressure) in of.zip(&field.pressure) {
+            let [ratio, slope] = settings.rheology.density.ratio(pressure * to_pascal);
+            (*density, *swelling) = (ratio, slope * to_pascal);
+        }
     }
 }

@@ -25,12 +25,16 @@ mod active_set;
 mod asperities;
 mod assembly;
 mod balance;
+mod block;
 mod cells;
+mod centring;
+mod compression;
 mod diagnostics;
 mod field;
 mod film;
 mod gap;
 mod grid;
+mod landing;
 mod lanes;
 mod linear;
 mod liquid;
@@ -43,9 +47,14 @@ mod settings;
 mod skyline;
 mod step;
 mod support;
+mod way;
 
 #[cfg(test)]
+mod compression_tests;
+#[cfg(test)]
 mod film_tests;
+#[cfg(test)]
+mod life_tests;
 #[cfg(test)]
 mod quasi_static_tests;
 #[cfg(test)]
@@ -57,6 +66,6 @@ pub use diagnostics::Diagnostics;
 pub use film::ReynoldsFilm;
 pub use grid::Grid;
 pub use quasi_static::{Boundary, Carried, NotConverged, QuasiStatic};
-pub use rheology::{PressureViscosity, Rheology, ShearThinning};
+pub use rheology::{DensityLaw, PressureViscosity, Rheology, ShearThinning};
 pub use roughness::{RoughFilm, pressure_flow_factor, shear_flow_factor};
 pub use settings::{Drive, FilmError, FilmSettings};

@@ -133,11 +133,15 @@ impl ReynoldsFilm {
             let flow = self.flow(stage);
             let imbalance = self.linear.imbalance(&self.balance) / flow;
             let rounding = || LAST_PLACES * f64::EPSILON * self.turnover(stage) / flow;
-            let carries = |inverse: Matrix2<f64>| {
-                steady && (missing.norm() <= CARRIED * size || (inverse * missing).norm() <= SLIGHT)
-            };
+            let carries =
+                |inverse: Matrix2<f64>| steady && Self::carries(missing, size, inverse * missing);
             match path.judge(self.linear.serves(stage.duration), imbalance, rounding) {
-                Next::Rest if self.inverse(&support).is_some_and(carries) => return Ok(eps),
+                Next::Rest if self.inverse(&support).is_some_and(carries) => {
+                    // A pull that no film has may look like a balance.
+                    let forced =
+                        self.cells.conserves_mass() && self.active_set.is_forced(&self.state.field);
+                    return if forced { Err(NoSolution) } else { Ok(eps) };
+                }
                 Next::Renew => self.linearise(stage),
                 Next::Rest | Next::Reuse => self.linear.reuse(&self.balance),
             }
@@ -155,6 +159,19 @@ impl ReynoldsFilm {
             path.cut_short = share < 1.0;
         }
         Err(NoSolution)
+    }
+
+    /// Whether the forces balance; `change` is how the journal would answer to what misses.
+    pub(super) fn carries(missing: Vector2<f64>, size: f64, change: Vector2<f64>) -> bool {
+        missing.norm() <= CARRIED * size || change.norm() <= SLIGHT
+    }
+
+    /// Whether the cells' balances miss no more than allowed, or, if the residuals do not get smaller any more, than
+    /// rounding does.
+    pub(super) fn is_balanced(&self, stage: &Stage<'_>, imbalance: f64, stays: bool) -> bool {
+        let flow = self.flow(stage);
+        let rounding = LAST_PLACES * f64::EPSILON * self.turnover(stage);
+        imbalance <= BALANCED * flow || (stays && imbalance <= rounding.max(ROUNDED * flow))
     }
 
     /// How the journal answers to a force.
@@ -190,7 +207,7 @@ impl ReynoldsFilm {
     }
 
     /// Computes properties and balance at the present gap and field; true when the properties have come to rest.
-    fn update_balance(&mut self, stage: &Stage<'_>, drive: &Drive) -> bool {
+    pub(super) fn update_balance(&mut self, stage: &Stage<'_>, drive: &Drive) -> bool {
         let field = &self.state.field;
         let steady = self.liquid.update(&self.settings, &self.gap, field, drive);
         self.balance
@@ -219,7 +236,7 @@ impl ReynoldsFilm {
         taken
     }
 
-    fn linearise(&mut self, stage: &Stage<'_>) {
+    pub(super) fn linearise(&mut self, stage: &Stage<'_>) {
         self.linear.renew(
             &self.cells,
             &self.gap,

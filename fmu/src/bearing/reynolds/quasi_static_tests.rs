@@ -1,21 +1,13 @@
 //! Tests of the quasi-static film.
 
+#[path = "../../../tests/raimondi_boyd/mod.rs"]
+mod raimondi_boyd;
+
 use nalgebra::Vector2;
+use raimondi_boyd::RAIMONDI_BOYD;
 
 use super::{Boundary, Grid, QuasiStatic};
 use std::f64::consts::PI;
-
-/// Raimondi and Boyd (1958), full bearing, L/D = 1: eccentricity ratio, S, attitude angle
-/// (deg), (R/c) f.
-const RAIMONDI_BOYD: [[f64; 4]; 7] = [
-    [0.1, 1.33, 79.5, 26.4],
-    [0.2, 0.631, 74.0, 12.8],
-    [0.4, 0.264, 63.1, 5.79],
-    [0.6, 0.121, 50.6, 3.22],
-    [0.8, 0.0446, 36.2, 1.70],
-    [0.9, 0.0188, 26.5, 1.05],
-    [0.97, 0.00474, 15.5, 0.514],
-];
 
 /// Sommerfeld number S, attitude angle and (R/c) f of a journal at rest under a steady load.
 fn steady(grid: Grid, e: f64, width: f64, boundary: Boundary) -> [f64; 3] {

@@ -1,4 +1,4 @@
-//! Viscosity of the oil in the film's cells: over pressure and over shear rate.
+//! Viscosity and density of the oil in the film's cells: over pressure and over shear rate.
 
 use serde::{Deserialize, Serialize};
 
@@ -47,13 +47,43 @@ pub enum ShearThinning {
     },
 }
 
-/// The oil's viscosity laws.
+/// How density rises with pressure.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum DensityLaw {
+    /// Not at all.
+    #[default]
+    Constant,
+    /// Dowson & Higginson (1966, Elasto-hydrodynamic Lubrication), for mineral oils:
+    /// `rho/rho0 = 1 + 0.6 p/(1 + 1.7 p)`, p in GPa.
+    DowsonHigginson,
+}
+
+impl DensityLaw {
+    /// Density over that at ambient pressure, and its slope (1/Pa), at a pressure above ambient (Pa).
+    pub fn ratio(self, pressure: f64) -> [f64; 2] {
+        match self {
+            Self::Constant => [1.0, 0.0],
+            Self::DowsonHigginson => {
+                const RISE: f64 = 0.6e-9;
+                const LIMIT: f64 = 1.7e-9;
+                // The law is not meant for tension.
+                let pressure = pressure.max(0.0);
+                let base = 1.0 + LIMIT * pressure;
+                [1.0 + RISE * pressure / base, RISE / (base * base)]
+            }
+        }
+    }
+}
+
+/// The oil's laws over pressure and shear rate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Rheology {
-    /// Over pressure.
+    /// Viscosity over pressure.
     pub pressure: PressureViscosity,
-    /// Over the shear rate.
+    /// Viscosity over the shear rate.
     pub shear: ShearThinning,
+    /// Density over pressure.
+    pub density: DensityLaw,
 }
 
 /// The exponent of a pressure law is not taken beyond this: the laws are not meant for more.
@@ -62,7 +92,7 @@ const LARGEST_EXPONENT: f64 = 5.0;
 impl Rheology {
     /// Whether the viscosity is the same everywhere.
     pub fn is_newtonian(&self) -> bool {
-        *self == Self::default()
+        self.pressure == PressureViscosity::None && self.shear == ShearThinning::None
     }
 
     /// Viscosity over the oil's viscosity `eta0` (Pa.s) at ambient pressure and low shear, at a
@@ -117,6 +147,19 @@ mod tests {
             of(PressureViscosity::Roelands { alpha }).ratio(eta0, high, 0.0)
                 < of(PressureViscosity::Barus { alpha }).ratio(eta0, high, 0.0)
         );
+    }
+
+    /// Dowson and Higginson's law, its limits, and a slope that is its derivative.
+    #[test]
+    fn density_rises_as_published() {
+        let law = DensityLaw::DowsonHigginson;
+        assert_eq!(law.ratio(0.0), [1.0, 0.6e-9]);
+        assert!((law.ratio(1e9)[0] - (1.0 + 0.6 / 2.7)).abs() < 1e-12);
+        assert!((law.ratio(1e15)[0] - (1.0 + 0.6 / 1.7)).abs() < 1e-5);
+        let (p, d) = (3e8, 1e3);
+        let slope = (law.ratio(p + d)[0] - law.ratio(p - d)[0]) / (2.0 * d);
+        assert!((slope / law.ratio(p)[1] - 1.0).abs() < 1e-6);
+        assert_eq!(DensityLaw::Constant.ratio(1e9), [1.0, 0.0]);
     }
 
     #[test]

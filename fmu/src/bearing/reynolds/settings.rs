@@ -7,7 +7,7 @@ use thiserror::Error;
 use super::asperities::Asperities;
 use super::cells::Cavitation;
 use super::grid::Grid;
-use super::rheology::Rheology;
+use super::rheology::{DensityLaw, Rheology};
 use super::roughness::RoughFilm;
 use crate::bearing::profile::Profile;
 
@@ -29,7 +29,7 @@ pub struct FilmSettings {
     pub cells: [usize; 2],
     /// Largest error of the eccentricity ratio in one internal step, as a share of the smallest gap.
     pub tolerance: f64,
-    /// The oil's viscosity laws.
+    /// The oil's laws over pressure and shear rate.
     pub rheology: Rheology,
     /// Radial deviations of bush and journal.
     pub profile: Profile,
@@ -97,6 +97,11 @@ impl FilmSettings {
             (None, _) | (_, RoughFilm::Nominal) => 0.0,
             (Some(Asperities(surface)), _) => surface.roughness / self.clearance,
         }
+    }
+
+    /// Whether the oil's density depends on its pressure.
+    pub(super) fn is_compressible(&self) -> bool {
+        self.rheology.density != DensityLaw::Constant
     }
 
     /// Whether the film has flow factors: the journal's share of the roughness' variance.

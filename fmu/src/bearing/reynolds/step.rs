@@ -62,6 +62,7 @@ impl ReynoldsFilm {
 
         self.state.velocity = (end - task.start) / first;
         self.state.eps = end;
+        self.state.unit = self.settings.pressure_scale(drive.viscosity);
         // A gap finer than what the grid resolves is not worth finer steps.
         let gap = self.gap.smallest.max(self.resolved_gap());
         let error = (end - straight).norm() / (self.settings.tolerance * gap);
@@ -99,7 +100,9 @@ impl ReynoldsFilm {
     ) -> Result<Vector2<f64>, NoSolution> {
         let mass = std::mem::take(buffer(self));
         let stage = self.stage_over(duration, &mass, task.drive);
-        let result = self.settle(&stage, task);
+        let result = self
+            .settle(&stage, task)
+            .or_else(|NoSolution| self.land(&stage, task));
         *buffer(self) = mass;
         result
     }

@@ -103,6 +103,14 @@ impl ReynoldsFilm {
         let beyond = |gap: f64, power: f64| gap.powf(power) - (gap + variation).powf(power);
         let carried = factor * (beyond(gap, -1.5) - beyond(farthest, -1.5));
         let slope = carried / motion.duration + closing * 1.5 * factor * beyond(gap, -2.5);
-        (n * (carried * closing), n * n.transpose() * slope)
+        // The direction turns with the eccentricity.
+        let along = n * n.transpose();
+        let aside = (eps - motion.start) / motion.duration;
+        let aside = (aside - n * aside.dot(&n)) * (carried / e);
+        let turning = (Matrix2::identity() - along) * (carried * closing / e);
+        (
+            n * (carried * closing),
+            along * slope + n * aside.transpose() + turning,
+        )
     }
 }
