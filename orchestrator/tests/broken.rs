@@ -7,7 +7,7 @@ mod support;
 use support::{Bench, Said, model};
 
 /// What was broken: the change in the model description, and a word of what is found.
-const DESCRIPTIONS: [(&str, &str, &str, &str); 54] = [
+const DESCRIPTIONS: [(&str, &str, &str, &str); 56] = [
     (
         "another FMU's description",
         "guid=\"lag\"",
@@ -206,6 +206,18 @@ const DESCRIPTIONS: [(&str, &str, &str, &str); 54] = [
         " valueReference=\"30\"",
         "",
         "no valueReference",
+    ),
+    (
+        "a reference that the binary does not know",
+        "valueReference=\"2\"",
+        "valueReference=\"99\"",
+        "fmi2GetReal",
+    ),
+    (
+        "a start that is not the binary's",
+        "min=\"0\" start=\"1\"",
+        "min=\"0\" start=\"2\"",
+        "lag.rate (line 23): start is 2, but the binary's is 1",
     ),
     (
         "two that can be set",

@@ -77,7 +77,7 @@ impl Budget {
     /// Whether the work is within it after `passed` seconds of a span.
     fn check(&self, work: Work, passed: f64, span: f64) -> Result<(), Failure> {
         /// After this part of all steps the others are foreseen.
-        const SAMPLE: f64 = 0.02;
+        const SAMPLE: f64 = 0.004;
         let steps = work.accepted + work.rejected;
         let taken = steps as f64;
         let needed = taken * (span / passed);

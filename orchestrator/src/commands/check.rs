@@ -67,7 +67,9 @@ fn findings(mut package: Package, patience: f64) -> Result<Vec<String>, CommandE
     findings.extend(files.findings);
     // Without a GUID it would be refused.
     if !files.fatal && !package.description().guid.is_empty() {
-        findings.extend(simulated(&mut package, patience)?);
+        // What the description says wrongly, the binary cannot confirm.
+        let described_well = findings.is_empty();
+        findings.extend(simulated(&mut package, patience, described_well)?);
     }
     Ok(findings)
 }
@@ -95,7 +97,11 @@ fn described(package: &mut Package) -> Result<Vec<String>, CommandError> {
 }
 
 /// What two short simulations show.
-fn simulated(package: &mut Package, patience: f64) -> Result<Vec<String>, CommandError> {
+fn simulated(
+    package: &mut Package,
+    patience: f64,
+    described_well: bool,
+) -> Result<Vec<String>, CommandError> {
     let folder = tempfile::tempdir().map_err(ResultsError::io(&std::env::temp_dir()))?;
     let unpacked = match package.unpack(folder.path()) {
         Ok(unpacked) => unpacked,
@@ -128,6 +134,9 @@ fn simulated(package: &mut Package, patience: f64) -> Result<Vec<String>, Comman
     }
     let mut findings = compare(&answers, &task);
     findings.extend(outside(&answers, &task, package.description()));
+    if described_well {
+        findings.extend(other_starts(&answers, &task, package.description()));
+    }
     Ok(findings)
 }
 
@@ -140,7 +149,7 @@ fn unloadable(error: &str, unpacked: &Path) -> String {
     format!("the binary cannot be loaded: {short}")
 }
 
-/// A few steps of the suggested experiment, with all numeric outputs.
+/// A few steps of the suggested experiment, with all numeric outputs and parameters.
 fn task(package: &Package) -> Task {
     const STEPS: f64 = 10.0;
     let fmu = package.description();
@@ -154,6 +163,7 @@ fn task(package: &Package) -> Task {
         })
     };
     let extremes = |variable| [Statistic::Min, Statistic::Max].map(|of| probe(variable, of));
+    let parameters = fmu.with(Causality::Parameter);
     Task {
         schedule: Schedule {
             stop: suggested.stop.min(suggested.start + STEPS * suggested.step),
@@ -165,6 +175,7 @@ fn task(package: &Package) -> Task {
         observed: fmu
             .with(Causality::Output)
             .flat_map(extremes)
+            .chain(parameters.map(|variable| probe(variable, Statistic::Final)))
             .flatten()
             .collect(),
     }
@@ -198,6 +209,7 @@ fn outside(answers: &[Answer], task: &Task, fmu: &Description) -> Vec<String> {
                 return None;
             }
             let (bound, name) = match probe.statistic {
+                Statistic::Final => return None,
                 Statistic::Min => (min.filter(|min| value < min)?, "min"),
                 _ => (max.filter(|max| value > max)?, "max"),
             };
@@ -207,6 +219,32 @@ fn outside(answers: &[Answer], task: &Task, fmu: &Description) -> Vec<String> {
             ))
         })
         .collect()
+}
+
+/// Parameters that the binary starts with another value than the description says.
+fn other_starts(answers: &[Answer], task: &Task, fmu: &Description) -> Option<String> {
+    const ROUNDING: f64 = 1e-6;
+    let Some(Ok(sampled)) = answers.first() else {
+        return None;
+    };
+    let parameters = task.observed.iter().zip(sampled);
+    let others: Vec<String> = parameters
+        .filter(|(probe, _)| probe.statistic == Statistic::Final)
+        .filter_map(|(probe, value)| {
+            let Variable {
+                name, line, kind, ..
+            } = fmu.variables.get(&probe.name)?;
+            let start = kind.start()?;
+            let differs = (value - start).abs() > ROUNDING * start.abs().max(value.abs());
+            differs.then(|| {
+                format!("{name} (line {line}): start is {start}, but the binary's is {value}")
+            })
+        })
+        .collect();
+    (!others.is_empty()).then(|| {
+        let text = structure::short(&others);
+        format!("modelDescription.xml: {text}: correct the description or the binary")
+    })
 }
 
 /// What is wrong with the answers of a fresh and a reset instance.

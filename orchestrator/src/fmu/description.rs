@@ -201,6 +201,16 @@ impl Description {
 }
 
 impl Kind {
+    /// The start value as a number, where there is one.
+    pub fn start(&self) -> Option<f64> {
+        match self {
+            Self::Real { start, .. } => *start,
+            Self::Integer { start, .. } | Self::Enumeration { start, .. } => start.map(f64::from),
+            Self::Boolean { start } => start.map(|yes| f64::from(u8::from(yes))),
+            Self::String { .. } => None,
+        }
+    }
+
     /// The smallest and the largest value, where these are declared.
     pub fn range(&self) -> (Option<f64>, Option<f64>) {
         match self {
