@@ -3,38 +3,11 @@
  * Usage: minimal BINARY GUID RESOURCE_URI STEP STEPS RUNS [REFERENCE]
  * One instance, reset between the runs; with a reference, that real output is read after every step and its
  * mean over all of them printed, otherwise its place is taken by zero. */
+#include "../hosting.h"
+
 #include <dlfcn.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdio.h>
-#include <stdlib.h>
 
 typedef void *instance_t;
-typedef void (*logger_t)(void *, const char *, int, const char *, const char *, ...);
-typedef struct {
-    logger_t logger;
-    void *(*allocate)(size_t, size_t);
-    void (*release)(void *);
-    void (*finished)(void *, int);
-    void *environment;
-} callbacks_t;
-
-static void logger(void *environment, const char *instance, int status, const char *category,
-                   const char *format, ...) {
-    va_list list;
-    (void)environment;
-    fprintf(stderr, "%s: %d %s: ", instance, status, category);
-    va_start(list, format);
-    vfprintf(stderr, format, list);
-    va_end(list);
-    fputc('\n', stderr);
-}
-
-static void need(int condition, const char *what) {
-    if (condition) return;
-    fprintf(stderr, "minimal: %s failed\n", what);
-    exit(1);
-}
 
 static void *symbol(void *library, const char *name) {
     void *found = dlsym(library, name);

@@ -2,10 +2,8 @@
  * the bytes of one, and prints its outputs, which have to be the same each time.
  * Usage: host BINARY GUID RESOURCE_URI STEPS OUTPUT_REFERENCE...
  * Prints "result" with the outputs in full precision; exit code 1 with the reason on failure. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdio.h>
-#include <stdlib.h>
+#include "../hosting.h"
+
 #include <string.h>
 
 #ifdef _WIN32
@@ -23,32 +21,6 @@ static void *open_library(const char *path) {
 }
 static void *symbol(void *library, const char *name) { return dlsym(library, name); }
 #endif
-
-typedef void (*logger_t)(void *, const char *, int, const char *, const char *, ...);
-typedef struct {
-    logger_t logger;
-    void *(*allocate)(size_t, size_t);
-    void (*release)(void *);
-    void (*finished)(void *, int);
-    void *environment;
-} callbacks_t;
-
-static void logger(void *environment, const char *instance, int status, const char *category,
-                   const char *format, ...) {
-    va_list list;
-    (void)environment;
-    fprintf(stderr, "[%s] %d %s: ", instance, status, category);
-    va_start(list, format);
-    vfprintf(stderr, format, list);
-    va_end(list);
-    fputc('\n', stderr);
-}
-
-static void need(int condition, const char *what) {
-    if (condition) return;
-    fprintf(stderr, "host: %s failed\n", what);
-    exit(1);
-}
 
 #define CALL(type, name, ...) \
     do { \
