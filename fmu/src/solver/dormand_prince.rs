@@ -252,7 +252,7 @@ mod tests {
             budget: Budget {
                 at_once: 1000,
                 per_second: 100.0,
-                most: 200_000.0,
+                most: 2e6,
             },
             ..INTEGRATOR
         };
