@@ -112,8 +112,7 @@ impl Process {
         self.echo = echo;
     }
 
-    /// Takes a reset at its word: a point after it is not compared with one of a fresh instance, and its failure
-    /// is the point's.
+    /// Takes a reset at its word, and its failure as the next point's.
     pub fn be_candid(&mut self) {
         self.setup.candid = true;
     }
