@@ -46,6 +46,7 @@ mod roughness;
 mod settings;
 mod skyline;
 mod step;
+mod stress;
 mod support;
 mod way;
 
@@ -69,3 +70,4 @@ pub use quasi_static::{Boundary, Carried, NotConverged, QuasiStatic};
 pub use rheology::{DensityLaw, PressureViscosity, Rheology, ShearThinning};
 pub use roughness::{RoughFilm, pressure_flow_factor, shear_flow_factor};
 pub use settings::{Drive, FilmError, FilmSettings};
+pub use stress::{pressure_stress_factor, shear_stress_factor, sliding_stress_factor};
