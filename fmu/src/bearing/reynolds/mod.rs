@@ -48,6 +48,7 @@ mod skyline;
 mod step;
 mod stress;
 mod support;
+mod thickening;
 mod way;
 
 #[cfg(test)]
