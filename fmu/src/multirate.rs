@@ -18,7 +18,7 @@ mod orbit;
 use crate::bearing::Flows;
 use crate::solver::{Budget, Failure, Rodas3};
 use crate::thermal::Temperatures;
-use curve::{Aim, Curve};
+use curve::Curve;
 use nalgebra::{SMatrix, SVector};
 use std::cell::RefCell;
 use thiserror::Error;
@@ -110,9 +110,8 @@ pub fn leap(
     )?;
     let viscosity = model.viscosity(t[0]);
     let mut curve = curve.into_inner();
-    let near = curve.at(viscosity)?.place();
     Ok(Landing {
-        eccentricity: curve.search(viscosity, near, Aim::Place)?.place().into(),
+        eccentricity: curve.place(viscosity)?.into(),
         temperatures: temperatures(&t),
     })
 }
@@ -120,7 +119,7 @@ pub fn leap(
 /// The change of a temperature from which derivatives are taken, K.
 const NUDGE: f64 = 1e-3;
 /// The error allowed in each temperature per step, K, at a relative tolerance of one.
-const DRIFT_ERROR: f64 = 3000.0;
+const DRIFT_ERROR: f64 = 6000.0;
 
 type Vector4 = SVector<f64, 4>;
 

@@ -25,7 +25,7 @@ class Scale:
 
 def arguments():
     parser = argparse.ArgumentParser(prog="scripts/bench", description=__doc__)
-    parser.add_argument("--quick", action="store_true", help="rough figures within two minutes")
+    parser.add_argument("--quick", action="store_true", help="rough figures within one or two minutes")
     parser.add_argument("--points", type=int, metavar="N",
                         help="random points on which leaps are compared with resolved turns [1000]")
     parser.add_argument("--most", type=int, metavar="N", help="largest study of the scaling series [1000000]")
@@ -62,12 +62,13 @@ def measure(size):
         ("the stand, 1,000 steps of 1 ms", stand, 1e-3, 1000, 200),
         ("the stand, one 150 s step", stand, 150.0, 1, 500)])))
     say("leaps and resolved turns")
-    rows, errors = parts.multirate(size)
+    rows, [(errors, points), (mixed, few)] = parts.multirate(size)
     rows += [Row(f"largest error of {error.name}, of its tolerance", Ratio([error.worst]), "<= 1",
-                 error.worst <= 1, " %", f"{size.points} points") for error in errors]
+                 error.worst <= 1, " %", f"{points} points of Table 3") for error in errors]
     sections.append(("Multirate / resolved", MULTIRATE, rows))
-    sections.append(("The errors of leaps", f"Over {size.points} random points of `studies/paper-table3.toml`, in per cent "
-                     "of the criterion's tolerance.", page.errors(errors)))
+    for study, found, count in [("paper-table3.toml", errors, points), ("rig.toml", mixed, few)]:
+        sections.append((f"The errors of leaps: {study}", f"Over {count} points of `studies/{study}`, in per cent of the "
+                         "criterion's tolerance.", page.errors(found)))
     say("boundary")
     sections.append(("FMU doStep / direct Rust call of the stand", BOUNDARY, parts.boundary(size, stand)))
     say("isolation")
@@ -97,7 +98,10 @@ AWAY = """
 
 OMSimulator is left out: it is not in `.venv`. Its package on PyPI holds no program; on installation it fetches a nightly
 build from another server without checking who that is. Whoever has it in `.venv` gets its rows here."""
-MULTIRATE = "One communication step of 150 s, with `solver.multirate` on (the default) and off."
+MULTIRATE = """\
+`solver.multirate` on (the default) and off. Besides the run, a point's share of the journal, the tables and the page is
+in both times. Issue 8 asks for 50 and aims at 200 at the points of Table 3, whose thick film lets the resolved turns
+take large steps; the rig's mixed lubrication does not."""
 BOUNDARY = """\
 `fmu/examples/direct.rs` calls the stand without FMI; the minimal loop steps the packaged FMU. Both read one output after
 each step. A step of 150 s is compared with initialisation and all, on default parameters."""

@@ -156,3 +156,15 @@ def table3(name, fixed="", step=150):
     file = WORK / f"{name}.toml"
     file.write_text(text, encoding="utf-8")
     return file
+
+
+def rig(name, fixed=""):
+    """The shipped study of the rig with further start values."""
+    text = (ROOT / "studies" / "rig.toml").read_text(encoding="utf-8")
+    fmu = (ROOT / "dist" / "PlainBearingStand.fmu").as_posix()
+    text, found = re.subn(r'(?m)^fmu = .*$', f'fmu = "{fmu}"', text)
+    if found != 1 or re.search(r"(?m)^\[fixed\]", text):
+        raise Trouble("studies/rig.toml has no fmu that could be replaced, or start values already")
+    file = WORK / f"{name}.toml"
+    file.write_text(f"{text}\n[fixed]\n{fixed}", encoding="utf-8")
+    return file

@@ -27,7 +27,7 @@ pub(super) struct Curve<'a, M> {
 }
 
 /// The distance of the second orbit in the logarithm of the viscosity.
-const PROBE: f64 = 0.03;
+const PROBE: f64 = 0.06;
 /// Each further one is so many times as far from the last one as that is from the one before.
 const WIDENING: f64 = 4.0;
 /// The largest distance of two orbits.
@@ -36,6 +36,8 @@ const FARTHEST: f64 = 0.5;
 const CLOSEST: f64 = 0.01;
 /// Internal steps in all turns of a leap, at the most: a leap takes some thousands.
 const MOST_STEPS: usize = 200_000;
+/// The first turn begins with the step of so many in a turn.
+const FIRST_STEPS: f64 = 6.0;
 /// Error allowed in the place per step within a turn, at a relative tolerance of one.
 const PLACE_ERROR: f64 = 100.0;
 /// The same of a turn's mean heat, as a part of it.
@@ -43,9 +45,12 @@ const HEAT_ERROR: f64 = 100.0;
 /// The same of what the last term of the polynomial between the orbits contributes to it.
 const CURVE_ERROR: f64 = 500.0;
 
+/// The last term of a place on the polynomial that will do.
+const POLYNOMIAL_PLACE: f64 = 1e3;
+
 /// What an orbit is wanted for, which says how closely a turn must come back to its beginning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Aim {
+enum Aim {
     /// For its heat, which feels the place the less the wider the film.
     Heat,
     /// For the place itself.
@@ -94,7 +99,7 @@ impl<'a, M: TwoScales> Curve<'a, M> {
             piece: None,
             slope: SMatrix::zeros(),
             heat: flows.viscous + flows.boundary,
-            step: model.period() / 50.0,
+            step: model.period() / FIRST_STEPS,
             left: MOST_STEPS,
         };
         // What the resolved turn tells of the slope.
@@ -130,7 +135,7 @@ impl<'a, M: TwoScales> Curve<'a, M> {
                 _ => *self.piece.insert(Piece::new(&self.nodes, gap)),
             };
             let (orbit, last) = piece.at(x);
-            let close = piece.nearest.weigh(&last) < CURVE_ERROR * self.tolerance;
+            let close = piece.weigh(&last) < CURVE_ERROR * self.tolerance;
             if x == piece.x[0] || piece.count > 2 && close && self.reaches(x) {
                 return Ok(orbit);
             }
@@ -150,6 +155,20 @@ impl<'a, M: TwoScales> Curve<'a, M> {
             self.piece = None;
         }
         Err(NoLeap::NoOrbit(viscosity))
+    }
+
+    /// Where the orbit at a viscosity begins: on the polynomial where its last term hardly matters there, too,
+    /// else searched for.
+    pub(super) fn place(&mut self, viscosity: f64) -> Result<Vector2<f64>, NoLeap> {
+        let near = self.at(viscosity)?.place();
+        if let Some(piece) = &self.piece {
+            let (orbit, last) = piece.at(viscosity.ln());
+            let last: Vector2<f64> = last.fixed_rows::<2>(0).into();
+            if piece.count > 2 && last.norm() < POLYNOMIAL_PLACE * self.tolerance {
+                return Ok(orbit.place());
+            }
+        }
+        Ok(self.search(viscosity, near, Aim::Place)?.place())
     }
 
     /// Whether `x` is not further from the nodes than these are from each other.
@@ -187,12 +206,7 @@ impl<'a, M: TwoScales> Curve<'a, M> {
     }
 
     /// Finds the beginning that a turn returns to.
-    pub(super) fn search(
-        &mut self,
-        viscosity: f64,
-        guess: Vector2<f64>,
-        aim: Aim,
-    ) -> Result<Orbit, NoLeap> {
+    fn search(&mut self, viscosity: f64, guess: Vector2<f64>, aim: Aim) -> Result<Orbit, NoLeap> {
         let turn = self.turn(viscosity, guess)?;
         self.search_from(viscosity, guess, turn, aim)
     }

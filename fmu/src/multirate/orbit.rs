@@ -35,15 +35,12 @@ impl Orbit {
         }
     }
 
-    /// By how much of the whole heat, or of the side flow, a small difference of orbits changes them.
-    pub(super) fn weigh(&self, difference: &SVector<f64, 5>) -> f64 {
+    /// The parts of the whole heat by which a change of the two heats' logarithms changes it.
+    fn weights(&self) -> [f64; 2] {
         let flows = self.flows();
         let heat = flows.viscous + flows.boundary;
-        let on_pedestal = flows.boundary + PEDESTAL * flows.viscous;
-        let of_heat = (difference[2] * (flows.viscous - PEDESTAL * flows.viscous)
-            + difference[3] * on_pedestal)
-            / heat;
-        of_heat.abs().max(difference[4].abs())
+        let pedestal = PEDESTAL * flows.viscous;
+        [flows.viscous - pedestal, flows.boundary + pedestal].map(|part| part / heat)
     }
 }
 
@@ -59,6 +56,8 @@ pub(super) struct Piece {
     /// The divided differences.
     coefficients: [SVector<f64, 5>; 4],
     pub(super) nearest: Orbit,
+    /// Of the nearest one.
+    weights: [f64; 2],
 }
 
 impl Piece {
@@ -97,7 +96,15 @@ impl Piece {
             x,
             coefficients,
             nearest,
+            weights: nearest.weights(),
         }
+    }
+
+    /// By how much of the whole heat, or of the side flow, a small difference of orbits changes them.
+    pub(super) fn weigh(&self, difference: &SVector<f64, 5>) -> f64 {
+        let [viscous, boundary] = self.weights;
+        let of_heat = difference[2] * viscous + difference[3] * boundary;
+        of_heat.abs().max(difference[4].abs())
     }
 
     /// The orbit at `x`, and what the highest order adds.

@@ -16,6 +16,12 @@ const TURNS_AT_THE_END: usize = 1;
 const SETTLED: f64 = 1e-2;
 /// After so many turns it leaps from wherever it is: what is left of its way to the orbit is little heat.
 const MOST_SETTLING_TURNS: usize = 1;
+/// The error allowed in the turns before a leap, over the solver's: all that is left of them is a little heat.
+const SETTLING_SLACK: f64 = 1000.0;
+/// The same of those after it, which begin less exactly than that.
+const LANDING_SLACK: f64 = 10.0;
+/// Slack is given up to this relative tolerance.
+const LOOSEST: f64 = 1e-3;
 /// Steps of the Reynolds film in a turn, at the least: load and speed vary linearly within one.
 const FILM_STEPS_PER_TURN: f64 = 100.0;
 /// The longest step of the Reynolds film, s.
@@ -35,13 +41,19 @@ const WARMING_STEPS: usize = 5_000;
 impl Stand {
     /// Lets `span` seconds pass with every turn resolved.
     pub(super) fn resolve(&mut self, span: f64) -> Result<(), Stuck> {
+        self.resolve_within(1.0, span)
+    }
+
+    /// The same with so many times the solver's tolerance.
+    fn resolve_within(&mut self, slack: f64, span: f64) -> Result<(), Stuck> {
+        let slack = slack.min(LOOSEST / self.solver.tolerance).max(1.0);
         if let Some(mut film) = self.film.take() {
             let done = self.resolve_film(&mut film, span);
             self.film = Some(film);
             return done;
         }
         let integrator = DormandPrince {
-            allowed: SCALES.map(|scale| self.solver.tolerance * scale),
+            allowed: SCALES.map(|scale| slack * self.solver.tolerance * scale),
             budget: Budget {
                 at_once: STEPS_AT_ONCE,
                 per_second: STEPS_PER_SECOND + STEPS_PER_TURN / self.period(),
@@ -55,7 +67,8 @@ impl Stand {
         let done = integrator.integrate(rates, &mut y, span, &mut next_step);
         done.map_err(|failure| self.explain(failure, &y, 0..6))?;
         self.nearby = oil;
-        self.state.next_step = next_step;
+        // The step goes as the fifth root of the error.
+        self.state.next_step = next_step * slack.powf(-0.2);
         self.arrive(span, [y[0], y[1]], temperatures(&y));
         Ok(())
     }
@@ -117,11 +130,12 @@ impl Stand {
     pub(super) fn leap(&mut self, span: f64) -> Result<(), Stuck> {
         let before = self.state;
         let period = self.period();
+        let mut slack = 1.0;
         let mut left = (span / period) as usize;
         let mut settling = MOST_SETTLING_TURNS;
         while left > TURNS_AT_THE_END {
             let start = self.state.eccentricity;
-            self.resolve(period)?;
+            self.resolve_within(SETTLING_SLACK, period)?;
             left -= 1;
             let end = self.state.eccentricity;
             settling -= 1;
@@ -146,10 +160,11 @@ impl Stand {
                     landing.eccentricity,
                     landing.temperatures,
                 );
+                slack = LANDING_SLACK;
             }
             break;
         }
-        self.resolve(span - (self.state.time - before.time))
+        self.resolve_within(slack, span - (self.state.time - before.time))
     }
 
     /// Whether speed and load repeat themselves every turn throughout a step, and there are enough turns.

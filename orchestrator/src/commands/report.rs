@@ -1,6 +1,5 @@
 //! `report`: the page that tells the result of a study.
 
-use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 use std::process::ExitCode;
@@ -36,7 +35,7 @@ pub(super) fn run(options: &cli::Report) -> Result<ExitCode, CommandError> {
 }
 
 /// Completes a folder of results: the study's text, the best point's trajectory, the page.
-/// `trusted`: the FMU may run in this process.
+/// `trusted`: the points ran in this process.
 pub(super) fn complete(
     folder: &Path,
     study: &Study,
@@ -52,10 +51,11 @@ pub(super) fn complete(
         .best_point
         .as_ref()
         .map(|best| {
-            // What a failed point has left behind in this process is not for another one.
+            // Only what has already come to its end in this process, which no failed point has touched.
             let once = package.description().capabilities;
             let once = once.can_be_instantiated_only_once_per_process;
-            let here = trusted && !once && summary.failed == 0;
+            let same = fine(plan.task.schedule) == plan.task.schedule;
+            let here = trusted && same && !once && summary.failed == 0;
             record(best, plan, package, here)
         })
         .transpose();
@@ -108,12 +108,14 @@ fn record(
         text.push_str(names[k]);
     });
     text.push('\n');
+    let mut number = zmij::Buffer::new();
     let put = |time: f64, row: &[Value]| {
-        // Writing to a String cannot fail.
-        let _ = write!(text, "{time}");
+        text.push_str(number.format(time));
         for (value, &k) in row.iter().zip(&probes) {
             let Value::Real(value) = value else { continue };
-            let _ = write!(text, ",{:.7e}", plan.outputs[k].value(*value));
+            text.push(',');
+            // Seven digits are plenty for a plot.
+            text.push_str(number.format(plan.outputs[k].value(*value) as f32));
         }
         text.push('\n');
         Ok::<_, CommandError>(())

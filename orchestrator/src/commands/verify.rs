@@ -83,7 +83,7 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, CommandError> {
     conclude(&mut session, &folder, &summary, options.means.in_process)
 }
 
-/// Completes the folder and says what came out. `trusted`: the FMU may run in this process.
+/// Completes the folder and says what came out. `trusted`: the points ran in this process.
 pub(super) fn conclude(
     session: &mut Session,
     folder: &Path,

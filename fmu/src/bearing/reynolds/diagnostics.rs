@@ -9,6 +9,7 @@ use super::lanes::{dot, largest, sum_of};
 use super::linear::load;
 use super::roughness::shear_flow_factor;
 use super::settings::Drive;
+use super::stress::sliding_resistance;
 
 /// The film after an interval, and its means over it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -160,7 +161,11 @@ fn sum(film: &ReynoldsFilm, stage: &Stage<'_>, drive: &Drive) -> Sums {
             sums.loss += filling_loss(film, stage, i, squeeze);
         }
     }
-    sums.shear = shear(film);
+    sums.shear = if film.settings.flow_factors().is_some() {
+        rough_shear(film)
+    } else {
+        shear(film)
+    };
     for (own, before) in cells.neighbours() {
         let p = [&field.pressure[before], &field.pressure[own.clone()]];
         sums.loss += lost(&balance.along[own.clone()], p);
@@ -220,6 +225,15 @@ fn shear(film: &ReynoldsFilm) -> f64 {
     let (apart, fluidity) = (&apart[..n], &fluidity[..n]);
     sum_of(n, |c| {
         area[c] * content[c] * apart[c] / (h[c] * fluidity[c])
+    })
+}
+
+/// The same between rough surfaces, by their stress factors.
+fn rough_shear(film: &ReynoldsFilm) -> f64 {
+    let (area, content) = (&film.cells.area, &film.state.field.content);
+    let (ratio, fluidity) = (&film.gap.ratio, &film.liquid.fluidity);
+    sum_of(area.len(), |c| {
+        area[c] * content[c] * sliding_resistance(ratio[c]) / (film.form.roughness * fluidity[c])
     })
 }
 

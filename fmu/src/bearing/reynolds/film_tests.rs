@@ -163,3 +163,34 @@ fn asperities_cell_by_cell_agree_with_the_aligned_journal_s() {
     assert!((report.contact_normal / normal - 1.0).abs() < 0.02);
     assert!(report.film_load.x < 700.0);
 }
+
+/// Between rough surfaces sliding is resisted more, the less of the gap there is to their roughness; and energy balances
+/// whichever surface has it.
+#[test]
+fn roughness_raises_the_film_s_friction() {
+    use crate::bearing::contact::Surface;
+    let drive = Drive::steady(Vector2::new(750.0, 0.0), 10.0, VISCOSITY);
+    let torque = |roughness: f64, rough_film: RoughFilm| {
+        let surface = Surface {
+            roughness,
+            ..Surface::default()
+        };
+        let mut film = ReynoldsFilm::new(FilmSettings {
+            asperities: Some(Asperities(surface)),
+            rough_film,
+            ..FilmSettings::new(0.019, 0.025, 20e-6)
+        })
+        .unwrap();
+        let report = film.advance(1.0, &drive, &smooth).unwrap();
+        assert!(report.energy_error < 1e-8, "{}", report.energy_error);
+        report.journal_torque
+    };
+    let factors = |journal_share| RoughFilm::FlowFactors { journal_share };
+    let ratio = |roughness| torque(roughness, factors(0.5)) / torque(roughness, RoughFilm::MeanGap);
+    let [fine, medium, coarse] = [1e-9, 0.1e-6, 0.4e-6].map(ratio);
+    assert!((fine - 1.0).abs() < 1e-5, "{fine}");
+    assert!(medium > 1.0 && coarse > medium, "{medium} {coarse}");
+    for share in [0.0, 1.0] {
+        torque(0.4e-6, factors(share));
+    }
+}

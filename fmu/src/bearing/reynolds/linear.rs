@@ -79,6 +79,9 @@ impl Linear {
         if liquid.compressible {
             self.centre(cells, liquid, field, balance);
         }
+        if liquid.thickens {
+            self.thicken(cells, liquid, field, balance, stage);
+        }
         let cut = self.cut(cells);
         self.ring.factorise(cut);
         self.slide(cells, gap, field, balance, stage);

@@ -2,6 +2,7 @@
 
 use super::field::Field;
 use super::gap::Gap;
+use super::rheology::PressureViscosity;
 use super::roughness::ease_of_mean_gap;
 use super::settings::{Drive, FilmSettings};
 
@@ -17,10 +18,14 @@ pub(super) struct Liquid {
     /// Mass that flows under a pressure gradient at `H = 1`: density times fluidity, times the flow factor of rough
     /// surfaces.
     pub(super) ease: Vec<f64>,
+    /// Its slope over the cells' pressure, s.
+    pub(super) easing: Vec<f64>,
     /// Whether `ease` is one everywhere.
     pub(super) uniform: bool,
     /// Whether the density depends on the pressure.
     pub(super) compressible: bool,
+    /// Whether `ease` depends on the pressure.
+    pub(super) thickens: bool,
 }
 
 impl Liquid {
@@ -31,8 +36,10 @@ impl Liquid {
             density: ones(),
             swelling: vec![0.0; cells],
             ease: ones(),
+            easing: vec![0.0; cells],
             uniform: true,
             compressible: false,
+            thickens: false,
         }
     }
 
@@ -51,6 +58,8 @@ impl Liquid {
             return true;
         }
         self.uniform = false;
+        self.thickens =
+            settings.is_compressible() || settings.rheology.pressure != PressureViscosity::None;
         let psi = settings.clearance / (0.5 * settings.diameter);
         let sliding = (drive.journal_speed - drive.bush_speed).abs() / psi;
         let mut largest: f64 = 0.0;
@@ -66,7 +75,13 @@ impl Liquid {
             } else {
                 1.0
             };
-            self.ease[cell] = now * self.density[cell] * factor;
+            let ease = now * self.density[cell] * factor;
+            self.ease[cell] = ease;
+            if self.thickens {
+                let thickening = settings.rheology.thickening(drive.viscosity, pressure);
+                let swelling = self.swelling[cell] / self.density[cell];
+                self.easing[cell] = ease * (swelling - thickening * to_pascal);
+            }
         }
         largest < 1e-9
     }

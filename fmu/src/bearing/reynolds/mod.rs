@@ -46,7 +46,9 @@ mod roughness;
 mod settings;
 mod skyline;
 mod step;
+mod stress;
 mod support;
+mod thickening;
 mod way;
 
 #[cfg(test)]
@@ -69,3 +71,4 @@ pub use quasi_static::{Boundary, Carried, NotConverged, QuasiStatic};
 pub use rheology::{DensityLaw, PressureViscosity, Rheology, ShearThinning};
 pub use roughness::{RoughFilm, pressure_flow_factor, shear_flow_factor};
 pub use settings::{Drive, FilmError, FilmSettings};
+pub use stress::{pressure_stress_factor, shear_stress_factor, sliding_stress_factor};

@@ -95,19 +95,36 @@ impl Rheology {
         self.pressure == PressureViscosity::None && self.shear == ShearThinning::None
     }
 
-    /// Viscosity over the oil's viscosity `eta0` (Pa.s) at ambient pressure and low shear, at a
-    /// pressure above ambient (Pa) and a shear rate (1/s).
-    pub fn ratio(&self, eta0: f64, pressure: f64, shear_rate: f64) -> f64 {
-        let exponent = match self.pressure {
-            PressureViscosity::None => 0.0,
-            PressureViscosity::Barus { alpha } => alpha * pressure,
+    /// The logarithm of the viscosity's rise by pressure, and its slope (1/Pa).
+    fn exponent(&self, eta0: f64, pressure: f64) -> [f64; 2] {
+        match self.pressure {
+            PressureViscosity::None => [0.0; 2],
+            PressureViscosity::Barus { alpha } => [alpha * pressure, alpha],
             PressureViscosity::Roelands { alpha } => {
                 const SCALE: f64 = 1.962e8;
                 let thickness = eta0.ln() + 9.67;
                 let z = alpha * SCALE / thickness;
-                thickness * ((1.0 + pressure.max(0.0) / SCALE).powf(z) - 1.0)
+                let base = 1.0 + pressure.max(0.0) / SCALE;
+                let rise = base.powf(z);
+                [thickness * (rise - 1.0), alpha * rise / base]
             }
-        };
+        }
+    }
+
+    /// The slope of the viscosity's logarithm over pressure, 1/Pa.
+    pub(super) fn thickening(&self, eta0: f64, pressure: f64) -> f64 {
+        let [exponent, slope] = self.exponent(eta0, pressure);
+        if exponent.abs() < LARGEST_EXPONENT {
+            slope
+        } else {
+            0.0
+        }
+    }
+
+    /// Viscosity over the oil's viscosity `eta0` (Pa.s) at ambient pressure and low shear, at a
+    /// pressure above ambient (Pa) and a shear rate (1/s).
+    pub fn ratio(&self, eta0: f64, pressure: f64, shear_rate: f64) -> f64 {
+        let [exponent, _] = self.exponent(eta0, pressure);
         let thinning = match self.shear {
             ShearThinning::None => 1.0,
             ShearThinning::Cross {
@@ -147,6 +164,26 @@ mod tests {
             of(PressureViscosity::Roelands { alpha }).ratio(eta0, high, 0.0)
                 < of(PressureViscosity::Barus { alpha }).ratio(eta0, high, 0.0)
         );
+    }
+
+    #[test]
+    fn thickening_is_the_slope_of_the_logarithm() {
+        for pressure in [
+            PressureViscosity::Barus { alpha: 2e-8 },
+            PressureViscosity::Roelands { alpha: 2e-8 },
+        ] {
+            let law = Rheology {
+                pressure,
+                ..Rheology::default()
+            };
+            let (p, d) = (1e8, 1e3);
+            let rise = law.ratio(0.05, p + d, 0.0) / law.ratio(0.05, p - d, 0.0);
+            let slope = law.thickening(0.05, p);
+            assert!(
+                (rise.ln() / (2.0 * d) / slope - 1.0).abs() < 1e-5,
+                "{law:?}"
+            );
+        }
     }
 
     /// Dowson and Higginson's law, its limits, and a slope that is its derivative.
