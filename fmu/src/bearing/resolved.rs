@@ -111,7 +111,7 @@ impl ResolvedFilm {
     }
 
     /// Lets `interval` seconds pass under a load along x (N, at its start and end), a shaft speed (rad/s) and a
-    /// viscosity (Pa.s); the bush stands still. Returns the mean flows.
+    /// viscosity (Pa.s); the bush stands still. Returns the mean flows and the number of internal steps.
     pub fn advance(
         &mut self,
         bearing: &Bearing,
@@ -120,7 +120,7 @@ impl ResolvedFilm {
         load: [f64; 2],
         speed: f64,
         viscosity: f64,
-    ) -> Result<Flows, FilmError> {
+    ) -> Result<(Flows, usize), FilmError> {
         let drive = Drive {
             load_before: Vector2::new(load[0], 0.0),
             load_after: Vector2::new(load[1], 0.0),
@@ -157,10 +157,11 @@ impl ResolvedFilm {
                 side_flow: report.outflow,
             },
         };
-        Ok(Flows {
+        let flows = Flows {
             viscous: report.mean_heat,
             boundary,
             side_flow: report.mean_outflow,
-        })
+        };
+        Ok((flows, report.steps))
     }
 }

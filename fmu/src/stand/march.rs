@@ -35,6 +35,9 @@ const STEPS_PER_TURN: f64 = 1e3;
 const MOST_STEPS: f64 = 5e7;
 /// Steps of the Reynolds film in one communication step: some hours.
 const MOST_FILM_STEPS: f64 = 1e7;
+/// Its internal steps that may be taken at once, and further ones per step; ordinary ones need a few.
+const FILM_STEPS_AT_ONCE: usize = 5_000;
+const FILM_STEPS_PER_STEP: usize = 50;
 /// Steps of the temperatures within one of the Reynolds film.
 const WARMING_STEPS: usize = 5_000;
 
@@ -81,12 +84,17 @@ impl Stand {
             return Err(Stuck::TooLong(steps));
         }
         let step = span / steps;
-        for _ in 0..steps as usize {
+        let mut spare = FILM_STEPS_AT_ONCE;
+        for done in 0..steps as usize {
             let load = [0.0, step].map(|tau| self.driven(tau).2);
             let speed = self.drive.speed(&self.command(), 0.5 * step);
             let viscosity = self.fluid.viscosity(self.state.temperatures.film);
             let contact = self.prepared.contact();
-            let flows = film.advance(&self.bearing, contact, step, load, speed, viscosity)?;
+            let (flows, taken) =
+                film.advance(&self.bearing, contact, step, load, speed, viscosity)?;
+            spare = (spare + FILM_STEPS_PER_STEP)
+                .checked_sub(taken)
+                .ok_or_else(|| self.crawling(done as f64 * step, span))?;
             let temperatures = self.warm(step, &flows)?;
             self.arrive(step, film.eccentricity(), temperatures);
         }

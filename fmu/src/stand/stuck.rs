@@ -21,6 +21,16 @@ pub enum Stuck {
     /// The film could not be solved.
     #[error(transparent)]
     Film(#[from] FilmError),
+    /// The film changes too fast.
+    #[error("the Reynolds film's internal step collapsed after {passed:.1e} of {span} s; {cause}")]
+    Crawling {
+        /// The time that had passed, s.
+        passed: f64,
+        /// The time that was to pass, s.
+        span: f64,
+        /// What may be the reason.
+        cause: Advice,
+    },
     /// The step would take hours.
     #[error(
         "some {0:.0e} steps of the Reynolds film would be needed: take shorter communication steps"
@@ -35,8 +45,12 @@ pub struct Reason {
     fastest: Option<(&'static str, f64)>,
     /// Temperature, K, and viscosity, Pa.s, of the film.
     film: (f64, f64),
-    cause: Option<Cause>,
+    cause: Advice,
 }
+
+/// What to look at.
+#[derive(Clone, Debug)]
+pub struct Advice(Option<Cause>);
 
 /// The parameter or input that alone makes it so.
 #[derive(Clone, Debug)]
@@ -61,7 +75,13 @@ impl fmt::Display for Reason {
             f,
             " (film at {temperature:.1} K with {viscosity:.2e} Pa.s); "
         )?;
-        match &self.cause {
+        self.cause.fmt(f)
+    }
+}
+
+impl fmt::Display for Advice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.0 {
             Some(Cause {
                 name,
                 value,
@@ -133,9 +153,18 @@ impl Stand {
         let reason = Reason {
             fastest: fastest.map(|(name, pace)| (name, 1.0 / pace)),
             film: (y[2], self.fluid.viscosity(y[2])),
-            cause: self.cause(&at, pace).or_else(|| self.oddest()),
+            cause: Advice(self.cause(&at, pace).or_else(|| self.oddest())),
         };
         Stuck::Explained(failure, reason)
+    }
+
+    /// A Reynolds film that takes far more internal steps than any bearing's.
+    pub(super) fn crawling(&self, passed: f64, span: f64) -> Stuck {
+        Stuck::Crawling {
+            passed,
+            span,
+            cause: Advice(self.oddest()),
+        }
     }
 
     /// What changes fastest when it is disturbed, and its rate, 1/s; none when that is no number.
