@@ -77,8 +77,11 @@ impl TryFrom<Saved> for ReynoldsFilm {
     }
 }
 
-/// The most internal steps, taken or not, in one interval: ordinary ones need a few.
-const MOST_TRIES: usize = 2_000;
+/// The most internal steps, taken or not, in one interval: ordinary ones need a few, a journal that slides around an
+/// emptied bush some thousands.
+const MOST_TRIES: usize = 20_000;
+/// The most of them without a solution.
+const MOST_FAILURES: usize = 500;
 
 impl ReynoldsFilm {
     /// A flooded film with the journal in the middle.
@@ -184,6 +187,7 @@ impl ReynoldsFilm {
         let mut done = 0.0;
         let shortest = 1e-9 * interval;
         let mut step = self.state.step.unwrap_or(interval).min(interval);
+        let mut failures = 0;
         for tries in 0.. {
             if interval - done <= shortest {
                 break;
@@ -223,8 +227,9 @@ impl ReynoldsFilm {
                 }
                 Err(NoSolution) => {
                     step = 0.25 * duration;
+                    failures += 1;
                     self.take_back();
-                    if step < shortest {
+                    if step < shortest || failures == MOST_FAILURES {
                         return Err(self.given_up(step));
                     }
                 }
