@@ -99,7 +99,7 @@ impl ReynoldsFilm {
         for _ in 0..TRIALS {
             let over = force(high, &beyond);
             if over >= -settled {
-                break;
+                return Ok(beyond);
             }
             let heading = way.heading(high);
             let newton = high + over / heading.dot(&(beyond.slope * heading));
@@ -130,7 +130,8 @@ impl ReynoldsFilm {
                 (high, beyond) = (share, place);
             }
         }
-        Ok(beyond)
+        // The last place tried may be another one.
+        self.rest_at(way.at(high), stage, task)
     }
 
     /// Holds the journal and solves the cells' balances.
