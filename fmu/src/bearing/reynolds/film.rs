@@ -43,6 +43,8 @@ pub struct ReynoldsFilm {
     pub(super) trial: Field,
     /// The state before the present interval.
     before: State,
+    /// Internal steps without a solution in it.
+    pub(super) failures: usize,
 }
 
 /// A film as it is stored.
@@ -107,6 +109,7 @@ impl ReynoldsFilm {
             kept: state.clone(),
             before: state.clone(),
             trial: state.field.clone(),
+            failures: 0,
             state,
             form,
             gap: Gap::new(&cells),
@@ -187,7 +190,7 @@ impl ReynoldsFilm {
         let mut done = 0.0;
         let shortest = 1e-9 * interval;
         let mut step = self.state.step.unwrap_or(interval).min(interval);
-        let mut failures = 0;
+        self.failures = 0;
         for tries in 0.. {
             if interval - done <= shortest {
                 break;
@@ -227,9 +230,9 @@ impl ReynoldsFilm {
                 }
                 Err(NoSolution) => {
                     step = 0.25 * duration;
-                    failures += 1;
+                    self.failures += 1;
                     self.take_back();
-                    if step < shortest || failures == MOST_FAILURES {
+                    if step < shortest || self.failures == MOST_FAILURES {
                         return Err(self.given_up(step));
                     }
                 }

@@ -22,6 +22,8 @@ use super::newton::{NoSolution, Task};
 use super::support::Motion;
 use super::way::Way;
 
+/// As many failures in an interval are left to shorter steps, which is less work at an ordinary start.
+const PATIENCE: usize = 4;
 /// Steps of the journal.
 const STEPS: usize = 60;
 /// Places tried along a step.
@@ -67,7 +69,7 @@ impl ReynoldsFilm {
         stage: &Stage<'_>,
         task: &Task<'_>,
     ) -> Result<Vector2<f64>, NoSolution> {
-        if !self.cells.conserves_mass() {
+        if !self.cells.conserves_mass() || self.failures < PATIENCE {
             return Err(NoSolution);
         }
         self.state.field.copy_from(&self.kept.field);
