@@ -43,6 +43,8 @@ pub struct ReynoldsFilm {
     pub(super) trial: Field,
     /// The state before the present interval.
     before: State,
+    /// Internal steps without a solution in it.
+    pub(super) failures: usize,
 }
 
 /// A film as it is stored.
@@ -77,8 +79,11 @@ impl TryFrom<Saved> for ReynoldsFilm {
     }
 }
 
-/// The most internal steps, taken or not, in one interval: ordinary ones need a few.
-const MOST_TRIES: usize = 2_000;
+/// The most internal steps, taken or not, in one interval: ordinary ones need a few, a journal that slides around an
+/// emptied bush some thousands.
+const MOST_TRIES: usize = 20_000;
+/// The most of them without a solution.
+const MOST_FAILURES: usize = 500;
 
 impl ReynoldsFilm {
     /// A flooded film with the journal in the middle.
@@ -104,6 +109,7 @@ impl ReynoldsFilm {
             kept: state.clone(),
             before: state.clone(),
             trial: state.field.clone(),
+            failures: 0,
             state,
             form,
             gap: Gap::new(&cells),
@@ -184,6 +190,7 @@ impl ReynoldsFilm {
         let mut done = 0.0;
         let shortest = 1e-9 * interval;
         let mut step = self.state.step.unwrap_or(interval).min(interval);
+        self.failures = 0;
         for tries in 0.. {
             if interval - done <= shortest {
                 break;
@@ -223,8 +230,9 @@ impl ReynoldsFilm {
                 }
                 Err(NoSolution) => {
                     step = 0.25 * duration;
+                    self.failures += 1;
                     self.take_back();
-                    if step < shortest {
+                    if step < shortest || self.failures == MOST_FAILURES {
                         return Err(self.given_up(step));
                     }
                 }

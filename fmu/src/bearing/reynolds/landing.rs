@@ -22,6 +22,8 @@ use super::newton::{NoSolution, Task};
 use super::support::Motion;
 use super::way::Way;
 
+/// As many failures in an interval are left to shorter steps, which is less work at an ordinary start.
+const PATIENCE: usize = 4;
 /// Steps of the journal.
 const STEPS: usize = 60;
 /// Places tried along a step.
@@ -67,7 +69,7 @@ impl ReynoldsFilm {
         stage: &Stage<'_>,
         task: &Task<'_>,
     ) -> Result<Vector2<f64>, NoSolution> {
-        if !self.cells.conserves_mass() {
+        if !self.cells.conserves_mass() || self.failures < PATIENCE {
             return Err(NoSolution);
         }
         self.state.field.copy_from(&self.kept.field);
@@ -99,7 +101,7 @@ impl ReynoldsFilm {
         for _ in 0..TRIALS {
             let over = force(high, &beyond);
             if over >= -settled {
-                break;
+                return Ok(beyond);
             }
             let heading = way.heading(high);
             let newton = high + over / heading.dot(&(beyond.slope * heading));
@@ -130,7 +132,8 @@ impl ReynoldsFilm {
                 (high, beyond) = (share, place);
             }
         }
-        Ok(beyond)
+        // The last place tried may be another one.
+        self.rest_at(way.at(high), stage, task)
     }
 
     /// Holds the journal and solves the cells' balances.

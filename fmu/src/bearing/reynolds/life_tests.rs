@@ -24,6 +24,11 @@ fn kinds() -> impl Strategy<Value = usize> {
     prop_oneof![4 => 0..2_usize, 1 => 2..4_usize]
 }
 
+/// Columns, and a twelfth as many rows.
+fn cells(columns: usize) -> [usize; 2] {
+    [columns, columns.div_ceil(12)]
+}
+
 fn rheology(kind: usize) -> Rheology {
     Rheology {
         density: DENSITY[kind / 2],
@@ -41,7 +46,7 @@ fn lives() -> impl Strategy<Value = Life> {
     (bearing, -2.5..-0.5, intervals).prop_map(|((d, w, c, kind, side), eta, intervals)| {
         let diameter = 10_f64.powf(d);
         let settings = FilmSettings {
-            cells: [32, 3],
+            cells: cells(32),
             side_pressure: if side < 2.0 { 0.0 } else { 10_f64.powf(side) },
             cavitation: CAVITATION[kind % 2],
             rheology: rheology(kind),
@@ -87,14 +92,14 @@ impl Life {
     /// A life from a line of numbers.
     fn parse(line: &str) -> Self {
         let numbers: Vec<f64> = line.split(' ').map(|n| n.parse().unwrap()).collect();
-        let (bearing, intervals) = numbers.split_at(6);
+        let (bearing, intervals) = numbers.split_at(7);
         let (intervals, []) = intervals.as_chunks() else {
             panic!("five numbers an interval: {line}")
         };
         let kind = bearing[4] as usize;
         Self {
             settings: FilmSettings {
-                cells: [32, 3],
+                cells: cells(bearing[6] as usize),
                 side_pressure: bearing[3],
                 cavitation: CAVITATION[kind % 2],
                 rheology: rheology(kind),
@@ -116,6 +121,7 @@ impl Life {
             f64::from(settings.cavitation == CAVITATION[1])
                 + 2.0 * f64::from(settings.rheology.density == DENSITY[1]),
             self.viscosity,
+            settings.cells[0] as f64,
         ];
         let numbers = bearing.iter().chain(self.intervals.iter().flatten());
         numbers
@@ -168,7 +174,7 @@ fn more_lives_are_survived() {
         let mut runner = TestRunner::new_with_rng(ProptestConfig::default(), rng);
         for _ in 0..10_000 {
             let mut life = lives().new_tree(&mut runner).unwrap().current();
-            life.settings.cells = [columns, (columns + 4) / 12].map(|n| n as usize);
+            life.settings.cells = cells(columns as usize);
             let line = life.line();
             if let Err(failure) = live(life) {
                 println!("{failure}\n{line}");
