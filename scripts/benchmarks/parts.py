@@ -101,24 +101,24 @@ def multirate(scale):
     """Leaping over turns against resolving them, in speed and in what the criteria become: the rows, and the
     errors over the points of Table 3 and over those of the rig, each with their number."""
     leaping, resolved = table3("multirate"), table3("resolved", fixed=RESOLVED)
-    # The speed needs fewer points than the errors do.
-    row = leap(scale, "Table 3, 150 s in one step", leaping, resolved, min(scale.points, 200))
+    # The speed of turns needs fewer points than the errors do, that of leaps more: beside them the process's own
+    # start and end would not be small.
+    row = leap(scale, "Table 3, 150 s in one step", (leaping, 2000), (resolved, min(scale.points, 200)))
     for key, value in at_least(row.ratio, 50).items():
         setattr(row, key, value)
     here, there = rig("rig-multirate"), rig("rig-resolved", fixed=RESOLVED)
     mixed = min(scale.points, 256)
-    rows = [row, leap(scale, "the rig, 140 s in one step, 10 s in steps of 10 ms", here, there, min(mixed, 32))]
+    rows = [row, leap(scale, "the rig, 140 s in one step, 10 s in steps of 10 ms", (here, 100), (there, min(mixed, 32)))]
     return rows, [(errors(leaping, resolved, scale.points), scale.points), (errors(here, there, mixed), mixed)]
 
 
-def leap(scale, name, leaping, resolved, points):
-    """A run with leaps against one without, what the orchestrator does for a point included."""
-    few = max(2, points // 20)
+def leap(scale, name, leaping, resolved):
+    """Runs with leaps against runs without, each a study and its points; what the orchestrator does for a point
+    is included."""
+    def measure(study, points):
+        return longer(lambda count: alone(study, count), max(2, points // 20), points)
 
-    def measure(study):
-        return longer(lambda count: alone(study, count), few, points)
-
-    [ratio], times = in_turns(scale.repetitions, measure(leaping), measure(resolved))
+    [ratio], times = in_turns(scale.repetitions, measure(*leaping), measure(*resolved))
     note = (f"leaping {1e3 * statistics.median(times[0]):.3f} ms a point, "
             f"resolved {1e3 * statistics.median(times[1]):.2f} ms")
     return Row(f"{name}: resolved / multirate", ratio, note=note)
