@@ -4,14 +4,17 @@
 //! else it is replaced. The first point on a used instance runs on a fresh one too: an FMU that forgets
 //! to reset something is found out, and gets a fresh instance for every point from then on.
 
-use std::ops::Range;
+mod steps;
+mod watched;
+
 use std::sync::Arc;
 
 use crate::failure::Failure;
 use crate::fmu::{Call, Instance, Library, State};
 use crate::statistics::Accumulator;
 use crate::study::Statistic;
-use crate::task::{CommunicationPoints, Storage, Task};
+use crate::task::{Storage, Task};
+use watched::Watched;
 
 /// Runs points, reusing the instance where the FMU can be reset.
 #[derive(Debug)]
@@ -29,63 +32,6 @@ pub struct Runner {
     /// The numbers of the other probes that are read there.
     slow: Vec<(usize, Accumulator)>,
     results: Vec<f64>,
-}
-
-/// Real variables that are read in one call.
-#[derive(Debug)]
-struct Watched {
-    references: Vec<u32>,
-    /// The values of some steps, those of a step side by side.
-    values: Vec<f64>,
-    /// How long those steps took.
-    elapsed: Vec<f64>,
-    accumulators: Vec<Accumulator>,
-    /// The numbers of the probes.
-    probes: Vec<usize>,
-}
-
-impl Watched {
-    /// How many values are gathered, and from how many steps at the most, before they are looked at.
-    const GATHERED: (usize, usize) = (1024, 128);
-
-    fn new(task: &Task, probes: Vec<usize>) -> Self {
-        let observed = || probes.iter().map(|&index| &task.observed[index]);
-        let (values, steps) = Self::GATHERED;
-        let steps = (values / probes.len().max(1)).clamp(1, steps);
-        Self {
-            references: observed().map(|probe| probe.reference).collect(),
-            values: vec![0.0; steps * probes.len()],
-            elapsed: vec![0.0; steps],
-            accumulators: observed()
-                .map(|probe| Accumulator::new(probe.statistic))
-                .collect(),
-            probes,
-        }
-    }
-
-    /// Reads the values at one communication point.
-    fn read(&mut self, instance: &mut Instance, elapsed: f64) -> Result<(), Call> {
-        if !self.probes.is_empty() {
-            instance.reals(&self.references, &mut self.values[..self.probes.len()])?;
-            self.elapsed[0] = elapsed;
-            self.take(1);
-        }
-        Ok(())
-    }
-
-    /// Adds what has been gathered from some steps to the statistics.
-    fn take(&mut self, steps: usize) {
-        let elapsed = self.elapsed[..steps].iter().copied();
-        if let [accumulator] = &mut self.accumulators[..] {
-            accumulator.add_all(elapsed.zip(self.values.iter().copied()));
-            return;
-        }
-        let count = self.accumulators.len();
-        for (number, accumulator) in self.accumulators.iter_mut().enumerate() {
-            let values = self.values[number..].iter().step_by(count).copied();
-            accumulator.add_all(elapsed.clone().zip(values));
-        }
-    }
 }
 
 /// How a used instance gets ready for the next point.
@@ -306,87 +252,6 @@ impl Runner {
         }
     }
 
-    /// Takes some of the steps.
-    fn advance<const WATCH: bool>(
-        &mut self,
-        instance: &mut Instance,
-        points: &CommunicationPoints,
-        steps: Range<u64>,
-    ) -> Result<(), Call> {
-        if !self.task.inputs.is_empty() || WATCH && !self.slow.is_empty() {
-            return self.advance_each::<WATCH>(instance, points, steps);
-        }
-        let [before, even, after] = points.parts(steps);
-        self.advance_each::<WATCH>(instance, points, before)?;
-        if WATCH {
-            self.watch_evenly(instance, points, even)?;
-        } else {
-            advance_evenly(instance, points, even)?;
-        }
-        self.advance_each::<WATCH>(instance, points, after)
-    }
-
-    /// Takes any steps, with inputs and everything that is to be read.
-    #[inline(never)]
-    fn advance_each<const WATCH: bool>(
-        &mut self,
-        instance: &mut Instance,
-        points: &CommunicationPoints,
-        steps: Range<u64>,
-    ) -> Result<(), Call> {
-        for index in steps {
-            let time = points.at(index);
-            let step = points.at(index + 1) - time;
-            feed(&self.task, instance, time)?;
-            instance.step(time, step)?;
-            if WATCH {
-                self.watch(instance, step)?;
-            }
-        }
-        Ok(())
-    }
-
-    /// Takes even steps without inputs and reads real variables. Their statistics follow some steps at a
-    /// time: that takes less than to look at each value by itself.
-    #[inline(never)]
-    fn watch_evenly(
-        &mut self,
-        instance: &mut Instance,
-        points: &CommunicationPoints,
-        steps: Range<u64>,
-    ) -> Result<(), Call> {
-        let mut time = points.at(steps.start);
-        let mut first = steps.start;
-        while first < steps.end {
-            let watched = &mut self.watched;
-            let end = steps.end.min(first + watched.elapsed.len() as u64);
-            let rows = watched.values.chunks_exact_mut(watched.references.len());
-            let rows = watched.elapsed.iter_mut().zip(rows);
-            for (next, (elapsed, row)) in points.even_ends(first..end).zip(rows) {
-                *elapsed = next - time;
-                instance.step(time, *elapsed)?;
-                instance.reals(&watched.references, row)?;
-                time = next;
-            }
-            watched.take((end - first) as usize);
-            first = end;
-        }
-        Ok(())
-    }
-
-    /// Reads what has a statistic over time.
-    fn watch(&mut self, instance: &mut Instance, elapsed: f64) -> Result<(), Call> {
-        self.watched.read(instance, elapsed)?;
-        self.watch_others(instance, elapsed)
-    }
-
-    fn watch_others(&mut self, instance: &mut Instance, elapsed: f64) -> Result<(), Call> {
-        for (index, accumulator) in &mut self.slow {
-            accumulator.add(elapsed, self.task.observed[*index].read(instance)?);
-        }
-        Ok(())
-    }
-
     /// The results, with the statistics taken over `span` seconds.
     fn finish(&mut self, instance: &mut Instance, span: f64) -> Result<(), Call> {
         let watched = self.watched.probes.iter().zip(&self.watched.accumulators);
@@ -401,21 +266,6 @@ impl Runner {
         }
         Ok(())
     }
-}
-
-/// Takes even steps without inputs: by far the most, so this loop does no more than it must.
-#[inline(never)]
-fn advance_evenly(
-    instance: &mut Instance,
-    points: &CommunicationPoints,
-    steps: Range<u64>,
-) -> Result<(), Call> {
-    let mut time = points.at(steps.start);
-    for next in points.even_ends(steps) {
-        instance.step(time, next - time)?;
-        time = next;
-    }
-    Ok(())
 }
 
 /// What interrupts a trajectory: the FMU, or who reads it.

@@ -1,0 +1,105 @@
+//! The steps of a simulation, and what is read between them.
+
+use std::ops::Range;
+
+use super::{Runner, feed};
+use crate::fmu::{Call, Instance};
+use crate::task::CommunicationPoints;
+
+impl Runner {
+    /// Takes some of the steps.
+    pub(super) fn advance<const WATCH: bool>(
+        &mut self,
+        instance: &mut Instance,
+        points: &CommunicationPoints,
+        steps: Range<u64>,
+    ) -> Result<(), Call> {
+        if !self.task.inputs.is_empty() || WATCH && !self.slow.is_empty() {
+            return self.advance_each::<WATCH>(instance, points, steps);
+        }
+        let [before, even, after] = points.parts(steps);
+        self.advance_each::<WATCH>(instance, points, before)?;
+        if WATCH {
+            self.watch_evenly(instance, points, even)?;
+        } else {
+            advance_evenly(instance, points, even)?;
+        }
+        self.advance_each::<WATCH>(instance, points, after)
+    }
+
+    /// Takes any steps, with inputs and everything that is to be read.
+    #[inline(never)]
+    fn advance_each<const WATCH: bool>(
+        &mut self,
+        instance: &mut Instance,
+        points: &CommunicationPoints,
+        steps: Range<u64>,
+    ) -> Result<(), Call> {
+        for index in steps {
+            let time = points.at(index);
+            let step = points.at(index + 1) - time;
+            feed(&self.task, instance, time)?;
+            instance.step(time, step)?;
+            if WATCH {
+                self.watch(instance, step)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes even steps without inputs and reads real variables. Their statistics follow some steps at a
+    /// time: that takes less than to look at each value by itself.
+    #[inline(never)]
+    fn watch_evenly(
+        &mut self,
+        instance: &mut Instance,
+        points: &CommunicationPoints,
+        steps: Range<u64>,
+    ) -> Result<(), Call> {
+        let mut time = points.at(steps.start);
+        let mut first = steps.start;
+        while first < steps.end {
+            let watched = &mut self.watched;
+            let end = steps.end.min(first + watched.elapsed.len() as u64);
+            let rows = watched.values.chunks_exact_mut(watched.references.len());
+            let rows = watched.elapsed.iter_mut().zip(rows);
+            for (next, (elapsed, row)) in points.even_ends(first..end).zip(rows) {
+                *elapsed = next - time;
+                instance.step(time, *elapsed)?;
+                instance.reals(&watched.references, row)?;
+                time = next;
+            }
+            watched.take((end - first) as usize);
+            first = end;
+        }
+        Ok(())
+    }
+
+    /// Reads what has a statistic over time.
+    pub(super) fn watch(&mut self, instance: &mut Instance, elapsed: f64) -> Result<(), Call> {
+        self.watched.read(instance, elapsed)?;
+        self.watch_others(instance, elapsed)
+    }
+
+    fn watch_others(&mut self, instance: &mut Instance, elapsed: f64) -> Result<(), Call> {
+        for (index, accumulator) in &mut self.slow {
+            accumulator.add(elapsed, self.task.observed[*index].read(instance)?);
+        }
+        Ok(())
+    }
+}
+
+/// Takes even steps without inputs: by far the most, so this loop does no more than it must.
+#[inline(never)]
+fn advance_evenly(
+    instance: &mut Instance,
+    points: &CommunicationPoints,
+    steps: Range<u64>,
+) -> Result<(), Call> {
+    let mut time = points.at(steps.start);
+    for next in points.even_ends(steps) {
+        instance.step(time, next - time)?;
+        time = next;
+    }
+    Ok(())
+}

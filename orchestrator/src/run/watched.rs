@@ -1,0 +1,62 @@
+//! Real variables whose statistics are taken while a point runs.
+
+use crate::fmu::{Call, Instance};
+use crate::statistics::Accumulator;
+use crate::task::Task;
+
+/// Real variables that are read in one call.
+#[derive(Debug)]
+pub(super) struct Watched {
+    pub(super) references: Vec<u32>,
+    /// The values of some steps, those of a step side by side.
+    pub(super) values: Vec<f64>,
+    /// How long those steps took.
+    pub(super) elapsed: Vec<f64>,
+    pub(super) accumulators: Vec<Accumulator>,
+    /// The numbers of the probes.
+    pub(super) probes: Vec<usize>,
+}
+
+impl Watched {
+    /// How many values are gathered, and from how many steps at the most, before they are looked at.
+    const GATHERED: (usize, usize) = (1024, 128);
+
+    pub(super) fn new(task: &Task, probes: Vec<usize>) -> Self {
+        let observed = || probes.iter().map(|&index| &task.observed[index]);
+        let (values, steps) = Self::GATHERED;
+        let steps = (values / probes.len().max(1)).clamp(1, steps);
+        Self {
+            references: observed().map(|probe| probe.reference).collect(),
+            values: vec![0.0; steps * probes.len()],
+            elapsed: vec![0.0; steps],
+            accumulators: observed()
+                .map(|probe| Accumulator::new(probe.statistic))
+                .collect(),
+            probes,
+        }
+    }
+
+    /// Reads the values at one communication point.
+    pub(super) fn read(&mut self, instance: &mut Instance, elapsed: f64) -> Result<(), Call> {
+        if !self.probes.is_empty() {
+            instance.reals(&self.references, &mut self.values[..self.probes.len()])?;
+            self.elapsed[0] = elapsed;
+            self.take(1);
+        }
+        Ok(())
+    }
+
+    /// Adds what has been gathered from some steps to the statistics.
+    pub(super) fn take(&mut self, steps: usize) {
+        let elapsed = self.elapsed[..steps].iter().copied();
+        if let [accumulator] = &mut self.accumulators[..] {
+            accumulator.add_all(elapsed.zip(self.values.iter().copied()));
+            return;
+        }
+        let count = self.accumulators.len();
+        for (number, accumulator) in self.accumulators.iter_mut().enumerate() {
+            let values = self.values[number..].iter().step_by(count).copied();
+            accumulator.add_all(elapsed.clone().zip(values));
+        }
+    }
+}
