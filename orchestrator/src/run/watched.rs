@@ -18,8 +18,9 @@ pub(super) struct Watched {
 }
 
 impl Watched {
-    /// How many values are gathered, and from how many steps at the most, before they are looked at.
-    const GATHERED: (usize, usize) = (1024, 128);
+    /// How many values are gathered, and from how many steps at the most, before they are looked at: so few
+    /// that the processor begins the next steps while it still adds.
+    const GATHERED: (usize, usize) = (1024, 24);
 
     pub(super) fn new(task: &Task, probes: Vec<usize>) -> Self {
         let observed = || probes.iter().map(|&index| &task.observed[index]);
