@@ -92,7 +92,7 @@ loop reads and adds up."""
 IMPORTERS = """\
 CPU time of a run with one output read at each step. fmpy: only the runs, with a model description and an
 unpacked FMU handed over, importing and loading left out. Orchestrator: the whole process, from its start to the written
-report, divided by its points; a ratio above 1 is in its favour. The goals of issue 8 are those of a trivial FMU
+report, divided by its points; a ratio above 1 is in its favour. The goals are set for a trivial FMU
 and 1,000 runs, of which the orchestrator's start and report are a good part."""
 AWAY = """
 
@@ -100,7 +100,7 @@ OMSimulator is left out: it is not in `.venv`. Its package on PyPI holds no prog
 build from another server without checking who that is. Whoever has it in `.venv` gets its rows here."""
 MULTIRATE = """\
 `solver.multirate` on (the default) and off. Besides the run, a point's share of the journal, the tables and the page is
-in both times. Issue 8 asks for 50 and aims at 200 at the points of Table 3, whose thick film lets the resolved turns
+in both times. The goal is 50, the aim 200, at the points of Table 3, whose thick film lets the resolved turns
 take large steps; the rig's mixed lubrication does not."""
 BOUNDARY = """\
 `fmu/examples/direct.rs` calls the stand without FMI; the minimal loop steps the packaged FMU. Both read one output after
