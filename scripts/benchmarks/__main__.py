@@ -52,7 +52,7 @@ def measure(size):
     sections = []
     say("orchestrator and minimal loop")
     sections.append(("Orchestrator / minimal dlopen loop, a step", OVERHEAD, parts.overhead(size, [
-        ("the trivial FMU", trivial, 20_000, 3_000), ("the lag through the stand's boundary", lag, 20_000, 200),
+        ("the trivial FMU", trivial, 20_000, 10_000), ("the lag through the stand's boundary", lag, 20_000, 200),
         ("the stand, 1 ms steps", stand, 2_000, 100)])))
     say("other importers")
     away = "" if parts.omsimulator_is_here() else AWAY
