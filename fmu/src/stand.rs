@@ -314,6 +314,7 @@ impl Model for Stand {
 
     fn initialise(&mut self, experiment: &Experiment<'_>, _: &mut dyn Log) -> Result<(), Fault> {
         model::check_ranges(self)?;
+        Self::check_time(experiment.start).map_err(Fault::Invalid)?;
         if let Some(tolerance) = experiment.tolerance {
             self.solver.tolerance = tolerance.clamp(1e-12, 1e-2);
         }
@@ -339,6 +340,7 @@ impl Model for Stand {
     }
 
     fn advance(&mut self, time: f64, step: f64, _: &mut dyn Log) -> Result<(), Fault> {
+        Self::check_time(time + step).map_err(Fault::Failed)?;
         self.check_inputs_after(step)?;
         self.state.time = time;
         let before = (self.state, self.inputs, self.film.clone());

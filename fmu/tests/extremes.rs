@@ -176,3 +176,26 @@ fn a_step_of_years_is_refused() {
         "{message}"
     );
 }
+
+/// Far from zero, the phase of the fluctuation would be no number.
+#[test]
+fn times_that_no_clock_reaches_are_refused() {
+    let mut stand = Stand::default();
+    set(&mut stand, "drive.fluctuationAmplitude", 0.02);
+    let far = |start| Experiment {
+        start,
+        ..EXPERIMENT
+    };
+    for start in [1.1e12, -1e300, f64::MAX] {
+        let Err(Fault::Invalid(message)) = stand.initialise(&far(start), &mut ()) else {
+            panic!("a start at {start} s was accepted");
+        };
+        assert!(message.contains("between -1e12 and 1e12 s"), "{message}");
+    }
+    stand.initialise(&far(1e12), &mut ()).unwrap();
+    let before = stand.save();
+    let refused = stand.advance(1e12, 0.01, &mut ());
+    assert!(matches!(refused, Err(Fault::Failed(_))), "{refused:?}");
+    assert_eq!(stand.save(), before);
+    assert!(stand.readings().shaft_speed.is_finite());
+}

@@ -55,6 +55,19 @@ impl Default for Inputs {
 }
 
 impl Stand {
+    /// Refuses times that are too far from zero for the drive's phase to be known.
+    pub(super) fn check_time(time: f64) -> Result<(), String> {
+        /// Some 30,000 years, s: beyond, neighbouring numbers are 0.1 ms apart.
+        const FARTHEST: f64 = 1e12;
+        if time.abs() <= FARTHEST {
+            return Ok(());
+        }
+        Err(format!(
+            "a time of {time:e} s: it must lie between {:e} and {FARTHEST:e} s; start nearer to zero",
+            -FARTHEST
+        ))
+    }
+
     /// Refuses a step by whose end the slopes would take an input out of its range.
     pub(super) fn check_inputs_after(&mut self, span: f64) -> Result<(), Fault> {
         // A ramp that ends at the bound may miss it by its rounding.
