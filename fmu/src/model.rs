@@ -14,7 +14,7 @@ use thiserror::Error;
 /// The life of a model: `default()`, set parameters and inputs, [`initialise`](Model::initialise),
 /// then any number of: set inputs, [`advance`](Model::advance), read outputs.
 /// `Clone` is a complete snapshot of the simulation at a communication point.
-pub trait Model: Clone + Default + Send + 'static {
+pub trait Model: Clone + Default + Send + Sync + 'static {
     /// Name, identifier and description.
     const INFO: Info;
 
@@ -233,7 +233,8 @@ pub struct Variable<M: 'static> {
     pub role: Role,
     /// Its type, attributes and access.
     pub kind: Kind<M>,
-    /// For outputs: the names of the inputs on which the value depends directly, at the same instant.
+    /// For outputs: the names of the inputs on which the value depends directly, at the same instant
+    /// (at the start, too).
     pub depends_on: &'static [&'static str],
 }
 

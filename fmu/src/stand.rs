@@ -99,6 +99,9 @@ type Unknowns = [f64; 6];
 /// The change of each unknown that a relative tolerance of one allows: the whole clearance, 100 K.
 const SCALES: Unknowns = [1.0, 1.0, 100.0, 100.0, 100.0, 100.0];
 
+/// The log category of what the stand does.
+const EVENTS: &str = "logEvents";
+
 /// The internal step to try first, s.
 const FIRST_STEP: f64 = 1e-4;
 
@@ -121,12 +124,20 @@ impl Stand {
     pub fn rate_of(&self, output: fn(&Readings) -> f64) -> f64 {
         const AHEAD: f64 = 1e-6;
         let mut ahead = self.clone();
+        let mut later = || {
+            ahead.check_inputs_after(AHEAD).ok()?;
+            ahead.resolve(AHEAD).ok()?;
+            Some(output(&ahead.read(0.0, &unknowns(&ahead.state))))
+        };
+        // The Reynolds film's flows are those of its last step: two of the same length are alike.
+        let begin = match &self.film {
+            Some(_) => later(),
+            None => Some(output(&self.readings)),
+        };
         // What cannot be advanced has no rate.
-        if ahead.check_inputs_after(AHEAD).is_err() || ahead.resolve(AHEAD).is_err() {
-            return 0.0;
-        }
-        let then = ahead.read(0.0, &unknowns(&ahead.state));
-        (output(&then) - output(&self.readings)) / AHEAD
+        begin
+            .zip(later())
+            .map_or(0.0, |(begin, end)| (end - begin) / AHEAD)
     }
 
     /// The friction heat that goes into film, bush and shaft at the present communication point, W.
@@ -302,8 +313,8 @@ impl Model for Stand {
             ("logStatusError", "Why a call was refused or failed"),
             ("logStatusWarning", "What was accepted but deserves a look"),
             (
-                "logEvents",
-                "What the model was set up with and how the solver works",
+                EVENTS,
+                "What the model was set up with, and how each step is made",
             ),
         ],
     };
@@ -312,7 +323,7 @@ impl Model for Stand {
         crate::variables::table()
     }
 
-    fn initialise(&mut self, experiment: &Experiment<'_>, _: &mut dyn Log) -> Result<(), Fault> {
+    fn initialise(&mut self, experiment: &Experiment<'_>, log: &mut dyn Log) -> Result<(), Fault> {
         model::check_ranges(self)?;
         Self::check_time(experiment.start).map_err(Fault::Invalid)?;
         if let Some(tolerance) = experiment.tolerance {
@@ -330,7 +341,22 @@ impl Model for Stand {
             temperatures: self.thermal.initial(),
             next_step: FIRST_STEP,
         };
-        self.update()
+        self.update()?;
+        log.log(
+            EVENTS,
+            format_args!(
+                "set up at {} s: {:?} film, radial clearance {:e} m, film of {:e} Pa.s at {} K, load {} N, \
+                 tolerance {:e}",
+                experiment.start,
+                self.bearing.film,
+                self.bearing.radial_clearance,
+                self.readings.film_viscosity,
+                self.readings.film_temperature,
+                self.readings.load_force,
+                self.solver.tolerance
+            ),
+        );
+        Ok(())
     }
 
     fn update(&mut self) -> Result<(), Fault> {
@@ -339,12 +365,19 @@ impl Model for Stand {
         Ok(())
     }
 
-    fn advance(&mut self, time: f64, step: f64, _: &mut dyn Log) -> Result<(), Fault> {
+    fn advance(&mut self, time: f64, step: f64, log: &mut dyn Log) -> Result<(), Fault> {
         Self::check_time(time + step).map_err(Fault::Failed)?;
         self.check_inputs_after(step)?;
         self.state.time = time;
         let before = (self.state, self.inputs, self.film.clone());
-        let done = if self.can_leap(step) {
+        let leaps = self.can_leap(step);
+        let how = if leaps {
+            "in a leap over most of its turns"
+        } else {
+            "with every turn resolved"
+        };
+        log.log(EVENTS, format_args!("{step} s from {time} s {how}"));
+        let done = if leaps {
             self.leap(step)
         } else {
             self.resolve(step)

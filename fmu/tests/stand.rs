@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use plain_bearing_stand::bearing::FilmModel;
-use plain_bearing_stand::model::{Experiment, Fault, Model};
+use plain_bearing_stand::model::{Access, Experiment, Fault, Kind, Log, Model, Role};
 use plain_bearing_stand::sensors::Readings;
 use plain_bearing_stand::stand::Stand;
 use proptest::prelude::*;
@@ -217,16 +217,108 @@ fn rates_are_those_of_the_outputs() {
             (|r| r.shaft_angle) as fn(&Readings) -> f64,
             |r| r.load_force,
             |r| r.film_temperature,
+            |r| r.friction_torque,
+            |r| r.max_film_pressure,
         ] {
-            let (rate, before) = (stand.rate_of(get), get(stand.readings()));
+            let rate = stand.rate_of(get);
             let mut ahead = stand.clone();
-            ahead.advance(0.1, 1e-5, &mut ()).unwrap();
-            let expected = (get(ahead.readings()) - before) / 1e-5;
+            let [begin, end] = [0.1, 0.1 + 1e-5].map(|time| {
+                ahead.advance(time, 1e-5, &mut ()).unwrap();
+                get(ahead.readings())
+            });
+            let expected = (end - begin) / 1e-5;
             assert!(
                 (rate - expected).abs() < 1e-2 * expected.abs() + 1e-3,
                 "{rate} {expected}"
             );
         }
+    }
+}
+
+/// What a host that looks for loops between coupled FMUs relies on, at the start and later.
+#[test]
+fn outputs_follow_at_once_only_the_inputs_that_they_name() {
+    for (film, time) in [
+        (FilmModel::Mobility, 0.0),
+        (FilmModel::Mobility, 0.1),
+        (FilmModel::Reynolds, 0.0),
+        (FilmModel::Reynolds, 0.02),
+    ] {
+        let configured = |set: &dyn Fn(&mut Stand)| {
+            start(|stand| {
+                stand.bearing.film = film;
+                if time == 0.0 {
+                    set(stand);
+                }
+            })
+        };
+        let readings = |stand: &Stand| {
+            let outputs = Stand::variables().iter().filter(|v| v.role == Role::Output);
+            Vec::from_iter(outputs.map(|variable| match &variable.kind {
+                Kind::Real { access, .. } => (variable, (access.get)(stand)),
+                _ => unreachable!("{} is no Real", variable.name),
+            }))
+        };
+        let mut stand = configured(&|_| ());
+        run(&mut stand, time, 0.01);
+        for input in Stand::variables().iter().filter(|v| v.role == Role::Input) {
+            let Kind::Real {
+                access:
+                    Access {
+                        get,
+                        set: Some(set),
+                    },
+                ..
+            } = input.kind
+            else {
+                unreachable!("{} is no Real", input.name);
+            };
+            let other = 1.3 * get(&stand) + 7.0;
+            let mut changed = configured(&|stand| set(stand, &other));
+            if time > 0.0 {
+                changed = stand.clone();
+                set(&mut changed, &other);
+                changed.update().unwrap();
+            }
+            for ((variable, before), (_, after)) in
+                readings(&stand).into_iter().zip(readings(&changed))
+            {
+                let named = variable.depends_on.contains(&input.name);
+                assert!(
+                    named || before == after,
+                    "{} follows {}",
+                    variable.name,
+                    input.name
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn the_log_tells_what_is_done() {
+    struct Messages(Vec<String>);
+    impl Log for Messages {
+        fn log(&mut self, category: &'static str, message: std::fmt::Arguments<'_>) {
+            self.0.push(format!("{category}: {message}"));
+        }
+    }
+    let mut log = Messages(Vec::new());
+    let mut stand = Stand::default();
+    stand.initialise(&NO_FILES, &mut log).unwrap();
+    stand.advance(0.0, 0.5, &mut log).unwrap();
+    stand.advance(0.5, 50.0, &mut log).unwrap();
+    let told = [
+        "set up at 0 s: Mobility film",
+        "0.5 s from 0 s with every turn resolved",
+        "50 s from 0.5 s in a leap",
+    ];
+    assert_eq!(log.0.len(), told.len(), "{:?}", log.0);
+    for (message, told) in log.0.iter().zip(told) {
+        assert!(
+            message.starts_with(&format!("logEvents: {told}")),
+            "{message}"
+        );
     }
 }
 

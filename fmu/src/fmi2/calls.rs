@@ -14,7 +14,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use super::guard::{Handle, enter};
 use super::instance::{Instance, Request};
 use super::phase::{self, Function};
-use super::raw::{place, text, values, values_mut};
+use super::raw::{lossy, place, text, values, values_mut};
 use super::refusal::{Outcome, Refusal};
 use super::types::{
     Boolean, Byte, CallbackFunctions, Component, DO_STEP_STATUS, FALSE, FmuState, Integer,
@@ -35,19 +35,13 @@ pub unsafe fn instantiate<M: Model>(
     let make = || {
         // SAFETY: as the host vouches; the struct is copied, hosts may keep it on their stack.
         let callbacks = unsafe { values(callbacks, 1, "functions") }.ok()?[0];
-        // SAFETY: as the host vouches.
-        let [name, guid, resources] = unsafe {
-            [
-                text(name, "instanceName"),
-                text(guid, "fmuGUID"),
-                text(resources, ""),
-            ]
-        };
+        // SAFETY: as the host vouches. Some hosts write names and paths in the code page of their system.
+        let [name, guid, resources] = unsafe { [lossy(name), lossy(guid), lossy(resources)] };
         let request = Request {
-            name: name.unwrap_or_default(),
+            name: name.as_deref().unwrap_or_default(),
             kind,
-            guid: guid.unwrap_or_default(),
-            resources: resources.ok(),
+            guid: guid.as_deref().unwrap_or_default(),
+            resources: resources.as_deref(),
             logging: logging != FALSE,
         };
         Instance::<M>::new(&request, &callbacks).map(Handle::give)

@@ -250,10 +250,15 @@ fn structure<M: Model>(xml: &mut Xml) {
             xml.leaf(unknown(index, |_, v: &Variable<M>| known(v.name), table));
         }
         xml.close("Outputs");
-        // At the start, outputs may depend on parameters too.
+        // At the start, outputs may depend on parameters too. On no more inputs than later: hosts
+        // that couple FMUs take each one for a part of a loop that must be solved.
         xml.open(Tag::new("InitialUnknowns"));
-        for (index, _) in outputs() {
-            let known = |v: &Variable<M>| !matches!(v.role, Role::Output | Role::Local);
+        for (index, variable) in outputs() {
+            let known = |v: &Variable<M>| match v.role {
+                Role::Input => variable.depends_on.contains(&v.name),
+                Role::Parameter | Role::TunableParameter => true,
+                Role::Output | Role::Local => false,
+            };
             xml.leaf(unknown(index, |_, v| known(v), table));
         }
         xml.close("InitialUnknowns");

@@ -119,9 +119,11 @@ impl<M: Model> Instance<M> {
     /// `fmi2SetupExperiment`.
     pub fn setup(&mut self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Outcome {
         finite("startTime", start)?;
+        // Simulink, for one, calls a simulation without an end one that stops at infinity.
+        let stop = stop.filter(|stop| *stop != f64::INFINITY);
         if let Some(stop) = stop {
-            let why = "it must be later than startTime";
-            require(stop > start && stop.is_finite(), "stopTime", stop, why)?;
+            let why = "it must not be earlier than startTime";
+            require(stop >= start, "stopTime", stop, why)?;
         }
         if let Some(tolerance) = tolerance {
             let why = "it must be greater than 0";
@@ -202,8 +204,12 @@ impl<M: Model> Instance<M> {
 
     /// Hosts compute their times by adding up steps, by multiplying, or in single precision: what
     /// counts is that no step is left out or done twice, and that none ends after the stop time.
+    /// Half a step away is another point, unless neighbouring numbers are as far apart.
     fn check_times(&self, from: f64, step: f64) -> Outcome<()> {
-        let near = 1e-3 * step + 1e-6 * from.abs().max(self.run.time.abs());
+        let time = from.abs().max(self.run.time.abs());
+        let near = (1e-3 * step + 1e-6 * time)
+            .min(0.5 * step)
+            .max(4.0 * f64::EPSILON * time);
         if (from - self.run.time).abs() > near {
             return Err(Refusal::Argument {
                 name: "currentCommunicationPoint",

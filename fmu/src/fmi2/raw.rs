@@ -1,5 +1,6 @@
 //! Raw pointers of C arguments, checked as far as pointers can be checked.
 
+use std::borrow::Cow;
 use std::ffi::CStr;
 
 use super::refusal::{Outcome, Refusal};
@@ -58,6 +59,16 @@ pub unsafe fn text<'a>(pointer: Text, name: &'static str) -> Outcome<&'a str> {
         value: text.to_string_lossy().into_owned(),
         why: "texts are UTF-8",
     })
+}
+
+/// A text in whatever encoding, with replacements for what is no UTF-8. None for NULL.
+///
+/// # Safety
+/// As for [`text`].
+pub unsafe fn lossy<'a>(pointer: Text) -> Option<Cow<'a, str>> {
+    check(pointer, 1, "").ok()?;
+    // SAFETY: not NULL; the caller vouches for the NUL at its end.
+    Some(unsafe { CStr::from_ptr(pointer) }.to_string_lossy())
 }
 
 fn check<T>(pointer: *const T, n: usize, name: &'static str) -> Outcome<()> {

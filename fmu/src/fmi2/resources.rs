@@ -3,8 +3,12 @@
 use std::path::PathBuf;
 
 /// The folder that a URI such as `file:/a`, `file:///a%20b` or `file://localhost/a` names.
-/// Hosts that pass a plain absolute path are understood too. `None`: not a local folder.
+/// Hosts that pass a plain absolute path are understood too. `None`: not a local folder, or one
+/// whose name was no UTF-8.
 pub fn folder(uri: &str) -> Option<PathBuf> {
+    if uri.contains(char::REPLACEMENT_CHARACTER) {
+        return None;
+    }
     let path = match scheme(uri) {
         Some(rest) => decode(local_path(rest)?)?,
         None => uri.to_owned(),
@@ -87,6 +91,7 @@ mod tests {
             "file:///%4",
             "file:///%zz",
             "file:///%ff",
+            "file:///tmp/r\u{fffd}s",
         ] {
             assert_eq!(folder(uri), None, "{uri}");
         }

@@ -35,8 +35,8 @@ impl<M: Model> Saved<M> {
 
     /// # Safety
     /// The state is NULL, or points to at least eight readable bytes; one of ours is alive and
-    /// used by no other call during `'a`.
-    unsafe fn find<'a>(state: FmuState) -> Outcome<&'a mut Self> {
+    /// not written to during `'a`. Several instances may read it at once.
+    unsafe fn find<'a>(state: FmuState) -> Outcome<&'a Self> {
         let first = state.cast::<AtomicU64>();
         if first.is_null() {
             return Err(Refusal::Null("FMUstate"));
@@ -49,7 +49,7 @@ impl<M: Model> Saved<M> {
             return Err(Refusal::Pointer("FMUstate"));
         }
         // SAFETY: the number is written by `give` only, in front of a state of this type.
-        Ok(unsafe { &mut *state.cast::<Self>() })
+        Ok(unsafe { &*state.cast::<Self>() })
     }
 }
 
@@ -57,14 +57,16 @@ impl<M: Model> Instance<M> {
     /// `fmi2GetFMUstate`: saves the state in the place of an earlier one, where there is one.
     ///
     /// # Safety
-    /// `place` holds NULL or a state of this FMU that was not freed.
+    /// `place` holds NULL or a state of this FMU that was not freed and that no other call uses.
     pub unsafe fn save(&mut self, place: &mut FmuState) -> Outcome {
         let run = self.run.clone();
         if place.is_null() {
             *place = Saved::give(run);
         } else {
             // SAFETY: as the caller says.
-            unsafe { Saved::<M>::find(*place) }?.run = run;
+            unsafe { Saved::<M>::find(*place) }?;
+            // SAFETY: a state of ours, as was just found, which no other call uses.
+            unsafe { (*place.cast::<Saved<M>>()).run = run };
         }
         Ok(Status::Ok)
     }
@@ -82,7 +84,7 @@ impl<M: Model> Instance<M> {
     /// `fmi2FreeFMUstate`.
     ///
     /// # Safety
-    /// `place` holds NULL or a state of this FMU that was not freed.
+    /// `place` holds NULL or a state of this FMU that was not freed and that no other call uses.
     pub unsafe fn free_state(place: &mut FmuState) -> Outcome {
         if place.is_null() {
             return Ok(Status::Ok);

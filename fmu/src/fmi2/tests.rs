@@ -223,6 +223,59 @@ fn steps_past_the_stop_time_are_refused() {
 }
 
 #[test]
+fn late_steps_are_told_apart_as_well_as_early_ones() {
+    for (late, step) in [(1e4, 1e-3), (1e7, 1e-4), (1e9, 1.0)] {
+        let mut host = Host::new();
+        let setup = host.setup(Some(late + step));
+        assert_eq!([setup, host.enter(), host.exit()], [Ok; 3]);
+        assert_eq!(host.step(0.0, late), Ok);
+        assert_eq!(host.step(late, step), Ok);
+        assert_eq!(host.step(late, step), Error, "twice at {late}");
+        assert!(host.last_message().contains("where the last one ended"));
+        assert_eq!(host.step(late + step, step), Error, "beyond at {late}");
+        assert!(host.last_message().contains("after the stop time"));
+    }
+    // A host that counts in single precision, and steps shorter than the numbers are apart.
+    let host = Host::started();
+    assert_eq!(host.step(0.0, 100.0), Ok);
+    let mut time = 100.0_f32;
+    for _ in 0..100 {
+        assert_eq!(host.step(time.into(), 1e-3_f32.into()), Ok);
+        time += 1e-3;
+    }
+    let host = Host::started();
+    assert_eq!(host.step(0.0, 100.0), Ok);
+    for _ in 0..3 {
+        assert_eq!(host.step(100.0, 1e-17), Ok);
+    }
+}
+
+#[test]
+fn experiments_may_have_no_length_or_no_end() {
+    for (stop, status) in [
+        (0.0, Ok),
+        (f64::INFINITY, Ok),
+        (-1e-9, Error),
+        (f64::NEG_INFINITY, Error),
+        (f64::NAN, Error),
+    ] {
+        let host = Host::new();
+        assert_eq!(host.setup(Some(stop)), status, "{stop}");
+    }
+    let host = Host::new();
+    let setup = host.setup(Some(f64::INFINITY));
+    assert_eq!([setup, host.enter(), host.exit()], [Ok; 3]);
+    assert_eq!(host.step(0.0, 1e9), Ok);
+}
+
+#[test]
+fn names_in_another_encoding_are_taken() {
+    let mut host = Host::with(c"l\xe4g", &guid(), 1, c"/tmp/r\xe9s");
+    assert!(!host.component.is_null());
+    assert!(host.last_message().contains("no local folder"));
+}
+
+#[test]
 fn failed_steps_follow_the_standard() {
     let mut host = Host::started();
     assert_eq!(host.step(0.0, 0.25), Ok);
