@@ -105,7 +105,7 @@ fn every_broken_archive_is_found() {
     arm[18] = 183;
     narrow[4] = 1;
     let place = "binaries/linux64/lag.so";
-    let cases: [(&str, &str, &[u8], &str); 8] = [
+    let cases: [(&str, &str, &[u8], &str); 9] = [
         (
             "no binary",
             "resources/none",
@@ -137,6 +137,12 @@ fn every_broken_archive_is_found() {
             "binaries/linux64/leg.so",
             &good,
             "call it lag.so",
+        ),
+        (
+            "a folder in upper case",
+            "Binaries/Linux64/lag.so",
+            &good,
+            "Binaries/Linux64/lag.so: the folder's name is binaries/linux64/",
         ),
         (
             "a way out",
@@ -177,5 +183,96 @@ fn every_broken_archive_is_found() {
     );
     let (name, words) = ("a folder around it", "belongs to the top of the archive");
     wrong.extend(amiss(&bench, name, words));
+    none(&wrong);
+}
+
+/// What takes more than one change of the description, or other bytes.
+#[test]
+fn every_broken_document_is_found() {
+    let bench = Bench::empty();
+    let description = model("guid", "guid");
+    let binary = bench.binary(&[]);
+    let place = "binaries/linux64/lag.so";
+    let structured = model("guid=", "variableNamingConvention=\"structured\" guid=");
+    let latin: Vec<u8> = description
+        .replace("first-order", "b\u{e4}d")
+        .chars()
+        .map(|c| c as u8)
+        .collect();
+    let spaced = model(
+        "<fmiModelDescription",
+        "<f:fmiModelDescription xmlns:f=\"f\"",
+    )
+    .replace("</fmi", "</f:fmi");
+    let mut wrong = Vec::new();
+    for (name, entry, content, words) in [
+        (
+            "upper case",
+            "ModelDescription.xml",
+            description.as_bytes(),
+            "call it modelDescription.xml",
+        ),
+        (
+            "another encoding",
+            "modelDescription.xml",
+            &latin,
+            "line 2: not UTF-8",
+        ),
+        (
+            "a namespace",
+            "modelDescription.xml",
+            spaced.as_bytes(),
+            "the namespace \"f\"",
+        ),
+        (
+            "names out of the convention",
+            "modelDescription.xml",
+            structured.replace("lag.y", "lag y").as_bytes(),
+            "lag y: no structured name",
+        ),
+    ] {
+        bench.zip("broken.fmu", &[(entry, content), (place, &binary)]);
+        wrong.extend(amiss(&bench, name, words));
+    }
+    none(&wrong);
+}
+
+/// Damage in the zip itself: a bit in a compressed file, its mark as encrypted, its method.
+#[test]
+fn every_damaged_archive_is_found() {
+    let bench = Bench::empty();
+    let description = model("guid", "guid");
+    let binary = bench.binary(&[]);
+    let files: [(&str, &[u8]); 2] = [
+        ("modelDescription.xml", description.as_bytes()),
+        ("binaries/linux64/lag.so", &binary),
+    ];
+    bench.zip("broken.fmu", &files);
+    let path = bench.path("broken.fmu");
+    let good = std::fs::read(&path).unwrap();
+    // The heads of the entries, before them and in the directory, and where they have their flags.
+    let heads = |mark: [u8; 4], flags: usize| {
+        let places = 0..good.len() - 4;
+        places
+            .filter(|at| good[*at..].starts_with(&mark))
+            .map(move |at| at + flags)
+            .collect::<Vec<_>>()
+    };
+    let flags = [heads(*b"PK\x01\x02", 8), heads(*b"PK\x03\x04", 6)].concat();
+    let mut wrong = Vec::new();
+    for (name, words) in [
+        ("a flipped bit", "damaged ("),
+        ("encrypted", "modelDescription.xml: encrypted"),
+        ("another method", "deflate"),
+    ] {
+        let mut bytes = good.clone();
+        match name {
+            "a flipped bit" => bytes[200] ^= 0x10,
+            "encrypted" => flags.iter().for_each(|at| bytes[*at] |= 1),
+            _ => flags.iter().for_each(|at| bytes[at + 2] = 14),
+        }
+        std::fs::write(&path, &bytes).unwrap();
+        wrong.extend(amiss(&bench, name, words));
+    }
     none(&wrong);
 }

@@ -4,6 +4,7 @@
 //! [`structure`]); then two short simulations, in a worker process: a fresh instance, and a reset one, must
 //! agree, and keep to the declared ranges.
 
+mod definitions;
 mod document;
 mod files;
 mod rules;
@@ -31,7 +32,7 @@ const MEMORY: u64 = 8 << 30;
 pub(super) fn run(options: &Check) -> Result<ExitCode, CommandError> {
     let findings = match Package::open(&options.fmu) {
         Ok(package) => findings(package, options.patience)?,
-        // An archive that is no FMU of this version is a finding; what is no archive, a mistake.
+        // An archive that is no FMU of this version, or damaged, is a finding; what is no archive, a mistake.
         Err(FmuError::Description { source, .. }) => {
             vec![format!("modelDescription.xml: {source}")]
         }
@@ -43,6 +44,7 @@ pub(super) fn run(options: &Check) -> Result<ExitCode, CommandError> {
              the folder around them)"
                 .to_owned(),
         ],
+        Err(FmuError::Archive { source, .. }) if source.is_a_fault() => vec![source.to_string()],
         Err(error) => return Err(error.into()),
     };
     let verdict = if findings.is_empty() {
@@ -79,6 +81,7 @@ fn described(package: &mut Package) -> Result<Vec<String>, CommandError> {
     let strict = package.with_document(|root| {
         let scalars = document::scalars(root);
         let mut findings = schema::broken(root);
+        findings.extend(definitions::broken(root, &scalars));
         findings.extend(variables::broken(root, &scalars));
         findings.extend(structure::broken(root, &scalars));
         findings

@@ -17,6 +17,8 @@ use zip::result::ZipError;
 const MAX_ENTRIES: usize = 100_000;
 /// The largest unpacked size, bytes.
 const MAX_UNPACKED: u64 = 8 << 30;
+/// The largest file that is looked into, bytes.
+const MAX_FILE: u64 = 1 << 30;
 /// The largest model description, bytes.
 const MAX_DESCRIPTION: u64 = 256 << 20;
 
@@ -58,12 +60,23 @@ pub enum ArchiveError {
     /// The file is not a zip archive.
     #[error("not a zip archive, so not an FMU")]
     NotZip,
-    /// The archive is damaged.
-    #[error("damaged archive: {0}")]
-    Damaged(ZipError),
+    /// An entry cannot be read.
+    #[error("{entry}: {why}")]
+    Damaged {
+        /// The entry's name.
+        entry: String,
+        /// What is wrong, and what to do about it.
+        why: String,
+    },
     /// There is no model description.
     #[error("not an FMU: it holds no modelDescription.xml")]
     NoDescription,
+    /// The model description has another name.
+    #[error("{0}: call it {DESCRIPTION}, as names differ by upper and lower case")]
+    Misnamed(String),
+    /// A file is unreasonably large.
+    #[error("refused: {0} is larger than {most} GiB", most = MAX_FILE >> 30)]
+    LargeFile(String),
     /// The model description is unreasonably large.
     #[error("modelDescription.xml is larger than {} MiB", MAX_DESCRIPTION >> 20)]
     LargeDescription,
@@ -71,11 +84,46 @@ pub enum ArchiveError {
     #[error("no binary for this platform ({PLATFORM}); the FMU holds {}", available(.0))]
     NoBinary(Vec<String>),
     /// An entry would be written outside the target folder, or is a link.
-    #[error("refused: the entry `{0}` is a link or lies outside the archive")]
+    #[error(
+        "refused: the entry `{0}` is a link, lies outside the archive or has a name that not every system takes"
+    )]
     Unsafe(String),
     /// The archive is a decompression bomb, or absurdly large.
     #[error("refused: more than {MAX_ENTRIES} entries or {} GiB", MAX_UNPACKED >> 30)]
     TooLarge,
+}
+
+impl ArchiveError {
+    /// Whether what is wrong is in the FMU, and not in what was asked for.
+    pub fn is_a_fault(&self) -> bool {
+        !matches!(self, Self::Missing | Self::Io(_) | Self::NotZip)
+    }
+
+    /// What went wrong with an entry.
+    fn of_entry(entry: &str, error: ZipError) -> Self {
+        use io::ErrorKind::{
+            AlreadyExists, InvalidData, InvalidInput, IsADirectory, NotADirectory, UnexpectedEof,
+            Unsupported,
+        };
+        let why = match error {
+            ZipError::UnsupportedArchive(ZipError::PASSWORD_REQUIRED) => {
+                "encrypted: pack it without a password".to_owned()
+            }
+            ZipError::Io(error) => match error.kind() {
+                AlreadyExists | NotADirectory | IsADirectory => {
+                    "another entry is a file, but a folder in this one's path, or the reverse: rename one".to_owned()
+                }
+                InvalidData | InvalidInput | UnexpectedEof => {
+                    format!("damaged ({error}): pack it anew")
+                }
+                Unsupported => format!("{error}: pack it by the method deflate"),
+                _ => return Self::Io(error),
+            },
+            other => format!("damaged ({other}): pack it anew"),
+        };
+        let entry = entry.to_owned();
+        Self::Damaged { entry, why }
+    }
 }
 
 fn available(platforms: &[String]) -> String {
@@ -105,6 +153,10 @@ impl Archive {
         if metadata.is_dir() {
             return Ok(Self::Folder(path.to_owned()));
         }
+        // Opening a pipe would wait for its writer.
+        if !metadata.is_file() {
+            return Err(ArchiveError::NotZip);
+        }
         let zip = ZipArchive::new(File::open(path)?).map_err(|error| match error {
             ZipError::Io(error) => ArchiveError::Io(error),
             _ => ArchiveError::NotZip,
@@ -121,22 +173,31 @@ impl Archive {
         let mut bytes = Vec::new();
         match self {
             Self::Folder(path) => {
-                let file =
-                    File::open(path.join(DESCRIPTION)).map_err(|_| ArchiveError::NoDescription)?;
+                let Ok(file) = File::open(path.join(DESCRIPTION)) else {
+                    return Err(self.no_description());
+                };
                 file.take(MAX_DESCRIPTION + 1).read_to_end(&mut bytes)?;
             }
             Self::Zip { zip, .. } => {
-                let entry = zip.by_name(DESCRIPTION).map_err(|error| match error {
-                    ZipError::FileNotFound => ArchiveError::NoDescription,
-                    other => ArchiveError::Damaged(other),
-                })?;
-                entry.take(MAX_DESCRIPTION + 1).read_to_end(&mut bytes)?;
+                if zip.index_for_name(DESCRIPTION).is_none() {
+                    return Err(self.no_description());
+                }
+                bytes = content(zip, DESCRIPTION, MAX_DESCRIPTION + 1)?;
             }
         }
         if bytes.len() as u64 > MAX_DESCRIPTION {
             return Err(ArchiveError::LargeDescription);
         }
         Ok(bytes)
+    }
+
+    fn no_description(&self) -> ArchiveError {
+        let entries = self.entries().into_iter();
+        entries
+            .filter(|entry| entry.eq_ignore_ascii_case(DESCRIPTION))
+            .map(ArchiveError::Misnamed)
+            .next()
+            .unwrap_or(ArchiveError::NoDescription)
     }
 
     /// The names of the files.
@@ -154,13 +215,23 @@ impl Archive {
 
     /// The content of one file.
     pub(super) fn bytes_of(&mut self, entry: &str) -> Result<Vec<u8>, ArchiveError> {
-        let mut bytes = Vec::new();
-        match self {
-            Self::Folder(path) => bytes = fs::read(path.join(entry))?,
-            Self::Zip { zip, .. } => {
-                let file = zip.by_name(entry).map_err(ArchiveError::Damaged)?;
-                file.take(MAX_UNPACKED).read_to_end(&mut bytes)?;
+        let bytes = match self {
+            Self::Folder(path) => {
+                let mut bytes = Vec::new();
+                let file = File::open(path.join(entry))?;
+                file.take(MAX_FILE + 1).read_to_end(&mut bytes)?;
+                bytes
             }
+            Self::Zip { zip, .. } => {
+                let declared = zip.by_name(entry).map_or(0, |file| file.size());
+                if declared > MAX_FILE {
+                    return Err(ArchiveError::LargeFile(entry.to_owned()));
+                }
+                content(zip, entry, MAX_FILE + 1)?
+            }
+        };
+        if bytes.len() as u64 > MAX_FILE {
+            return Err(ArchiveError::LargeFile(entry.to_owned()));
         }
         Ok(bytes)
     }
@@ -211,6 +282,15 @@ impl Archive {
         }
         Ok(target)
     }
+}
+
+/// The content of an entry, but no more than so many bytes of it.
+fn content(zip: &mut ZipArchive<File>, entry: &str, most: u64) -> Result<Vec<u8>, ArchiveError> {
+    let mut bytes = Vec::new();
+    zip.by_name(entry)
+        .and_then(|file| Ok(file.take(most).read_to_end(&mut bytes)?))
+        .map_err(|error| ArchiveError::of_entry(entry, error))?;
+    Ok(bytes)
 }
 
 /// The path of the binary below an unpacked FMU.
@@ -273,8 +353,23 @@ fn needed(name: &Path) -> bool {
 
 fn unpack_needed(zip: &mut ZipArchive<File>, target: &Path) -> Result<(), ArchiveError> {
     let mut room = MAX_UNPACKED;
+    // Known beforehand, unless the archive lies.
+    if zip
+        .decompressed_size()
+        .is_some_and(|size| size > MAX_UNPACKED.into())
+    {
+        return Err(ArchiveError::TooLarge);
+    }
     for index in 0..zip.len() {
-        let mut entry = zip.by_index(index).map_err(ArchiveError::Damaged)?;
+        let label = zip
+            .name_for_index(index)
+            .and_then(Result::ok)
+            .unwrap_or_default()
+            .into_owned();
+        let wrong = |error: io::Error| ArchiveError::of_entry(&label, error.into());
+        let mut entry = zip
+            .by_index(index)
+            .map_err(|error| ArchiveError::of_entry(&label, error))?;
         let name = entry.enclosed_name().filter(|_| !entry.is_symlink());
         let Some(name) = name else {
             return Err(ArchiveError::Unsafe(
@@ -286,15 +381,15 @@ fn unpack_needed(zip: &mut ZipArchive<File>, target: &Path) -> Result<(), Archiv
         }
         let path = target.join(name);
         if entry.is_dir() {
-            fs::create_dir_all(&path)?;
+            fs::create_dir_all(&path).map_err(wrong)?;
             continue;
         }
         if let Some(parent) = path.parent() {
-            fs::create_dir_all(parent)?;
+            fs::create_dir_all(parent).map_err(wrong)?;
         }
         // The size in the directory may lie: count what really comes out.
-        let mut file = BufWriter::with_capacity(1 << 17, File::create(&path)?);
-        let written = io::copy(&mut entry.by_ref().take(room + 1), &mut file)?;
+        let mut file = BufWriter::with_capacity(1 << 17, File::create(&path).map_err(wrong)?);
+        let written = io::copy(&mut entry.by_ref().take(room + 1), &mut file).map_err(wrong)?;
         file.flush()?;
         room = room.checked_sub(written).ok_or(ArchiveError::TooLarge)?;
     }

@@ -21,13 +21,26 @@ pub(super) fn decode(bytes: &[u8]) -> Cow<'_, str> {
         _ => {}
     }
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    let declaration = String::from_utf8_lossy(&bytes[..bytes.len().min(200)]).to_lowercase();
-    let declared_latin = ["iso-8859-1", "latin1", "windows-1252"]
-        .iter()
-        .any(|name| declaration.contains(name));
     match std::str::from_utf8(bytes) {
-        Ok(text) if !declared_latin => Cow::Borrowed(text),
+        Ok(text) if !declared_latin(bytes) => Cow::Borrowed(text),
         // In Latin-1 every byte is the code point of its character.
         _ => Cow::Owned(bytes.iter().map(|&byte| char::from(byte)).collect()),
     }
+}
+
+fn declared_latin(bytes: &[u8]) -> bool {
+    let declaration = String::from_utf8_lossy(&bytes[..bytes.len().min(200)]).to_lowercase();
+    ["iso-8859-1", "latin1", "windows-1252"]
+        .iter()
+        .any(|name| declaration.contains(name))
+}
+
+/// The line in which bytes stop to be the UTF-8 that they are declared to be.
+pub(super) fn misread(bytes: &[u8]) -> Option<usize> {
+    if matches!(bytes, [0xff, 0xfe, ..] | [0xfe, 0xff, ..]) || declared_latin(bytes) {
+        return None;
+    }
+    let sound = std::str::from_utf8(bytes).err()?.valid_up_to();
+    let ends = bytes[..sound].iter().filter(|byte| **byte == b'\n').count();
+    Some(ends + 1)
 }

@@ -10,7 +10,7 @@ use std::str::FromStr;
 use roxmltree::{Document, Node, ParsingOptions};
 use thiserror::Error;
 
-use super::decode::decode;
+use super::decode::{self, decode};
 use super::description::{
     Capabilities, Causality, DefaultExperiment, Description, Kind, Variability, Variable,
 };
@@ -92,6 +92,11 @@ pub(super) fn description(bytes: &[u8]) -> Result<Description, DescriptionError>
         ..Description::default()
     };
     reader.variables(root, &types, &mut description);
+    if let Some(line) = decode::misread(bytes) {
+        reader.remarks.push(format!(
+            "line {line}: not UTF-8, as which the file is declared: save it as UTF-8 or declare its encoding"
+        ));
+    }
     description.remarks = reader.remarks;
     Ok(description)
 }
@@ -140,6 +145,8 @@ type Types<'a> = HashMap<&'a str, Node<'a, 'a>>;
 #[derive(Default)]
 struct Reader {
     remarks: Vec<String>,
+    /// Where the line of a variable was last counted: its position, and the lines before that.
+    counted: (usize, u32),
 }
 
 impl Reader {
@@ -148,6 +155,23 @@ impl Reader {
         if self.remarks.len() < ENOUGH {
             self.remarks.push(format!("line {}: {text}", line(node)));
         }
+    }
+
+    /// The line of a variable. They come in their order: counted from the last one on, as counting from the start
+    /// each time would take minutes for a hundred thousand.
+    fn line(&mut self, node: Node<'_, '_>) -> u32 {
+        let start = node.range().start;
+        let (position, lines) = self.counted;
+        let passed = node.document().input_text().as_bytes().get(position..start);
+        let Some(passed) = passed else {
+            return line(node);
+        };
+        let ends = passed.iter().filter(|byte| **byte == b'\n').count();
+        self.counted = (
+            start,
+            lines.saturating_add(u32::try_from(ends).unwrap_or(u32::MAX)),
+        );
+        self.counted.1 + 1
     }
 
     /// An optional attribute. One that cannot be read counts as missing, with a remark.
@@ -268,11 +292,15 @@ impl Reader {
             self.remark(node, "a variable without a name is left out");
             return None;
         };
-        let Some(value_reference) = self.number(node, "valueReference") else {
-            self.remark(
-                node,
-                &format!("`{name}` has no valueReference and is left out"),
-            );
+        let reference = node.attribute("valueReference");
+        let Some(value_reference) = reference.and_then(|text| text.trim().parse().ok()) else {
+            let wrong = match reference {
+                Some(text) => {
+                    format!("the valueReference \"{text}\", which is none from 0 to 4294967295,")
+                }
+                None => "no valueReference".to_owned(),
+            };
+            self.remark(node, &format!("`{name}` has {wrong} and is left out"));
             return None;
         };
         let Some(element) = typed(node) else {
@@ -284,7 +312,7 @@ impl Reader {
             .and_then(|name| types.get(name));
         Some(Variable {
             name: name.to_owned(),
-            line: line(node),
+            line: self.line(node),
             value_reference,
             description: node.attribute("description").map(str::to_owned),
             causality: self.causality(node),

@@ -4,7 +4,8 @@ use roxmltree::Node;
 
 /// A finding at an element.
 pub(super) fn at(node: Node<'_, '_>, text: &str) -> String {
-    let line = node.document().text_pos_at(node.range().start).row;
+    let before = &node.document().input_text().as_bytes()[..node.range().start];
+    let line = before.iter().filter(|byte| **byte == b'\n').count() + 1;
     format!("modelDescription.xml, line {line}: {text}")
 }
 

@@ -87,9 +87,11 @@ pub(super) fn broken(package: &mut Package) -> Result<Found, FmuError> {
         findings: Vec::new(),
         fatal: false,
     };
-    for entry in &entries {
-        if let Some(wrong) = path(entry) {
-            found.findings.push(format!("{entry}: {wrong}"));
+    for wrong in [OUTSIDE, BACKSLASH] {
+        let those = entries.iter().filter(|entry| path(entry) == Some(wrong));
+        let those: Vec<String> = those.cloned().collect();
+        if !those.is_empty() {
+            found.findings.push(format!("{}: {wrong}", short(&those)));
             found.fatal = true;
         }
     }
@@ -111,8 +113,19 @@ pub(super) fn broken(package: &mut Package) -> Result<Found, FmuError> {
         let wanted = format!("{identifier}.{extension}");
         let wrong = if binaries.contains(&wanted.as_str()) {
             let name = format!("{folder}{wanted}");
-            let bytes = package.bytes_of(&name)?;
-            binary(&bytes, format, machine).map(|wrong| format!("{name}: {wrong}"))
+            match package.bytes_of(&name) {
+                Ok(bytes) => {
+                    binary(&bytes, format, machine).map(|wrong| format!("{name}: {wrong}"))
+                }
+                Err(FmuError::Archive { source, .. }) if source.is_a_fault() => {
+                    Some(source.to_string())
+                }
+                Err(error) => return Err(error),
+            }
+        } else if let Some(entry) = entries.iter().find(|entry| miswritten(entry, &folder)) {
+            Some(format!(
+                "{entry}: the folder's name is {folder}, as names differ by upper and lower case"
+            ))
         } else {
             let first = binaries.first();
             first.map(|other| {
@@ -127,6 +140,16 @@ pub(super) fn broken(package: &mut Package) -> Result<Found, FmuError> {
     Ok(found)
 }
 
+/// Whether an entry is in a folder that differs by upper and lower case only.
+fn miswritten(entry: &str, folder: &str) -> bool {
+    let start = entry.get(..folder.len());
+    start.is_some_and(|start| start != folder && start.eq_ignore_ascii_case(folder))
+}
+
+const OUTSIDE: &str =
+    "the path leads outside the archive: pack the FMU with relative paths below it";
+const BACKSLASH: &str = "the path contains a backslash: pack the FMU with forward slashes";
+
 /// What is wrong with an entry's path (FMI 2.0.4, section 2.3).
 fn path(entry: &str) -> Option<&'static str> {
     let outside = entry.starts_with('/')
@@ -134,9 +157,9 @@ fn path(entry: &str) -> Option<&'static str> {
         || entry.get(1..3) == Some(":\\")
         || entry.get(1..3) == Some(":/");
     if outside {
-        Some("the path leads outside the archive: pack the FMU with relative paths below it")
+        Some(OUTSIDE)
     } else if entry.contains('\\') {
-        Some("the path contains a backslash: pack the FMU with forward slashes")
+        Some(BACKSLASH)
     } else {
         None
     }

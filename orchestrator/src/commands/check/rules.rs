@@ -43,6 +43,17 @@ fn experiment(experiment: &DefaultExperiment) -> Vec<String> {
             "modelDescription.xml: DefaultExperiment: stopTime is {stop}; it must be later than startTime, {start}"
         ));
     }
+    let length = experiment.stop.map(|stop| stop - start);
+    if let (Some(step), Some(length)) = (experiment.step, length)
+        && length > 0.0
+        && step > length
+        && step.is_finite()
+    {
+        findings.push(format!(
+            "modelDescription.xml: DefaultExperiment: stepSize is {step}, but the experiment lasts {length} s only: \
+             shorten the step"
+        ));
+    }
     findings
 }
 

@@ -104,9 +104,27 @@ fn element(parent: &str, name: &str) -> Option<Element> {
     found(&format!("{parent}/{name}")).or_else(|| found(name))
 }
 
+/// Elements of which there may be many beside each other.
+const MANY: [&str; 9] = [
+    "File",
+    "Unit",
+    "DisplayUnit",
+    "SimpleType",
+    "Item",
+    "Category",
+    "Tool",
+    "ScalarVariable",
+    "Unknown",
+];
+
 /// All that is in the document but not in the standard, and what the standard wants but is not there.
 pub(super) fn broken(root: Node<'_, '_>) -> Vec<String> {
     let mut findings = Vec::new();
+    if let Some(space) = root.tag_name().namespace() {
+        let text =
+            format!("the namespace \"{space}\": the elements of FMI 2.0 have none, remove it");
+        findings.push(at(root, &text));
+    }
     visit(root, "", &mut findings);
     findings
 }
@@ -144,6 +162,7 @@ fn visit(node: Node<'_, '_>, parent: &str, findings: &mut Vec<String>) {
             ));
         }
     }
+    findings.extend(disordered(node, &Vec::from_iter(known(children))));
     for child in elements(node) {
         let inner = child.tag_name().name();
         if known(children).any(|known| known == inner) {
@@ -156,4 +175,26 @@ fn visit(node: Node<'_, '_>, parent: &str, findings: &mut Vec<String>) {
             findings.push(at(child, &text));
         }
     }
+}
+
+/// The first child that comes after one that it must come before, or comes a second time.
+fn disordered(node: Node<'_, '_>, order: &[&str]) -> Option<String> {
+    let mut last: Option<usize> = None;
+    elements(node).find_map(|child| {
+        let name = child.tag_name().name();
+        let place = order.iter().position(|known| *known == name)?;
+        let wrong = match last {
+            Some(before) if place < before => {
+                format!("`{name}` after `{}`: put it before that", order[before])
+            }
+            Some(before) if place == before && !MANY.contains(&name) => {
+                format!("a second `{name}`: put all into the first one")
+            }
+            _ => {
+                last = Some(place);
+                return None;
+            }
+        };
+        Some(at(child, &wrong))
+    })
 }

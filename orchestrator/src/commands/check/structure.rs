@@ -24,8 +24,18 @@ pub(super) fn broken(root: Node<'_, '_>, scalars: &Scalars<'_>) -> Vec<String> {
         let derivative = scalar.typed.has_attribute("derivative");
         (!derivative).then_some("has no attribute derivative")
     }));
-    let initial = list(structure, "InitialUnknowns", scalars, &|_| None);
+    let mut initial = list(
+        structure,
+        "InitialUnknowns",
+        scalars,
+        &|scalar| match scalar.causality {
+            "parameter" => Some("is a parameter, so known initially"),
+            "input" => Some("is an input, so known initially"),
+            _ => None,
+        },
+    );
     if initial.is_empty() {
+        initial.extend(unsorted(structure, "InitialUnknowns"));
         findings.extend(missing(structure, "InitialUnknowns", scalars, &|scalar| {
             scalar.causality == "calculatedParameter"
                 || output(scalar) && ["calculated", "approx"].contains(&scalar.initial)
@@ -37,6 +47,21 @@ pub(super) fn broken(root: Node<'_, '_>, scalars: &Scalars<'_>) -> Vec<String> {
 
 fn unknowns<'a>(structure: Node<'a, 'a>, name: &'static str) -> impl Iterator<Item = Node<'a, 'a>> {
     named(structure, name).flat_map(|list| named(list, "Unknown"))
+}
+
+/// The first unknown of a list that comes after one of a greater index.
+fn unsorted(structure: Node<'_, '_>, name: &'static str) -> Option<String> {
+    let index = |unknown: &Node<'_, '_>| unknown.attribute("index")?.trim().parse::<usize>().ok();
+    let mut greatest = 0;
+    unknowns(structure, name).find_map(|unknown| {
+        let index = index(&unknown)?;
+        if index < greatest {
+            let text = format!("{name}: index {index} after {greatest}: sort the list by index");
+            return Some(at(unknown, &text));
+        }
+        greatest = index;
+        None
+    })
 }
 
 /// The position of the variable of an index.
@@ -69,7 +94,7 @@ fn list(
             Some(position) => scalars[position].as_ref().and_then(|scalar| {
                 let why = unfit(scalar)?;
                 Some(format!(
-                    "is {}, which {why}: correct the index",
+                    "is {}, which {why}: correct the index or remove it",
                     scalar.name
                 ))
             }),
