@@ -136,19 +136,22 @@ fn convention(root: Node<'_, '_>, scalars: &[Option<Scalar<'_>>]) -> Option<Stri
     }
 }
 
-/// The grammar of section 2.2.9.
+/// The grammar of section 2.2.9. Derivatives of derivatives are taken, too, which tools nest instead of counting.
 fn is_structured(name: &str) -> bool {
-    let Some(inner) = name.strip_prefix("der(") else {
-        return identifier(name) == Some("");
+    derivative(name) == Some("")
+}
+
+/// What follows an identifier or a derivative of one.
+fn derivative(text: &str) -> Option<&str> {
+    let Some(inner) = text.strip_prefix("der(") else {
+        return identifier(text);
     };
-    let Some(rest) = identifier(inner) else {
-        return false;
-    };
-    let order = |text: &str| text.trim_start_matches(|c: char| c.is_ascii_digit()) == ")";
-    match rest.strip_prefix(',') {
-        Some(rest) => rest.starts_with(|c: char| c.is_ascii_digit()) && order(rest),
-        None => rest == ")",
-    }
+    let rest = derivative(inner)?;
+    let order = rest.strip_prefix(',').map(|order| {
+        let after = order.trim_start_matches(|c: char| c.is_ascii_digit());
+        (after.len() < order.len()).then_some(after)
+    });
+    order.unwrap_or(Some(rest))?.strip_prefix(')')
 }
 
 /// What follows an identifier: names with indices, joined by dots.
@@ -232,6 +235,7 @@ mod tests {
             "a[1, 2]",
             "der(a.b)",
             "der(a[1],2)",
+            "der(der(a.b))",
             "'a b!'.c",
             r"'it\'s'",
         ] {
