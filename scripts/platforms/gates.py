@@ -2,6 +2,7 @@
 
 import re
 import shutil
+import struct
 
 from .common import ROOT, Failure, run
 
@@ -13,6 +14,22 @@ LIBRARIES = {
     "dll": re.compile(r"(kernel32|ntdll|msvcrt|ucrtbase|userenv|ws2_32|bcrypt(primitives)?|advapi32"
                       r"|api-ms-win-[\w-]+)\.dll", re.IGNORECASE),
 }
+
+
+def platform_of(file):
+    """The platform for which a file is a 64-bit shared library, by its head; None if it is none."""
+    head = file.read_bytes()[:4096].ljust(4096, b"\0")
+    if head[:5] == b"\x7fELF\x02":
+        kind, machine = struct.unpack_from("<HH", head, 16)
+        return {62: "linux64", 183: "aarch64-linux"}.get(machine) if kind == 3 else None
+    if head[:2] == b"MZ":
+        start = min(struct.unpack_from("<I", head, 0x3C)[0], 4000)
+        machine, traits = struct.unpack_from("<4xH16xH", head, start)
+        library = head[start:start + 4] == b"PE\0\0" and traits & 0x2000
+        return "win64" if library and machine == 0x8664 else None
+    # A macOS library, for one processor or for both.
+    one = head[:4] == b"\xcf\xfa\xed\xfe" and struct.unpack_from("<I", head, 12)[0] == 6
+    return "darwin64" if one or head[:4] == b"\xca\xfe\xba\xbe" else None
 
 
 def check(row):

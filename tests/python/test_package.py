@@ -1,6 +1,8 @@
 """What lies in the FMU beside the binary and the model description."""
 
 import hashlib
+import subprocess
+import sys
 import zipfile
 from pathlib import Path
 
@@ -78,3 +80,24 @@ def test_a_set_is_taken_by_an_importer(archive, fmu):
     assert result["bearing.filmViscosity"][-1] > 0.1
     assert float(values["thermal.initialBearingTemperature"]) == pytest.approx(355.15)
     assert float(values["thermal.initialFilmRise"]) == -12.76
+
+
+@pytest.mark.parametrize("content, says", [
+    ("the library", "the file is for linux64"),
+    ("a text", "the file is no 64-bit shared library"),
+    ("", "the file is no 64-bit shared library"),
+])
+def test_a_binary_of_another_platform_is_not_packed(archive, tmp_path, content, says):
+    file = tmp_path / "binary"
+    library = archive.read("binaries/linux64/PlainBearingStand.so")
+    file.write_bytes(library if content == "the library" else content.encode())
+    script = Path(__file__).parents[2] / "scripts/package-fmu"
+    for platform in ("win64", "darwin64", "aarch64-linux"):
+        done = subprocess.run([sys.executable, script, "--add", f"{platform}={file}"], text=True, capture_output=True)
+        assert done.returncode == 2 and says in done.stderr, done.stderr
+
+
+def test_a_folder_is_no_output(tmp_path):
+    script = Path(__file__).parents[2] / "scripts/package-fmu"
+    done = subprocess.run([sys.executable, script, "--output", tmp_path], text=True, capture_output=True)
+    assert done.returncode == 2 and "a folder; give the file" in done.stderr
