@@ -84,9 +84,12 @@ proptest! {
         match run(&settings, &[1e-3, 0.1]) {
             Ok(stand) => {
                 for variable in Stand::variables() {
-                    if let Kind::Real { access, .. } = &variable.kind {
+                    if let Kind::Real { access, min, max, .. } = &variable.kind {
                         let value = (access.get)(&stand);
-                        prop_assert!(value.is_finite(), "{} = {value}", variable.name);
+                        let (least, most) = (min.unwrap_or(f64::MIN), max.unwrap_or(f64::MAX));
+                        // Written so that what is no number fails, too.
+                        let within = least <= value && value <= most;
+                        prop_assert!(within, "{} = {value}", variable.name);
                     }
                 }
             }
@@ -97,7 +100,7 @@ proptest! {
 
 #[test]
 fn what_makes_a_step_impossible_is_named() {
-    let cases: [(&[(&str, f64)], &str); 5] = [
+    let cases: [(&[(&str, f64)], &str); 6] = [
         (
             &[
                 ("thermal.filmCapacity", 1e-3),
@@ -123,6 +126,13 @@ fn what_makes_a_step_impossible_is_named() {
         (
             &[("thermal.initialFilmRise", -300.0)],
             "raise thermal.initialBearingTemperature or thermal.initialFilmRise",
+        ),
+        (
+            &[
+                ("thermal.initialBearingTemperature", 290.0),
+                ("thermal.initialShaftRise", -300.0),
+            ],
+            "the shaft would start at -10 K, which is not above absolute zero: raise",
         ),
     ];
     for (settings, expected) in cases {

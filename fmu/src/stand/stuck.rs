@@ -113,9 +113,9 @@ struct Place {
 const TELLING: f64 = 3.0;
 
 impl Stand {
-    /// Refuses an oil that gets thicker with heat, and a start at which it would be solid.
+    /// Refuses an oil that gets thicker with heat, a start at which it would be solid, and one below absolute zero.
     pub(super) fn check_oil(&self) -> Result<(), Fault> {
-        /// The declared maximum of `bearing.filmViscosity`, Pa.s.
+        /// Thicker than pitch, Pa.s.
         const SOLID: f64 = 1e6;
         let [cold, hot] = [
             self.oil.kinematic_viscosity_40,
@@ -127,7 +127,19 @@ impl Stand {
                  {cold} m2/s"
             )));
         }
-        let start = self.thermal.initial().film;
+        let initial = self.thermal.initial();
+        for (what, start, rise) in [
+            ("film", initial.film, "thermal.initialFilmRise"),
+            ("shaft", initial.shaft, "thermal.initialShaftRise"),
+        ] {
+            if start <= 0.0 {
+                return Err(Fault::Invalid(format!(
+                    "the {what} would start at {start} K, which is not above absolute zero: raise \
+                     thermal.initialBearingTemperature or {rise}"
+                )));
+            }
+        }
+        let start = initial.film;
         let viscosity = self.fluid.viscosity(start);
         if viscosity.is_nan() || viscosity > SOLID {
             return Err(Fault::Invalid(format!(
