@@ -529,7 +529,7 @@ fn outputs() -> Vec<V> {
         output!("bearing.eccentricityRatio", &ONE, eccentricity_ratio, [], "Eccentricity of the journal over the radial clearance").within(0.0, 10.0).about(1.0),
         output!("bearing.attitudeAngle", &RADIAN, attitude_angle, [], "Angle from the load line to the eccentricity, positive in the direction of positive rotation").shown_in("deg").within(-4.0, 4.0).about(1.0),
         output!("bearing.minFilmThickness", &METRE, min_film_thickness, [], "Smallest film thickness").shown_in("um").within(0.0, 0.1).about(1e-6),
-        output!("bearing.maxFilmPressure", &PASCAL, max_film_pressure, ["drive.speed", "load.externalForce"], "Largest film pressure").shown_in("MPa").within(0.0, 1e24).about(1e7),
+        output!("bearing.maxFilmPressure", &PASCAL, max_film_pressure, ["drive.speed", "load.externalForce"], "Largest film pressure").shown_in("MPa").within(-1e9, 1e24).about(1e7),
         output!("bearing.filmViscosity", &PASCAL_SECOND, film_viscosity, [], "Dynamic viscosity of the film").shown_in("mPa.s").within(0.0, 1e24).about(0.01),
         output!("bearing.filmTemperature", &KELVIN, film_temperature, [], "Temperature of the film").shown_in("degC").within(0.0, 1e12).about(300.0),
         output!("bearing.sideFlow", &CUBIC_METRE_PER_SECOND, side_flow, ["drive.speed", "load.externalForce"], "Oil that leaves the film at both ends").shown_in("mm3/s").within(0.0, 1e6).about(1e-7),
