@@ -153,7 +153,11 @@ impl Host {
         let wrong = self.random.once_in(10);
         let spoil = |at: usize| wrong && at == self.calls as usize % 5;
         let guid = if spoil(0) { c"{nonsense}" } else { &self.guid };
-        let name = if spoil(1) { c"\xff %n" } else { c"stand" };
+        let name = match self.calls % 7 {
+            _ if spoil(1) => c" ",
+            0 => c"\xff %n",
+            _ => c"stand",
+        };
         let kind = if spoil(2) { -7 } else { CO_SIMULATION };
         let resources = [
             self.resources.as_c_str(),
