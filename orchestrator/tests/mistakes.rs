@@ -141,6 +141,7 @@ fn values_that_make_no_sense() {
     let bench = Bench::new();
     let set = |text: &str| bench.run(&["simulate", "lag.fmu", "--set", text]);
     set("lag.length=-0.02 mm").is_mistake(&["lag.length", "less than the smallest value 0"]);
+    set("lag.length=0,02 mm").is_mistake(&["`0,02 mm`", "write a point"]);
     set("lag.length=0").is_mistake(&["length 0 must be positive"]);
     set("lag.count=1.5").is_mistake(&["lag.count", "whole number"]);
     set("lag.flag=maybe").is_mistake(&["lag.flag", "neither true nor false"]);

@@ -32,7 +32,7 @@ pub struct Verify {
     /// Simulate the points of a table (csv or Parquet) instead of sampling
     #[arg(long, value_name = "TABLE.csv", conflicts_with_all = ["points", "seed"])]
     pub points_from: Option<PathBuf>,
-    /// Only say what would be done: points, design, criteria; and how long, from one point
+    /// Only say what would be done: points, design, criteria; and how long, by some points
     #[arg(long)]
     pub dry_run: bool,
     /// Continue a study that was interrupted

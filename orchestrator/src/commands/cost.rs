@@ -1,4 +1,4 @@
-//! What a study would cost: one point is run, and the others are taken to last as long.
+//! What a study would cost: some points are run, and the others are taken to last as long.
 
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use super::CommandError;
 use super::limits::place;
 use crate::cli::Means;
+use crate::engine::Job;
 use crate::engine::crew::Place;
 use crate::engine::process::Limits;
 use crate::results::ResultsError;
@@ -14,7 +15,15 @@ use crate::session::Session;
 /// How long the point may take; nobody waits longer for an estimate.
 const PATIENCE: Duration = Duration::from_secs(60);
 
+/// How long points are run for the estimate, s.
+const ENOUGH: f64 = 0.5;
+
 /// The estimate for people, or why there is none.
+#[allow(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss
+)]
 pub(super) fn of(
     session: &mut Session,
     means: &Means,
@@ -32,27 +41,33 @@ pub(super) fn of(
     let (Some(worker), Some(index)) = (workers.first_mut(), session.indexes().next()) else {
         return Ok(String::new());
     };
-    let job = session.job(index);
-    let mut once = || {
+    let jobs_of = |count: usize| -> Vec<Job> {
+        let indexes = session.indexes().take(count);
+        indexes.map(|index| session.job(index)).collect()
+    };
+    let mut run = |points: &[Job]| {
         let begun = Instant::now();
-        let mut failure = None;
-        worker.run(std::slice::from_ref(&job), &mut |_, answer| {
-            failure = answer.err();
+        let mut first = None;
+        worker.run(points, &mut |_, answer| {
+            first.get_or_insert(answer.err());
             ControlFlow::Continue(())
         })?;
-        Ok::<_, CommandError>((failure, begun.elapsed()))
+        Ok::<_, CommandError>((first.flatten(), begun.elapsed().as_secs_f64()))
     };
     // The first run starts the worker and loads the FMU.
-    let (failure, first) = once()?;
+    let (failure, mut point) = run(&jobs_of(1))?;
     if let Some(failure) = failure {
         let label = session.source.label(index);
         return Ok(format!("point {label} fails: {failure}\n"));
     }
-    let point = match first {
-        long if long > Duration::from_secs(1) => long,
-        _ => once()?.1,
-    };
-    Ok(text(point.as_secs_f64(), session.expected(), jobs))
+    // Short points are told from what surrounds them by running many.
+    for _ in 0..2 {
+        let few = jobs_of((ENOUGH / point).clamp(1.0, 1000.0) as usize);
+        if point < ENOUGH {
+            point = run(&few)?.1 / few.len() as f64;
+        }
+    }
+    Ok(text(point, session.expected(), jobs))
 }
 
 #[allow(clippy::cast_precision_loss)]
