@@ -276,6 +276,21 @@ fn what_has_changed_is_not_resumed() {
 }
 
 #[test]
+fn a_run_that_came_to_no_point_is_begun_again() {
+    let bench = bench();
+    let binary: (&str, &[u8]) = ("binaries/linux64/lag.so", b"junk");
+    let description = support::model("", "");
+    bench.zip(
+        "lag.fmu",
+        &[("modelDescription.xml", description.as_bytes()), binary],
+    );
+    verify(&bench, "out", &[]).is_mistake(&["cannot load"]);
+    bench.fmu("lag.fmu", &[], &description);
+    let said = verify(&bench, "out", &[]);
+    assert_eq!(said.code, 0, "{}", said.err);
+}
+
+#[test]
 fn a_point_can_be_run_again() {
     let bench = bench();
     verify(&bench, "whole", &["--points", "20"]);
