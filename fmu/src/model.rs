@@ -30,7 +30,7 @@ pub trait Model: Clone + Default + Send + 'static {
     fn update(&mut self) -> Result<(), Fault>;
 
     /// Lets `step` seconds pass from `time`, with inputs held or, where
-    /// [`Variable::slope`] was used, varying linearly. Outputs are valid at `time + step` afterwards.
+    /// a [slope](Kind::Real) was set, varying linearly. Outputs are valid at `time + step` afterwards.
     fn advance(&mut self, time: f64, step: f64, log: &mut dyn Log) -> Result<(), Fault>;
 
     /// The complete snapshot as bytes. [`restore`](Model::restore) of them continues bit for bit.

@@ -168,6 +168,7 @@ impl Runner {
             for index in 1..=points.steps {
                 let next = points.at(index);
                 feed(&self.task, instance, time)?;
+                ramp(&self.task, instance, time, next)?;
                 instance.step(time, next - time)?;
                 read(next, instance)?;
                 time = next;
@@ -301,6 +302,14 @@ fn start(task: &Task, instance: &mut Instance, values: &[f64]) -> Result<(), Cal
 fn feed(task: &Task, instance: &mut Instance, time: f64) -> Result<(), Call> {
     for series in &task.inputs {
         instance.set(series.slot.reference, &series.slot.value(series.at(time)))?;
+    }
+    Ok(())
+}
+
+/// Lets those inputs vary within the next step that shall.
+fn ramp(task: &Task, instance: &mut Instance, time: f64, next: f64) -> Result<(), Call> {
+    for series in task.inputs.iter().filter(|series| series.ramp) {
+        instance.set_slope(series.slot.reference, series.slope(time, next))?;
     }
     Ok(())
 }

@@ -33,6 +33,8 @@ pub struct Series {
     pub slot: Slot,
     /// Whether a value holds until the next one; straight lines otherwise.
     pub hold: bool,
+    /// Whether it goes on along a straight line within a step; else the FMU sees it at communication points only.
+    pub ramp: bool,
     /// When, s, growing.
     pub times: Vec<f64>,
     /// The values then, in the FMU's unit.
@@ -43,7 +45,17 @@ impl Series {
     /// The value at a time; before the first and after the last one these hold.
     pub fn at(&self, time: f64) -> f64 {
         // At equal times, the last value counts.
-        let after = self.times.partition_point(|&other| other <= time);
+        self.between(self.times.partition_point(|&other| other <= time), time)
+    }
+
+    /// The rate at which it gets from its value at one time to that just before another one, 1/s.
+    pub fn slope(&self, time: f64, next: f64) -> f64 {
+        let end = self.times.partition_point(|&other| other < next);
+        (self.between(end, next) - self.at(time)) / (next - time)
+    }
+
+    /// The value at a time before the `after`th row, and not before the row ahead of that.
+    fn between(&self, after: usize, time: f64) -> f64 {
         let Some(before) = after.checked_sub(1) else {
             return self.values.first().copied().unwrap_or(0.0);
         };
@@ -217,11 +229,17 @@ mod tests {
                 max: None,
             },
             hold: false,
+            ramp: true,
             times: vec![0.0, 1.0, 1.0, 3.0],
             values: vec![5.0, 7.0, -1.0, 1.0],
         };
         let at = |series: &Series| [-1.0, 0.0, 0.5, 1.0, 2.0, 3.0, 9.0].map(|t| series.at(t));
         assert_eq!(at(&series), [5.0, 5.0, 6.0, -1.0, 0.0, 1.0, 1.0]);
+        // A jump belongs to the step after it; before and after the recording nothing changes.
+        assert_eq!(series.slope(0.5, 1.0), 2.0);
+        assert_eq!(series.slope(1.0, 3.0), 1.0);
+        assert_eq!(series.slope(-2.0, -1.0), 0.0);
+        assert_eq!(series.slope(3.0, 4.0), 0.0);
         series.hold = true;
         assert_eq!(at(&series), [5.0, 5.0, 5.0, -1.0, -1.0, 1.0, 1.0]);
     }

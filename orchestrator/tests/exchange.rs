@@ -92,6 +92,58 @@ fn inputs_follow_a_recording() {
         .is_mistake(&["another study"]);
 }
 
+/// With the slopes, the lag follows the recording exactly, whatever the step.
+#[test]
+fn an_input_ramps_within_a_step() {
+    let bench = bench();
+    // y' = (u - y) r: along u = 4 t to t = 1, then towards -1.
+    let r: f64 = 2.5;
+    let gone = (-r).exp();
+    let middle = 4.0 * (1.0 - (1.0 - gone) / r);
+    let expected = -1.0 + (middle + 1.0) * gone;
+    for step in ["0.25", "0.01"] {
+        let step_line = format!("step = {step}");
+        bench.write(
+            "studies/study.toml",
+            &ramping().replace("step = 0.01", &step_line),
+        );
+        let said = bench.run(&["verify", "studies/study.toml", "--output", step]);
+        assert_eq!(said.code, 0, "{}", said.err);
+        let table = bench.read(&format!("{step}/points.csv"));
+        let mut rows = csv::Reader::from_reader(table.as_bytes());
+        for row in rows.records().map(Result::unwrap) {
+            let y: f64 = row[2].parse().unwrap();
+            assert!((y - expected).abs() < 1e-12, "{step}: {y} {expected}");
+        }
+    }
+}
+
+#[test]
+fn only_an_fmu_that_interpolates_can_ramp() {
+    let bench = bench();
+    let verify = ["verify", "studies/study.toml", "--output", "out"];
+    bench.write(
+        "studies/study.toml",
+        &ramping().replace("ramp = true", "ramp = true\nhold = true"),
+    );
+    bench
+        .run(&verify)
+        .is_mistake(&["study.toml:", "drive.u: ramp = true, but hold"]);
+    bench.write("studies/study.toml", &ramping());
+    bench.fmu(
+        "lag.fmu",
+        &[],
+        &support::model(" canInterpolateInputs=\"true\"", ""),
+    );
+    bench
+        .run(&verify)
+        .is_mistake(&["canInterpolateInputs", "remove ramp"]);
+}
+
+fn ramping() -> String {
+    STUDY.replace("time = \"t\"", "time = \"t\"\nramp = true")
+}
+
 #[test]
 fn the_best_point_is_a_parameter_set_with_its_provenance() {
     let bench = bench();

@@ -304,21 +304,25 @@ impl Instance {
         })
     }
 
-    /// Writes real variables.
+    /// Lets an input vary linearly over the next step.
     ///
     /// # Errors
-    /// When the FMU refuses.
-    pub fn set_reals(&mut self, references: &[u32], values: &[f64]) -> Result<(), Call> {
-        let count = references.len().min(values.len());
-        if count == 0 {
-            return Ok(());
-        }
-        // SAFETY: both arrays hold `count` elements.
+    /// When the FMU refuses, or cannot.
+    pub fn set_slope(&mut self, reference: u32, slope: f64) -> Result<(), Call> {
+        const FUNCTION: &str = "fmi2SetRealInputDerivatives";
+        let set = self.functions.set_slopes;
+        let set = set.ok_or_else(|| Self::missing(FUNCTION))?;
+        // SAFETY: all three pointers are to one element.
         let status = unsafe {
-            let set = self.functions.set_real;
-            set(self.component, references.as_ptr(), count, values.as_ptr())
+            set(
+                self.component,
+                &raw const reference,
+                1,
+                &1,
+                &raw const slope,
+            )
         };
-        self.check("fmi2SetReal", status)
+        self.check(FUNCTION, status)
     }
 
     /// Writes one variable.

@@ -37,6 +37,9 @@ type Set<T> = unsafe extern "C" fn(Component, *const u32, usize, *const T) -> c_
 /// `fmi2GetFMUstate` and `fmi2FreeFMUstate`.
 type TakeState = unsafe extern "C" fn(Component, *mut *mut c_void) -> c_int;
 type PutState = unsafe extern "C" fn(Component, *mut c_void) -> c_int;
+/// `fmi2SetRealInputDerivatives`.
+type SetSlopes =
+    unsafe extern "C" fn(Component, *const u32, usize, *const c_int, *const f64) -> c_int;
 type Plain = unsafe extern "C" fn(Component) -> c_int;
 
 /// The struct `fmi2CallbackFunctions`.
@@ -81,6 +84,8 @@ pub(super) struct Functions {
     pub(super) set_integer: Set<c_int>,
     pub(super) set_boolean: Set<c_int>,
     pub(super) set_string: Option<Set<*const c_char>>,
+    /// To set the rates of inputs, where the FMU interpolates them.
+    pub(super) set_slopes: Option<SetSlopes>,
     pub(super) do_step: unsafe extern "C" fn(Component, f64, f64, c_int) -> c_int,
     pub(super) get_status: Option<unsafe extern "C" fn(Component, c_int, *mut c_int) -> c_int>,
     pub(super) get_boolean_status:
@@ -220,6 +225,7 @@ fn table(library: &Loaded) -> Result<Functions, LibraryError> {
         set_integer: symbol(library, "fmi2SetInteger")?,
         set_boolean: symbol(library, "fmi2SetBoolean")?,
         set_string: symbol(library, "fmi2SetString").ok(),
+        set_slopes: symbol(library, "fmi2SetRealInputDerivatives").ok(),
         do_step: symbol(library, "fmi2DoStep")?,
         get_status: symbol(library, "fmi2GetStatus").ok(),
         get_boolean_status: symbol(library, "fmi2GetBooleanStatus").ok(),

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::{Runner, feed};
+use super::{Runner, feed, ramp};
 use crate::fmu::{Call, Instance};
 use crate::task::CommunicationPoints;
 
@@ -36,9 +36,10 @@ impl Runner {
         steps: Range<u64>,
     ) -> Result<(), Call> {
         for index in steps {
-            let time = points.at(index);
-            let step = points.at(index + 1) - time;
+            let (time, next) = (points.at(index), points.at(index + 1));
+            let step = next - time;
             feed(&self.task, instance, time)?;
+            ramp(&self.task, instance, time, next)?;
             instance.step(time, step)?;
             if WATCH {
                 self.watch(instance, step)?;

@@ -5,7 +5,7 @@ use super::{Name, Recording, Study, StudyError};
 use crate::fmu::Description;
 use crate::source::Table;
 use crate::study::plan::{find, slot_of};
-use crate::task::{Schedule, Series};
+use crate::task::{Schedule, Series, Slot, Storage};
 
 /// The recordings of a study for an FMU.
 pub(super) fn series(
@@ -28,6 +28,9 @@ pub(super) fn series(
         }
         let variable = find(fmu, key).map_err(wrong)?;
         let slot = slot_of(variable).map_err(named)?;
+        if recording.ramp {
+            can_ramp(recording, fmu, &slot).map_err(named)?;
+        }
         let scale = Scale::new(recording.unit.as_deref(), fmu, variable).map_err(named)?;
         let path = study.beside(recording.file.as_ref());
         let column = |name: &Option<String>, usual: &str| name.clone().unwrap_or(usual.to_owned());
@@ -59,9 +62,24 @@ pub(super) fn series(
         Ok(Series {
             slot,
             hold: recording.hold,
+            ramp: recording.ramp,
             times,
             values,
         })
     };
     study.inputs.iter().map(bind).collect()
+}
+
+/// Whether an input can vary within a step.
+fn can_ramp(recording: &Recording, fmu: &Description, slot: &Slot) -> Result<(), String> {
+    let why = if recording.hold {
+        "hold keeps the value between rows"
+    } else if slot.storage != Storage::Real {
+        "the variable is not a Real"
+    } else if !fmu.capabilities.can_interpolate_inputs {
+        "the FMU does not interpolate inputs (canInterpolateInputs)"
+    } else {
+        return Ok(());
+    };
+    Err(format!("ramp = true, but {why}; remove ramp"))
 }

@@ -218,6 +218,9 @@ pub struct Recording {
     /// Whether a value holds until the next row; straight lines otherwise.
     #[serde(default)]
     pub hold: bool,
+    /// Whether the FMU lets it vary along a straight line within a step.
+    #[serde(default)]
+    pub ramp: bool,
     /// A remark for people.
     pub about: Option<String>,
 }

@@ -21,7 +21,7 @@
 //!
 //! # What is interpolated
 //! The logarithm of `|M|` and the angle by which `M` leads the load, over
-//! `u = -ln(1 - e)`, over the load direction stretched by `1 - e` (see [`coordinates`]), and
+//! `u = -ln(1 - e)`, over the load direction stretched by `1 - e` (see `coordinates`), and
 //! over `ln(B/D)`. Powers of the smallest gap and of `B/D`, the asymptotes of the lubrication
 //! theory, are straight lines in these coordinates; beyond the table they are continued as such:
 //! under a finite load the journal never reaches the bush.
