@@ -1,5 +1,7 @@
 //! Which points agree with the measurement.
 
+use std::collections::HashSet;
+
 use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
@@ -89,6 +91,7 @@ impl Judge {
                            and tolerance";
             return Err(study.error(message));
         }
+        check_columns(study)?;
         let mut judge = Self {
             criteria: Vec::new(),
             groups: Vec::new(),
@@ -184,16 +187,43 @@ impl Judge {
         }
     }
 
-    /// How far the values are from the measured ones: the sum of the squared deviations, each
-    /// relative to its accuracy. For independent normal errors the least sum is the most
-    /// probable point.
+    /// How far the values are from the measured ones: the root of the sum of the squared
+    /// deviations, each relative to its accuracy. For independent normal errors the least
+    /// distance is the most probable point.
     pub fn distance(&self, values: &[f64]) -> f64 {
         let terms =
             self.criteria.iter().zip(values).map(|(criterion, value)| {
                 ((value - criterion.nominal) / criterion.tolerance).powi(2)
             });
-        terms.sum()
+        // A number in any case: the summary has no way to write another one.
+        terms.sum::<f64>().min(f64::MAX).sqrt()
     }
+}
+
+/// Refuses criteria whose columns in `points.csv` could not be told apart from other ones.
+fn check_columns(study: &Study) -> Result<(), StudyError> {
+    const OWN: [&str; 3] = ["point", "verified", "status"];
+    let parameters = study.parameters.keys().map(|name| name.as_ref().as_str());
+    let mut columns: HashSet<String> = OWN
+        .into_iter()
+        .chain(parameters)
+        .map(String::from)
+        .collect();
+    for name in study.criteria.keys() {
+        let text = name.as_ref();
+        if text.trim().is_empty() || text.contains(char::is_control) {
+            let message = "a criterion needs a name of printable characters";
+            return Err(study.error_at(name, message));
+        }
+        for column in [text.clone(), format!("{text}.ok")] {
+            if !columns.insert(column.clone()) {
+                let message =
+                    format!("points.csv would have two columns `{column}`; rename the criterion");
+                return Err(study.error_at(name, message));
+            }
+        }
+    }
+    Ok(())
 }
 
 fn at_name(study: &Study, name: &Spanned<String>, message: &str) -> StudyError {
@@ -202,6 +232,12 @@ fn at_name(study: &Study, name: &Spanned<String>, message: &str) -> StudyError {
 
 fn criterion(name: &str, text: &Text, scale: &Scale<'_>) -> Result<Criterion, String> {
     let nominal = scale.number(&text.nominal, Sense::Value)?;
+    if !nominal.is_finite() {
+        return Err(format!(
+            "the nominal value {} is not a finite number",
+            text.nominal
+        ));
+    }
     Ok(Criterion {
         name: name.to_owned(),
         variable: text.variable.as_ref().clone(),
@@ -223,8 +259,14 @@ fn tolerance(quantity: &Quantity, nominal: f64, scale: &Scale<'_>) -> Result<f64
     };
     if tolerance > 0.0 && tolerance.is_finite() {
         Ok(tolerance)
+    } else if nominal == 0.0 && quantity.number > 0.0 && quantity.number.is_finite() {
+        Err(format!(
+            "the tolerance {quantity} of the nominal value 0 is nothing; give it without %"
+        ))
     } else {
-        Err(format!("the tolerance {quantity} must be positive"))
+        Err(format!(
+            "the tolerance {quantity} must be a positive, finite number"
+        ))
     }
 }
 
@@ -278,13 +320,44 @@ mod tests {
     }
 
     #[test]
+    fn columns_can_be_told_apart() {
+        for name in [
+            "point", "verified", "status", "T.ok", "a.width", "", "a\\nb",
+        ] {
+            let text = STUDY
+                .replace("[criteria.F]", &format!("[criteria.\"{name}\"]"))
+                .replace(
+                    "[criteria.T]",
+                    "[parameters.\"a.width\"]\ndistribution = \"fixed\"\nvalue = 1\n[criteria.T]",
+                );
+            let error = judge(&text).unwrap_err();
+            assert!(error.contains("name"), "{name}: {error}");
+        }
+    }
+
+    #[test]
+    fn a_distance_is_a_number() {
+        let judge = judge(&STUDY.replace("0.75 %", "1e-320 degC")).unwrap();
+        assert!(judge.distance(&[80.0, 750.0]).is_finite());
+    }
+
+    #[test]
     fn errors_have_their_place() {
         assert!(judge("fmu = \"a\"").unwrap_err().contains("no criteria"));
         let wrong = STUDY.replace("\"0.75 %\"", "\"-1 degC\"");
         assert_eq!(
             judge(&wrong).unwrap_err(),
-            "s.toml:3:19: T: the tolerance -1 degC must be positive"
+            "s.toml:3:19: T: the tolerance -1 degC must be a positive, finite number"
         );
+        let wrong = STUDY.replace("\"7 %\"", "\"inf %\"");
+        assert!(judge(&wrong).is_err());
+        let wrong = STUDY.replace("nominal = 82", "nominal = nan");
+        assert_eq!(
+            judge(&wrong).unwrap_err(),
+            "s.toml:3:19: T: the nominal value NaN is not a finite number"
+        );
+        let wrong = STUDY.replace("nominal = 82", "nominal = 0");
+        assert!(judge(&wrong).unwrap_err().contains("give it without %"));
         let wrong = STUDY.replace("tolerance.T =", "tolerance.TT =");
         assert!(judge(&wrong).unwrap_err().contains("no criterion `TT`"));
         let wrong = STUDY.replace("\"0.75 degC\"", "\"0.75 K\"");

@@ -4,6 +4,7 @@
 pub mod analysis;
 pub mod cli;
 pub mod commands;
+pub mod csv_file;
 pub mod design;
 pub mod distribution;
 pub mod engine;

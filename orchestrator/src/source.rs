@@ -1,10 +1,12 @@
 //! Where points come from: a design, or a table.
 
+use std::collections::HashSet;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
+use crate::csv_file::{CsvFile, reason};
 use crate::design::Design;
 use crate::distribution::Distribution;
 use crate::names::{did_you_mean, nearest};
@@ -16,7 +18,7 @@ use crate::study::plan::Input;
 #[derive(Debug, Error)]
 pub enum TableError {
     /// It cannot be read.
-    #[error("{path}: {source}")]
+    #[error("{path}: {}", reason(.source))]
     Read {
         /// The table.
         path: PathBuf,
@@ -51,6 +53,14 @@ pub enum TableError {
         /// What is wrong.
         message: String,
     },
+    /// A column or a row is there twice.
+    #[error("{path}: {what} is there twice; remove or rename one")]
+    Twice {
+        /// The table.
+        path: PathBuf,
+        /// The column or the row.
+        what: String,
+    },
     /// There are no rows.
     #[error("{0}: the table has no rows")]
     Empty(PathBuf),
@@ -71,25 +81,79 @@ impl Table {
     /// # Errors
     /// When the table cannot be read, a column is missing, or a cell is not a number.
     pub fn read(path: &Path, columns: &[(Vec<String>, String)]) -> Result<Self, TableError> {
+        Self::load(path, columns, false)
+    }
+
+    /// With `gaps`, an empty cell is not a number instead of an error.
+    fn load(
+        path: &Path,
+        columns: &[(Vec<String>, String)],
+        gaps: bool,
+    ) -> Result<Self, TableError> {
         let parquet = |extension: &OsStr| extension.eq_ignore_ascii_case("parquet");
-        if path.extension().is_some_and(parquet) {
-            return Self::read_parquet(path, columns);
+        let table = if path.extension().is_some_and(parquet) {
+            Self::read_parquet(path, columns, gaps)?
+        } else {
+            Self::read_csv(path, columns, gaps)?
+        };
+        if table.rows.is_empty() {
+            return Err(TableError::Empty(path.to_owned()));
         }
+        Ok(table)
+    }
+
+    /// The same where the rows are points, which their numbers tell apart.
+    ///
+    /// # Errors
+    /// As [`Table::read`], and when two points have the same number.
+    pub fn read_points(path: &Path, columns: &[(Vec<String>, String)]) -> Result<Self, TableError> {
+        Self::load(path, columns, false)?.distinct(path)
+    }
+
+    /// The same for results of points: an empty cell, as of a point that failed, is not a number.
+    ///
+    /// # Errors
+    /// As [`Table::read_points`].
+    pub fn read_results(
+        path: &Path,
+        columns: &[(Vec<String>, String)],
+    ) -> Result<Self, TableError> {
+        Self::load(path, columns, true)?.distinct(path)
+    }
+
+    fn distinct(self, path: &Path) -> Result<Self, TableError> {
+        let table = self;
+        let mut known = HashSet::new();
+        match table.labels.iter().find(|&&label| !known.insert(label)) {
+            Some(twice) => Err(TableError::Twice {
+                path: path.to_owned(),
+                what: format!("point {twice}"),
+            }),
+            None => Ok(table),
+        }
+    }
+
+    /// The same from a csv file.
+    fn read_csv(
+        path: &Path,
+        columns: &[(Vec<String>, String)],
+        gaps: bool,
+    ) -> Result<Self, TableError> {
         let failed = |source| TableError::Read {
             path: path.to_owned(),
             source,
         };
-        let mut reader = csv::ReaderBuilder::new()
-            .trim(csv::Trim::All)
-            .comment(Some(b'#'))
-            .from_path(path)
-            .map_err(failed)?;
-        let header: Vec<String> = reader
+        let mut file = CsvFile::open(path, Some(b'#')).map_err(failed)?;
+        let header: Vec<String> = file
+            .reader
             .headers()
             .map_err(failed)?
             .iter()
             .map(str::to_owned)
             .collect();
+        if header.is_empty() {
+            return Err(TableError::Empty(path.to_owned()));
+        }
         let places = columns
             .iter()
             .map(|(names, purpose)| find(path, &header, names, purpose))
@@ -101,16 +165,18 @@ impl Table {
             rows: Vec::new(),
             labels: Vec::new(),
         };
-        for record in reader.records() {
-            let record = record.map_err(failed)?;
+        let mut record = csv::StringRecord::new();
+        while file.reader.read_record(&mut record).map_err(failed)? {
             let number = |&place: &usize| {
                 let text = record.get(place).unwrap_or("");
-                text.parse::<f64>().map_err(|_| TableError::Number {
-                    path: path.to_owned(),
-                    line: record.position().map_or(0, csv::Position::line),
-                    column: shown(&header[place]),
-                    text: shown(text),
-                })
+                let gap = (gaps && text.is_empty()).then_some(f64::NAN);
+                gap.or_else(|| file.number(text))
+                    .ok_or_else(|| TableError::Number {
+                        path: path.to_owned(),
+                        line: record.position().map_or(0, csv::Position::line),
+                        column: shown(&header[place]),
+                        text: shown(text),
+                    })
             };
             table
                 .rows
@@ -118,16 +184,17 @@ impl Table {
             let own = label.and_then(|place| record.get(place)?.parse().ok());
             table.labels.push(own.unwrap_or(table.rows.len() as u64));
         }
-        if table.rows.is_empty() {
-            return Err(TableError::Empty(path.to_owned()));
-        }
         Ok(table)
     }
 }
 
 impl Table {
     /// The same from a Parquet file.
-    fn read_parquet(path: &Path, columns: &[(Vec<String>, String)]) -> Result<Self, TableError> {
+    fn read_parquet(
+        path: &Path,
+        columns: &[(Vec<String>, String)],
+        gaps: bool,
+    ) -> Result<Self, TableError> {
         let failed = |message: String| TableError::Parquet {
             path: path.to_owned(),
             message,
@@ -149,7 +216,9 @@ impl Table {
             let row = row.map_err(failed)?;
             let number = |&place: &usize| {
                 let cell = row.get(place);
-                cell.and_then(parquet::number)
+                let value = cell.and_then(parquet::number);
+                value
+                    .or_else(|| gaps.then_some(f64::NAN))
                     .ok_or_else(|| TableError::Number {
                         path: path.to_owned(),
                         line: table.rows.len() as u64 + 1,
@@ -161,9 +230,6 @@ impl Table {
             let own = label.and_then(|place| row.get(place).and_then(parquet::whole));
             table.rows.push(numbers);
             table.labels.push(own.unwrap_or(table.rows.len() as u64));
-        }
-        if table.rows.is_empty() {
-            return Err(TableError::Empty(path.to_owned()));
         }
         Ok(table)
     }
@@ -188,6 +254,14 @@ fn find(
     let place = names
         .iter()
         .find_map(|name| header.iter().position(|column| column == name));
+    if let Some(place) = place
+        && header[place + 1..].contains(&header[place])
+    {
+        return Err(TableError::Twice {
+            path: path.to_owned(),
+            what: format!("column `{}`", shown(&header[place])),
+        });
+    }
     place.ok_or_else(|| {
         let column = names.first().map_or("", String::as_str);
         let near = nearest(column, header.iter().map(String::as_str)).map(shown);
@@ -236,7 +310,7 @@ impl Source {
                 (names, format!("the parameter {}", input.name))
             })
             .collect();
-        let mut table = Table::read(path, &columns)?;
+        let mut table = Table::read_points(path, &columns)?;
         for row in &mut table.rows {
             let mut given = row.iter().copied();
             let values = study

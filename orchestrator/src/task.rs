@@ -174,9 +174,14 @@ impl Slot {
         if !value.is_finite() {
             return Err(format!("{name} = {value} is not a finite number"));
         }
+        // What counts is the number that the FMU gets.
+        let stored = match self.storage {
+            Storage::Integer => value.round(),
+            Storage::Real | Storage::Boolean => value,
+        };
         let limit = match (self.min, self.max) {
-            (Some(min), _) if value < min => format!("less than the smallest value {min}"),
-            (_, Some(max)) if value > max => format!("more than the largest value {max}"),
+            (Some(min), _) if stored < min => format!("less than the smallest value {min}"),
+            (_, Some(max)) if stored > max => format!("more than the largest value {max}"),
             _ => return Ok(()),
         };
         Err(format!("{name} = {value} is {limit} that the FMU allows"))
@@ -197,6 +202,21 @@ impl Slot {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn whole_numbers_count_as_rounded() {
+        let slot = Slot {
+            name: "n".to_owned(),
+            reference: 1,
+            storage: Storage::Integer,
+            min: Some(1.0),
+            max: Some(4.0),
+        };
+        for (value, allowed) in [(0.51, true), (4.49, true), (0.49, false), (4.51, false)] {
+            assert_eq!(slot.check(value).is_ok(), allowed, "{value}");
+        }
+        assert!(matches!(slot.value(0.51), Value::Integer(1)));
+    }
 
     #[test]
     fn inputs_over_time() {

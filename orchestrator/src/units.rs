@@ -220,6 +220,11 @@ pub fn split(text: &str) -> Result<(f64, Option<&str>), String> {
         .ok_or_else(|| format!("`{text}` is not a number, or a number with a unit"))?;
     let number = text[..end].parse::<f64>().unwrap_or(f64::NAN);
     let unit = text[end..].trim();
+    if unit.starts_with(',') {
+        return Err(format!(
+            "`{text}`: write a point in the number instead of the comma"
+        ));
+    }
     Ok((number, (!unit.is_empty()).then_some(unit)))
 }
 

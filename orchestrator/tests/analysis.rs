@@ -107,6 +107,51 @@ fn sensitivity_from_existing_points_and_by_screening() {
 }
 
 #[test]
+fn findings_of_another_study_are_not_shown() {
+    let bench = bench();
+    let shown = || bench.read("out/report.html").contains("id=\"sensitivity\"");
+    let verify = || bench.run(&["verify", "study.toml", "--output", "out"]).code;
+    assert_eq!(verify(), 0);
+    let from = ["sensitivity", "study.toml", "--from", "out"];
+    assert_eq!(bench.run(&from).code, 0);
+    assert!(shown());
+    // Other points of the same study: what was found from the old ones is gone from the page.
+    bench.run(&["verify", "study.toml", "--output", "out", "--seed", "9"]);
+    assert!(!shown());
+    // What runs of its own say of a study holds for all of its points, but not for another study.
+    let runs = [
+        "sensitivity",
+        "study.toml",
+        "--base",
+        "16",
+        "--output",
+        "out",
+    ];
+    assert_eq!(bench.run(&runs).code, 0);
+    assert!(shown());
+    assert_eq!(verify(), 0);
+    assert!(shown());
+    bench.write("study.toml", &STUDY.replace("0.02", "0.03"));
+    bench
+        .run(&from)
+        .is_mistake(&["out", "study.toml", "verify it again"]);
+    let said = bench.run(&runs);
+    assert_eq!(said.code, 0);
+    assert!(said.err.contains("does not show this"), "{}", said.err);
+    assert_eq!(verify(), 0);
+    assert!(shown());
+}
+
+#[test]
+fn too_few_runs_are_refused() {
+    let bench = bench();
+    for (option, number) in [("--base", "1"), ("--morris", "0"), ("--morris", "1")] {
+        let said = bench.run(&["sensitivity", "study.toml", option, number]);
+        said.is_mistake(&[option, "at least 2"]);
+    }
+}
+
+#[test]
 fn robustness_finds_the_room_and_confirms_it() {
     let bench = bench();
     bench.run(&["verify", "study.toml", "--output", "out"]);

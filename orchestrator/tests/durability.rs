@@ -55,17 +55,18 @@ fn verify(bench: &Bench, folder: &str, options: &[&str]) -> support::Said {
 }
 
 /// The final files of a folder, without how long it took.
-fn files(bench: &Bench, folder: &str) -> (String, String) {
+fn files(bench: &Bench, folder: &str) -> (String, String, String) {
     let mut summary = bench.summary(folder);
     summary["run"].take();
     (
         bench.read(&format!("{folder}/points.csv")),
         summary.to_string(),
+        bench.read(&format!("{folder}/best.srmd")),
     )
 }
 
 /// The files of an undisturbed run.
-fn reference(bench: &Bench) -> (String, String) {
+fn reference(bench: &Bench) -> (String, String, String) {
     let said = verify(bench, "whole", &[]);
     assert_eq!(said.code, 0, "{}", said.err);
     files(bench, "whole")
@@ -217,10 +218,36 @@ fn shards_join_to_the_same_files() {
     let said = merge(&["part3", "part1", "part2"], "joined");
     assert_eq!(said.code, 0, "{}", said.err);
     assert!(files(&bench, "joined") == reference);
-    merge(&["part1", "part3"], "short").is_mistake(&["200 of 600 points", "--resume"]);
-    // What is missing can be computed afterwards.
+    merge(&["part1", "part3"], "short").is_mistake(&[
+        "200 of 600 points are in none of the shards 1/3, 3/3",
+        "`verify STUDY --output short --resume`",
+    ]);
+    // Merged once more with all of them, or computed afterwards.
+    merge(&["part1", "part3"], "again").is_mistake(&["200 of 600 points"]);
+    assert_eq!(merge(&["part1", "part2", "part3"], "again").code, 0);
+    assert!(files(&bench, "again") == reference);
     assert_eq!(verify(&bench, "short", &["--resume"]).code, 0);
     assert!(files(&bench, "short") == reference);
+    // A merged study is as good as any: its points can be run again, also without the shards.
+    for part in ["part1", "part2", "part3"] {
+        fs::remove_dir_all(bench.path(part)).unwrap();
+    }
+    assert!(bench.run(&["replay", "joined", "7"]).code < 2);
+}
+
+#[test]
+fn shards_of_other_studies_are_not_joined() {
+    let bench = bench();
+    assert_eq!(verify(&bench, "a", &["--shard", "1/2"]).code, 0);
+    assert_eq!(
+        verify(&bench, "b", &["--shard", "2/2", "--seed", "8"]).code,
+        0
+    );
+    let merge = |into: &str| bench.run(&["merge", "a", "b", "--output", into]);
+    merge("c").is_mistake(&["b has another seed (8) than a (3)", "leave it out"]);
+    assert!(!bench.path("c").exists());
+    let into_itself = bench.run(&["merge", "a", "--output", "a"]);
+    into_itself.is_mistake(&["another shard", "choose another --output"]);
 }
 
 #[test]
@@ -246,6 +273,21 @@ fn what_has_changed_is_not_resumed() {
     verify(&bench, "whole", &["--points", "20", "--resume"]).is_mistake(&["another FMU"]);
     fs::remove_file(bench.path("whole/summary.json")).unwrap();
     verify(&bench, "whole", &["--points", "20"]).is_mistake(&["begun already", "--resume"]);
+}
+
+#[test]
+fn a_run_that_came_to_no_point_is_begun_again() {
+    let bench = bench();
+    let binary: (&str, &[u8]) = ("binaries/linux64/lag.so", b"junk");
+    let description = support::model("", "");
+    bench.zip(
+        "lag.fmu",
+        &[("modelDescription.xml", description.as_bytes()), binary],
+    );
+    verify(&bench, "out", &[]).is_mistake(&["cannot load"]);
+    bench.fmu("lag.fmu", &[], &description);
+    let said = verify(&bench, "out", &[]);
+    assert_eq!(said.code, 0, "{}", said.err);
 }
 
 #[test]
@@ -285,7 +327,7 @@ fn a_point_can_be_run_again() {
 fn a_study_ends_by_itself_when_enough_is_known() {
     let bench = bench();
     let until = ["--until", "ci 0.15"];
-    let counts: Vec<(String, String)> = ["1", "4"]
+    let counts: Vec<(String, String, String)> = ["1", "4"]
         .iter()
         .map(|jobs| {
             let folder = format!("until{jobs}");

@@ -2,6 +2,8 @@
 
 mod support;
 
+use std::process::Stdio;
+
 use support::{Bench, model};
 
 const STUDY: &str = r#"
@@ -139,6 +141,7 @@ fn values_that_make_no_sense() {
     let bench = Bench::new();
     let set = |text: &str| bench.run(&["simulate", "lag.fmu", "--set", text]);
     set("lag.length=-0.02 mm").is_mistake(&["lag.length", "less than the smallest value 0"]);
+    set("lag.length=0,02 mm").is_mistake(&["`0,02 mm`", "write a point"]);
     set("lag.length=0").is_mistake(&["length 0 must be positive"]);
     set("lag.count=1.5").is_mistake(&["lag.count", "whole number"]);
     set("lag.flag=maybe").is_mistake(&["lag.flag", "neither true nor false"]);
@@ -149,6 +152,80 @@ fn values_that_make_no_sense() {
     verify("deviation = 0.1", "deviation = 0").is_mistake(&["study.toml:10", "deviation"]);
     verify("stop = 2", "stop = -2").is_mistake(&["stop time"]);
     verify("points = 8", "points = 0").is_mistake(&["points"]);
+    verify("nominal = 0.86", "nominal = nan").is_mistake(&["study.toml:15", "not a finite number"]);
+    verify("stop = 2", "stop = \"2 s\"").is_mistake(&["study.toml:5:8", "expected a number"]);
+    for (option, value) in [("--jobs", "0"), ("--points", "-1"), ("--seed", "-1")] {
+        let said = bench.run(&["verify", "study.toml", option, value]);
+        assert_eq!(said.code, 2);
+        assert!(
+            said.err.contains(&format!("invalid value '{value}'")),
+            "{}",
+            said.err
+        );
+    }
+    let start = bench.run(&["simulate", "lag.fmu", "--start", "-1", "--stop", "0"]);
+    assert_eq!(start.code, 0, "{}", start.err);
+    assert!(start.out.lines().nth(1).unwrap().starts_with("-1,"));
+}
+
+#[test]
+fn criteria_that_could_not_be_told_apart() {
+    for name in ["point", "status", "lag.rate"] {
+        let criterion = format!("[criteria.\"{name}\"]");
+        verify("[criteria.Y]", &criterion).is_mistake(&["two columns", name, "rename"]);
+    }
+}
+
+#[test]
+fn more_workers_than_points_share_nothing() {
+    let bench = Bench::new();
+    bench.write("study.toml", STUDY);
+    let said = bench.run(&["verify", "study.toml", "--jobs", "100000"]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    assert_eq!(bench.summary("results/study")["run"]["jobs"], 8);
+}
+
+#[test]
+fn why_points_fail_is_said() {
+    let said = verify("[design]", "[fixed]\n\"lag.length\" = 0\n\n[design]");
+    assert_eq!(said.code, 1, "{}", said.err);
+    assert!(
+        said.out.starts_with("8 points, 8 of them failed"),
+        "{}",
+        said.out
+    );
+    assert!(said.out.contains("point 1: fmi2Error: "), "{}", said.out);
+    assert!(
+        said.out.contains("length 0 must be positive"),
+        "{}",
+        said.out
+    );
+}
+
+#[test]
+fn what_a_study_costs() {
+    let bench = Bench::new();
+    bench.write("study.toml", STUDY);
+    let said = bench.run(&["verify", "study.toml", "--dry-run"]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    assert!(said.out.contains("in all: a point takes "), "{}", said.out);
+    assert!(!bench.path("results").exists());
+}
+
+#[test]
+fn a_reader_that_has_gone_is_no_error() {
+    let bench = Bench::new();
+    // More than a pipe holds.
+    let arguments = ["simulate", "lag.fmu", "--stop", "100", "--step", "0.001"];
+    let mut child = bench
+        .command(&arguments)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let said: support::Said = child.wait_with_output().unwrap().into();
+    assert_eq!((said.code, said.err.as_str()), (0, ""));
 }
 
 #[test]
@@ -206,6 +283,37 @@ fn tables_that_do_not_fit() {
     judge("point,Z\n1,0.8\n").is_mistake(&["table.csv", "no column `Y`", "point, Z"]);
     judge("point,Y\n1,high\n").is_mistake(&["table.csv:2", "`high` is not a number"]);
     judge("point,Y\n").is_mistake(&["table.csv", "no rows"]);
+    judge("").is_mistake(&["table.csv", "no rows"]);
+    judge("Y,Y\n1,2\n").is_mistake(&["table.csv", "column `Y` is there twice"]);
+    judge("point,Y\n1,1\n1,2\n").is_mistake(&["table.csv", "point 1 is there twice"]);
+    judge("point,Y\n1,1,3\n").is_mistake(&["table.csv", "line 2 has 3 cells instead of 2"]);
+    std::fs::write(bench.path("table.csv"), b"point,Y,\xe9\n1,1,1\n").unwrap();
+    let latin = bench.run(&["judge", "study.toml", "table.csv"]);
+    latin.is_mistake(&["table.csv", "line 1", "UTF-8"]);
     let missing = bench.run(&["judge", "study.toml", "none.csv"]);
     missing.is_mistake(&["none.csv"]);
+}
+
+#[test]
+fn tables_of_other_programs() {
+    let bench = Bench::new();
+    bench.write("study.toml", STUDY);
+    let judge = |text: &str| {
+        bench.write("table.csv", text);
+        let said = bench.run(&["judge", "study.toml", "table.csv"]);
+        assert!(said.code < 2, "{}", said.err);
+        said.out
+    };
+    // As a spreadsheet in German saves it.
+    let said = judge("\u{feff}point;Y\r\n1;0,85\r\n2;\"0,9\"\r\n");
+    assert!(
+        said.contains("all criteria: verified                     1"),
+        "{said}"
+    );
+    // What failed elsewhere has failed here, too.
+    let said = judge("point,Y\n1,0.85\n2,\n3,nan\n");
+    assert!(
+        said.starts_with("3 points, 2 of them failed (not finite: 2)"),
+        "{said}"
+    );
 }

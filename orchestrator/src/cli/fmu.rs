@@ -53,13 +53,13 @@ pub struct Simulate {
     #[arg(long, value_name = "FILE.ssv")]
     pub set_from: Option<PathBuf>,
     /// When to start, s [default: as the FMU suggests]
-    #[arg(long, value_name = "T")]
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
     pub start: Option<f64>,
     /// When to stop, s [default: as the FMU suggests]
-    #[arg(long, value_name = "T")]
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
     pub stop: Option<f64>,
     /// The communication step, s [default: as the FMU suggests]
-    #[arg(long, value_name = "H")]
+    #[arg(long, value_name = "H", allow_negative_numbers = true)]
     pub step: Option<f64>,
     /// Where to write the trajectory [default: standard output]
     #[arg(long, value_name = "FILE.csv")]

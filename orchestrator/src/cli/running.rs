@@ -1,5 +1,6 @@
 //! With what and where a study is run.
 
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -11,8 +12,8 @@ pub struct Means {
     #[arg(long, value_name = "FMU")]
     pub fmu: Option<PathBuf>,
     /// How many simulations at a time [default: the number of cores]
-    #[arg(long, value_name = "J")]
-    pub jobs: Option<usize>,
+    #[arg(long, value_name = "J", allow_negative_numbers = true)]
+    pub jobs: Option<NonZeroUsize>,
     /// Run points in this process: a little faster, but a crash of the FMU ends the run
     #[arg(long)]
     pub in_process: bool,

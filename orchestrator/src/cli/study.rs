@@ -24,15 +24,15 @@ pub struct Verify {
     #[command(flatten)]
     pub means: Means,
     /// How many points, instead of the study's number
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub points: Option<u64>,
     /// The seed, instead of the study's
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub seed: Option<u64>,
     /// Simulate the points of a table (csv or Parquet) instead of sampling
     #[arg(long, value_name = "TABLE.csv", conflicts_with_all = ["points", "seed"])]
     pub points_from: Option<PathBuf>,
-    /// Only say what would be done: points, design, criteria
+    /// Only say what would be done: points, design, criteria; and how long, by some points
     #[arg(long)]
     pub dry_run: bool,
     /// Continue a study that was interrupted
@@ -113,10 +113,10 @@ pub struct Identify {
     #[command(flatten)]
     pub means: Means,
     /// How many starts are screened, instead of the study's number
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub starts: Option<u64>,
     /// The seed of the starts, instead of the study's
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub seed: Option<u64>,
     /// End the search after this long and report the best so far
     #[arg(long, value_name = "SECONDS")]

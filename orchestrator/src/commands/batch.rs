@@ -14,6 +14,7 @@ use crate::engine::crew::Crew;
 use crate::engine::{self, Job};
 use crate::fmu::Package;
 use crate::judge::Judge;
+use crate::results::origin::Origin;
 use crate::results::{Outcome, ResultsError};
 use crate::study::plan::Plan;
 use crate::study::{self, Method, Study};
@@ -23,6 +24,8 @@ use tempfile::TempDir;
 pub(super) struct Batch {
     pub(super) plan: Plan,
     pub(super) judge: Judge,
+    /// To what belongs what its runs tell.
+    pub(super) origin: Origin,
     crew: Crew,
     // What the workers need on disk lives as long as these.
     _scratch: TempDir,
@@ -42,9 +45,15 @@ impl Batch {
         let scratch = tempfile::tempdir().map_err(ResultsError::io(&std::env::temp_dir()))?;
         let jobs = means.jobs();
         let crew = Crew::new(&mut package, place(means, jobs)?, scratch.path(), jobs)?;
+        let origin = Origin {
+            study_sha256: study.digest(),
+            fmu_sha256: Some(package.digest()?),
+            points: None,
+        };
         Ok(Self {
             plan,
             judge,
+            origin,
             crew,
             _scratch: scratch,
             _package: package,

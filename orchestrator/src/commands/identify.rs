@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 use super::limits::place;
 use super::{CommandError, finding, output};
 use crate::cli::Identify;
+use crate::csv_file::{CsvFile, reason};
 use crate::design::Design;
 use crate::distribution::Distribution;
 use crate::engine::crew::Crew;
@@ -209,13 +210,9 @@ fn write_cases(
     let path = beside(study, path.as_ref());
     let failed = |error: csv::Error| ResultsError::Content {
         path: path.clone(),
-        message: error.to_string(),
+        message: reason(&error),
     };
-    let mut reader = csv::ReaderBuilder::new()
-        .trim(csv::Trim::All)
-        .comment(Some(b'#'))
-        .from_path(&path)
-        .map_err(failed)?;
+    let mut reader = CsvFile::open(&path, Some(b'#')).map_err(failed)?.reader;
     let header = reader.headers().map_err(failed)?.clone();
     let latents = settings.latent.values();
     let places: Vec<Option<usize>> = latents

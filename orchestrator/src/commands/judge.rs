@@ -4,6 +4,7 @@ use std::process::ExitCode;
 
 use super::{CommandError, output, report, table, verdict};
 use crate::cli;
+use crate::failure::Failure;
 use crate::fmu::{Description, Package};
 use crate::judge::Judge;
 use crate::report::Report;
@@ -21,7 +22,7 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, CommandError> {
     let fmu = package.as_ref().map(Package::description);
     let judge = Judge::new(&study, fmu)?;
     let conversions = conversions(&study, &judge, fmu)?;
-    let mut rows = Table::read(&options.table, &columns(&study))?;
+    let mut rows = Table::read_results(&options.table, &columns(&study))?;
     let mut tally = Tally::new(&judge);
     let folder = options.output.as_deref();
     let mut files = folder
@@ -31,7 +32,11 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, CommandError> {
         for (value, conversion) in row.iter_mut().zip(&conversions) {
             *value = conversion.value(*value);
         }
-        let outcome = Ok(std::mem::take(row));
+        let missing = row.iter().position(|value| !value.is_finite());
+        let outcome = match missing {
+            None => Ok(std::mem::take(row)),
+            Some(k) => Err(Failure::NotFinite(judge.criteria[k].variable.clone())),
+        };
         let verdict = tally.add(label, &[], &outcome);
         if let Some(files) = &mut files {
             files.write(label, &[], &outcome, &verdict)?;

@@ -24,7 +24,7 @@ fn limits(options: &Means, jobs: usize) -> Result<Limits, CommandError> {
         .filter(|time| !time.is_zero())
         .ok_or_else(|| CommandError::Option {
             option: "point-timeout",
-            message: format!("{} s is not a positive time", options.point_timeout),
+            message: format!("{:?} s is not a positive time", options.point_timeout),
         })?;
     let memory = match &options.memory_limit {
         Some(text) => size(text).ok_or_else(|| CommandError::Option {

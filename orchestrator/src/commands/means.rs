@@ -1,5 +1,6 @@
 //! With what a study is run: the FMU and the cores.
 
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::thread::available_parallelism;
 
@@ -15,6 +16,6 @@ impl Means {
     /// How many simulations at a time: as many as cores, unless the user says otherwise.
     pub(super) fn jobs(&self) -> usize {
         let cores = || available_parallelism().map_or(1, Into::into);
-        self.jobs.unwrap_or_else(cores).max(1)
+        self.jobs.map_or_else(cores, NonZeroUsize::get)
     }
 }

@@ -4,6 +4,7 @@ mod batch;
 mod best;
 mod check;
 mod completion;
+mod cost;
 mod finding;
 mod identify;
 mod init;
@@ -86,6 +87,9 @@ pub enum CommandError {
     /// A search found nothing.
     #[error("the search failed: {0}")]
     Search(String),
+    /// Shards cannot be joined.
+    #[error("{0}")]
+    Shards(String),
     /// An option's value cannot be used.
     #[error("--{option}: {message}")]
     Option {

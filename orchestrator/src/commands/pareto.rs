@@ -12,6 +12,7 @@ use crate::cli;
 use crate::report::format::number;
 use crate::report::pareto as page;
 use crate::results::Outcome;
+use crate::results::origin::Origin;
 
 pub(super) fn run(options: &cli::Pareto) -> Result<ExitCode, CommandError> {
     let folder = options
@@ -19,7 +20,7 @@ pub(super) fn run(options: &cli::Pareto) -> Result<ExitCode, CommandError> {
         .clone()
         .unwrap_or_else(|| finding::folder_of(&options.study));
     let batch = Batch::new(&options.study, &options.means);
-    let result = match options.generations {
+    let (origin, result) = match options.generations {
         Some(generations) => {
             let batch = batch?;
             let table = search(&batch, options, generations)?;
@@ -27,19 +28,24 @@ pub(super) fn run(options: &cli::Pareto) -> Result<ExitCode, CommandError> {
                 "NSGA-II over {generations} generations of {}",
                 options.population
             );
-            trade_off(&table, false, Some(nominal(&batch)?), method)
+            let origin = batch.origin.clone();
+            (
+                origin,
+                trade_off(&table, false, Some(nominal(&batch)?), method),
+            )
         }
         None => {
-            let (_, table) = from_results::read(&folder)?;
+            let (summary, table) = finding::points_of(&folder, &options.study)?;
             // Without the FMU the front is the same, but the nominal design cannot be run.
             let nominal = batch.ok().map(|batch| nominal(&batch)).transpose()?;
             let nominal = nominal.filter(|own| own.parameters.len() == table.parameters.len());
-            trade_off(&table, true, nominal, "the study's points".to_owned())
+            let result = trade_off(&table, true, nominal, "the study's points".to_owned());
+            (Origin::of_points(&summary), result)
         }
     };
     let result = result.ok_or_else(|| CommandError::Search("no point has values".to_owned()))?;
     let target = options.output.clone().unwrap_or(folder);
-    finding::tell(&result, &text(&result), &target, page::FILE)
+    finding::tell(&result, &origin, &text(&result), &target, page::FILE)
 }
 
 /// The parameters at the medians of their distributions.

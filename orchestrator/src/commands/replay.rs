@@ -17,7 +17,11 @@ pub(super) fn run(options: &Replay) -> Result<ExitCode, CommandError> {
         .index_of(options.point)
         .ok_or_else(|| CommandError::Option {
             option: "point",
-            message: format!("the study has no point {}", options.point),
+            message: format!(
+                "the study has no point {}; points.csv lists its {}",
+                options.point,
+                session.source.len()
+            ),
         })?;
     let job = session.job(index);
     let run = Isolated::new(&mut session.package)?;

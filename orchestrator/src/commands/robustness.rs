@@ -6,13 +6,13 @@ use std::process::ExitCode;
 
 use super::batch::{self, Batch};
 use super::{CommandError, finding};
-use crate::analysis::from_results;
 use crate::analysis::robustness::region::Confirmed;
 use crate::analysis::robustness::{Robustness, region, robustness, rows};
 use crate::analysis::table::PointTable;
 use crate::cli;
 use crate::report::format::{number, percent};
 use crate::report::robustness as page;
+use crate::results::origin::Origin;
 use confirm::Confirmation;
 
 pub(super) fn run(options: &cli::Robustness) -> Result<ExitCode, CommandError> {
@@ -20,7 +20,7 @@ pub(super) fn run(options: &cli::Robustness) -> Result<ExitCode, CommandError> {
         .from
         .clone()
         .unwrap_or_else(|| finding::folder_of(&options.study));
-    let (_, table) = from_results::read(&folder)?;
+    let (summary, table) = finding::points_of(&folder, &options.study)?;
     if !(options.level > 0.0 && options.level < 1.0) {
         return Err(option("level", "must lie between 0 and 1"));
     }
@@ -48,7 +48,8 @@ pub(super) fn run(options: &cli::Robustness) -> Result<ExitCode, CommandError> {
         .of(result)?;
     }
     let target = options.output.clone().unwrap_or_else(|| folder.clone());
-    finding::tell(&result, &text(&result), &target, page::FILE)
+    let origin = Origin::of_points(&summary);
+    finding::tell(&result, &origin, &text(&result), &target, page::FILE)
 }
 
 fn option(option: &'static str, message: &str) -> CommandError {

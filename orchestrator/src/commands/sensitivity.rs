@@ -14,14 +14,16 @@ use crate::analysis::table::PointTable;
 use crate::cli;
 use crate::report::format::number;
 use crate::report::sensitivity;
+use crate::results::origin::Origin;
 use crate::results::{ResultsError, points, write_atomically};
 
 pub(super) fn run(options: &cli::Sensitivity) -> Result<ExitCode, CommandError> {
-    let (folder, result) = match &options.from {
+    let (folder, origin, result) = match &options.from {
         Some(folder) => {
-            let (_, table) = from_results::read(folder)?;
+            let (summary, table) = finding::points_of(folder, &options.study)?;
+            let origin = Origin::of_points(&summary);
             let target = options.output.clone().unwrap_or_else(|| folder.clone());
-            (target, from_points(&table, options.seed))
+            (target, origin, from_points(&table, options.seed))
         }
         None => {
             let batch = Batch::new(&options.study, &options.means)?;
@@ -33,10 +35,10 @@ pub(super) fn run(options: &cli::Sensitivity) -> Result<ExitCode, CommandError> 
                 Some(trajectories) => screen(&batch, trajectories, options.seed, &folder)?,
                 None => indices(&batch, options, &folder)?,
             };
-            (folder, result)
+            (folder, batch.origin, result)
         }
     };
-    finding::tell(&result, &text(&result), &folder, sensitivity::FILE)
+    finding::tell(&result, &origin, &text(&result), &folder, sensitivity::FILE)
 }
 
 fn indices(
@@ -45,6 +47,7 @@ fn indices(
     folder: &Path,
 ) -> Result<Sensitivity, CommandError> {
     let (base, seed) = (options.base, options.seed);
+    at_least_two("base", base)?;
     let varied = batch.varied();
     let replicates = sobol::replicates(base);
     let pairs = batch::cube(2 * varied.len(), base, seed, replicates).map_err(|message| {
@@ -65,8 +68,9 @@ fn screen(
     folder: &Path,
 ) -> Result<Sensitivity, CommandError> {
     const LEVELS: usize = 4;
+    at_least_two("morris", trajectories as u64)?;
     // The ends of a distribution may reach far; the grid covers its middle 98 %.
-    let cube = morris::design(batch.varied().len(), trajectories.max(2), LEVELS, seed);
+    let cube = morris::design(batch.varied().len(), trajectories, LEVELS, seed);
     let middle: Vec<Vec<f64>> = cube
         .iter()
         .map(|row| row.iter().map(|u| 0.01 + 0.98 * u).collect())
@@ -74,6 +78,15 @@ fn screen(
     let rows = simulate(batch, &middle)?;
     keep_runs(folder, &rows)?;
     Ok(from_morris(&cube, &rows, seed))
+}
+
+/// One run tells nothing of how sure it is.
+fn at_least_two(option: &'static str, number: u64) -> Result<(), CommandError> {
+    if number >= 2 {
+        return Ok(());
+    }
+    let message = format!("{number} is too few; at least 2 are needed");
+    Err(CommandError::Option { option, message })
 }
 
 /// Simulates points of the unit cube of the parameters that vary.

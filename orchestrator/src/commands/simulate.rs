@@ -16,8 +16,8 @@ use crate::engine::trajectory::Recorder;
 use crate::engine::{Answer, EngineError, Job, Worker};
 use crate::failure::Failure;
 use crate::fmu::{Causality, Description, Package, Value, Variable};
-use crate::results::ResultsError;
 use crate::results::points::number;
+use crate::results::{ResultsError, of_the_system};
 use crate::study::plan::{find, value_of};
 use crate::study::{Setting, ssv};
 use crate::task::{Column, Schedule, Task};
@@ -160,7 +160,7 @@ impl From<EngineError> for TrajectoryError {
 
 impl From<csv::Error> for TrajectoryError {
     fn from(error: csv::Error) -> Self {
-        Self::Write(error.into())
+        Self::Write(of_the_system(error.into()))
     }
 }
 

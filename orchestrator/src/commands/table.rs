@@ -5,7 +5,7 @@ use std::fmt::Write;
 use indexmap::IndexMap;
 
 use crate::results::Summary;
-use crate::results::summary::Count;
+use crate::results::summary::{Count, FailedPoint};
 
 /// The summary for people: what meets which criterion.
 pub(super) fn counts(summary: &Summary) -> String {
@@ -15,7 +15,12 @@ pub(super) fn counts(summary: &Summary) -> String {
         failed => format!(", {failed} of them failed ({})", reasons(&summary.failures)),
     };
     // Writing to a String cannot fail.
-    let _ = writeln!(text, "{} points{failed}\n", summary.points);
+    let plural = if summary.points == 1 { "" } else { "s" };
+    let _ = writeln!(text, "{} point{plural}{failed}", summary.points);
+    if let Some(FailedPoint { point, status }) = &summary.first_failure {
+        let _ = writeln!(text, "point {point}: {status}");
+    }
+    text.push('\n');
     let _ = writeln!(
         text,
         "{:<34}{:>10}{:>10}   95 % interval",

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use super::limits::place;
 use super::progress::Progress;
 use super::until::Front;
-use super::{CommandError, best, finding, output, report, stop, table, verdict};
+use super::{CommandError, best, cost, finding, output, report, stop, table, verdict};
 use crate::cli::Verify;
 use crate::engine;
 use crate::results::journal::Finished;
@@ -40,11 +40,14 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, CommandError> {
         });
     }
     let folder = output_folder(options);
+    // More workers than points would only take memory from each other.
+    let points = usize::try_from(session.expected()).unwrap_or(usize::MAX);
+    let jobs = options.means.jobs().min(points.max(1));
     if options.dry_run {
         output::print(&plan(&session, &folder));
+        output::print(&cost::of(&mut session, &options.means, jobs)?);
         return Ok(ExitCode::SUCCESS);
     }
-    let jobs = options.means.jobs();
     let (mut journal, finished) = session.journal(&folder, options.resume)?;
     // The unpacked FMU is kept in it until the report is written.
     let scratch = scratch(&folder)?;
@@ -107,14 +110,19 @@ pub(super) fn conclude(
     Ok(verdict(summary.verified))
 }
 
+/// A number of things.
+fn counted(number: u64, thing: &str) -> String {
+    format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
+}
+
 /// What would be done.
 fn plan(session: &Session, folder: &Path) -> String {
     let schedule = &session.plan.task.schedule;
     let steps = schedule.steps();
     let mut text = format!(
-        "{} points of {} steps ({} to {} s) into {}\n",
-        session.expected(),
-        steps,
+        "{} of {} ({} to {} s) into {}\n",
+        counted(session.expected(), "point"),
+        counted(steps, "step"),
         schedule.start,
         schedule.stop,
         folder.display()
@@ -144,6 +152,7 @@ fn request(options: &Verify) -> Request {
         points_from: options.points_from.clone(),
         shard: options.shard,
         base: None,
+        original: None,
     }
 }
 

@@ -291,10 +291,18 @@ impl Drop for Process {
 impl Running {
     fn await_readiness(&mut self, limits: Limits) -> Result<(), EngineError> {
         let mut reason = Vec::new();
-        let lost = self.wait(limits).is_some();
-        if lost || !read_frame(&mut self.answers, &mut reason).unwrap_or(false) {
+        let lost = self.wait(limits);
+        if lost.is_some() || !read_frame(&mut self.answers, &mut reason).unwrap_or(false) {
             let _ = self.child.kill();
-            let ending = self.ending();
+            let ending = match lost {
+                Some(Loss::OutOfMemory) => format!(
+                    "it takes more memory than the {:.0} MB that a worker may; raise \
+                     --memory-limit or use fewer --jobs",
+                    limits.memory as f64 / f64::from(1 << 20)
+                ),
+                Some(Loss::Timeout) => "it takes longer than --point-timeout".to_owned(),
+                Some(Loss::Ended) | None => self.ending().to_string(),
+            };
             return Err(EngineError::Start(format!("loading the FMU: {ending}")));
         }
         if reason.is_empty() {

@@ -51,7 +51,7 @@ impl Columns {
             .iter()
             .map(|(name, column)| (vec![(*column).clone()], name.as_ref().clone()))
             .collect();
-        let table = Table::read(&beside(study, path), &wanted)?;
+        let table = Table::read_points(&beside(study, path), &wanted)?;
         Ok(Self {
             names: named
                 .into_iter()

@@ -3,7 +3,10 @@
 use super::{Intervals, Reading, Report, ReportError, history, pareto, robustness, sensitivity};
 use crate::analysis::from_results;
 use crate::results::Summary;
+use crate::results::origin::Origin;
 use crate::results::summary::VariantCount;
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
 use std::path::Path;
 
 impl Report {
@@ -38,14 +41,27 @@ impl Report {
                 .map(|(name, variant)| reading(name, variant))
                 .collect(),
             history: history::read(folder, &table),
-            robustness: robustness::read(folder),
-            sensitivity: sensitivity::read(folder),
-            pareto: pareto::read(folder),
+            robustness: finding(folder, robustness::FILE, &summary),
+            sensitivity: finding(folder, sensitivity::FILE, &summary),
+            pareto: finding(folder, pareto::FILE, &summary),
             study_text,
             table,
             ..Self::default()
         })
     }
+}
+
+/// What another command has found out about these results, if it has.
+fn finding<T: DeserializeOwned>(folder: &Path, file: &str, summary: &Summary) -> Option<T> {
+    #[derive(Deserialize)]
+    struct Head {
+        // A finding of an older version says nothing of it.
+        origin: Option<Origin>,
+    }
+    let text = std::fs::read_to_string(folder.join(file)).ok()?;
+    let head: Head = serde_json::from_str(&text).ok()?;
+    let fits = head.origin.is_none_or(|origin| origin.fits(summary));
+    fits.then(|| serde_json::from_str(&text).ok()).flatten()
 }
 
 /// A summary of an older version says nothing of its intervals; they are Wilson's.

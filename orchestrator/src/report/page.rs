@@ -128,7 +128,10 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
         best: best_rows(table, &ranking, &sure),
         failures: failures(table),
         histories: histories(report),
-        sensitivity: report.sensitivity.as_ref().map(super::sensitivity::view),
+        sensitivity: report
+            .sensitivity
+            .as_ref()
+            .map(|found| super::sensitivity::view(found, &report.table)),
         robustness: report.robustness.as_ref().map(super::robustness::view),
         pareto: report.pareto.as_ref().map(super::pareto::view),
         provenance: &report.provenance,

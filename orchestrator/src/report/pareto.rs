@@ -5,7 +5,6 @@ use super::svg::Frame;
 use crate::analysis::pareto::study::{CONFLICT, Member, Pareto};
 use serde::Serialize;
 use std::fmt::Write as _;
-use std::path::Path;
 
 /// The result's file in a folder of results.
 pub const FILE: &str = "pareto.json";
@@ -15,11 +14,6 @@ const MOST_PLOTS: usize = 6;
 
 /// More points than these are a crowd.
 const CROWD: usize = 300;
-
-/// Reads the result of a folder; nothing where there is none that can be read.
-pub fn read(folder: &Path) -> Option<Pareto> {
-    serde_json::from_str(&std::fs::read_to_string(folder.join(FILE)).ok()?).ok()
-}
 
 /// What the template shows.
 #[derive(Serialize)]

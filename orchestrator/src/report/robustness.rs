@@ -8,15 +8,9 @@ use crate::analysis::robustness::maps::{CELLS, Map};
 use crate::analysis::robustness::region::Confirmed;
 use serde::Serialize;
 use std::fmt::Write as _;
-use std::path::Path;
 
 /// The result's file in a folder of results.
 pub const FILE: &str = "robustness.json";
-
-/// Reads the result of a folder; nothing where there is none that can be read.
-pub fn read(folder: &Path) -> Option<Robustness> {
-    serde_json::from_str(&std::fs::read_to_string(folder.join(FILE)).ok()?).ok()
-}
 
 /// What the template shows.
 #[derive(Serialize)]

@@ -3,17 +3,12 @@
 use super::format::{escape, number};
 use crate::analysis::sensitivity::Estimate;
 use crate::analysis::sensitivity::study::{Output, Sensitivity};
+use crate::analysis::table::PointTable;
 use serde::Serialize;
 use std::fmt::Write as _;
-use std::path::Path;
 
 /// The result's file in a folder of results.
 pub const FILE: &str = "sensitivity.json";
-
-/// Reads the result of a folder; nothing where there is none that can be read.
-pub fn read(folder: &Path) -> Option<Sensitivity> {
-    serde_json::from_str(&std::fs::read_to_string(folder.join(FILE)).ok()?).ok()
-}
 
 /// What the template shows.
 #[derive(Serialize)]
@@ -39,19 +34,22 @@ struct Measure<'a> {
     estimates: &'a [Estimate],
 }
 
-/// Prepares a result for the template.
-pub fn view(result: &Sensitivity) -> View {
+/// Prepares a result for the template; `table` knows the parameters' units.
+pub fn view(result: &Sensitivity, table: &PointTable) -> View {
     let failed = match result.failed {
         0 => String::new(),
         n => format!(" {n} runs failed; the comparisons that need them are left out."),
     };
     let split = |(name, s): (&String, &crate::analysis::sensitivity::regional::Split)| {
+        let known = table.parameters.iter().find(|p| p.name == *name);
+        let unit = known.map_or("", |p| p.unit.as_str());
+        let with_unit = |value| format!("{} {unit}", number(value, 5)).trim_end().to_owned();
         [
             name.clone(),
             number(s.distance, 3),
             number(s.chance, 2),
-            number(s.passing, 5),
-            number(s.failing, 5),
+            with_unit(s.passing),
+            with_unit(s.failing),
         ]
     };
     View {

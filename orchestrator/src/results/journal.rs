@@ -55,6 +55,19 @@ impl Header {
     /// # Errors
     /// Names what differs.
     pub fn check(&self, then: &Self, path: &Path) -> Result<(), ResultsError> {
+        match self.difference(then) {
+            None => Ok(()),
+            Some((what, then, now)) => Err(ResultsError::Changed {
+                path: path.to_owned(),
+                what,
+                then,
+                now,
+            }),
+        }
+    }
+
+    /// What differs first, as it is in the other header and in this one.
+    pub fn difference(&self, then: &Self) -> Option<(&'static str, String, String)> {
         let texts = |header: &Self| {
             [
                 ("orchestrator", header.orchestrator.clone()),
@@ -72,18 +85,11 @@ impl Header {
                 ),
             ]
         };
-        for ((what, now), (_, then)) in texts(self).into_iter().zip(texts(then)) {
-            if now != then {
-                let path = path.to_owned();
-                return Err(ResultsError::Changed {
-                    path,
-                    what,
-                    then,
-                    now,
-                });
-            }
-        }
-        Ok(())
+        let pairs = texts(self).into_iter().zip(texts(then));
+        pairs
+            .filter(|(now, then)| now != then)
+            .map(|((what, now), (_, then))| (what, then, now))
+            .next()
     }
 }
 

@@ -7,6 +7,7 @@
 
 pub mod finished;
 pub mod journal;
+pub mod origin;
 pub mod parquet;
 pub mod points;
 pub mod summary;
@@ -102,7 +103,22 @@ impl ResultsError {
     /// Turns an error of the system into one that names the file.
     pub fn io(path: &Path) -> impl FnOnce(io::Error) -> Self {
         let path = path.to_owned();
-        move |source| Self::Io { path, source }
+        move |source| Self::Io {
+            path,
+            source: of_the_system(source),
+        }
+    }
+}
+
+/// What the system said, where the csv writer has wrapped it: its kind tells the remedy.
+pub fn of_the_system(error: io::Error) -> io::Error {
+    match error.downcast::<csv::Error>() {
+        Ok(wrapped) if wrapped.is_io_error() => match wrapped.into_kind() {
+            csv::ErrorKind::Io(error) => error,
+            other => io::Error::other(format!("{other:?}")),
+        },
+        Ok(wrapped) => io::Error::other(wrapped),
+        Err(error) => error,
     }
 }
 

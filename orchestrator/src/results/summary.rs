@@ -37,6 +37,9 @@ pub struct Summary {
     pub variants: IndexMap<String, VariantCount>,
     /// How many points failed for which reason.
     pub failures: IndexMap<String, u64>,
+    /// The first point that failed, for the reason that is the most frequent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub first_failure: Option<FailedPoint>,
     /// The uncertain parameters.
     pub parameters: Vec<ParameterSummary>,
     /// The point nearest to the measurement, among those that meet all criteria if any does.
@@ -69,6 +72,15 @@ pub struct Provenance {
     /// How many independently scrambled nets a Sobol design consists of, where it is more than one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub replicates: Option<u64>,
+}
+
+/// A point without a result.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct FailedPoint {
+    /// What it is called.
+    pub point: u64,
+    /// Why it has none, as in the `status` column of `points.csv`.
+    pub status: String,
 }
 
 /// How many points meet a condition.
@@ -134,7 +146,7 @@ pub struct BestPoint {
     pub point: u64,
     /// Whether it meets all criteria.
     pub verified: bool,
-    /// The sum of its squared deviations from the measurement, each relative to the accuracy.
+    /// The root of the sum of its squared deviations from the measurement, each relative to the accuracy.
     pub distance: f64,
     /// Its parameters.
     pub parameters: IndexMap<String, f64>,

@@ -4,7 +4,8 @@ use indexmap::IndexMap;
 
 use super::Outcome;
 use super::summary::{
-    BestPoint, Count, CriterionCount, ParameterSummary, Provenance, Summary, VariantCount,
+    BestPoint, Count, CriterionCount, FailedPoint, ParameterSummary, Provenance, Summary,
+    VariantCount,
 };
 use crate::analysis::verdict::{randomised_share, sure_within};
 use crate::judge::{Criterion, Judge, Variant, Verdict};
@@ -42,7 +43,7 @@ pub struct Tally<'a> {
     judge: &'a Judge,
     replicates: usize,
     points: u64,
-    failures: IndexMap<String, u64>,
+    failures: IndexMap<String, (u64, FailedPoint)>,
     own: Counts,
     variants: Vec<Counts>,
     binds: Vec<u64>,
@@ -148,7 +149,12 @@ impl<'a> Tally<'a> {
                 self.compare(label, parameters, values, verdict.verified());
             }
             Err(failure) => {
-                *self.failures.entry(failure.class().to_owned()).or_default() += 1;
+                let first = || FailedPoint {
+                    point: label,
+                    status: failure.to_string(),
+                };
+                let class = failure.class().to_owned();
+                self.failures.entry(class).or_insert_with(|| (0, first())).0 += 1;
             }
         }
         verdict
@@ -208,7 +214,7 @@ impl<'a> Tally<'a> {
 
     /// How many of them have no result.
     pub fn failed(&self) -> u64 {
-        self.failures.values().sum()
+        self.failures.values().map(|(count, _)| count).sum()
     }
 
     /// The summary of what was counted.
@@ -237,8 +243,13 @@ impl<'a> Tally<'a> {
                     (name, count)
                 });
         let variants = judge.variants.iter().zip(&self.variants);
-        let mut failures = self.failures.clone();
+        let counts = self.failures.iter();
+        let mut failures: IndexMap<String, u64> = counts
+            .map(|(class, (count, _))| (class.clone(), *count))
+            .collect();
         failures.sort_unstable_keys();
+        // Of equally frequent reasons that of the first point.
+        let usual = self.failures.values().rev().max_by_key(|(count, _)| count);
         Summary {
             title,
             points,
@@ -254,6 +265,7 @@ impl<'a> Tally<'a> {
                 .map(|(variant, counts)| self.variant(variant, counts))
                 .collect(),
             failures,
+            first_failure: usual.map(|(_, first)| first.clone()),
             best_point: self
                 .best
                 .as_ref()

@@ -61,7 +61,7 @@ impl Session {
         let method = method.and_then(|name| name.as_str().map(str::to_owned));
         let given = header.table.is_some();
         Provenance {
-            study: name(&self.request.study),
+            study: name(self.request.own_study()),
             fmu: Some(fmu.model_name.clone()),
             fmu_version: fmu.version.clone(),
             fmu_guid: Some(fmu.guid.clone()),

@@ -152,7 +152,7 @@ impl Session {
     }
 
     /// The journal of a folder: a new one, or with `resume` the one that is there. A study that
-    /// is complete is simply done again.
+    /// is complete, or has no point yet, is simply done again.
     ///
     /// # Errors
     /// When the folder holds something else, and when the system says no.
@@ -168,7 +168,9 @@ impl Session {
             return Ok((journal, Some(finished)));
         }
         let complete = folder.join("summary.json").exists();
-        if complete && Journal::path_in(folder).exists() {
+        // Nothing is lost with a run that came to no point, because its FMU could not be loaded.
+        let vain = || Finished::read(folder).is_ok_and(|finished| finished.count == 0);
+        if Journal::path_in(folder).exists() && (complete || vain()) {
             Journal::remove(folder)?;
         }
         let journal = Journal::create(folder, &self.header)?;

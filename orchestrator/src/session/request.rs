@@ -3,6 +3,7 @@
 
 use std::fmt;
 use std::fs;
+use std::mem;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -29,6 +30,9 @@ pub struct Request {
     /// The folder of the files that the study names, where that is not its own.
     #[serde(skip)]
     pub base: Option<PathBuf>,
+    /// Where the study stood when it was run, if what is read now is the text that was kept.
+    #[serde(skip)]
+    pub original: Option<PathBuf>,
 }
 
 /// One of several equal parts of the points: those with index `number - 1`, `number - 1 + of`, ...
@@ -71,7 +75,7 @@ impl Request {
         let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
         let fmu = self.fmu.clone().unwrap_or_else(|| study.fmu_path());
         let kept = Self {
-            study: absolute(&self.study),
+            study: absolute(self.own_study()),
             fmu: Some(absolute(&fmu)),
             points_from: self.points_from.as_deref().map(absolute),
             ..self.clone()
@@ -98,8 +102,13 @@ impl Request {
                 message: error.to_string(),
             })?;
         request.base = request.study.parent().map(Path::to_owned);
-        request.study = folder.join(STUDY);
+        request.original = Some(mem::replace(&mut request.study, folder.join(STUDY)));
         Ok(request)
+    }
+
+    /// The study as the user called it.
+    pub fn own_study(&self) -> &Path {
+        self.original.as_deref().unwrap_or(&self.study)
     }
 }
 

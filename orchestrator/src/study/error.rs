@@ -86,6 +86,7 @@ fn suggest(message: &str) -> String {
         .map(str::trim)
         .collect::<Vec<_>>()
         .join("; ");
+    let message = plain(&message);
     let mut names = message.split('`').skip(1).step_by(2);
     let unknown = message.starts_with("unknown field") || message.starts_with("unknown variant");
     match names.next() {
@@ -97,5 +98,37 @@ fn suggest(message: &str) -> String {
             None => message,
         },
         _ => message,
+    }
+}
+
+/// Says what is expected in words of the study, not in those of the program.
+fn plain(message: &str) -> String {
+    const WORDS: [(&str, &str); 7] = [
+        ("expected f64", "expected a number"),
+        ("expected u64", "expected a whole number, not negative"),
+        ("expected usize", "expected a whole number, not negative"),
+        ("expected a string", "expected a text in quotes"),
+        ("expected path string", "expected a path in quotes"),
+        ("expected a boolean", "expected true or false"),
+        ("floating point `", "number `"),
+    ];
+    let replaced = |text: String, (from, to): &(&str, &str)| text.replace(from, to);
+    WORDS.iter().fold(message.to_owned(), replaced)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn types_have_plain_names() {
+        assert_eq!(
+            suggest("invalid type: string \"1 min\", expected f64"),
+            "invalid type: string \"1 min\", expected a number"
+        );
+        assert_eq!(
+            suggest("invalid type: floating point `4.0`, expected u64"),
+            "invalid type: number `4.0`, expected a whole number, not negative"
+        );
     }
 }

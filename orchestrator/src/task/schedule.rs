@@ -56,7 +56,7 @@ impl Schedule {
         }
         if !(step > 0.0 && (stop - start) / step < MOST_STEPS) {
             return Err(format!(
-                "the step {step} s must be positive, and not absurdly small"
+                "the step {step:?} s must be positive, and not absurdly small"
             ));
         }
         if !(self.window_start >= start && self.window_start <= stop) {

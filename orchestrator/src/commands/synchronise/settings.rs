@@ -8,6 +8,7 @@ use thiserror::Error;
 use crate::analysis::synchronise::signal::SignalError;
 use crate::analysis::synchronise::smooth::Smoothing;
 use crate::analysis::synchronise::{Accuracy, Channel, Recording};
+use crate::csv_file::{CsvFile, reason};
 use crate::names::{did_you_mean, nearest};
 use crate::study::Quantity;
 
@@ -31,7 +32,7 @@ pub enum SettingsError {
         message: String,
     },
     /// The recording is no table.
-    #[error("{path}: {source}")]
+    #[error("{path}: {}", reason(.source))]
     Csv {
         /// The file.
         path: PathBuf,
@@ -262,20 +263,17 @@ impl Table {
             path: path.to_owned(),
             source,
         };
-        let mut reader = csv::ReaderBuilder::new()
-            .trim(csv::Trim::All)
-            .from_path(path)
-            .map_err(failed)?;
-        let header = reader.headers().map_err(failed)?.clone();
+        let mut file = CsvFile::open(path, None).map_err(failed)?;
+        let header = file.reader.headers().map_err(failed)?.clone();
         let mut columns: Vec<(String, Vec<f64>)> = header
             .iter()
             .map(|name| (name.trim_start_matches('\u{feff}').to_owned(), Vec::new()))
             .collect();
         let mut record = csv::StringRecord::new();
-        while reader.read_record(&mut record).map_err(failed)? {
+        while file.reader.read_record(&mut record).map_err(failed)? {
             for ((_, column), cell) in columns.iter_mut().zip(&record) {
                 // An empty or unreadable cell is a sample that is missing.
-                column.push(cell.parse().unwrap_or(f64::NAN));
+                column.push(file.number(cell).unwrap_or(f64::NAN));
             }
         }
         Ok(Self {

@@ -1,0 +1,116 @@
+//! What a study would cost: some points are run, and the others are taken to last as long.
+
+use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
+
+use super::CommandError;
+use super::limits::place;
+use crate::cli::Means;
+use crate::engine::Job;
+use crate::engine::crew::Place;
+use crate::engine::process::Limits;
+use crate::results::ResultsError;
+use crate::session::Session;
+
+/// How long the point may take; nobody waits longer for an estimate.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// How long points are run for the estimate, s.
+const ENOUGH: f64 = 0.5;
+
+/// The estimate for people, or why there is none.
+#[allow(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss
+)]
+pub(super) fn of(
+    session: &mut Session,
+    means: &Means,
+    jobs: usize,
+) -> Result<String, CommandError> {
+    let scratch = tempfile::tempdir().map_err(ResultsError::io(&std::env::temp_dir()))?;
+    let place = match place(means, jobs)? {
+        Place::Workers(limits) => Place::Workers(Limits {
+            time: limits.time.min(PATIENCE),
+            ..limits
+        }),
+        Place::Here => Place::Here,
+    };
+    let mut workers = session.workers(place, scratch.path(), 1)?;
+    let (Some(worker), Some(index)) = (workers.first_mut(), session.indexes().next()) else {
+        return Ok(String::new());
+    };
+    let jobs_of = |count: usize| -> Vec<Job> {
+        let indexes = session.indexes().take(count);
+        indexes.map(|index| session.job(index)).collect()
+    };
+    let mut run = |points: &[Job]| {
+        let begun = Instant::now();
+        let mut first = None;
+        worker.run(points, &mut |_, answer| {
+            first.get_or_insert(answer.err());
+            ControlFlow::Continue(())
+        })?;
+        Ok::<_, CommandError>((first.flatten(), begun.elapsed().as_secs_f64()))
+    };
+    // The first run starts the worker and loads the FMU.
+    let (failure, mut point) = run(&jobs_of(1))?;
+    if let Some(failure) = failure {
+        let label = session.source.label(index);
+        return Ok(format!("point {label} fails: {failure}\n"));
+    }
+    // Short points are told from what surrounds them by running many.
+    for _ in 0..2 {
+        let few = jobs_of((ENOUGH / point).clamp(1.0, 1000.0) as usize);
+        if point < ENOUGH {
+            point = run(&few)?.1 / few.len() as f64;
+        }
+    }
+    Ok(text(point, session.expected(), jobs))
+}
+
+#[allow(clippy::cast_precision_loss)]
+fn text(point: f64, points: u64, jobs: usize) -> String {
+    let all = point * points as f64 / jobs as f64;
+    format!(
+        "about {} in all: a point takes {}, {jobs} at a time\n",
+        span(all),
+        span(point)
+    )
+}
+
+/// A time in the unit that people would use.
+fn span(seconds: f64) -> String {
+    const UNITS: [(f64, &str); 6] = [
+        (1e-6, "us"),
+        (1e-3, "ms"),
+        (1.0, "s"),
+        (60.0, "min"),
+        (3600.0, "h"),
+        (86400.0, "days"),
+    ];
+    // Two of a unit are the least, so that the number tells enough.
+    let fitting = UNITS.iter().rfind(|(size, _)| seconds >= 2.0 * size);
+    let (size, unit) = fitting.unwrap_or(&UNITS[0]);
+    let number = seconds / size;
+    let digits = usize::from(number < 10.0);
+    format!("{number:.digits$} {unit}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_readable() {
+        assert_eq!(
+            text(6.2e-5, 1_000_000, 2),
+            "about 31 s in all: a point takes 62 us, 2 at a time\n"
+        );
+        assert_eq!(span(1.5), "1500 ms");
+        assert_eq!(span(1200.0), "20 min");
+        assert_eq!(span(7.5e4), "21 h");
+        assert_eq!(span(1e9), "11574 days");
+    }
+}

@@ -1,0 +1,124 @@
+//! Csv files as programs and spreadsheets write them: commas, semicolons or tabs between cells, and
+//! decimal commas where commas separate nothing.
+
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Seek};
+use std::path::Path;
+
+/// A csv file that is being read.
+#[derive(Debug)]
+pub struct CsvFile {
+    /// Its records, without the blanks around cells.
+    pub reader: csv::Reader<BufReader<File>>,
+    separator: u8,
+}
+
+impl CsvFile {
+    /// Opens a file; lines that begin with `comment` are left out.
+    ///
+    /// # Errors
+    /// When it cannot be read.
+    pub fn open(path: &Path, comment: Option<u8>) -> csv::Result<Self> {
+        let mut file = BufReader::new(File::open(path)?);
+        let separator = separator(&mut file, comment)?;
+        file.rewind()?;
+        let mut builder = csv::ReaderBuilder::new();
+        builder.trim(csv::Trim::All).comment(comment);
+        Ok(Self {
+            reader: builder.delimiter(separator).from_reader(file),
+            separator,
+        })
+    }
+
+    /// The number in a cell of this file.
+    pub fn number(&self, cell: &str) -> Option<f64> {
+        number(self.separator, cell)
+    }
+}
+
+fn number(separator: u8, cell: &str) -> Option<f64> {
+    let point = || {
+        let decimal_comma = separator != b',' && cell.matches(',').count() == 1;
+        (decimal_comma && !cell.contains('.')).then(|| cell.replace(',', "."))
+    };
+    let plain = cell.parse().ok();
+    plain.or_else(|| point().and_then(|cell| cell.parse().ok()))
+}
+
+/// What separates the names in the first line that is neither blank nor a comment.
+fn separator(file: &mut impl BufRead, comment: Option<u8>) -> io::Result<u8> {
+    let mut line = Vec::new();
+    while file.read_until(b'\n', &mut line)? > 0 {
+        let text = line.trim_ascii();
+        if !text.is_empty() && text.first() != comment.as_ref() {
+            break;
+        }
+        line.clear();
+    }
+    let mut quoted = false;
+    let mut counts = [(b',', 0), (b'\t', 0), (b';', 0)];
+    for &byte in &line {
+        quoted ^= byte == b'"';
+        let count = counts.iter_mut().find(|(own, _)| *own == byte && !quoted);
+        count.into_iter().for_each(|(_, count)| *count += 1);
+    }
+    // Of equals the last one: names hold commas more often than semicolons.
+    let most = counts.iter().max_by_key(|(_, count)| *count);
+    Ok(most.map_or(b',', |&(byte, count)| if count > 0 { byte } else { b',' }))
+}
+
+/// Why a file cannot be read, for people.
+pub fn reason(error: &csv::Error) -> String {
+    let line = |position: &Option<csv::Position>| {
+        let line = position.as_ref().map_or(0, csv::Position::line);
+        format!("line {}", line.max(1))
+    };
+    match error.kind() {
+        csv::ErrorKind::Io(error) => error.to_string(),
+        csv::ErrorKind::Utf8 { pos, .. } => {
+            format!("{} is no text in UTF-8; save the table so", line(pos))
+        }
+        csv::ErrorKind::UnequalLengths {
+            pos,
+            expected_len,
+            len,
+        } => format!(
+            "{} has {len} cells instead of {expected_len} as the first line",
+            line(pos)
+        ),
+        _ => error.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn separators() {
+        for (header, expected) in [
+            ("a,b,c", b','),
+            ("a;b;c", b';'),
+            ("T, degC;F, N;p", b';'),
+            ("a\tb", b'\t'),
+            ("\"a;b;c\",d", b','),
+            ("alone", b','),
+            ("", b','),
+            ("# a;b;c;d\n\na,b", b','),
+        ] {
+            let found = separator(&mut header.as_bytes(), Some(b'#')).unwrap();
+            assert_eq!(found, expected, "{header}");
+        }
+    }
+
+    #[test]
+    fn decimal_commas() {
+        assert_eq!(number(b';', "81,33"), Some(81.33));
+        assert_eq!(number(b';', "-8,1e2"), Some(-810.0));
+        assert_eq!(number(b'\t', "81.33"), Some(81.33));
+        assert_eq!(number(b',', "81,33"), None);
+        assert_eq!(number(b';', "1,234,567"), None);
+        assert_eq!(number(b';', "1.234,5"), None);
+        assert_eq!(number(b';', ""), None);
+    }
+}

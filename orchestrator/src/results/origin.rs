@@ -1,0 +1,49 @@
+//! To which results a finding belongs, so that it is not shown beside other ones.
+
+use serde::{Deserialize, Serialize};
+
+use super::Summary;
+
+/// To which results a finding belongs.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Origin {
+    /// The SHA-256 digest of the study.
+    pub study_sha256: String,
+    /// The SHA-256 digest of the FMU, where there is one.
+    pub fmu_sha256: Option<String>,
+    /// The points that it was found from; none where it comes from runs of its own.
+    pub points: Option<Points>,
+}
+
+/// The points of a finished study.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Points {
+    method: String,
+    seed: Option<u64>,
+    points: u64,
+    verified: u64,
+}
+
+impl Origin {
+    /// Of what is found from a study's points.
+    pub fn of_points(summary: &Summary) -> Self {
+        let from = &summary.provenance;
+        Self {
+            study_sha256: from.study_sha256.clone(),
+            fmu_sha256: from.fmu_sha256.clone(),
+            points: Some(Points {
+                method: from.method.clone(),
+                seed: from.seed,
+                points: summary.points,
+                verified: summary.verified,
+            }),
+        }
+    }
+
+    /// Whether it tells of these results, too.
+    pub fn fits(&self, summary: &Summary) -> bool {
+        let own = Self::of_points(summary);
+        let same_points = self.points.is_none() || self.points == own.points;
+        self.study_sha256 == own.study_sha256 && self.fmu_sha256 == own.fmu_sha256 && same_points
+    }
+}
