@@ -162,9 +162,9 @@ fn sum(film: &ReynoldsFilm, stage: &Stage<'_>, drive: &Drive) -> Sums {
         }
     }
     sums.shear = if film.settings.flow_factors().is_some() {
-        rough_shear(film, drive)
+        rough_shear(film, drive.rotation())
     } else {
-        shear(film, drive)
+        shear(film, drive.rotation())
     };
     for (own, before) in cells.neighbours() {
         let p = [&field.pressure[before], &field.pressure[own.clone()]];
@@ -217,45 +217,41 @@ fn squeeze(film: &ReynoldsFilm, drive: &Drive, column: usize) -> f64 {
 }
 
 /// Integral of content over viscous gap, where the surfaces do not touch.
-fn shear(film: &ReynoldsFilm, drive: &Drive) -> f64 {
-    let (h, apart, fluidity) = (&film.gap.cell, &film.gap.cell_apart, &film.liquid.fluidity);
-    sheared(film, drive, |c| apart[c] / (h[c] * fluidity[c]))
+fn shear(film: &ReynoldsFilm, rotation: f64) -> f64 {
+    let (h, apart, resolved) = (&film.gap.edge, &film.gap.edge_apart, film.resolved_gap());
+    sheared(film, rotation, |edge| apart[edge] / h[edge].max(resolved))
 }
 
 /// The same between rough surfaces, by their stress factors.
-fn rough_shear(film: &ReynoldsFilm, drive: &Drive) -> f64 {
-    let (ratio, fluidity) = (&film.gap.ratio, &film.liquid.fluidity);
-    let resistance = |c: usize| sliding_resistance(ratio[c]) / (film.form.roughness * fluidity[c]);
-    sheared(film, drive, resistance)
+fn rough_shear(film: &ReynoldsFilm, rotation: f64) -> f64 {
+    let (ratio, roughness) = (&film.gap.edge_ratio, film.form.roughness);
+    sheared(film, rotation, |edge| {
+        sliding_resistance(ratio[edge]) / roughness
+    })
 }
 
-/// Integral of the content at the cells' middles times a `resistance`.
+/// Integral of content over fluidity times a `resistance` at the edges between columns.
 ///
-/// In a cell that is not full, content comes from upstream, so that it is the one at the edge downstream: behind the
-/// narrowest place of a heavily loaded film, where the gap widens fast, by tens of per cent too little for the middle.
-/// There it is what is carried in and out, in the mean, over the cell's own gap: of second order, where the content is
-/// of first.
-fn sheared(film: &ReynoldsFilm, drive: &Drive, resistance: impl Fn(usize) -> f64) -> f64 {
-    let (cells, content) = (&film.cells, &film.state.field.content);
-    let (cell_gap, edge_gap) = (&film.gap.cell, &film.gap.edge);
-    let rotation = drive.rotation();
+/// By the trapezoidal rule over the edges: around the ring it is as good as exact where the film is full, and a cell's
+/// content is that which the rotation carries over its downstream edge. In the cells' middles the gap behind the narrowest
+/// place would be wider by tens of per cent than the one that the content belongs to.
+fn sheared(film: &ReynoldsFilm, rotation: f64, resistance: impl Fn(usize) -> f64) -> f64 {
+    let (area, fluidity) = (&film.cells.area, &film.liquid.fluidity);
+    let content = &film.state.field.content;
+    // The share of the content before an edge; the rest is that behind it.
+    let before_counts = if rotation == 0.0 {
+        0.5
+    } else {
+        f64::from(rotation > 0.0)
+    };
     let mut sum = 0.0;
-    for (column, range) in cells.columns() {
-        let (before, after) = (cells.before(column), cells.after(column));
-        sum += sum_of(range.len(), |k| {
-            let own = range.start + k;
-            let mut middle = content[own];
-            if middle < 1.0 && rotation != 0.0 {
-                let [left, right] = [before, after].map(|column| column * cells.stride + k);
-                let [own_edge, far_edge] = [edge_gap[own], edge_gap[right]];
-                let carried = if rotation > 0.0 {
-                    content[left] * own_edge + content[own] * far_edge
-                } else {
-                    content[right] * far_edge + content[own] * own_edge
-                };
-                middle = (0.5 * carried / cell_gap[own]).min(1.0);
-            }
-            cells.area[own] * middle * resistance(own)
+    for (own, before) in film.cells.neighbours() {
+        let (first, first_before) = (own.start, before.start);
+        sum += sum_of(own.len(), |k| {
+            let (own, before) = (first + k, first_before + k);
+            let carried = before_counts * content[before] + (1.0 - before_counts) * content[own];
+            let area = 0.5 * (area[before] / fluidity[before] + area[own] / fluidity[own]);
+            area * carried * resistance(own)
         });
     }
     sum

@@ -217,6 +217,26 @@ fn ruptured_oil_is_sheared_on_few_cells() {
     assert!((back / coarse + 1.0).abs() < 1e-6, "{coarse} {back}");
 }
 
+/// In a full film between round surfaces the shear is Sommerfeld's (1904), and the pressure's part half the moment of
+/// the load about the bush's centre: on few cells too.
+#[test]
+fn a_full_film_has_sommerfeld_s_friction() {
+    for load in [750.0, 3700.0] {
+        let mut film = stand(Cavitation::NonNegative);
+        film.place(Vector2::new(0.93, 0.27)).unwrap();
+        let drive = Drive::steady(Vector2::new(load, 0.0), SPEED, VISCOSITY);
+        let torque = film.advance(0.3, &drive, &smooth).unwrap().journal_torque;
+        let e = film.eccentricity();
+        let couette = std::f64::consts::TAU * VISCOSITY * SPEED * 0.0125_f64.powi(3) * 0.019
+            / (20e-6 * (1.0 - e.norm_squared()).sqrt());
+        let expected = couette + 0.5 * 20e-6 * load * e.y;
+        assert!(
+            (torque / expected - 1.0).abs() < 1e-5,
+            "{torque} {expected} at {e}"
+        );
+    }
+}
+
 /// The smallest gap of a tilted journal is at its end, not in the middle of the last cells; and where an end meets a
 /// smooth bush, the film says what is missing.
 #[test]
