@@ -1,5 +1,7 @@
 //! What a step of the film gives: forces, torques, flows, and how well the balances close.
 
+use std::ops::Range;
+
 use nalgebra::Vector2;
 
 use super::balance::Stage;
@@ -218,24 +220,35 @@ fn squeeze(film: &ReynoldsFilm, drive: &Drive, column: usize) -> f64 {
 
 /// Integral of content over viscous gap, where the surfaces do not touch.
 fn shear(film: &ReynoldsFilm, rotation: f64) -> f64 {
-    let (h, apart, resolved) = (&film.gap.edge, &film.gap.edge_apart, film.resolved_gap());
-    sheared(film, rotation, |edge| apart[edge] / h[edge].max(resolved))
+    let resolved = film.resolved_gap();
+    sheared(film, rotation, |edges| {
+        let (h, apart) = (&film.gap.edge[edges.clone()], &film.gap.edge_apart[edges]);
+        move |k, fluidity| {
+            let h = if h[k] > resolved { h[k] } else { resolved };
+            apart[k] / (h * fluidity)
+        }
+    })
 }
 
 /// The same between rough surfaces, by their stress factors.
 fn rough_shear(film: &ReynoldsFilm, rotation: f64) -> f64 {
-    let (ratio, roughness) = (&film.gap.edge_ratio, film.form.roughness);
-    sheared(film, rotation, |edge| {
-        sliding_resistance(ratio[edge]) / roughness
+    let roughness = film.form.roughness;
+    sheared(film, rotation, |edges| {
+        let ratio = &film.gap.edge_ratio[edges];
+        move |k, fluidity| sliding_resistance(ratio[k]) / (roughness * fluidity)
     })
 }
 
-/// Integral of content over fluidity times a `resistance` at the edges between columns.
+/// Integral of content times a `resistance` at the edges between columns, which is given the fluidity there.
 ///
 /// By the trapezoidal rule over the edges: around the ring it is as good as exact where the film is full, and a cell's
 /// content is that which the rotation carries over its downstream edge. In the cells' middles the gap behind the narrowest
 /// place would be wider by tens of per cent than the one that the content belongs to.
-fn sheared(film: &ReynoldsFilm, rotation: f64, resistance: impl Fn(usize) -> f64) -> f64 {
+fn sheared<R: Fn(usize, f64) -> f64>(
+    film: &ReynoldsFilm,
+    rotation: f64,
+    resistance: impl Fn(Range<usize>) -> R,
+) -> f64 {
     let (area, fluidity) = (&film.cells.area, &film.liquid.fluidity);
     let content = &film.state.field.content;
     // The share of the content before an edge; the rest is that behind it.
@@ -244,14 +257,19 @@ fn sheared(film: &ReynoldsFilm, rotation: f64, resistance: impl Fn(usize) -> f64
     } else {
         f64::from(rotation > 0.0)
     };
+    let shares = [before_counts, 1.0 - before_counts];
     let mut sum = 0.0;
     for (own, before) in film.cells.neighbours() {
-        let (first, first_before) = (own.start, before.start);
-        sum += sum_of(own.len(), |k| {
-            let (own, before) = (first + k, first_before + k);
-            let carried = before_counts * content[before] + (1.0 - before_counts) * content[own];
-            let area = 0.5 * (area[before] / fluidity[before] + area[own] / fluidity[own]);
-            area * carried * resistance(own)
+        let n = own.len();
+        let area = [&area[before.clone()][..n], &area[own.clone()][..n]];
+        let fluidity = [&fluidity[before.clone()][..n], &fluidity[own.clone()][..n]];
+        let content = [&content[before][..n], &content[own.clone()][..n]];
+        let resistance = resistance(own);
+        sum += sum_of(n, |k| {
+            let carried = shares[0] * content[0][k] + shares[1] * content[1][k];
+            let area = 0.5 * (area[0][k] + area[1][k]);
+            let fluidity = 0.5 * (fluidity[0][k] + fluidity[1][k]);
+            area * carried * resistance(k, fluidity)
         });
     }
     sum
