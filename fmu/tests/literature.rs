@@ -37,6 +37,9 @@ fn settled(sommerfeld: f64, seconds: f64, choose: impl Fn(&mut Stand)) -> Readin
     *stand.readings()
 }
 
+/// A reading by name, and the tolerance of its ratio.
+type Comparison = (&'static str, fn(&Readings) -> f64, f64);
+
 /// The friction variable `(R/c) f`.
 fn friction(readings: &Readings) -> f64 {
     readings.friction_coefficient / Stand::default().bearing.relative_clearance()
@@ -93,7 +96,7 @@ fn the_reynolds_films_beside_raimondi_and_boyd() {
             cell(&conserving)
         );
         let mobility = settled(sommerfeld, 20.0, |_| ());
-        let compared: [(&str, fn(&Readings) -> f64, f64); 3] = [
+        let compared: [Comparison; 3] = [
             ("eccentricity ratio", |r| r.eccentricity_ratio, 2e-3),
             ("friction", friction, 4e-3),
             ("attitude", |r| r.attitude_angle, 4e-3),
