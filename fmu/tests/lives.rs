@@ -5,12 +5,13 @@
 
 use plain_bearing_stand::bearing::reynolds::DensityLaw;
 use plain_bearing_stand::bearing::{FilmModel, Prepared};
-use plain_bearing_stand::model::{Experiment, Model};
+use plain_bearing_stand::model::{Experiment, Fault, Model};
 use plain_bearing_stand::oil::PressureLaw;
 use plain_bearing_stand::sensors::Readings;
 use plain_bearing_stand::stand::Stand;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// A bearing and what happens to it.
 #[derive(Clone, Debug)]
@@ -161,7 +162,22 @@ fn energy_is_closed(stand: &Stand, prepared: &Prepared) -> Result<(), TestCaseEr
     Ok(())
 }
 
-fn live(life: &Life, film: FilmModel) -> Result<(), TestCaseError> {
+/// How a life ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Outcome {
+    Lived,
+    /// A step was refused as `docs/fmi.md` says, the stand left as it was.
+    Refused,
+}
+
+/// Whether a step of the mobility film was refused for a journal that settles faster than its budget of internal steps
+/// allows for: one that lies on rough surfaces whose contact is very stiff against the film's damping.
+fn is_too_stiff(fault: &Fault) -> bool {
+    let text = format!("{fault:?}");
+    text.contains("internal steps were taken") && text.contains("the journal settles within")
+}
+
+fn live(life: &Life, film: FilmModel) -> Result<Outcome, TestCaseError> {
     const NO_FILES: Experiment<'static> = Experiment {
         start: 0.0,
         stop: None,
@@ -197,24 +213,37 @@ fn live(life: &Life, film: FilmModel) -> Result<(), TestCaseError> {
         inputs.external_force.slope = (q - p) * area / step;
         inputs.speed.value = v;
         inputs.speed.slope = (w - v) / step;
-        stand
-            .advance(time, step, &mut ())
-            .map_err(|fault| fail(&fault))?;
+        if let Err(fault) = stand.advance(time, step, &mut ()) {
+            return if is_too_stiff(&fault) {
+                is_sane(stand.readings(), least, most)?;
+                Ok(Outcome::Refused)
+            } else {
+                Err(fail(&fault))
+            };
+        }
         time += step;
         is_sane(stand.readings(), least, most)?;
         if film == FilmModel::Mobility {
             energy_is_closed(&stand, &prepared)?;
         }
     }
-    Ok(())
+    Ok(Outcome::Lived)
 }
+
+/// Lives of the mobility film that were refused a step.
+static REFUSED: AtomicUsize = AtomicUsize::new(0);
+/// So many of ten thousand may be: it is one in some 25,000.
+const MOST_REFUSED: usize = 5;
 
 proptest! {
     #![proptest_config(ProptestConfig { cases: 10_000, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn ten_thousand_lives_with_the_mobility_method(life in lives()) {
-        live(&life, FilmModel::Mobility)?;
+        if live(&life, FilmModel::Mobility)? == Outcome::Refused {
+            let refused = REFUSED.fetch_add(1, Ordering::Relaxed) + 1;
+            prop_assert!(refused <= MOST_REFUSED, "{refused} lives were refused a step");
+        }
     }
 }
 
@@ -228,7 +257,7 @@ proptest! {
 
     #[test]
     fn sixty_lives_with_the_reynolds_film(life in lives()) {
-        live(&life, FilmModel::Reynolds)?;
+        prop_assert_eq!(live(&life, FilmModel::Reynolds)?, Outcome::Lived);
     }
 }
 
@@ -239,7 +268,7 @@ proptest! {
     #[test]
     #[ignore = "takes minutes"]
     fn a_thousand_lives_with_the_reynolds_film(life in lives()) {
-        live(&life, FilmModel::Reynolds)?;
+        prop_assert_eq!(live(&life, FilmModel::Reynolds)?, Outcome::Lived);
     }
 }
 
@@ -262,5 +291,5 @@ fn thickening_oil_is_squeezed_out() {
         options: [false, false, true],
         intervals: vec![resting],
     };
-    live(&life, FilmModel::Reynolds).unwrap();
+    assert_eq!(live(&life, FilmModel::Reynolds).unwrap(), Outcome::Lived);
 }

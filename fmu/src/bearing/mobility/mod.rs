@@ -92,6 +92,27 @@ mod tests {
         assert!(at(0.0) > 0.0 && at(0.0) < 1e-12);
     }
 
+    /// A film only dissipates: no load moves the journal against itself, also where the map is left behind.
+    #[test]
+    fn the_film_takes_no_work_from_the_journal() {
+        let map = SliceFamily::new(&MobilityMap::built_in().unwrap());
+        for width in [0.02, 0.2, 0.7, 1.6] {
+            let slice = map.slice(width);
+            for k in 0..40 {
+                let gap = 10_f64.powf(-0.3 * f64::from(k));
+                for angle in (0..=400).map(|i| PI * (f64::from(i) / 400.0).powi(3)) {
+                    let (cos, sin) = (angle.cos(), angle.sin());
+                    let (x, y) = slice.mobility(1.0 - gap, cos, sin);
+                    let along = (x * cos + y * sin) / x.hypot(y);
+                    assert!(
+                        along > -1e-14,
+                        "B/D {width}, gap {gap:e}, {angle}: {along:e}"
+                    );
+                }
+            }
+        }
+    }
+
     #[test]
     fn values_and_slopes_are_continuous_across_the_nodes() {
         let slice = SliceFamily::new(&MobilityMap::built_in().unwrap()).slice(0.76);

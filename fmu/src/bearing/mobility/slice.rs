@@ -1,6 +1,7 @@
 //! The map at one width-to-diameter ratio, for use in every time step.
 
 use nalgebra::Vector2;
+use std::f64::consts::FRAC_PI_2;
 use std::sync::OnceLock;
 
 use super::coordinates::Point;
@@ -57,6 +58,8 @@ impl Film<'_> {
     #[inline]
     pub fn mobility(&self) -> Vector2<f64> {
         let [log_mobility, lead] = self.slice.pair::<0>(&self.place);
+        // Beyond a right angle the film would push the journal along. Nothing does, but the surface beyond the table.
+        let lead = lead.clamp(-FRAC_PI_2, FRAC_PI_2);
         // The lead is odd in the angle from eccentricity to load.
         let (sin, cos) = (self.sign * lead).sin_cos();
         let (x, y) = (self.direction.x, self.direction.y);

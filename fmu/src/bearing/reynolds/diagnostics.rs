@@ -1,5 +1,7 @@
 //! What a step of the film gives: forces, torques, flows, and how well the balances close.
 
+use std::ops::Range;
+
 use nalgebra::Vector2;
 
 use super::balance::Stage;
@@ -162,9 +164,9 @@ fn sum(film: &ReynoldsFilm, stage: &Stage<'_>, drive: &Drive) -> Sums {
         }
     }
     sums.shear = if film.settings.flow_factors().is_some() {
-        rough_shear(film)
+        rough_shear(film, drive.rotation())
     } else {
-        shear(film)
+        shear(film, drive.rotation())
     };
     for (own, before) in cells.neighbours() {
         let p = [&field.pressure[before], &field.pressure[own.clone()]];
@@ -217,24 +219,60 @@ fn squeeze(film: &ReynoldsFilm, drive: &Drive, column: usize) -> f64 {
 }
 
 /// Integral of content over viscous gap, where the surfaces do not touch.
-fn shear(film: &ReynoldsFilm) -> f64 {
-    let (area, content) = (&film.cells.area, &film.state.field.content);
-    let (h, apart, fluidity) = (&film.gap.cell, &film.gap.cell_apart, &film.liquid.fluidity);
-    let n = area.len();
-    let (area, content, h) = (&area[..n], &content[..n], &h[..n]);
-    let (apart, fluidity) = (&apart[..n], &fluidity[..n]);
-    sum_of(n, |c| {
-        area[c] * content[c] * apart[c] / (h[c] * fluidity[c])
+fn shear(film: &ReynoldsFilm, rotation: f64) -> f64 {
+    let resolved = film.resolved_gap();
+    sheared(film, rotation, |edges| {
+        let (h, apart) = (&film.gap.edge[edges.clone()], &film.gap.edge_apart[edges]);
+        move |k, fluidity| {
+            let h = if h[k] > resolved { h[k] } else { resolved };
+            apart[k] / (h * fluidity)
+        }
     })
 }
 
 /// The same between rough surfaces, by their stress factors.
-fn rough_shear(film: &ReynoldsFilm) -> f64 {
-    let (area, content) = (&film.cells.area, &film.state.field.content);
-    let (ratio, fluidity) = (&film.gap.ratio, &film.liquid.fluidity);
-    sum_of(area.len(), |c| {
-        area[c] * content[c] * sliding_resistance(ratio[c]) / (film.form.roughness * fluidity[c])
+fn rough_shear(film: &ReynoldsFilm, rotation: f64) -> f64 {
+    let roughness = film.form.roughness;
+    sheared(film, rotation, |edges| {
+        let ratio = &film.gap.edge_ratio[edges];
+        move |k, fluidity| sliding_resistance(ratio[k]) / (roughness * fluidity)
     })
+}
+
+/// Integral of content times a `resistance` at the edges between columns, which is given the fluidity there.
+///
+/// By the trapezoidal rule over the edges: around the ring it is as good as exact where the film is full, and a cell's
+/// content is that which the rotation carries over its downstream edge. In the cells' middles the gap behind the narrowest
+/// place would be wider by tens of per cent than the one that the content belongs to.
+fn sheared<R: Fn(usize, f64) -> f64>(
+    film: &ReynoldsFilm,
+    rotation: f64,
+    resistance: impl Fn(Range<usize>) -> R,
+) -> f64 {
+    let (area, fluidity) = (&film.cells.area, &film.liquid.fluidity);
+    let content = &film.state.field.content;
+    // The share of the content before an edge; the rest is that behind it.
+    let before_counts = if rotation == 0.0 {
+        0.5
+    } else {
+        f64::from(rotation > 0.0)
+    };
+    let shares = [before_counts, 1.0 - before_counts];
+    let mut sum = 0.0;
+    for (own, before) in film.cells.neighbours() {
+        let n = own.len();
+        let area = [&area[before.clone()][..n], &area[own.clone()][..n]];
+        let fluidity = [&fluidity[before.clone()][..n], &fluidity[own.clone()][..n]];
+        let content = [&content[before][..n], &content[own.clone()][..n]];
+        let resistance = resistance(own);
+        sum += sum_of(n, |k| {
+            let carried = shares[0] * content[0][k] + shares[1] * content[1][k];
+            let area = 0.5 * (area[0][k] + area[1][k]);
+            let fluidity = 0.5 * (fluidity[0][k] + fluidity[1][k]);
+            area * carried * resistance(k, fluidity)
+        });
+    }
+    sum
 }
 
 /// Dissipation of the pressure flow through edges.

@@ -84,6 +84,8 @@ impl TryFrom<Saved> for ReynoldsFilm {
 const MOST_TRIES: usize = 20_000;
 /// The most of them without a solution.
 const MOST_FAILURES: usize = 500;
+/// Smooth surfaces that come closer than this share of the clearance touch.
+const TOUCHING: f64 = 1e-3;
 
 impl ReynoldsFilm {
     /// A flooded film with the journal in the middle.
@@ -169,7 +171,8 @@ impl ReynoldsFilm {
 
     /// The smallest gap, m; with a film between rough surfaces, the smallest mean gap.
     pub fn smallest_gap(&self) -> f64 {
-        self.gap.smallest * self.settings.clearance
+        let narrowest = (self.gap).narrowest(&self.cells, &self.form, self.state.eps);
+        narrowest * self.settings.clearance
     }
 
     /// Lets `interval` seconds pass under `drive`, in internal steps of controlled error. `contact` gives the
@@ -245,8 +248,13 @@ impl ReynoldsFilm {
     /// The film as it was before the interval, and why.
     fn given_up(&mut self, step: f64) -> FilmError {
         let eccentricity = self.state.eps.norm();
+        let smooth = self.form.roughness == 0.0 && !self.form.is_plain();
+        let touches = smooth && self.smallest_gap() <= TOUCHING * self.settings.clearance;
         self.state.copy_from(&self.before);
         self.arrive();
+        if touches {
+            return FilmError::Touches(eccentricity);
+        }
         FilmError::NotConverged { eccentricity, step }
     }
 

@@ -75,7 +75,7 @@ pub(super) struct Gap {
     pub(super) edge_ratio: Vec<f64>,
     /// The share of the developed area on which the film's pressure acts, per cell.
     pub(super) pressed: Vec<f64>,
-    /// The smallest of all.
+    /// The smallest of all cells and edges.
     pub(super) smallest: f64,
 }
 
@@ -120,6 +120,28 @@ impl Gap {
         } else {
             smallest(&self.cell).min(smallest(&self.edge))
         };
+    }
+
+    /// The smallest gap anywhere, also between the cells' middles and at the very ends of a tilted journal; zero where
+    /// smooth surfaces touch.
+    pub(super) fn narrowest(&self, cells: &Cells, form: &Form, eps: Vector2<f64>) -> f64 {
+        let ends = [eps + form.tilt, eps - form.tilt];
+        let distance = if form.middle.is_empty() {
+            1.0 - ends.map(|end| end.norm()).into_iter().fold(0.0, f64::max)
+        } else {
+            let places = |directions: &[Vector2<f64>], deviations: &[f64]| {
+                (directions.iter().zip(deviations))
+                    .flat_map(|(n, deviation)| ends.map(|end| 1.0 - end.dot(n) + deviation))
+                    .fold(f64::INFINITY, f64::min)
+            };
+            places(&cells.directions.mean, &form.middle)
+                .min(places(&cells.directions.edge, &form.edge))
+        };
+        if form.roughness > 0.0 {
+            mean_gap(distance / form.roughness)[0] * form.roughness
+        } else {
+            distance.max(0.0)
+        }
     }
 
     /// Turns distances of rough surfaces into mean gaps.

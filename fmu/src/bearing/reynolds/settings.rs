@@ -180,6 +180,11 @@ pub enum FilmError {
         "form error and tilt leave no gap at eccentricity ratio {0}; reduce them, or start nearer the centre"
     )]
     NoGap(f64),
+    /// Tilt or form error bring smooth surfaces together under the load.
+    #[error(
+        "tilt or form error bring the smooth surfaces together at eccentricity ratio {0}, where no film carries the load; give bearing.roughness, or reduce them"
+    )]
+    Touches(f64),
     /// The step did not converge however short.
     #[error(
         "the film's step did not converge at eccentricity ratio {eccentricity} with steps of {step} s"
