@@ -13,6 +13,7 @@
 
 mod inputs;
 mod march;
+mod stiff;
 mod stuck;
 
 use crate::bearing::profile::Profile;

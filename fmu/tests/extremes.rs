@@ -102,22 +102,16 @@ proptest! {
 fn what_makes_a_step_impossible_is_named() {
     let cases: [(&[(&str, f64)], &str); 6] = [
         (
-            &[
-                ("thermal.filmCapacity", 1e-3),
-                ("thermal.filmBushConductance", 1e4),
-            ],
+            &[("load.stiffness", 1e7), ("thermal.filmCapacity", 1e-3)],
             "the film's temperature settles within",
         ),
         (
-            &[
-                ("thermal.filmCapacity", 1e-3),
-                ("thermal.filmBushConductance", 1e4),
-            ],
-            "check thermal.filmCapacity: it is 0.001 J/K, by default 2 J/K",
+            &[("load.stiffness", 1e7), ("thermal.filmCapacity", 1e-3)],
+            "check load.stiffness: it is 10000000 N/m, by default 100 N/m",
         ),
         (
-            &[("bearing.diameter", 1e-4), ("load.leverRatio", 300.0)],
-            "check bearing.diameter: it is 0.0001 m, by default 0.025 m",
+            &[("bearing.width", 1e-4), ("bearing.asperityDensity", 1.0)],
+            "check bearing.width: it is 0.0001 m, by default 0.019 m",
         ),
         (
             &[("oil.kinematicViscosity100", 2e-4)],
@@ -142,6 +136,23 @@ fn what_makes_a_step_impossible_is_named() {
         };
         assert!(message.contains(expected), "{settings:?}: {message}");
     }
+}
+
+/// What settles within nanoseconds only follows the rest, in implicit steps.
+#[test]
+fn stiffness_alone_refuses_no_step() {
+    let usual = run(&[], &[0.1]).unwrap().readings().film_temperature;
+    let massless = [
+        ("thermal.filmCapacity", 1e-3),
+        ("thermal.filmBushConductance", 1e4),
+    ];
+    let film = run(&massless, &[0.1]).unwrap().readings().film_temperature;
+    // So closely tied to the bush, it has the bush's temperature.
+    assert!((film - 355.15).abs() < 0.01 && film != usual, "{film}");
+    let hard = [("bearing.diameter", 1e-4), ("load.leverRatio", 300.0)];
+    let pressed = run(&hard, &[0.1]).unwrap();
+    let e = pressed.readings().eccentricity_ratio;
+    assert!((0.9999..1.0).contains(&e), "{e}");
 }
 
 #[test]

@@ -171,7 +171,8 @@ enum Outcome {
 }
 
 /// Whether a step of the mobility film was refused for a journal that settles faster than its budget of internal steps
-/// allows for: one that lies on rough surfaces whose contact is very stiff against the film's damping.
+/// allows for: one that rough surfaces push off the bush where the film hardly holds it. A film resists a journal that
+/// comes far more than one that goes, and at that kink implicit steps are no help.
 fn is_too_stiff(fault: &Fault) -> bool {
     let text = format!("{fault:?}");
     text.contains("internal steps were taken") && text.contains("the journal settles within")
@@ -232,8 +233,8 @@ fn live(life: &Life, film: FilmModel) -> Result<Outcome, TestCaseError> {
 
 /// Lives of the mobility film that were refused a step.
 static REFUSED: AtomicUsize = AtomicUsize::new(0);
-/// So many of ten thousand may be: it is one in some 25,000.
-const MOST_REFUSED: usize = 5;
+/// So many of ten thousand may be: it is one in some 600,000.
+const MOST_REFUSED: usize = 1;
 
 proptest! {
     #![proptest_config(ProptestConfig { cases: 10_000, failure_persistence: None, ..ProptestConfig::default() })]

@@ -29,7 +29,7 @@ const LONGEST_FILM_STEP: f64 = 2e-3;
 /// Internal steps that may be taken before any time has passed: a rig takes some tens to leave a start.
 const STEPS_AT_ONCE: usize = 30_000;
 /// Further ones per second and per turn: a rig takes some 60 a turn.
-const STEPS_PER_SECOND: f64 = 3e5;
+const STEPS_PER_SECOND: f64 = 1e6;
 const STEPS_PER_TURN: f64 = 1e3;
 /// In all, in one communication step: some minutes of work.
 const MOST_STEPS: f64 = 5e7;
@@ -68,7 +68,10 @@ impl Stand {
         let mut oil = self.nearby;
         let rates = |tau: f64, y: &Unknowns| self.rates(tau, y, &mut oil);
         let done = integrator.integrate(rates, &mut y, span, &mut next_step);
-        done.map_err(|failure| self.explain(failure, &y, 0..6))?;
+        if let Err(failure) = done {
+            let anew = self.resolve_stiffly(span, &integrator.allowed);
+            y = anew.map_err(|_| self.explain(failure, &y, 0..6))?;
+        }
         self.nearby = oil;
         // The step goes as the fifth root of the error.
         self.state.next_step = next_step * slack.powf(-0.2);
@@ -192,7 +195,7 @@ impl Stand {
             && span > FEWEST_TURNS * self.period()
     }
 
-    fn period(&self) -> f64 {
+    pub(super) fn period(&self) -> f64 {
         std::f64::consts::TAU / self.inputs.speed.value.abs()
     }
 }

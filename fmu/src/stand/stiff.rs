@@ -1,0 +1,104 @@
+//! Implicit steps, for what settles far faster than the rest moves: a journal that lies on hard, rough surfaces
+//! in thin oil, a film without heat capacity.
+
+use super::{FIRST_STEP, SCALES, Stand, Unknowns, unknowns};
+use crate::oil::Nearby;
+use crate::solver::{Budget, Failure, Rodas3};
+use nalgebra::{SMatrix, SVector};
+
+/// The unknowns and the time, s, as a system that depends on nothing else.
+type Extended = SVector<f64, 7>;
+type Jacobian = SMatrix<f64, 7, 7>;
+
+/// Derivatives are taken over this part of an unknown's scale, and over so many seconds.
+const NUDGE: f64 = 1e-8;
+
+/// Implicit steps are few, or of no help: those that may be taken before any time has passed, further ones per
+/// second and per turn, and in all.
+const STEPS_AT_ONCE: usize = 5_000;
+const STEPS_PER_SECOND: f64 = 5e4;
+const STEPS_PER_TURN: f64 = 1e3;
+const MOST_STEPS: f64 = 5e6;
+
+impl Stand {
+    /// The unknowns after `span` seconds from the present state, with an error allowed in each per step.
+    pub(super) fn resolve_stiffly(
+        &self,
+        span: f64,
+        allowed: &Unknowns,
+    ) -> Result<Unknowns, Failure> {
+        let [ex, ey, film, bush, shaft, bath] = *allowed;
+        let integrator = Rodas3 {
+            allowed: [ex, ey, film, bush, shaft, bath, f64::INFINITY],
+            budget: Budget {
+                at_once: STEPS_AT_ONCE,
+                per_second: STEPS_PER_SECOND + STEPS_PER_TURN / self.period(),
+                most: MOST_STEPS,
+            },
+        };
+        let mut x = Extended::zeros();
+        x.as_mut_slice()[..6].copy_from_slice(&unknowns(&self.state));
+        let (mut oil, mut oil_beside) = (self.nearby, self.nearby);
+        let rates = |x: &Extended| Ok(self.extended_rates(x, &mut oil));
+        let linear = |x: &Extended| Ok(self.linearised(x, &mut oil_beside));
+        integrator.integrate(rates, linear, &mut x, span, FIRST_STEP)?;
+        Ok(first_six(&x))
+    }
+
+    fn extended_rates(&self, x: &Extended, oil: &mut Nearby) -> Extended {
+        let mut rates = Extended::repeat(1.0);
+        rates.as_mut_slice()[..6].copy_from_slice(&self.rates(x[6], &first_six(x), oil));
+        rates
+    }
+
+    /// The rates, and their derivatives by differences.
+    fn linearised(&self, x: &Extended, oil: &mut Nearby) -> (Extended, Jacobian) {
+        let here = self.extended_rates(x, oil);
+        let mut jacobian = Jacobian::zeros();
+        for column in 0..7 {
+            let scale = SCALES.get(column).unwrap_or(&1.0);
+            let mut beside = *x;
+            // Away from the bush: there may be no room towards it.
+            beside[column] -= (NUDGE * scale).copysign(x[column]);
+            let change = self.extended_rates(&beside, oil) - here;
+            jacobian.set_column(column, &(change / (beside[column] - x[column])));
+        }
+        (here, jacobian)
+    }
+}
+
+fn first_six(x: &Extended) -> Unknowns {
+    let [ex, ey, film, bush, shaft, bath, _] = (*x).into();
+    [ex, ey, film, bush, shaft, bath]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::{Experiment, Model};
+
+    /// Where nothing is stiff, implicit steps lead where explicit ones do; the speed and the load change meanwhile.
+    #[test]
+    fn implicit_and_explicit_steps_agree() {
+        let mut stand = Stand::default();
+        let experiment = Experiment {
+            start: 0.0,
+            stop: None,
+            tolerance: None,
+            resources: None,
+        };
+        assert!(stand.initialise(&experiment, &mut ()).is_ok());
+        assert!(stand.advance(0.0, 0.5, &mut ()).is_ok());
+        stand.inputs.speed.slope = 20.0;
+        stand.inputs.external_force.slope = -300.0;
+        let allowed = SCALES.map(|scale| 1e-8 * scale);
+        let implicit = stand.resolve_stiffly(0.3, &allowed).unwrap_or_default();
+        stand.solver.tolerance = 1e-9;
+        assert!(stand.resolve(0.3).is_ok());
+        let explicit = unknowns(&stand.state);
+        for i in 0..6 {
+            let apart = (implicit[i] - explicit[i]).abs() / SCALES[i];
+            assert!(apart < 1e-6, "{i}: {implicit:?} {explicit:?}");
+        }
+    }
+}
