@@ -37,12 +37,7 @@ fn run() -> Result<f64, Box<dyn Error>> {
 
 /// The sum of the bearing load, N, over the steps of one run.
 fn one(step: f64, steps: u32) -> Result<f64, Box<dyn Error>> {
-    let experiment = Experiment {
-        start: 0.0,
-        stop: None,
-        tolerance: None,
-        resources: None,
-    };
+    let experiment = Experiment::default();
     let mut stand = Stand::default();
     stand.initialise(&experiment, &mut ())?;
     let mut sum = 0.0;

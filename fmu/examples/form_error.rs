@@ -62,12 +62,7 @@ fn settled(profile: &Path, roughness: f64, tilt: f64) -> Result<Stand, Fault> {
     stand.load.eccentricity = 0.0;
     stand.load.stiffness = 0.0;
     stand.load.preload = 750.0 / stand.load.lever_ratio;
-    let experiment = Experiment {
-        start: 0.0,
-        stop: None,
-        tolerance: None,
-        resources: None,
-    };
+    let experiment = Experiment::default();
     stand.initialise(&experiment, &mut ())?;
     for i in 0..40 {
         stand.advance(0.02 * f64::from(i), 0.02, &mut ())?;

@@ -59,8 +59,8 @@ pub struct Info {
     pub log_categories: &'static [(&'static str, &'static str)],
 }
 
-/// What the model learns of the experiment when it is initialised.
-#[derive(Clone, Copy, Debug)]
+/// What the model learns of the experiment when it is initialised. By default it begins at zero, and nothing else is known.
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Experiment<'a> {
     /// The time at which the simulation starts, s.
     pub start: f64,

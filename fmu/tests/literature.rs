@@ -21,12 +21,7 @@ fn settled(sommerfeld: f64, seconds: f64, choose: impl Fn(&mut Stand)) -> Readin
     stand.load.preload = 0.0;
     stand.load.stiffness = 0.0;
     choose(&mut stand);
-    let nothing = Experiment {
-        start: 0.0,
-        stop: None,
-        tolerance: None,
-        resources: None,
-    };
+    let nothing = Experiment::default();
     stand.initialise(&nothing, &mut ()).unwrap();
     let viscosity = stand.readings().film_viscosity;
     let psi = stand.bearing.relative_clearance();

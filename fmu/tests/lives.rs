@@ -179,16 +179,10 @@ fn is_too_stiff(fault: &Fault) -> bool {
 }
 
 fn live(life: &Life, film: FilmModel) -> Result<Outcome, TestCaseError> {
-    const NO_FILES: Experiment<'static> = Experiment {
-        start: 0.0,
-        stop: None,
-        tolerance: None,
-        resources: None,
-    };
     let mut stand = born(life, film);
     let fail = |fault: &dyn std::fmt::Debug| TestCaseError::fail(format!("{fault:?}"));
     stand
-        .initialise(&NO_FILES, &mut ())
+        .initialise(&Experiment::default(), &mut ())
         .map_err(|fault| fail(&fault))?;
     let prepared = Prepared::new(&stand.bearing).unwrap();
     let area = stand.bearing.width * stand.bearing.diameter;

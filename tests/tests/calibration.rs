@@ -178,12 +178,7 @@ fn the_rigs_start_values_are_the_measured_steady_state() {
 #[test]
 fn the_rig_stays_at_its_steady_state_for_1000_seconds() {
     let mut stand = Stand::default();
-    let experiment = Experiment {
-        start: 0.0,
-        stop: None,
-        tolerance: None,
-        resources: None,
-    };
+    let experiment = Experiment::default();
     stand.initialise(&experiment, &mut ()).unwrap();
     for part in 0..20 {
         stand

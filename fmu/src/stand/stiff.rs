@@ -81,12 +81,7 @@ mod tests {
     #[test]
     fn implicit_and_explicit_steps_agree() {
         let mut stand = Stand::default();
-        let experiment = Experiment {
-            start: 0.0,
-            stop: None,
-            tolerance: None,
-            resources: None,
-        };
+        let experiment = Experiment::default();
         assert!(stand.initialise(&experiment, &mut ()).is_ok());
         assert!(stand.advance(0.0, 0.5, &mut ()).is_ok());
         stand.inputs.speed.slope = 20.0;
