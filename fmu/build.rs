@@ -7,6 +7,5 @@ fn main() {
         // A host may unload an FMU while its threads still hold Rust's thread-local destructors:
         // keep the code in place (rust-lang/rust issues 91979 and 134820).
         println!("cargo:rustc-cdylib-link-arg=-Wl,-z,nodelete");
-        println!("cargo:rustc-link-arg-examples=-Wl,-z,nodelete");
     }
 }

@@ -3,12 +3,12 @@
 use std::collections::HashMap;
 use std::path::PathBuf;
 
+use fmu_export::model::{Access, Experiment, Kind, Model, Variable};
 use orchestrator::fmu::{Description, Package, Value};
 use orchestrator::identify::bind::Bound;
 use orchestrator::identify::problem::Simulate;
 use orchestrator::statistics::Accumulator;
 use orchestrator::task::Task;
-use plain_bearing_stand::model::{Access, Experiment, Kind, Model, Variable};
 use plain_bearing_stand::stand::Stand;
 
 /// A file of the repository.

@@ -6,7 +6,7 @@
 use std::error::Error;
 use std::process::ExitCode;
 
-use plain_bearing_stand::model::{Experiment, Model};
+use fmu_export::model::{Experiment, Model};
 use plain_bearing_stand::stand::Stand;
 
 fn main() -> ExitCode {

@@ -2,8 +2,8 @@
 //!
 //!     cargo run --release -p plain-bearing-stand --example form_error
 
+use fmu_export::model::{Experiment, Fault, Model};
 use plain_bearing_stand::bearing::FilmModel;
-use plain_bearing_stand::model::{Experiment, Fault, Model};
 use plain_bearing_stand::stand::Stand;
 use std::path::Path;
 

@@ -1,7 +1,7 @@
 //! The page that goes into the FMU's documentation folder: the text, and a table of all variables.
 
-use crate::model::{Access, Kind, Model, Role, Unit, Variable};
 use crate::stand::Stand;
+use fmu_export::model::{Access, Kind, Model, Role, Unit, Variable};
 use std::fmt::Write;
 
 /// The page, complete.

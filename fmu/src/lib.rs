@@ -7,16 +7,13 @@
 pub mod bearing;
 pub mod documentation;
 pub mod drive;
-pub mod fmi2;
 pub mod load;
-pub mod model;
 pub mod multirate;
 pub mod oil;
 pub mod sensors;
 pub mod solver;
 pub mod stand;
 pub mod thermal;
-pub mod units;
 pub mod variables;
 
-export!(stand::Stand);
+fmu_export::export!(stand::Stand);

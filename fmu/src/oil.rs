@@ -2,8 +2,8 @@
 
 pub mod measured;
 
-use crate::bearing::reynolds::{DensityLaw, PressureViscosity, Rheology, ShearThinning};
-use crate::model::{Experiment, Fault};
+use fmu_export::model::{Experiment, Fault};
+use journal_bearing::rheology::{DensityLaw, PressureViscosity, Rheology, ShearThinning};
 use serde::{Deserialize, Serialize};
 
 /// The oil's parameters: two points of its viscosity and one of its density.

@@ -16,15 +16,15 @@ mod march;
 mod stiff;
 mod stuck;
 
-use crate::bearing::profile::Profile;
 use crate::bearing::resolved::ResolvedFilm;
 use crate::bearing::{Bearing, FilmModel, Flows, Motion, Prepared};
 use crate::drive::{Command, Drive};
 use crate::load::Load;
-use crate::model::{self, Experiment, Fault, Info, Log, Model, Variable};
 use crate::oil::{Nearby, Oil, Properties};
 use crate::sensors::{self, Readings};
 use crate::thermal::{Heat, Temperatures, Thermal};
+use fmu_export::model::{self, Experiment, Fault, Info, Log, Model, Variable};
+use journal_bearing::profile::Profile;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 

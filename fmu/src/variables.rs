@@ -5,13 +5,14 @@
 mod declare;
 
 use crate::bearing::FilmModel;
-use crate::bearing::reynolds::DensityLaw;
-use crate::model::{Access, Enumeration, Item, Kind, Role};
 use crate::oil::{PressureLaw, ShearLaw};
 use crate::sensors::Readings;
 use crate::stand::Stand;
-use crate::units::*;
-use declare::{V, fixed, real, tunable, variable};
+use declare::V;
+use fmu_export::declare::{output, parameter, real, tunable, variable};
+use fmu_export::model::{Kind, Role};
+use fmu_export::units::*;
+use journal_bearing::rheology::DensityLaw;
 use std::sync::LazyLock;
 
 /// The variables, in the order of their listing. New ones go to the end of their group; the order
@@ -35,7 +36,7 @@ pub fn table() -> &'static [V] {
     &TABLE
 }
 
-enumerations! {
+fmu_export::enumerations! {
     /// The film models.
     FILM = "Film", "Film model of the bearing", [
         Mobility = 1 "Mobility method on the map of our own Reynolds solutions",
@@ -102,7 +103,7 @@ fn drive() -> Vec<V> {
         .shown_in("%")
         .within(0.0, 1.0)
         .about(0.025),
-        fixed(
+        parameter(
             "drive.fluctuationFrequency",
             &HERTZ,
             field!(drive.fluctuation_frequency),
@@ -187,32 +188,32 @@ fn load() -> Vec<V> {
 
 fn bearing() -> Vec<V> {
     vec![
-        fixed("bearing.radialClearance", &METRE, field!(bearing.radial_clearance), "Radial clearance h")
+        parameter("bearing.radialClearance", &METRE, field!(bearing.radial_clearance), "Radial clearance h")
             .shown_in("mm").within(1e-7, 1e-2).about(2e-5),
-        fixed("bearing.width", &METRE, field!(bearing.width), "Bearing width B")
+        parameter("bearing.width", &METRE, field!(bearing.width), "Bearing width B")
             .shown_in("mm").within(1e-4, 10.0).about(0.02),
-        fixed("bearing.diameter", &METRE, field!(bearing.diameter), "Diameter D of the bush")
+        parameter("bearing.diameter", &METRE, field!(bearing.diameter), "Diameter D of the bush")
             .shown_in("mm").within(1e-4, 10.0).about(0.02),
         choice!("bearing.film", FILM, FilmModel { Mobility = 1, Reynolds = 2 }, bearing.film, "Film model"),
-        fixed("bearing.roughness", &METRE, field!(bearing.surface.roughness), "Composite rms roughness and waviness of both surfaces; 0 switches asperity contact off")
+        parameter("bearing.roughness", &METRE, field!(bearing.surface.roughness), "Composite rms roughness and waviness of both surfaces; 0 switches asperity contact off")
             .shown_in("um").within(0.0, 1e-3).about(1e-6),
         variable("bearing.profileFile", Role::Parameter, Kind::String { access: text!(bearing.profile_file) },
             "csv file of the radial deviation of bush and shaft over the angle (Reynolds film only); empty for round ones"),
-        fixed("bearing.asperityDensity", &ONE, field!(bearing.surface.asperity_density), "Asperity density times summit radius times roughness")
+        parameter("bearing.asperityDensity", &ONE, field!(bearing.surface.asperity_density), "Asperity density times summit radius times roughness")
             .within(0.0, 1.0).about(0.05),
-        fixed("bearing.asperitySlope", &ONE, field!(bearing.surface.asperity_slope), "Roughness over summit radius")
+        parameter("bearing.asperitySlope", &ONE, field!(bearing.surface.asperity_slope), "Roughness over summit radius")
             .within(0.0, 1.0).about(0.01),
-        fixed("bearing.compositeModulus", &PASCAL, field!(bearing.surface.composite_modulus), "Composite elastic modulus of shaft and bush")
+        parameter("bearing.compositeModulus", &PASCAL, field!(bearing.surface.composite_modulus), "Composite elastic modulus of shaft and bush")
             .shown_in("GPa").within(0.0, 1e13).about(1e11),
         tunable("bearing.boundaryFriction", &ONE, field!(bearing.surface.boundary_friction), "Friction coefficient of touching asperities")
             .within(0.0, 10.0).about(0.1),
         variable("bearing.massConserving", Role::Parameter, Kind::Boolean { access: field!(bearing.resolution.mass_conserving) },
             "The oil's mass is conserved where the film ruptures; else its pressure only never falls below the bath's (Reynolds film only)"),
-        fixed("bearing.sidePressure", &PASCAL, field!(bearing.resolution.side_pressure), "Pressure of the oil bath above that of the cavities (Reynolds film only)")
+        parameter("bearing.sidePressure", &PASCAL, field!(bearing.resolution.side_pressure), "Pressure of the oil bath above that of the cavities (Reynolds film only)")
             .shown_in("bar").within(0.0, 1e9).about(1e5),
-        fixed("bearing.tiltAlongLoad", &METRE, field!(bearing.resolution.tilt[0]), "Displacement of the journal's end by its tilt, along the load (Reynolds film only)")
+        parameter("bearing.tiltAlongLoad", &METRE, field!(bearing.resolution.tilt[0]), "Displacement of the journal's end by its tilt, along the load (Reynolds film only)")
             .shown_in("um").within(-1e-2, 1e-2).about(1e-6),
-        fixed("bearing.tiltAcrossLoad", &METRE, field!(bearing.resolution.tilt[1]), "Displacement of the journal's end by its tilt, across the load (Reynolds film only)")
+        parameter("bearing.tiltAcrossLoad", &METRE, field!(bearing.resolution.tilt[1]), "Displacement of the journal's end by its tilt, across the load (Reynolds film only)")
             .shown_in("um").within(-1e-2, 1e-2).about(1e-6),
         variable("bearing.filmColumns", Role::Parameter, Kind::Integer { access: field!(bearing.resolution.columns), min: Some(0), max: Some(2000) },
             "Columns of the film's cells around the bush; 0 takes as many as the width needs (Reynolds film only)"),
@@ -220,14 +221,14 @@ fn bearing() -> Vec<V> {
             "Rows of the film's cells over half the width; 0 takes as many as the width needs (Reynolds film only)"),
         variable("bearing.flowFactors", Role::Parameter, Kind::Boolean { access: field!(bearing.resolution.flow_factors) },
             "The film sees the surfaces' roughness: mean gap and flow factors of Patir and Cheng (Reynolds film only)"),
-        fixed("bearing.journalRoughnessShare", &ONE, field!(bearing.resolution.journal_roughness_share), "Journal's share of the composite roughness' variance; matters with flow factors (Reynolds film only)")
+        parameter("bearing.journalRoughnessShare", &ONE, field!(bearing.resolution.journal_roughness_share), "Journal's share of the composite roughness' variance; matters with flow factors (Reynolds film only)")
             .within(0.0, 1.0).about(0.5),
     ]
 }
 
 fn oil() -> Vec<V> {
     vec![
-        fixed(
+        parameter(
             "oil.kinematicViscosity40",
             &SQUARE_METRE_PER_SECOND,
             field!(oil.kinematic_viscosity_40),
@@ -236,7 +237,7 @@ fn oil() -> Vec<V> {
         .shown_in("mm2/s")
         .within(1e-6, 1.0)
         .about(1e-4),
-        fixed(
+        parameter(
             "oil.kinematicViscosity100",
             &SQUARE_METRE_PER_SECOND,
             field!(oil.kinematic_viscosity_100),
@@ -245,7 +246,7 @@ fn oil() -> Vec<V> {
         .shown_in("mm2/s")
         .within(1e-6, 1.0)
         .about(1e-5),
-        fixed(
+        parameter(
             "oil.density15",
             &KILOGRAM_PER_CUBIC_METRE,
             field!(oil.density_15),
@@ -271,7 +272,7 @@ fn oil() -> Vec<V> {
         ),
         choice!("oil.pressureLaw", PRESSURE_LAW, PressureLaw { Constant = 1, Barus = 2, Roelands = 3 }, oil.thickening.pressure_law,
             "Law of the viscosity over pressure (Reynolds film only)"),
-        fixed(
+        parameter(
             "oil.pressureCoefficient",
             &PER_PASCAL,
             field!(oil.thickening.pressure_coefficient),
@@ -282,7 +283,7 @@ fn oil() -> Vec<V> {
         .about(1e-8),
         choice!("oil.shearLaw", SHEAR_LAW, ShearLaw { Newtonian = 1, Cross = 2, Carreau = 3 }, oil.thickening.shear_law,
             "Law of the viscosity over the shear rate (Reynolds film only)"),
-        fixed(
+        parameter(
             "oil.shearTime",
             &SECOND,
             field!(oil.thickening.shear_time),
@@ -290,7 +291,7 @@ fn oil() -> Vec<V> {
         )
         .within(0.0, 1.0)
         .about(1e-7),
-        fixed(
+        parameter(
             "oil.shearExponent",
             &ONE,
             field!(oil.thickening.shear_exponent),
@@ -298,7 +299,7 @@ fn oil() -> Vec<V> {
         )
         .within(0.0, 2.0)
         .about(1.0),
-        fixed(
+        parameter(
             "oil.shearLimit",
             &ONE,
             field!(oil.thickening.shear_limit),
@@ -318,25 +319,25 @@ fn thermal() -> Vec<V> {
             .about(1.0)
     };
     let capacity = |name, access, description| {
-        fixed(name, &JOULE_PER_KELVIN, access, description)
+        parameter(name, &JOULE_PER_KELVIN, access, description)
             .within(1e-3, 1e9)
             .about(100.0)
     };
     vec![
-        fixed("thermal.initialOilTemperature", &KELVIN, field!(thermal.initial_oil), "Temperature of the oil bath at the start")
+        parameter("thermal.initialOilTemperature", &KELVIN, field!(thermal.initial_oil), "Temperature of the oil bath at the start")
             .shown_in("degC").within(200.0, 600.0).about(300.0),
-        fixed("thermal.initialBearingTemperature", &KELVIN, field!(thermal.initial_bearing), "Temperature of bush and housing at the start")
+        parameter("thermal.initialBearingTemperature", &KELVIN, field!(thermal.initial_bearing), "Temperature of bush and housing at the start")
             .shown_in("degC").within(200.0, 600.0).about(300.0),
         variable("thermal.isothermal", Role::Parameter, Kind::Boolean { access: field!(thermal.isothermal) },
             "Temperatures stay at their initial values"),
-        fixed("thermal.initialShaftRise", &KELVIN_DIFFERENCE, field!(thermal.initial_shaft_rise), "Temperature difference of shaft to bush at the start")
+        parameter("thermal.initialShaftRise", &KELVIN_DIFFERENCE, field!(thermal.initial_shaft_rise), "Temperature difference of shaft to bush at the start")
             .within(-300.0, 300.0).about(1.0),
-        fixed("thermal.initialFilmRise", &KELVIN_DIFFERENCE, field!(thermal.initial_film_rise), "Temperature difference of film to bush at the start")
+        parameter("thermal.initialFilmRise", &KELVIN_DIFFERENCE, field!(thermal.initial_film_rise), "Temperature difference of film to bush at the start")
             .within(-300.0, 300.0).about(1.0),
         capacity("thermal.filmCapacity", field!(thermal.film_capacity), "Heat capacity of the film with the surface layers that follow it within a turn"),
         capacity("thermal.bushCapacity", field!(thermal.bush_capacity), "Heat capacity of bush and housing"),
         capacity("thermal.shaftCapacity", field!(thermal.shaft_capacity), "Heat capacity of the shaft"),
-        fixed("thermal.oilVolume", &CUBIC_METRE, field!(thermal.oil_volume), "Volume of the oil bath")
+        parameter("thermal.oilVolume", &CUBIC_METRE, field!(thermal.oil_volume), "Volume of the oil bath")
             .shown_in("dm3").within(1e-6, 1e3).about(3e-4),
         conductance("thermal.filmBushConductance", field!(thermal.film_bush), "Conductance from film to bush at the reference clearance"),
         conductance("thermal.filmShaftConductance", field!(thermal.film_shaft), "Conductance from film to shaft at the reference clearance"),
@@ -349,14 +350,14 @@ fn thermal() -> Vec<V> {
             .within(0.0, 1.0).about(0.5),
         tunable("thermal.freshOilShare", &ONE, field!(thermal.fresh_oil), "Part of the side flow that fresh oil from the bath replaces; the rest is hot oil drawn in again")
             .within(0.0, 1.0).about(0.5),
-        fixed("thermal.filmReferenceClearance", &METRE, field!(thermal.reference_clearance), "Radial clearance at which the film's conductances hold, as they go as its reciprocal; 0 makes them constant")
+        parameter("thermal.filmReferenceClearance", &METRE, field!(thermal.reference_clearance), "Radial clearance at which the film's conductances hold, as they go as its reciprocal; 0 makes them constant")
             .shown_in("mm").within(0.0, 1e-2).about(2e-5),
     ]
 }
 
 fn solver() -> Vec<V> {
     vec![
-        fixed("solver.tolerance", &ONE, field!(solver.tolerance), "Relative tolerance of each internal step of the time integration; the host's tolerance goes before it")
+        parameter("solver.tolerance", &ONE, field!(solver.tolerance), "Relative tolerance of each internal step of the time integration; the host's tolerance goes before it")
             .within(1e-12, 1e-2).about(1e-6),
         variable("solver.multirate", Role::Parameter, Kind::Boolean { access: field!(solver.multirate) },
             "Leap over whole turns in communication steps much longer than a turn"),
@@ -413,7 +414,7 @@ mod tests {
         for variable in table() {
             if let Kind::Real {
                 access:
-                    Access {
+                    fmu_export::model::Access {
                         get,
                         set: Some(set),
                     },

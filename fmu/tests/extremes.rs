@@ -3,7 +3,7 @@
 
 #![allow(clippy::unwrap_used)]
 
-use plain_bearing_stand::model::{Experiment, Fault, Kind, Model, Variable};
+use fmu_export::model::{Experiment, Fault, Kind, Model, Variable};
 use plain_bearing_stand::stand::Stand;
 use proptest::prelude::*;
 use proptest::sample::Index;

@@ -2,13 +2,11 @@
 
 #![allow(clippy::unwrap_used)]
 
-mod raimondi_boyd;
-
+use fmu_export::model::{Experiment, Model};
+use journal_bearing::literature::RAIMONDI_BOYD;
 use plain_bearing_stand::bearing::FilmModel;
-use plain_bearing_stand::model::{Experiment, Model};
 use plain_bearing_stand::sensors::Readings;
 use plain_bearing_stand::stand::Stand;
-use raimondi_boyd::RAIMONDI_BOYD;
 use std::f64::consts::TAU;
 
 /// A journal at rest in a smooth, isothermal bearing of L/D = 1, under the load of a Sommerfeld number.

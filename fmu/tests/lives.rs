@@ -3,9 +3,9 @@
 
 #![allow(clippy::unwrap_used)]
 
-use plain_bearing_stand::bearing::reynolds::DensityLaw;
+use fmu_export::model::{Experiment, Fault, Model};
+use journal_bearing::rheology::DensityLaw;
 use plain_bearing_stand::bearing::{FilmModel, Prepared};
-use plain_bearing_stand::model::{Experiment, Fault, Model};
 use plain_bearing_stand::oil::PressureLaw;
 use plain_bearing_stand::sensors::Readings;
 use plain_bearing_stand::stand::Stand;

@@ -2,8 +2,8 @@
 
 #![allow(clippy::unwrap_used)]
 
+use fmu_export::model::{Access, Experiment, Fault, Kind, Log, Model, Role};
 use plain_bearing_stand::bearing::FilmModel;
-use plain_bearing_stand::model::{Access, Experiment, Fault, Kind, Log, Model, Role};
 use plain_bearing_stand::sensors::Readings;
 use plain_bearing_stand::stand::Stand;
 use proptest::prelude::*;

@@ -114,7 +114,7 @@ of what is resident: the orchestrator's own, and that of the largest of its work
 ![CPU time a point over the number of points](images/benchmarks-scaling.svg)"""
 LARGEST = "A million points in 15 minutes on two cores are 1.8 ms of CPU time a point."
 FILM = """\
-`fmu/examples/bound.rs` steps the film over the stand's cycle and measures, in the same process, how many multiplications and
+`crates/journal-bearing/examples/bound.rs` steps the film over the stand's cycle and measures, in the same process, how many multiplications and
 additions a second one core does with the instructions that the build uses. The bound is the time of the operations that a
 step cannot do without: in both of its implicit stages one assembly, one block elimination of the ring and two solutions,
 counted in the file."""

@@ -71,9 +71,9 @@ def pack(name, xml, library):
 
 
 def lag():
-    """The first-order lag of the FMU's examples: the stand's boundary with hardly any work behind it."""
-    xml = cost([TARGET / "examples" / "lag-description"]).text
-    library = TARGET / "examples" / f"liblag{PLATFORMS[native()]}"
+    """The first-order lag of `examples/lag`: the stand's boundary with hardly any work behind it."""
+    xml = cost([TARGET / "lag-description"]).text
+    library = TARGET / f"liblag{PLATFORMS[native()]}"
     return unpack(pack("lag", xml, library), "output", "gain", 2)
 
 

@@ -52,7 +52,7 @@ def check(row):
 
 def functions():
     """The names of the C functions, from the place in the source where they are exported."""
-    source = (ROOT / "fmu/src/fmi2/exports.rs").read_text()
+    source = (ROOT / "crates/fmu-export/src/fmi2/exports.rs").read_text()
     return set(re.findall(r"\b(fmi2\w+)(?= = |\(\) -> Text)", source))
 
 

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
+use fmu_export::model::{Experiment, Model};
 use orchestrator::identify::bind::Bound;
 use orchestrator::identify::local::{Limits, Minimum, minimise};
 use orchestrator::identify::objective::{Differences, Objective};
@@ -9,7 +10,6 @@ use orchestrator::identify::settings::{Document, Settings};
 use orchestrator::judge::Judge;
 use orchestrator::study::Study;
 use orchestrator::study::plan::Plan;
-use plain_bearing_stand::model::{Experiment, Model};
 use plain_bearing_stand::stand::Stand;
 use stand_tests::{StandModel, file, get, package, stand};
 

@@ -5,15 +5,11 @@
 //! radial clearance c and the eccentricity-ratio vector `(ex, ey)`. The attitude angle is the angle
 //! from the load line to the eccentricity, positive in the direction of rotation.
 
-pub mod contact;
 pub mod friction;
-pub mod mobility;
-pub mod profile;
 pub mod resolved;
-pub mod reynolds;
 
-use contact::{Contact, ContactTable};
-use mobility::{Film, MapError, MobilityMap, MobilitySlice, SliceFamily};
+use journal_bearing::contact::{self, Contact, ContactTable};
+use journal_bearing::mobility::{Film, MapError, MobilityMap, MobilitySlice, SliceFamily};
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 use std::sync::{Arc, LazyLock};

@@ -1,11 +1,12 @@
 //! The Reynolds film at work in the stand: the journal's motion is the film's own.
 
-use super::contact::ContactTable;
-use super::profile::Profile;
-use super::reynolds::{
-    Asperities, Cavitation, Drive, FilmError, FilmSettings, Grid, ReynoldsFilm, Rheology, RoughFilm,
-};
 use super::{Bearing, Flows, Motion, friction};
+use journal_bearing::contact::ContactTable;
+use journal_bearing::profile::Profile;
+use journal_bearing::reynolds::{
+    Asperities, Cavitation, Drive, FilmError, FilmSettings, Grid, ReynoldsFilm, RoughFilm,
+};
+use journal_bearing::rheology::Rheology;
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 

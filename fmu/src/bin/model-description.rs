@@ -4,8 +4,8 @@
 use std::path::Path;
 use std::process::ExitCode;
 
+use fmu_export::fmi2::description;
 use plain_bearing_stand::documentation;
-use plain_bearing_stand::fmi2::description;
 use plain_bearing_stand::stand::Stand;
 
 fn main() -> ExitCode {

@@ -1,7 +1,7 @@
 //! An oil from measured data: viscosity and density over temperature from a csv file, fitted by the
 //! laws that the stand computes with.
 
-use crate::model::Fault;
+use fmu_export::model::Fault;
 use serde::Deserialize;
 use std::path::Path;
 

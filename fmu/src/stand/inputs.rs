@@ -1,7 +1,7 @@
 //! What drives the stand from outside, and where it leads within a step.
 
 use super::Stand;
-use crate::model::{Fault, Kind, Model, Role};
+use fmu_export::model::{Fault, Kind, Model, Role};
 use serde::{Deserialize, Serialize};
 
 /// An input and its rate over the present step.

@@ -75,7 +75,7 @@ fn first_six(x: &Extended) -> Unknowns {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::{Experiment, Model};
+    use fmu_export::model::{Experiment, Model};
 
     /// Where nothing is stiff, implicit steps lead where explicit ones do; the speed and the load change meanwhile.
     #[test]

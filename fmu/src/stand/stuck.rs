@@ -1,10 +1,10 @@
 //! Why a step could not be made: what changes too fast, and which parameter makes it so.
 
 use super::{SCALES, Stand, Unknowns, prepare};
-use crate::bearing::reynolds::FilmError;
-use crate::model::{Fault, Kind, Model};
 use crate::oil::Nearby;
 use crate::solver::Failure;
+use fmu_export::model::{Fault, Kind, Model};
+use journal_bearing::reynolds::FilmError;
 use std::fmt;
 use std::ops::Range;
 use thiserror::Error;

@@ -3,9 +3,9 @@
 use std::ffi::c_int;
 use std::ptr::{null, null_mut};
 
+use fmu_export::fmi2::types::*;
+use fmu_export::model::Model;
 use plain_bearing_stand::c_functions::*;
-use plain_bearing_stand::fmi2::types::*;
-use plain_bearing_stand::model::Model;
 use plain_bearing_stand::stand::Stand;
 
 use crate::host::Host;

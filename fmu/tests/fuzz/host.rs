@@ -7,9 +7,9 @@ use std::ffi::{CStr, CString, c_char, c_void};
 use std::ptr::null_mut;
 use std::time::{Duration, Instant};
 
+use fmu_export::fmi2::description;
+use fmu_export::fmi2::types::*;
 use plain_bearing_stand::c_functions::*;
-use plain_bearing_stand::fmi2::description;
-use plain_bearing_stand::fmi2::types::*;
 use plain_bearing_stand::stand::Stand;
 
 use crate::random::Random;

@@ -2,8 +2,8 @@
 
 use std::ptr::null_mut;
 
+use fmu_export::fmi2::types::*;
 use plain_bearing_stand::c_functions::*;
-use plain_bearing_stand::fmi2::types::*;
 
 use crate::acts::MOST;
 use crate::host::Host;

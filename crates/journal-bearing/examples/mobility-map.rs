@@ -1,0 +1,117 @@
+//! Makes the mobility map of the bearing from the project's own solution of the Reynolds equation,
+//! and prints its error against direct solutions at random points off the map's nodes.
+//!
+//! `cargo run --release -p journal-bearing --example mobility-map [-- --check]`; `--check` leaves the file alone.
+
+use std::error::Error;
+use std::f64::consts::PI;
+use std::io::{IsTerminal, Write};
+use std::sync::{Arc, Mutex};
+
+use journal_bearing::mobility::{MobilityMap, SliceFamily, exact, generate};
+use nalgebra::Vector2;
+
+/// Where the library takes the map from.
+const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/mobility/map.bin");
+
+/// Random points at which the map is compared with direct solutions.
+const POINTS: usize = 2000;
+
+/// The grid of those direct solutions, finer than the map's own.
+const CELLS: [usize; 2] = [256, 20];
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let map = if std::env::args().any(|argument| argument == "--check") {
+        MobilityMap::built_in()?
+    } else {
+        let map = generate(threads, show)?;
+        let bytes = map.to_bytes()?;
+        std::fs::write(FILE, &bytes).map_err(|error| format!("{FILE}: {error}"))?;
+        println!("{FILE}: {} bytes", bytes.len());
+        map
+    };
+    report(&SliceFamily::new(&map), threads)
+}
+
+/// Shows the share done, on a terminal.
+fn show(share: f64) {
+    if std::io::stderr().is_terminal() {
+        eprint!("\r{:3.0} %", 100.0 * share);
+        let _ = std::io::stderr().flush();
+        if share >= 1.0 {
+            eprintln!();
+        }
+    }
+}
+
+/// Prints mean and largest error of the map at random points.
+fn report(map: &Arc<SliceFamily>, threads: usize) -> Result<(), Box<dyn Error>> {
+    let points: Vec<[f64; 3]> = (0..POINTS).map(point).collect();
+    let share = points.len().div_ceil(threads);
+    let errors = Mutex::new(Vec::new());
+    std::thread::scope(|scope| {
+        for part in points.chunks(share) {
+            let errors = &errors;
+            scope.spawn(move || {
+                for &[width, e, angle] in part {
+                    let error = compare(map, width, e, angle);
+                    if let Ok(mut errors) = errors.lock() {
+                        errors.push((error, [width, e, angle]));
+                    }
+                }
+            });
+        }
+    });
+    let errors = errors.into_inner()?;
+    for (k, name) in ["mobility vector", "largest pressure", "side flow"]
+        .iter()
+        .enumerate()
+    {
+        let mut settled = Vec::new();
+        for (error, at) in &errors {
+            settled.push((error.clone()?[k], *at));
+        }
+        let mean = settled.iter().map(|(error, _)| error).sum::<f64>() / settled.len() as f64;
+        let Some(worst) = settled.iter().max_by(|a, b| a.0.total_cmp(&b.0)) else {
+            continue;
+        };
+        let [width, e, angle] = worst.1;
+        println!(
+            "{name}: mean error {:.4} %, largest {:.3} % at B/D {width:.3}, e {e:.4}, load {:.1} deg ahead ({} points, B/D 0.25..1.5, e 0.05..0.98)",
+            100.0 * mean,
+            100.0 * worst.0,
+            angle.to_degrees(),
+            settled.len(),
+        );
+    }
+    Ok(())
+}
+
+/// The map's relative errors at one point.
+fn compare(map: &Arc<SliceFamily>, width: f64, e: f64, angle: f64) -> Result<[f64; 3], String> {
+    let direct = exact(width, e, angle, CELLS).map_err(|error| error.to_string())?;
+    let slice = map.slice(width);
+    let (eps, load) = (Vector2::new(e, 0.0), Vector2::new(angle.cos(), angle.sin()));
+    let film = slice.film(eps, eps.norm(), load);
+    Ok([
+        (slice.mobility_vector(eps, load) - direct.mobility).norm() / direct.mobility.norm(),
+        (film.max_pressure() / direct.max_pressure - 1.0).abs(),
+        (film.side_flow() / direct.side_flow - 1.0).abs(),
+    ])
+}
+
+/// The `n`-th point of an even, irregular cover (Roberts 2018, R3 sequence) of `B/D` 0.25..1.5,
+/// eccentricity ratio 0.05..0.98 and direction; every other one has the load within a few
+/// `sqrt(1 - e)` of the eccentricity, where journals run.
+fn point(n: usize) -> [f64; 3] {
+    const PHI: f64 = 1.220_744_084_605_759_5;
+    let at = |k: i32| (0.5 + (n + 1) as f64 / PHI.powi(k)).fract();
+    let e = 0.05 + 0.93 * at(2);
+    let span = if n.is_multiple_of(2) {
+        PI
+    } else {
+        (3.0 * (1.0 - e).sqrt()).min(PI)
+    };
+    [0.25 + 1.25 * at(1), e, span * (2.0 * at(3) - 1.0)]
+}
