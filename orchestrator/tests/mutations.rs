@@ -8,8 +8,8 @@ use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
+use fmu_import::Package;
 use orchestrator::analysis::from_results;
-use orchestrator::fmu::Package;
 use orchestrator::judge::Judge;
 use orchestrator::results::journal::{Finished, Header, Journal};
 use orchestrator::source::{Source, Table};
