@@ -2,7 +2,7 @@
 """Runs the FMU through every importer that installs, and compares their outputs with our own.
 
 The same start values, the same communication points; each importer in a Python environment of
-its own under .cache/importers. With --readme the table goes into the README, between its markers.
+its own under .cache/importers. With --write the table goes into docs/interoperability.md.
 Exit code 1 when an importer that runs here fails or differs by more than 1e-12.
 """
 
@@ -21,6 +21,7 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 CACHE = ROOT / ".cache" / "importers"
 FMU = ROOT / "dist" / "PlainBearingStand.fmu"
+PAGE = ROOT / "docs" / "interoperability.md"
 TOLERANCE = 1e-12
 BEGIN, END = "<!-- interoperability:begin -->", "<!-- interoperability:end -->"
 
@@ -49,21 +50,21 @@ LIBRARIES = {
     "use_ecos": ("libtbb12", "/usr/lib/*/libtbb.so.12*"),
     "rust": ("libclang-dev", "/usr/lib/llvm-*/lib/libclang.so"),
 }
-# What a tool's failure looks like that is none of this FMU's, and what it means.
+# Failures that are not this FMU's fault: how to recognise each, and the words for the table.
 KNOWN = {
     "fmuloader": ("undefined symbol: fmi2EnterEventMode",
-                  "cannot: needs the Model-Exchange functions in every FMU"),
+                  "does not load it: it requires the Model Exchange functions in every FMU"),
     "OMSimulator": ("build.openmodelica.org",
-                    "does not install here: its package on PyPI is a script that fetches the "
-                    "program from elsewhere"),
+                    "does not install here: its package on PyPI is a script that downloads the "
+                    "program from another server"),
     "PyFMI": ("Getting requirements to build wheel",
-              "does not install here: PyPI has an old source package only (2.5), which needs the FMI "
-              "Library built beforehand; newer ones are on conda-forge"),
+              "does not install here: PyPI has only the source of version 2.5, which needs the FMI "
+              "Library built beforehand; newer versions are on conda-forge"),
 }
 
 
 class Trouble(Exception):
-    """Why an importer has no result; with all that it said."""
+    """The reason why an importer has no result, and its whole output."""
 
     def __init__(self, why, output=""):
         super().__init__(why)
@@ -169,13 +170,14 @@ def difference(samples, reference):
 
 
 def judged(row, samples, references, note):
-    """Compares with the reference that takes its steps as the importer does."""
+    """Compares with the reference run that computes its step sizes as the importer does."""
     differences = {way: difference(samples, run) for way, run in references.items()}
     way = min(differences, key=differences.get)
     row.difference = differences[way]
     row.good = row.difference <= TOLERANCE
     same = "identical" if row.difference == 0.0 else f"differs by {row.difference:.0e}"
-    row.result = "; ".join(filter(None, [same, way, note]))
+    remarks = "; ".join(filter(None, [way, note]))
+    row.result = f"{same} ({remarks})" if remarks else same
 
 
 def python_row(tool, runner, packages, references):
@@ -228,13 +230,12 @@ def table(rows):
     return "\n".join(lines)
 
 
-def into_readme(text):
-    readme = ROOT / "README.md"
-    before, begin, rest = readme.read_text(encoding="utf-8").partition(BEGIN)
+def into_page(text):
+    before, begin, rest = PAGE.read_text(encoding="utf-8").partition(BEGIN)
     _, end, after = rest.partition(END)
     if not begin or not end:
-        raise SystemExit(f"README.md has no {BEGIN} ... {END}")
-    readme.write_text(f"{before}{BEGIN}\n{text}\n{END}{after}", encoding="utf-8")
+        raise SystemExit(f"{PAGE.name} has no {BEGIN} ... {END}")
+    PAGE.write_text(f"{before}{BEGIN}\n{text}\n{END}{after}", encoding="utf-8")
 
 
 def measure():
@@ -250,14 +251,14 @@ def measure():
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--readme", action="store_true", help="write the table into the README")
+    parser.add_argument("--write", action="store_true", help="write the table into docs/interoperability.md")
     options = parser.parse_args()
     if not FMU.is_file():
         raise SystemExit(f"{FMU} is missing: run scripts/package-fmu first")
     rows = measure()
     print(table(rows))
-    if options.readme:
-        into_readme(table(rows))
+    if options.write:
+        into_page(table(rows))
     return 0 if all(row.good for row in rows) else 1
 
 

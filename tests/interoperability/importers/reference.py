@@ -1,7 +1,7 @@
-"""The C functions in their order, called directly: what the others are compared with.
+"""The reference: the C functions called directly, in the order that the standard prescribes.
 
-Importers agree on the communication points, but not on the last digit of the steps between them:
-one reference for each way in which they compute these.
+Importers compute the step size in three ways that differ in the last digit, and the outputs with them.
+There is one reference run for each way.
 """
 
 import fmpy
@@ -14,14 +14,14 @@ DIVIDED = [i / PER_SECOND for i in range(STEPS + 1)]
 
 
 def between(points):
-    """Steps that are the differences of the points."""
+    """The steps between communication points, as a tool computes them that keeps the points."""
     return [(here, there - here) for here, there in zip(points, points[1:])]
 
 
 WAYS = {
     "": [(time, STEP) for time in MULTIPLIED[:-1]],
-    "its steps are the differences of its times": between(MULTIPLIED),
-    "its steps are the differences of its times, counted in nanoseconds": between(DIVIDED),
+    "it passes t[i+1] - t[i] as step size": between(MULTIPLIED),
+    "it passes t[i+1] - t[i] as step size, with times in whole nanoseconds": between(DIVIDED),
 }
 
 description = fmpy.read_model_description(fmu())

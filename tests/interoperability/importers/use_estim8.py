@@ -18,4 +18,4 @@ model = Model(fmu(), fmi_type="CoSimulation")
 result = model.simulate(t0=0.0, t_end=STOP, stepsize=STEP, parameters=START, observe=OUTPUTS,
                         r_tol=1e-6)
 report("estim8", list(zip(*(result[name].values for name in OUTPUTS))),
-       "with its reading of Boolean and String parameters as numbers replaced")
+       "we replace its code that reads Boolean and String parameters as numbers")

@@ -28,4 +28,4 @@ simulation = Simulation([*inputs, block, scope], connections, dt=STEP, log=False
 simulation.run(STOP)
 extra = len(samples) - STEPS
 report("pathsim-fmi", samples[:STEPS],
-       f"takes {extra} step{'s' * (extra != 1)} more than asked for" if extra else "")
+       f"it takes {extra} step{'s' * (extra != 1)} more than asked for" if extra else "")

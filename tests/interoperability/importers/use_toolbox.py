@@ -36,4 +36,4 @@ result = fmpy.simulate_fmu(container, stop_time=STOP, step_size=STEP, output_int
                            start_values={outer(name): value for name, value in START.items()},
                            output=[outer(name) for name in OUTPUTS])
 report("fmu-manipulation-toolbox", [[row[outer(name)] for name in OUTPUTS] for row in result],
-       "its checks find nothing; run inside a container FMU")
+       "the stand is packed into its container FMU; its checks find nothing")
