@@ -84,40 +84,40 @@ def measure(size):
 
 
 OVERHEAD = """\
-`verify --in-process --jobs 1` against `scripts/benchmarks/minimal.c`, one run after another on one instance. The trivial FMU
-(`scripts/benchmarks/trivial`) takes a multiplication or two a step, so that its
-ratio is that of the bare loops. A step is what further runs of many steps cost more than further runs of few: neither
-what a run costs by itself (see "Worker processes") nor the report's replay of the best point is in it. "An output read each step" is the mean over time as statistic; the minimal
-loop reads and adds up."""
+`verify --in-process --jobs 1` against `scripts/benchmarks/minimal.c`, which makes one run after another on one instance. The
+trivial FMU (`scripts/benchmarks/trivial`) computes a multiplication or two a step, so its ratio is that of the bare loops.
+The time of a step is the difference between runs of many steps and runs of few. It leaves out the cost of a run (see
+"Worker processes") and the report's replay of the best point. In "an output read each step" the orchestrator computes the
+mean over time, and the minimal loop reads and adds up."""
 IMPORTERS = """\
-CPU time of a run with one output read at each step. fmpy: only the runs, with a model description and an
-unpacked FMU handed over, importing and loading left out. Orchestrator: the whole process, from its start to the written
-report, divided by its points; a ratio above 1 is in its favour. The goals are set for a trivial FMU
-and 1,000 runs, of which the orchestrator's start and report are a good part."""
+CPU time of a run that reads one output at each step. For fmpy only the runs count: it gets a model description and an
+unpacked FMU, and importing and loading are left out. For the orchestrator the whole process counts, from its start to the
+written report, divided by its points. A ratio above 1 is in the orchestrator's favour. The goals are for a trivial FMU and
+1,000 runs, where the orchestrator's start and report are a good part of its time."""
 AWAY = """
 
-OMSimulator is left out: it is not in `.venv`. Its package on PyPI holds no program; on installation it fetches a nightly
-build from another server without checking who that is. Whoever has it in `.venv` gets its rows here."""
+OMSimulator is left out because it is not in `.venv`. Its package on PyPI holds no program; on installation it downloads a
+nightly build from another server without checking a signature. With OMSimulator in `.venv` its rows appear here."""
 MULTIRATE = """\
-`solver.multirate` on (the default) and off. Besides the run, a point's share of the journal, the tables and the page is
-in both times. The goal is 50, the aim 200, at the points of Table 3, whose thick film lets the resolved turns
-take large steps; the rig's mixed lubrication does not."""
+`solver.multirate` on (the default) and off. Both times include a point's share of the journal, the tables and the page.
+The goal is 50 and the aim 200 at the points of Table 3. Their thick film lets even the resolved turns take large steps; the
+rig's mixed lubrication does not."""
 BOUNDARY = """\
 `fmu/examples/direct.rs` calls the stand without FMI; the minimal loop steps the packaged FMU. Both read one output after
-each step. A step of 150 s is compared with initialisation and all, on default parameters."""
-ISOLATION = "One worker process against the orchestrator's own process, one at a time, CPU time of all processes."
-PAPER = "CPU time of the whole process, the page and the files included."
+each step. The comparison of a 150 s step includes initialisation and uses default parameters."""
+ISOLATION = "CPU time of all processes, with one worker process and without any."
+PAPER = "CPU time of the whole process, including the page and the files."
 SCALING = """\
-`verify` of `studies/paper-table3.toml` with one 150 s step a point, the report and all files included. Memory is the peak
-of what is resident: the orchestrator's own, and that of the largest of its worker processes.
+`verify` of `studies/paper-table3.toml` with one 150 s step a point, including the report and all files. Memory is the peak
+of resident memory, of the orchestrator itself and of the largest of its worker processes.
 
 ![CPU time a point over the number of points](images/benchmarks-scaling.svg)"""
 LARGEST = "A million points in 15 minutes on two cores are 1.8 ms of CPU time a point."
 FILM = """\
-`crates/journal-bearing/examples/bound.rs` steps the film over the stand's cycle and measures, in the same process, how many multiplications and
-additions a second one core does with the instructions that the build uses. The bound is the time of the operations that a
-step cannot do without: in both of its implicit stages one assembly, one block elimination of the ring and two solutions,
-counted in the file."""
+`crates/journal-bearing/examples/bound.rs` steps the film over the stand's cycle. In the same process it measures how many
+multiplications and additions a second one core achieves with the instructions that the build uses. The bound is the time of
+the operations that a step cannot do without: in each of its two implicit stages one assembly, one block elimination of the
+ring and two solutions. The file counts them."""
 
 
 def main():

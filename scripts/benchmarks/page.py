@@ -12,10 +12,10 @@ FOLDER = Path("docs")
 HEAD = """\
 # Benchmarks
 
-Written by `scripts/bench`; edits are lost. What is compared runs in turns (A B, B A, A B, ...) on the same machine,
-in one go. A ratio is the median over the repetitions, with the lowest and the highest beside it. Times are
-CPU times, the child processes' included, unless said otherwise. Figures a step or a point are differences of a long and a
-short run, so that starting the process is not in them, unless the row says "all included".
+Written by `scripts/bench`; edits are lost. Two programs that are compared run alternately (A B, B A, A B, ...) on one
+machine. A ratio is the median over the repetitions, with the lowest and the highest beside it. Times are CPU times,
+including child processes, unless said otherwise. The time of a step or a point is the difference of a long and a short run,
+so it leaves out the start of the process, unless the row says "all included".
 """
 
 
@@ -60,7 +60,7 @@ def write(command, began, loads, sections, sizes):
     """The page. A section is a title, a text, and rows or a table that is made already."""
     seconds = (datetime.datetime.now() - began).total_seconds()
     busy = "" if max(loads) < 1.5 else (
-        " Other programs were running: CPU times and ratios of what ran in turns bear that, wall times do not.")
+        " Other programs were running: CPU times and ratios are still valid, wall times are not.")
     parts = [HEAD, f"- machine: {machine()}",
              f"- command: `{command}`, {seconds:.0f} s on {began:%Y-%m-%d}",
              f"- load average (1 min) at the start {loads[0]:.1f}, at the end {loads[1]:.1f}.{busy}", ""]
