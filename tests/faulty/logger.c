@@ -1,0 +1,82 @@
+/* Behaviours of the logger callback. */
+#include "model.h"
+
+#include <pthread.h>
+#include <stdlib.h>
+
+static int steps(Moment moment) { return moment == STEP || moment == HIT; }
+
+static void log_with(const Model *model, void *environment) {
+    model->callbacks->logger(environment, "faulty", OK, "status", "from %s", "an environment of its own");
+}
+
+BEHAVES(logs_to_environment_one) {
+    if (steps(moment)) log_with(model, (void *)1);
+    return OK;
+}
+
+BEHAVES(logs_to_environment_two) {
+    if (steps(moment)) log_with(model, (void *)2);
+    return OK;
+}
+
+/* As many FMUs do: their own instance in place of the importer's environment. */
+BEHAVES(logs_to_itself) {
+    if (steps(moment)) log_with(model, model);
+    return OK;
+}
+
+BEHAVES(logs_to_null) {
+    if (steps(moment)) log_with(model, NULL);
+    return OK;
+}
+
+BEHAVES(logs_nothing_but_null) {
+    if (steps(moment)) model->callbacks->logger(model->callbacks->environment, NULL, OK, NULL, NULL);
+    return OK;
+}
+
+BEHAVES(logs_wild_statuses) {
+    static const int statuses[] = {-1, 6, 77, -2147483647 - 1, 2147483647};
+    for (int k = 0; steps(moment) && k < 5; k++) say(model, statuses[k], "a status of its own");
+    return OK;
+}
+
+/* A text in place of a format. */
+BEHAVES(logs_percent_signs) {
+    const Callbacks *call = model ? model->callbacks : NULL;
+    if (steps(moment)) call->logger(call->environment, "faulty", OK, "status", "100 % done, 5 %d left, %%, %");
+    return OK;
+}
+
+static void *talk(void *of) {
+    for (int k = 0; k < 100; k++) say(of, OK, "from another thread");
+    return NULL;
+}
+
+BEHAVES(logs_from_threads) {
+    if (!steps(moment)) return OK;
+    pthread_t threads[2];
+    for (int k = 0; k < 2; k++) pthread_create(&threads[k], NULL, talk, model);
+    talk(model);
+    for (int k = 0; k < 2; k++) pthread_join(threads[k], NULL);
+    return OK;
+}
+
+static void *talk_on(void *of) {
+    for (;;) {
+        say(of, WARNING, "still here");
+        sleep_for(0.0005);
+    }
+    return NULL;
+}
+
+/* A thread that goes on logging with what fmi2Instantiate was given when the instance is gone. */
+BEHAVES(logs_after_free) {
+    if (moment != INSTANTIATE) return OK;
+    Model *copy = malloc(sizeof *copy);
+    *copy = *model;
+    pthread_t thread;
+    if (pthread_create(&thread, NULL, talk_on, copy) == 0) pthread_detach(thread);
+    return OK;
+}

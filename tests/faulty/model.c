@@ -1,0 +1,191 @@
+/* The FMI 2.0 functions of the faulty models; see model.h. */
+#define _GNU_SOURCE
+#include "model.h"
+
+#include <fcntl.h>
+#include <math.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <time.h>
+#include <unistd.h>
+
+BEHAVES(BEHAVIOUR);
+
+const char *version = "2.0";
+
+/* How long a point takes at least, s, so that a run can be killed half-way. */
+static double pause_of_a_point(void) {
+    const char *text = getenv("FAULTY_PAUSE");
+    return text ? atof(text) : 0;
+}
+
+void say(const Model *model, int status, const char *text) {
+    const Callbacks *call = model->callbacks;
+    call->logger(call->environment, "faulty", status, "status", "%s", text);
+}
+
+const char *file_of_the_run(const char *name) {
+    static char path[4096];
+    const char *folder = getenv("FAULTY_FOLDER");
+    snprintf(path, sizeof path, "%s/%s", folder ? folder : "/tmp", name);
+    return path;
+}
+
+int count_in_the_run(const char *name) {
+    int file = open(file_of_the_run(name), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0600);
+    if (file < 0 || flock(file, LOCK_EX) < 0 || write(file, ".", 1) != 1) return -1;
+    int count = (int)lseek(file, 0, SEEK_END);
+    close(file);
+    return count;
+}
+
+static double now(void) {
+    struct timespec time;
+    clock_gettime(CLOCK_MONOTONIC, &time);
+    return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
+}
+
+void sleep_for(double seconds) {
+    for (double end = now() + seconds; now() < end;) usleep(1000);
+}
+
+void loop(void) {
+    for (double end = now() + FOR_EVER; now() < end;) continue;
+}
+
+void crash(void) {
+    *(volatile int *)(uintptr_t)8 = 1;
+}
+
+__attribute__((constructor)) static void load(void) { BEHAVIOUR(LOAD, NULL); }
+__attribute__((destructor)) static void unload(void) { BEHAVIOUR(UNLOAD, NULL); }
+
+static void defaults(Model *model) {
+    model->rate = 1;
+    model->y = model->sum = model->spoil = 0;
+    model->fault = model->steps = model->ended = model->pending = 0;
+}
+
+const char *fmi2GetVersion(void) { return version; }
+const char *fmi2GetTypesPlatform(void) { return "default"; }
+
+void *fmi2Instantiate(const char *name, int type, const char *guid, const char *resources,
+                      const Callbacks *callbacks, int visible, int logging) {
+    Model *model = calloc(1, sizeof *model);
+    model->callbacks = callbacks;
+    defaults(model);
+    if (BEHAVIOUR(INSTANTIATE, model) == OK) return model;
+    free(model);
+    return NULL;
+}
+void fmi2FreeInstance(void *c) {
+    BEHAVIOUR(FREE, c);
+    free(c);
+}
+int fmi2SetupExperiment(void *c, int d, double t, double start, int s, double stop) {
+    return OK;
+}
+int fmi2EnterInitializationMode(void *c) { return OK; }
+int fmi2ExitInitializationMode(void *c) {
+    sleep_for(pause_of_a_point());
+    return BEHAVIOUR(INITIALISE, c);
+}
+int fmi2Terminate(void *c) { return BEHAVIOUR(TERMINATE, c); }
+int fmi2Reset(void *c) {
+    int status = BEHAVIOUR(RESET, c);
+    if (status == OK) defaults(c);
+    return status;
+}
+
+int fmi2DoStep(void *c, double time, double step, int no) {
+    Model *model = c;
+    const int MIDDLE = 10;
+    int hit = model->fault == 1 && model->steps == MIDDLE;
+    int status = BEHAVIOUR(hit ? HIT : STEP, model);
+    if (status != OK && status != WARNING && status != PENDING) return status;
+    model->steps++;
+    model->y += (1 - model->y) * (1 - exp(-model->rate * step));
+    model->sum += model->y * model->y / 3;
+    return status;
+}
+
+static double *real(Model *model, uint32_t reference) {
+    return reference == 0 ? &model->rate : reference == 2 ? &model->y : reference == 3 ? &model->sum : NULL;
+}
+int fmi2GetReal(void *c, const uint32_t *r, size_t n, double *v) {
+    for (size_t k = 0; k < n; k++) {
+        if (!real(c, r[k])) return ERROR;
+        v[k] = *real(c, r[k]) + (r[k] >= 2 ? ((Model *)c)->spoil : 0);
+    }
+    return OK;
+}
+int fmi2SetReal(void *c, const uint32_t *r, size_t n, const double *v) {
+    for (size_t k = 0; k < n; k++) {
+        if (!real(c, r[k])) return ERROR;
+        *real(c, r[k]) = v[k];
+    }
+    return OK;
+}
+int fmi2GetInteger(void *c, const uint32_t *r, size_t n, int *v) {
+    for (size_t k = 0; k < n; k++) {
+        if (r[k] != 1) return ERROR;
+        v[k] = ((Model *)c)->fault;
+    }
+    return OK;
+}
+int fmi2SetInteger(void *c, const uint32_t *r, size_t n, const int *v) {
+    for (size_t k = 0; k < n; k++) {
+        if (r[k] != 1) return ERROR;
+        ((Model *)c)->fault = v[k];
+    }
+    return OK;
+}
+
+enum { DO_STEP_STATUS, PENDING_STATUS, LAST_SUCCESSFUL_TIME, TERMINATED };
+
+int fmi2GetStatus(void *c, int kind, int *value) {
+    Model *model = c;
+    if (kind != DO_STEP_STATUS) return DISCARD;
+    *value = model->pending > 0 ? PENDING : OK;
+    model->pending -= model->pending > 0;
+    return OK;
+}
+int fmi2GetBooleanStatus(void *c, int kind, int *value) {
+    if (kind != TERMINATED) return DISCARD;
+    *value = ((Model *)c)->ended;
+    return OK;
+}
+int fmi2GetRealStatus(void *c, int kind, double *value) {
+    if (kind != LAST_SUCCESSFUL_TIME) return DISCARD;
+    *value = 0.05 * ((Model *)c)->steps;
+    return OK;
+}
+
+/* Exported because it must be; there is nothing behind it. */
+int fmi2SetDebugLogging(void *c, int on, size_t n, const char *const *k) { return OK; }
+int fmi2GetBoolean(void *c, const uint32_t *r, size_t n, int *v) { return n ? ERROR : OK; }
+int fmi2SetBoolean(void *c, const uint32_t *r, size_t n, const int *v) { return n ? ERROR : OK; }
+int fmi2GetString(void *c, const uint32_t *r, size_t n, const char **v) { return n ? ERROR : OK; }
+int fmi2SetString(void *c, const uint32_t *r, size_t n, const char *const *v) { return n ? ERROR : OK; }
+int fmi2CancelStep(void *c) { return ERROR; }
+int fmi2GetIntegerStatus(void *c, int k, int *v) { return DISCARD; }
+int fmi2GetStringStatus(void *c, int k, const char **v) { return DISCARD; }
+int fmi2GetFMUstate(void *c, void **s) { return ERROR; }
+int fmi2SetFMUstate(void *c, void *s) { return ERROR; }
+int fmi2FreeFMUstate(void *c, void **s) { return ERROR; }
+int fmi2SerializedFMUstateSize(void *c, void *s, size_t *n) { return ERROR; }
+int fmi2SerializeFMUstate(void *c, void *s, char *b, size_t n) { return ERROR; }
+int fmi2DeSerializeFMUstate(void *c, const char *b, size_t n, void **s) { return ERROR; }
+int fmi2GetDirectionalDerivative(void *c, const uint32_t *u, size_t n, const uint32_t *k, size_t m,
+                                 const double *dk, double *du) {
+    return ERROR;
+}
+int fmi2SetRealInputDerivatives(void *c, const uint32_t *r, size_t n, const int *o, const double *v) {
+    return ERROR;
+}
+int fmi2GetRealOutputDerivatives(void *c, const uint32_t *r, size_t n, const int *o, double *v) {
+    return ERROR;
+}

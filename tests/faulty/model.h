@@ -1,0 +1,54 @@
+/* FMUs that misbehave, one behaviour each, to show what becomes of the other points of a study.
+ *
+ * Every FMU is model.c, the lag y' = (1 - y) * rate, compiled with -DBEHAVIOUR=name. The behaviour is a function
+ * of that name in one of the other files, called at the moments below. A behaviour that needs a cause waits for
+ * HIT, the step in the middle of a point whose parameter `fault` is 1, so that the other points are healthy. */
+#ifndef MODEL_H
+#define MODEL_H
+
+#include <stddef.h>
+
+typedef enum { LOAD, INSTANTIATE, INITIALISE, STEP, HIT, TERMINATE, RESET, FREE, UNLOAD } Moment;
+enum { OK, WARNING, DISCARD, ERROR, FATAL, PENDING };
+
+typedef void (*Logger)(void *, const char *, int, const char *, const char *, ...);
+typedef struct {
+    Logger logger;
+    void *(*allocate)(size_t, size_t);
+    void (*release)(void *);
+    void (*finished)(void *, int);
+    void *environment;
+} Callbacks;
+
+typedef struct {
+    const Callbacks *callbacks;
+    double rate, y, sum, spoil; /* Both outputs are wrong by `spoil`. */
+    int fault, steps;
+    int ended;   /* What fmi2GetBooleanStatus(fmi2Terminated) says. */
+    int pending; /* How often fmi2GetStatus still says fmi2Pending. */
+    double left; /* The only thing that fmi2Reset leaves as it is. */
+} Model;
+
+/* A behaviour: what it returns is the status of the step, of fmi2Terminate or of fmi2Reset; at INSTANTIATE,
+ * anything but OK refuses the instance. The model is NULL at LOAD and UNLOAD. */
+#define BEHAVES(name) int name(Moment moment, Model *model)
+
+/* What fmi2GetVersion returns; may be changed at LOAD. */
+extern const char *version;
+
+/* Sends a message to the importer's logger. */
+void say(const Model *model, int status, const char *text);
+/* The path of a file in the folder that the environment variable FAULTY_FOLDER names. */
+const char *file_of_the_run(const char *name);
+/* Counts the calls of this function in all processes of the run, from 1, in a file. */
+int count_in_the_run(const char *name);
+/* Sleeps, whatever signals arrive. */
+void sleep_for(double seconds);
+/* For ever, or rather for ten minutes, so that nothing stays for ever when a test fails. */
+#define FOR_EVER 600.0
+/* Keeps the processor busy for ever. */
+void loop(void);
+/* Reads from an address that is none. */
+void crash(void);
+
+#endif

@@ -1,0 +1,270 @@
+"""Other people's FMUs: 100 points of each by `orchestrator verify`, undisturbed and killed and resumed, against fmpy with
+a new process for every point. Prints a Markdown table; the exit code is 1 when a result is wrong or lost.
+
+    scripts/foreign FOLDER [--only PART] [--points N] [--keep DIR]
+
+FOLDER holds .fmu files. `--keep` is a folder in which fmpy's results stay for the next time."""
+
+import argparse
+import hashlib
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import fmpy
+
+import fresh_points
+from supervised import PROGRAM, Study
+
+MOST_VARIED, MOST_OBSERVED, MOST_STEPS = 4, 12, 200
+SPREAD = 0.05
+CHECK_TIMEOUT, POINT_TIMEOUT = 300, 60.0
+# Fills fresh memory with this byte, so that what depends on unwritten memory gives other results.
+FILL = {"MALLOC_PERTURB_": "165"}
+
+
+@dataclass
+class Row:
+    """What was found out about one FMU; the fields are the columns of the table."""
+    name: str
+    tool: str = ""
+    check: str = ""
+    varied: int = 0
+    equal: str = ""
+    different: str = ""
+    lost: str = ""
+    resumed: str = ""
+    reproducible: str = ""
+    remark: str = ""
+    wrong: list = field(default_factory=list)
+
+    def line(self):
+        cells = [self.name, self.tool, self.check, self.varied, self.equal, self.different, self.lost, self.resumed,
+                 self.reproducible, "; ".join([*self.wrong, self.remark]).strip("; ")]
+        return "| " + " | ".join(str(cell).replace("|", "/").replace("\n", " ") for cell in cells) + " |"
+
+
+HEAD = """| FMU | made by | check | varied | points equal to fmpy | different | lost | killed and resumed | reproducible: fmpy, orchestrator | remarks |
+|---|---|---|---|---|---|---|---|---|---|"""
+
+
+def schedule(description):
+    """The suggested experiment, cut to some hundred steps; start, stop and step."""
+    experiment = description.defaultExperiment
+
+    def number(name, otherwise):
+        value = getattr(experiment, name, None)
+        return otherwise if value is None else float(value)
+
+    start = number("startTime", 0.0)
+    stop = max(number("stopTime", start + 1.0), start + 1e-3)
+    step = number("stepSize", (stop - start) / MOST_STEPS)
+    return start, min(stop, start + MOST_STEPS * step), step
+
+
+def varied(description):
+    """Variables to vary: parameters, else inputs, else exact start values; real ones first."""
+    def kind(variable):
+        if variable.type == "String" or variable.start is None or variable.variability == "constant":
+            return None
+        causes = ["parameter", "input"]
+        if variable.causality in causes:
+            return (variable.type != "Real", causes.index(variable.causality))
+        return (variable.type != "Real", 2) if variable.initial == "exact" else None
+
+    found = [(kind(variable), variable) for variable in description.modelVariables]
+    groups = sorted({kind for kind, _ in found if kind is not None})
+    return [v for kind, v in found if groups and kind == groups[0]][:MOST_VARIED]
+
+
+def number(text):
+    return {"true": 1.0, "false": 0.0}.get(text) if text in ("true", "false") else float(text)
+
+
+def span(variable):
+    """The range of a variable around its start value, within its limits."""
+    start = number(variable.start)
+    if variable.type == "Boolean":
+        return 0.0, 1.0
+    wide = SPREAD * (abs(start) or 1.0) if variable.type == "Real" else 1.0
+    low = start - wide if variable.min is None else max(start - wide, float(variable.min))
+    high = start + wide if variable.max is None else min(start + wide, float(variable.max))
+    return (low, high) if high > low else (start, start + wide)
+
+
+def observed(description):
+    """Outputs, or local variables where there are none."""
+    numbers = [v for v in description.modelVariables if v.type != "String"]
+    outputs = [v for v in numbers if v.causality == "output"]
+    return (outputs or [v for v in numbers if v.causality == "local" and v.type == "Real"])[:MOST_OBSERVED]
+
+
+def study(fmu, description, inputs, outputs, count, folder):
+    """Writes the study and its table; returns the points."""
+    start, stop, step = schedule(description)
+    text = f"fmu = {json.dumps(str(fmu))}\n[simulation]\nstart = {start!r}\nstop = {stop!r}\nstep = {step!r}\n"
+    for index, variable in enumerate(inputs):
+        low, high = span(variable)
+        text += f"[parameters.{json.dumps(variable.name)}]\ndistribution = 'uniform'\nmin = {low!r}\nmax = {high!r}\n"
+        text += f"column = 'p{index}'\n"
+    for index, variable in enumerate(outputs):
+        text += f"[criteria.c{index}]\nvariable = {json.dumps(variable.name)}\nnominal = 0\ntolerance = 1e9\n"
+    (folder / "study.toml").write_text(text)
+    numbers = random.Random(1)
+    points = [{v.name: numbers.uniform(*span(v)) for v in inputs} for _ in range(count)]
+    lines = [",".join(["point", *(f"p{index}" for index in range(len(inputs)))])]
+    lines += [",".join([str(point), *map(repr, values.values())]) for point, values in enumerate(points, 1)]
+    (folder / "points.csv").write_text("\n".join(lines) + "\n")
+    return points
+
+
+def reference(fmu, description, points, outputs, keep):
+    """fmpy's results, and whether memory that was never written changes them."""
+    start, stop, step = schedule(description)
+    job = {"points": points, "outputs": [v.name for v in outputs], "start": start, "stop": stop, "step": step,
+           "timeout": POINT_TIMEOUT}
+    content = json.dumps([job, hashlib.sha256(fmu.read_bytes()).hexdigest()])
+    file = keep / f"{hashlib.sha256(content.encode()).hexdigest()}.json" if keep else None
+    if file and file.is_file():
+        return json.loads(file.read_text())
+    job["fmu"] = str(fmu)
+    results = fresh_points.run(job, workers=2)
+    few = {**job, "points": points[:5]}
+    again = fresh_points.run(few, workers=2, environment=FILL) + fresh_points.run(few, workers=2)
+    values = [result.get("values") for result in results + again]
+    known = {"results": results, "reproducible": values[len(points):] == values[:len(few["points"])] * 2}
+    if file:
+        file.write_text(json.dumps(known))
+    return known
+
+
+def check(fmu, row, simulates):
+    """The pre-flight, which must find no error in what fmpy simulates."""
+    try:
+        done = subprocess.run([PROGRAM, "check", fmu], capture_output=True, text=True, timeout=CHECK_TIMEOUT,
+                              errors="replace")
+    except subprocess.TimeoutExpired:
+        row.check = "does not end"
+        row.wrong.append("check does not end")
+        return
+    findings = [line.strip() for line in done.stdout.splitlines() if line.strip()][1:]
+    row.check = f"exit {done.returncode}, {len(findings)} found"
+    if simulates and done.returncode != 0:
+        text = (findings or [done.stderr.strip()])[0]
+        row.wrong.append(f"check: {text[:160]}")
+
+
+def compare(outcome, known, outputs, row):
+    """Counts points: equal, different, lost (fmpy has a result and the orchestrator none)."""
+    if outcome.code not in (0, 1):
+        what = "verify does not end" if outcome.code is None else f"verify: exit code {outcome.code}"
+        row.wrong.append(f"{what}: {outcome.said.strip()[-160:]}")
+        return None
+    if outcome.strays:
+        row.wrong.append(f"processes left: {outcome.strays}")
+    equal, different, lost = 0, [], []
+    for point, expected in enumerate(known["results"], 1):
+        mine = outcome.points.get(point)
+        fine = mine is not None and mine["status"].startswith("ok")
+        if "failure" in expected or any(not float.fromhex(v) - float.fromhex(v) == 0 for v in expected["values"]):
+            # What fmpy cannot either, or gives as no finite number, is no loss.
+            equal += not fine
+            different += [point] if fine else []
+        elif not fine:
+            lost.append((point, "no row" if mine is None else mine["status"]))
+        elif [float(mine[f"c{index}"]).hex() for index in range(len(outputs))] == expected["values"]:
+            equal += 1
+        else:
+            different.append(point)
+    return equal, different, lost
+
+
+def examine(fmu, count, keep, folder):
+    row = Row(fmu.stem)
+    try:
+        description = fmpy.read_model_description(str(fmu), validate=False)
+        inputs = varied(description)
+        outputs = observed(description)
+    except Exception as error:
+        check(fmu, row, simulates=False)
+        row.remark = f"fmpy cannot read it: {str(error)[:120]}"
+        return row
+    row.tool, row.varied = description.generationTool or "", len(inputs)
+    if not inputs or not outputs:
+        check(fmu, row, simulates=False)
+        row.remark = "nothing to vary" if not inputs else "nothing to observe"
+        return row
+    points = study(fmu, description, inputs, outputs, count, folder)
+    known = reference(fmu, description, points, outputs, keep)
+    failures = [result["failure"] for result in known["results"] if "failure" in result]
+    check(fmu, row, simulates=not failures)
+    if failures:
+        row.remark = f"fmpy cannot run {len(failures)} points: {failures[0][:120]}"
+    if len(failures) < len(points):
+        verify(fmu, row, known, outputs, folder)
+    return row
+
+
+def verify(fmu, row, known, outputs, folder):
+    command = ["verify", "study.toml", "--points-from", "points.csv", "--jobs", "2", "--point-timeout", POINT_TIMEOUT]
+    whole = Study(folder, "whole", command, {}).run()
+    first = compare(whole, known, outputs, row)
+    label = whole.summary.get("reproducible")
+    row.reproducible = f"{'yes' if known['reproducible'] else 'no'}, {({True: 'yes', False: 'no'}).get(label, 'not said')}"
+    if first is None:
+        return
+    equal, different, lost = first
+    row.equal, row.different, row.lost = equal, len(different), len(lost)
+    if different and known["reproducible"]:
+        row.wrong.append(f"other results at points {different[:8]}")
+    if not known["reproducible"] and label is not False:
+        row.wrong.append("not labelled as not reproducible")
+    if lost:
+        row.wrong.append(f"lost: point {lost[0][0]}: {lost[0][1][:120]}")
+    for begun in (20, 8, 3, 1, 0):
+        run = Study(folder, f"killed-{begun}", command, {})
+        _, killed, strays = run.interrupted(begun, signal.SIGKILL)
+        if killed:
+            break
+    if strays:
+        row.wrong.append(f"processes outlive a kill: {strays}")
+    again = compare(run.run("--resume"), known, outputs, row)
+    row.resumed = ("the same" if again == first else "other points") if killed else "ended before the kill"
+    if again is not None and known["reproducible"] and (again[1] or again[2]):
+        row.wrong.append(f"resumed: {len(again[1])} different, {len(again[2])} lost")
+
+
+def main():
+    arguments = argparse.ArgumentParser(prog="scripts/foreign", description=__doc__.split("\n\n")[0])
+    arguments.add_argument("folder", type=Path)
+    arguments.add_argument("--only", default="", metavar="PART", help="only FMUs with this in their names")
+    arguments.add_argument("--points", type=int, default=100, metavar="N")
+    arguments.add_argument("--keep", type=Path, metavar="DIR", help="where fmpy's results stay for the next time")
+    options = arguments.parse_args()
+    fmus = sorted(fmu for fmu in options.folder.absolute().glob("**/*.fmu") if options.only in fmu.name)
+    if options.keep:
+        options.keep.mkdir(parents=True, exist_ok=True)
+    print(HEAD, flush=True)
+    found = []
+    for fmu in fmus:
+        with tempfile.TemporaryDirectory(prefix="foreign-") as folder:
+            row = examine(fmu, options.points, options.keep, Path(folder))
+        print(row.line(), flush=True)
+        found.append(row)
+    wrong = [row for row in found if row.wrong]
+    run = [row for row in found if row.equal != ""]
+    print(f"\n{len(found)} FMUs, {len(run)} run over {options.points} points: {sum(row.equal for row in run)} points "
+          f"equal to fmpy bit for bit, {sum(row.different for row in run)} different, "
+          f"{sum(row.lost for row in run)} lost; {len(wrong)} FMUs with something wrong.")
+    return 1 if wrong or not found else 0
+
+
+if __name__ == "__main__":
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    sys.exit(main())

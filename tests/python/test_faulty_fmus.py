@@ -1,0 +1,190 @@
+"""Whatever an FMU does, it costs its own points only; all others get what they get alone in a fresh process."""
+
+import signal
+
+import faulty
+import pytest
+from faulty import MODELS
+from laboratory import NO_TIMEOUT, OUTPUTS, PAUSE, Laboratory, bits, complaints, rate, study
+from test_acceptance import orchestrator
+
+every_model = pytest.mark.parametrize("model", MODELS, ids=lambda model: model.name)
+BY_NAME = {model.name: model for model in MODELS}
+
+
+def models(*names):
+    return pytest.mark.parametrize("model", [BY_NAME[name] for name in names], ids=lambda model: model.name)
+
+
+@pytest.fixture(scope="module")
+def laboratory(request, tmp_path_factory):
+    laboratory = Laboratory(tmp_path_factory.mktemp("faulty"))
+    asked = [item for item in request.session.items if "case" in getattr(item, "fixturenames", ())]
+    names = dict.fromkeys(item.callspec.params["model"].name for item in asked)
+    laboratory.begin([BY_NAME[name] for name in names])
+    yield laboratory
+    laboratory.end()
+
+
+@pytest.fixture
+def case(laboratory, model):
+    return laboratory.case(model)
+
+
+@every_model
+def test_all_other_points_are_right(case):
+    assert complaints(case, case.whole) == []
+    if case.model.said:
+        assert case.model.said in case.whole.said.lower() + str(case.whole.summary).lower()
+
+
+@every_model
+def test_no_process_is_left(case):
+    assert case.whole.strays == []
+
+
+@every_model
+def test_killed_and_resumed(case):
+    assert case.killed, "the kill came too late"
+    assert complaints(case, case.resumed) == []
+
+
+@every_model
+def test_no_process_outlives_a_killed_supervisor(case):
+    assert case.strays == []
+    assert case.resumed.strays == []
+
+
+@every_model
+def test_the_summary_tells_what_the_results_are_worth(case):
+    for outcome in (case.whole, case.resumed):
+        assert outcome.summary["reproducible"] is case.model.reproducible
+        assert outcome.summary["isolation"] in ("fresh", "audited")
+        assert outcome.summary["audits"] >= outcome.summary["audit_mismatches"] >= 0
+        if not case.model.reproducible:
+            assert "reproducible" in outcome.said
+        # What goes wrong in used processes is either never tried there or found out.
+        if not case.model.reuse:
+            assert outcome.summary["isolation"] == "fresh" or outcome.summary["audit_mismatches"] > 0
+
+
+@models("drifts", "drifts_later", "spoils_later_points", "draws_random_numbers", "reads_the_file_of_its_loading")
+def test_fresh_processes_on_demand(case, laboratory, tmp_path):
+    fmu = laboratory.workshop.folder / f"{case.model.name}.fmu"
+    outcome = study(tmp_path, fmu, case.hit, options=["--isolation", "fresh"]).run()
+    assert complaints(case, outcome) == []
+    assert outcome.summary["isolation"] == "fresh"
+
+
+# Longer than the second that ending takes, much shorter than --point-timeout.
+SOON = 30.0
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=lambda number: number.name)
+@models("loops_in_step", "blocks_signals", "stops_itself", "becomes_a_sleeping_program", "forks_and_returns",
+        "starts_a_daemon", "closes_descriptors", "is_pending_for_ever")
+def test_a_signal_ends_the_run(case, laboratory, tmp_path, number):
+    """Points under way are given up; those that were done are kept."""
+    fmu = laboratory.workshop.folder / f"{case.model.name}.fmu"
+    run = study(tmp_path, fmu, case.hit, options=["--point-timeout", NO_TIMEOUT], pause=PAUSE)
+    code, running, strays = run.interrupted(5, number, deadline=SOON)
+    assert running and code in (130, 143), f"{code} {strays}"
+    assert strays == [] and run.progress() >= 5
+
+
+@models("loops_in_step", "blocks_signals", "stops_itself")
+def test_a_signal_ends_a_run_of_which_only_hanging_points_are_left(case, laboratory, tmp_path):
+    fmu = laboratory.workshop.folder / f"{case.model.name}.fmu"
+    run = study(tmp_path, fmu, {39, 40}, options=["--point-timeout", NO_TIMEOUT])
+    code, running, strays = run.interrupted(38, signal.SIGTERM, deadline=SOON)
+    assert running and code in (130, 143), f"{code} {strays}"
+    assert strays == []
+
+
+def unstartable(workshop, name):
+    """FMUs whose binary cannot be loaded, with what the user has to read."""
+    library = workshop.folder / "libfaultyhelper.so.3"
+    if name == "a_missing_function_of_fmi":
+        return workshop.binary("healthy", ["-Dfmi2DoStep=anotherName"]), ["fmi2DoStep"]
+    if name.startswith("a_missing_library"):
+        workshop.compile("-shared", f"-Wl,-soname,{library.name}", "-x", "c", "/dev/null", "-o", library)
+        flags = ["-Wl,--no-as-needed", library] + (["-Dfmi2DoStep=anotherName"] if "function" in name else [])
+        binary = workshop.binary("healthy", flags)
+        library.unlink()
+        return binary, [library.name]
+    words = {"crashes_while_loaded": ["SIGSEGV"], "exits_while_loaded": ["code 0"], "loops_while_loaded": ["time"]}
+    return workshop.binary(name), words[name]
+
+
+@pytest.mark.parametrize("name", [
+    "a_missing_function_of_fmi", "a_missing_library", "a_missing_library_and_function",
+    "crashes_while_loaded", "exits_while_loaded", "loops_while_loaded"])
+def test_what_cannot_be_loaded_is_said_at_once(laboratory, tmp_path, name):
+    binary, words = unstartable(laboratory.workshop, name)
+    fmu = laboratory.workshop.fmu(name, binary)
+    outcome = study(tmp_path, fmu, (), options=["--point-timeout", "2"]).run()
+    assert outcome.code == 2, outcome.said
+    assert len(outcome.said.strip().splitlines()) == 1, outcome.said
+    assert all(word in outcome.said for word in words), outcome.said
+    assert outcome.strays == []
+
+
+def test_a_function_that_no_library_has_is_named(laboratory, tmp_path):
+    """Loaders may look for it at once, or when it is called; other points never call it."""
+    fmu = laboratory.workshop.fmu("missing", laboratory.workshop.binary("calls_a_missing_function", missing=True))
+    outcome = study(tmp_path, fmu, {9}).run()
+    assert "function_of_a_library" in outcome.said + str(outcome.points.get(9))
+    assert outcome.code == 2 or [p for p, row in outcome.points.items() if row["status"] != "ok"] == [9], outcome.said
+
+
+def test_an_fmu_of_which_no_instance_ever_comes(laboratory, tmp_path):
+    """Either the run ends with the reason, or all points have it."""
+    fmu = laboratory.workshop.fmu("no_instance", laboratory.workshop.binary("loops_in_instantiate"))
+    outcome = study(tmp_path, fmu, (), options=["--point-timeout", "1"], points=4).run()
+    assert outcome.code in (1, 2), outcome.said
+    assert outcome.strays == []
+    if outcome.code == 2:
+        assert "fmi2Instantiate" in outcome.said or "time" in outcome.said
+    else:
+        assert [row["status"][:7] for row in outcome.points.values()] == ["timeout"] * 4
+
+
+@pytest.mark.parametrize("attributes", ["", 'needsExecutionTool="true"'], ids=["slow", "tool"])
+def test_what_starts_slowly_is_started_seldom(laboratory, tmp_path, attributes):
+    workshop = laboratory.workshop
+    fmu = workshop.fmu("starts_slowly", workshop.binary("starts_slowly"), faulty.description(attributes))
+    expected = laboratory.fresh(workshop.fmu("quick", workshop.binary("healthy")), points=30)
+    run = study(tmp_path, fmu, (), points=30)
+    outcome = run.run()
+    assert outcome.code == 0, outcome.said
+    assert {point: bits(row) for point, row in outcome.points.items()} == expected
+    assert len((run.mark / "starts").read_bytes()) < 15
+
+
+def built(laboratory, name):
+    return laboratory.workshop.model(BY_NAME[name])
+
+
+@pytest.mark.parametrize("name", ["healthy", "has_no_outputs", "needs_a_tool", "ends_early", "is_pending",
+                                  "allows_one_instance_ever", "leaves_threads_behind"])
+def test_what_the_standard_allows_is_no_error(laboratory, name):
+    assert "error" not in orchestrator("check", built(laboratory, name))
+
+
+@pytest.mark.parametrize("name, word", [
+    ("says_version_one", "1.0"), ("needs_a_tool", "needsExecutionTool"), ("fails_to_terminate", "fmi2Terminate"),
+    ("warns", "warning"), ("reads_unwritten_memory", "memory"), ("drifts", "fresh")])
+def test_a_check_tells_what_to_beware_of(laboratory, name, word):
+    assert word in orchestrator("check", built(laboratory, name))
+
+
+def test_a_simulation_that_ends_early_is_whole(laboratory):
+    fmu = built(laboratory, "ends_early")
+    last = orchestrator("simulate", fmu, "--set", f"rate={rate(1)!r}", "--set", "fault=1").splitlines()[-1].split(",")
+    assert float(last[0]) == 0.5
+    assert [float(cell).hex() for cell in last[1:]] == laboratory.fresh(fmu, hit={1}, points=1)[1]
+
+
+def test_an_fmu_without_outputs_is_simulated_with_its_locals(laboratory):
+    lines = orchestrator("simulate", built(laboratory, "has_no_outputs")).splitlines()
+    assert lines[0].split(",") == ["time", "y", "sum"] and len(lines) == 22
