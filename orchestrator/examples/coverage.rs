@@ -5,10 +5,9 @@ use orchestrator::analysis::sensitivity::functions::{
     ishigami, ishigami_indices, sobol_g, sobol_g_indices,
 };
 use orchestrator::analysis::sensitivity::sobol::{FirstOrder, design, indices, replicates};
-use orchestrator::analysis::verdict::{Fraction, randomised_share};
-use orchestrator::design::Design;
+use orchestrator::design::{Design, Method, Sampling};
 use orchestrator::distribution::Distribution;
-use orchestrator::study::{self, Method};
+use orchestrator::statistics::share::{Fraction, randomised_share};
 use rayon::prelude::*;
 
 /// A function with its exact indices.
@@ -72,7 +71,7 @@ fn cube(
     seed: u64,
     replicates: u64,
 ) -> Result<Vec<Vec<f64>>, String> {
-    let settings = study::Design {
+    let settings = Sampling {
         method: Method::Sobol,
         points,
         seed,

@@ -6,9 +6,10 @@ use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
 use crate::names::did_you_mean;
+use crate::statistics::Statistic;
 use crate::study::plan::find;
 use crate::study::quantity::{Scale, Sense};
-use crate::study::{Criterion as Text, Quantity, Statistic, Study, StudyError};
+use crate::study::{Criterion as Text, Quantity, Study, StudyError};
 use fmu_import::Description;
 
 /// What the measurement says of one quantity, in the study's unit.

@@ -4,7 +4,6 @@
 pub mod analysis;
 pub mod cli;
 pub mod commands;
-pub mod csv_file;
 pub mod design;
 pub mod distribution;
 pub mod engine;
@@ -19,4 +18,5 @@ pub mod session;
 pub mod source;
 pub mod statistics;
 pub mod study;
+pub mod table;
 pub mod task;

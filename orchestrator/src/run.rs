@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use crate::failure::Failure;
 use crate::statistics::Accumulator;
-use crate::study::Statistic;
+use crate::statistics::Statistic;
 use crate::task::Task;
 use fmu_import::{Call, Content, Instance, Library, State};
 use watched::Watched;

@@ -1,6 +1,30 @@
 //! Statistics of a signal over time, and of counts.
 
-use crate::study::Statistic;
+pub mod moments;
+pub mod share;
+
+use serde::{Deserialize, Serialize};
+
+pub use share::wilson;
+
+/// What becomes of a variable over time.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Statistic {
+    /// The value at the stop time.
+    #[default]
+    Final,
+    /// The mean over time.
+    Mean,
+    /// The smallest value.
+    Min,
+    /// The largest value.
+    Max,
+    /// The root of the mean square over time.
+    Rms,
+    /// Half the distance from the smallest to the largest value.
+    Amplitude,
+}
 
 /// Collects what a statistic of a signal needs, value by value, in constant memory.
 ///
@@ -82,31 +106,6 @@ impl Accumulator {
             Statistic::Amplitude => 0.5 * (self.max - self.min),
         }
     }
-}
-
-/// The 95 % interval of a probability of which `hits` of `total` trials are known
-/// (Wilson 1927, eq. 4: the probabilities within 1.96 standard deviations of the observed share).
-#[allow(clippy::cast_precision_loss)]
-pub fn wilson(hits: u64, total: u64) -> [f64; 2] {
-    const Z: f64 = 1.959_963_984_540_054;
-    if total == 0 {
-        return [0.0, 1.0];
-    }
-    let (n, share) = (total as f64, hits as f64 / total as f64);
-    let centre = share + Z * Z / (2.0 * n);
-    let spread = Z * (share * (1.0 - share) / n + Z * Z / (4.0 * n * n)).sqrt();
-    let scale = 1.0 + Z * Z / n;
-    let low = if hits == 0 {
-        0.0
-    } else {
-        (centre - spread) / scale
-    };
-    let high = if hits == total {
-        1.0
-    } else {
-        (centre + spread) / scale
-    };
-    [low, high]
 }
 
 #[cfg(test)]

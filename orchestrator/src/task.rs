@@ -7,7 +7,7 @@ pub use schedule::{CommunicationPoints, Schedule};
 
 use serde::{Deserialize, Serialize};
 
-use crate::study::Statistic;
+use crate::statistics::Statistic;
 use fmu_import::{Content, Handle, Value};
 
 /// One simulation, but for the values that vary from point to point.

@@ -11,10 +11,12 @@ use std::path::Path;
 use fmu_import::Package;
 use orchestrator::analysis::from_results;
 use orchestrator::judge::Judge;
-use orchestrator::results::journal::{Finished, Header, Journal};
-use orchestrator::source::{Source, Table};
+use orchestrator::results::finished::Finished;
+use orchestrator::results::{Journal, lines};
+use orchestrator::source::Source;
 use orchestrator::study::plan::Plan;
 use orchestrator::study::{Study, ssv};
+use orchestrator::table::Table;
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 use support::Bench;
@@ -181,7 +183,7 @@ fn journal(folder: &Path) -> Attempt {
     for index in 0..10 {
         outcomes.get(index).map_err(text)?;
     }
-    let header = Header::read(folder).map_err(text)?;
+    let header = lines::header(folder).map_err(text)?;
     let (mut journal, _) = Journal::resume(folder, &header).map_err(text)?;
     journal.append(3, &Ok(vec![1.0])).map_err(text)
 }

@@ -3,7 +3,7 @@
 use super::table::{Criterion, Parameter, PointTable};
 use crate::judge::{Judge, Verdict};
 use crate::results::{Outcome, Points, PointsError, ResultsError, Summary};
-use crate::study::Statistic;
+use crate::statistics::Statistic;
 use crate::study::plan::Input;
 use indexmap::IndexMap;
 use std::path::Path;

@@ -5,8 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::Means;
-use crate::commands::Until;
-use crate::session::Shard;
+use crate::session::{Shard, Until};
 
 /// Options of `verify`.
 #[derive(Debug, Args)]

@@ -8,15 +8,15 @@ use super::CommandError;
 use super::limits::place;
 use super::progress::Progress;
 use crate::cli::Means;
-use crate::design::Design;
+use crate::design::{Design, Method, Sampling};
 use crate::distribution::Distribution;
 use crate::engine::crew::Crew;
 use crate::engine::{self, Job};
 use crate::judge::Judge;
 use crate::results::origin::Origin;
 use crate::results::{Outcome, ResultsError};
+use crate::study::Study;
 use crate::study::plan::Plan;
-use crate::study::{self, Method, Study};
 use fmu_import::Package;
 use tempfile::TempDir;
 
@@ -140,7 +140,7 @@ pub(super) fn cube(
     seed: u64,
     replicates: u64,
 ) -> Result<Vec<Vec<f64>>, String> {
-    let design = study::Design {
+    let design = Sampling {
         method: Method::Sobol,
         points,
         seed,

@@ -22,7 +22,7 @@ use crate::cli::Check;
 use crate::engine::process::{Limits, Process};
 use crate::engine::{Answer, Job, Worker};
 use crate::results::ResultsError;
-use crate::study::Statistic;
+use crate::statistics::Statistic;
 use crate::task::{Probe, Schedule, Task};
 use fmu_import::{ArchiveError, Causality, Description, FmuError, Package, Variable};
 

@@ -11,11 +11,11 @@ use serde::{Deserialize, Serialize};
 use super::limits::place;
 use super::{CommandError, finding, output};
 use crate::cli::Identify;
-use crate::csv_file::{CsvFile, reason};
-use crate::design::Design;
+use crate::design::{Design, Method, Sampling};
 use crate::distribution::Distribution;
 use crate::engine::crew::Crew;
-use crate::identify::bind::{BindError, Bound};
+use crate::identify::bind::Bound;
+use crate::identify::error::BindError;
 use crate::identify::local::End;
 use crate::identify::model::FmuModel;
 use crate::identify::objective::Objective;
@@ -25,7 +25,8 @@ use crate::identify::search::{self, SearchError, State, search};
 use crate::identify::settings::{Document, Settings};
 use crate::identify::text;
 use crate::results::{ResultsError, write_atomically};
-use crate::study::{self, Method, Study};
+use crate::study::Study;
+use crate::table::csv_file::{CsvFile, reason};
 use fmu_import::Package;
 
 pub(super) fn run(options: &Identify) -> Result<ExitCode, CommandError> {
@@ -90,11 +91,11 @@ pub(super) fn run(options: &Identify) -> Result<ExitCode, CommandError> {
 /// Starts from a scrambled Sobol net between the bounds.
 fn starts(study: &Study, settings: &Settings) -> Result<Vec<Vec<f64>>, CommandError> {
     let place = Distribution::Uniform { min: 0.0, max: 1.0 };
-    let design = study::Design {
+    let design = Sampling {
         method: Method::Sobol,
         points: settings.starts.max(1),
         seed: settings.seed,
-        ..study::Design::default()
+        ..Sampling::default()
     };
     let design = Design::new(&design, vec![place; settings.free.len()])
         .map_err(|message| study.error(format!("[identify] {message}")))?;

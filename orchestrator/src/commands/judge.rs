@@ -7,11 +7,12 @@ use crate::cli;
 use crate::failure::Failure;
 use crate::judge::Judge;
 use crate::report::Report;
-use crate::results::summary::{Provenance, Tally};
+use crate::results::Tally;
+use crate::results::summary::Provenance;
 use crate::session::{FileSet, provenance};
-use crate::source::Table;
 use crate::study::Study;
 use crate::study::quantity::Scale;
+use crate::table::Table;
 use fmu_import::units::Conversion;
 use fmu_import::{Description, Package};
 

@@ -5,8 +5,7 @@ use std::process::ExitCode;
 
 use super::{CommandError, verify};
 use crate::cli::Merge;
-use crate::results::journal::{self, Header};
-use crate::results::{ResultsError, parquet};
+use crate::results::{Header, ResultsError, journal, lines, parquet};
 use crate::session::{Request, Session, SessionError};
 
 pub(super) fn run(options: &Merge) -> Result<ExitCode, CommandError> {
@@ -47,7 +46,7 @@ pub(super) fn run(options: &Merge) -> Result<ExitCode, CommandError> {
 /// Refuses folders that are not of one study, before anything is written; names their shards.
 fn check(folders: &[PathBuf], of: &Header) -> Result<Vec<String>, CommandError> {
     let name = |folder: &PathBuf| {
-        let then = Header::read(folder)?;
+        let then = lines::header(folder)?;
         // Only the part differs from one to the other.
         let same_part = Header {
             shard: then.shard.clone(),

@@ -24,14 +24,11 @@ mod simulate;
 mod stop;
 pub mod synchronise;
 mod table;
-mod until;
 mod verify;
 
 use std::process::ExitCode;
 
 use thiserror::Error;
-
-pub use until::Until;
 
 use crate::analysis::from_results::FolderError;
 use crate::cli::{Cli, Command};
@@ -40,9 +37,9 @@ use crate::failure::Failure;
 use crate::report::ReportError;
 use crate::results::ResultsError;
 use crate::session::SessionError;
-use crate::source::TableError;
 use crate::study::StudyError;
 use crate::study::ssv::SsvError;
+use crate::table::TableError;
 use fmu_import::FmuError;
 
 /// The exit code for a mistake in what was asked for.

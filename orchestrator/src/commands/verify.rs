@@ -7,15 +7,14 @@ use std::time::{Duration, Instant};
 
 use super::limits::place;
 use super::progress::Progress;
-use super::until::Front;
 use super::{CommandError, best, cost, finding, output, report, stop, table, verdict};
 use crate::cli::Verify;
+use crate::design::Method;
 use crate::engine;
-use crate::results::journal::Finished;
-use crate::results::summary::{Run, Tally};
-use crate::results::{Journal, parquet};
-use crate::session::{Request, Session, scratch};
-use crate::study::Method;
+use crate::results::finished::Finished;
+use crate::results::summary::Run;
+use crate::results::{Journal, Tally, parquet};
+use crate::session::{Front, Request, Session, scratch};
 
 /// With `--until`, a study has as many points as needed, but for a limit.
 const MOST_POINTS: u64 = 1_000_000;

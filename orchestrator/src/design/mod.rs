@@ -10,11 +10,10 @@ mod halton;
 mod hypercube;
 mod optimised;
 mod random;
+pub mod sampling;
 mod sobol;
 
 use crate::distribution::Distribution;
-use crate::study;
-use crate::study::Method;
 
 use correlation::Correlation;
 use factorial::Grid;
@@ -22,6 +21,8 @@ use halton::Sequence;
 use hypercube::Hypercube;
 use optimised::Spread;
 use sobol::Nets;
+
+pub use sampling::{Method, Sampling};
 
 /// A rule that gives every index its point.
 #[derive(Clone, Debug)]
@@ -68,27 +69,27 @@ impl Design {
     ///
     /// # Errors
     /// When the method cannot serve so many inputs or points.
-    pub fn new(design: &study::Design, inputs: impl Into<Inputs>) -> Result<Self, String> {
+    pub fn new(sampling: &Sampling, inputs: impl Into<Inputs>) -> Result<Self, String> {
         let inputs: Inputs = inputs.into();
-        if design.points == 0 {
+        if sampling.points == 0 {
             return Err("points must be at least 1".to_owned());
         }
-        if design.replicates == 0 {
+        if sampling.replicates == 0 {
             return Err("replicates must be at least 1".to_owned());
         }
-        if design.replicates > 1 && design.method != Method::Sobol {
+        if sampling.replicates > 1 && sampling.method != Method::Sobol {
             return Err("replicates need method = \"sobol\"; remove them".to_owned());
         }
-        let study::Design { points, seed, .. } = *design;
+        let Sampling { points, seed, .. } = *sampling;
         let varies = |input: &&Distribution| input.varies();
         let dimensions = inputs.distributions.iter().filter(varies).count();
-        let rule = match design.method {
+        let rule = match sampling.method {
             Method::MonteCarlo => Rule::MonteCarlo,
             Method::LatinHypercube => Rule::LatinHypercube(Hypercube::new(seed, points)),
             Method::OptimisedLatinHypercube => {
                 Rule::OptimisedLatinHypercube(Spread::new(seed, dimensions, points)?)
             }
-            Method::Sobol => Rule::Sobol(Nets::new(design, dimensions)?),
+            Method::Sobol => Rule::Sobol(Nets::new(sampling, dimensions)?),
             Method::Halton => Rule::Halton(Sequence::new(seed, dimensions)?),
             Method::FullFactorial => Rule::FullFactorial(inputs.grid()?),
         };
@@ -173,7 +174,7 @@ mod tests {
     use super::*;
 
     fn design(method: Method, points: u64, seed: u64) -> Design {
-        let settings = study::Design {
+        let settings = Sampling {
             method,
             points,
             seed,
@@ -250,7 +251,7 @@ mod tests {
             },
         ];
         for method in METHODS {
-            let settings = study::Design {
+            let settings = Sampling {
                 method,
                 points: N,
                 seed: 9,
@@ -295,9 +296,9 @@ mod tests {
 
     #[test]
     fn a_full_factorial_has_its_own_number_of_points() {
-        let settings = study::Design {
+        let settings = Sampling {
             method: Method::FullFactorial,
-            ..study::Design::default()
+            ..Sampling::default()
         };
         let inputs = |levels| Inputs {
             distributions: vec![

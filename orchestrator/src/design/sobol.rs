@@ -5,7 +5,7 @@
 use ::sobol::params::JoeKuoD6;
 
 use super::random::{self, Purpose, mix};
-use crate::study;
+use super::sampling::Sampling;
 
 const BITS: u32 = 32;
 
@@ -20,8 +20,8 @@ pub(super) struct Nets {
 }
 
 impl Nets {
-    pub(super) fn new(design: &study::Design, dimensions: usize) -> Result<Self, String> {
-        if design.points / design.replicates > 1 << BITS {
+    pub(super) fn new(sampling: &Sampling, dimensions: usize) -> Result<Self, String> {
+        if sampling.points / sampling.replicates > 1 << BITS {
             return Err(format!("a Sobol net has at most 2^{BITS} points"));
         }
         let parameters = JoeKuoD6::minimal();
@@ -38,8 +38,8 @@ impl Nets {
             .take(dimensions)
             .collect();
         Ok(Self {
-            seed: design.seed,
-            replicates: design.replicates,
+            seed: sampling.seed,
+            replicates: sampling.replicates,
             directions,
         })
     }
@@ -112,6 +112,7 @@ fn scramble(digits: u32, key: u64) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::design::Method;
 
     #[test]
     fn the_plain_net_starts_as_published() {
@@ -125,13 +126,13 @@ mod tests {
     }
 
     fn nets(points: u64, replicates: u64, dimensions: usize) -> Result<Nets, String> {
-        let design = study::Design {
-            method: study::Method::Sobol,
+        let sampling = Sampling {
+            method: Method::Sobol,
             points,
             seed: 11,
             replicates,
         };
-        Nets::new(&design, dimensions)
+        Nets::new(&sampling, dimensions)
     }
 
     #[test]

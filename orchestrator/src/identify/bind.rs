@@ -1,26 +1,16 @@
 //! Ties the section `[identify]` of a study to its FMU and its table.
 
 use super::cases::Columns;
+use super::error::BindError;
 use super::problem::{Case, Free, Interval, Latent, Measured, Prior, Problem, Quantity, Scale};
 use super::settings::{Exception, FreeText, LatentText, MeasuredText, Settings};
-use crate::source::TableError;
+use crate::statistics::Statistic;
 use crate::study::plan::{Plan, find, slot_of};
 use crate::study::quantity::{Scale as UnitScale, Sense};
-use crate::study::{Name, Quantity as Text, Statistic, Study, StudyError};
+use crate::study::{Name, Quantity as Text, Study, StudyError};
 use crate::task::{Probe, Slot, Task};
 use fmu_import::units::Conversion;
 use fmu_import::{Description, Variable};
-
-/// Why a study cannot be used for identification.
-#[derive(Debug, thiserror::Error)]
-pub enum BindError {
-    /// The study does not fit.
-    #[error(transparent)]
-    Study(#[from] StudyError),
-    /// The table does not fit.
-    #[error(transparent)]
-    Table(#[from] TableError),
-}
 
 /// An identification in terms of an FMU.
 #[derive(Clone, Debug)]

@@ -2,10 +2,10 @@
 
 use toml::Spanned;
 
-use super::bind::BindError;
+use super::error::BindError;
 use super::settings::Settings;
-use crate::source::Table;
 use crate::study::{Name, Study};
+use crate::table::Table;
 
 /// The columns of the table that the section names, or a single case without any.
 pub(super) struct Columns {

@@ -14,6 +14,7 @@
 
 pub mod bind;
 mod cases;
+pub mod error;
 pub mod local;
 pub mod model;
 pub mod objective;

@@ -7,7 +7,8 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::problem::Scale;
-use crate::study::{Name, Quantity, Statistic};
+use crate::statistics::Statistic;
+use crate::study::{Name, Quantity};
 
 /// A study, as far as `identify` has words of its own in it.
 #[derive(Clone, Debug, Deserialize)]

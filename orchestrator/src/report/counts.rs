@@ -3,7 +3,8 @@
 use super::Report;
 use super::format::{count, number, percent};
 use crate::analysis::table::PointTable;
-use crate::analysis::verdict::{Fraction, Verdict};
+use crate::analysis::verdict::Verdict;
+use crate::statistics::share::Fraction;
 use serde::Serialize;
 
 #[derive(Serialize)]

@@ -23,7 +23,8 @@ use crate::analysis::pareto::study::Pareto;
 use crate::analysis::robustness::Robustness;
 use crate::analysis::sensitivity::study::Sensitivity;
 use crate::analysis::table::PointTable;
-use crate::analysis::verdict::{Fraction, Verdict};
+use crate::analysis::verdict::Verdict;
+use crate::statistics::share::Fraction;
 use figures::Series;
 #[cfg(feature = "png")]
 use rayon::prelude::*;

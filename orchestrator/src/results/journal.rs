@@ -15,88 +15,10 @@ use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use serde::{Deserialize, Serialize};
-
-use super::finished::open;
+use super::finished::Finished;
+use super::header::Header;
+use super::lines::{open, path_in};
 use super::{Outcome, ResultsError};
-
-pub use super::finished::Finished;
-
-/// What a journal belongs to. Points of different headers must not be mixed.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Header {
-    /// The version of this program.
-    pub orchestrator: String,
-    /// The digest of the study's text.
-    pub study: String,
-    /// The digest of the FMU.
-    pub fmu: String,
-    /// The digest of the table of points, where points were given.
-    pub table: Option<String>,
-    /// The seed of the design.
-    pub seed: u64,
-    /// How many points the whole study has.
-    pub points: u64,
-    /// Which part of the points this is, such as `2/8`.
-    pub shard: Option<String>,
-}
-
-impl Header {
-    /// What the journal of a folder belongs to.
-    ///
-    /// # Errors
-    /// When there is none, and when its first line is damaged.
-    pub fn read(folder: &Path) -> Result<Self, ResultsError> {
-        Ok(open(folder)?.1)
-    }
-
-    /// Refuses points that were computed for something else.
-    ///
-    /// # Errors
-    /// Names what differs.
-    pub fn check(&self, then: &Self, path: &Path) -> Result<(), ResultsError> {
-        match self.difference(then) {
-            None => Ok(()),
-            Some((what, then, now)) => Err(ResultsError::Changed {
-                path: path.to_owned(),
-                what,
-                then,
-                now,
-            }),
-        }
-    }
-
-    /// What differs first, as it is in the other header and in this one.
-    pub fn difference(&self, then: &Self) -> Option<(&'static str, String, String)> {
-        let texts = |header: &Self| {
-            [
-                ("orchestrator", header.orchestrator.clone()),
-                ("study", short(&header.study)),
-                ("FMU", short(&header.fmu)),
-                (
-                    "table of points",
-                    header.table.as_deref().map_or_else(String::new, short),
-                ),
-                ("seed", header.seed.to_string()),
-                ("number of points", header.points.to_string()),
-                (
-                    "shard",
-                    header.shard.clone().unwrap_or_else(|| "none".to_owned()),
-                ),
-            ]
-        };
-        let pairs = texts(self).into_iter().zip(texts(then));
-        pairs
-            .filter(|(now, then)| now != then)
-            .map(|((what, now), (_, then))| (what, then, now))
-            .next()
-    }
-}
-
-/// The first digits of a digest, for people.
-fn short(digest: &str) -> String {
-    digest.chars().take(12).collect()
-}
 
 /// A journal that is being written.
 #[derive(Debug)]
@@ -108,17 +30,12 @@ pub struct Journal {
 }
 
 impl Journal {
-    /// The journal's place in an output folder.
-    pub fn path_in(folder: &Path) -> PathBuf {
-        folder.join("journal.txt")
-    }
-
     /// Begins a journal. It appears with its first line in place, or not at all.
     ///
     /// # Errors
     /// When there is one already, and when the system says no.
     pub fn create(folder: &Path, header: &Header) -> Result<Self, ResultsError> {
-        let path = Self::path_in(folder);
+        let path = path_in(folder);
         fs::create_dir_all(folder).map_err(ResultsError::io(folder))?;
         let draft = tempfile::Builder::new()
             .prefix(".writing-")
@@ -150,7 +67,7 @@ impl Journal {
     pub fn resume(folder: &Path, header: &Header) -> Result<(Self, Finished), ResultsError> {
         let finished = Finished::read(folder)?;
         header.check(&finished.header, folder)?;
-        let path = Self::path_in(folder);
+        let path = path_in(folder);
         let file = OpenOptions::new().append(true).open(&path);
         let file = file.map_err(ResultsError::io(&path))?;
         let journal = Self::new(folder, path, file)?;
@@ -212,7 +129,7 @@ impl Journal {
     /// # Errors
     /// When another run writes it, and when the system says no.
     pub fn remove(folder: &Path) -> Result<(), ResultsError> {
-        let path = Self::path_in(folder);
+        let path = path_in(folder);
         let file = OpenOptions::new().append(true).open(&path);
         let _lock = Self::new(folder, path.clone(), file.map_err(ResultsError::io(&path))?)?;
         fs::remove_file(&path).map_err(ResultsError::io(&path))
@@ -251,7 +168,7 @@ impl Journal {
 /// When either cannot be read or written.
 pub fn copy(folder: &Path, into: &mut Journal) -> Result<(), ResultsError> {
     let (mut lines, _) = open(folder)?;
-    let path = Journal::path_in(folder);
+    let path = path_in(folder);
     while let Some(line) = lines.next_line().map_err(ResultsError::io(&path))? {
         into.line.push_str(line);
         into.finish_line();

@@ -48,7 +48,7 @@ fn what_was_written_comes_back_exactly() {
 #[test]
 fn a_damaged_end_is_cut_off_wherever_it_begins() {
     let (folder, _) = written();
-    let path = Journal::path_in(folder.path());
+    let path = path_in(folder.path());
     let whole = fs::read(&path).unwrap();
     let header_end = whole.iter().position(|&byte| byte == b'\n').unwrap() + 1;
     for end in header_end..=whole.len() {

@@ -6,12 +6,14 @@
 //! how long it took.
 
 pub mod finished;
+pub mod header;
 pub mod journal;
+pub mod lines;
 pub mod origin;
 pub mod parquet;
 pub mod points;
 pub mod summary;
-mod tally;
+pub mod tally;
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -20,9 +22,11 @@ use thiserror::Error;
 
 use crate::failure::Failure;
 
+pub use header::Header;
 pub use journal::Journal;
 pub use points::{Points, PointsError};
 pub use summary::Summary;
+pub use tally::Tally;
 
 /// A point's values of the criteria, in the study's units, or why there are none.
 pub type Outcome = Result<Vec<f64>, Failure>;

@@ -3,7 +3,6 @@
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
-pub use super::tally::Tally;
 use crate::judge::Criterion;
 
 /// The content of `summary.json`.

@@ -7,8 +7,8 @@ use super::summary::{
     BestPoint, Count, CriterionCount, FailedPoint, ParameterSummary, Provenance, Summary,
     VariantCount,
 };
-use crate::analysis::verdict::{randomised_share, sure_within};
 use crate::judge::{Criterion, Judge, Variant, Verdict};
+use crate::statistics::share::{randomised_share, sure_within};
 
 impl Count {
     /// The count of points that belong to randomisations of a design in turn, given that of each.

@@ -8,9 +8,9 @@ use tempfile::NamedTempFile;
 
 use super::{Session, SessionError};
 use crate::judge::{Judge, Verdict};
-use crate::results::journal::Finished;
-use crate::results::summary::{ParameterSummary, Provenance, Run, Summary, Tally};
-use crate::results::{Outcome, ResultsError, keep, points, write_atomically};
+use crate::results::finished::Finished;
+use crate::results::summary::{ParameterSummary, Provenance, Run, Summary};
+use crate::results::{Outcome, ResultsError, Tally, keep, points, write_atomically};
 use crate::study::Study;
 use crate::study::plan::Input;
 

@@ -2,6 +2,7 @@
 
 mod finale;
 mod request;
+mod until;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -12,15 +13,18 @@ use thiserror::Error;
 use crate::engine::crew::{Crew, Place};
 use crate::engine::{EngineError, Job, Worker};
 use crate::judge::Judge;
-use crate::results::journal::{Finished, Header};
-use crate::results::{Journal, Outcome, ResultsError};
-use crate::source::{Source, TableError};
+use crate::results::finished::Finished;
+use crate::results::lines;
+use crate::results::{Header, Journal, Outcome, ResultsError};
+use crate::source::Source;
 use crate::study::plan::Plan;
 use crate::study::{Study, StudyError};
+use crate::table::TableError;
 use fmu_import::{FmuError, Package, digest};
 
 pub use finale::{FileSet, provenance};
 pub use request::{Request, Shard};
+pub use until::{Front, Until};
 
 /// Why a study cannot be run.
 #[derive(Debug, Error)]
@@ -117,7 +121,7 @@ impl Session {
         let mut request = Request::read(folder)?;
         request.fmu = fmu.or(request.fmu);
         let session = Self::open(request)?;
-        let then = Header::read(folder)?;
+        let then = lines::header(folder)?;
         session.header.check(&then, folder)?;
         Ok(session)
     }
@@ -160,7 +164,7 @@ impl Session {
         folder: &Path,
         resume: bool,
     ) -> Result<(Journal, Option<Finished>), SessionError> {
-        if resume && Journal::path_in(folder).exists() {
+        if resume && lines::path_in(folder).exists() {
             let (journal, finished) = Journal::resume(folder, &self.header)?;
             // A run that was killed early may not have come so far.
             self.request.write(folder, &self.study)?;
@@ -169,7 +173,7 @@ impl Session {
         let complete = folder.join("summary.json").exists();
         // Nothing is lost with a run that came to no point, because its FMU could not be loaded.
         let vain = || Finished::read(folder).is_ok_and(|finished| finished.count == 0);
-        if Journal::path_in(folder).exists() && (complete || vain()) {
+        if lines::path_in(folder).exists() && (complete || vain()) {
             Journal::remove(folder)?;
         }
         let journal = Journal::create(folder, &self.header)?;

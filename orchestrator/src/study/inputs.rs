@@ -1,9 +1,9 @@
 //! Inputs that follow a recording.
 
 use super::quantity::Scale;
+use super::values::{find, slot_of};
 use super::{Name, Recording, Study, StudyError};
-use crate::source::Table;
-use crate::study::plan::{find, slot_of};
+use crate::table::Table;
 use crate::task::{Schedule, Series, Slot};
 use fmu_import::{Content, Description};
 

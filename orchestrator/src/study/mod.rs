@@ -25,6 +25,8 @@ use toml::Spanned;
 pub use error::StudyError;
 pub use quantity::Quantity;
 
+use crate::design::Sampling;
+use crate::statistics::Statistic;
 use error::Place;
 use fmu_import::digest;
 
@@ -46,7 +48,7 @@ pub struct Study {
     pub simulation: Simulation,
     /// Which points.
     #[serde(default)]
-    pub design: Design,
+    pub design: Sampling,
     /// The uncertain parameters by the names of FMU variables.
     #[serde(default)]
     pub parameters: IndexMap<Name, Parameter>,
@@ -103,58 +105,6 @@ pub struct Simulation {
     /// Reach the first time that statistics look at in a single communication step.
     #[serde(default)]
     pub leap: bool,
-}
-
-/// How points are chosen.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Method {
-    /// Independent random points.
-    #[default]
-    MonteCarlo,
-    /// One point in each of N equally probable slices of every parameter.
-    LatinHypercube,
-    /// The same, with slices paired so that the points are spread well.
-    OptimisedLatinHypercube,
-    /// A scrambled Sobol net.
-    Sobol,
-    /// A scrambled Halton sequence.
-    Halton,
-    /// Every combination of the parameters' levels.
-    FullFactorial,
-}
-
-impl Method {
-    /// Whether the first points stay the same when there are more: then fewer may be enough.
-    pub fn is_extensible(self) -> bool {
-        matches!(self, Self::MonteCarlo | Self::Sobol | Self::Halton)
-    }
-}
-
-/// Which points are simulated.
-#[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(deny_unknown_fields, rename_all = "kebab-case", default)]
-pub struct Design {
-    /// How they are chosen.
-    pub method: Method,
-    /// How many.
-    pub points: u64,
-    /// What distinguishes one set of random points from another.
-    pub seed: u64,
-    /// Of a Sobol net: how many nets, scrambled independently of each other, the points belong to
-    /// in turn. Their scatter says how sure the counts are.
-    pub replicates: u64,
-}
-
-impl Default for Design {
-    fn default() -> Self {
-        Self {
-            method: Method::default(),
-            points: 50,
-            seed: 1,
-            replicates: 1,
-        }
-    }
 }
 
 /// The name of a distribution.
@@ -249,25 +199,6 @@ pub enum Setting {
     Number(f64),
     /// A number with a unit, an item's name, or a text.
     Text(String),
-}
-
-/// What becomes of a variable over time.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Statistic {
-    /// The value at the stop time.
-    #[default]
-    Final,
-    /// The mean over time.
-    Mean,
-    /// The smallest value.
-    Min,
-    /// The largest value.
-    Max,
-    /// The root of the mean square over time.
-    Rms,
-    /// Half the distance from the smallest to the largest value.
-    Amplitude,
 }
 
 /// What the measurement says of one quantity.

@@ -6,8 +6,9 @@ use toml::Spanned;
 use super::quantity::Scale;
 use super::{Name, Parameter, Setting, Study, StudyError, inputs, points, ssv};
 use crate::design::correlation::Correlation;
-use crate::design::{self, Design};
+use crate::design::{self, Design, Sampling};
 use crate::distribution::Distribution;
+use crate::statistics::Statistic;
 use crate::task::{Probe, Schedule, Slot, Task};
 use fmu_import::units::Conversion;
 use fmu_import::{Description, Value, Variable};
@@ -75,7 +76,7 @@ impl Plan {
     ///
     /// # Errors
     /// When the method cannot serve so many parameters or points.
-    pub fn design(&self, design: &super::Design) -> Result<Design, String> {
+    pub fn design(&self, design: &Sampling) -> Result<Design, String> {
         let distributions = self.inputs.iter().map(|input| input.distribution);
         let inputs = design::Inputs {
             distributions: distributions.collect(),
@@ -104,7 +105,7 @@ impl Plan {
             .zip(self.outputs.iter().zip(&self.task.observed))
         {
             *value = match probe.statistic {
-                super::Statistic::Amplitude => conversion.difference(*value),
+                Statistic::Amplitude => conversion.difference(*value),
                 _ => conversion.value(*value),
             };
         }

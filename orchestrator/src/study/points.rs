@@ -3,7 +3,8 @@
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::{Method, Pair, Shape, Study, StudyError};
+use super::{Pair, Shape, Study, StudyError};
+use crate::design::Method;
 use crate::design::correlation::Correlation;
 use crate::names::{did_you_mean, nearest};
 

@@ -9,7 +9,7 @@ use roxmltree::{Document, Node};
 use thiserror::Error;
 
 use super::Setting;
-use super::plan::{find, value_of};
+use super::values::{find, value_of};
 use fmu_import::{Description, Kind, Value, Variable};
 
 /// Why a parameter set cannot be used.

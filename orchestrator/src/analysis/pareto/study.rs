@@ -2,8 +2,8 @@
 //! nominal design lies.
 
 use super::{dominates, front};
-use crate::analysis::sensitivity::stats::{mean, ranks};
 use crate::analysis::table::{Criterion, PointTable};
+use crate::statistics::moments::{mean, ranks};
 use serde::{Deserialize, Serialize};
 
 /// The trade-off between the criteria of a study.

@@ -2,8 +2,8 @@
 //! their medians, and the probability of verification with all others as they were sampled.
 
 use super::Stand;
-use crate::analysis::sensitivity::stats::{quantile, sorted};
 use crate::analysis::table::PointTable;
+use crate::statistics::moments::{quantile, sorted};
 use serde::{Deserialize, Serialize};
 
 /// Cells along each side.

@@ -1,8 +1,8 @@
 //! How far each parameter alone may move from the best point before a criterion is lost.
 
 use super::Stand;
-use crate::analysis::sensitivity::stats::{quantile, sorted};
 use crate::analysis::table::PointTable;
+use crate::statistics::moments::{quantile, sorted};
 use serde::{Deserialize, Serialize};
 
 /// A parameter's room.

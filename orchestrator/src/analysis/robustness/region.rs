@@ -1,7 +1,7 @@
 //! The largest part of the parameter space with a verification probability above a level.
 
-use crate::analysis::sensitivity::stats::{mean, quantile, sorted};
-use crate::analysis::verdict::Fraction;
+use crate::statistics::moments::{mean, quantile, sorted};
+use crate::statistics::share::Fraction;
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use serde::{Deserialize, Serialize};

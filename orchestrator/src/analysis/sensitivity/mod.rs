@@ -10,7 +10,6 @@ pub mod pawn;
 pub mod rank;
 pub mod regional;
 pub mod sobol;
-pub mod stats;
 pub mod study;
 
 use serde::{Deserialize, Serialize};

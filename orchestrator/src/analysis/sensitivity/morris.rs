@@ -6,8 +6,8 @@
 //! Environmental Modelling & Software 22, 1509-1518.
 
 use super::Estimate;
-use super::stats::{mean, variance};
-use crate::analysis::verdict::Z95;
+use crate::statistics::moments::{mean, variance};
+use crate::statistics::share::Z95;
 use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use serde::{Deserialize, Serialize};

@@ -6,8 +6,8 @@
 //! in systems biology", J. Theoretical Biology 254, 178-196. Intervals: Fisher's z.
 
 use super::Estimate;
-use super::stats::{mean, ranks};
-use crate::analysis::verdict::Z95;
+use crate::statistics::moments::{mean, ranks};
+use crate::statistics::share::Z95;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 

@@ -4,7 +4,7 @@
 //! Hornberger & Spear (1981), "An approach to the preliminary analysis of environmental systems",
 //! J. Environmental Management 12, 7-18.
 
-use super::stats::{ks_distance, ks_probability, quantile, sorted};
+use crate::statistics::moments::{ks_distance, ks_probability, quantile, sorted};
 use serde::{Deserialize, Serialize};
 
 /// What one parameter has to do with pass or fail.

@@ -6,7 +6,7 @@
 //! parameter i the sample A_B^(i), which is A with column i from B.
 
 use super::Estimate;
-use super::stats::mean;
+use crate::statistics::moments::mean;
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
@@ -225,14 +225,13 @@ pub fn convergence(
 mod tests {
     use super::super::functions::{ishigami, ishigami_indices, sobol_g, sobol_g_indices};
     use super::*;
-    use crate::design::Design;
+    use crate::design::{Design, Method, Sampling};
     use crate::distribution::Distribution;
-    use crate::study::{self, Method};
     use rand::{RngExt, SeedableRng, rngs::StdRng};
 
     /// Pairs as the command takes them.
     fn scrambled_pairs(base: u64, d: usize, seed: u64) -> Vec<Vec<f64>> {
-        let design = study::Design {
+        let design = Sampling {
             method: Method::Sobol,
             points: base,
             seed,

@@ -5,7 +5,7 @@ use super::signal::{Even, SignalError, Spline};
 use super::stationarity::{self, block_means, uncertainty_of_mean};
 use super::uncertainty::{Measured, from_bound, of_product};
 use super::{Accuracy, Channel, Finding, Recording, Synchronised};
-use crate::analysis::sensitivity::stats::mean;
+use crate::statistics::moments::mean;
 
 /// The aligned signals over their common time.
 pub(super) struct Aligned {

@@ -4,7 +4,7 @@
 //! known) hardly do. All tests work on them.
 
 use crate::analysis::sensitivity::Estimate;
-use crate::analysis::sensitivity::stats::{mean, variance};
+use crate::statistics::moments::{mean, variance};
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 

@@ -7,9 +7,8 @@ use crate::analysis::from_results;
 use crate::analysis::robustness::region::{Confirmed, Ellipsoid, Region};
 use crate::analysis::robustness::{Robustness, refined, rows};
 use crate::analysis::table::PointTable;
-use crate::design::Design;
+use crate::design::{Design, Method, Sampling};
 use crate::distribution::Distribution;
-use crate::study::{self, Method};
 
 /// So many draws are looked through for points inside a small region.
 const MOST_DRAWS: u64 = 4_000_000;
@@ -89,12 +88,12 @@ impl Confirmation<'_> {
         sequence: u64,
         inside: impl Fn(&[f64]) -> bool,
     ) -> Result<PointTable, CommandError> {
-        let settings = study::Design {
+        let settings = Sampling {
             method: Method::MonteCarlo,
             points: MOST_DRAWS,
             // Far from the seeds that people give to studies.
             seed: !self.seed.wrapping_mul(2 * ROUNDS).wrapping_add(sequence),
-            ..study::Design::default()
+            ..Sampling::default()
         };
         let unit = Distribution::Uniform { min: 0.0, max: 1.0 };
         let cube = Design::new(&settings, vec![unit; self.batch.varied().len()])

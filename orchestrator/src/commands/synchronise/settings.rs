@@ -8,9 +8,9 @@ use thiserror::Error;
 use crate::analysis::synchronise::signal::SignalError;
 use crate::analysis::synchronise::smooth::Smoothing;
 use crate::analysis::synchronise::{Accuracy, Channel, Recording};
-use crate::csv_file::{CsvFile, reason};
 use crate::names::{did_you_mean, nearest};
 use crate::study::Quantity;
+use crate::table::csv_file::{CsvFile, reason};
 
 /// Why a recording cannot be used.
 #[derive(Debug, Error)]

@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-use crate::results::summary::Tally;
+use crate::results::Tally;
 use crate::statistics::wilson;
 
 /// When a study may end before its last point.
@@ -17,13 +17,13 @@ const ROUND: u64 = 100;
 
 impl Until {
     /// Whether so many points are enough.
-    pub(super) fn holds(self, verified: u64, points: u64) -> bool {
+    pub fn holds(self, verified: u64, points: u64) -> bool {
         let [low, high] = wilson(verified, points);
         points > 0 && points.is_multiple_of(ROUND) && high - low <= self.width
     }
 
     /// Whether the points counted so far are enough.
-    pub(super) fn is_met(self, tally: &Tally<'_>) -> bool {
+    pub fn is_met(self, tally: &Tally<'_>) -> bool {
         self.holds(tally.verified(), tally.points())
     }
 }
@@ -47,7 +47,7 @@ impl FromStr for Until {
 
 /// Follows the points in their order, although they finish in another one.
 #[derive(Debug, Default)]
-pub(super) struct Front {
+pub struct Front {
     /// Whether each point is verified; `None` while it is not finished.
     seen: Vec<Option<bool>>,
     verified: u64,
@@ -57,7 +57,7 @@ pub(super) struct Front {
 
 impl Front {
     /// Notes a finished point; says whether the points up to some index are enough.
-    pub(super) fn add(&mut self, index: u64, verified: bool, until: Until) -> bool {
+    pub fn add(&mut self, index: u64, verified: bool, until: Until) -> bool {
         let Ok(index) = usize::try_from(index) else {
             return false;
         };

@@ -1,0 +1,75 @@
+//! Which study, FMU and points a journal belongs to.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use super::ResultsError;
+
+/// What a journal belongs to. Points of different headers must not be mixed.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Header {
+    /// The version of this program.
+    pub orchestrator: String,
+    /// The digest of the study's text.
+    pub study: String,
+    /// The digest of the FMU.
+    pub fmu: String,
+    /// The digest of the table of points, where points were given.
+    pub table: Option<String>,
+    /// The seed of the design.
+    pub seed: u64,
+    /// How many points the whole study has.
+    pub points: u64,
+    /// Which part of the points this is, such as `2/8`.
+    pub shard: Option<String>,
+}
+
+impl Header {
+    /// Refuses points that were computed for something else.
+    ///
+    /// # Errors
+    /// Names what differs.
+    pub fn check(&self, then: &Self, path: &Path) -> Result<(), ResultsError> {
+        match self.difference(then) {
+            None => Ok(()),
+            Some((what, then, now)) => Err(ResultsError::Changed {
+                path: path.to_owned(),
+                what,
+                then,
+                now,
+            }),
+        }
+    }
+
+    /// What differs first, as it is in the other header and in this one.
+    pub fn difference(&self, then: &Self) -> Option<(&'static str, String, String)> {
+        let texts = |header: &Self| {
+            [
+                ("orchestrator", header.orchestrator.clone()),
+                ("study", short(&header.study)),
+                ("FMU", short(&header.fmu)),
+                (
+                    "table of points",
+                    header.table.as_deref().map_or_else(String::new, short),
+                ),
+                ("seed", header.seed.to_string()),
+                ("number of points", header.points.to_string()),
+                (
+                    "shard",
+                    header.shard.clone().unwrap_or_else(|| "none".to_owned()),
+                ),
+            ]
+        };
+        let pairs = texts(self).into_iter().zip(texts(then));
+        pairs
+            .filter(|(now, then)| now != then)
+            .map(|((what, now), (_, then))| (what, then, now))
+            .next()
+    }
+}
+
+/// The first digits of a digest, for people.
+fn short(digest: &str) -> String {
+    digest.chars().take(12).collect()
+}

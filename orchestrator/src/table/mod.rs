@@ -1,0 +1,275 @@
+//! Tables of numbers from csv and Parquet files: columns are found by name, cells that are no numbers by their line.
+
+pub mod csv_file;
+pub mod parquet;
+
+use std::collections::HashSet;
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+use crate::names::{did_you_mean, nearest};
+use csv_file::{CsvFile, reason};
+use parquet::ParquetFile;
+
+/// Why a table cannot be used.
+#[derive(Debug, Error)]
+pub enum TableError {
+    /// It cannot be read.
+    #[error("{path}: {}", reason(.source))]
+    Read {
+        /// The table.
+        path: PathBuf,
+        /// What is wrong.
+        source: csv::Error,
+    },
+    /// A column is missing.
+    #[error("{path}: no column {message}")]
+    Column {
+        /// The table.
+        path: PathBuf,
+        /// Its name, what it is needed for, and the columns there are.
+        message: String,
+    },
+    /// A cell is not a number.
+    #[error("{path}:{line}: column `{column}`: `{text}` is not a number")]
+    Number {
+        /// The table.
+        path: PathBuf,
+        /// The line, from 1.
+        line: u64,
+        /// The column.
+        column: String,
+        /// The cell.
+        text: String,
+    },
+    /// A Parquet file cannot be read.
+    #[error("{path}: {message}")]
+    Parquet {
+        /// The table.
+        path: PathBuf,
+        /// What is wrong.
+        message: String,
+    },
+    /// A column or a row is there twice.
+    #[error("{path}: {what} is there twice; remove or rename one")]
+    Twice {
+        /// The table.
+        path: PathBuf,
+        /// The column or the row.
+        what: String,
+    },
+    /// There are no rows.
+    #[error("{0}: the table has no rows")]
+    Empty(PathBuf),
+}
+
+/// Columns of numbers from a csv or Parquet file, with the rows' own numbers where it has a column `point`.
+#[derive(Clone, Debug)]
+pub struct Table {
+    /// A row's numbers, in the order of the columns asked for.
+    pub rows: Vec<Vec<f64>>,
+    /// What the rows are called.
+    pub labels: Vec<u64>,
+}
+
+impl Table {
+    /// Reads columns; `columns` gives for each the names that it may have, and its purpose.
+    ///
+    /// # Errors
+    /// When the table cannot be read, a column is missing, or a cell is not a number.
+    pub fn read(path: &Path, columns: &[(Vec<String>, String)]) -> Result<Self, TableError> {
+        Self::load(path, columns, false)
+    }
+
+    /// With `gaps`, an empty cell is not a number instead of an error.
+    fn load(
+        path: &Path,
+        columns: &[(Vec<String>, String)],
+        gaps: bool,
+    ) -> Result<Self, TableError> {
+        let parquet = |extension: &OsStr| extension.eq_ignore_ascii_case("parquet");
+        let table = if path.extension().is_some_and(parquet) {
+            Self::read_parquet(path, columns, gaps)?
+        } else {
+            Self::read_csv(path, columns, gaps)?
+        };
+        if table.rows.is_empty() {
+            return Err(TableError::Empty(path.to_owned()));
+        }
+        Ok(table)
+    }
+
+    /// The same where the rows are points, which their numbers tell apart.
+    ///
+    /// # Errors
+    /// As [`Table::read`], and when two points have the same number.
+    pub fn read_points(path: &Path, columns: &[(Vec<String>, String)]) -> Result<Self, TableError> {
+        Self::load(path, columns, false)?.distinct(path)
+    }
+
+    /// The same for results of points: an empty cell, as of a point that failed, is not a number.
+    ///
+    /// # Errors
+    /// As [`Table::read_points`].
+    pub fn read_results(
+        path: &Path,
+        columns: &[(Vec<String>, String)],
+    ) -> Result<Self, TableError> {
+        Self::load(path, columns, true)?.distinct(path)
+    }
+
+    fn distinct(self, path: &Path) -> Result<Self, TableError> {
+        let table = self;
+        let mut known = HashSet::new();
+        match table.labels.iter().find(|&&label| !known.insert(label)) {
+            Some(twice) => Err(TableError::Twice {
+                path: path.to_owned(),
+                what: format!("point {twice}"),
+            }),
+            None => Ok(table),
+        }
+    }
+
+    /// The same from a csv file.
+    fn read_csv(
+        path: &Path,
+        columns: &[(Vec<String>, String)],
+        gaps: bool,
+    ) -> Result<Self, TableError> {
+        let failed = |source| TableError::Read {
+            path: path.to_owned(),
+            source,
+        };
+        let mut file = CsvFile::open(path, Some(b'#')).map_err(failed)?;
+        let header: Vec<String> = file
+            .reader
+            .headers()
+            .map_err(failed)?
+            .iter()
+            .map(str::to_owned)
+            .collect();
+        if header.is_empty() {
+            return Err(TableError::Empty(path.to_owned()));
+        }
+        let places = columns
+            .iter()
+            .map(|(names, purpose)| find(path, &header, names, purpose))
+            .collect::<Result<Vec<usize>, _>>()?;
+        let label = header
+            .iter()
+            .position(|name| name.eq_ignore_ascii_case("point"));
+        let mut table = Self {
+            rows: Vec::new(),
+            labels: Vec::new(),
+        };
+        let mut record = csv::StringRecord::new();
+        while file.reader.read_record(&mut record).map_err(failed)? {
+            let number = |&place: &usize| {
+                let text = record.get(place).unwrap_or("");
+                let gap = (gaps && text.is_empty()).then_some(f64::NAN);
+                gap.or_else(|| file.number(text))
+                    .ok_or_else(|| TableError::Number {
+                        path: path.to_owned(),
+                        line: record.position().map_or(0, csv::Position::line),
+                        column: shown(&header[place]),
+                        text: shown(text),
+                    })
+            };
+            table
+                .rows
+                .push(places.iter().map(number).collect::<Result<_, _>>()?);
+            let own = label.and_then(|place| record.get(place)?.parse().ok());
+            table.labels.push(own.unwrap_or(table.rows.len() as u64));
+        }
+        Ok(table)
+    }
+}
+
+impl Table {
+    /// The same from a Parquet file.
+    fn read_parquet(
+        path: &Path,
+        columns: &[(Vec<String>, String)],
+        gaps: bool,
+    ) -> Result<Self, TableError> {
+        let failed = |message: String| TableError::Parquet {
+            path: path.to_owned(),
+            message,
+        };
+        let source = ParquetFile::open(path).map_err(failed)?;
+        let header = source.names();
+        let places = columns
+            .iter()
+            .map(|(names, purpose)| find(path, &header, names, purpose))
+            .collect::<Result<Vec<usize>, _>>()?;
+        let label = header
+            .iter()
+            .position(|name| name.eq_ignore_ascii_case("point"));
+        let mut table = Self {
+            rows: Vec::new(),
+            labels: Vec::new(),
+        };
+        for row in source.rows().map_err(failed)? {
+            let row = row.map_err(failed)?;
+            let number = |&place: &usize| {
+                let cell = row.get(place);
+                let value = cell.and_then(parquet::number);
+                value
+                    .or_else(|| gaps.then_some(f64::NAN))
+                    .ok_or_else(|| TableError::Number {
+                        path: path.to_owned(),
+                        line: table.rows.len() as u64 + 1,
+                        column: shown(&header[place]),
+                        text: cell.map_or_else(String::new, |cell| shown(&cell.to_string())),
+                    })
+            };
+            let numbers = places.iter().map(number).collect::<Result<_, _>>()?;
+            let own = label.and_then(|place| row.get(place).and_then(parquet::whole));
+            table.rows.push(numbers);
+            table.labels.push(own.unwrap_or(table.rows.len() as u64));
+        }
+        Ok(table)
+    }
+}
+
+/// A cell as a message shows it: on one line, and not longer than people read.
+fn shown(text: &str) -> String {
+    const ENOUGH: usize = 60;
+    let line = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    match line.char_indices().nth(ENOUGH) {
+        Some((end, _)) => format!("{}...", &line[..end]),
+        None => line,
+    }
+}
+
+fn find(
+    path: &Path,
+    header: &[String],
+    names: &[String],
+    purpose: &str,
+) -> Result<usize, TableError> {
+    let place = names
+        .iter()
+        .find_map(|name| header.iter().position(|column| column == name));
+    if let Some(place) = place
+        && header[place + 1..].contains(&header[place])
+    {
+        return Err(TableError::Twice {
+            path: path.to_owned(),
+            what: format!("column `{}`", shown(&header[place])),
+        });
+    }
+    place.ok_or_else(|| {
+        let column = names.first().map_or("", String::as_str);
+        let near = nearest(column, header.iter().map(String::as_str)).map(shown);
+        let suggestion = did_you_mean(near.as_deref());
+        let known: Vec<String> = header.iter().map(|name| shown(name)).collect();
+        let known = known.join(", ");
+        TableError::Column {
+            path: path.to_owned(),
+            message: format!("`{column}` for {purpose}{suggestion}; it has {known}"),
+        }
+    })
+}
