@@ -273,6 +273,89 @@ mod tests {
         assert!(needed > 1e6 && passed < 1000.0, "{needed} {passed}");
     }
 
+    /// The error of a step of h s for `dy/dt = t^4`, wherever it begins: the fifth order is exact, the fourth is not.
+    fn quartic_error(h: f64) -> f64 {
+        71.0 / 270_000.0 * h.powi(5)
+    }
+
+    /// Follows `dy/dt = t^4`, with half of what is allowed as the error of a step of one second. Returns where the steps
+    /// ended that were tried, the work, and the next step.
+    fn quartic(span: f64, mut step: f64) -> (Vec<f64>, Work, f64) {
+        let integrator = DormandPrince {
+            allowed: [2.0 * quartic_error(1.0)],
+            budget: Budget::of(10_000),
+        };
+        let mut times = Vec::new();
+        let rates = |t: f64, _: &[f64; 1]| {
+            times.push(t);
+            [t.powi(4)]
+        };
+        let work = integrator.integrate(rates, &mut [0.0], span, &mut step);
+        let ends = times[1..].chunks(6).map(|stages| stages[5]).collect();
+        (ends, work.unwrap(), step)
+    }
+
+    /// How much longer a step is than the one before, after Hairer & Wanner.
+    fn growth(error: f64, error_before: f64) -> f64 {
+        0.9 * error.powf(-0.7 / 5.0) * error_before.powf(0.4 / 5.0)
+    }
+
+    #[track_caller]
+    fn assert_close(found: &[f64], expected: &[f64]) {
+        let same = found.len() == expected.len();
+        let mut pairs = found.iter().zip(expected);
+        let close = same && pairs.all(|(a, b)| (a - b).abs() <= 1e-12 * b);
+        assert!(close, "{found:?}, expected {expected:?}");
+    }
+
+    #[test]
+    fn a_step_follows_its_error_and_the_one_before() {
+        let second = growth(0.5, LEAST_ERROR);
+        let third = second * growth(0.5 * second.powi(5), 0.5);
+        let (ends, _, _) = quartic(100.0, 1.0);
+        assert_close(&ends[..3], &[1.0, 1.0 + second, 1.0 + second + third]);
+    }
+
+    #[test]
+    fn a_step_with_too_large_an_error_is_made_again_and_counted() {
+        let again = 2.0 * 0.9 * 16_f64.powf(-0.2);
+        let next = again * growth(0.5 * again.powi(5), LEAST_ERROR);
+        let (ends, work, _) = quartic(10.0, 2.0);
+        assert_close(&ends[..3], &[2.0, again, again + next]);
+        assert_eq!((work.accepted, work.rejected), (ends.len() - 1, 1));
+    }
+
+    #[test]
+    fn the_last_two_steps_share_what_is_left() {
+        assert_close(&quartic(1.0, 0.6).0, &[0.5, 1.0]);
+        assert_close(&quartic(1.0, 1.1).0, &[1.0]);
+    }
+
+    #[test]
+    fn a_step_that_the_span_cuts_short_shortens_no_other() {
+        assert_eq!(quartic(1.0, 10.0).2, 10.0);
+        assert_eq!(quartic(1e-3, 2e-3).2, 1e-2);
+        assert_close(&[quartic(1.0, 1.0).2], &[growth(0.5, LEAST_ERROR)]);
+    }
+
+    #[test]
+    fn a_step_is_too_small_below_the_times_resolution() {
+        let given_up_at = |span: f64, first: f64| {
+            let (mut step, rates) = (first, |_: f64, _: &[f64; 2]| [f64::NAN, 0.0]);
+            let result = INTEGRATOR.integrate(rates, &mut [1.0, 0.0], span, &mut step);
+            let Err(Failure::StepTooSmall { step, passed }) = result else {
+                panic!("{result:?}");
+            };
+            assert_eq!(passed, 0.0);
+            step
+        };
+        // Each step is a tenth of the one before: the limit itself is tried, and what lies below is not.
+        let limit = 1e-14 * 3.0;
+        assert_eq!(10.0 * limit * 0.1, limit);
+        assert_eq!(given_up_at(3.0, 10.0 * limit), limit * 0.1);
+        assert_eq!(given_up_at(1e-6, 5e-17), 5e-17 * 0.1);
+    }
+
     #[test]
     fn what_is_no_number_is_an_error() {
         let mut y = [1.0, 0.0];
