@@ -132,6 +132,62 @@ mod tests {
         }
     }
 
+    /// Where the accepted steps of `dy/dt = -y` began, found by a clock as a second unknown, and the work. The error of a
+    /// step of one second is `start * 2/243`; a step over which rates are no number is one that cannot be made.
+    fn falling(
+        start: f64,
+        first: f64,
+        is_number: impl Fn(f64) -> bool,
+    ) -> Result<(Vec<f64>, Work), Failure> {
+        let integrator = Rodas3 {
+            allowed: [2.0 / 243.0, f64::INFINITY],
+            budget: Budget::of(1000),
+        };
+        let mut begun = Vec::new();
+        let rates = |y: &SVector<f64, 2>| {
+            let fall = if is_number(y[1]) { -y[0] } else { f64::NAN };
+            Ok(vector![fall, 1.0])
+        };
+        let linear = |y: &SVector<f64, 2>| {
+            begun.push(y[1]);
+            Ok((vector![-y[0], 1.0], matrix![-1.0, 0.0; 0.0, 0.0]))
+        };
+        let work = integrator.integrate(rates, linear, &mut vector![start, 0.0], 10.0, first)?;
+        Ok((begun, work))
+    }
+
+    #[test]
+    fn a_step_follows_the_error_of_the_one_before() {
+        for (error, growth) in [(0.125, 1.8), (1.0, 0.9), (0.0, 6.0)] {
+            let (begun, work) = falling(error, 1.0, |_| true).unwrap();
+            assert!((begun[1] - 1.0).abs() < 1e-12, "{begun:?}");
+            assert!((begun[2] - 1.0 - growth).abs() < 1e-12, "{begun:?}");
+            assert_eq!((work.accepted, work.rejected), (begun.len(), 0));
+        }
+    }
+
+    #[test]
+    fn a_step_with_too_large_an_error_is_made_again_and_counted() {
+        let (begun, work) = falling(1.2, 1.0, |_| true).unwrap();
+        let again = 0.9 * 1.2_f64.powf(-1.0 / 3.0);
+        assert!((begun[1] - again).abs() < 1e-12, "{begun:?}");
+        assert_eq!((work.accepted, work.rejected), (begun.len(), 1));
+        // Where a step leads to what is no number, a tenth of it is tried.
+        let (begun, work) = falling(1e-9, 5.0, |time| !(4.0..6.0).contains(&time)).unwrap();
+        assert!((begun[1] - 0.5).abs() < 1e-12, "{begun:?}");
+        assert_eq!((work.accepted, work.rejected), (begun.len(), 1));
+    }
+
+    #[test]
+    fn a_step_is_too_small_below_the_times_resolution() {
+        // Each step is a tenth of the one before: the limit itself is tried, and what lies below is not.
+        let limit = 1e-14 * 10.0;
+        assert_eq!(10.0 * limit * 0.1, limit);
+        let step = limit * 0.1;
+        let failure = falling(1.0, 10.0 * limit, |_| false).unwrap_err();
+        assert_eq!(failure, Failure::StepTooSmall { step, passed: 0.0 });
+    }
+
     #[test]
     fn the_order_is_three() {
         // Fixed steps: everything allowed, the span cut by hand.
