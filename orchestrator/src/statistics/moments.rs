@@ -77,6 +77,14 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
+    fn moments_of_a_few_numbers() {
+        let values = [1.0, 2.0, 6.0];
+        assert_eq!(mean(&values), 3.0);
+        assert_eq!(variance(&values, 1), 7.0);
+        assert_eq!(variance(&values, 0), 14.0 / 3.0);
+    }
+
+    #[test]
     fn ties_share_their_rank() {
         assert_eq!(ranks(&[3.0, 1.0, 3.0, 2.0]), [3.5, 1.0, 3.5, 2.0]);
     }
@@ -94,6 +102,44 @@ mod tests {
         assert_eq!(ks_distance(&[1.0, 2.0], &[1.0, 2.0]), 0.0);
         // Smirnov (1948): the 5 % point of the limit distribution is 1.3581.
         assert!((ks_probability(1.3581 / 5000f64.sqrt(), 10_000, 10_000) - 0.05).abs() < 1e-3);
+    }
+
+    #[test]
+    fn ks_of_samples_with_ties_and_other_sizes() {
+        let distance = |a: &[f64], b: &[f64]| [ks_distance(a, b), ks_distance(b, a)];
+        // At 2 all of the first sample has been seen, and two of five of the second.
+        assert_eq!(distance(&[1.0, 2.0], &[1.0, 1.0, 3.0, 3.0, 3.0]), [0.6; 2]);
+        // The steps are 0 - 1/4, 3/4 - 1/4, 3/4 - 2/4, 1 - 2/4.
+        assert_eq!(
+            distance(&[1.0, 1.0, 1.0, 5.0], &[0.0, 2.0, 6.0, 7.0]),
+            [0.5; 2]
+        );
+    }
+
+    /// Kolmogorov's distribution: Smirnov (1948), "Table for estimating the goodness of fit of empirical distributions",
+    /// Ann. Math. Stat. 19; critical values of the corrected distance: Stephens (1970), J. Royal Stat. Soc. B 32.
+    #[test]
+    fn small_samples_have_the_probabilities_that_stephens_gives() {
+        // 30 and 70 values count as much as 21 and a known distribution.
+        let corrected = 21_f64.sqrt() + 0.12 + 0.11 / 21_f64.sqrt();
+        for (l, probability) in [
+            (0.5, 0.963945),
+            (1.0, 0.27),
+            (1.224, 0.10),
+            (1.358, 0.05),
+            (1.628, 0.01),
+        ] {
+            let found = ks_probability(l / corrected, 30, 70);
+            assert!((found - probability).abs() < 1e-4, "{l}: {found}");
+        }
+    }
+
+    /// So few terms of the series do not add up where the distance is small; the probability is one but for 5e-13 there.
+    #[test]
+    fn a_small_distance_is_certain_to_be_exceeded() {
+        assert_eq!(ks_probability(0.0, 50, 50), 1.0);
+        assert_eq!(ks_probability(0.01 / 5.142, 50, 50), 1.0);
+        assert!(ks_probability(0.2001 / 5.142, 50, 50) < 1.0);
     }
 
     proptest! {

@@ -167,6 +167,62 @@ mod tests {
         }
     }
 
+    #[track_caller]
+    fn assert_close(found: [f64; 2], expected: [f64; 2]) {
+        let close = |k: usize| (found[k] - expected[k]).abs() < 1e-9;
+        assert!(close(0) && close(1), "{found:?}, expected {expected:?}");
+    }
+
+    /// Student's factor for three degrees of freedom is 3.182446305.
+    #[test]
+    fn the_interval_of_four_randomisations_is_students() {
+        let even = randomised_share(&[20, 22, 24, 26], 200);
+        assert_close(even, [0.3778295897, 0.5421704103]);
+        // Two more points: the first two randomisations have 51.
+        let uneven = randomised_share(&[20, 22, 24, 26], 202);
+        assert_close(uneven, [0.3665912383, 0.5442998508]);
+    }
+
+    #[test]
+    fn as_many_hits_as_randomisations_are_enough() {
+        assert_close(randomised_share(&[1; 4], 40), [0.1; 2]);
+        assert_close(randomised_share(&[9; 4], 40), [0.9; 2]);
+        for (counts, points) in [([1, 1, 1, 0], 40), ([9, 9, 9, 10], 40)] {
+            assert_eq!(
+                randomised_share(&counts, points),
+                wilson(counts.iter().sum(), points)
+            );
+        }
+    }
+
+    #[test]
+    fn a_fraction_of_nothing_is_zero() {
+        assert_eq!(Fraction::wilson(0, 0).value(), 0.0);
+        assert_eq!(Fraction::wilson(3, 4).value(), 0.75);
+    }
+
+    /// Normal distribution: 0.9545 within two standard deviations, 0.8413 below one, 0.00135 below minus three.
+    #[test]
+    fn the_nearer_limit_gives_the_uncertainty() {
+        let close = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-6, "{found}");
+        close(sure_within(10.0, 10.0, 8.0, 12.0), 0.954500);
+        close(sure_within(11.0, 10.0, 8.0, 12.0), 0.841345 - 0.001350);
+        close(sure_within(10.0, 10.0, 8.0, 16.0), 0.977250);
+        close(sure_within(10.0, 10.0, 4.0, 12.0), 0.977250);
+    }
+
+    #[test]
+    fn without_uncertainty_a_value_is_inside_or_not() {
+        assert_eq!(sure_within(1.0, 1.0, 1.0, 3.0), 1.0);
+        assert_eq!(sure_within(3.0, 1.0, 1.0, 3.0), 1.0);
+        assert_eq!(sure_within(0.9, 1.0, 1.0, 3.0), 0.0);
+        assert_eq!(sure_within(3.1, 1.0, 1.0, 3.0), 0.0);
+        let everywhere = [f64::NEG_INFINITY, f64::INFINITY];
+        assert_eq!(sure_within(7.0, 1.0, everywhere[0], everywhere[1]), 1.0);
+        assert_eq!(sure_within(f64::NAN, 1.0, 0.0, 2.0), 0.0);
+        assert_eq!(sure_within(f64::INFINITY, 1.0, 0.0, f64::INFINITY), 0.0);
+    }
+
     #[test]
     fn wilson_at_the_ends() {
         assert_eq!(Fraction::wilson(7, 7).high, 1.0);
