@@ -1,10 +1,11 @@
-//! The page that goes into the FMU's documentation folder: the text, and a table of all variables.
+//! The documentation page of the FMU: a text, and a table of all variables.
 
 use crate::stand::Stand;
-use fmu_export::model::{Access, Kind, Model, Role, Unit, Variable};
+use crate::variables::{listing, table};
+use fmu_export::model::{Access, Kind, Role, Unit, Variable};
 use std::fmt::Write;
 
-/// The page, complete.
+/// The whole page.
 pub fn page() -> String {
     include_str!("documentation.html")
         .replace("{{version}}", env!("CARGO_PKG_VERSION"))
@@ -23,10 +24,8 @@ fn tables() -> String {
             html,
             "<h3>{heading}</h3>\n<table>\n<thead><tr><th>variable</th><th>start</th><th>unit</th><th>description</th></tr></thead>\n<tbody>"
         );
-        for variable in Stand::variables()
-            .iter()
-            .filter(|v| roles.contains(&v.role))
-        {
+        let listed = listing().iter().map(|reference| &table()[*reference]);
+        for variable in listed.filter(|v| roles.contains(&v.role)) {
             let (start, unit) = start(&stand, variable);
             let tunable = if variable.role == Role::TunableParameter {
                 "; tunable"
@@ -44,7 +43,7 @@ fn tables() -> String {
     html
 }
 
-/// Start value and unit, as users like to read them; outputs have none.
+/// Start value and unit, in the display unit if there is one. Outputs have no start value.
 fn start(stand: &Stand, variable: &Variable<Stand>) -> (String, &'static str) {
     let settable = variable.role != Role::Output;
     let (value, unit) = match &variable.kind {
@@ -69,7 +68,7 @@ fn start(stand: &Stand, variable: &Variable<Stand>) -> (String, &'static str) {
     (if settable { value } else { String::new() }, unit)
 }
 
-/// A value in its display unit, to twelve digits: what is left of rounding is not worth reading.
+/// A value in its display unit, to twelve digits, which hides the rounding of the conversion.
 fn shown(
     stand: &Stand,
     access: &Access<Stand, f64, f64>,

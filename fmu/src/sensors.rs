@@ -1,4 +1,4 @@
-//! The virtual sensors: what the stand's physical sensors would show, and what no sensor could.
+//! The virtual sensors: the readings of the physical stand's sensors, and quantities that no sensor can measure.
 
 use serde::{Deserialize, Serialize};
 
@@ -33,7 +33,7 @@ pub struct Readings {
     pub film_temperature: f64,
     /// Oil that leaves the film at both ends, m³/s.
     pub side_flow: f64,
-    /// Part of the load that the asperities carry, 1.
+    /// Share of the load that the asperities carry, 1.
     pub contact_share: f64,
     /// Friction torque of the asperities, N.m.
     pub contact_torque: f64,
@@ -43,9 +43,48 @@ pub struct Readings {
     pub shaft_angle: f64,
 }
 
-/// A force over the load, 1, such as the friction coefficient `M/(F_N*D/2)` (the paper's formula for mu_fr
-/// with the M that its print lacks); zero where there is no load to refer to. Hardly any load gives the
-/// largest value that the variables' ranges allow.
+/// Applies a formula to each reading of two sets.
+macro_rules! each_reading {
+    ($formula:expr, $one:expr, $other:expr, [$($field:ident),*]) => {
+        Readings { $($field: $formula($one.$field, $other.$field)),* }
+    };
+}
+
+impl Readings {
+    /// The mean rates, per second, from these readings to those `span` seconds later.
+    pub fn rates_to(&self, later: &Self, span: f64) -> Self {
+        let rate = |begin: f64, end: f64| (end - begin) / span;
+        each_reading!(
+            rate,
+            self,
+            later,
+            [
+                load_force,
+                friction_torque,
+                friction_power,
+                friction_coefficient,
+                oil_temperature,
+                bearing_temperature,
+                shaft_temperature,
+                eccentricity_ratio,
+                attitude_angle,
+                min_film_thickness,
+                max_film_pressure,
+                film_viscosity,
+                film_temperature,
+                side_flow,
+                contact_share,
+                contact_torque,
+                shaft_speed,
+                shaft_angle
+            ]
+        )
+    }
+}
+
+/// A force over the load, 1, such as the friction coefficient `M/(F_N*D/2)` (the paper's formula for mu_fr, with the M
+/// that is missing in print). Zero without a load. Near zero load the ratio is cut off at the largest value that the
+/// variables' ranges allow.
 pub fn over_load(force: f64, load: f64) -> f64 {
     const MOST: f64 = 1e9;
     if load == 0.0 {

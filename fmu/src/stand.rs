@@ -89,6 +89,9 @@ pub struct Stand {
     film: Option<Box<ResolvedFilm>>,
     state: State,
     readings: Readings,
+    /// The readings' rates, as they were last asked for.
+    #[serde(skip)]
+    rates: Readings,
     /// Follows from the bearing's parameters; shared by the snapshots.
     #[serde(skip)]
     prepared: Arc<Prepared>,
@@ -121,24 +124,27 @@ impl Stand {
         &self.readings
     }
 
-    /// Time derivative of an output at the present communication point, per second.
-    pub fn rate_of(&self, output: fn(&Readings) -> f64) -> f64 {
+    /// The time derivatives of the outputs, per second, as [`differentiate`](Model::differentiate) has computed them.
+    pub fn rates(&self) -> &Readings {
+        &self.rates
+    }
+
+    /// The time derivatives of the outputs at the present communication point, per second: differences over a short
+    /// step of a copy. `None` if that step fails.
+    fn differences(&self) -> Option<Readings> {
         const AHEAD: f64 = 1e-6;
         let mut ahead = self.clone();
         let mut later = || {
             ahead.check_inputs_after(AHEAD).ok()?;
             ahead.resolve(AHEAD).ok()?;
-            Some(output(&ahead.read(0.0, &unknowns(&ahead.state))))
+            Some(ahead.read(0.0, &unknowns(&ahead.state)))
         };
-        // The Reynolds film's flows are those of its last step: two of the same length are alike.
+        // The Reynolds film's flows are means over its last step, so that only steps of the same length compare.
         let begin = match &self.film {
-            Some(_) => later(),
-            None => Some(output(&self.readings)),
+            Some(_) => later()?,
+            None => self.readings,
         };
-        // What cannot be advanced has no rate.
-        begin
-            .zip(later())
-            .map_or(0.0, |(begin, end)| (end - begin) / AHEAD)
+        Some(begin.rates_to(&later()?, AHEAD))
     }
 
     /// The friction heat that goes into film, bush and shaft at the present communication point, W.
@@ -208,7 +214,7 @@ impl Stand {
     }
 
     /// Rates of the unknowns, `tau` seconds into the step.
-    fn rates(&self, tau: f64, y: &Unknowns, oil: &mut Nearby) -> Unknowns {
+    fn rates_at(&self, tau: f64, y: &Unknowns, oil: &mut Nearby) -> Unknowns {
         let temperatures = temperatures(y);
         let viscosity = oil.viscosity(&self.fluid, temperatures.film);
         let (v, flows) = self.drift(tau, [y[0], y[1]], viscosity);
@@ -307,21 +313,22 @@ impl Model for Stand {
         name: "PlainBearingStand",
         identifier: "PlainBearingStand",
         description: "Plain-bearing test stand: drive, load mechanism, bearing in mixed lubrication, oil, heat transfer and sensors",
+        copyright: "Copyright (c) 2026 The plain-bearing-stand authors",
         default_step: 0.001,
         default_stop: 150.0,
-        default_tolerance: 1e-6,
-        log_categories: &[
-            ("logStatusError", "Why a call was refused or failed"),
-            ("logStatusWarning", "What was accepted but deserves a look"),
-            (
-                EVENTS,
-                "What the model was set up with, and how each step is made",
-            ),
-        ],
+        log_categories: &[(
+            EVENTS,
+            "The model's set-up, and how each step is made: with every turn resolved, or in a leap",
+        )],
+        ..fmu_export::info!()
     };
 
     fn variables() -> &'static [Variable<Self>] {
         crate::variables::table()
+    }
+
+    fn listing() -> Vec<usize> {
+        crate::variables::listing().to_vec()
     }
 
     fn initialise(&mut self, experiment: &Experiment<'_>, log: &mut dyn Log) -> Result<(), Fault> {
@@ -366,6 +373,10 @@ impl Model for Stand {
         Ok(())
     }
 
+    fn differentiate(&mut self) {
+        self.rates = self.differences().unwrap_or_default();
+    }
+
     fn advance(&mut self, time: f64, step: f64, log: &mut dyn Log) -> Result<(), Fault> {
         Self::check_time(time + step).map_err(Fault::Failed)?;
         self.check_inputs_after(step)?;
@@ -379,7 +390,7 @@ impl Model for Stand {
         };
         log.log(EVENTS, format_args!("{step} s from {time} s {how}"));
         let done = if leaps {
-            self.leap(step)
+            self.leap(step, log)
         } else {
             self.resolve(step)
         };
@@ -393,11 +404,6 @@ impl Model for Stand {
             input.slope = 0.0;
         }
         self.update()
-    }
-
-    fn save(&self) -> Vec<u8> {
-        // Writing plain numbers and texts into memory has no way to fail.
-        postcard::to_stdvec(self).unwrap_or_default()
     }
 
     fn restore(&mut self, bytes: &[u8]) -> Result<(), Fault> {

@@ -160,7 +160,7 @@ fn no_step_takes_an_input_out_of_its_range() {
     let mut stand = Stand::default();
     stand.initialise(&EXPERIMENT, &mut ()).unwrap();
     stand.inputs.speed.slope = 1e6;
-    let before = stand.save();
+    let before = stand.save().unwrap();
     let Err(Fault::Failed(message)) = stand.advance(0.0, 0.01, &mut ()) else {
         panic!("the step was made");
     };
@@ -169,7 +169,7 @@ fn no_step_takes_an_input_out_of_its_range() {
         message.contains("set a smaller input derivative"),
         "{message}"
     );
-    assert_eq!(stand.save(), before);
+    assert_eq!(stand.save().unwrap(), before);
     // A shorter step does; and a ramp may end at the bound.
     stand.advance(0.0, 1e-4, &mut ()).unwrap();
     stand.inputs.speed.value = 0.3;
@@ -214,9 +214,9 @@ fn times_that_no_clock_reaches_are_refused() {
         assert!(message.contains("between -1e12 and 1e12 s"), "{message}");
     }
     stand.initialise(&far(1e12), &mut ()).unwrap();
-    let before = stand.save();
+    let before = stand.save().unwrap();
     let refused = stand.advance(1e12, 0.01, &mut ());
     assert!(matches!(refused, Err(Fault::Failed(_))), "{refused:?}");
-    assert_eq!(stand.save(), before);
+    assert_eq!(stand.save().unwrap(), before);
     assert!(stand.readings().shaft_speed.is_finite());
 }

@@ -72,9 +72,9 @@ def pack(name, xml, library):
 
 def lag():
     """The first-order lag of `examples/lag`: the stand's boundary with hardly any work behind it."""
-    xml = cost([TARGET / "lag-description"]).text
-    library = TARGET / f"liblag{PLATFORMS[native()]}"
-    return unpack(pack("lag", xml, library), "output", "gain", 2)
+    file = WORK / "lag.fmu"
+    cost([TARGET / "lag", "--output", file])
+    return unpack(file, "output", "gain", 2)
 
 
 def trivial():

@@ -1,8 +1,30 @@
 //! Short forms for the lines of a variable table.
 //!
-//! [`real`], [`parameter`] and [`tunable`] start a variable; [`Variable::within`], [`Variable::shown_in`] and
-//! [`Variable::about`] add what not every variable has. [`field!`](crate::field) reads and writes a field of the
-//! model, [`text!`](crate::text) one that holds a text, and [`choice!`](crate::choice) one that is a Rust enum.
+//! [`input`], [`parameter`], [`tunable`] and [`output`] start a real variable, [`variable`] one of any type. Methods of
+//! [`Variable`] add what not every variable has: [`within`](Variable::within), [`shown_in`](Variable::shown_in),
+//! [`about`](Variable::about), [`slope`](Variable::slope), [`derivative`](Variable::derivative) and
+//! [`depends_on`](Variable::depends_on). [`field!`](crate::field) reads and writes a field of the model,
+//! [`text!`](crate::text) one that holds a text, and [`choice!`](crate::choice) one that is a Rust enum.
+//!
+//! ```
+//! use fmu_export::declare::{input, output, parameter};
+//! use fmu_export::model::{Role, Variable};
+//! use fmu_export::{field, units};
+//!
+//! struct Tank {
+//!     inflow: f64,
+//!     area: f64,
+//!     level: f64,
+//! }
+//!
+//! static VARIABLES: [Variable<Tank>; 3] = [
+//!     input("inflow", &units::CUBIC_METRE_PER_SECOND, field!(Tank: inflow), "Flow into the tank").within(0.0, 1.0),
+//!     parameter("area", &units::SQUARE_METRE, field!(Tank: area), "Area of the tank").within(1e-3, 1e3),
+//!     output("level", &units::METRE, |tank: &Tank| tank.level, "Height of the water").shown_in("mm"),
+//! ];
+//!
+//! assert_eq!(VARIABLES[1].role, Role::Parameter);
+//! ```
 
 use crate::model::{Access, Kind, Role, Unit, Variable};
 
@@ -43,6 +65,16 @@ pub const fn real<M>(
     variable(name, role, kind, description)
 }
 
+/// A real input: set at any communication point.
+pub const fn input<M>(
+    name: &'static str,
+    unit: &'static Unit,
+    access: Access<M, f64, f64>,
+    description: &'static str,
+) -> Variable<M> {
+    real(name, Role::Input, unit, access, description)
+}
+
 /// A real parameter: set before the start.
 pub const fn parameter<M>(
     name: &'static str,
@@ -63,7 +95,7 @@ pub const fn tunable<M>(
     real(name, Role::TunableParameter, unit, access, description)
 }
 
-/// A computed real value that hosts read.
+/// A real value that the model computes.
 pub const fn output<M>(
     name: &'static str,
     unit: &'static Unit,
@@ -80,7 +112,7 @@ pub const fn output<M>(
 }
 
 impl<M> Variable<M> {
-    /// The same, shown to people in this display unit.
+    /// The same, shown to people in this display unit, which is one of its unit's.
     #[must_use]
     pub const fn shown_in(mut self, display_unit: &'static str) -> Self {
         if let Kind::Real { display, .. } = &mut self.kind {
@@ -107,6 +139,31 @@ impl<M> Variable<M> {
         }
         self
     }
+
+    /// The same for an input that may vary linearly within a step: `set` sets its rate, per second.
+    #[must_use]
+    pub const fn slope(mut self, set: fn(&mut M, f64)) -> Self {
+        if let Kind::Real { slope, .. } = &mut self.kind {
+            *slope = Some(set);
+        }
+        self
+    }
+
+    /// The same for an output whose time derivative the model knows, per second.
+    #[must_use]
+    pub const fn derivative(mut self, get: fn(&M) -> f64) -> Self {
+        if let Kind::Real { derivative, .. } = &mut self.kind {
+            *derivative = Some(get);
+        }
+        self
+    }
+
+    /// The same for an output that follows these inputs at once.
+    #[must_use]
+    pub const fn depends_on(mut self, inputs: &'static [&'static str]) -> Self {
+        self.depends_on = inputs;
+        self
+    }
 }
 
 /// Reads and writes a field: `field!(Model: load.stiffness)`.
@@ -131,7 +188,18 @@ macro_rules! text {
     };
 }
 
-/// Enumerations with their items' names, values and meanings.
+/// Defines enumerations: name, description, and the items with their values and descriptions.
+///
+/// ```
+/// fmu_export::enumerations! {
+///     /// The laws of friction.
+///     FRICTION = "Friction", "Law of friction", [
+///         Coulomb = 1 "Independent of speed",
+///         Viscous = 2 "Proportional to speed"
+///     ];
+/// }
+/// assert_eq!(FRICTION.items[1].name, "Viscous");
+/// ```
 #[macro_export]
 macro_rules! enumerations {
     ($($(#[$doc:meta])* $id:ident = $name:literal, $about:literal, [$($item:ident = $value:literal $meaning:literal),*];)*) => {
@@ -143,8 +211,24 @@ macro_rules! enumerations {
     };
 }
 
-/// A parameter that is one of several named values: a Rust enum and the enumeration with the same items. The first
-/// item stands in for a value that is none of them; the boundary lets no such value through.
+/// A parameter that is one of several named values: a Rust enum, and an enumeration with the same items. Hosts cannot set
+/// a value that is no item, so that it does not matter that such a value would become the first item.
+///
+/// ```
+/// use fmu_export::model::Variable;
+///
+/// enum Friction { Coulomb, Viscous }
+/// struct Brake { friction: Friction }
+///
+/// fmu_export::enumerations! {
+///     /// The laws of friction.
+///     FRICTION = "Friction", "Law of friction", [Coulomb = 1 "Independent of speed", Viscous = 2 "Proportional to speed"];
+/// }
+/// static VARIABLE: Variable<Brake> = fmu_export::choice!(
+///     Brake: "friction", FRICTION, Friction { Coulomb = 1, Viscous = 2 }, friction, "Law of friction"
+/// );
+/// assert_eq!(VARIABLE.type_name(), "Enumeration");
+/// ```
 #[macro_export]
 macro_rules! choice {
     ($model:ty: $name:literal, $of:ident, $type:ident { $first:ident = $first_value:literal $(, $item:ident = $value:literal)* }, $($path:ident).+, $description:literal) => {

@@ -1,11 +1,59 @@
-//! Turns a simulation model written in Rust into an FMU of FMI 2.0 for Co-Simulation.
+#![doc = include_str!("../README.md")]
 //!
-//! A [`model::Model`] declares its variables once, in a table. The model description, the value references and the
-//! C functions of the standard follow from that table: see [`export!`].
+//! ## Without FMI
 //!
-//! The physics of a model never sees FMI; the boundary in [`fmi2`] never sees physics.
+//! [`Model`](model::Model) knows nothing of FMI, and whoever has a model can simulate it:
+//!
+//! ```
+//! use fmu_export::declare::{input, output};
+//! use fmu_export::model::{Experiment, Fault, Info, Log, Model, Variable, faults};
+//! use fmu_export::{field, units};
+//!
+//! /// Counts metres.
+//! #[derive(Clone, Default, serde::Serialize, serde::Deserialize)]
+//! struct Odometer {
+//!     speed: f64,
+//!     distance: f64,
+//! }
+//!
+//! static VARIABLES: [Variable<Odometer>; 2] = [
+//!     input("speed", &units::METRE_PER_SECOND, field!(Odometer: speed), "Speed").shown_in("km/h"),
+//!     output("distance", &units::METRE, |car| car.distance, "Distance since the start"),
+//! ];
+//!
+//! impl Model for Odometer {
+//!     const INFO: Info = fmu_export::info!();
+//!
+//!     fn variables() -> &'static [Variable<Self>] {
+//!         &VARIABLES
+//!     }
+//!
+//!     fn initialise(&mut self, _: &Experiment<'_>, _: &mut dyn Log) -> Result<(), Fault> {
+//!         self.distance = 0.0;
+//!         Ok(())
+//!     }
+//!
+//!     fn advance(&mut self, _time: f64, step: f64, _: &mut dyn Log) -> Result<(), Fault> {
+//!         self.distance += self.speed * step;
+//!         Ok(())
+//!     }
+//! }
+//!
+//! assert_eq!(faults::<Odometer>(), Vec::<String>::new());
+//! let mut car = Odometer { speed: 10.0, ..Odometer::default() };
+//! car.initialise(&Experiment::default(), &mut ())?;
+//! for step in 0..60 {
+//!     car.advance(f64::from(step), 1.0, &mut ())?;
+//! }
+//! assert_eq!(car.distance, 600.0);
+//! let xml = fmu_export::fmi2::description::xml::<Odometer>();
+//! assert!(xml.contains(r#"<ScalarVariable name="speed" valueReference="0""#));
+//! # Ok::<(), Fault>(())
+//! ```
 
 pub mod declare;
 pub mod fmi2;
 pub mod model;
+#[cfg(feature = "package")]
+pub mod package;
 pub mod units;

@@ -1,7 +1,21 @@
-//! The units of the stand's variables. All values inside are SI; display units are for people.
+//! Units for variables. A model computes in SI units; display units are for people.
+//!
+//! A unit that is missing here is made in the same way:
+//!
+//! ```
+//! use fmu_export::model::{Base, DisplayUnit, Unit};
+//!
+//! const VOLT: Unit = Unit {
+//!     name: "V",
+//!     base: Base { kg: 1, m: 2, s: -3, a: -1, ..Base::ONE },
+//!     display: &[DisplayUnit { name: "mV", factor: 1e3, offset: 0.0 }],
+//!     relative: false,
+//! };
+//! ```
 
-use crate::model::{DisplayUnit, Unit};
 use std::f64::consts::PI;
+
+use crate::model::{Base, DisplayUnit, Unit};
 
 const fn scaled(name: &'static str, factor: f64) -> DisplayUnit {
     DisplayUnit {
@@ -12,8 +26,20 @@ const fn scaled(name: &'static str, factor: f64) -> DisplayUnit {
 }
 
 macro_rules! units {
-    ($($(#[$doc:meta])* $id:ident = $name:literal, $exponents:expr, [$($display:expr),*];)*) => {
-        $($(#[$doc])* pub const $id: Unit = Unit { name: $name, exponents: $exponents, display: &[$($display),*], relative: false };)*
+    ($($(#[$doc:meta])* $id:ident = $name:literal, {$($base:ident: $exponent:literal),*}, [$($display:expr),*];)*) => {
+        units! { @one $($(#[$doc])* $id = $name, {$($base: $exponent),*}, [$($display),*];)* }
+        /// All of them.
+        #[cfg(test)]
+        const ALL: &[Unit] = &[$($id),*];
+    };
+    (@one $($(#[$doc:meta])* $id:ident = $name:literal, {$($base:ident: $exponent:literal),*}, [$($display:expr),*];)*) => {
+        $($(#[$doc])* pub const $id: Unit = Unit {
+            name: $name,
+            #[allow(clippy::needless_update)]
+            base: Base { $($base: $exponent,)* ..Base::ONE },
+            display: &[$($display),*],
+            relative: false,
+        };)*
     };
 }
 
@@ -24,48 +50,119 @@ pub const KELVIN_DIFFERENCE: Unit = Unit {
     ..KELVIN
 };
 
-// Exponents: kg, m, s, K, rad.
 units! {
     /// A ratio or a count.
-    ONE = "1", [0, 0, 0, 0, 0], [scaled("%", 100.0)];
+    ONE = "1", {}, [scaled("%", 100.0)];
     /// Length.
-    METRE = "m", [0, 1, 0, 0, 0], [scaled("mm", 1e3), scaled("um", 1e6)];
+    METRE = "m", {m: 1}, [scaled("mm", 1e3), scaled("um", 1e6)];
     /// Angle.
-    RADIAN = "rad", [0, 0, 0, 0, 1], [scaled("deg", 180.0 / PI)];
+    RADIAN = "rad", {rad: 1}, [scaled("deg", 180.0 / PI)];
     /// Angular velocity.
-    RADIAN_PER_SECOND = "rad/s", [0, 0, -1, 0, 1], [scaled("rpm", 30.0 / PI)];
+    RADIAN_PER_SECOND = "rad/s", {s: -1, rad: 1}, [scaled("rpm", 30.0 / PI)];
+    /// Area.
+    SQUARE_METRE = "m2", {m: 2}, [scaled("cm2", 1e4), scaled("mm2", 1e6)];
+    /// Mass.
+    KILOGRAM = "kg", {kg: 1}, [scaled("g", 1e3)];
+    /// Mass flow.
+    KILOGRAM_PER_SECOND = "kg/s", {kg: 1, s: -1}, [];
+    /// Velocity.
+    METRE_PER_SECOND = "m/s", {m: 1, s: -1}, [scaled("km/h", 3.6)];
+    /// Acceleration.
+    METRE_PER_SECOND_SQUARED = "m/s2", {m: 1, s: -2}, [];
+    /// Energy.
+    JOULE = "J", {kg: 1, m: 2, s: -2}, [scaled("kJ", 1e-3)];
+    /// Electric current.
+    AMPERE = "A", {a: 1}, [scaled("mA", 1e3)];
+    /// Voltage.
+    VOLT = "V", {kg: 1, m: 2, s: -3, a: -1}, [scaled("mV", 1e3)];
+    /// Electric resistance.
+    OHM = "Ohm", {kg: 1, m: 2, s: -3, a: -2}, [];
+    /// Amount of substance.
+    MOLE = "mol", {mol: 1}, [];
+    /// Luminous intensity.
+    CANDELA = "cd", {cd: 1}, [];
     /// Frequency of a periodic event.
-    HERTZ = "Hz", [0, 0, -1, 0, 0], [];
+    HERTZ = "Hz", {s: -1}, [];
     /// Time.
-    SECOND = "s", [0, 0, 1, 0, 0], [scaled("ms", 1e3)];
+    SECOND = "s", {s: 1}, [scaled("ms", 1e3)];
     /// Force.
-    NEWTON = "N", [1, 1, -2, 0, 0], [scaled("kN", 1e-3)];
+    NEWTON = "N", {kg: 1, m: 1, s: -2}, [scaled("kN", 1e-3)];
     /// Stiffness.
-    NEWTON_PER_METRE = "N/m", [1, 0, -2, 0, 0], [scaled("N/mm", 1e-3)];
+    NEWTON_PER_METRE = "N/m", {kg: 1, s: -2}, [scaled("N/mm", 1e-3)];
     /// Damping.
-    NEWTON_SECOND_PER_METRE = "N.s/m", [1, 0, -1, 0, 0], [];
+    NEWTON_SECOND_PER_METRE = "N.s/m", {kg: 1, s: -1}, [];
     /// Torque.
-    NEWTON_METRE = "N.m", [1, 2, -2, 0, 0], [scaled("mN.m", 1e3)];
+    NEWTON_METRE = "N.m", {kg: 1, m: 2, s: -2}, [scaled("mN.m", 1e3)];
     /// Power.
-    WATT = "W", [1, 2, -3, 0, 0], [];
+    WATT = "W", {kg: 1, m: 2, s: -3}, [];
     /// Pressure.
-    PASCAL = "Pa", [1, -1, -2, 0, 0], [scaled("MPa", 1e-6), scaled("GPa", 1e-9), scaled("bar", 1e-5)];
+    PASCAL = "Pa", {kg: 1, m: -1, s: -2}, [scaled("MPa", 1e-6), scaled("GPa", 1e-9), scaled("bar", 1e-5)];
     /// Pressure-viscosity coefficient.
-    PER_PASCAL = "1/Pa", [-1, 1, 2, 0, 0], [scaled("1/GPa", 1e9)];
+    PER_PASCAL = "1/Pa", {kg: -1, m: 1, s: 2}, [scaled("1/GPa", 1e9)];
     /// Dynamic viscosity.
-    PASCAL_SECOND = "Pa.s", [1, -1, -1, 0, 0], [scaled("mPa.s", 1e3)];
+    PASCAL_SECOND = "Pa.s", {kg: 1, m: -1, s: -1}, [scaled("mPa.s", 1e3)];
     /// Kinematic viscosity.
-    SQUARE_METRE_PER_SECOND = "m2/s", [0, 2, -1, 0, 0], [scaled("mm2/s", 1e6)];
+    SQUARE_METRE_PER_SECOND = "m2/s", {m: 2, s: -1}, [scaled("mm2/s", 1e6)];
     /// Density.
-    KILOGRAM_PER_CUBIC_METRE = "kg/m3", [1, -3, 0, 0, 0], [];
+    KILOGRAM_PER_CUBIC_METRE = "kg/m3", {kg: 1, m: -3}, [];
     /// Volume.
-    CUBIC_METRE = "m3", [0, 3, 0, 0, 0], [scaled("dm3", 1e3)];
+    CUBIC_METRE = "m3", {m: 3}, [scaled("dm3", 1e3)];
     /// Volume flow.
-    CUBIC_METRE_PER_SECOND = "m3/s", [0, 3, -1, 0, 0], [scaled("mm3/s", 1e9)];
+    CUBIC_METRE_PER_SECOND = "m3/s", {m: 3, s: -1}, [scaled("mm3/s", 1e9)];
     /// Temperature.
-    KELVIN = "K", [0, 0, 0, 1, 0], [DisplayUnit { name: "degC", factor: 1.0, offset: -273.15 }];
+    KELVIN = "K", {k: 1}, [DisplayUnit { name: "degC", factor: 1.0, offset: -273.15 }];
     /// Heat capacity of a body.
-    JOULE_PER_KELVIN = "J/K", [1, 2, -2, -1, 0], [];
+    JOULE_PER_KELVIN = "J/K", {kg: 1, m: 2, s: -2, k: -1}, [];
     /// Thermal conductance between two bodies.
-    WATT_PER_KELVIN = "W/K", [1, 2, -3, -1, 0], [];
+    WATT_PER_KELVIN = "W/K", {kg: 1, m: 2, s: -3, k: -1}, [];
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Exponents of a product such as `N.s/m2`, from those of its factors.
+    fn product(name: &str) -> [i32; 8] {
+        let (above, below) = name.split_once('/').unwrap_or((name, ""));
+        let mut sum = [0; 8];
+        for (factors, sign) in [(above, 1), (below, -1)] {
+            for factor in factors
+                .split('.')
+                .filter(|factor| !["", "1"].contains(factor))
+            {
+                let (symbol, power) = match factor.strip_suffix(['2', '3']) {
+                    Some(symbol) => (symbol, factor[symbol.len()..].parse::<i32>().unwrap()),
+                    None => (factor, 1),
+                };
+                let base = ALL.iter().find(|unit| unit.name == symbol).unwrap().base;
+                for (sum, (_, exponent)) in sum.iter_mut().zip(base.named()) {
+                    *sum += sign * power * exponent;
+                }
+            }
+        }
+        sum
+    }
+
+    #[test]
+    fn products_have_the_exponents_of_their_factors() {
+        for unit in ALL
+            .iter()
+            .filter(|unit| unit.name.contains(['/', '.', '2', '3']))
+        {
+            let found = unit.base.named().map(|(_, exponent)| exponent);
+            assert_eq!(found, product(unit.name), "{}", unit.name);
+        }
+        let named = |unit: Unit| unit.base.named().map(|(_, exponent)| exponent);
+        for (unit, same) in [
+            (NEWTON, "kg.m/s2"),
+            (JOULE, "N.m"),
+            (WATT, "J/s"),
+            (PASCAL, "N/m2"),
+            (HERTZ, "1/s"),
+        ] {
+            assert_eq!(named(unit), product(same), "{}", unit.name);
+        }
+        assert_eq!(product("V.A"), named(WATT));
+        assert_eq!(product("Ohm.A"), named(VOLT));
+    }
 }

@@ -1,17 +1,15 @@
-//! A first-order lag with a variable of every type: small enough to check by hand.
+//! A first-order lag with a variable of every type, for tests of the FMI boundary.
 //!
 //! `tau dy/dt = gain u - y` with `u` linear within a step, solved exactly.
 
-use std::fmt::Write;
-
 use serde::{Deserialize, Serialize};
 
-use fmu_export::model::{
-    Access, DisplayUnit, Enumeration, Experiment, Fault, Info, Item, Kind, Log, Model, Role, Unit,
-    Variable,
-};
+use fmu_export::declare::{input, output, parameter, tunable, variable};
+use fmu_export::field;
+use fmu_export::model::{Access, Experiment, Fault, Info, Kind, Log, Model, Role, Variable};
+use fmu_export::units::{ONE, SECOND};
 
-/// The lag: parameters, input, state and outputs.
+/// The lag: parameters, inputs, state.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Lag {
     input: f64,
@@ -24,7 +22,9 @@ pub struct Lag {
     trouble: i32,
     inverted: bool,
     label: String,
-    report: String,
+    /// The time that the lag has reached, s; `None` before the first step.
+    reached: Option<f64>,
+    start: f64,
 }
 
 impl Default for Lag {
@@ -40,7 +40,8 @@ impl Default for Lag {
             trouble: 1,
             inverted: false,
             label: "lag".to_owned(),
-            report: String::new(),
+            reached: None,
+            start: 0.0,
         }
     }
 }
@@ -53,213 +54,125 @@ impl Lag {
     fn derivative(&self) -> f64 {
         self.sign() * (self.gain * self.input - self.state) / self.constant
     }
+
+    /// A text that changes with every step. It is put together when it is read: a step should cost next to nothing.
+    fn report(&self) -> String {
+        match self.reached {
+            Some(time) => format!("{} is at {time} s", self.label),
+            None => format!("{} starts at {} s", self.label, self.start),
+        }
+    }
 }
 
-const SECOND: Unit = Unit {
-    name: "s",
-    exponents: [0, 0, 1, 0, 0],
-    display: &[DisplayUnit {
-        name: "ms",
-        factor: 1000.0,
-        offset: 0.0,
-    }],
-    relative: false,
-};
-const ONE: Unit = Unit {
-    name: "1",
-    exponents: [0; 5],
-    display: &[],
-    relative: false,
-};
-const TROUBLE: Enumeration = Enumeration {
-    name: "Trouble",
-    description: "What goes wrong in the next step",
-    items: &[
-        Item {
-            name: "None",
-            value: 1,
-            description: "Nothing",
-        },
-        Item {
-            name: "Discard",
-            value: 2,
-            description: "The step cannot be computed",
-        },
-        Item {
-            name: "Error",
-            value: 3,
-            description: "An input is not usable",
-        },
-        Item {
-            name: "Panic",
-            value: 4,
-            description: "A bug",
-        },
-    ],
-};
-
-macro_rules! real {
-    ($name:literal, $role:ident, $unit:ident, $get:expr, $set:expr, $slope:expr, $derivative:expr, $min:expr) => {
-        Variable {
-            name: $name,
-            description: concat!("The lag's ", $name),
-            role: Role::$role,
-            depends_on: &[],
-            kind: Kind::Real {
-                access: Access {
-                    get: $get,
-                    set: $set,
-                },
-                unit: &$unit,
-                display: None,
-                min: $min,
-                max: Some(1e6),
-                nominal: Some(1.0),
-                slope: $slope,
-                derivative: $derivative,
-            },
-        }
-    };
+fmu_export::enumerations! {
+    /// What goes wrong in the next step.
+    TROUBLE = "Trouble", "What goes wrong in the next step", [
+        None = 1 "Nothing",
+        Discard = 2 "The step cannot be computed",
+        Error = 3 "An input is not usable",
+        Panic = 4 "A bug"
+    ];
 }
 
 static VARIABLES: [Variable<Lag>; 11] = [
-    real!(
-        "input",
-        Input,
-        ONE,
-        |m| m.input,
-        Some(|m, v| m.input = *v),
-        Some(|m, v| m.slope = v),
-        None,
-        Some(-1e6)
-    ),
-    real!(
+    input("input", &ONE, field!(Lag: input), "The lag's input")
+        .within(-1e6, 1e6)
+        .about(1.0)
+        .slope(|lag, rate| lag.slope = rate),
+    parameter(
         "timeConstant",
-        Parameter,
-        SECOND,
-        |m| m.constant,
-        Some(|m, v| m.constant = *v),
-        None,
-        None,
-        Some(1e-3)
-    ),
-    real!(
-        "gain",
-        TunableParameter,
-        ONE,
-        |m| m.gain,
-        Some(|m, v| m.gain = *v),
-        None,
-        None,
-        Some(-1e6)
-    ),
-    real!(
+        &SECOND,
+        field!(Lag: constant),
+        "The lag's time constant",
+    )
+    .within(1e-3, 1e6)
+    .about(1.0),
+    tunable("gain", &ONE, field!(Lag: gain), "The lag's gain")
+        .within(-1e6, 1e6)
+        .about(1.0),
+    parameter(
         "initialState",
-        Parameter,
-        ONE,
-        |m| m.initial,
-        Some(|m, v| m.initial = *v),
-        None,
-        None,
-        Some(-1e6)
-    ),
-    real!(
+        &ONE,
+        field!(Lag: initial),
+        "The lag's output at the start",
+    )
+    .within(-1e6, 1e6)
+    .about(1.0),
+    output(
         "output",
-        Output,
-        ONE,
-        |m| m.sign() * m.state,
-        None,
-        None,
-        Some(Lag::derivative),
-        Some(-1e6)
-    ),
-    Variable {
-        depends_on: &["input", "inverted"],
-        ..real!(
-            "feed",
-            Output,
-            ONE,
-            |m| m.sign() * m.gain * m.input,
-            None,
-            None,
-            None,
-            Some(-1e12)
-        )
-    },
-    Variable {
-        name: "trouble",
-        description: "What goes wrong in the next step",
-        role: Role::TunableParameter,
-        depends_on: &[],
-        kind: Kind::Enumeration {
-            access: Access {
-                get: |m| m.trouble,
-                set: Some(|m, v| m.trouble = *v),
-            },
+        &ONE,
+        |lag: &Lag| lag.sign() * lag.state,
+        "The lag's output",
+    )
+    .within(-1e12, 1e12)
+    .about(1.0)
+    .derivative(Lag::derivative),
+    output(
+        "feed",
+        &ONE,
+        |lag: &Lag| lag.sign() * lag.gain * lag.input,
+        "The value that the output tends to",
+    )
+    .within(-1e12, 1e12)
+    .about(1.0)
+    .depends_on(&["input", "inverted"]),
+    variable(
+        "trouble",
+        Role::TunableParameter,
+        Kind::Enumeration {
+            access: field!(Lag: trouble),
             of: &TROUBLE,
         },
-    },
-    Variable {
-        name: "inverted",
-        description: "Whether the outputs change their sign",
-        role: Role::Input,
-        depends_on: &[],
-        kind: Kind::Boolean {
-            access: Access {
-                get: |m| m.inverted,
-                set: Some(|m, v| m.inverted = *v),
-            },
+        "What goes wrong in the next step",
+    ),
+    variable(
+        "inverted",
+        Role::Input,
+        Kind::Boolean {
+            access: field!(Lag: inverted),
         },
-    },
-    Variable {
-        name: "label",
-        description: "A name with <&\"> in it",
-        role: Role::Parameter,
-        depends_on: &[],
-        kind: Kind::String {
-            access: Access {
-                get: |m| m.label.clone(),
-                set: Some(|m, v| m.label = v.to_owned()),
-            },
+        "Whether the outputs change their sign",
+    ),
+    variable(
+        "label",
+        Role::Parameter,
+        Kind::String {
+            access: fmu_export::text!(Lag: label),
         },
-    },
-    Variable {
-        name: "steps",
-        description: "Number of steps done",
-        role: Role::Output,
-        depends_on: &[],
-        kind: Kind::Integer {
+        "A name with <&\"> in it",
+    ),
+    variable(
+        "steps",
+        Role::Output,
+        Kind::Integer {
             access: Access {
-                get: |m| m.steps,
+                get: |lag| lag.steps,
                 set: None,
             },
             min: Some(0),
             max: None,
         },
-    },
-    Variable {
-        name: "report",
-        description: "What happened last",
-        role: Role::Output,
-        depends_on: &[],
-        kind: Kind::String {
+        "Number of steps done",
+    ),
+    variable(
+        "report",
+        Role::Output,
+        Kind::String {
             access: Access {
-                get: |m| m.report.clone(),
+                get: Lag::report,
                 set: None,
             },
         },
-    },
+        "The time that the lag has reached, in words",
+    ),
 ];
 
 impl Model for Lag {
     const INFO: Info = Info {
         name: "First-order lag",
         identifier: "Lag",
-        description: "A first-order lag with a variable of every type",
-        default_step: 0.01,
-        default_stop: 1.0,
-        default_tolerance: 1e-6,
-        log_categories: &[("lag", "What the lag does")],
+        log_categories: &[("lag", "Every step that the lag makes")],
+        ..fmu_export::info!()
     };
 
     fn variables() -> &'static [Variable<Self>] {
@@ -268,12 +181,8 @@ impl Model for Lag {
 
     fn initialise(&mut self, experiment: &Experiment<'_>, log: &mut dyn Log) -> Result<(), Fault> {
         self.state = self.initial;
-        self.report = format!("{} starts at {} s", self.label, experiment.start);
-        log.log("lag", format_args!("{} 100 %s%n", self.report));
-        Ok(())
-    }
-
-    fn update(&mut self) -> Result<(), Fault> {
+        self.start = experiment.start;
+        log.log("lag", format_args!("{} 100 %s%n", self.report()));
         Ok(())
     }
 
@@ -291,18 +200,8 @@ impl Model for Lag {
         self.state = a + b * step + (self.state - a) * (-step / self.constant).exp();
         self.input += self.slope * step;
         self.steps = self.steps.wrapping_add(1);
-        self.report.clear();
-        let _ = write!(self.report, "{} is at {} s", self.label, time + step);
+        self.reached = Some(time + step);
         log.log("lag", format_args!("step to {} s", time + step));
-        Ok(())
-    }
-
-    fn save(&self) -> Vec<u8> {
-        postcard::to_stdvec(self).unwrap_or_default()
-    }
-
-    fn restore(&mut self, bytes: &[u8]) -> Result<(), Fault> {
-        *self = postcard::from_bytes(bytes).map_err(|error| Fault::Invalid(error.to_string()))?;
         Ok(())
     }
 }

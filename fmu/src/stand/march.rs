@@ -1,12 +1,13 @@
 //! How time passes in the stand: turn by turn, or in leaps over whole turns.
 
 use super::stuck::Stuck;
-use super::{Inputs, SCALES, Stand, State, Unknowns, temperatures, unknowns};
+use super::{EVENTS, Inputs, SCALES, Stand, State, Unknowns, temperatures, unknowns};
 use crate::bearing::resolved::ResolvedFilm;
 use crate::bearing::{FilmModel, Flows};
-use crate::multirate::{self, Departure, TwoScales};
+use crate::multirate::{self, Departure, Landing, TwoScales};
 use crate::solver::{Budget, DormandPrince};
 use crate::thermal::Temperatures;
+use fmu_export::model::Log;
 
 /// Fewer turns than this are resolved, each.
 const FEWEST_TURNS: f64 = 12.0;
@@ -66,7 +67,7 @@ impl Stand {
         let mut y = unknowns(&self.state);
         let mut next_step = self.state.next_step;
         let mut oil = self.nearby;
-        let rates = |tau: f64, y: &Unknowns| self.rates(tau, y, &mut oil);
+        let rates = |tau: f64, y: &Unknowns| self.rates_at(tau, y, &mut oil);
         let done = integrator.integrate(rates, &mut y, span, &mut next_step);
         if let Err(failure) = done {
             let anew = self.resolve_stiffly(span, &integrator.allowed);
@@ -136,9 +137,10 @@ impl Stand {
         }
     }
 
-    /// Lets `span` seconds pass, most of them in a leap over whole turns where that can be done:
-    /// some turns until the journal is near its orbit, the leap, and the last turns resolved.
-    pub(super) fn leap(&mut self, span: f64) -> Result<(), Stuck> {
+    /// Lets `span` seconds pass with a leap over most of its turns: turns until the journal is near its orbit are
+    /// resolved, then it leaps, and the last turns are resolved. If there is no leap, the log says why, and all turns
+    /// are resolved.
+    pub(super) fn leap(&mut self, span: f64, log: &mut dyn Log) -> Result<(), Stuck> {
         let before = self.state;
         let period = self.period();
         let mut slack = 1.0;
@@ -165,13 +167,19 @@ impl Stand {
                 eccentricity,
                 temperatures,
             };
-            if let Ok(landing) = multirate::leap(self, self.solver.tolerance, turns, from) {
-                self.arrive(
-                    turns as f64 * period,
-                    landing.eccentricity,
-                    landing.temperatures,
-                );
-                slack = LANDING_SLACK;
+            match multirate::leap(self, self.solver.tolerance, turns, from) {
+                Ok(landing) => {
+                    let Landing {
+                        eccentricity,
+                        temperatures,
+                    } = landing;
+                    self.arrive(turns as f64 * period, eccentricity, temperatures);
+                    slack = LANDING_SLACK;
+                }
+                Err(reason) => log.log(
+                    EVENTS,
+                    format_args!("no leap over {turns} turns, they are resolved: {reason}"),
+                ),
             }
             break;
         }

@@ -47,7 +47,7 @@ impl Stand {
 
     fn extended_rates(&self, x: &Extended, oil: &mut Nearby) -> Extended {
         let mut rates = Extended::repeat(1.0);
-        rates.as_mut_slice()[..6].copy_from_slice(&self.rates(x[6], &first_six(x), oil));
+        rates.as_mut_slice()[..6].copy_from_slice(&self.rates_at(x[6], &first_six(x), oil));
         rates
     }
 

@@ -191,12 +191,12 @@ impl Stand {
         ];
         const NUDGE: f64 = 1e-7;
         let mut oil = Nearby::default();
-        let here = self.rates(at.tau, &at.y, &mut oil);
+        let here = self.rates_at(at.tau, &at.y, &mut oil);
         let mut fastest = ("nothing", 0.0_f64);
         for i in at.among.clone() {
             let mut beside = at.y;
             beside[i] += NUDGE * SCALES[i];
-            let there = self.rates(at.tau, &beside, &mut oil);
+            let there = self.rates_at(at.tau, &beside, &mut oil);
             let pace = ((there[i] - here[i]) / (beside[i] - at.y[i])).abs();
             if !pace.is_finite() {
                 return None;

@@ -20,31 +20,19 @@ macro_rules! choice {
     ($($line:tt)+) => { fmu_export::choice!(Stand: $($line)+) };
 }
 
-/// An output with the rate that the stand knows of it.
+/// An output with its time derivative.
 macro_rules! output {
-    ($name:literal, $unit:expr, $field:ident, [$($input:literal),*], $description:literal) => {{
-        let mut variable: V = output($name, $unit, |s: &Stand| s.readings().$field, $description);
-        variable.depends_on = &[$($input),*];
-        if let Kind::Real { derivative, .. } = &mut variable.kind {
-            *derivative = Some(|s| s.rate_of(|r: &Readings| r.$field));
-        }
-        variable
-    }};
+    ($name:literal, $unit:expr, $field:ident, [$($input:literal),*], $description:literal) => {
+        output($name, $unit, |s: &Stand| s.readings().$field, $description)
+            .derivative(|s| s.rates().$field)
+            .depends_on(&[$($input),*])
+    };
 }
 
 /// An input that may vary linearly within a step.
 macro_rules! input {
-    ($name:literal, $unit:expr, $field:ident, $description:literal) => {{
-        let mut variable = real(
-            $name,
-            Role::Input,
-            $unit,
-            field!(inputs.$field.value),
-            $description,
-        );
-        if let Kind::Real { slope, .. } = &mut variable.kind {
-            *slope = Some(|s, rate| s.inputs.$field.slope = rate);
-        }
-        variable
-    }};
+    ($name:literal, $unit:expr, $field:ident, $description:literal) => {
+        fmu_export::declare::input($name, $unit, field!(inputs.$field.value), $description)
+            .slope(|s: &mut Stand, rate| s.inputs.$field.slope = rate)
+    };
 }

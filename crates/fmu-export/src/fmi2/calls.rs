@@ -2,11 +2,10 @@
 //! gives them their C names.
 //!
 //! # Safety
-//! All functions here take what a C host passes. A component is NULL, or points to readable
-//! memory; a component of ours was not freed. Pointers with a count point to that many values;
-//! texts end with NUL; saved states are NULL or were not freed. NULL where a value is needed,
-//! foreign handles and calls at the wrong time are refused.
-#![allow(clippy::missing_safety_doc)] // said above, once for all
+//! The functions take what a C host passes, and rely on this: a component is NULL or points to at least eight readable
+//! bytes, and was not freed; a pointer with a count points to that many values; strings end with NUL; a saved state is
+//! NULL or was not freed. NULL in place of a value, foreign handles and calls at the wrong time are refused.
+#![allow(clippy::missing_safety_doc)] // said above for all functions
 
 use std::ffi::c_int;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -33,9 +32,9 @@ pub unsafe fn instantiate<M: Model>(
     logging: Boolean,
 ) -> Component {
     let make = || {
-        // SAFETY: as the host vouches; the struct is copied, hosts may keep it on their stack.
+        // SAFETY: as the host vouches. The struct is copied, as hosts may keep it on their stack.
         let callbacks = unsafe { values(callbacks, 1, "functions") }.ok()?[0];
-        // SAFETY: as the host vouches. Some hosts write names and paths in the code page of their system.
+        // SAFETY: as the host vouches. Some hosts write names and paths in their system's code page, not in UTF-8.
         let [name, guid, resources] = unsafe { [lossy(name), lossy(guid), lossy(resources)] };
         let request = Request {
             name: name.as_deref().unwrap_or_default(),
@@ -90,7 +89,7 @@ pub unsafe fn setup_experiment<M: Model>(
     unsafe { enter(component, &phase::SETUP_EXPERIMENT, body) }
 }
 
-/// Calls that take nothing but the component.
+/// Defines functions that take nothing but the component.
 macro_rules! plain {
     ($($(#[$doc:meta])* $name:ident = $function:ident, $method:ident;)*) => {$(
         $(#[$doc])*
@@ -112,7 +111,7 @@ plain! {
     reset = RESET, reset;
 }
 
-/// Calls that read or write values of one type.
+/// Defines functions that read or write values of one type.
 macro_rules! access {
     ($($(#[$doc:meta])* $name:ident = $function:ident, $method:ident($pointer:ty, $slice:ident);)*) => {$(
         $(#[$doc])*
@@ -196,7 +195,7 @@ pub unsafe fn set_fmu_state<M: Model>(component: Component, state: FmuState) -> 
     unsafe { enter(component, &phase::SET_STATE, body) }
 }
 
-/// `fmi2FreeFMUstate`. NULL, and a place that holds NULL, are left alone.
+/// `fmi2FreeFMUstate`. NULL, and a pointer to NULL, are left alone.
 pub unsafe fn free_fmu_state<M: Model>(component: Component, state: *mut FmuState) -> Status {
     let body = |_: &mut Instance<M>| {
         if state.is_null() {
@@ -343,7 +342,7 @@ pub unsafe fn get_real_output_derivatives<M: Model>(
     unsafe { enter(component, &phase::GET_OUTPUT_DERIVATIVES, body) }
 }
 
-/// `fmi2DoStep`. Whether earlier states are needed again makes no difference here.
+/// `fmi2DoStep`. Saved states are copies, so that it does not matter whether the host goes back to an earlier one.
 pub unsafe fn do_step<M: Model>(
     component: Component,
     from: Real,
@@ -358,7 +357,7 @@ pub unsafe fn do_step<M: Model>(
     }
 }
 
-/// `fmi2CancelStep`: steps are synchronous, so that there is never one to cancel.
+/// `fmi2CancelStep`. Steps are synchronous, so there is none to cancel: it is refused in every phase.
 pub unsafe fn cancel_step<M: Model>(component: Component) -> Status {
     // SAFETY: as the host vouches.
     unsafe {
@@ -368,7 +367,7 @@ pub unsafe fn cancel_step<M: Model>(component: Component) -> Status {
     }
 }
 
-/// The `fmi2GetXxxStatus` functions: the answer to `asked`, or a refusal.
+/// Answers one of the `fmi2GetXxxStatus` functions.
 unsafe fn answer<M: Model, T>(
     component: Component,
     function: &Function,
@@ -378,7 +377,8 @@ unsafe fn answer<M: Model, T>(
     let body = |instance: &mut Instance<M>| {
         // SAFETY: as the host vouches.
         let place = unsafe { place(value, "value") }?;
-        *place = ask(instance).ok_or(Refusal::Unsupported("this kind of status is not kept"))?;
+        *place =
+            ask(instance).ok_or(Refusal::Unsupported("this kind of status is not provided"))?;
         Ok(Status::Ok)
     };
     // SAFETY: as the host vouches.
@@ -396,7 +396,7 @@ pub unsafe fn get_status<M: Model>(
     unsafe { answer(component, &phase::GET_STATUS, value, ask) }
 }
 
-/// `fmi2GetRealStatus`: the last time to which a step succeeded.
+/// `fmi2GetRealStatus`: the time that the last successful step has reached.
 pub unsafe fn get_real_status<M: Model>(
     component: Component,
     kind: c_int,
@@ -407,7 +407,7 @@ pub unsafe fn get_real_status<M: Model>(
     unsafe { answer(component, &phase::GET_REAL_STATUS, value, ask) }
 }
 
-/// `fmi2GetIntegerStatus`: the standard defines none.
+/// `fmi2GetIntegerStatus`: the standard defines no such status.
 pub unsafe fn get_integer_status<M: Model>(
     component: Component,
     _kind: c_int,
@@ -424,7 +424,7 @@ pub unsafe fn get_integer_status<M: Model>(
     }
 }
 
-/// `fmi2GetBooleanStatus`: whether the model wants to end; it never does.
+/// `fmi2GetBooleanStatus`: whether the model wants to terminate. It never does.
 pub unsafe fn get_boolean_status<M: Model>(
     component: Component,
     kind: c_int,
@@ -435,7 +435,7 @@ pub unsafe fn get_boolean_status<M: Model>(
     unsafe { answer(component, &phase::GET_BOOLEAN_STATUS, value, ask) }
 }
 
-/// `fmi2GetStringStatus`: there are no pending steps to tell of.
+/// `fmi2GetStringStatus`: the state of a pending step. Steps are never pending.
 pub unsafe fn get_string_status<M: Model>(
     component: Component,
     _kind: c_int,

@@ -1,22 +1,21 @@
-//! Derivatives: of inputs over time as the host gives them, of outputs over time, and of unknowns
-//! along a direction of knowns.
+//! Derivatives: of inputs over time, which the host gives, of outputs over time, and directional ones of unknowns with
+//! respect to knowns.
 
 use super::instance::Instance;
 use super::phase::Phase;
 use super::refusal::{Outcome, Refusal};
 use super::types::{Integer, Real, Status, ValueReference};
-use super::values::{check_settable, inside, type_name, variable};
+use super::values::{check_settable, inside, variable};
 use crate::model::{Access, Kind, Model, Role, Variable};
 
-/// Step of the central difference, in units of a variable's magnitude: the cube root of the
-/// rounding unit balances truncation against rounding (Press et al., Numerical Recipes, 2007,
-/// section 5.7).
+/// Step of the central difference, relative to a variable's magnitude: at the cube root of the rounding unit, truncation
+/// and rounding errors are of the same size (Press et al., Numerical Recipes, 2007, section 5.7).
 const RELATIVE_STEP: f64 = 6.055e-6;
 
-/// Step of the one-sided difference over time, in units of the suggested communication step.
+/// Step of the one-sided difference over time, relative to the suggested communication step.
 const TIME_STEP: f64 = 1e-3;
 
-/// One real variable that the host may set, as directional derivatives need it.
+/// A known of a directional derivative: a real variable that the host may set.
 struct Known<M: 'static> {
     set: fn(&mut M, &f64),
     value: f64,
@@ -38,7 +37,10 @@ impl<M: Model> Instance<M> {
         for ((reference, order), value) in wanted {
             let slope = input_slope(variable::<M>(*reference)?, *order)?;
             if !value.is_finite() {
-                return Err(unfit(slope.0, format!("its derivative cannot be {value}")));
+                return Err(unfit(
+                    slope.0,
+                    format!("its derivative, {value}, must be finite"),
+                ));
             }
         }
         let model = self.run.seed.as_mut().unwrap_or(&mut self.run.model);
@@ -47,10 +49,11 @@ impl<M: Model> Instance<M> {
             set(model, *value);
         }
         self.run.sloped |= !references.is_empty();
+        self.run.differentiated = false;
         Ok(Status::Ok)
     }
 
-    /// After a step, inputs are constant again until the host says otherwise.
+    /// Sets the slopes back to zero after a step.
     pub fn clear_slopes(&mut self) {
         if !std::mem::take(&mut self.run.sloped) {
             return;
@@ -65,8 +68,8 @@ impl<M: Model> Instance<M> {
         }
     }
 
-    /// `fmi2GetRealOutputDerivatives`: from the model where it knows the derivative, else by a
-    /// one-sided difference of second order on a copy that goes a little ahead.
+    /// `fmi2GetRealOutputDerivatives`: from the model if it knows the derivative, else a one-sided difference of second
+    /// order, for which a copy of the model is stepped a little ahead.
     pub fn get_output_derivatives(
         &mut self,
         references: &[ValueReference],
@@ -78,7 +81,7 @@ impl<M: Model> Instance<M> {
         for ((reference, order), value) in references.iter().zip(orders).zip(values.iter_mut()) {
             let (read, derivative) = output(variable::<M>(*reference)?, *order)?;
             *value = match derivative {
-                Some(derivative) => derivative(&self.run.model),
+                Some(derivative) => derivative(self.differentiated()),
                 None => {
                     let [near, far] = match &mut ahead {
                         Some(ahead) => ahead,
@@ -92,6 +95,14 @@ impl<M: Model> Instance<M> {
         bounded(values)
     }
 
+    /// The model with its outputs' rates computed, once for all outputs.
+    fn differentiated(&mut self) -> &M {
+        if !std::mem::replace(&mut self.run.differentiated, true) {
+            self.run.model.differentiate();
+        }
+        &self.run.model
+    }
+
     /// Copies of the model one and two short steps ahead.
     fn go_ahead(&self) -> Outcome<[M; 2]> {
         let (time, step) = (self.run.time, TIME_STEP * M::INFO.default_step);
@@ -102,8 +113,8 @@ impl<M: Model> Instance<M> {
         Ok([near, far])
     }
 
-    /// `fmi2GetDirectionalDerivative`: the central difference along the direction, on copies of
-    /// the model; one-sided, of second order, where a bound is near.
+    /// `fmi2GetDirectionalDerivative`: the central difference along the direction, on copies of the model. Near a bound
+    /// of a known it is one-sided, of second order.
     pub fn get_directional_derivative(
         &mut self,
         unknowns: &[ValueReference],
@@ -144,7 +155,7 @@ impl<M: Model> Instance<M> {
     }
 
     fn known(&self, variable: &'static Variable<M>, direction: f64) -> Outcome<Known<M>> {
-        // What may be set decides what may be varied; after the end, as at the last point.
+        // A known must be one that could be set now; after the end, one that could be set before it.
         let phase = match self.run.phase {
             Phase::Initialization => Phase::Initialization,
             _ => Phase::StepComplete,
@@ -164,15 +175,15 @@ impl<M: Model> Instance<M> {
             return Err(unfit(
                 variable,
                 format!(
-                    "a known is a Real that can be set, not {}",
-                    type_name(variable)
+                    "only a Real that can be set can be a known, not a variable of type {}",
+                    variable.type_name()
                 ),
             ));
         };
         if !direction.is_finite() {
             return Err(unfit(
                 variable,
-                format!("its direction cannot be {direction}"),
+                format!("its component of the direction, {direction}, must be finite"),
             ));
         }
         let value = get(self.run.seed.as_ref().unwrap_or(&self.run.model));
@@ -192,12 +203,12 @@ impl<M: Model> Instance<M> {
     }
 }
 
-/// Derivatives that overflow, as along directions of 1e300, are none.
+/// Refuses derivatives that overflow, as they do along directions of 1e300.
 fn bounded(values: &[Real]) -> Outcome {
     if values.iter().all(|value| value.is_finite()) {
         return Ok(Status::Ok);
     }
-    Err(Refusal::Unsupported("a derivative is beyond all numbers"))
+    Err(Refusal::Unsupported("a derivative overflows"))
 }
 
 impl<M> Known<M> {
@@ -206,8 +217,8 @@ impl<M> Known<M> {
     }
 }
 
-/// Offsets in steps with their weights: central where all knowns stay within their bounds, else
-/// ahead or back.
+/// Offsets, in steps, with their weights: a central difference if all knowns stay within their bounds, else one ahead or
+/// back.
 fn stencil<M>(knowns: &[Known<M>], step: f64) -> &'static [(f64, f64)] {
     let fits = |offset: f64| {
         knowns
@@ -229,7 +240,7 @@ fn read<M>(variable: &'static Variable<M>) -> Outcome<Read<M>> {
         (Kind::Real { access, .. }, Role::Output | Role::Local) => Ok(access.get),
         _ => Err(unfit(
             variable,
-            "an unknown is a Real that the model computes".to_owned(),
+            "only a Real that the model computes can be an unknown".to_owned(),
         )),
     }
 }
@@ -248,7 +259,7 @@ fn output<M>(
         ) => Ok((access.get, *derivative)),
         _ => Err(unfit(
             variable,
-            "only Real outputs have derivatives".to_owned(),
+            "only Real outputs have time derivatives".to_owned(),
         )),
     }
 }
@@ -264,7 +275,7 @@ fn input_slope<M>(
         } => Ok((variable, *slope)),
         _ => Err(unfit(
             variable,
-            "only continuous inputs take derivatives".to_owned(),
+            "only inputs that may vary within a step take time derivatives".to_owned(),
         )),
     }
 }
@@ -275,7 +286,7 @@ fn check_order<M>(variable: &Variable<M>, order: Integer) -> Outcome<()> {
     }
     Err(unfit(
         variable,
-        format!("derivatives are of order 1, not {order}"),
+        format!("the order of a time derivative must be 1, not {order}"),
     ))
 }
 
@@ -283,5 +294,104 @@ fn unfit<M>(variable: &Variable<M>, why: String) -> Refusal {
     Refusal::Derivative {
         name: variable.name,
         why,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::ptr::null_mut;
+
+    use serde::{Deserialize, Serialize};
+
+    use super::*;
+    use crate::declare::{input, output};
+    use crate::fmi2::description;
+    use crate::fmi2::instance::Request;
+    use crate::fmi2::types::{CO_SIMULATION, CallbackFunctions};
+    use crate::model::{Experiment, Fault, Info, Log};
+    use crate::{field, units};
+
+    /// A model that counts how often it computes its rates.
+    #[derive(Clone, Default, Serialize, Deserialize)]
+    struct Counting {
+        input: f64,
+        slope: f64,
+        count: f64,
+    }
+
+    static VARIABLES: [Variable<Counting>; 3] = [
+        input("input", &units::ONE, field!(Counting: input), "An input")
+            .slope(|counting, rate| counting.slope = rate),
+        output(
+            "one",
+            &units::ONE,
+            |counting: &Counting| counting.input,
+            "An output",
+        )
+        .derivative(|counting| counting.count),
+        output(
+            "two",
+            &units::ONE,
+            |counting: &Counting| counting.input,
+            "Another",
+        )
+        .derivative(|counting| counting.count),
+    ];
+
+    impl Model for Counting {
+        const INFO: Info = crate::info!();
+
+        fn variables() -> &'static [Variable<Self>] {
+            &VARIABLES
+        }
+
+        fn initialise(&mut self, _: &Experiment<'_>, _: &mut dyn Log) -> Result<(), Fault> {
+            Ok(())
+        }
+
+        fn differentiate(&mut self) {
+            self.count += 1.0;
+        }
+
+        fn advance(&mut self, _: f64, _: f64, _: &mut dyn Log) -> Result<(), Fault> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn rates_are_computed_once_until_something_changes() -> Outcome<()> {
+        let callbacks = CallbackFunctions {
+            logger: None,
+            allocate_memory: None,
+            free_memory: None,
+            step_finished: None,
+            component_environment: null_mut(),
+        };
+        let request = Request {
+            name: "counting",
+            kind: CO_SIMULATION,
+            guid: &description::guid(description::fingerprint::<Counting>()),
+            resources: None,
+            logging: false,
+        };
+        let mut instance = Instance::<Counting>::new(&request, &callbacks).unwrap();
+        instance.enter_initialization()?;
+        instance.exit_initialization()?;
+        let mut rates = [0.0; 2];
+        instance.get_output_derivatives(&[1, 2], &[1, 1], &mut rates)?;
+        assert_eq!(rates, [1.0, 1.0]);
+        instance.get_output_derivatives(&[2], &[1], &mut rates[..1])?;
+        assert_eq!(rates[0], 1.0, "nothing has changed");
+        let changes: [fn(&mut Instance<Counting>) -> Outcome; 3] = [
+            |instance| instance.set_real(&[0], &[5.0]),
+            |instance| instance.set_input_derivatives(&[0], &[1], &[2.0]),
+            |instance| instance.step(0.0, 1.0),
+        ];
+        for (change, count) in changes.into_iter().zip([2.0, 3.0, 4.0]) {
+            change(&mut instance)?;
+            instance.get_output_derivatives(&[1, 2], &[1, 1], &mut rates)?;
+            assert_eq!(rates, [count; 2]);
+        }
+        Ok(())
     }
 }

@@ -1,18 +1,16 @@
-//! The model description, generated from the model's variable table.
-
-use std::fmt::{self, Display, Write};
+//! The model description, `modelDescription.xml`, written from the model's variable table.
 
 use super::logger::categories;
-use super::values::type_name;
+use super::xml::{Number, Tag, Xml};
 use crate::model::{DisplayUnit, Enumeration, Kind, Model, Role, Unit, Variable};
 
-/// `modelDescription.xml`.
+/// The text of `modelDescription.xml`.
 pub fn xml<M: Model>() -> String {
     with_guid::<M>(&guid(fingerprint::<M>()))
 }
 
-/// A number for the variable table and all else that the description says: two binaries with the
-/// same fingerprint have the same description. FNV-1a of 128 bits (Fowler, Noll and Vo, 1991).
+/// A hash of the whole description, GUID apart: binaries with the same fingerprint have the same description. FNV-1a of
+/// 128 bits (Fowler, Noll and Vo, 1991).
 pub fn fingerprint<M: Model>() -> u128 {
     const BASIS: u128 = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d;
     const PRIME: u128 = 0x0000_0000_0100_0000_0000_0000_0000_013b;
@@ -21,7 +19,8 @@ pub fn fingerprint<M: Model>() -> u128 {
     })
 }
 
-/// The GUID of a fingerprint.
+/// A fingerprint in the usual form of a GUID. `fmi2Instantiate` compares it, so that a binary never runs with another
+/// version's description.
 pub fn guid(fingerprint: u128) -> String {
     let digits = format!("{fingerprint:032x}");
     format!(
@@ -35,24 +34,23 @@ pub fn guid(fingerprint: u128) -> String {
 }
 
 fn with_guid<M: Model>(guid: &str) -> String {
-    let mut xml = Xml {
-        text: "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n".to_owned(),
-        depth: 0,
-    };
+    let mut xml = Xml::new();
     let info = M::INFO;
     xml.open(
         Tag::new("fmiModelDescription")
             .with("fmiVersion", "2.0")
             .with("modelName", info.name)
             .with("guid", guid)
-            .with("description", info.description)
-            .with("version", env!("CARGO_PKG_VERSION"))
-            .with("license", env!("CARGO_PKG_LICENSE"))
+            .with_some("description", filled(info.description))
+            .with_some("author", filled(info.author))
+            .with_some("version", filled(info.version))
+            .with_some("copyright", filled(info.copyright))
+            .with_some("license", filled(info.license))
             .with(
                 "generationTool",
                 concat!(env!("CARGO_PKG_NAME"), " ", env!("CARGO_PKG_VERSION")),
             )
-            .with("variableNamingConvention", "structured"),
+            .with("variableNamingConvention", convention::<M>()),
     );
     co_simulation::<M>(&mut xml);
     units::<M>(&mut xml);
@@ -76,7 +74,25 @@ fn with_guid<M: Model>(guid: &str) -> String {
     variables::<M>(&mut xml);
     structure::<M>(&mut xml);
     xml.close("fmiModelDescription");
-    xml.text
+    xml.text()
+}
+
+/// `structured` if all names are paths such as `bearing.film[2].pressure`, else `flat`, which allows any name.
+fn convention<M: Model>() -> &'static str {
+    let letter = |c: char| c.is_ascii_alphabetic() || c == '_';
+    let part = |part: &str| {
+        let (name, index) = part.split_once('[').unwrap_or((part, "1]"));
+        let index = index.strip_suffix(']').unwrap_or_default();
+        name.starts_with(letter)
+            && name.chars().all(|c| letter(c) || c.is_ascii_digit())
+            && index.split(',').all(|index| index.parse::<u32>().is_ok())
+    };
+    let structured = M::variables().iter().all(|v| v.name.split('.').all(part));
+    if structured { "structured" } else { "flat" }
+}
+
+fn filled(text: &str) -> Option<&str> {
+    (!text.is_empty()).then_some(text)
 }
 
 fn co_simulation<M: Model>(xml: &mut Xml) {
@@ -96,23 +112,33 @@ fn co_simulation<M: Model>(xml: &mut Xml) {
     );
 }
 
+/// The units of all variables, each once, with the display units that any of them has.
 fn units<M: Model>(xml: &mut Xml) {
-    let mut units: Vec<&Unit> = Vec::new();
-    for variable in M::variables() {
-        if let Kind::Real { unit, .. } = variable.kind
-            && units.iter().all(|other| other.name != unit.name)
-        {
-            units.push(unit);
+    let mut units: Vec<(&Unit, Vec<&DisplayUnit>)> = Vec::new();
+    for (_, variable) in listed::<M>() {
+        let Kind::Real { unit, .. } = variable.kind else {
+            continue;
+        };
+        let known = units.iter().position(|(other, _)| other.name == unit.name);
+        let place = known.unwrap_or_else(|| {
+            units.push((unit, Vec::new()));
+            units.len() - 1
+        });
+        let shown = &mut units[place].1;
+        for display in unit.display {
+            if shown.iter().all(|other| other.name != display.name) {
+                shown.push(display);
+            }
         }
     }
     if units.is_empty() {
         return;
     }
     xml.open(Tag::new("UnitDefinitions"));
-    for unit in units {
+    for (unit, shown) in units {
         xml.open(Tag::new("Unit").with("name", unit.name));
         let mut base = Tag::new("BaseUnit");
-        for (name, exponent) in ["kg", "m", "s", "K", "rad"].into_iter().zip(unit.exponents) {
+        for (name, exponent) in unit.base.named() {
             base = base.with_some(name, (exponent != 0).then_some(exponent));
         }
         xml.leaf(base);
@@ -120,7 +146,7 @@ fn units<M: Model>(xml: &mut Xml) {
             name,
             factor,
             offset,
-        } in unit.display
+        } in shown
         {
             xml.leaf(
                 Tag::new("DisplayUnit")
@@ -136,7 +162,7 @@ fn units<M: Model>(xml: &mut Xml) {
 
 fn types<M: Model>(xml: &mut Xml) {
     let mut types: Vec<&Enumeration> = Vec::new();
-    for variable in M::variables() {
+    for (_, variable) in listed::<M>() {
         if let Kind::Enumeration { of, .. } = variable.kind
             && types.iter().all(|other| other.name != of.name)
         {
@@ -173,10 +199,18 @@ fn types<M: Model>(xml: &mut Xml) {
     xml.close("TypeDefinitions");
 }
 
+/// The variables in the order of their listing, each with its value reference.
+fn listed<M: Model>() -> Vec<(usize, &'static Variable<M>)> {
+    let table = M::variables();
+    (M::listing().into_iter())
+        .filter_map(|reference| Some((reference, table.get(reference)?)))
+        .collect()
+}
+
 fn variables<M: Model>(xml: &mut Xml) {
     let initial = M::default();
     xml.open(Tag::new("ModelVariables"));
-    for (index, variable) in M::variables().iter().enumerate() {
+    for (reference, variable) in listed::<M>() {
         let continuous = matches!(variable.kind, Kind::Real { .. });
         let changing = if continuous { "continuous" } else { "discrete" };
         let (causality, variability, first) = match variable.role {
@@ -189,7 +223,7 @@ fn variables<M: Model>(xml: &mut Xml) {
         xml.open(
             Tag::new("ScalarVariable")
                 .with("name", variable.name)
-                .with("valueReference", index)
+                .with("valueReference", reference)
                 .with("description", variable.description)
                 .with("causality", causality)
                 .with("variability", variability)
@@ -201,10 +235,10 @@ fn variables<M: Model>(xml: &mut Xml) {
     xml.close("ModelVariables");
 }
 
-/// The element of a variable's type; with the start value, where the host may set one.
+/// The element that names a variable's type. It has a start value if the host may set the variable.
 fn typed<M: Model>(variable: &Variable<M>, initial: &M) -> Tag {
     let set = !matches!(variable.role, Role::Output | Role::Local);
-    let tag = Tag::new(type_name(variable));
+    let tag = Tag::new(variable.type_name());
     match &variable.kind {
         Kind::Real {
             access,
@@ -235,124 +269,40 @@ fn typed<M: Model>(variable: &Variable<M>, initial: &M) -> Tag {
 }
 
 fn structure<M: Model>(xml: &mut Xml) {
-    let table = M::variables();
-    let outputs = || {
-        table
-            .iter()
-            .enumerate()
-            .filter(|(_, v)| v.role == Role::Output)
+    let listed = listed::<M>();
+    let unknowns = |xml: &mut Xml, list: &str, known: fn(&Variable<M>, &Variable<M>) -> bool| {
+        xml.open(Tag::new(list));
+        // Indices count from 1, in the order of the listing.
+        for (index, (_, output)) in (1..).zip(&listed) {
+            if output.role == Role::Output {
+                let known =
+                    |(_, (_, other)): &(usize, &(usize, &Variable<M>))| known(output, other);
+                let dependencies = (1..).zip(&listed).filter(known);
+                let indices: Vec<_> = dependencies.map(|(index, _)| index.to_string()).collect();
+                xml.leaf(
+                    Tag::new("Unknown")
+                        .with("index", index)
+                        .with("dependencies", indices.join(" ")),
+                );
+            }
+        }
+        xml.close(list);
     };
     xml.open(Tag::new("ModelStructure"));
-    if outputs().next().is_some() {
-        xml.open(Tag::new("Outputs"));
-        for (index, variable) in outputs() {
-            let known = |name: &str| variable.depends_on.contains(&name);
-            xml.leaf(unknown(index, |_, v: &Variable<M>| known(v.name), table));
-        }
-        xml.close("Outputs");
-        // At the start, outputs may depend on parameters too. On no more inputs than later: hosts
-        // that couple FMUs take each one for a part of a loop that must be solved.
-        xml.open(Tag::new("InitialUnknowns"));
-        for (index, variable) in outputs() {
-            let known = |v: &Variable<M>| match v.role {
-                Role::Input => variable.depends_on.contains(&v.name),
-                Role::Parameter | Role::TunableParameter => true,
-                Role::Output | Role::Local => false,
-            };
-            xml.leaf(unknown(index, |_, v| known(v), table));
-        }
-        xml.close("InitialUnknowns");
+    if listed
+        .iter()
+        .any(|(_, variable)| variable.role == Role::Output)
+    {
+        unknowns(xml, "Outputs", |output, other| {
+            output.depends_on.contains(&other.name)
+        });
+        // At the start, outputs may depend on parameters, too, but on no more inputs than later: hosts that couple
+        // FMUs take each such input for a part of an algebraic loop.
+        unknowns(xml, "InitialUnknowns", |output, other| match other.role {
+            Role::Input => output.depends_on.contains(&other.name),
+            Role::Parameter | Role::TunableParameter => true,
+            Role::Output | Role::Local => false,
+        });
     }
     xml.close("ModelStructure");
-}
-
-/// An `Unknown` with the variables on which it depends. Indices count from 1.
-fn unknown<M>(
-    index: usize,
-    depends: impl Fn(usize, &Variable<M>) -> bool,
-    table: &[Variable<M>],
-) -> Tag {
-    let dependencies = table
-        .iter()
-        .enumerate()
-        .filter(|(index, variable)| depends(*index, variable))
-        .map(|(index, _)| (index + 1).to_string())
-        .collect::<Vec<_>>();
-    Tag::new("Unknown")
-        .with("index", index + 1)
-        .with("dependencies", dependencies.join(" "))
-}
-
-/// A real number as `xs:double` writes it, with all its digits.
-struct Number(f64);
-
-impl Display for Number {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{:?}", self.0)
-    }
-}
-
-/// A start tag in the making.
-struct Tag(String);
-
-impl Tag {
-    fn new(name: &str) -> Self {
-        Self(name.to_owned())
-    }
-
-    fn with(mut self, name: &str, value: impl Display) -> Self {
-        self.0
-            .push_str(&format!(" {name}=\"{}\"", escaped(&value.to_string())));
-        self
-    }
-
-    fn with_some(self, name: &str, value: Option<impl Display>) -> Self {
-        match value {
-            Some(value) => self.with(name, value),
-            None => self,
-        }
-    }
-}
-
-/// A document in the making.
-struct Xml {
-    text: String,
-    depth: usize,
-}
-
-impl Xml {
-    fn line(&mut self, line: impl Display) {
-        // Writing to a String cannot fail.
-        let _ = writeln!(self.text, "{:1$}{line}", "", 2 * self.depth);
-    }
-
-    fn open(&mut self, tag: Tag) {
-        self.line(format_args!("<{}>", tag.0));
-        self.depth += 1;
-    }
-
-    fn leaf(&mut self, tag: Tag) {
-        self.line(format_args!("<{}/>", tag.0));
-    }
-
-    fn close(&mut self, name: &str) {
-        self.depth -= 1;
-        self.line(format_args!("</{name}>"));
-    }
-}
-
-fn escaped(text: &str) -> String {
-    text.chars()
-        .fold(String::with_capacity(text.len()), |mut out, character| {
-            match character {
-                '&' => out.push_str("&amp;"),
-                '<' => out.push_str("&lt;"),
-                '>' => out.push_str("&gt;"),
-                '"' => out.push_str("&quot;"),
-                '\n' => out.push_str("&#10;"),
-                '\t' => out.push_str("&#9;"),
-                _ => out.push(character),
-            }
-            out
-        })
 }

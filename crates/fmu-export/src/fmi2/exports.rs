@@ -1,8 +1,8 @@
 //! The C functions of FMI 2.0 Co-Simulation under their own names.
 
-/// Exports a model as an FMI 2.0 Co-Simulation FMU: defines the standard's 34 C functions for it.
+/// Defines the 34 C functions of FMI 2.0 Co-Simulation for a model: `fmu_export::export!(Tank);`
 ///
-/// Once a binary, at its root: `fmi2::export!(stand::Stand);`
+/// Write it once, at the root of a crate whose `crate-type` is `["lib", "cdylib"]`.
 #[macro_export]
 macro_rules! export {
     ($model:ty) => {
@@ -68,21 +68,23 @@ macro_rules! export {
     };
 }
 
-/// The working part of [`export!`].
+/// Defines the functions that [`export!`] lists.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! export_functions {
     ($model:ty: $($name:ident = $call:ident($($argument:ident: $of:ty),*) $(-> $result:ty)?;)*) => {
-        /// The C functions of FMI 2.0 Co-Simulation. What they ask of their callers is said at
-        /// `fmi2::calls`.
+        /// The C functions of FMI 2.0 Co-Simulation. `fmu_export::fmi2::calls` says what they rely on.
         #[allow(non_snake_case, missing_docs)]
         #[allow(clippy::missing_safety_doc, clippy::too_many_arguments)]
         pub mod c_functions {
             use std::ffi::c_int;
+            // The model. If its crate has a type `Status`, too, the one below counts: it is imported by its name.
             #[allow(unused_imports)]
             use super::*;
             use $crate::fmi2::calls;
-            use $crate::fmi2::types::*;
+            use $crate::fmi2::types::{
+                Boolean, Byte, CallbackFunctions, Component, FmuState, Integer, Real, Status, Text, ValueReference,
+            };
 
             #[unsafe(no_mangle)]
             pub extern "C" fn fmi2GetTypesPlatform() -> Text {

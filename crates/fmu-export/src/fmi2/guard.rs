@@ -1,5 +1,5 @@
-//! What every call passes before it reaches an instance: is the handle ours, is no other call at
-//! work in the instance, does the state machine allow the function; and a panic stops here.
+//! The checks that every call passes before it reaches an instance: the handle is ours, no other call is at work in the
+//! instance, and the state machine allows the function. A panic in the call stops here.
 
 use std::any::Any;
 use std::cell::UnsafeCell;
@@ -12,21 +12,23 @@ use super::refusal::{Outcome, Refusal};
 use super::types::{Component, Status};
 use crate::model::Model;
 
-/// What stands at the start of everything that the host holds a handle of.
-///
-/// The number differs between kinds of object, between models, and between loaded libraries, so
-/// that a handle of another FMU is not taken for one of ours.
+/// The number at the start of every object that the host holds a handle of. It differs between kinds of object, between
+/// models, and between loaded libraries, so that a handle of another FMU is not taken for one of ours.
 pub fn magic<M: Model>(kind: u64) -> u64 {
     static ANCHOR: u8 = 0;
+    // The address differs between libraries. Every call comes through here: the rest is known at compile time.
     let library = (&raw const ANCHOR).addr() as u64;
-    M::INFO
-        .identifier
-        .bytes()
-        .fold(library ^ kind, |hash, byte| {
-            (hash ^ u64::from(byte))
-                .wrapping_mul(0x0000_0100_0000_01b3)
-                .rotate_left(23)
-        })
+    library ^ const { hash(M::INFO.identifier) } ^ kind
+}
+
+/// FNV-1a of 64 bits (Fowler, Noll and Vo, 1991).
+const fn hash(text: &str) -> u64 {
+    let (bytes, mut hash, mut at) = (text.as_bytes(), 0xcbf2_9ce4_8422_2325_u64, 0);
+    while at < bytes.len() {
+        hash = (hash ^ bytes[at] as u64).wrapping_mul(0x0000_0100_0000_01b3);
+        at += 1;
+    }
+    hash
 }
 
 /// What an `fmi2Component` points to.
@@ -40,7 +42,7 @@ pub struct Handle<M> {
 impl<M: Model> Handle<M> {
     const KIND: u64 = 0x1257_a1ce;
 
-    /// Gives an instance to the host.
+    /// Hands an instance over to the host.
     pub fn give(instance: Instance<M>) -> Component {
         Box::into_raw(Box::new(Self {
             magic: AtomicU64::new(magic::<M>(Self::KIND)),
@@ -50,7 +52,7 @@ impl<M: Model> Handle<M> {
         .cast()
     }
 
-    /// Ends an instance that the host gives back. NULL, foreign and busy handles are left alone.
+    /// Frees an instance. NULL, foreign and busy handles are left alone.
     ///
     /// # Safety
     /// The component is NULL, or points to at least eight readable bytes; one of ours is given
@@ -83,7 +85,7 @@ impl<M: Model> Handle<M> {
     }
 }
 
-/// Resets the busy flag, also when a call unwinds.
+/// Resets the busy flag when the call ends, even by a panic.
 struct Turn<'a>(&'a AtomicBool);
 
 impl Drop for Turn<'_> {
@@ -106,11 +108,11 @@ pub unsafe fn enter<M: Model>(
         return Status::Error;
     };
     if handle.busy.swap(true, Ordering::Acquire) {
-        // From a second thread, or from within the logger.
+        // A call from a second thread, or from within the logger.
         return Status::Error;
     }
     let _turn = Turn(&handle.busy);
-    // SAFETY: the busy flag makes this the only reference.
+    // SAFETY: the busy flag was clear, so this is the only reference.
     let instance = unsafe { &mut *handle.instance.get() };
     match catch_unwind(AssertUnwindSafe(|| checked(instance, function, body))) {
         Ok(status) => status,

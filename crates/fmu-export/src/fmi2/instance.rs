@@ -1,4 +1,4 @@
-//! One instance: a model on its way through the phases of a simulation.
+//! An instance: a model in one of the phases of a simulation.
 
 use std::ffi::{CString, c_int};
 use std::path::{Path, PathBuf};
@@ -13,13 +13,13 @@ use crate::model::{Experiment, Fault, Model};
 
 /// All that belongs to one instance.
 pub struct Instance<M> {
-    /// The way to the host's log.
+    /// Sends messages to the host.
     pub logger: Logger,
-    /// The run: all that a saved state holds.
+    /// The model with its phase and times: what a saved state holds.
     pub run: Run<M>,
-    /// The texts that the host was given, one place a variable.
+    /// The text that the host last got of each variable. The host reads it until it asks again.
     pub texts: Vec<Option<CString>>,
-    /// Which variable table this is: see [`description::fingerprint`].
+    /// The description's [fingerprint](description::fingerprint): states of another version are refused by it.
     pub fingerprint: u128,
     resources: Option<PathBuf>,
 }
@@ -27,23 +27,26 @@ pub struct Instance<M> {
 /// The part of an instance that a saved state holds.
 #[derive(Clone)]
 pub struct Run<M> {
-    /// Where the instance is in its life.
+    /// The phase of the simulation.
     pub phase: Phase,
-    /// The model; in initialization mode, the model as `seed` makes it.
+    /// The model. In initialization mode: a copy of `seed`, initialised.
     pub model: M,
-    /// In initialization mode: the model as it was configured, but not initialised.
+    /// In initialization mode, the model as the host has configured it. It is kept so that the host may set another
+    /// parameter after it has read an output.
     pub seed: Option<M>,
-    /// Whether something was set since the model was last evaluated.
+    /// Whether something was set since the outputs were last computed.
     pub stale: bool,
+    /// Whether the model has computed its outputs' rates since something last changed.
+    pub differentiated: bool,
     /// Whether an input has a slope for the next step.
     pub sloped: bool,
     /// The present communication point, s.
     pub time: f64,
     /// The start time, s.
     pub start: f64,
-    /// The stop time, s, where the host named one.
+    /// The stop time, s, if the host has set one.
     pub stop: Option<f64>,
-    /// The relative tolerance, where the host named one.
+    /// The relative tolerance, if the host has set one.
     pub tolerance: Option<f64>,
     /// How the last step ended.
     pub last_step: Status,
@@ -56,6 +59,7 @@ impl<M: Model> Default for Run<M> {
             model: M::default(),
             seed: None,
             stale: false,
+            differentiated: false,
             sloped: false,
             time: 0.0,
             start: 0.0,
@@ -66,7 +70,7 @@ impl<M: Model> Default for Run<M> {
     }
 }
 
-/// What the host says when it makes an instance.
+/// The arguments of `fmi2Instantiate`.
 pub struct Request<'a> {
     pub name: &'a str,
     pub kind: c_int,
@@ -76,7 +80,7 @@ pub struct Request<'a> {
 }
 
 impl<M: Model> Instance<M> {
-    /// Makes an instance. Why not, where not, goes to the host's log.
+    /// Makes an instance, or logs why the request is refused.
     pub fn new(request: &Request<'_>, callbacks: &CallbackFunctions) -> Option<Self> {
         let logger = Logger::new(callbacks, logger::c_string(request.name), request.logging);
         let fingerprint = description::fingerprint::<M>();
@@ -88,7 +92,7 @@ impl<M: Model> Instance<M> {
         let folder = uri.and_then(resources::folder);
         if let (Some(uri), None) = (uri, &folder) {
             let message =
-                format!("fmi2Instantiate: {uri} is no local folder; going on without resources");
+                format!("fmi2Instantiate: {uri} is not a local folder; going on without resources");
             logger.send(Status::Warning, "logStatusWarning", &message);
         }
         Some(Self {
@@ -100,12 +104,12 @@ impl<M: Model> Instance<M> {
         })
     }
 
-    /// Where the instance is in its life.
+    /// The phase of the simulation.
     pub fn phase(&self) -> Phase {
         self.run.phase
     }
 
-    /// After a panic: nothing works any more.
+    /// Refuses every further call, after a panic.
     pub fn poison(&mut self) {
         self.run.phase = Phase::Fatal;
     }
@@ -119,7 +123,7 @@ impl<M: Model> Instance<M> {
     /// `fmi2SetupExperiment`.
     pub fn setup(&mut self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Outcome {
         finite("startTime", start)?;
-        // Simulink, for one, calls a simulation without an end one that stops at infinity.
+        // Some hosts, Simulink for one, pass infinity when a simulation has no end.
         let stop = stop.filter(|stop| *stop != f64::INFINITY);
         if let Some(stop) = stop {
             let why = "it must not be earlier than startTime";
@@ -141,8 +145,8 @@ impl<M: Model> Instance<M> {
         Ok(Status::Ok)
     }
 
-    /// `fmi2EnterInitializationMode`. The model is initialised as late as possible, so that the
-    /// host may still set parameters.
+    /// `fmi2EnterInitializationMode`. The model is initialised when the first value is read or the mode is left, as the
+    /// host may set more parameters until then.
     pub fn enter_initialization(&mut self) -> Outcome {
         self.run.seed = Some(self.run.model.clone());
         self.run.stale = true;
@@ -183,6 +187,7 @@ impl<M: Model> Instance<M> {
         )?;
         self.check_times(from, step)?;
         self.refresh()?;
+        self.run.differentiated = false;
         let result = self.run.model.advance(from, step, &mut self.logger);
         match &result {
             Ok(()) => {
@@ -202,9 +207,11 @@ impl<M: Model> Instance<M> {
         result.map(|()| Status::Ok).map_err(Refusal::Step)
     }
 
-    /// Hosts compute their times by adding up steps, by multiplying, or in single precision: what
-    /// counts is that no step is left out or done twice, and that none ends after the stop time.
-    /// Half a step away is another point, unless neighbouring numbers are as far apart.
+    /// Checks that the step begins where the last one ended, and ends by the stop time.
+    ///
+    /// Hosts compute their times by adding up steps, by multiplying, or in single precision, so the times need not be
+    /// equal. They must be near enough that no step is left out or made twice: less than half a step apart, or than
+    /// the spacing of floating-point numbers, if that is more.
     fn check_times(&self, from: f64, step: f64) -> Outcome<()> {
         let time = from.abs().max(self.run.time.abs());
         let near = (1e-3 * step + 1e-6 * time)
@@ -214,7 +221,7 @@ impl<M: Model> Instance<M> {
             return Err(Refusal::Argument {
                 name: "currentCommunicationPoint",
                 value: format!("{from:?}"),
-                why: "the step must begin where the last one ended",
+                why: "a step must begin where the last one ended",
             });
         }
         let Some(stop) = self.run.stop else {
@@ -224,18 +231,23 @@ impl<M: Model> Instance<M> {
             return Err(Refusal::Argument {
                 name: "communicationStepSize",
                 value: format!("{step:?}"),
-                why: "the step would end after the stop time given to fmi2SetupExperiment",
+                why: "the step would end after the stop time that was given to fmi2SetupExperiment",
             });
         }
         Ok(())
     }
 
-    /// Brings the model's outputs up to date with what was set. After this, `run.model` is
-    /// consistent in every phase in which values can be read.
+    /// Recomputes the outputs if something was set. After this, `run.model` is up to date in every phase in which values
+    /// can be read.
+    #[inline]
     pub fn refresh(&mut self) -> Outcome<()> {
         if !self.run.stale {
             return Ok(());
         }
+        self.recompute()
+    }
+
+    fn recompute(&mut self) -> Outcome<()> {
         match self.run.phase {
             Phase::Initialization => {
                 if let Some(seed) = self.run.seed.clone() {
@@ -243,22 +255,22 @@ impl<M: Model> Instance<M> {
                 }
             }
             Phase::StepComplete => self.run.model.update()?,
-            // What was set before the initialization is evaluated by it; after the end nothing is.
+            // Before the initialization, which computes the outputs anyway, and after the end.
             _ => return Ok(()),
         }
         self.run.stale = false;
+        self.run.differentiated = false;
         Ok(())
     }
 
-    /// A configured model, initialised for this experiment.
+    /// Initialises a configured model for this experiment.
     fn initialised(&mut self, mut model: M) -> Outcome<M> {
         let experiment = self.run.experiment(self.resources.as_deref());
         model.initialise(&experiment, &mut self.logger)?;
         Ok(model)
     }
 
-    /// A copy of the model with something set on it by `change`, evaluated: initialised in
-    /// initialization mode, updated later.
+    /// A copy of the model after `change`, with its outputs: initialised in initialization mode, updated later.
     pub fn variant(&self, change: impl FnOnce(&mut M)) -> Outcome<M> {
         let mut model = self.run.seed.as_ref().unwrap_or(&self.run.model).clone();
         change(&mut model);
@@ -287,21 +299,21 @@ fn check(request: &Request<'_>, fingerprint: u128) -> Outcome<()> {
         return Err(Refusal::Argument {
             name: "instanceName",
             value: format!("{:?}", request.name),
-            why: "an instance needs a name",
+            why: "it must not be empty",
         });
     }
     if request.kind != CO_SIMULATION {
         return Err(Refusal::Argument {
             name: "fmuType",
             value: request.kind.to_string(),
-            why: "this FMU is for Co-Simulation (1) only",
+            why: "this FMU supports Co-Simulation (1) only",
         });
     }
     if request.guid != description::guid(fingerprint) {
         return Err(Refusal::Argument {
             name: "fmuGUID",
             value: request.guid.to_owned(),
-            why: "the modelDescription.xml in use does not belong to this binary",
+            why: "the modelDescription.xml in use does not belong to this binary; unpack the FMU again",
         });
     }
     Ok(())

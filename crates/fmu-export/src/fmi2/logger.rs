@@ -1,4 +1,4 @@
-//! The log: what goes to the host's logger callback, and what is kept back.
+//! Messages to the host's logger callback.
 
 use std::ffi::CString;
 use std::fmt;
@@ -7,22 +7,28 @@ use super::refusal::Refusal;
 use super::types::{CallbackFunctions, CallbackLogger, ComponentEnvironment, Status};
 use crate::model::{Log, Model};
 
-/// Categories of the boundary itself, beside the model's own. The names are the standard's.
+/// The boundary's own log categories, with the names of the standard.
 const CATEGORIES: &[(&str, &str)] = &[
     (
         "logStatusWarning",
-        "What is odd, but does not stop the simulation.",
+        "Oddities that do not stop the simulation.",
     ),
     (
         "logStatusDiscard",
-        "Why a step or a request could not be carried out.",
+        "Steps and requests that could not be carried out, and why.",
     ),
-    ("logStatusError", "Why a call was refused or failed."),
-    ("logStatusFatal", "Why an instance became unusable."),
+    (
+        "logStatusError",
+        "Calls that were refused or failed, and why.",
+    ),
+    (
+        "logStatusFatal",
+        "Internal errors, after which an instance is unusable.",
+    ),
     ("logAll", "All messages."),
 ];
 
-/// All categories of an FMU: the boundary's, then those that only the model has.
+/// All log categories of an FMU: the boundary's, then the model's own.
 pub fn categories<M: Model>() -> impl Iterator<Item = (&'static str, &'static str)> {
     let own = |name: &str| CATEGORIES.iter().any(|(category, _)| *category == name);
     let models = M::INFO
@@ -32,21 +38,20 @@ pub fn categories<M: Model>() -> impl Iterator<Item = (&'static str, &'static st
     CATEGORIES.iter().chain(models).copied()
 }
 
-/// An instance's way to the host's logger.
+/// Sends an instance's messages to the host's logger.
 ///
-/// Messages of status warning and worse always go to the host; the model's messages go while
-/// debug logging is on and their category is chosen.
+/// Warnings and errors are always sent; the model's messages only while debug logging is on and their category is chosen.
 pub struct Logger {
     callback: Option<CallbackLogger>,
     environment: ComponentEnvironment,
     instance: CString,
     on: bool,
-    /// The chosen categories; `None` stands for all.
+    /// The chosen categories; `None` for all.
     chosen: Option<Vec<&'static str>>,
 }
 
 impl Logger {
-    /// Copies what it needs of the callbacks: hosts may keep that struct on their stack.
+    /// A logger for these callbacks. They are copied, as hosts may keep the struct on their stack.
     pub fn new(callbacks: &CallbackFunctions, instance: CString, on: bool) -> Self {
         Self {
             callback: callbacks.logger,
@@ -57,7 +62,7 @@ impl Logger {
         }
     }
 
-    /// Switches debug logging; without categories, for all.
+    /// Switches debug logging on or off, for the chosen categories or, if none is chosen, for all.
     pub fn switch<M: Model>(&mut self, on: bool, chosen: &[&str]) -> Result<(), Refusal> {
         let chosen = chosen
             .iter()
@@ -73,7 +78,7 @@ impl Logger {
         Ok(())
     }
 
-    /// Sends a message with a status. The message is data, never a format.
+    /// Sends a message with a status. It is an argument of the format `%s`, so that a `%` in it does no harm.
     pub fn send(&self, status: Status, category: &str, message: &str) {
         let Some(callback) = self.callback else {
             return;
@@ -93,7 +98,7 @@ impl Logger {
         }
     }
 
-    /// Tells the host why a call of `function` is refused.
+    /// Sends the reason why a call of `function` is refused.
     pub fn refuse(&self, function: &str, refusal: &Refusal) {
         let status = refusal.status();
         let category = if status == Status::Discard {

@@ -1,5 +1,5 @@
-//! The state machine of FMI 2.0 Co-Simulation (standard 2.0.4, section 4.2.4): which function may
-//! be called in which phase of an instance's life.
+//! The state machine of FMI 2.0 Co-Simulation (standard 2.0.4, section 4.2.4): which functions may be called in which
+//! phase of an instance's life.
 
 use std::fmt;
 
@@ -18,9 +18,9 @@ pub enum Phase {
     StepFailed,
     /// After `fmi2Terminate`.
     Terminated,
-    /// After a failed computation: save for debugging reads, restore, reset or free.
+    /// After a failed computation. Values can be read for debugging; else restore, reset or free.
     Error,
-    /// After a panic: only free.
+    /// After a panic. The instance can only be freed.
     Fatal,
 }
 
@@ -42,13 +42,23 @@ impl fmt::Display for Phase {
 pub struct Function {
     /// The C name.
     pub name: &'static str,
-    phases: &'static [Phase],
+    /// A bit for each phase.
+    phases: u8,
 }
 
 impl Function {
+    const fn new(name: &'static str, phases: &[Phase]) -> Self {
+        let (mut bits, mut at) = (0, 0);
+        while at < phases.len() {
+            bits |= 1 << phases[at] as u8;
+            at += 1;
+        }
+        Self { name, phases: bits }
+    }
+
     /// Whether the function may be called in this phase.
     pub fn allowed_in(&self, phase: Phase) -> bool {
-        self.phases.contains(&phase)
+        self.phases & (1 << phase as u8) != 0
     }
 }
 
@@ -67,7 +77,7 @@ const SETTABLE: &[Phase] = &[Instantiated, Initialization, StepComplete];
 
 macro_rules! functions {
     ($($constant:ident $name:ident $phases:expr;)*) => {
-        $(pub const $constant: Function = Function { name: stringify!($name), phases: $phases };)*
+        $(pub const $constant: Function = Function::new(stringify!($name), $phases);)*
     };
 }
 

@@ -1,4 +1,4 @@
-//! Why a call is refused, in words for the person at the host.
+//! Why a call is refused: the messages that users of an FMU read in their simulation tool.
 
 use thiserror::Error;
 
@@ -9,48 +9,56 @@ use crate::model::Fault;
 /// How a call ends.
 pub type Outcome<T = Status> = Result<T, Refusal>;
 
-/// Why a call is refused. But for a failed step, nothing has changed.
+/// Why a call is refused. The instance is as before the call, unless a computation failed.
 #[derive(Debug, Error)]
 pub enum Refusal {
-    #[error("not allowed {0}")]
+    #[error("this function must not be called {0}")]
     Phase(Phase),
-    #[error("argument {0} is NULL")]
+    #[error("`{0}` is NULL")]
     Null(&'static str),
-    #[error("argument {0} is not a pointer to what it should be")]
-    Pointer(&'static str),
-    #[error("argument {name} = {value} is not usable: {why}")]
+    #[error("`{0}` is NULL although n > 0")]
+    NullArray(&'static str),
+    #[error("`{name}` cannot point to n = {n} values, which are more than any memory holds")]
+    TooMany { name: &'static str, n: usize },
+    #[error("`{0}` is misaligned for its type")]
+    Misaligned(&'static str),
+    #[error("`{0}` is not a handle that this FMU gave, or it was freed")]
+    Foreign(&'static str),
+    #[error("`{name}` = {value}: {why}")]
     Argument {
         name: &'static str,
         value: String,
         why: &'static str,
     },
-    #[error("there is no variable with value reference {0}")]
+    #[error("no variable has the value reference {0}")]
     UnknownReference(ValueReference),
-    #[error("variable {name} is of type {is}, not {asked}")]
+    #[error("{name} is of type {is}, not {asked}")]
     Type {
         name: &'static str,
         is: &'static str,
         asked: &'static str,
     },
-    #[error("variable {name} is {role}, which cannot be set {phase}")]
+    #[error("{name} is {role}, which cannot be set {phase}")]
     NotSettable {
         name: &'static str,
         role: &'static str,
         phase: Phase,
     },
-    #[error("variable {name} cannot be set to {value}: it must be {allowed}")]
+    #[error("{name} cannot be set to {value}: it must be {allowed}")]
     Value {
         name: &'static str,
         value: String,
         allowed: String,
     },
-    #[error("variable {name}: {why}")]
+    #[error("{name}: {why}")]
     Derivative { name: &'static str, why: String },
-    #[error("log category {0:?} is unknown; the model description lists those there are")]
+    #[error(
+        "log category {0:?} is unknown; LogCategories in modelDescription.xml lists the known ones"
+    )]
     Category(String),
-    #[error("these bytes are not a saved state of this FMU: {0}")]
+    #[error("the bytes are not a saved state of this FMU: {0}")]
     Bytes(String),
-    #[error("the size {given} does not fit the saved state, which takes {needed} bytes")]
+    #[error("`size` = {given}: the saved state takes {needed} bytes")]
     Size { given: usize, needed: usize },
     #[error("{0}")]
     Unsupported(&'static str),

@@ -1,10 +1,9 @@
-//! The folder of the resources, from the URI that the host passes (RFC 8089).
+//! The resources' folder from the URI that the host passes (RFC 8089).
 
 use std::path::PathBuf;
 
-/// The folder that a URI such as `file:/a`, `file:///a%20b` or `file://localhost/a` names.
-/// Hosts that pass a plain absolute path are understood too. `None`: not a local folder, or one
-/// whose name was no UTF-8.
+/// The folder that a URI such as `file:/a`, `file:///a%20b` or `file://localhost/a` names. Some hosts pass a plain
+/// absolute path, which is taken, too. `None` if it is not a local folder, or not in UTF-8.
 pub fn folder(uri: &str) -> Option<PathBuf> {
     if uri.contains(char::REPLACEMENT_CHARACTER) {
         return None;
@@ -18,13 +17,13 @@ pub fn folder(uri: &str) -> Option<PathBuf> {
     folder.is_absolute().then_some(folder)
 }
 
-/// What follows `file:`, in any case.
+/// The part after `file:`, which may be in capitals.
 fn scheme(uri: &str) -> Option<&str> {
     let (scheme, rest) = uri.split_at_checked(5)?;
     scheme.eq_ignore_ascii_case("file:").then_some(rest)
 }
 
-/// The path after an authority, which must be this machine.
+/// The path after the host's name, which must be this machine's.
 fn local_path(rest: &str) -> Option<&str> {
     let Some(authority) = rest.strip_prefix("//") else {
         return Some(rest);
@@ -53,7 +52,7 @@ fn decode(text: &str) -> Option<String> {
     String::from_utf8(bytes).ok()
 }
 
-/// `/C:/folder` is `C:/folder` where drives have letters.
+/// On Windows, `/C:/folder` without its first slash.
 fn without_slash_before_drive(path: &str) -> &str {
     match path.as_bytes() {
         [b'/', drive, b':', ..] if cfg!(windows) && drive.is_ascii_alphabetic() => &path[1..],
@@ -80,7 +79,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_local_folder() {
+    fn other_uris_name_no_local_folder() {
         for uri in [
             "",
             "file:",

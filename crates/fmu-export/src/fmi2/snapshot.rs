@@ -1,7 +1,7 @@
-//! Saved states: as a handle within the process, and as bytes that another process can take.
+//! Saved states: as a handle within the process, and as bytes that another process can read.
 //!
-//! The bytes are, little-endian: `FMUSTATE`, the format's version (2 bytes), the fingerprint of
-//! the variable table (16), the length of the rest (8), its CRC-32 (4), the rest.
+//! The bytes are, little-endian: `FMUSTATE`, the format's version (2 bytes), the description's fingerprint (16), the
+//! length of the rest (8), its CRC-32 (4), the rest.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -42,11 +42,11 @@ impl<M: Model> Saved<M> {
             return Err(Refusal::Null("FMUstate"));
         }
         if !first.is_aligned() {
-            return Err(Refusal::Pointer("FMUstate"));
+            return Err(Refusal::Misaligned("FMUstate"));
         }
         // SAFETY: not NULL, aligned, readable.
         if unsafe { &*first }.load(Ordering::Relaxed) != magic::<M>(Self::KIND) {
-            return Err(Refusal::Pointer("FMUstate"));
+            return Err(Refusal::Foreign("FMUstate"));
         }
         // SAFETY: the number is written by `give` only, in front of a state of this type.
         Ok(unsafe { &*state.cast::<Self>() })
@@ -54,7 +54,7 @@ impl<M: Model> Saved<M> {
 }
 
 impl<M: Model> Instance<M> {
-    /// `fmi2GetFMUstate`: saves the state in the place of an earlier one, where there is one.
+    /// `fmi2GetFMUstate`: saves the state, in place of an earlier one if `place` holds one.
     ///
     /// # Safety
     /// `place` holds NULL or a state of this FMU that was not freed and that no other call uses.
@@ -107,14 +107,15 @@ impl<M: Model> Instance<M> {
         encode(&unsafe { Saved::<M>::find(state) }?.run, self.fingerprint)
     }
 
-    /// `fmi2DeSerializeFMUstate`: makes a saved state of bytes. The place is only written to.
+    /// `fmi2DeSerializeFMUstate`: makes a saved state of bytes. What `place` held before is not read, as the standard
+    /// does not say that the host initialises it.
     pub fn deserialize(&self, bytes: &[u8], place: &mut FmuState) -> Outcome {
         *place = Saved::<M>::give(decode(bytes, self.fingerprint)?);
         Ok(Status::Ok)
     }
 }
 
-/// A run as it is written down.
+/// A run as it is serialised.
 #[derive(Serialize, Deserialize)]
 struct Record {
     phase: Phase,
@@ -141,8 +142,8 @@ fn encode<M: Model>(run: &Run<M>, fingerprint: u128) -> Outcome<Vec<u8>> {
         tolerance: run.tolerance,
         discarded: run.last_step == Status::Discard,
         failed: run.last_step == Status::Error,
-        model: run.model.save(),
-        seed: run.seed.as_ref().map(Model::save),
+        model: run.model.save()?,
+        seed: run.seed.as_ref().map(Model::save).transpose()?,
     };
     let rest = postcard::to_stdvec(&record).map_err(|error| Refusal::Bytes(error.to_string()))?;
     let mut bytes = Vec::with_capacity(HEADER + rest.len());
@@ -162,6 +163,7 @@ fn decode<M: Model>(bytes: &[u8], fingerprint: u128) -> Outcome<Run<M>> {
         model: model(&record.model)?,
         seed: record.seed.as_deref().map(model).transpose()?,
         stale: record.stale,
+        differentiated: false,
         sloped: record.sloped,
         time: record.time,
         start: record.start,
@@ -179,31 +181,33 @@ fn decode<M: Model>(bytes: &[u8], fingerprint: u128) -> Outcome<Run<M>> {
     if plausible {
         Ok(run)
     } else {
-        Err(broken("it contradicts itself"))
+        Err(broken("its parts contradict each other"))
     }
 }
 
-/// Checks the head and the checksum, then reads the rest.
+/// Checks the header and the checksum, then reads the rest.
 fn read(bytes: &[u8], fingerprint: u128) -> Outcome<Record> {
     let (mark, bytes) = take::<8>(bytes)?;
     if mark != *MARK {
-        return Err(broken("they do not begin as one"));
+        return Err(broken("they do not begin with FMUSTATE"));
     }
     let (version, bytes) = take(bytes)?;
     if u16::from_le_bytes(version) != VERSION {
-        return Err(broken("another version of the FMU wrote them"));
+        return Err(broken("they are of another version of the format"));
     }
     let (table, bytes) = take(bytes)?;
     if u128::from_le_bytes(table) != fingerprint {
-        return Err(broken("another FMU, or another version, wrote them"));
+        return Err(broken(
+            "another FMU, or another version of this one, wrote them",
+        ));
     }
     let (length, bytes) = take(bytes)?;
     let (checksum, rest) = take(bytes)?;
     if u64::from_le_bytes(length) != rest.len() as u64 {
-        return Err(broken("their number is wrong"));
+        return Err(broken("some are missing, or there are too many"));
     }
     if u32::from_le_bytes(checksum) != crc32fast::hash(rest) {
-        return Err(broken("they are damaged: the checksum differs"));
+        return Err(broken("they are damaged: the checksum is wrong"));
     }
     postcard::from_bytes(rest).map_err(|error| broken(&error.to_string()))
 }
@@ -212,7 +216,7 @@ fn take<const N: usize>(bytes: &[u8]) -> Outcome<([u8; N], &[u8])> {
     bytes
         .split_first_chunk::<N>()
         .map(|(first, rest)| (*first, rest))
-        .ok_or_else(|| broken("there are too few"))
+        .ok_or_else(|| broken("some are missing"))
 }
 
 fn model<M: Model>(bytes: &[u8]) -> Outcome<M> {

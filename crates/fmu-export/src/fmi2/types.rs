@@ -35,13 +35,13 @@ pub const LAST_SUCCESSFUL_TIME: c_int = 2;
 /// `fmi2Terminated` of `fmi2StatusKind`.
 pub const TERMINATED: c_int = 3;
 
-/// `fmi2Status`: how a call ended.
+/// `fmi2Status`: how a call has ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(i32)]
 pub enum Status {
-    /// All is well.
+    /// The call succeeded.
     Ok = 0,
-    /// Something is odd, but the simulation can go on.
+    /// The call succeeded, but something needs a look.
     Warning = 1,
     /// The step could not be computed; the state is as before it.
     Discard = 2,
@@ -49,7 +49,7 @@ pub enum Status {
     Error = 3,
     /// The instance is unusable.
     Fatal = 4,
-    /// Asynchronous steps only, which this boundary has none of.
+    /// The step is still being computed. Never returned: steps are synchronous.
     Pending = 5,
 }
 
@@ -61,7 +61,7 @@ pub type CallbackLogger = unsafe extern "C" fn(ComponentEnvironment, Text, Statu
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct CallbackFunctions {
-    /// Takes log messages; may be missing.
+    /// Takes log messages; may be NULL.
     pub logger: Option<CallbackLogger>,
     /// Not used.
     pub allocate_memory: Option<unsafe extern "C" fn(usize, usize) -> *mut c_void>,

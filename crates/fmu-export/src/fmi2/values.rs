@@ -18,22 +18,11 @@ pub fn variable<M: Model>(reference: ValueReference) -> Outcome<&'static Variabl
         .ok_or(Refusal::UnknownReference(reference))
 }
 
-/// The name of a variable's type.
-pub fn type_name<M>(variable: &Variable<M>) -> &'static str {
-    match variable.kind {
-        Kind::Real { .. } => "Real",
-        Kind::Integer { .. } => "Integer",
-        Kind::Boolean { .. } => "Boolean",
-        Kind::Enumeration { .. } => "Enumeration",
-        Kind::String { .. } => "String",
-    }
-}
-
 /// The refusal for a variable of another type than the function's.
 pub fn wrong_type<M>(variable: &Variable<M>, asked: &'static str) -> Refusal {
     Refusal::Type {
         name: variable.name,
-        is: type_name(variable),
+        is: variable.type_name(),
         asked,
     }
 }
@@ -98,7 +87,7 @@ impl<M: Model> Instance<M> {
         })
     }
 
-    /// `fmi2GetString`. A text stays where it is until the variable's text changes and is read again.
+    /// `fmi2GetString`. The host may keep the pointer to a text until it reads the same variable again.
     pub fn get_string(&mut self, references: &[ValueReference], values: &mut [Text]) -> Outcome {
         let mut texts = vec![CString::default(); references.len()];
         self.get(references, &mut texts, |variable, model| {
@@ -119,7 +108,7 @@ impl<M: Model> Instance<M> {
         Ok(Status::Ok)
     }
 
-    /// Checks all values with `put`, then writes them all with it: a refused call changes nothing.
+    /// Checks all values with `put`, then writes them all: a call that is refused changes nothing.
     fn set<T: Copy>(
         &mut self,
         references: &[ValueReference],
@@ -136,6 +125,7 @@ impl<M: Model> Instance<M> {
             put(variable::<M>(*reference)?, *value, Some(model))?;
         }
         self.run.stale = true;
+        self.run.differentiated = false;
         Ok(Status::Ok)
     }
 
@@ -211,7 +201,7 @@ impl<M: Model> Instance<M> {
     }
 }
 
-/// Writes a checked value, if there is a model to write it to.
+/// Writes a checked value if there is a model to write it to; else checks that it could be written.
 fn write<M, T: ?Sized, R>(
     variable: &Variable<M>,
     access: &Access<M, T, R>,
@@ -220,8 +210,8 @@ fn write<M, T: ?Sized, R>(
 ) -> Outcome<()> {
     let set = access.set.ok_or_else(|| Refusal::Value {
         name: variable.name,
-        value: "anything".to_owned(),
-        allowed: "left alone: the model computes it".to_owned(),
+        value: "a value".to_owned(),
+        allowed: "left alone, as the model computes it".to_owned(),
     })?;
     if let Some(model) = model {
         set(model, value);
@@ -229,7 +219,7 @@ fn write<M, T: ?Sized, R>(
     Ok(())
 }
 
-/// Whether a value is within its bounds, where there are any.
+/// Whether a value lies within the bounds, if there are any.
 pub fn inside<T: PartialOrd>(value: T, min: Option<T>, max: Option<T>) -> bool {
     min.is_none_or(|min| value >= min) && max.is_none_or(|max| value <= max)
 }

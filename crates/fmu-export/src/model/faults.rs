@@ -1,0 +1,212 @@
+//! A check of what a model declares: for a model's tests, and before it is packaged.
+
+use std::collections::HashMap;
+use std::fmt::Debug;
+
+use super::{Access, DisplayUnit, Enumeration, Info, Kind, Model, Role, Unit, Variable};
+
+/// The mistakes in a model's [`Info`] and variable table, a sentence each; none for a sound model.
+///
+/// ```
+/// # use fmu_export::model::{Experiment, Fault, Info, Log, Model, Variable, faults};
+/// # #[derive(Clone, Default, serde::Serialize, serde::Deserialize)]
+/// # struct Tank;
+/// # impl Model for Tank {
+/// #     const INFO: Info = fmu_export::info!();
+/// #     fn variables() -> &'static [Variable<Self>] { &[] }
+/// #     fn initialise(&mut self, _: &Experiment<'_>, _: &mut dyn Log) -> Result<(), Fault> { Ok(()) }
+/// #     fn advance(&mut self, _: f64, _: f64, _: &mut dyn Log) -> Result<(), Fault> { Ok(()) }
+/// # }
+/// assert_eq!(faults::<Tank>(), Vec::<String>::new());
+/// ```
+pub fn faults<M: Model>() -> Vec<String> {
+    let mut faults = Vec::new();
+    check_info(&M::INFO, &mut faults);
+    check_listing::<M>(&mut faults);
+    check_names::<M>(&mut faults);
+    check_definitions::<M>(&mut faults);
+    let start = M::default();
+    for variable in M::variables() {
+        let mut fault = |text: String| faults.push(format!("{}: {text}", variable.name));
+        check_role(variable, &mut fault);
+        check_kind(variable, &start, &mut fault);
+    }
+    let restored = start.save().and_then(|bytes| M::default().restore(&bytes));
+    if let Err(fault) = restored {
+        faults.push(format!("a state that is saved and restored: {fault}"));
+    }
+    faults
+}
+
+fn check_info(info: &Info, faults: &mut Vec<String>) {
+    let mut characters = info.identifier.chars();
+    let first = |c: char| c.is_ascii_alphabetic() || c == '_';
+    let valid = characters.next().is_some_and(first)
+        && characters.all(|c| c.is_ascii_alphanumeric() || c == '_');
+    if !valid {
+        let identifier = info.identifier;
+        faults.push(format!(
+            "the identifier {identifier:?} is not a C identifier"
+        ));
+    }
+    for (name, value) in [
+        ("default_step", info.default_step),
+        ("default_stop", info.default_stop),
+        ("default_tolerance", info.default_tolerance),
+    ] {
+        if !(value > 0.0 && value.is_finite()) {
+            faults.push(format!("{name} = {value}: it must be a number above 0"));
+        }
+    }
+}
+
+fn check_listing<M: Model>(faults: &mut Vec<String>) {
+    let mut listing = M::listing();
+    listing.sort_unstable();
+    if !listing.into_iter().eq(0..M::variables().len()) {
+        faults.push("the listing does not name every variable once".to_owned());
+    }
+}
+
+fn check_names<M: Model>(faults: &mut Vec<String>) {
+    let mut roles = HashMap::new();
+    for variable in M::variables() {
+        if variable.name.is_empty() {
+            faults.push("a variable has no name".to_owned());
+        } else if roles.insert(variable.name, variable.role).is_some() {
+            faults.push(format!("{}: two variables have this name", variable.name));
+        }
+    }
+    for variable in M::variables() {
+        for input in variable.depends_on {
+            if roles.get(input) != Some(&Role::Input) {
+                let name = variable.name;
+                faults.push(format!(
+                    "{name}: it depends on {input:?}, which is not an input"
+                ));
+            }
+        }
+    }
+}
+
+/// The description defines a unit, a display unit and an enumeration once for each name, so that two of the same name
+/// must be alike.
+fn check_definitions<M: Model>(faults: &mut Vec<String>) {
+    let mut units: HashMap<&str, &Unit> = HashMap::new();
+    let mut displays: HashMap<(&str, &str), &DisplayUnit> = HashMap::new();
+    let mut types: HashMap<&str, &Enumeration> = HashMap::new();
+    for variable in M::variables() {
+        match variable.kind {
+            Kind::Real { unit, .. } => {
+                if units.entry(unit.name).or_insert(unit).base != unit.base {
+                    faults.push(format!("there are two units {}", unit.name));
+                }
+                for display in unit.display {
+                    let place = (unit.name, display.name);
+                    if *displays.entry(place).or_insert(display) != display {
+                        faults.push(format!(
+                            "{} has two display units {}",
+                            unit.name, display.name
+                        ));
+                    }
+                }
+            }
+            Kind::Enumeration { of, .. } => {
+                if *types.entry(of.name).or_insert(of) != of {
+                    faults.push(format!("there are two enumerations {}", of.name));
+                }
+                if M::variables().iter().any(|other| other.name == of.name) {
+                    faults.push(format!(
+                        "a variable and an enumeration are called {}",
+                        of.name
+                    ));
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
+fn check_role<M>(variable: &Variable<M>, fault: &mut impl FnMut(String)) {
+    let set = match &variable.kind {
+        Kind::Real { access, .. } => access.set.is_some(),
+        Kind::Integer { access, .. } | Kind::Enumeration { access, .. } => access.set.is_some(),
+        Kind::Boolean { access } => access.set.is_some(),
+        Kind::String { access } => access.set.is_some(),
+    };
+    match (variable.role, set) {
+        (Role::Output | Role::Local, true) => {
+            fault("the model computes it, so that it cannot be set".to_owned());
+        }
+        (Role::Input | Role::Parameter | Role::TunableParameter, false) => {
+            fault("hosts set it, so that it must be possible to set it".to_owned());
+        }
+        _ => {}
+    }
+    if variable.role != Role::Output && !variable.depends_on.is_empty() {
+        fault("only outputs have dependencies".to_owned());
+    }
+}
+
+fn check_kind<M>(variable: &Variable<M>, start: &M, fault: &mut impl FnMut(String)) {
+    match &variable.kind {
+        Kind::Real {
+            access,
+            unit,
+            display,
+            min,
+            max,
+            nominal,
+            slope,
+            derivative,
+        } => {
+            check_range(access, start, *min, *max, fault);
+            let numbers = [*min, *max, *nominal, Some((access.get)(start))];
+            let settable = access.set.is_some();
+            if settable && numbers.into_iter().flatten().any(|x| !x.is_finite()) {
+                fault("its start value, range and nominal value must be finite".to_owned());
+            }
+            if let Some(display) = display
+                && unit.display.iter().all(|known| known.name != *display)
+            {
+                fault(format!("{display} is not a display unit of {}", unit.name));
+            }
+            if nominal.is_some_and(|nominal| nominal.is_nan() || nominal <= 0.0) {
+                fault("its nominal value must be above 0".to_owned());
+            }
+            if slope.is_some() && variable.role != Role::Input {
+                fault("only inputs have slopes".to_owned());
+            }
+            if derivative.is_some() && variable.role != Role::Output {
+                fault("only outputs have derivatives".to_owned());
+            }
+        }
+        Kind::Integer { access, min, max } => check_range(access, start, *min, *max, fault),
+        Kind::Enumeration { access, of } => {
+            let value = (access.get)(start);
+            if of.items.iter().all(|item| item.value != value) {
+                fault(format!("its start value {value} is no item of {}", of.name));
+            }
+        }
+        Kind::Boolean { .. } | Kind::String { .. } => {}
+    }
+}
+
+fn check_range<M, T: PartialOrd + Copy + Debug>(
+    access: &Access<M, T, T>,
+    start: &M,
+    min: Option<T>,
+    max: Option<T>,
+    fault: &mut impl FnMut(String),
+) {
+    if let (Some(min), Some(max)) = (min, max)
+        && min > max
+    {
+        fault(format!("its range from {min:?} to {max:?} is empty"));
+    }
+    let value = (access.get)(start);
+    let within = min.is_none_or(|min| value >= min) && max.is_none_or(|max| value <= max);
+    if access.set.is_some() && !within {
+        fault(format!("its start value {value:?} is out of its range"));
+    }
+}

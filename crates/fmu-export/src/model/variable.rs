@@ -1,0 +1,256 @@
+//! Variables: role, type, unit, range, description, and how the model's value is read and written.
+
+use super::{Fault, Model};
+
+/// Who sets a variable, and when.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// Set by the host at any communication point.
+    Input,
+    /// Set by the host before the start.
+    Parameter,
+    /// Set by the host before the start, and changeable while running.
+    TunableParameter,
+    /// Computed, for other models to use.
+    Output,
+    /// Computed, for people who look inside.
+    Local,
+}
+
+/// A display unit: `display = factor * si + offset`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DisplayUnit {
+    /// The name, as users write it.
+    pub name: &'static str,
+    /// Factor from the SI value.
+    pub factor: f64,
+    /// Offset, in the display unit.
+    pub offset: f64,
+}
+
+/// Exponents of the SI base units and the radian, in the order of FMI.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Base {
+    /// Kilogram.
+    pub kg: i32,
+    /// Metre.
+    pub m: i32,
+    /// Second.
+    pub s: i32,
+    /// Ampere.
+    pub a: i32,
+    /// Kelvin.
+    pub k: i32,
+    /// Mole.
+    pub mol: i32,
+    /// Candela.
+    pub cd: i32,
+    /// Radian.
+    pub rad: i32,
+}
+
+impl Base {
+    /// All exponents zero: a ratio or a count.
+    pub const ONE: Self = Self {
+        kg: 0,
+        m: 0,
+        s: 0,
+        a: 0,
+        k: 0,
+        mol: 0,
+        cd: 0,
+        rad: 0,
+    };
+
+    /// The exponents with the names that FMI gives the base units.
+    pub fn named(&self) -> [(&'static str, i32); 8] {
+        [
+            ("kg", self.kg),
+            ("m", self.m),
+            ("s", self.s),
+            ("A", self.a),
+            ("K", self.k),
+            ("mol", self.mol),
+            ("cd", self.cd),
+            ("rad", self.rad),
+        ]
+    }
+}
+
+/// A unit, its SI base units, and the display units that go with it. All values of a model are in SI units;
+/// [`units`](crate::units) has the usual ones.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Unit {
+    /// The name, as users write it.
+    pub name: &'static str,
+    /// The exponents of the base units.
+    pub base: Base,
+    /// The display units.
+    pub display: &'static [DisplayUnit],
+    /// Values are differences, as of temperatures: offsets of display units do not count.
+    pub relative: bool,
+}
+
+/// One item of an enumeration.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Item {
+    /// The item's name.
+    pub name: &'static str,
+    /// The item's value.
+    pub value: i32,
+    /// What it means.
+    pub description: &'static str,
+}
+
+/// An enumeration type.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Enumeration {
+    /// The type's name.
+    pub name: &'static str,
+    /// What it is.
+    pub description: &'static str,
+    /// Its items.
+    pub items: &'static [Item],
+}
+
+/// How a value is read from the model and written to it. `set` is `None` for what the model computes.
+pub struct Access<M, T: ?Sized + 'static, R> {
+    /// Reads the value.
+    pub get: fn(&M) -> R,
+    /// Writes the value.
+    pub set: Option<fn(&mut M, &T)>,
+}
+
+/// A variable's type with its type-specific attributes and its access.
+pub enum Kind<M: 'static> {
+    /// A real number in SI units.
+    Real {
+        /// Read and write.
+        access: Access<M, f64, f64>,
+        /// The unit.
+        unit: &'static Unit,
+        /// Name of the preferred display unit, one of `unit.display`.
+        display: Option<&'static str>,
+        /// The smallest value that makes sense (inclusive).
+        min: Option<f64>,
+        /// The largest value that makes sense (inclusive).
+        max: Option<f64>,
+        /// A typical magnitude.
+        nominal: Option<f64>,
+        /// For inputs that may vary linearly within a step: sets the rate, per second. It is set back to zero after
+        /// the step.
+        slope: Option<fn(&mut M, f64)>,
+        /// For outputs whose time derivative the model knows: reads it, per second, after
+        /// [`Model::differentiate`]. Without it, the boundary steps a copy a little ahead and takes the difference.
+        derivative: Option<fn(&M) -> f64>,
+    },
+    /// A whole number.
+    Integer {
+        /// Read and write.
+        access: Access<M, i32, i32>,
+        /// The smallest value (inclusive).
+        min: Option<i32>,
+        /// The largest value (inclusive).
+        max: Option<i32>,
+    },
+    /// True or false.
+    Boolean {
+        /// Read and write.
+        access: Access<M, bool, bool>,
+    },
+    /// One of several named values.
+    Enumeration {
+        /// Read and write.
+        access: Access<M, i32, i32>,
+        /// The type.
+        of: &'static Enumeration,
+    },
+    /// A text.
+    String {
+        /// Read and write.
+        access: Access<M, str, String>,
+    },
+}
+
+/// One variable of a model.
+pub struct Variable<M: 'static> {
+    /// The structured name, such as `bearing.radialClearance`.
+    pub name: &'static str,
+    /// One sentence for users.
+    pub description: &'static str,
+    /// Who sets it, and when.
+    pub role: Role,
+    /// Its type, attributes and access.
+    pub kind: Kind<M>,
+    /// For outputs: the names of the inputs on which the value depends directly, at the same instant
+    /// (at the start, too).
+    pub depends_on: &'static [&'static str],
+}
+
+impl<M> Variable<M> {
+    /// The name that FMI gives the variable's type.
+    pub fn type_name(&self) -> &'static str {
+        match self.kind {
+            Kind::Real { .. } => "Real",
+            Kind::Integer { .. } => "Integer",
+            Kind::Boolean { .. } => "Boolean",
+            Kind::Enumeration { .. } => "Enumeration",
+            Kind::String { .. } => "String",
+        }
+    }
+}
+
+/// Checks every parameter and input of a model against its declared range.
+///
+/// # Errors
+/// Names the first variable whose value lies outside.
+pub fn check_ranges<M: Model>(model: &M) -> Result<(), Fault> {
+    for variable in M::variables() {
+        match &variable.kind {
+            Kind::Real {
+                access,
+                unit,
+                min,
+                max,
+                ..
+            } if access.set.is_some() => {
+                let value = (access.get)(model);
+                let (least, most) = (min.unwrap_or(f64::MIN), max.unwrap_or(f64::MAX));
+                // Written so that NaN is refused, too.
+                if !(least <= value && value <= most) {
+                    return Err(Fault::Invalid(format!(
+                        "{} = {value} {}: it must lie between {least} and {most} {}",
+                        variable.name, unit.name, unit.name
+                    )));
+                }
+            }
+            Kind::Integer { access, min, max } if access.set.is_some() => {
+                let value = (access.get)(model);
+                let (least, most) = (min.unwrap_or(i32::MIN), max.unwrap_or(i32::MAX));
+                if !(least..=most).contains(&value) {
+                    return Err(Fault::Invalid(format!(
+                        "{} = {value}: it must lie between {least} and {most}",
+                        variable.name
+                    )));
+                }
+            }
+            Kind::Enumeration { access, of } if access.set.is_some() => {
+                let value = (access.get)(model);
+                if !of.items.iter().any(|item| item.value == value) {
+                    let known: Vec<_> = of
+                        .items
+                        .iter()
+                        .map(|item| format!("{} ({})", item.value, item.name))
+                        .collect();
+                    return Err(Fault::Invalid(format!(
+                        "{} = {value}: it must be one of {}",
+                        variable.name,
+                        known.join(", ")
+                    )));
+                }
+            }
+            _ => {}
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,228 @@
+//! Builds a model's library and packs it into an FMU. [`package!`](crate::package!) makes a program of it.
+
+mod arguments;
+mod build;
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use thiserror::Error;
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, DateTime, ZipWriter};
+
+use crate::fmi2::description;
+use crate::model::{Model, faults};
+use arguments::{Arguments, HELP};
+
+/// Defines the `main` of a program that packs the model of its package into an FMU.
+///
+/// With this one line in `src/main.rs`, `cargo run` makes the FMU; `cargo run -- --help` tells the options.
+///
+/// ```ignore
+/// fmu_export::package!(my_model::Tank);
+/// ```
+///
+/// The library is built with `cargo rustc --lib --crate-type cdylib` in the release profile, on Linux linked so that it
+/// stays in memory when a host unloads it. Into the FMU go the model description, the
+/// library, the package's `LICENSE*` files, and everything in the folder `fmu` beside its `Cargo.toml`, such as
+/// `resources/` and `documentation/`, if there is one.
+#[macro_export]
+macro_rules! package {
+    ($model:ty) => {
+        fn main() -> std::process::ExitCode {
+            $crate::package::main::<$model>(env!("CARGO_PKG_NAME"), env!("CARGO_MANIFEST_DIR"))
+        }
+    };
+}
+
+/// Why there is no FMU.
+#[derive(Debug, Error)]
+pub enum PackageError {
+    /// The command line cannot be understood.
+    #[error("{0}\n\n{HELP}")]
+    Usage(String),
+    /// The model's declaration has mistakes.
+    #[error("the model is not sound:\n  {}", .0.join("\n  "))]
+    Unsound(Vec<String>),
+    /// Cargo could not be started, or failed; it has said why.
+    #[error("the library was not built: {0}")]
+    Build(String),
+    /// A file could not be read or written.
+    #[error("{}: {error}", path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// The reason.
+        error: io::Error,
+    },
+}
+
+/// The binary of one platform.
+#[derive(Debug)]
+pub struct Binary {
+    /// The platform's folder in the FMU, such as `linux64`.
+    pub platform: &'static str,
+    /// The library.
+    pub library: PathBuf,
+}
+
+/// The program that [`package!`](crate::package!) defines, for a package of this name with its `Cargo.toml` in `folder`.
+pub fn main<M: Model>(package: &str, folder: &str) -> ExitCode {
+    let done = arguments::parse(std::env::args().skip(1)).and_then(|arguments| match arguments {
+        Some(arguments) => make::<M>(package, Path::new(folder), &arguments),
+        None => Ok(HELP.to_owned()),
+    });
+    match done {
+        Ok(text) => {
+            println!("{text}");
+            ExitCode::SUCCESS
+        }
+        Err(error) => {
+            eprintln!("{package}: {error}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Builds and packs; tells the file, its size and its platforms.
+fn make<M: Model>(
+    package: &str,
+    folder: &Path,
+    arguments: &Arguments,
+) -> Result<String, PackageError> {
+    let faults = faults::<M>();
+    if !faults.is_empty() {
+        return Err(PackageError::Unsound(faults));
+    }
+    let mut binaries = arguments.added();
+    for target in arguments.targets() {
+        binaries.push(build::library(package, folder, &arguments.profile, target)?);
+    }
+    let output = match &arguments.output {
+        Some(output) => output.clone(),
+        None => binaries[0]
+            .library
+            .with_file_name(format!("{}.fmu", M::INFO.identifier)),
+    };
+    let files = contents::<M>(folder, &binaries)?;
+    let size = write(&output, &files).map_err(|error| at(&output, error))?;
+    let platforms: Vec<_> = binaries.iter().map(|binary| binary.platform).collect();
+    Ok(format!(
+        "{}  {:.2} MB, {}",
+        output.display(),
+        size as f64 / 1e6,
+        platforms.join(", ")
+    ))
+}
+
+/// The files of an FMU with their places in it.
+///
+/// # Errors
+/// When a file cannot be read, or two binaries are for the same platform.
+pub fn contents<M: Model>(
+    folder: &Path,
+    binaries: &[Binary],
+) -> Result<BTreeMap<String, Vec<u8>>, PackageError> {
+    let mut files = BTreeMap::new();
+    let extra = folder.join("fmu");
+    if extra.is_dir() {
+        collect(&extra, "", &mut files)?;
+    }
+    for entry in list(folder)? {
+        let name = entry
+            .file_name()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned();
+        if name.starts_with("LICENSE") && entry.is_file() {
+            files.insert(format!("documentation/licenses/{name}"), read(&entry)?);
+        }
+    }
+    for Binary { platform, library } in binaries {
+        let extension = library.extension().unwrap_or_default().to_string_lossy();
+        let place = format!("binaries/{platform}/{}.{extension}", M::INFO.identifier);
+        if files.insert(place, read(library)?).is_some() {
+            return Err(PackageError::Usage(format!(
+                "there are two binaries for {platform}"
+            )));
+        }
+    }
+    files.insert(
+        "modelDescription.xml".to_owned(),
+        description::xml::<M>().into_bytes(),
+    );
+    Ok(files)
+}
+
+/// Writes an FMU: the same bytes for the same files. Returns its size.
+///
+/// # Errors
+/// When the file cannot be written. A file that was there before is then untouched.
+pub fn write(output: &Path, files: &BTreeMap<String, Vec<u8>>) -> io::Result<u64> {
+    if let Some(folder) = output.parent() {
+        std::fs::create_dir_all(folder)?;
+    }
+    let partial = output.with_extension("fmu.partial");
+    let mut archive = ZipWriter::new(File::create(&partial)?);
+    for (name, bytes) in files {
+        let permissions = if name.starts_with("binaries/") {
+            0o755
+        } else {
+            0o644
+        };
+        let options = SimpleFileOptions::default()
+            .compression_method(CompressionMethod::Deflated)
+            .compression_level(Some(9))
+            .last_modified_time(DateTime::default())
+            .unix_permissions(permissions);
+        archive.start_file(name.as_str(), options)?;
+        archive.write_all(bytes)?;
+    }
+    let size = archive.finish()?.metadata()?.len();
+    std::fs::rename(&partial, output)?;
+    Ok(size)
+}
+
+/// Collects the files below a folder under their paths with `/`.
+fn collect(
+    folder: &Path,
+    place: &str,
+    files: &mut BTreeMap<String, Vec<u8>>,
+) -> Result<(), PackageError> {
+    for path in list(folder)? {
+        let name = path
+            .file_name()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned();
+        if path.is_dir() {
+            collect(&path, &format!("{place}{name}/"), files)?;
+        } else {
+            files.insert(format!("{place}{name}"), read(&path)?);
+        }
+    }
+    Ok(())
+}
+
+fn list(folder: &Path) -> Result<Vec<PathBuf>, PackageError> {
+    let entries = std::fs::read_dir(folder).map_err(|error| at(folder, error))?;
+    entries
+        .map(|entry| {
+            entry
+                .map(|entry| entry.path())
+                .map_err(|error| at(folder, error))
+        })
+        .collect()
+}
+
+fn read(path: &Path) -> Result<Vec<u8>, PackageError> {
+    std::fs::read(path).map_err(|error| at(path, error))
+}
+
+fn at(path: &Path, error: io::Error) -> PackageError {
+    let path = path.to_owned();
+    PackageError::File { path, error }
+}

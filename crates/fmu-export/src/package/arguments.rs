@@ -1,0 +1,131 @@
+//! The command line of the packer.
+
+use std::path::PathBuf;
+
+use super::build::platform;
+use super::{Binary, PackageError};
+
+/// The options, in words.
+pub(super) const HELP: &str = "\
+Builds the model's library and packs it into an FMU.
+
+Options:
+  --output FILE            the FMU (by default IDENTIFIER.fmu beside the library)
+  --profile PROFILE        cargo's profile (by default release)
+  --target TRIPLE          build for this platform instead of this machine's; may be repeated
+  --add PLATFORM=LIBRARY   take a library that was built elsewhere, such as win64=model.dll; may be repeated
+
+Example: cargo run -- --output dist/Tank.fmu";
+
+/// What the packer is asked to do.
+#[derive(Debug, PartialEq)]
+pub(super) struct Arguments {
+    pub(super) output: Option<PathBuf>,
+    pub(super) profile: String,
+    targets: Vec<String>,
+    added: Vec<(&'static str, PathBuf)>,
+}
+
+impl Arguments {
+    /// The platforms to build for; `None` is this machine's.
+    pub(super) fn targets(&self) -> Vec<Option<&str>> {
+        if self.targets.is_empty() {
+            return vec![None];
+        }
+        self.targets
+            .iter()
+            .map(|target| Some(target.as_str()))
+            .collect()
+    }
+
+    /// The libraries that were built elsewhere.
+    pub(super) fn added(&self) -> Vec<Binary> {
+        let binary = |(platform, library): &(&'static str, PathBuf)| Binary {
+            platform,
+            library: library.clone(),
+        };
+        self.added.iter().map(binary).collect()
+    }
+}
+
+/// The arguments; `None` when help is asked for.
+pub(super) fn parse(
+    mut given: impl Iterator<Item = String>,
+) -> Result<Option<Arguments>, PackageError> {
+    let mut arguments = Arguments {
+        output: None,
+        profile: "release".to_owned(),
+        targets: Vec::new(),
+        added: Vec::new(),
+    };
+    while let Some(option) = given.next() {
+        if option == "--help" || option == "-h" {
+            return Ok(None);
+        }
+        let known = ["--output", "--profile", "--target", "--add"].contains(&option.as_str());
+        if !known {
+            return Err(PackageError::Usage(format!("there is no option {option}")));
+        }
+        let value = given
+            .next()
+            .ok_or_else(|| PackageError::Usage(format!("{option} needs a value")))?;
+        match option.as_str() {
+            "--output" => arguments.output = Some(value.into()),
+            "--profile" => arguments.profile = value,
+            "--target" => arguments.targets.push(value),
+            _ => arguments.added.push(added(&value)?),
+        }
+    }
+    Ok(Some(arguments))
+}
+
+fn added(value: &str) -> Result<(&'static str, PathBuf), PackageError> {
+    let usage = |text: String| PackageError::Usage(format!("--add {value}: {text}"));
+    let (name, library) = value
+        .split_once('=')
+        .ok_or_else(|| usage("write PLATFORM=LIBRARY".to_owned()))?;
+    let platform = platform::named(name)
+        .ok_or_else(|| usage(format!("the platforms are {}", platform::NAMES.join(", "))))?;
+    Ok((platform, library.into()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parsed(line: &str) -> Result<Option<Arguments>, PackageError> {
+        parse(line.split_whitespace().map(str::to_owned))
+    }
+
+    #[test]
+    fn options_are_read() {
+        let arguments = parsed("--output a/b.fmu --add win64=c.dll --profile dev")
+            .unwrap()
+            .unwrap();
+        assert_eq!(arguments.output, Some("a/b.fmu".into()));
+        assert_eq!(arguments.added, [("win64", "c.dll".into())]);
+        assert_eq!(
+            (arguments.profile.as_str(), arguments.targets()),
+            ("dev", vec![None])
+        );
+        assert_eq!(parsed("--profile dev --help").unwrap(), None);
+        let two = parsed("--target a --target b").unwrap().unwrap();
+        assert_eq!(two.targets(), [Some("a"), Some("b")]);
+    }
+
+    #[test]
+    fn mistakes_are_told_with_the_options() {
+        for (line, says) in [
+            ("--jobs 3", "there is no option --jobs"),
+            ("--output", "--output needs a value"),
+            ("--add c.dll", "write PLATFORM=LIBRARY"),
+            ("--add mac=c.dylib", "the platforms are linux64"),
+        ] {
+            let message = parsed(line).unwrap_err().to_string();
+            assert!(
+                message.contains(says) && message.contains("--profile PROFILE"),
+                "{message}"
+            );
+        }
+    }
+}
