@@ -6,7 +6,7 @@
 use std::error::Error;
 use std::f64::consts::PI;
 use std::io::{IsTerminal, Write};
-use std::sync::{Arc, Mutex};
+use std::sync::Mutex;
 
 use journal_bearing::mobility::{MobilityMap, SliceFamily, exact, generate};
 use nalgebra::Vector2;
@@ -46,7 +46,7 @@ fn show(share: f64) {
 }
 
 /// Prints mean and largest error of the map at random points.
-fn report(map: &Arc<SliceFamily>, threads: usize) -> Result<(), Box<dyn Error>> {
+fn report(map: &SliceFamily, threads: usize) -> Result<(), Box<dyn Error>> {
     let points: Vec<[f64; 3]> = (0..POINTS).map(point).collect();
     let share = points.len().div_ceil(threads);
     let errors = Mutex::new(Vec::new());
@@ -89,11 +89,11 @@ fn report(map: &Arc<SliceFamily>, threads: usize) -> Result<(), Box<dyn Error>> 
 }
 
 /// The map's relative errors at one point.
-fn compare(map: &Arc<SliceFamily>, width: f64, e: f64, angle: f64) -> Result<[f64; 3], String> {
+fn compare(map: &SliceFamily, width: f64, e: f64, angle: f64) -> Result<[f64; 3], String> {
     let direct = exact(width, e, angle, CELLS).map_err(|error| error.to_string())?;
     let slice = map.slice(width);
     let (eps, load) = (Vector2::new(e, 0.0), Vector2::new(angle.cos(), angle.sin()));
-    let film = slice.film(eps, eps.norm(), load);
+    let film = slice.look_up(eps, eps.norm(), load);
     Ok([
         (slice.mobility_vector(eps, load) - direct.mobility).norm() / direct.mobility.norm(),
         (film.max_pressure() / direct.max_pressure - 1.0).abs(),

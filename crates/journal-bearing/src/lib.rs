@@ -8,6 +8,8 @@
 //! Beside them stand what both need: [`contact`] of asperities, [`profile`]s of surfaces that are not round, and
 //! the oil's [`rheology`]. All quantities are in SI units.
 
+pub use nalgebra;
+
 pub mod contact;
 pub mod literature;
 pub mod mobility;
