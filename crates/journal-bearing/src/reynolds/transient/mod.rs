@@ -1,11 +1,12 @@
 //! The transient film, from the ground up; each layer uses only those above it in this list.
 //!
 //! * `lanes`, `sweeps`: arithmetic over arrays, in an order that is the same on every machine.
-//! * `cells`, `gap`, `state`, `liquid`, `balance`: the film's numbers cell by cell.
-//! * `linear`: the balances linearised, and the factorisation of their matrix.
+//! * `cells`, `gap`, `state`, `stage`, `liquid`, `upwind`, `balance`, `active_set`: the film cell by cell.
+//! * `base`, `linear`: the balances linearised, and the factorisation of their matrix.
 //! * `geometry`, `workspace`: the film at a place of the journal, with all buffers; a step allocates nothing.
+//! * `asperities`, `forces`, `way`: the journal in it.
 //! * `newton`, `landing`: the solution of one implicit stage.
-//! * `step`, `evaluation`: one internal step of two stages, and its forces, flows and balances.
+//! * `compression`, `evaluation`, `step`: one internal step of two stages, with its forces, flows and balances.
 //! * `film`: intervals of controlled error, and the public face.
 
 mod active_set;

@@ -1,4 +1,4 @@
-//! Tests of the film whose oil is compressed.
+//! Tests of the film with compressible oil.
 
 use nalgebra::Vector2;
 use std::f64::consts::TAU;
@@ -16,9 +16,9 @@ fn settings(width: f64, density: DensityLaw) -> FilmSettings {
     }
 }
 
-/// The pressure (1/s) around an infinitely wide bearing at rest that turns with a mean of `rotation`, from where its least
-/// value is zero, so often that the last one is zero again: `rho (omega H - H^3 P')` is the same everywhere. By the
-/// classical Runge-Kutta method, the constant by bisection.
+/// The pressure (1/s) around an infinitely wide bearing with mean rotation `rotation`, whose journal stays in place. The flow
+/// `rho (omega H - H^3 P')` is the same at every angle. The classical Runge-Kutta method integrates the pressure from zero at
+/// the angle `start`; bisection finds the start at which the pressure returns to zero after one turn, its least value.
 fn wide_bearing(e: f64, rotation: f64, density: impl Fn(f64) -> f64) -> Vec<f64> {
     let parts = 4000;
     let d = TAU / f64::from(parts);
@@ -38,7 +38,7 @@ fn wide_bearing(e: f64, rotation: f64, density: impl Fn(f64) -> f64) -> Vec<f64>
         }
         p
     };
-    // Upstream of the widest gap: the farther, the more oil is let through.
+    // The start lies upstream of the widest gap; the farther upstream, the more oil flows.
     let (mut near, mut far) = (-0.5 * TAU, 0.0);
     for _ in 0..60 {
         let middle = 0.5 * (near + far);
@@ -55,8 +55,8 @@ fn largest(p: &[f64]) -> f64 {
     p.iter().copied().fold(0.0, f64::max)
 }
 
-/// Sommerfeld (1904): an incompressible film lets through what fits the gap `2 (1 - e^2)/(2 + e^2)`, and its pressure is
-/// `6 eta omega_j (R/c)^2 e sin phi (2 + e cos phi)/((2 + e^2)(1 + e cos phi)^2)` and a constant.
+/// Sommerfeld (1904): the pressure of an incompressible film is `6 eta omega_j (R/c)^2 e sin phi (2 + e cos phi) /
+/// ((2 + e^2)(1 + e cos phi)^2)` plus a constant.
 #[test]
 fn the_reference_is_sommerfelds() {
     let e = 0.6_f64;
@@ -70,8 +70,8 @@ fn the_reference_is_sommerfelds() {
     assert!((found / (2.0 * (range[1] - range[0])) - 1.0).abs() < 1e-4);
 }
 
-/// A bearing seventy times as wide as its diameter, at 280 MPa, against the infinitely wide one at the same eccentricity.
-/// (With `p >= 0` both fill the whole ring; the ends' influence reaches far.)
+/// Compares a bearing seventy times as wide as its diameter, at 280 MPa, with the infinitely wide one at the same
+/// eccentricity. With `p >= 0` both films fill the whole ring. The ends' influence reaches far, hence the width.
 #[test]
 fn a_wide_bearing_has_the_reference_s_pressure() {
     let (speed, viscosity) = (300.0, 0.2);
@@ -96,13 +96,13 @@ fn a_wide_bearing_has_the_reference_s_pressure() {
         };
         let ratio = report.max_pressure / reference(law);
         assert!((ratio - 1.0).abs() < 5e-4, "{law:?}: {ratio}");
-        // The density's effect is well above the tolerance.
+        // The effect of the density must be well above the tolerance.
         let effect = reference(DensityLaw::Constant) / reference(law) - 1.0;
         assert!(law == DensityLaw::Constant || effect > 0.007, "{effect}");
     }
 }
 
-/// A cycle of 50 MPa +- 50 %: mass is conserved and energy balances, what is stored comes back.
+/// Under 50 MPa +- 50 %, mass is conserved and energy balances with what the compression stores and returns.
 #[test]
 fn a_heavy_cycle_conserves_mass_and_energy() {
     let speed = 300.0_f64;
@@ -111,7 +111,7 @@ fn a_heavy_cycle_conserves_mass_and_energy() {
     let step = 5e-4;
     for k in 0..100 {
         let t = step * f64::from(k);
-        // Warming oil: the pressures' unit changes from step to step.
+        // The oil warms, so the unit of the dimensionless pressure changes from step to step.
         let viscosity = 0.1 - 0.5 * t;
         let drive = Drive {
             load_before: load(t),

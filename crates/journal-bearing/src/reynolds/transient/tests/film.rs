@@ -6,7 +6,7 @@ use crate::contact::Surface;
 use crate::mobility::{MobilityMap, SliceFamily};
 use crate::reynolds::{Cavitation, Drive, FilmError, FilmSettings, ReynoldsFilm, RoughFilm};
 
-/// The stand's bearing with a film of 0.02 Pa.s.
+/// The bearing of a test stand, 19 x 25 mm with 20 um of clearance; the tests use oil of 0.02 Pa.s.
 fn stand(cavitation: Cavitation) -> ReynoldsFilm {
     let settings = FilmSettings {
         cavitation,
@@ -22,8 +22,8 @@ fn smooth(_: f64) -> f64 {
     0.0
 }
 
-/// An independent grid-converged solution of this case has eccentricity ratio 0.891, a smallest gap of
-/// 2.2 um and a torque of 0.019 N.m in the full film.
+/// An independent grid-converged solution of this case has eccentricity ratio 0.891, a smallest gap of 2.2 um and a torque
+/// of 0.019 N.m in the full film.
 #[test]
 fn the_stand_at_rest() {
     let drive = Drive::steady(Vector2::new(750.0, 0.0), SPEED, VISCOSITY);
@@ -35,7 +35,7 @@ fn the_stand_at_rest() {
     assert!((report.journal_torque - 0.019).abs() < 2e-4);
     assert!((report.film_load - drive.load_after).norm() < 1e-3);
 
-    // With conserved mass the film is shorter: about the same place, less of it sheared.
+    // With conserved mass the film is shorter: nearly the same position, but less oil to shear.
     let mut conserving = stand(Cavitation::MassConserving);
     let report = conserving.advance(1.5, &drive, &smooth).unwrap();
     assert!((conserving.eccentricity().norm() / e.norm() - 1.0).abs() < 0.01);
@@ -43,8 +43,8 @@ fn the_stand_at_rest() {
     assert!((report.inflow / report.outflow - 1.0).abs() < 1e-3);
 }
 
-/// The stand's cycle: 750 N +- 20 % once a turn. Mass is conserved in every step, energy balances,
-/// and both films and the mobility method go nearly the same way.
+/// Under 750 N +- 20 % once a turn, mass is conserved and energy balances in every step, and both films and the mobility
+/// method follow nearly the same orbit.
 #[test]
 fn the_stand_s_cycle() {
     let load = |t: f64| Vector2::new(750.0 * (1.0 + 0.2 * (SPEED * t).sin()), 0.0);
@@ -88,7 +88,7 @@ fn the_stand_s_cycle() {
             let d = rate(eps + c * h, t + h);
             eps += (a + b * 2.0 + c * 2.0 + d) * (h / 6.0);
         }
-        // The last turn.
+        // In the last turn.
         if t > 0.4 {
             let [free, conserving] = [0, 1].map(|k: usize| films[k].eccentricity().norm());
             assert!(
@@ -118,7 +118,7 @@ fn a_snapshot_continues_bit_for_bit() {
     assert_eq!(one, two);
 }
 
-/// A tilted journal without tilt, and a profile without deviation, change nothing.
+/// A vanishing tilt and a profile without deviation change nothing.
 #[test]
 fn a_vanishing_tilt_and_form_error_change_nothing() {
     let drive = Drive::steady(Vector2::new(300.0, 0.0), SPEED, VISCOSITY);
@@ -144,7 +144,7 @@ fn a_vanishing_tilt_and_form_error_change_nothing() {
     assert!(leaning.norm() < plain.norm() - 0.01, "{leaning} {plain}");
 }
 
-/// Mixed lubrication: asperities cell by cell carry what the bearing's own integral says.
+/// In mixed lubrication, asperities evaluated cell by cell carry the force of the aligned journal's table.
 #[test]
 fn asperities_cell_by_cell_agree_with_the_aligned_journal_s() {
     use crate::contact::ContactTable;
@@ -166,8 +166,8 @@ fn asperities_cell_by_cell_agree_with_the_aligned_journal_s() {
     assert!(report.film_load.x < 700.0);
 }
 
-/// Between rough surfaces sliding is resisted more, the less of the gap there is to their roughness; and energy balances
-/// whichever surface has it.
+/// Roughness resists sliding the more, the thinner the film is relative to it; and energy balances whichever surface is
+/// rough.
 #[test]
 fn roughness_raises_the_film_s_friction() {
     let drive = Drive::steady(Vector2::new(750.0, 0.0), 10.0, VISCOSITY);
@@ -196,8 +196,8 @@ fn roughness_raises_the_film_s_friction() {
     }
 }
 
-/// Oil that leaves the narrowest place of a heavily loaded film is sheared as on a fine grid, and however the bearing
-/// turns. Torques of an independent solution on 96, 192 and 384 even columns lead to 0.0392 N.m.
+/// The torque of a heavily loaded film, ruptured behind its narrowest place, hardly depends on the grid or on the direction
+/// of rotation. An independent solution on 96, 192 and 384 even columns extrapolates to 0.0392 N.m.
 #[test]
 fn ruptured_oil_is_sheared_on_few_cells() {
     let torque = |columns: usize, speed: f64| {
@@ -218,8 +218,8 @@ fn ruptured_oil_is_sheared_on_few_cells() {
     assert!((back / coarse + 1.0).abs() < 1e-6, "{coarse} {back}");
 }
 
-/// In a full film between round surfaces the shear is Sommerfeld's (1904), and the pressure's part half the moment of
-/// the load about the bush's centre: on few cells too.
+/// In a full film between round surfaces, shear contributes Sommerfeld's torque (1904) and pressure half the moment of the
+/// load about the bush's centre, also on few cells.
 #[test]
 fn a_full_film_has_sommerfeld_s_friction() {
     for load in [750.0, 3700.0] {
@@ -238,8 +238,8 @@ fn a_full_film_has_sommerfeld_s_friction() {
     }
 }
 
-/// The smallest gap of a tilted journal is at its end, not in the middle of the last cells; and where an end meets a
-/// smooth bush, the film says what is missing.
+/// The smallest gap of a tilted journal is at its very end, not in the middle of the last cells. When that end meets a smooth
+/// bush, the error names the remedy.
 #[test]
 fn a_tilted_journal_is_nearest_at_its_end() {
     let tilted = |tilt: f64| {
