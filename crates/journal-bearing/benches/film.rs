@@ -13,16 +13,15 @@ fn main() {
     divan::main();
 }
 
-/// Speed and viscosity of the stand.
+/// Speed, rad/s, and viscosity, Pa.s.
 const SPEED: f64 = 31.416;
 const VISCOSITY: f64 = 0.02;
 
-/// One warm internal step of the transient film over the stand's cycle (750 N +- 20 %): it advances time, film and
-/// journal, in two implicit stages, each of which solves the film with the journal's motion; forces, flows and both
-/// balances are evaluated at its end. The time is that of the whole step; a stage takes half of it.
+/// One warm internal step of the transient film over a load cycle of 750 N +- 20 %. It advances film and journal in two
+/// implicit stages and evaluates forces, flows and both balances at its end. The time is that of the whole step.
 #[divan::bench(args = [Cavitation::NonNegative, Cavitation::MassConserving], sample_count = 1000, sample_size = 1)]
 fn transient_step_of_two_stages_96x8(bencher: Bencher<'_, '_>, cavitation: Cavitation) {
-    // So loose a tolerance that every interval is one internal step.
+    // The tolerance is so loose that every interval is one internal step.
     let settings = FilmSettings {
         cavitation,
         tolerance: 1.0,
@@ -43,14 +42,14 @@ fn transient_step_of_two_stages_96x8(bencher: Bencher<'_, '_>, cavitation: Cavit
         t += step;
         film.advance(step, &drive, &|_| 0.0)
     };
-    // Two turns, then a whole number of them: the cost varies with the place in the cycle.
+    // Two turns of warm-up. The cost varies over the cycle; 1000 samples are five whole turns.
     for _ in 0..400 {
         assert!(black_box(go()).is_ok_and(|report| report.steps == 1));
     }
     bencher.bench_local(go);
 }
 
-/// The quasi-static film's velocity under a load that turns a little from step to step, warm.
+/// The quasi-static film's velocity under a load that turns slightly from call to call, warm.
 #[divan::bench]
 fn quasi_static_96x8(bencher: Bencher<'_, '_>) {
     let mut film = QuasiStatic::new(Grid::standard(96, 8, 0.76), 0.76, Boundary::Free);

@@ -1,8 +1,8 @@
-//! A step of the transient Reynolds film beside the time that its arithmetic takes at the machine's peak:
-//! what `scripts/bench` shows of it.
+//! The time of a step of the transient film beside the time that its arithmetic would take at the machine's peak, for
+//! `scripts/bench`.
 //!
-//! `bound STEPS` prints seconds a step, the floating-point operations counted for a step, and the most
-//! operations a second that this machine does of the kind that the compiler makes of the film's loops.
+//! `bound STEPS` prints seconds per step, floating-point operations per step by count, and the most operations per second
+//! that this machine reaches with the kind of code that the compiler makes of the film's loops.
 
 use journal_bearing::reynolds::{Cavitation, Drive, FilmSettings, ReynoldsFilm};
 use nalgebra::Vector2;
@@ -11,7 +11,7 @@ use std::hint::black_box;
 use std::process::ExitCode;
 use std::time::Instant;
 
-/// Speed (rad/s) and viscosity (Pa.s) of the stand, and its step, s.
+/// Speed (rad/s), viscosity (Pa.s) and step (s).
 const SPEED: f64 = 31.416;
 const VISCOSITY: f64 = 0.02;
 const STEP: f64 = 1e-3;
@@ -37,13 +37,13 @@ fn run() -> Result<(f64, f64), Box<dyn Error>> {
     Ok((step(steps)?, peak()))
 }
 
-/// The least that a step takes with 96 columns of 8 rows: in each of its two implicit stages one assembly,
-/// one elimination of the ring of columns, and two solutions.
+/// The least operations of a step with 96 columns of 8 rows: in each of its two implicit stages one assembly, one
+/// elimination of the ring of columns, and two solutions.
 ///
 /// - Assembly: 60 operations a cell (gap, mobility of four faces, mass and its derivatives).
 /// - Elimination: the pivot block of each column inverted (`2 n^3`), coupled to its neighbours by diagonals
 ///   (`4 n^2`); the ring's closure is not counted.
-/// - Solution: a multiplication by the inverse on the way there and one on the way back (`4 n^2`).
+/// - Solution: a multiplication by the inverse in the forward and in the backward substitution (`4 n^2`).
 fn operations() -> f64 {
     let (columns, rows) = (96.0, 8.0_f64);
     let assembly = 60.0 * rows;
@@ -52,7 +52,7 @@ fn operations() -> f64 {
     2.0 * columns * (assembly + elimination + 2.0 * solution)
 }
 
-/// Seconds a step, warm, over the stand's cycle.
+/// Seconds per step after a warm-up, over a load cycle of 750 N +- 20 %.
 fn step(steps: u32) -> Result<f64, Box<dyn Error>> {
     const WARM: u32 = 400;
     let settings = FilmSettings {
@@ -78,7 +78,7 @@ fn step(steps: u32) -> Result<f64, Box<dyn Error>> {
     Ok(begun.elapsed().as_secs_f64() / f64::from(steps))
 }
 
-/// Multiplications and additions a second on one core, in chains enough to fill its pipelines.
+/// Multiplications and additions per second on one core, in enough independent chains to fill its pipelines.
 fn peak() -> f64 {
     const CHAINS: usize = 24;
     const ROUNDS: u32 = 4_000_000;

@@ -1,8 +1,8 @@
-//! How the film's load converges with the grid: the figures of `docs/film.md`.
+//! Convergence of the film's load with the grid: the figures of `docs/film.md`.
 //!
 //!     cargo run --release -p journal-bearing --example convergence
 //!
-//! A journal at rest at an eccentricity ratio; errors are those of the load against an extrapolation from fine grids that
+//! The journal stays at an eccentricity ratio. Errors are those of the load against an extrapolation from fine grids that
 //! crowd where the film varies fast.
 
 use journal_bearing::reynolds::{Boundary, Grid, NotConverged, QuasiStatic};

@@ -1,20 +1,22 @@
-//! Makes the mobility map of the bearing from the project's own solution of the Reynolds equation,
-//! and prints its error against direct solutions at random points off the map's nodes.
+//! Makes the mobility map from solutions of the Reynolds equation, and prints its errors against direct solutions at points
+//! between the map's nodes.
 //!
-//! `cargo run --release -p journal-bearing --example mobility-map [-- --check]`; `--check` leaves the file alone.
+//!     cargo run --release -p journal-bearing --example mobility-map [-- --check]
+//!
+//! `--check` only prints the errors of the committed map.
 
 use std::error::Error;
 use std::f64::consts::PI;
 use std::io::{IsTerminal, Write};
-use std::sync::{Arc, Mutex};
+use std::sync::Mutex;
 
 use journal_bearing::mobility::{MobilityMap, SliceFamily, exact, generate};
 use nalgebra::Vector2;
 
-/// Where the library takes the map from.
+/// The file that the library includes.
 const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/mobility/map.bin");
 
-/// Random points at which the map is compared with direct solutions.
+/// Number of points at which the map is compared with direct solutions.
 const POINTS: usize = 2000;
 
 /// The grid of those direct solutions, finer than the map's own.
@@ -34,7 +36,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     report(&SliceFamily::new(&map), threads)
 }
 
-/// Shows the share done, on a terminal.
+/// Shows progress on a terminal.
 fn show(share: f64) {
     if std::io::stderr().is_terminal() {
         eprint!("\r{:3.0} %", 100.0 * share);
@@ -45,8 +47,8 @@ fn show(share: f64) {
     }
 }
 
-/// Prints mean and largest error of the map at random points.
-fn report(map: &Arc<SliceFamily>, threads: usize) -> Result<(), Box<dyn Error>> {
+/// Prints the map's mean and largest errors.
+fn report(map: &SliceFamily, threads: usize) -> Result<(), Box<dyn Error>> {
     let points: Vec<[f64; 3]> = (0..POINTS).map(point).collect();
     let share = points.len().div_ceil(threads);
     let errors = Mutex::new(Vec::new());
@@ -89,11 +91,11 @@ fn report(map: &Arc<SliceFamily>, threads: usize) -> Result<(), Box<dyn Error>> 
 }
 
 /// The map's relative errors at one point.
-fn compare(map: &Arc<SliceFamily>, width: f64, e: f64, angle: f64) -> Result<[f64; 3], String> {
+fn compare(map: &SliceFamily, width: f64, e: f64, angle: f64) -> Result<[f64; 3], String> {
     let direct = exact(width, e, angle, CELLS).map_err(|error| error.to_string())?;
     let slice = map.slice(width);
     let (eps, load) = (Vector2::new(e, 0.0), Vector2::new(angle.cos(), angle.sin()));
-    let film = slice.film(eps, eps.norm(), load);
+    let film = slice.look_up(eps, eps.norm(), load);
     Ok([
         (slice.mobility_vector(eps, load) - direct.mobility).norm() / direct.mobility.norm(),
         (film.max_pressure() / direct.max_pressure - 1.0).abs(),
@@ -101,9 +103,9 @@ fn compare(map: &Arc<SliceFamily>, width: f64, e: f64, angle: f64) -> Result<[f6
     ])
 }
 
-/// The `n`-th point of an even, irregular cover (Roberts 2018, R3 sequence) of `B/D` 0.25..1.5,
-/// eccentricity ratio 0.05..0.98 and direction; every other one has the load within a few
-/// `sqrt(1 - e)` of the eccentricity, where journals run.
+/// Point `n` of an even, irregular cover (R3 sequence, Roberts 2018) of `B/D` 0.25..1.5, eccentricity ratio 0.05..0.98 and
+/// load direction, rad. In every other point the load is within a few `sqrt(1 - e)` of the eccentricity, where journals
+/// run.
 fn point(n: usize) -> [f64; 3] {
     const PHI: f64 = 1.220_744_084_605_759_5;
     let at = |k: i32| (0.5 + (n + 1) as f64 / PHI.powi(k)).fract();

@@ -1,21 +1,32 @@
-//! Asperity contact of journal and bush: Greenwood & Tripp (1970), "The contact of two nominally flat
-//! rough surfaces", Proc. IMechE 185, 625-633.
+//! Asperity contact of journal and bush (Greenwood & Tripp 1970, "The contact of two nominally flat rough surfaces", Proc.
+//! IMechE 185, 625-633).
+//!
+//! # Examples
+//! ```
+//! use journal_bearing::contact::{ContactTable, Surface};
+//!
+//! let surface = Surface { roughness: 1e-6, ..Surface::default() };
+//! // Clearance, width and diameter in m.
+//! let table = ContactTable::new(&surface, 20e-6, 0.019, 0.025);
+//! assert_eq!(table.at(0.5).force, 0.0); // 10 um apart, ten times the roughness
+//! assert!(table.at(0.95).force > 100.0); // N
+//! ```
 
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, SQRT_2};
 
-/// The statistics of the two surfaces' asperities and their boundary friction.
+/// The asperities of both surfaces together, and their boundary friction.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Surface {
-    /// Composite rms roughness and waviness sigma of both surfaces, m. Zero: no contact.
+    /// Composite rms roughness and waviness sigma of both surfaces, m. Zero switches contact off.
     pub roughness: f64,
-    /// `eta*beta*sigma`: asperity density times summit radius times roughness, 1.
+    /// `eta*beta*sigma`: asperities per area times summit radius times roughness, 1.
     pub asperity_density: f64,
     /// `sigma/beta`: roughness over summit radius, 1.
     pub asperity_slope: f64,
     /// Composite elastic modulus `E* = 1/((1-nu1^2)/E1 + (1-nu2^2)/E2)`, Pa.
     pub composite_modulus: f64,
-    /// Friction coefficient of the touching asperities, 1.
+    /// Friction coefficient of touching asperities, 1.
     pub boundary_friction: f64,
 }
 
@@ -31,8 +42,8 @@ impl Default for Surface {
     }
 }
 
-/// `ln F_5/2(H)` as a polynomial, lowest power first: our own minimax fit to the integral, within 0.02 % of it
-/// for `H` from -6 to 7. The usual power law is 11 % low at H = 0 and 35 % low at 2.5.
+/// Coefficients of `ln F_5/2(H)` as a polynomial, lowest power first. This minimax fit is this crate's own; it is within
+/// 0.02 % of the integral for `H` from -6 to 7. The usual power law is 11 % low at `H = 0` and 35 % low at 2.5.
 const LOG: [f64; 11] = [
     -0.483591,
     -1.74352,
@@ -47,10 +58,10 @@ const LOG: [f64; 11] = [
     -2.2404e-9,
 ];
 
-/// Mean planes that have crossed by more than this are out of the fit's range.
+/// Lower end of the fit's range of `H`.
 const CROSSED: f64 = -6.0;
 
-/// `ln F_5/2` and its slope at a film thickness ratio within the fit's range; above, it falls faster than the integral.
+/// `ln F_5/2` and its slope at a film ratio. Above the fit's range it falls faster than the integral.
 fn log(h: f64) -> (f64, f64) {
     let powers = LOG.iter().rev();
     powers.fold((0.0, 0.0), |(value, slope), coefficient| {
@@ -58,9 +69,9 @@ fn log(h: f64) -> (f64, f64) {
     })
 }
 
-/// The integral `F_5/2(H) = 1/sqrt(2*pi) * int_H^inf (s-H)^(5/2) exp(-s^2/2) ds` of Greenwood & Tripp for Gaussian
-/// heights, and its slope, at the film thickness ratio `H = h/sigma`, 1. Where the mean planes have crossed beyond
-/// `H = -6`, its power law goes on.
+/// Greenwood & Tripp's integral `F_5/2(H) = 1/sqrt(2*pi) * int_H^inf (s-H)^(5/2) exp(-s^2/2) ds` for Gaussian heights, and
+/// its slope, at the film ratio `H = h/sigma`, 1. Below `H = -6`, where the mean planes have crossed far, the power law
+/// `|H|^(5/2)` continues it.
 pub fn f_5_2(film_ratio: f64) -> (f64, f64) {
     if film_ratio < CROSSED {
         let value = log(CROSSED).0.exp() * (film_ratio / CROSSED).powf(2.5);
@@ -72,7 +83,7 @@ pub fn f_5_2(film_ratio: f64) -> (f64, f64) {
 }
 
 impl Surface {
-    /// Nominal contact pressure, Pa, at `F_5/2 = 1`:
+    /// Contact pressure over the nominal area at `F_5/2 = 1`, Pa:
     /// `16*sqrt(2)*pi/15 * (eta*beta*sigma)^2 * sqrt(sigma/beta) * E*` (Greenwood & Tripp 1970, eq. 12).
     pub fn pressure_scale(&self) -> f64 {
         16.0 * SQRT_2 * PI / 15.0
@@ -81,7 +92,7 @@ impl Surface {
             * self.composite_modulus
     }
 
-    /// Nominal contact pressure, Pa, at a film thickness, m.
+    /// Contact pressure over the nominal area, Pa, at a distance of the mean planes, m.
     pub fn pressure(&self, film_thickness: f64) -> f64 {
         if self.roughness == 0.0 {
             return 0.0;
@@ -90,42 +101,45 @@ impl Surface {
     }
 }
 
-/// What the asperities of an aligned, round journal carry.
+/// Contact forces of an aligned, round journal.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Contact {
-    /// Resultant force on the journal, against the eccentricity, N.
+    /// Resultant force on the journal, directed against the eccentricity, N.
     pub force: f64,
-    /// The contact pressure integrated over the surface, N: what boundary friction acts on.
+    /// The contact pressure integrated over the surface, N: the normal force of boundary friction.
     pub normal: f64,
 }
 
-/// The contact of an aligned, round journal over its eccentricity ratio, tabulated.
+/// The contact of an aligned, round journal, tabulated over its eccentricity ratio.
 ///
-/// Force and normal are integrals of the contact pressure around the circumference. They span many
-/// decades, so the logarithms of force over eccentricity ratio and of normal are interpolated, by cubic
-/// Hermite polynomials with exact slopes.
+/// Resultant and normal force are integrals of the contact pressure around the circumference. They span many decades, so
+/// the table interpolates the logarithms of resultant force over eccentricity ratio and of normal force, by cubic Hermite
+/// polynomials with exact slopes.
 #[derive(Clone, Debug, Default)]
 pub struct ContactTable {
+    /// Eccentricity ratio of the first node: where contact begins.
     start: f64,
+    /// Nodes per eccentricity ratio.
     per_spacing: f64,
-    nodes: Vec<[Node; 2]>,
+    nodes: Vec<[Knot; 2]>,
 }
 
+/// A logarithm at a node of the table.
 #[derive(Clone, Copy, Debug, Default)]
-struct Node {
+struct Knot {
     value: f64,
     /// Slope times spacing.
     slope: f64,
 }
 
-/// Film ratio beyond which asperities do not touch: F_5/2 is below 1e-13.
+/// Film ratio beyond which asperities do not touch: `F_5/2` is below 1e-13.
 pub const NO_CONTACT: f64 = 7.0;
 const NODES: usize = 65;
 /// Quadrature points over half the circumference (trapezoidal rule: spectral for a periodic integrand).
 const QUADRATURE: usize = 64;
 
 impl ContactTable {
-    /// Tabulates the contact of a bearing with radial clearance and width and diameter in m.
+    /// Tabulates the contact of a bearing with radial clearance, width and diameter in m.
     pub fn new(surface: &Surface, clearance: f64, width: f64, diameter: f64) -> Self {
         if surface.roughness <= 0.0 || surface.pressure_scale() <= 0.0 {
             return Self::default();
@@ -150,7 +164,7 @@ impl ContactTable {
         }
     }
 
-    /// Contact at an eccentricity ratio.
+    /// The contact at an eccentricity ratio. Beyond the table's end at 1 the last cell's cubics continue it.
     pub fn at(&self, eccentricity_ratio: f64) -> Contact {
         let position = (eccentricity_ratio - self.start) * self.per_spacing;
         if self.nodes.is_empty() || position < 0.0 {
@@ -159,29 +173,30 @@ impl ContactTable {
         let cell = (position as usize).min(self.nodes.len() - 2);
         let t = position - cell as f64;
         let (left, right) = (&self.nodes[cell], &self.nodes[cell + 1]);
-        // Where contact begins at a distance, smoothly from nothing: the force has no jump.
+        // Where contact begins off the centre it fades in, so that the force has no jump.
         let begins = cell == 0 && self.start > 0.0;
         let fade = if begins { t * t * (3.0 - 2.0 * t) } else { 1.0 };
         Contact {
-            force: fade * eccentricity_ratio * hermite(left[0], right[0], t).exp(),
-            normal: fade * hermite(left[1], right[1], t).exp(),
+            force: fade * eccentricity_ratio * interpolate(left[0], right[0], t).exp(),
+            normal: fade * interpolate(left[1], right[1], t).exp(),
         }
     }
 }
 
-fn hermite(left: Node, right: Node, t: f64) -> f64 {
+/// The cubic between two knots at `t` in 0..1.
+fn interpolate(left: Knot, right: Knot, t: f64) -> f64 {
     let s = 1.0 - t;
     s * s * ((1.0 + 2.0 * t) * left.value + t * left.slope)
         + t * t * ((1.0 + 2.0 * s) * right.value - s * right.slope)
 }
 
-/// Logarithms of the integrals of `F_5/2(H)*cos(theta)/e` and `F_5/2(H)` over the circumference,
-/// `H = ratio*(1 - e*cos(theta))`, with their slopes over e.
-fn log_integrals(e: f64, ratio: f64, spacing: f64) -> [Node; 2] {
-    // Both are even in e. At e = 0 the first is a quotient of zeros: take it close by.
+/// Logarithms of the integrals of `F_5/2(H)*cos(theta)/e` and of `F_5/2(H)` over the circumference,
+/// `H = ratio*(1 - e*cos(theta))`, with their slopes over `e`.
+fn log_integrals(e: f64, ratio: f64, spacing: f64) -> [Knot; 2] {
+    // Both are even functions of e. At e = 0 the first is a quotient of zeros, so it is evaluated close by.
     let near_centre = e < 1e-5;
     let e = e.max(1e-5);
-    // Relative to the largest value, which may underflow by itself.
+    // Values are relative to the largest, which may underflow by itself.
     let reference = log(ratio * (1.0 - e)).0;
     let (mut sums, mut slopes) = ([0.0; 2], [0.0; 2]);
     for k in 0..=QUADRATURE {
@@ -197,7 +212,7 @@ fn log_integrals(e: f64, ratio: f64, spacing: f64) -> [Node; 2] {
         }
     }
     let base = (2.0 * PI / QUADRATURE as f64).ln() + reference;
-    let node = |value: f64, slope: f64| Node {
+    let node = |value: f64, slope: f64| Knot {
         value: base + value,
         slope: if near_centre { 0.0 } else { slope * spacing },
     };
@@ -211,7 +226,7 @@ fn log_integrals(e: f64, ratio: f64, spacing: f64) -> [Node; 2] {
 mod tests {
     use super::*;
 
-    /// The fit against the integral that it stands for, by numerical quadrature; and its slope against differences.
+    /// Compares the fit with the integral by numerical quadrature, and its slope with differences.
     #[test]
     fn f_5_2_is_the_integral() {
         for i in -60..=70 {

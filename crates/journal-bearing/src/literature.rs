@@ -1,7 +1,7 @@
-//! Published results to compare a film with.
+//! Published results for comparison.
 
-/// Raimondi & Boyd (1958), Trans. ASLE 1, 159-209, full bearing, L/D = 1:
-/// eccentricity ratio, Sommerfeld number S, attitude angle (deg), friction variable (R/c)*f.
+/// Raimondi & Boyd (1958), Trans. ASLE 1, 159-209, full bearing with `B/D = 1`. Each row holds the eccentricity ratio (1), the
+/// Sommerfeld number `S = eta N D B (R/c)^2 / F` (1), the attitude angle (degrees) and the friction variable `(R/c) f` (1).
 pub const RAIMONDI_BOYD: [[f64; 4]; 7] = [
     [0.1, 1.33, 79.5, 26.4],
     [0.2, 0.631, 74.0, 12.8],

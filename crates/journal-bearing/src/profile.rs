@@ -1,4 +1,16 @@
 //! Form error of bush and journal: measured radial deviations over the angle.
+//!
+//! # Examples
+//! ```
+//! use journal_bearing::profile::Profile;
+//!
+//! // Angle in degrees, radial deviations in micrometres.
+//! let text = "angle,bush,journal\n0,2,0\n120,0,0\n240,0,0\n";
+//! let profile = Profile::from_text(text, "bush.csv")?;
+//! let opening = profile.opening(0.0, [0.0, 0.0]);
+//! assert!((opening - 2e-6).abs() < 1e-12); // m
+//! # Ok::<(), journal_bearing::profile::ProfileError>(())
+//! ```
 
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -6,51 +18,53 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-/// Radial deviations of bush and journal from round, in the middle plane and over the whole width.
+/// Radial deviations of bush and journal from round; they are the same over the whole width.
 ///
-/// A positive deviation of the bush opens the gap, one of the journal closes it. Between the
-/// given angles, deviations vary linearly; angles go once around and close.
+/// A positive deviation of the bush opens the gap, a positive deviation of the journal closes it. Deviations vary linearly
+/// between the given angles, which go once around and close.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Profile {
-    bush: Ring,
-    journal: Ring,
+    bush: Deviations,
+    journal: Deviations,
 }
 
-/// Deviations (m) over increasing angles (rad) within one turn; empty: round.
+/// Deviations of one surface (m) over increasing angles (rad) within one turn; empty when round.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-struct Ring {
+struct Deviations {
     angle: Vec<f64>,
     deviation: Vec<f64>,
 }
 
-/// A profile's file or values are not usable.
+/// Why a profile cannot be used.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum ProfileError {
-    /// The file does not read.
+    /// The file cannot be read.
     #[error("{file}: {reason}")]
     Unreadable {
         /// The file.
         file: String,
-        /// What the reader says.
+        /// The operating system's reason.
         reason: String,
     },
-    /// A line does not fit.
+    /// A line is not as it must be.
     #[error("{file}, line {line}: {reason}")]
     Line {
         /// The file.
         file: String,
         /// The line, from 1.
         line: usize,
-        /// What is wrong, and what is wanted.
+        /// What is wrong with it, and what is expected.
         reason: String,
     },
 }
 
 impl Profile {
-    /// A profile of samples, each an angle (rad) and the radial deviations of bush and journal there (m).
+    /// Makes a profile from samples `[angle, bush, journal]`: an angle (rad) and the radial deviations there (m). No samples
+    /// make round surfaces.
     ///
     /// # Errors
-    /// The number (from 0) of the first sample that is not finite, not within one turn or not in increasing order, with the reason.
+    /// Returns the index of the first sample that is not finite, not in increasing order or more than a turn from the first
+    /// one, with the reason.
     pub fn new(samples: &[[f64; 3]]) -> Result<Self, (usize, &'static str)> {
         let mut profile = Self::default();
         for (k, &[angle, bush, journal]) in samples.iter().enumerate() {
@@ -71,11 +85,11 @@ impl Profile {
         Ok(profile)
     }
 
-    /// Reads a csv file with the header `angle,bush,journal`: angle in degrees, radial
-    /// deviations in micrometres. Lines that start with `#` are comments.
+    /// Reads a csv file with the header `angle,bush,journal`: angle in degrees, radial deviations in micrometres. Lines that
+    /// start with `#` are comments.
     ///
     /// # Errors
-    /// When the file does not read or a line does not fit; the message names both.
+    /// Returns [`ProfileError`] when the file cannot be read or a line is wrong; the message names file and line.
     pub fn from_csv(path: &Path) -> Result<Self, ProfileError> {
         let file = path.display().to_string();
         let unreadable = |reason: String| ProfileError::Unreadable {
@@ -86,10 +100,10 @@ impl Profile {
         Self::from_text(&text, &file)
     }
 
-    /// As [`from_csv`](Self::from_csv), from a text; `file` is for messages.
+    /// Reads a text in the format of [`from_csv`](Self::from_csv); `file` names it in messages.
     ///
     /// # Errors
-    /// When a line does not fit.
+    /// Returns [`ProfileError::Line`] when a line is wrong.
     pub fn from_text(text: &str, file: &str) -> Result<Self, ProfileError> {
         let wrong = |line: usize, reason: String| ProfileError::Line {
             file: file.to_owned(),
@@ -141,13 +155,13 @@ impl Profile {
         self.bush.angle.is_empty() && self.journal.angle.is_empty()
     }
 
-    /// What the form errors add to the gap, m, at the angle `theta` of the fixed frame (rad), when journal
-    /// and bush have turned by `angles`.
+    /// The form errors' contribution to the gap, m, at the angle `theta` of the fixed frame (rad), with journal and bush turned
+    /// by these angles (rad).
     pub fn opening(&self, theta: f64, [journal, bush]: [f64; 2]) -> f64 {
         self.bush.at(theta - bush)[0] - self.journal.at(theta - journal)[0]
     }
 
-    /// The derivatives of [`opening`](Self::opening) over the angles of journal and bush, m/rad.
+    /// Derivatives of [`opening`](Self::opening) over the angles of journal and bush, m/rad.
     pub fn opening_rates(&self, theta: f64, [journal, bush]: [f64; 2]) -> [f64; 2] {
         [
             self.journal.at(theta - journal)[1],
@@ -156,8 +170,8 @@ impl Profile {
     }
 }
 
-impl Ring {
-    /// The deviation at an angle and its slope.
+impl Deviations {
+    /// The deviation at an angle, m, and its slope, m/rad.
     fn at(&self, theta: f64) -> [f64; 2] {
         let count = self.angle.len();
         let Some(&first) = self.angle.first() else {

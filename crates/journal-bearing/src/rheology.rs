@@ -1,11 +1,24 @@
-//! Viscosity and density of the oil in the film's cells: over pressure and over shear rate.
+//! Oil laws: viscosity over pressure and shear rate, density over pressure.
+//!
+//! # Examples
+//! ```
+//! use journal_bearing::rheology::{PressureViscosity, Rheology};
+//!
+//! let oil = Rheology {
+//!     pressure: PressureViscosity::Barus { alpha: 20e-9 },
+//!     ..Rheology::default()
+//! };
+//! // At 50 MPa the viscosity rises by a factor of e.
+//! let ratio = oil.ratio(0.02, 50e6, 0.0);
+//! assert!((ratio - 1.0_f64.exp()).abs() < 1e-12);
+//! ```
 
 use serde::{Deserialize, Serialize};
 
-/// How viscosity rises with pressure.
+/// Law of the viscosity over pressure.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum PressureViscosity {
-    /// Not at all.
+    /// Viscosity does not depend on pressure.
     #[default]
     None,
     /// Barus (1893): `eta = eta0 exp(alpha p)`.
@@ -21,36 +34,36 @@ pub enum PressureViscosity {
     },
 }
 
-/// How viscosity falls with the shear rate.
+/// Law of the viscosity over the shear rate `g`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum ShearThinning {
-    /// Not at all.
+    /// Viscosity does not depend on the shear rate.
     #[default]
     None,
     /// Cross (1965): `eta/eta0 = r + (1 - r) / (1 + (lambda g)^m)`.
     Cross {
-        /// Viscosity at the highest shear rates over that at the lowest, 1.
+        /// Viscosity at the highest shear rates over that at the lowest, `r`, 1.
         limit: f64,
-        /// Time constant, s.
+        /// Time constant `lambda`, s.
         time: f64,
-        /// Exponent, 1.
+        /// Exponent `m`, 1.
         exponent: f64,
     },
     /// Carreau (1972): `eta/eta0 = r + (1 - r) (1 + (lambda g)^2)^((n - 1)/2)`.
     Carreau {
-        /// Viscosity at the highest shear rates over that at the lowest, 1.
+        /// Viscosity at the highest shear rates over that at the lowest, `r`, 1.
         limit: f64,
-        /// Time constant, s.
+        /// Time constant `lambda`, s.
         time: f64,
-        /// Power-law exponent, 1.
+        /// Power-law exponent `n`, 1.
         exponent: f64,
     },
 }
 
-/// How density rises with pressure.
+/// Law of the density over pressure.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum DensityLaw {
-    /// Not at all.
+    /// Density does not depend on pressure.
     #[default]
     Constant,
     /// Dowson & Higginson (1966, Elasto-hydrodynamic Lubrication), for mineral oils:
@@ -59,14 +72,14 @@ pub enum DensityLaw {
 }
 
 impl DensityLaw {
-    /// Density over that at ambient pressure, and its slope (1/Pa), at a pressure above ambient (Pa).
+    /// Density over that at ambient pressure, 1, and its slope, 1/Pa, at a pressure above ambient, Pa.
     pub fn ratio(self, pressure: f64) -> [f64; 2] {
         match self {
             Self::Constant => [1.0, 0.0],
             Self::DowsonHigginson => {
                 const RISE: f64 = 0.6e-9;
                 const LIMIT: f64 = 1.7e-9;
-                // The law is not meant for tension.
+                // The law does not hold in tension.
                 let pressure = pressure.max(0.0);
                 let base = 1.0 + LIMIT * pressure;
                 [1.0 + RISE * pressure / base, RISE / (base * base)]
@@ -86,16 +99,16 @@ pub struct Rheology {
     pub density: DensityLaw,
 }
 
-/// The exponent of a pressure law is not taken beyond this: the laws are not meant for more.
+/// Largest exponent of a pressure law. The laws do not hold beyond.
 const LARGEST_EXPONENT: f64 = 5.0;
 
 impl Rheology {
-    /// Whether the viscosity is the same everywhere.
+    /// Whether the viscosity depends on neither pressure nor shear rate.
     pub fn is_newtonian(&self) -> bool {
         self.pressure == PressureViscosity::None && self.shear == ShearThinning::None
     }
 
-    /// The logarithm of the viscosity's rise by pressure, and its slope (1/Pa).
+    /// The logarithm of the viscosity's rise by pressure, 1, and its slope, 1/Pa.
     fn exponent(&self, eta0: f64, pressure: f64) -> [f64; 2] {
         match self.pressure {
             PressureViscosity::None => [0.0; 2],
@@ -111,7 +124,7 @@ impl Rheology {
         }
     }
 
-    /// The slope of the viscosity's logarithm over pressure, 1/Pa.
+    /// Slope of the viscosity's logarithm over pressure, 1/Pa.
     pub(super) fn thickening(&self, eta0: f64, pressure: f64) -> f64 {
         let [exponent, slope] = self.exponent(eta0, pressure);
         if exponent.abs() < LARGEST_EXPONENT {
@@ -121,8 +134,8 @@ impl Rheology {
         }
     }
 
-    /// Viscosity over the oil's viscosity `eta0` (Pa.s) at ambient pressure and low shear, at a
-    /// pressure above ambient (Pa) and a shear rate (1/s).
+    /// Viscosity over `eta0`, 1, at a pressure above ambient (Pa) and a shear rate (1/s). `eta0` (Pa.s) is the viscosity at
+    /// ambient pressure and low shear.
     pub fn ratio(&self, eta0: f64, pressure: f64, shear_rate: f64) -> f64 {
         let [exponent, _] = self.exponent(eta0, pressure);
         let thinning = match self.shear {
@@ -186,7 +199,7 @@ mod tests {
         }
     }
 
-    /// Dowson and Higginson's law, its limits, and a slope that is its derivative.
+    /// Dowson & Higginson's law has its published limits, and its slope is the derivative.
     #[test]
     fn density_rises_as_published() {
         let law = DensityLaw::DowsonHigginson;

@@ -9,10 +9,10 @@ pub mod friction;
 pub mod resolved;
 
 use journal_bearing::contact::{self, Contact, ContactTable};
-use journal_bearing::mobility::{Film, MapError, MobilityMap, MobilitySlice, SliceFamily};
+use journal_bearing::mobility::{LookUp, MapError, MobilityMap, MobilitySlice, SliceFamily};
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
-use std::sync::{Arc, LazyLock};
+use std::sync::LazyLock;
 
 /// Which film model carries the load.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -142,7 +142,7 @@ impl Scales {
 /// The journal's motion with the film and the contact that make it.
 struct Instant<'a> {
     /// None without a load on the film.
-    film: Option<Film<'a>>,
+    film: Option<LookUp<'a>>,
     /// The film's share of the load, N.
     force: f64,
     contact: Contact,
@@ -156,7 +156,7 @@ struct Instant<'a> {
 const LARGEST_ECCENTRICITY_RATIO: f64 = 1.0 - 1e-9;
 
 /// The map as it was shipped; prepared once.
-static MAP: LazyLock<Result<Arc<SliceFamily>, MapError>> =
+static MAP: LazyLock<Result<SliceFamily, MapError>> =
     LazyLock::new(|| MobilityMap::built_in().map(|map| SliceFamily::new(&map)));
 
 impl Prepared {
@@ -249,7 +249,7 @@ impl Prepared {
         let scales = &self.scales;
         let (mut squeeze, mut leaving) = (Vector2::zeros(), 0.0);
         let film = self.film.as_ref().filter(|_| magnitude > 0.0);
-        let film = film.map(|film| film.film(e, length, direction));
+        let film = film.map(|film| film.look_up(e, length, direction));
         if let Some(film) = &film {
             let driven = magnitude / viscosity;
             squeeze = film.mobility() * (driven * scales.mobility);

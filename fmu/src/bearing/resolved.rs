@@ -4,7 +4,7 @@ use super::{Bearing, Flows, Motion, friction};
 use journal_bearing::contact::ContactTable;
 use journal_bearing::profile::Profile;
 use journal_bearing::reynolds::{
-    Asperities, Cavitation, Drive, FilmError, FilmSettings, Grid, ReynoldsFilm, RoughFilm,
+    Cavitation, Drive, FilmError, FilmSettings, Grid, ReynoldsFilm, RoughFilm,
 };
 use journal_bearing::rheology::Rheology;
 use nalgebra::Vector2;
@@ -81,7 +81,7 @@ impl ResolvedFilm {
             rheology,
             profile,
             tilt,
-            asperities: (rough && !plain).then(|| Asperities(bearing.surface.clone())),
+            asperities: (rough && !plain).then(|| bearing.surface.clone()),
             rough_film: if flow_factors {
                 RoughFilm::FlowFactors { journal_share }
             } else {

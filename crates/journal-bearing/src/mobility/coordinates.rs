@@ -1,35 +1,36 @@
-//! The coordinates in which the mobility is smooth.
+//! Coordinates over which the mobility is smooth enough to interpolate.
 //!
-//! Near the bush, the mobility turns from radial to tangential within a direction of about `1 - e`, changes
-//! its size over `sqrt(1 - e)`, the angle over which the gap is narrow, and further round the bush. The coordinate
+//! Near the bush the mobility turns from radial to tangential while the load's direction changes by only about `1 - e`.
+//! Its size changes over `sqrt(1 - e)`, the angle over which the gap is narrow, and more slowly beyond. One coordinate
+//! resolves all three:
 //!
 //! ```text
 //! s = asinh(tan(phi/4) / d) / asinh(1/d),   d = 0.3 (1 - e)
 //! ```
 //!
-//! serves all: 0 with the load along the eccentricity, 1 against it.
+//! `phi` is the angle from the eccentricity to the load; `s` is 0 with the load along the eccentricity, 1 against it.
 
 /// Ratio of `d` to `1 - e`.
 const CORE: f64 = 0.3;
 
-/// The gap is taken to be no narrower than this share of the clearance.
+/// Least relative gap `1 - e` for which the coordinates are computed; smaller ones count as this.
 const NARROWEST: f64 = 1e-12;
 
 /// A point of the map: `u = -ln(1 - e)` and `s`, both from 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Point {
-    pub(super) u: f64,
-    pub(super) s: f64,
+pub struct Point {
+    pub u: f64,
+    pub s: f64,
 }
 
 impl Point {
-    /// The point at eccentricity ratio `e` with the load at the angle from the eccentricity whose
-    /// cosine and (absolute) sine are given.
+    /// The point at eccentricity ratio `e`, given the cosine and the sine (of either sign) of the angle from the
+    /// eccentricity to the load.
     #[inline]
-    pub(super) fn new(e: f64, cos: f64, sin: f64) -> Self {
+    pub fn new(e: f64, cos: f64, sin: f64) -> Self {
         let gap = (1.0 - e).clamp(NARROWEST, 1.0);
         let core = CORE * gap;
-        // The same operations for both: against the eccentricity, `s` is exactly 1.
+        // Numerator and denominator use the same operations, so that a load against the eccentricity gives exactly 1.
         let per_core = 1.0 / core;
         Self {
             u: -gap.ln(),
@@ -37,24 +38,24 @@ impl Point {
         }
     }
 
-    /// The eccentricity ratio.
-    pub(super) fn eccentricity(self) -> f64 {
+    /// The eccentricity ratio, 1.
+    pub fn eccentricity(self) -> f64 {
         -(-self.u).exp_m1()
     }
 
-    /// The angle between eccentricity and load, rad, 0..=pi.
-    pub(super) fn angle(self) -> f64 {
+    /// The angle between eccentricity and load, rad, from 0 to pi.
+    pub fn angle(self) -> f64 {
         let core = CORE * (-self.u).exp();
         4.0 * (core * (self.s * asinh(1.0 / core)).sinh()).min(1.0).atan()
     }
 }
 
-/// `asinh` of a number that is not negative.
+/// `asinh(x)` for `x >= 0`.
 fn asinh(x: f64) -> f64 {
     (x + (x * x + 1.0).sqrt()).ln()
 }
 
-/// `tan(phi / 4)` for an angle in 0..=pi, without loss of digits near either end.
+/// `tan(phi / 4)` for `phi` from 0 to pi, by half-angle formulas that do not cancel at either end.
 fn quarter_tangent(cos: f64, sin: f64) -> f64 {
     let (half_cos, half_sin) = if cos >= 0.0 {
         let half = (0.5 + 0.5 * cos).sqrt();

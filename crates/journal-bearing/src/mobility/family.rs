@@ -1,71 +1,43 @@
-//! The slices of a map, prepared once, from which the slice of any `B/D` is quickly made.
+//! All slices of a map, prepared once; from them a slice for any `B/D` is made quickly.
 
-use super::map::{CHANNELS, MobilityMap};
-use super::slice::{MobilitySlice, Node, Tabulated};
-use super::spline::{End, Spline, hermite};
 use std::sync::Arc;
 
-/// Where a node has its values, and among them `ln |M|`.
-const VALUE: usize = 0;
-const MOBILITY: usize = 0;
-/// The power of `B/D` that the mobility of a short bearing goes with.
+use super::blend::{Blend, Sources};
+use super::map::MobilityMap;
+use super::slice::MobilitySlice;
+use super::spline::{End, Spline, hermite};
+use super::table::{CHANNELS, Node};
+
+/// The mobility of a short bearing goes with this power of `B/D`.
 const SHORT: f64 = -2.0;
 
-/// A map's slices with their slopes over `ln(B/D)`.
+/// A [`MobilityMap`] prepared for every `B/D`: its slices and their slopes over `ln(B/D)`.
+///
+/// Preparing takes a few milliseconds; a clone shares the prepared numbers.
+///
+/// # Examples
+/// ```
+/// use journal_bearing::mobility::{MobilityMap, SliceFamily};
+///
+/// let family = SliceFamily::new(&MobilityMap::built_in()?);
+/// let slice = family.slice(0.76);
+/// // A load along the eccentricity moves the journal along itself.
+/// let (along, across) = slice.mobility(0.6, 1.0, 0.0);
+/// assert!(along > 0.0 && across.abs() < 1e-9);
+/// # Ok::<(), journal_bearing::mobility::MapError>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct SliceFamily {
     /// `ln(B/D)` of the first slice.
     first: f64,
-    /// Distance of the slices in `ln(B/D)`.
+    /// Distance between slices in `ln(B/D)`.
     spacing: f64,
-    slices: Vec<Tabulated>,
-    /// Slopes of each slice's nodes per spacing, of the twice differentiable spline over all slices.
-    slopes: Vec<Vec<Node>>,
-}
-
-/// How the nodes of a slice between two tabulated ones are made of these.
-#[derive(Clone, Debug)]
-pub(super) struct Blend {
-    family: Arc<SliceFamily>,
-    cell: usize,
-    /// Of both slices and of their slopes.
-    weights: [f64; 4],
-    /// What is added to `ln |M|`: beyond the narrow end.
-    rise: f64,
-}
-
-impl Blend {
-    /// The nodes of a row over `s`.
-    pub(super) fn row(&self, i: usize) -> Box<[Node]> {
-        let (family, cell) = (&*self.family, self.cell);
-        let row = family.slices[cell].grid.row(i);
-        let near = &family.slices[cell].nodes[row.clone()];
-        let far = &family.slices[cell + 1].nodes[row.clone()];
-        let near_slope = &family.slopes[cell][row.clone()];
-        let far_slope = &family.slopes[cell + 1][row];
-        let sources = near.iter().zip(far).zip(near_slope.iter().zip(far_slope));
-        let [a, b, c, d] = self.weights;
-        sources
-            .map(|((near, far), (near_slope, far_slope))| {
-                let mut node = Node::default();
-                for kind in 0..4 {
-                    for channel in 0..CHANNELS {
-                        node[kind][channel] = a * near[kind][channel]
-                            + b * far[kind][channel]
-                            + c * near_slope[kind][channel]
-                            + d * far_slope[kind][channel];
-                    }
-                }
-                node[VALUE][MOBILITY] += self.rise;
-                node
-            })
-            .collect()
-    }
+    sources: Arc<Sources>,
 }
 
 impl SliceFamily {
     /// Prepares a map.
-    pub fn new(map: &MobilityMap) -> Arc<Self> {
+    pub fn new(map: &MobilityMap) -> Self {
         let slices = map.slices();
         let (count, nodes) = (slices.len(), slices[0].nodes.len());
         let spline = Spline::new(count, [End::Free; 2]);
@@ -84,31 +56,34 @@ impl SliceFamily {
                 }
             }
         }
-        Arc::new(Self {
+        Self {
             first: map.width(0).ln(),
             spacing: (map.width(1) / map.width(0)).ln(),
-            slices,
-            slopes: over_width,
-        })
+            sources: Arc::new(Sources {
+                slices,
+                slopes: over_width,
+            }),
+        }
     }
 
-    /// The map at one width-to-diameter ratio `B/D > 0`, prepared for fast look-ups.
+    /// The map at one width-to-diameter ratio `B/D > 0`, ready for look-ups.
     ///
-    /// The table reaches from 0.1 to 4. Narrower bearings go on to the short one, `|M| ~ (D/B)^2`: what is left of the
-    /// difference to it falls with the square of `B/D`, as does what the Reynolds equation's terms around the bush
-    /// change. Wider bearings are taken as 4.
-    pub fn slice(self: &Arc<Self>, width_to_diameter: f64) -> MobilitySlice {
-        let last = (self.slices.len() - 1) as f64;
+    /// The table covers `B/D` from 0.1 to 4. Narrower bearings approach the short bearing, `|M| ~ (D/B)^2` (Ocvirk 1952):
+    /// the remaining difference falls with the square of `B/D`, as do the terms of the Reynolds equation that the
+    /// short-bearing theory neglects. Wider bearings are taken as `B/D = 4`.
+    pub fn slice(&self, width_to_diameter: f64) -> MobilitySlice {
+        let slices = &self.sources.slices;
+        let last = (slices.len() - 1) as f64;
         let position = (width_to_diameter.ln() - self.first) / self.spacing;
         let position = if position.is_nan() {
             last
         } else {
             position.min(last)
         };
-        let cell = (position.max(0.0) as usize).min(self.slices.len() - 2);
+        let cell = (position.max(0.0) as usize).min(slices.len() - 2);
         let (weights, rise) = if position < 0.0 {
             let beyond = position * self.spacing;
-            // Half of what falls: for each unit that the slope at the end differs from the short bearing's.
+            // Integral of the remaining slope difference, which decays as (B/D)^2, from the table's end to here.
             let fallen = 0.5 * (2.0 * beyond).exp_m1();
             let weights = [1.0, 0.0, fallen / self.spacing, 0.0];
             (weights, SHORT * (beyond - fallen))
@@ -116,12 +91,12 @@ impl SliceFamily {
             (hermite(position - cell as f64), 0.0)
         };
         let blend = Blend {
-            family: Arc::clone(self),
+            sources: Arc::clone(&self.sources),
             cell,
             weights,
             rise,
         };
-        MobilitySlice::new(self.slices[cell].grid, blend)
+        MobilitySlice::new(slices[cell].lattice, blend)
     }
 }
 
@@ -136,7 +111,7 @@ mod tests {
         for (k, slice) in map.slices().iter().enumerate() {
             let made = family.slice(map.width(k));
             for i in [0, 7, 40] {
-                let tabulated = &slice.nodes[slice.grid.row(i)];
+                let tabulated = &slice.nodes[slice.lattice.row(i)];
                 for (a, b) in made.row(i).iter().flatten().zip(tabulated.iter().flatten()) {
                     for (a, b) in a.iter().zip(b) {
                         assert!((a - b).abs() < 1e-9 * b.abs().max(1.0), "{a} {b}");
@@ -152,13 +127,13 @@ mod tests {
         let at = |width: f64| family.slice(width).mobility(0.6, 1.0, 0.0).0;
         let power = (at(0.02) / at(0.05)).ln() / (0.02f64 / 0.05).ln();
         assert!((power + 2.0).abs() < 0.01, "{power}");
-        // Without a bend at the table's end.
+        // The slope has no kink at the table's end.
         let powers = [1e-4_f64, -1e-4].map(|d| (at(0.1 * d.exp()) / at(0.1)).ln() / d);
         assert!((powers[0] - powers[1]).abs() < 2e-3, "{powers:?}");
     }
 
-    /// The short bearing's exact mobility along the line of centres, `(D/B)^2 / (2 I)` with the integral `I` of
-    /// `cos^2 / (1 - e cos)^3` over the half that closes (Ocvirk's pressure, squeezed: Booker 1965).
+    /// The short bearing's exact mobility along the line of centres is `(D/B)^2 / (2 I)`, where `I` is the integral of
+    /// `cos^2 / (1 - e cos)^3` over the half that closes (Ocvirk's pressure under squeeze: Booker 1965).
     #[test]
     fn narrow_bearings_have_the_short_one_s_mobility() {
         let family = SliceFamily::new(&MobilityMap::built_in().unwrap());

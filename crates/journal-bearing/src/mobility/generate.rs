@@ -1,25 +1,26 @@
-//! The direct solution behind the map, and the map's generation from it.
+//! Direct solutions of the quasi-static film, and the map that is made of them.
 
 use nalgebra::Vector2;
 
-use super::map::{CHANNELS, MobilityMap};
+use super::map::MobilityMap;
+use super::table::CHANNELS;
 use crate::reynolds::{Boundary, Grid, NotConverged, QuasiStatic};
 
-/// Cells around the bush and over the half width with which the map is made.
+/// Columns around the bush and rows over the half width on which the map is made.
 const CELLS: [usize; 2] = [160, 14];
 
-/// One direct solution, in the map's quantities.
+/// One direct solution, in the quantities of the map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// Mobility along the eccentricity and 90 degrees ahead of it.
+    /// Mobility along the eccentricity and 90 degrees ahead of it, 1.
     pub mobility: Vector2<f64>,
-    /// The largest pressure over `F / (B D)`.
+    /// The largest pressure over `F / (B D)`, 1.
     pub max_pressure: f64,
-    /// The flow out of both ends together over `F c^3 / (3 eta B^2)`.
+    /// The oil flow out of both ends together over `F c^3 / (3 eta B^2)`, 1.
     pub side_flow: f64,
 }
 
-/// A journal at `(e, 0)` in a bearing of one width, ready for loads of any direction.
+/// A journal held at `(e, 0)` in a bearing of one width, for loads of any direction.
 struct Station(QuasiStatic);
 
 impl Station {
@@ -36,7 +37,7 @@ impl Station {
             self.0.reset();
             self.0.velocity_under(load)
         })?;
-        // |F| = 12 eta (R/c)^2 R B |W| makes |F| (c/R)^2 / (eta B D) = 6 |W|.
+        // With |F| = 12 eta (R/c)^2 R B |W|, the factor |F| (c/R)^2 / (eta B D) of the mobility is 6 |W|.
         Ok(Sample {
             mobility: carried.velocity / 6.0,
             max_pressure: 2.0 * carried.max_pressure,
@@ -45,11 +46,11 @@ impl Station {
     }
 }
 
-/// The direct solution at `B/D`, eccentricity ratio `e` (below 1) and load direction `angle`
-/// (rad, ahead of the eccentricity) on a grid of `cells` around the bush and over the half width.
+/// Solves the quasi-static film directly: for `B/D`, an eccentricity ratio `0 <= e < 1` and a load `angle` rad ahead
+/// of the eccentricity, on `[columns, rows]` cells around the bush and over the half width.
 ///
 /// # Errors
-/// When the pressure field does not settle.
+/// Returns [`NotConverged`] when the pressure field does not settle.
 pub fn exact(
     width_to_diameter: f64,
     e: f64,
@@ -59,10 +60,10 @@ pub fn exact(
     Station::new(width_to_diameter, e, cells).under(angle)
 }
 
-/// Solves for every node of the map, on `threads` threads; `progress` is told the share done.
+/// Makes the map: solves the film directly at every node, on `threads` threads. `progress` receives the share done, 0..1.
 ///
 /// # Errors
-/// When a pressure field does not settle.
+/// Returns [`NotConverged`] when a pressure field does not settle.
 pub fn generate(
     threads: usize,
     progress: impl Fn(f64) + Sync,
@@ -100,7 +101,7 @@ pub fn generate(
     Ok(map.with_values(values))
 }
 
-/// Solves for the nodes of one width and one eccentricity ratio.
+/// Solves for the nodes of slice `k` and eccentricity ratio `i`.
 fn fill(map: &MobilityMap, k: usize, i: usize, row: &mut [f32]) -> Result<(), NotConverged> {
     let e = map.point(i, 0).eccentricity();
     let mut station = Station::new(map.width(k), e, CELLS);
@@ -109,7 +110,7 @@ fn fill(map: &MobilityMap, k: usize, i: usize, row: &mut [f32]) -> Result<(), No
         let angle = map.point(i, j).angle();
         let sample = station.under(angle)?;
         let ahead = Vector2::new(angle.cos(), angle.sin());
-        // By symmetry the mobility has the load's direction at both ends of the range.
+        // With the load along the line of centres, the mobility is along it too, by symmetry.
         let lead = if j == 0 || j + 1 == ss {
             0.0
         } else {

@@ -1,4 +1,4 @@
-//! The tabulated mobility and its file.
+//! The tabulated mobility and its file format.
 
 use std::f64::consts::LN_10;
 
@@ -6,16 +6,14 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::coordinates::Point;
-use super::slice::Tabulated;
+use super::table::{CHANNELS, Tabulated};
 
 /// The committed table, made by [`generate`](super::generate).
 static COMMITTED: &[u8] = include_bytes!("map.bin");
 
-/// Quantities in the table: `ln |M|`, the angle by which `M` leads the load, `ln` of the largest
-/// pressure over `F/(B D)`, and `ln` of the side flow over `F c^3 / (3 eta B^2)`.
-pub(super) const CHANNELS: usize = 4;
-
-/// Mobility, largest pressure and side flow over `B/D`, eccentricity ratio and load direction.
+/// Table of mobility, largest pressure and side flow over `B/D`, eccentricity ratio and load direction.
+///
+/// Prepare it with [`SliceFamily::new`](super::SliceFamily::new) before looking anything up.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MobilityMap {
     /// `ln(B/D)` of the first and the last slice.
@@ -28,15 +26,15 @@ pub struct MobilityMap {
     values: Vec<f32>,
 }
 
-/// The bytes are no mobility map.
+/// The bytes are not a mobility map; the text says why.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[error(
-    "the mobility map is damaged ({0}); make it again with `cargo run --release -p journal-bearing --bin mobility-map`"
+    "the mobility map is damaged ({0}); make it again with `cargo run --release -p journal-bearing --example mobility-map`"
 )]
 pub struct MapError(String);
 
 impl MobilityMap {
-    /// The map's extent: `B/D` from 0.1 to 4, eccentricity ratio from 0 to 0.9999.
+    /// A map without values that covers `B/D` from 0.1 to 4 and eccentricity ratios from 0 to 0.9999.
     pub(super) fn empty() -> Self {
         let nodes = [13, 41, 33];
         Self {
@@ -47,10 +45,10 @@ impl MobilityMap {
         }
     }
 
-    /// The map that is built into this library.
+    /// The map that ships with this library.
     ///
     /// # Errors
-    /// When the built-in table does not read, which a test excludes.
+    /// Returns [`MapError`] when the built-in table cannot be read; a test rules that out.
     pub fn built_in() -> Result<Self, MapError> {
         Self::from_bytes(COMMITTED)
     }
@@ -58,7 +56,7 @@ impl MobilityMap {
     /// Reads a map that [`to_bytes`](Self::to_bytes) wrote.
     ///
     /// # Errors
-    /// When the bytes are no map.
+    /// Returns [`MapError`] when the bytes do not decode, do not fit the stated extent, or hold a value that is not finite.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, MapError> {
         let map: Self = postcard::from_bytes(bytes).map_err(|error| MapError(error.to_string()))?;
         let count: usize = map.nodes.iter().map(|&n| usize::from(n)).product();
@@ -72,15 +70,15 @@ impl MobilityMap {
         Ok(map)
     }
 
-    /// The map as bytes.
+    /// The map as bytes, in the format of [`from_bytes`](Self::from_bytes).
     ///
     /// # Errors
-    /// When serialisation fails, which it does not for a map in memory.
+    /// Returns [`MapError`] when serialisation fails, which does not happen for a map in memory.
     pub fn to_bytes(&self) -> Result<Vec<u8>, MapError> {
         postcard::to_stdvec(self).map_err(|error| MapError(error.to_string()))
     }
 
-    /// The tabulated slices, by `B/D`.
+    /// The tabulated slices in the order of `B/D`.
     pub(super) fn slices(&self) -> Vec<Tabulated> {
         let [_, us, ss] = self.nodes.map(usize::from);
         self.values
@@ -89,12 +87,12 @@ impl MobilityMap {
             .collect()
     }
 
-    /// `B/D` of the slice `k`.
+    /// `B/D` of slice `k`.
     pub(super) fn width(&self, k: usize) -> f64 {
         (self.widths[0] + k as f64 * self.width_spacing()).exp()
     }
 
-    /// Nodes over `ln(B/D)`, `u` and `s`.
+    /// Numbers of nodes over `ln(B/D)`, `u` and `s`.
     pub(super) fn nodes(&self) -> [usize; 3] {
         self.nodes.map(usize::from)
     }
@@ -108,7 +106,7 @@ impl MobilityMap {
         }
     }
 
-    /// Fills in the values.
+    /// The same map with these values.
     pub(super) fn with_values(self, values: Vec<f32>) -> Self {
         Self { values, ..self }
     }

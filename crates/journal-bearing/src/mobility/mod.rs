@@ -1,42 +1,43 @@
 //! Mobility of a journal bearing: how fast a load moves the journal.
 //!
-//! In the frame of [`reynolds`](super::reynolds), a bearing of radial clearance `c`, radius `R`,
-//! width `B` and diameter `D`, filled with oil of viscosity `eta` and loaded by `F`, moves its
-//! journal by (Booker 1965, 1971; eq. 2 of the paper)
+//! In the frame of [`reynolds`](super::reynolds), a bearing has radial clearance `c`, radius `R`, width `B`, diameter
+//! `D` and oil of viscosity `eta`. A load `F` moves its journal with (Booker 1965, J. Basic Eng. 87, 537-546; 1971,
+//! J. Lubr. Technol. 93, 168-176)
 //!
 //! ```text
 //! d eps/dt = |F| (c/R)^2 / (eta B D) * M + omega z x eps
 //! ```
 //!
-//! where `M` depends on the eccentricity ratio, on the direction of the load relative to the
-//! eccentricity and on `B/D` only, and `omega = (omega_journal + omega_bush) / 2` is the *mean* rotation of
-//! the two surfaces: a bush that turns drags as much oil along as a journal. For an oil film
-//! whose pressure is nowhere below that of the surroundings the relation is exact, not a fit.
+//! The mobility `M` depends only on the eccentricity ratio, on the direction of the load relative to the eccentricity,
+//! and on `B/D`. `omega = (omega_journal + omega_bush) / 2` is the *mean* rotation of both surfaces, because a turning
+//! bush drags as much oil along as a turning journal. The relation is exact for an oil film whose pressure is nowhere
+//! below ambient.
 //!
-//! # Where the numbers come from
-//! Goenka's (1984) curve-fit coefficients were not found in any public source. The numbers here
-//! are no fit of his kind: they are the solutions of our own [`QuasiStatic`](super::reynolds::QuasiStatic)
-//! film, tabulated by [`generate`] (`cargo run --release --bin mobility-map`) and interpolated
-//! with a continuous first derivative.
+//! # Source of the numbers
+//! Goenka's curve-fit coefficients (1984, J. Tribol. 106) were not found in any public source. The table here
+//! is no such fit: it holds solutions of this crate's [`QuasiStatic`](super::reynolds::QuasiStatic) film, made by
+//! [`generate`] (`cargo run --release -p journal-bearing --example mobility-map`), and is interpolated with a continuous
+//! first derivative.
 //!
-//! # What is interpolated
-//! The logarithm of `|M|` and the angle by which `M` leads the load, over
-//! `u = -ln(1 - e)`, over the load direction stretched by `1 - e` (see `coordinates`), and
-//! over `ln(B/D)`. Powers of the smallest gap and of `B/D`, the asymptotes of the lubrication
-//! theory, are straight lines in these coordinates; beyond the table they are continued as such:
-//! under a finite load the journal never reaches the bush.
+//! # Interpolation
+//! The logarithm of `|M|` and the angle by which `M` leads the load are interpolated over `u = -ln(1 - e)`, over the
+//! load direction stretched by `1 - e` (module `coordinates`), and over `ln(B/D)`. In lubrication theory, `|M|` tends to
+//! powers of the smallest gap and of `B/D`. Powers are straight lines in these coordinates and are continued as such
+//! beyond the table, so that under a finite load the journal never reaches the bush.
 
+mod blend;
 mod coordinates;
 mod family;
 mod generate;
 mod map;
 mod slice;
 mod spline;
+mod table;
 
 pub use family::SliceFamily;
 pub use generate::{Sample, exact, generate};
 pub use map::{MapError, MobilityMap};
-pub use slice::{Film, MobilitySlice};
+pub use slice::{LookUp, MobilitySlice};
 
 #[cfg(test)]
 mod tests {
@@ -44,8 +45,8 @@ mod tests {
     use nalgebra::Vector2;
     use std::f64::consts::PI;
 
-    /// The map's errors against direct solutions on a finer grid, at points off its nodes; the
-    /// generating command prints those of a larger sample.
+    /// Compares the map with direct solutions on a finer grid, at points between its nodes; the example `mobility-map`
+    /// does so at many more points.
     #[test]
     fn agrees_with_direct_solutions() {
         let map = SliceFamily::new(&MobilityMap::built_in().unwrap());
@@ -79,8 +80,7 @@ mod tests {
         }
     }
 
-    /// Beyond the table the journal still cannot reach the bush: the mobility keeps falling as the
-    /// power 3/2 of the gap.
+    /// Beyond the table the mobility keeps falling with the power 3/2 of the gap, so the journal cannot reach the bush.
     #[test]
     fn the_mobility_vanishes_at_the_bush() {
         let slice = SliceFamily::new(&MobilityMap::built_in().unwrap()).slice(0.76);
@@ -92,7 +92,7 @@ mod tests {
         assert!(at(0.0) > 0.0 && at(0.0) < 1e-12);
     }
 
-    /// A film only dissipates: no load moves the journal against itself, also where the map is left behind.
+    /// A film only dissipates: no load moves the journal against the load's direction, also beyond the table.
     #[test]
     fn the_film_takes_no_work_from_the_journal() {
         let map = SliceFamily::new(&MobilityMap::built_in().unwrap());
@@ -127,7 +127,7 @@ mod tests {
                 "{before} {after}"
             );
         }
-        // Around the line of centres the radial mobility is even, so flat.
+        // The radial mobility is an even function of the angle at the line of centres, so its slope is zero there.
         assert!((of(0.6, 1e-6) - of(0.6, -1e-6)).abs() < 1e-12);
         assert!((of(0.6, PI - 1e-6) - of(0.6, -PI + 1e-6)).abs() < 1e-12);
     }

@@ -4,170 +4,118 @@ use nalgebra::Vector2;
 use std::f64::consts::FRAC_PI_2;
 use std::sync::OnceLock;
 
+use super::blend::Blend;
 use super::coordinates::Point;
-use super::family::Blend;
-use super::map::CHANNELS;
-use super::spline::{End, Spline, hermite};
+use super::spline::hermite;
+use super::table::{Lattice, Node};
 
-/// Of each quantity: value, slope over `u`, slope over `s` and twist.
-pub(super) type Node = [[f64; CHANNELS]; 4];
-
-/// The points over `u` and `s`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Grid {
-    /// Nodes over `s`.
-    ss: usize,
-    /// Nodes over `u`, less one.
-    last_u: f64,
-    /// Nodes over `s`, less one.
-    last_s: f64,
-    /// Node spacings per unit of `u`.
-    per_u: f64,
-}
-
-/// The map's quantities over `u` and `s` at one of its `B/D`.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Tabulated {
-    pub(super) grid: Grid,
-    /// By `u`, then `s`.
-    pub(super) nodes: Vec<Node>,
-}
-
-/// The mobility of bearings of one `B/D`: the map's quantities over `u` and `s`, once continuously
-/// differentiable.
+/// The mobility of bearings of one `B/D`: the map's quantities over eccentricity ratio and load direction, with a
+/// continuous first derivative.
 #[derive(Clone, Debug)]
 pub struct MobilitySlice {
-    grid: Grid,
-    /// By `u`. A journal visits few of them, so they are made when it does.
+    lattice: Lattice,
+    /// One row per `u`. A journal visits few of them, so each is made on first use.
     rows: Vec<OnceLock<Box<[Node]>>>,
     blend: Blend,
 }
 
-/// A film under a load, dimensionless; what is not asked for is not looked up.
+/// One place of the map, located once; each quantity is interpolated only when it is asked for.
+///
+/// From [`MobilitySlice::look_up`].
 #[derive(Clone, Copy, Debug)]
-pub struct Film<'a> {
+pub struct LookUp<'a> {
     slice: &'a MobilitySlice,
     place: Place,
     direction: Vector2<f64>,
-    /// Of the angle from the eccentricity to the load.
+    /// Sign of the angle from the eccentricity to the load.
     sign: f64,
 }
 
-impl Film<'_> {
-    /// The mobility vector `M` in the frame of the load's direction.
+impl LookUp<'_> {
+    /// The mobility vector `M`, 1, in the frame in which the load's direction was given.
     #[inline]
     pub fn mobility(&self) -> Vector2<f64> {
         let [log_mobility, lead] = self.slice.pair::<0>(&self.place);
-        // Beyond a right angle the film would push the journal along. Nothing does, but the surface beyond the table.
+        // A lead beyond a right angle would mean that the film drives the journal. Only extrapolation beyond the table
+        // can suggest that.
         let lead = lead.clamp(-FRAC_PI_2, FRAC_PI_2);
-        // The lead is odd in the angle from eccentricity to load.
+        // The lead is an odd function of the angle from eccentricity to load.
         let (sin, cos) = (self.sign * lead).sin_cos();
         let (x, y) = (self.direction.x, self.direction.y);
         Vector2::new(x * cos - y * sin, x * sin + y * cos) * log_mobility.exp()
     }
 
-    /// The largest pressure over `F / (B D)`.
+    /// The largest film pressure over `F / (B D)`, 1.
     pub fn max_pressure(&self) -> f64 {
         self.slice.pair::<1>(&self.place)[0].exp()
     }
 
-    /// The flow out of both ends together over `F c^3 / (3 eta B^2)`.
+    /// The oil flow out of both ends together over `F c^3 / (3 eta B^2)`, 1.
     #[inline]
     pub fn side_flow(&self) -> f64 {
         self.slice.pair::<1>(&self.place)[1].exp()
     }
 }
 
-/// A place in the table: the cell's first node, and the weights of what is stored at its corners.
+/// A place in the table: indices of its cell's first node, and the weight of each number stored at its four corners.
 #[derive(Clone, Copy, Debug)]
 struct Place {
     near: [usize; 2],
-    /// By corner, then by what is stored there.
+    /// By corner, then by the numbers of a [`Node`].
     weights: [[f64; 4]; 4],
 }
 
-/// How each quantity continues beyond the ends of `s`.
-const SYMMETRY: [End; CHANNELS] = [End::Even, End::Odd, End::Even, End::Even];
-
-impl Tabulated {
-    /// From node values, by `u`, then `s`, then channel.
-    pub(super) fn new(values: &[f32], us: usize, ss: usize, last_u: f64) -> Self {
-        let mut nodes = vec![Node::default(); us * ss];
-        let free = Spline::new(us, [End::Free; 2]);
-        for (channel, symmetry) in SYMMETRY.into_iter().enumerate() {
-            let values: Vec<f64> = values
-                .iter()
-                .skip(channel)
-                .step_by(CHANNELS)
-                .map(|&value| f64::from(value))
-                .collect();
-            let over_u = over_u(&values, &free, us, ss);
-            let spline = Spline::new(ss, [symmetry; 2]);
-            let (mut over_s, mut twist) = (vec![0.0; ss], vec![0.0; ss]);
-            for i in 0..us {
-                let row = i * ss..(i + 1) * ss;
-                spline.slopes(&values[row.clone()], &mut over_s);
-                spline.slopes(&over_u[row.clone()], &mut twist);
-                for (j, at) in row.enumerate() {
-                    let node = [values[at], over_u[at], over_s[j], twist[j]];
-                    for (kind, value) in nodes[at].iter_mut().zip(node) {
-                        kind[channel] = value;
-                    }
-                }
-            }
-        }
-        let last = (us - 1) as f64;
-        let grid = Grid {
-            ss,
-            last_u: last,
-            last_s: (ss - 1) as f64,
-            per_u: last / last_u,
-        };
-        Self { grid, nodes }
-    }
-}
-
-impl Grid {
-    /// The nodes of a row over `s`.
-    pub(super) fn row(&self, i: usize) -> std::ops::Range<usize> {
-        i * self.ss..(i + 1) * self.ss
-    }
-}
-
 impl MobilitySlice {
-    /// A slice whose rows are made by `blend`.
-    pub(super) fn new(grid: Grid, blend: Blend) -> Self {
+    /// A slice whose rows `blend` makes.
+    pub(super) fn new(lattice: Lattice, blend: Blend) -> Self {
         Self {
-            grid,
-            rows: vec![OnceLock::new(); grid.last_u as usize + 1],
+            lattice,
+            rows: vec![OnceLock::new(); lattice.last_u as usize + 1],
             blend,
         }
     }
 
-    /// The nodes of a row over `s`.
+    /// The nodes of row `i`: one `u`, all `s`.
     #[inline]
     pub(super) fn row(&self, i: usize) -> &[Node] {
         self.rows[i].get_or_init(|| self.blend.row(i))
     }
 
-    /// The mobility along the eccentricity and 90 degrees ahead of it, at the eccentricity ratio
-    /// `e` (0 up to, but not, 1) under a load whose angle ahead of the eccentricity has this cosine and sine.
+    /// The components of the mobility along the eccentricity and 90 degrees ahead of it, 1.
     ///
-    /// An eccentricity ratio of 1 or more is taken as just below 1.
+    /// `e` is the eccentricity ratio, 0 <= e < 1; `cos` and `sin` belong to the angle by which the load is ahead of
+    /// the eccentricity. A ratio of 1 or more is taken as just below 1.
     pub fn mobility(&self, e: f64, cos: f64, sin: f64) -> (f64, f64) {
         let mobility = self.mobility_vector(Vector2::new(e, 0.0), Vector2::new(cos, sin));
         (mobility.x, mobility.y)
     }
 
-    /// The mobility vector `M` in the frame of `eps` and of the load's `direction`, a unit vector.
+    /// The mobility vector `M`, 1, at the eccentricity-ratio vector `eps` under a load along the unit vector
+    /// `direction`, in the frame of both.
     pub fn mobility_vector(&self, eps: Vector2<f64>, direction: Vector2<f64>) -> Vector2<f64> {
-        self.film(eps, eps.norm(), direction).mobility()
+        self.look_up(eps, eps.norm(), direction).mobility()
     }
 
-    /// The film at the eccentricity-ratio vector `eps` of length `e` under a load along the unit vector
-    /// `direction`.
+    /// Locates the eccentricity-ratio vector `eps`, whose length is `e`, under a load along the unit vector `direction`.
+    ///
+    /// # Examples
+    /// The velocity (1/s) with which 750 N press the journal through the oil of a bearing at rest (Booker 1965):
+    /// ```
+    /// use journal_bearing::mobility::{MobilityMap, SliceFamily};
+    /// use journal_bearing::nalgebra::Vector2;
+    ///
+    /// let (width, diameter, clearance, viscosity) = (0.019, 0.025, 20e-6, 0.02);
+    /// let slice = SliceFamily::new(&MobilityMap::built_in()?).slice(width / diameter);
+    /// let eps = Vector2::new(0.8, 0.3);
+    /// let film = slice.look_up(eps, eps.norm(), Vector2::x());
+    /// let psi = clearance / (0.5 * diameter);
+    /// let velocity = film.mobility() * (750.0 * psi * psi / (viscosity * width * diameter));
+    /// assert!(velocity.x > 0.0);
+    /// assert!(film.max_pressure() * 750.0 / (width * diameter) > 2e6); // Pa
+    /// # Ok::<(), journal_bearing::mobility::MapError>(())
+    /// ```
     #[inline]
-    pub fn film(&self, eps: Vector2<f64>, e: f64, direction: Vector2<f64>) -> Film<'_> {
+    pub fn look_up(&self, eps: Vector2<f64>, e: f64, direction: Vector2<f64>) -> LookUp<'_> {
         let (cos, sin) = if e > 0.0 {
             let inverse = 1.0 / e;
             (
@@ -177,7 +125,7 @@ impl MobilitySlice {
         } else {
             (1.0, 0.0)
         };
-        Film {
+        LookUp {
             slice: self,
             place: self.place(Point::new(e, cos, sin)),
             direction,
@@ -187,13 +135,13 @@ impl MobilitySlice {
 
     #[inline]
     fn place(&self, point: Point) -> Place {
-        let grid = &self.grid;
-        let position = point.u * grid.per_u;
-        let across = (point.s * grid.last_s).clamp(0.0, grid.last_s);
-        let inside = position.min(grid.last_u);
-        let i = (inside as usize).min(grid.last_u as usize - 1);
-        let j = (across as usize).min(grid.ss - 2);
-        // Beyond the last node over u the surface goes on straight.
+        let lattice = &self.lattice;
+        let position = point.u * lattice.per_u;
+        let across = (point.s * lattice.last_s).clamp(0.0, lattice.last_s);
+        let inside = position.min(lattice.last_u);
+        let i = (inside as usize).min(lattice.last_u as usize - 1);
+        let j = (across as usize).min(lattice.ss - 2);
+        // Beyond the last node over u, the surface continues along its tangent.
         let x = inside - i as f64;
         let excess = position - inside;
         let [a0, a1, b0, b1] = hermite(x);
@@ -215,7 +163,7 @@ impl MobilitySlice {
         }
     }
 
-    /// Two of the quantities at a place: the mobility's for 0, the others for 1.
+    /// Interpolates two of the four quantities: `PAIR` 0 is `ln |M|` and the lead, 1 is largest pressure and side flow.
     #[inline]
     fn pair<const PAIR: usize>(&self, place: &Place) -> [f64; 2] {
         let [i, j] = place.near;
@@ -230,20 +178,4 @@ impl MobilitySlice {
         }
         sum
     }
-}
-
-/// Slopes over `u` of values by `u`, then `s`.
-fn over_u(values: &[f64], spline: &Spline, us: usize, ss: usize) -> Vec<f64> {
-    let mut result = vec![0.0; us * ss];
-    let (mut line, mut slope) = (vec![0.0; us], vec![0.0; us]);
-    for j in 0..ss {
-        for i in 0..us {
-            line[i] = values[i * ss + j];
-        }
-        spline.slopes(&line, &mut slope);
-        for i in 0..us {
-            result[i * ss + j] = slope[i];
-        }
-    }
-    result
 }

@@ -1,28 +1,29 @@
 //! Cubic splines on evenly spaced nodes.
 
-/// What holds at an end of the spline.
+/// The condition at an end of a spline.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum End {
+pub enum End {
     /// The function is even about the end: its slope is zero.
     Even,
     /// The function is odd about the end: its curvature is zero.
     Odd,
-    /// Nothing is known: the slope is that of the cubic through the four outermost nodes.
+    /// No condition is known: the slope is that of the cubic through the four outermost nodes.
     Free,
 }
 
-/// The twice differentiable cubic spline through so many values, its system factorised.
+/// The twice continuously differentiable cubic spline through a fixed number of values; its linear system is
+/// factorised once.
 #[derive(Clone, Debug)]
-pub(super) struct Spline {
+pub struct Spline {
     ends: [End; 2],
-    /// Above the diagonal, after elimination.
+    /// Entries above the diagonal, after elimination.
     upper: Vec<f64>,
     /// Reciprocal pivots.
     pivots: Vec<f64>,
 }
 
 impl End {
-    /// The row of an end: diagonal and neighbour.
+    /// The end's row of the linear system: its diagonal and its neighbour's entry.
     fn row(self) -> [f64; 2] {
         match self {
             Self::Even | Self::Free => [1.0, 0.0],
@@ -30,7 +31,7 @@ impl End {
         }
     }
 
-    /// Its right-hand side, from the outermost values.
+    /// The row's right-hand side, from the four outermost values.
     fn right(self, v: [f64; 4]) -> f64 {
         match self {
             Self::Even => 0.0,
@@ -41,8 +42,8 @@ impl End {
 }
 
 impl Spline {
-    /// Through `n` values, at least four.
-    pub(super) fn new(n: usize, ends: [End; 2]) -> Self {
+    /// Factorises the system for `n >= 4` values.
+    pub fn new(n: usize, ends: [End; 2]) -> Self {
         // Rows of the tridiagonal system: slope[i-1] + 4 slope[i] + slope[i+1] = 3 (v[i+1] - v[i-1]).
         let (mut upper, mut pivots) = (vec![0.0; n], vec![0.0; n]);
         let [diagonal, right] = ends[0].row();
@@ -60,15 +61,15 @@ impl Spline {
         }
     }
 
-    /// Slopes per node spacing, at the nodes.
-    pub(super) fn slopes(&self, values: &[f64], slopes: &mut [f64]) {
+    /// Computes the slopes at the nodes, per node spacing.
+    pub fn slopes(&self, values: &[f64], slopes: &mut [f64]) {
         let (n, pivots) = (self.upper.len(), &self.pivots[..]);
         let (values, slopes) = (&values[..n], &mut slopes[..n]);
         slopes[0] = pivots[0] * self.ends[0].right([values[0], values[1], values[2], values[3]]);
         for i in 1..n - 1 {
             slopes[i] = pivots[i] * (3.0 * (values[i + 1] - values[i - 1]) - slopes[i - 1]);
         }
-        // Seen from the other end, slopes change their sign.
+        // The second end is the first one mirrored: slopes change their sign.
         let mirrored = [values[n - 1], values[n - 2], values[n - 3], values[n - 4]];
         let [_, left] = self.ends[1].row();
         slopes[n - 1] = pivots[n - 1] * (-self.ends[1].right(mirrored) - left * slopes[n - 2]);
@@ -78,8 +79,8 @@ impl Spline {
     }
 }
 
-/// The cubic on 0..1 with values and slopes at both ends.
-pub(super) fn hermite(x: f64) -> [f64; 4] {
+/// Weights of the cubic Hermite polynomial at `x` in 0..1: of both values, then of both slopes.
+pub fn hermite(x: f64) -> [f64; 4] {
     let (x2, y) = (x * x, 1.0 - x);
     let y2 = y * y;
     [(1.0 + 2.0 * x) * y2, (3.0 - 2.0 * x) * x2, x * y2, -x2 * y]

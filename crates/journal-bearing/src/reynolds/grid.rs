@@ -1,22 +1,29 @@
-//! The cells on which the film is solved: angle `theta` around the bush, `zeta` over half the width.
+//! The cells on which a film is solved: the angle `theta` around the bush, and `zeta` over half the width.
 
 use std::f64::consts::PI;
 
-/// A tensor grid of finite-volume cells over one half of a bearing that is symmetric about its
-/// mid-plane: `theta` runs once around the bush, `zeta = 2 z / B` from the mid-plane (0) to the
-/// open end (1).
+/// A tensor grid of finite-volume cells. `theta` runs once around the bush. `zeta = 2 z / B` runs from the mid-plane (0) to
+/// the open end (1) of a bearing that is symmetric about its mid-plane; [`whole_width`](Self::whole_width) mirrors it.
+///
+/// # Examples
+/// ```
+/// use journal_bearing::reynolds::Grid;
+///
+/// let [columns, rows] = Grid::sufficient_cells(0.76);
+/// let grid = Grid::standard(columns, rows, 0.76);
+/// assert_eq!((grid.columns(), grid.rows()), (96, 8));
+/// assert!(grid.zeta_width(7) < grid.zeta_width(0)); // rows crowd at the open end
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grid {
     /// Cell edges in `theta`, rad; one more than there are columns, spanning exactly one turn.
     theta: Vec<f64>,
-    /// Cell edges in `zeta`, from 0 to 1; one more than there are rows.
+    /// Cell edges in `zeta`, from 0 (or -1) to 1; one more than there are rows.
     zeta: Vec<f64>,
 }
 
 impl Grid {
-    /// Evenly spaced cells, the first edge at `-pi`.
-    ///
-    /// At least 4 columns and 1 row are made, whatever is asked for.
+    /// Evenly spaced cells, the first edge at `-pi`. The grid has at least 4 columns and 1 row.
     pub fn uniform(columns: usize, rows: usize) -> Self {
         let (columns, rows) = (columns.max(4), rows.max(1));
         Self {
@@ -27,9 +34,9 @@ impl Grid {
         }
     }
 
-    /// How many columns and rows bring a [`standard`](Self::standard) grid within 0.3 % of the load
-    /// on an ever finer one, for eccentricity ratios up to 0.97: a narrow bearing's pressure rises
-    /// and falls over a shorter angle, but is close to a parabola over the width.
+    /// Columns and rows with which a [`standard`](Self::standard) grid carries the load of an ever finer one within 0.3 %,
+    /// for eccentricity ratios up to 0.97. In a narrow bearing the pressure rises and falls over a shorter angle, but is
+    /// close to a parabola over the width.
     pub fn sufficient_cells(width_to_diameter: f64) -> [usize; 2] {
         if width_to_diameter >= 0.6 {
             [96, 8]
@@ -38,8 +45,8 @@ impl Grid {
         }
     }
 
-    /// Cells for a film whose smallest gap may be anywhere: even around the bush, and crowding along
-    /// the open ends as fits the heavily loaded film of a bearing of `width_to_diameter`.
+    /// Cells for a film whose smallest gap may be anywhere: even around the bush, and crowding along the open ends as a
+    /// heavily loaded film of a bearing of `width_to_diameter` (`B/D`) needs.
     pub fn standard(columns: usize, rows: usize, width_to_diameter: f64) -> Self {
         Self {
             zeta: Self::clustered(4, rows, 0.93, width_to_diameter).zeta,
@@ -47,8 +54,8 @@ impl Grid {
         }
     }
 
-    /// The grid over the whole width, `zeta` from -1 to 1, for a film that is not symmetric. It has
-    /// twice the rows.
+    /// The same grid mirrored over the whole width, `zeta` from -1 to 1, for a film that is not symmetric. It has twice the
+    /// rows.
     pub fn whole_width(&self) -> Self {
         let below = self.zeta.iter().skip(1).rev().map(|z| -z);
         Self {
@@ -57,14 +64,13 @@ impl Grid {
         }
     }
 
-    /// Whether the grid reaches over the whole width.
+    /// Whether the grid covers the whole width.
     pub fn is_whole_width(&self) -> bool {
         self.zeta[0] < 0.0
     }
 
-    /// Cells that crowd where a film of eccentricity ratio `eccentricity` (0..1, smallest gap at
-    /// `theta = 0`) varies fast: around the smallest gap, over the angle `sqrt(1 - e)`, and along
-    /// the open ends, over a like length.
+    /// Cells that crowd where a film of eccentricity ratio `eccentricity` (0..1, smallest gap at `theta = 0`) varies fast:
+    /// around the smallest gap, over the angle `sqrt(1 - e)`, and along the open ends, over a similar length.
     pub fn clustered(
         columns: usize,
         rows: usize,
@@ -83,8 +89,8 @@ impl Grid {
             .map(|t| -t)
             .chain(half.iter().skip(1).copied())
             .collect();
-        // The end's boundary layer is about as wide as the gap is long; tanh stretching puts
-        // about as many rows into it as outside.
+        // The boundary layer at the end is about as wide as the narrow gap is long. Stretching by tanh puts about half of
+        // the rows into it.
         let layer = (2.0 * length / width_to_diameter).min(1.0);
         let a = 0.3 + 0.55 * (1.0 / layer).asinh();
         let zeta = (0..=rows)
@@ -98,7 +104,7 @@ impl Grid {
         self.theta.len() - 1
     }
 
-    /// Number of cells over the half width.
+    /// Number of cells over the half width, or over the whole width after [`whole_width`](Self::whole_width).
     pub fn rows(&self) -> usize {
         self.zeta.len() - 1
     }
@@ -133,11 +139,11 @@ impl Grid {
         0.5 * (self.zeta[j + 1] - self.zeta[j - 1])
     }
 
-    /// The distance over which the pressure of the outermost row falls to that of the open end.
+    /// The distance in `zeta` over which the pressure falls from the outermost row to the open end.
     ///
-    /// It is chosen so that the discrete solution of `p'' = -1`, the parabola of a short bearing,
-    /// has its exact mean 1/3, where that takes a distance from a third to a half of the row: on
-    /// even rows it does; on strongly stretched ones the outermost row is narrow enough as it is.
+    /// With it the discrete solution of `p'' = -1`, the parabola of a short bearing, has its exact mean 1/3, provided that
+    /// the distance lies between a third and a half of the row. On even rows it does. On strongly stretched grids the
+    /// outermost row is so narrow that the clamped value is accurate enough.
     pub(crate) fn end_distance(&self) -> f64 {
         let inside: f64 = (1..self.rows())
             .filter(|&j| self.zeta[j] > 0.0)
@@ -148,7 +154,7 @@ impl Grid {
     }
 }
 
-/// The angle at `s` (0..1) of a spacing that is, in equal parts, even and logarithmic beyond `core`.
+/// The angle at `s` (0..1) of a spacing that is half even and half logarithmic beyond `core`, by bisection.
 fn stretched_angle(s: f64, core: f64) -> f64 {
     if s >= 1.0 {
         return PI;

@@ -1,39 +1,41 @@
-//! The gap between rough surfaces, and how their roughness helps or hinders the flow.
+//! The mean gap between rough surfaces, and flow factors for how roughness helps or hinders the flow.
 //!
-//! Lengths are in units of the composite rms roughness `sigma`: `H` is the distance of the surfaces' mean planes.
+//! Lengths are in units of the composite rms roughness `sigma`: `H` is the film ratio, the distance of the surfaces' mean
+//! planes over `sigma`.
 
 use std::f64::consts::TAU;
 use std::sync::LazyLock;
 
 use serde::{Deserialize, Serialize};
 
-/// What the film sees of rough surfaces.
+/// How the film sees rough surfaces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum RoughFilm {
-    /// Nothing: the gap is the distance of the mean planes, and must not close.
+    /// The film ignores the roughness: its gap is the distance of the mean planes, and must not close.
     #[default]
     Nominal,
-    /// The mean of the gap that remains between the asperities, also where the mean planes cross.
+    /// The film's gap is the mean gap that remains between the asperities, also where the mean planes cross.
     MeanGap,
-    /// That, and the flow factors of Patir and Cheng for isotropic surfaces.
+    /// The mean gap, and the flow factors of Patir & Cheng (1978, 1979) for isotropic surfaces.
     FlowFactors {
-        /// The journal's share of the composite roughness' variance, 0..1. At one half, the shear flow of both
-        /// surfaces cancels.
+        /// The journal's share of the composite roughness' variance, 0..1. At one half, the shear flows of both
+        /// surfaces cancel.
         journal_share: f64,
     },
 }
 
-/// Below this ratio the mean gap goes on as an exponential: no contact lets the surfaces come that close.
+/// Below this film ratio the mean gap continues as an exponential: contact keeps surfaces from coming that close.
 const LEAST: f64 = -5.0;
-/// Above this one it is the distance of the mean planes.
+/// Above this film ratio the mean gap is the distance of the mean planes.
 const MOST: f64 = 6.0;
+/// Table nodes per unit of `H`.
 const PER_UNIT: f64 = 32.0;
 
-/// The mean gap over `H` and its slope, at even spacing.
+/// Mean gap and its slope at evenly spaced film ratios.
 static MEAN_GAP: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| {
     let step = 1.0 / PER_UNIT;
     let count = ((MOST - LEAST) * PER_UNIT) as usize + 1;
-    // From far below on, where the tail's leading terms are the integrals.
+    // The integration starts far below the table, where the leading terms of the tail are accurate.
     let far = LEAST - 4.0;
     let density = |x: f64| (-0.5 * x * x).exp() / TAU.sqrt();
     let mut slope = density(far) / far.abs();
@@ -47,7 +49,7 @@ static MEAN_GAP: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| {
             nodes.push([gap, slope]);
         }
         for _ in 0..parts {
-            // Simpson's rule, for the gap's double integral by its remainder.
+            // Simpson's rule for the slope; for the gap, its second integral, the matching weights.
             let [a, b, c] = [x, x + 0.5 * d, x + d].map(density);
             gap += d * slope + d * d * (a + 2.0 * b) / 6.0;
             slope += d * (a + 4.0 * b + c) / 6.0;
@@ -57,9 +59,9 @@ static MEAN_GAP: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| {
     nodes
 });
 
-/// The mean of the positive part of the gap between Gaussian surfaces, over the roughness, and its derivative over `H`,
-/// which is the share of the area where they do not touch: `H Phi(H) + phi(H)` and `Phi(H)`, with the normal distribution
-/// `Phi` and its density `phi` (the average gap of Patir & Cheng 1978).
+/// The mean gap between Gaussian surfaces over the roughness, `H Phi(H) + phi(H)`, and its derivative `Phi(H)`, the share
+/// of the area where they do not touch. `Phi` is the normal distribution and `phi` its density (average gap of Patir &
+/// Cheng 1978).
 pub(super) fn mean_gap(ratio: f64) -> [f64; 2] {
     let position = (ratio - LEAST) * PER_UNIT;
     let nodes = &*MEAN_GAP;
@@ -68,7 +70,7 @@ pub(super) fn mean_gap(ratio: f64) -> [f64; 2] {
         let fall = (slope / gap * (ratio - LEAST)).exp();
         return [gap * fall, slope * fall];
     }
-    // Huge ratios saturate.
+    // The cast saturates for huge ratios.
     let cell = (position as usize).min(nodes.len());
     let (Some(&[a, slope_a]), Some(&[b, slope_b])) = (nodes.get(cell), nodes.get(cell + 1)) else {
         return [ratio, 1.0];
@@ -82,15 +84,16 @@ pub(super) fn mean_gap(ratio: f64) -> [f64; 2] {
     [gap, slope * PER_UNIT]
 }
 
-/// The pressure flow factor of isotropic Gaussian surfaces, `1 - 0.90 exp(-0.56 H)` (Patir & Cheng 1978, J. Lubr.
-/// Technol. 100, 12-17, table of coefficients, for `H > 0.5`), of the flow that the distance of the mean planes would let
-/// through.
+/// The pressure flow factor of isotropic Gaussian surfaces at a film ratio `H`, 1: `1 - 0.90 exp(-0.56 H)` (Patir & Cheng
+/// 1978, J. Lubr. Technol. 100, 12-17, table of coefficients, for `H > 0.5`). It multiplies the flow through a gap of the
+/// mean planes' distance.
 pub fn pressure_flow_factor(ratio: f64) -> f64 {
     1.0 - 0.90 * (-0.56 * ratio).exp()
 }
 
-/// The shear flow factor of one isotropic Gaussian surface (Patir & Cheng 1979, J. Lubr. Technol. 101, 220-230, table
-/// of coefficients): `1.899 H^0.98 exp(-0.92 H + 0.05 H^2)` up to `H = 5`, `1.126 exp(-0.25 H)` beyond.
+/// The shear flow factor of one isotropic Gaussian surface at a film ratio `H`, 1: `1.899 H^0.98 exp(-0.92 H + 0.05 H^2)`
+/// up to `H = 5`, `1.126 exp(-0.25 H)` beyond (Patir & Cheng 1979, J. Lubr. Technol. 101, 220-230, table of
+/// coefficients).
 pub fn shear_flow_factor(ratio: f64) -> f64 {
     if ratio <= 0.0 {
         0.0
@@ -101,11 +104,11 @@ pub fn shear_flow_factor(ratio: f64) -> f64 {
     }
 }
 
-/// The least `H` at which the pressure flow factor was found.
+/// The least film ratio of Patir & Cheng's simulations of the pressure flow.
 const LEAST_FOR_FLOW: f64 = 0.5;
 
-/// The pressure flow factor of the flow that the *mean gap* would let through. Below the range of Patir and Cheng's
-/// simulations it stays what it is at its end.
+/// The pressure flow factor for a gap that is the *mean gap* instead of the mean planes' distance. Below the range of
+/// Patir & Cheng's simulations it keeps its value at the end of the range.
 pub(super) fn ease_of_mean_gap(ratio: f64) -> f64 {
     let ratio = ratio.max(LEAST_FOR_FLOW);
     pressure_flow_factor(ratio) * (ratio / mean_gap(ratio)[0]).powi(3)
@@ -136,7 +139,7 @@ mod tests {
         assert!((gap - 5.999).abs() < 1e-8 && (slope - 1.0).abs() < 1e-8);
         assert_eq!(mean_gap(7.0), [7.0, 1.0]);
         assert_eq!(mean_gap(1e300), [1e300, 1.0]);
-        // On and on towards nothing, without a jump.
+        // Below the table it tends to zero without a jump.
         let [above, below] = [-4.999, -5.001].map(|ratio| mean_gap(ratio)[0]);
         assert!(below > 0.0 && below < above && above < 1.1 * below);
         assert!(mean_gap(-20.0)[0] >= 0.0);
@@ -144,12 +147,12 @@ mod tests {
 
     #[test]
     fn flow_factors_have_their_published_limits() {
-        // Patir & Cheng 1978: smooth surfaces at large H, and 0.9 of the resistance's gain per 1/0.56.
+        // Patir & Cheng 1978: 1 for smooth surfaces (large H), and values from the published coefficients.
         assert!((pressure_flow_factor(40.0) - 1.0).abs() < 1e-9);
         assert!((ease_of_mean_gap(40.0) - 1.0).abs() < 1e-9);
         assert!((pressure_flow_factor(3.0) - 0.832).abs() < 1e-3);
         assert!((pressure_flow_factor(0.5) - 0.320).abs() < 1e-3);
-        // Patir & Cheng 1979: no shear flow of smooth surfaces, most of it near H = 1.2, continuous at H = 5.
+        // Patir & Cheng 1979: no shear flow between smooth surfaces, the maximum near H = 1.2, continuous at H = 5.
         assert!(shear_flow_factor(40.0) < 1e-4 && shear_flow_factor(0.0) == 0.0);
         let [near, at, far] = [0.8, 1.2, 2.0].map(shear_flow_factor);
         assert!(

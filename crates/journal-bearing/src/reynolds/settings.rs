@@ -1,17 +1,39 @@
-//! The bearing as its film sees it, what drives it, and why a film cannot go on.
+//! The bearing as its film sees it, the loads and speeds that act on it, and the errors of a film.
 
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::asperities::Asperities;
-use super::cells::Cavitation;
 use super::grid::Grid;
 use super::roughness::RoughFilm;
+use crate::contact::Surface;
 use crate::profile::Profile;
 use crate::rheology::{DensityLaw, Rheology};
 
+/// Cavitation condition: how the film treats regions where it ruptures.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Cavitation {
+    /// The oil's mass is conserved: the film reforms only where enough oil has flowed in (Jakobsson & Floberg 1957,
+    /// Olsson 1965).
+    #[default]
+    MassConserving,
+    /// Only `p >= 0` holds: oil is available wherever the pressure can rise.
+    NonNegative,
+}
+
 /// The bearing as the film sees it, and how the film is to be solved.
+///
+/// # Examples
+/// ```
+/// use journal_bearing::reynolds::{Cavitation, FilmSettings};
+///
+/// let settings = FilmSettings {
+///     cavitation: Cavitation::NonNegative,
+///     tilt: [2e-6, 0.0],
+///     ..FilmSettings::new(0.019, 0.025, 20e-6)
+/// };
+/// assert_eq!(settings.cells, [96, 8]);
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FilmSettings {
     /// Width B, m.
@@ -20,31 +42,31 @@ pub struct FilmSettings {
     pub diameter: f64,
     /// Radial clearance c, m.
     pub clearance: f64,
-    /// What happens where the film ruptures.
+    /// Cavitation condition.
     pub cavitation: Cavitation,
-    /// Pressure of the oil bath above that of the cavities, Pa: it presses oil back in at the ends.
-    /// Only used with conserved mass; without, cavities have the pressure of the bath.
+    /// Pressure of the oil bath above that of the cavities, Pa, at least 0. It presses oil back in at the ends.
+    /// Only [`Cavitation::MassConserving`] uses it; otherwise the cavities have the pressure of the bath.
     pub side_pressure: f64,
     /// Columns around the bush (at least 4) and rows over half the width (at least 1).
     pub cells: [usize; 2],
-    /// Largest error of the eccentricity ratio in one internal step, as a share of the smallest gap.
+    /// Largest error of the eccentricity ratio in one internal step, as a share of the smallest gap, 1.
     pub tolerance: f64,
     /// The oil's laws over pressure and shear rate.
     pub rheology: Rheology,
     /// Radial deviations of bush and journal.
     pub profile: Profile,
-    /// The journal's tilt against the bush's axis, as the displacement of its end at `z = B/2`, m.
+    /// Tilt of the journal against the bush's axis: displacement of its end at `z = B/2` along x and y, m.
     pub tilt: [f64; 2],
-    /// Asperity contact cell by cell; none: it comes from the `contact` of
-    /// [`ReynoldsFilm::advance`](super::ReynoldsFilm::advance).
-    pub asperities: Option<Asperities>,
-    /// What the film sees of the roughness of `asperities`.
+    /// Surfaces whose asperity contact is evaluated in each cell, for journals that are tilted or not round. With `None`,
+    /// contact comes from the `contact` argument of [`ReynoldsFilm::advance`](super::ReynoldsFilm::advance).
+    pub asperities: Option<Surface>,
+    /// How the film sees the roughness of `asperities`.
     pub rough_film: RoughFilm,
 }
 
 impl FilmSettings {
-    /// A round, aligned bearing (m) with the default film: mass-conserving, as many cells as its width
-    /// needs, an oil bath 1 bar above the cavities.
+    /// A round, aligned bearing of this width, diameter and radial clearance (m) with the default film: mass-conserving,
+    /// as many cells as its width needs, an oil bath 1 bar above the cavities.
     pub fn new(width: f64, diameter: f64, clearance: f64) -> Self {
         Self {
             width,
@@ -62,7 +84,7 @@ impl FilmSettings {
         }
     }
 
-    /// Checks the numbers' ranges.
+    /// Refuses numbers that are out of range.
     pub(super) fn check(&self) -> Result<(), FilmError> {
         let positive = [
             ("width", self.width),
@@ -91,11 +113,11 @@ impl FilmSettings {
         Ok(())
     }
 
-    /// Roughness over clearance, where the film sees it; else zero.
+    /// Roughness over clearance where the film sees the roughness, else zero.
     pub(super) fn film_roughness(&self) -> f64 {
         match (&self.asperities, self.rough_film) {
             (None, _) | (_, RoughFilm::Nominal) => 0.0,
-            (Some(Asperities(surface)), _) => surface.roughness / self.clearance,
+            (Some(surface), _) => surface.roughness / self.clearance,
         }
     }
 
@@ -104,7 +126,7 @@ impl FilmSettings {
         self.rheology.density != DensityLaw::Constant
     }
 
-    /// Whether the film has flow factors: the journal's share of the roughness' variance.
+    /// The journal's share of the roughness' variance where the film has flow factors, else `None`.
     pub(super) fn flow_factors(&self) -> Option<f64> {
         match self.rough_film {
             RoughFilm::FlowFactors { journal_share } if self.film_roughness() > 0.0 => {
@@ -114,19 +136,19 @@ impl FilmSettings {
         }
     }
 
-    /// The load that a dimensionless load of one stands for at a viscosity (Pa.s), N.
+    /// Force per unit of dimensionless load `W` at a viscosity (Pa.s), N.s.
     pub(super) fn force_scale(&self, viscosity: f64) -> f64 {
         let radius = 0.5 * self.diameter;
         12.0 * viscosity * radius.powi(3) * self.width / self.clearance.powi(2)
     }
 
-    /// The pressure that a dimensionless pressure of one stands for at a viscosity (Pa.s), Pa.
+    /// Pressure per unit of dimensionless pressure `P` at a viscosity (Pa.s), Pa.s.
     pub(super) fn pressure_scale(&self, viscosity: f64) -> f64 {
         12.0 * viscosity * (0.5 * self.diameter / self.clearance).powi(2)
     }
 }
 
-/// What acts on the film during an interval; loads vary linearly.
+/// Loads, speeds and viscosity during an interval. The load varies linearly in time, the rest is constant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drive {
     /// External load on the journal at the interval's start, N.
@@ -137,12 +159,12 @@ pub struct Drive {
     pub journal_speed: f64,
     /// Speed of the bush, rad/s.
     pub bush_speed: f64,
-    /// Viscosity of the oil at ambient pressure, Pa.s.
+    /// Viscosity of the oil at ambient pressure and low shear, Pa.s.
     pub viscosity: f64,
 }
 
 impl Drive {
-    /// A constant load, with the bush at rest.
+    /// A constant load (N) on a journal that turns in a resting bush (rad/s), in oil of a viscosity (Pa.s).
     pub fn steady(load: Vector2<f64>, journal_speed: f64, viscosity: f64) -> Self {
         Self {
             load_before: load,
@@ -164,35 +186,35 @@ impl Drive {
     }
 }
 
-/// Why a film cannot be made or go on.
+/// Why a film cannot be set up or advanced.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum FilmError {
-    /// A setting is out of its range.
+    /// A setting is out of range.
     #[error("the film's {name} is {value}; it must be a positive number")]
     Setting {
-        /// Which one.
+        /// The setting's name.
         name: &'static str,
         /// Its value.
         value: f64,
     },
-    /// The surfaces touch in the starting position.
+    /// The surfaces touch at the starting eccentricity ratio, which is given.
     #[error(
         "form error and tilt leave no gap at eccentricity ratio {0}; reduce them, or start nearer the centre"
     )]
     NoGap(f64),
-    /// Tilt or form error bring smooth surfaces together under the load.
+    /// Tilt or form error bring smooth surfaces together under the load, at the eccentricity ratio given.
     #[error(
-        "tilt or form error bring the smooth surfaces together at eccentricity ratio {0}, where no film carries the load; give bearing.roughness, or reduce them"
+        "tilt or form error bring the smooth surfaces together at eccentricity ratio {0}, where no film carries the load; give the surfaces a roughness, or reduce them"
     )]
     Touches(f64),
-    /// The step did not converge however short.
+    /// The film's balances found no solution, however short the internal step.
     #[error(
         "the film's step did not converge at eccentricity ratio {eccentricity} with steps of {step} s"
     )]
     NotConverged {
-        /// Where.
+        /// The eccentricity ratio at which it happened, 1.
         eccentricity: f64,
-        /// The shortest step tried, s.
+        /// The shortest internal step tried, s.
         step: f64,
     },
 }

@@ -1,28 +1,28 @@
-//! How the roughness of the surfaces raises the stress of their sliding.
+//! Shear stress factors: how roughness raises the friction of sliding surfaces.
 //!
-//! The mean shear stress on isotropic rough surfaces is
-//! `eta U/h (phi_f +- phi_fs) +- phi_fp h/2 dp/dx` (Patir & Cheng 1979, J. Lubr. Technol. 101, 220-230), with the
-//! difference of both surfaces' shares of the variance in `phi_fs`. It leaves out what the pressure does to the flanks of
-//! the roughness, which brakes the surfaces as well. What acts on a smooth surface is all shear, and by the balance of
-//! forces the other one is braked as much. So in all, however the roughness is shared out,
+//! The mean shear stress on isotropic rough surfaces is `eta U/h (phi_f +- phi_fs) +- phi_fp h/2 dp/dx` (Patir & Cheng
+//! 1979, J. Lubr. Technol. 101, 220-230), where `phi_fs` carries the difference of both surfaces' shares of the variance.
+//! This stress omits the pressure on the flanks of the roughness, which brakes the surfaces too. A smooth surface has no
+//! flanks, so all of its braking is shear; and by the balance of forces the other surface is braked as much. Hence, however
+//! the roughness is shared between the surfaces,
 //!
-//! * sliding is resisted by `phi_f + phi_fs` (`phi_fs` at its full size);
-//! * a pressure gradient acts on both surfaces with the mean gap, half each, and with the shear flow `sigma phi_s` on the
-//!   one as against the other: for a smooth surface that is `phi_fp h`, as it must be.
+//! * sliding is resisted by `phi_f + phi_fs`, with `phi_fs` at its full size;
+//! * a pressure gradient acts with the mean gap, half on each surface, and with the shear flow `sigma phi_s` on one surface
+//!   against the other. For a smooth surface the sum is `phi_fp h`, as it must be.
 //!
 //! Lengths are in units of the composite rms roughness `sigma`.
 
-/// The highest `H` at which the factor of the sliding's local pressures counts.
+/// Film ratio above which `phi_fs` is zero.
 const MOST_FOR_SHEAR: f64 = 7.0;
 
-/// The factor `phi_f`: the mean of `h` over the gap where the surfaces do not touch, cut off at a hundredth of the
-/// roughness (Patir & Cheng 1979). Their closed form, with a polynomial for the normal distribution,
-/// `35/96 (1 - (x/3)^2)^3` for `|x| < 3`.
+/// The factor `phi_f` at a film ratio `H`, 1: the mean of `h / h_T` over the local gaps `h_T` that exceed a hundredth of
+/// the roughness (Patir & Cheng 1979). This is their closed form, in which the polynomial `35/96 (1 - (x/3)^2)^3`,
+/// `|x| < 3`, stands for the normal density.
 pub fn sliding_stress_factor(ratio: f64) -> f64 {
     ratio * thinness(ratio)
 }
 
-/// The same over `H`, which goes on where the mean planes cross.
+/// `phi_f / H`, which stays finite where the mean planes cross.
 fn thinness(ratio: f64) -> f64 {
     let z = ratio / 3.0;
     let square = z * z;
@@ -37,18 +37,18 @@ fn thinness(ratio: f64) -> f64 {
         let series = 66.0 + square * (30.0 * square - 80.0);
         parabola * ((z + 1.0) / (z - 1.0)).ln() + z / 15.0 * series
     } else {
-        // The first moments of the distribution.
+        // Series in the first moments of the distribution.
         let inverse = (ratio * ratio).recip();
         return (1.0 + inverse * (1.0 + 27.0 / 11.0 * inverse)) / ratio;
     };
     (35.0 / 96.0 * sum).max(0.0)
 }
 
-/// Where the gap is less than what is cut off.
+/// `H / 3` below which all of the gap is under the cut-off.
 const CLOSED: f64 = 1.0 / 300.0 - 1.0;
 
-/// The factor `phi_fs` of one isotropic surface (Patir & Cheng 1979, table of coefficients):
-/// `11.1 H^2.31 exp(-2.38 H + 0.11 H^2)` up to `H = 7`, zero beyond.
+/// The factor `phi_fs` of one isotropic surface at a film ratio `H`, 1: `11.1 H^2.31 exp(-2.38 H + 0.11 H^2)` up to `H = 7`,
+/// zero beyond (Patir & Cheng 1979, table of coefficients).
 pub fn shear_stress_factor(ratio: f64) -> f64 {
     if ratio <= 0.0 || ratio > MOST_FOR_SHEAR {
         0.0
@@ -57,13 +57,13 @@ pub fn shear_stress_factor(ratio: f64) -> f64 {
     }
 }
 
-/// The factor `phi_fp` of isotropic surfaces (Patir & Cheng 1979, table of coefficients, for `H > 0.75`):
-/// `1 - 1.40 exp(-0.66 H)`: the share of shear in what a pressure gradient does to a surface.
+/// The factor `phi_fp` of isotropic surfaces at a film ratio `H`, 1: `1 - 1.40 exp(-0.66 H)` (Patir & Cheng 1979, table of
+/// coefficients, for `H > 0.75`). It is the share of shear in the force of a pressure gradient on a surface.
 pub fn pressure_stress_factor(ratio: f64) -> f64 {
     1.0 - 1.40 * (-0.66 * ratio).exp()
 }
 
-/// What resists the sliding of rough surfaces, `(phi_f + phi_fs) / H`.
+/// Resistance to the sliding of rough surfaces, `(phi_f + phi_fs) / H`.
 pub(super) fn sliding_resistance(ratio: f64) -> f64 {
     let flanks = if ratio > 0.0 {
         shear_stress_factor(ratio) / ratio
@@ -78,7 +78,7 @@ mod tests {
     use super::super::roughness::{mean_gap, shear_flow_factor};
     use super::*;
 
-    /// The mean of `1/h` over the published distribution, cut off where it says, by the midpoint rule over `ln h`.
+    /// The mean of `1/h` over the published distribution and cut-off, by the midpoint rule over `ln h`.
     fn mean_thinness(ratio: f64) -> f64 {
         let (least, most) = ((ratio - 3.0).max(0.01), ratio + 3.0);
         let parts = 20_000;
@@ -111,7 +111,7 @@ mod tests {
 
     #[test]
     fn stress_factors_have_their_published_values_and_limits() {
-        // From the table's coefficients, by hand.
+        // Computed by hand from the table of coefficients.
         for (ratio, shear, pressure) in [
             (1.0, 11.1 * (-2.27_f64).exp(), 1.0 - 1.4 * (-0.66_f64).exp()),
             (2.0, 11.1 * 4.9588 * (-4.32_f64).exp(), 0.6260),
@@ -139,8 +139,8 @@ mod tests {
         assert!(sliding_resistance(-20.0) == 0.0 && sliding_resistance(0.0) > 1.7);
     }
 
-    /// What pressure does to a smooth surface against a rough one is all shear, `phi_fp h`. By Onsager's reciprocity it is
-    /// the mean gap less the shear flow, fitted independently: the published factors agree within the fits' scatter.
+    /// Pressure acts on a smooth surface against a rough one by shear alone, `phi_fp h`. By Onsager's reciprocity this equals
+    /// the mean gap less the shear flow. Both fits were published independently; they agree within their scatter.
     #[test]
     fn the_factors_are_reciprocal() {
         for k in 4..=28 {

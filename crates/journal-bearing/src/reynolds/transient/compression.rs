@@ -1,0 +1,112 @@
+//! The power balance of a film whose density rises with pressure.
+//!
+//! Divided by its density, a cell's mass balance becomes a balance of volume with a term for the oil's compression. With
+//! the volume fluxes `q` over the edges and the densities `r` there, it is
+//!
+//! ```text
+//! V (H - m_start / rho) / dt + sum q + sum q (r / rho - 1) = 0
+//! ```
+//!
+//! Multiplied by the pressure and summed over the cells, the middle term is the work of the surfaces less the viscous
+//! dissipation. The other terms are stored, or lost where oil fills an emptier gap.
+
+use super::stage::Stage;
+use super::workspace::Workspace;
+
+/// The powers of a film, dimensionless.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Powers {
+    /// Dissipated by viscosity and by filling.
+    pub loss: f64,
+    /// Stored in the oil's compression.
+    pub stored: f64,
+    /// Spent by the bath's pressure.
+    pub bath: f64,
+}
+
+/// A cell that starts emptier by this share was not full; less is rounding.
+const LACK: f64 = 1e-9;
+
+/// The powers at the end of a stage. `squeeze` computes how fast the surfaces approach in a column.
+pub fn powers(work: &Workspace, stage: &Stage<'_>, squeeze: impl Fn(usize) -> f64) -> Powers {
+    let mut powers = Powers::default();
+    let cells = work.cells();
+    for (own, before) in cells.neighbours() {
+        for (own, before) in own.zip(before) {
+            powers.flow(work, [before, own], work.balance().along[own]);
+            powers.carry(work, [before, own], work.balance().carried[own]);
+        }
+    }
+    for cell in 1..cells.count() {
+        powers.flow(work, [cell - 1, cell], work.balance().across[cell]);
+    }
+    for (column, range) in cells.columns() {
+        let squeeze = squeeze(column);
+        for cell in range {
+            powers.hold(work, stage, cell, squeeze);
+            powers.leave(work, stage, cell);
+        }
+    }
+    powers
+}
+
+impl Powers {
+    /// Adds the pressure flow over an edge.
+    fn flow(&mut self, work: &Workspace, ends: [usize; 2], conductance: f64) {
+        let p = ends.map(|cell| work.field().pressure[cell]);
+        let mean = 0.5
+            * ends
+                .map(|cell| work.liquid().density[cell])
+                .iter()
+                .sum::<f64>();
+        let flow = conductance * (p[0] - p[1]) / mean;
+        self.loss += flow * (p[0] - p[1]);
+        self.stored += taken(work, ends, flow, mean);
+    }
+
+    /// Adds the flow that the rotation carries over an edge.
+    fn carry(&mut self, work: &Workspace, ends: [usize; 2], carried: f64) {
+        let upstream = ends[usize::from(carried <= 0.0)];
+        let content = work.field().content[upstream];
+        let mean = 0.5
+            * ends
+                .map(|cell| work.liquid().density[cell])
+                .iter()
+                .sum::<f64>();
+        let power = taken(work, ends, carried, content * mean);
+        if content < 1.0 {
+            self.loss += power;
+        } else {
+            self.stored += power;
+        }
+    }
+
+    /// Adds the change of a cell's mass.
+    fn hold(&mut self, work: &Workspace, stage: &Stage<'_>, cell: usize, squeeze: f64) {
+        let (p, area) = (work.field().pressure[cell], work.cells().area[cell]);
+        let start = work.geometry().gap().cell[cell]
+            + squeeze * work.geometry().gap().cell_apart[cell] * stage.duration;
+        let mass = stage.mass[cell];
+        let taken = p * area * (start - mass / work.liquid().density[cell]) / stage.duration;
+        if mass < (1.0 - LACK) * start {
+            self.loss += taken;
+        } else {
+            self.stored += taken;
+        }
+    }
+
+    /// Adds the flow out of the open ends.
+    fn leave(&mut self, work: &Workspace, stage: &Stage<'_>, cell: usize) {
+        let over = work.field().pressure[cell] - stage.side;
+        let flow = work.balance().open[cell] * over / work.liquid().density[cell];
+        self.loss += flow * over;
+        self.bath -= flow * stage.side;
+    }
+}
+
+/// The power that a flow over an edge, from the first of its ends to the second, takes to change to their densities.
+fn taken(work: &Workspace, ends: [usize; 2], flow: f64, density: f64) -> f64 {
+    let [before, own] = ends
+        .map(|cell| work.field().pressure[cell] * (density / work.liquid().density[cell] - 1.0));
+    flow * (before - own)
+}

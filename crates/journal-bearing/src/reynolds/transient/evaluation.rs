@@ -1,0 +1,258 @@
+//! Evaluation of the film at the end of a step: forces, torques, flows and the energy balance.
+
+use std::ops::Range;
+
+use nalgebra::Vector2;
+
+use super::asperities;
+use super::compression;
+use super::diagnostics::Diagnostics;
+use super::lanes::{dot, largest, sum_of};
+use super::stage::Stage;
+use super::workspace::Workspace;
+use crate::reynolds::roughness::shear_flow_factor;
+use crate::reynolds::settings::Drive;
+use crate::reynolds::stress::sliding_resistance;
+
+/// Sums over cells and edges, dimensionless.
+#[derive(Default)]
+struct Sums {
+    load: Vector2<f64>,
+    /// Integral of content over viscous gap: the shear of the sliding surfaces.
+    shear: f64,
+    /// Integral of the gap times the pressure's rise around the bush.
+    rise: f64,
+    /// The same for the gap that moves with the rough surfaces' sliding (shear flow).
+    rough: f64,
+    /// Moment of the pressure on the form errors of journal and bush.
+    form: [f64; 2],
+    /// Dissipation by the pressure flow, and by oil that fills an emptier gap.
+    loss: f64,
+    /// Power of the bath's pressure on the oil that enters, less that on the oil that leaves.
+    bath: f64,
+    /// Power stored in the oil's compression.
+    stored: f64,
+    max_pressure: f64,
+}
+
+/// Evaluates a step whose last implicit stage was `stage`.
+pub fn diagnose(work: &Workspace, stage: &Stage<'_>, drive: &Drive) -> Diagnostics {
+    let settings = work.settings();
+    let radius = 0.5 * settings.diameter;
+    let psi = settings.clearance / radius;
+    let scale = settings.force_scale(drive.viscosity);
+    let moment = scale * settings.clearance;
+    let sums = sum(work, stage, drive);
+    let sliding = drive.journal_speed - drive.bush_speed;
+    let viscous = drive.viscosity * sliding * radius.powi(3) * settings.width / settings.clearance;
+    let shear = viscous * sums.shear;
+    // Each surface takes half of the pressure's moment on the gap. The moment on the roughness acts on both alike.
+    let journal_torque = shear + moment * (0.5 * (sums.rise + sums.rough) - sums.form[0]);
+    let bush_torque = shear - moment * (0.5 * (sums.rise - sums.rough) - sums.form[1]);
+    let velocity = work.state().velocity;
+    let heat = shear * sliding + moment * sums.loss;
+    let stored = moment * sums.stored;
+    let works = [
+        journal_torque * drive.journal_speed,
+        -bush_torque * drive.bush_speed,
+        moment * sums.load.dot(&velocity),
+        moment * sums.bath,
+    ];
+    // The energy error of a film at rest would be rounding over rounding. Its scale is therefore at least the power that
+    // moves it by a millionth of the clearance, and a billionth of what the bath could spend on flow through the film.
+    let bath = work.balance().open.iter().sum::<f64>() * stage.side.powi(2);
+    let still = moment * ((1e-6 / stage.duration).powi(2) + 1e-9 * bath);
+    let through = works.iter().map(|work| work.abs()).sum::<f64>() + heat.abs() + still;
+    let flow = work.balance().end_flow();
+    let volume = settings.clearance * radius * settings.width;
+    let asperities = settings.asperities.as_ref();
+    Diagnostics {
+        film_load: sums.load * scale,
+        velocity,
+        journal_torque,
+        bush_torque,
+        max_pressure: (sums.max_pressure - stage.side) * 12.0 * drive.viscosity / (psi * psi),
+        smallest_gap: work.geometry().smallest_gap(work.state().eps),
+        contact_normal: asperities
+            .map_or(0.0, |surface| asperities::normal(surface, work.geometry())),
+        outflow: flow.out * volume,
+        inflow: flow.into * volume,
+        heat,
+        energy_error: (works.iter().sum::<f64>() - heat - stored).abs() / through,
+        ..Diagnostics::default()
+    }
+}
+
+/// Sums the contributions of cells and edges.
+fn sum(work: &Workspace, stage: &Stage<'_>, drive: &Drive) -> Sums {
+    let (cells, gap, balance) = (work.cells(), work.geometry().gap(), work.balance());
+    let (settings, field) = (work.settings(), work.field());
+    let roughness = work.geometry().form().roughness;
+    let mut sums = Sums {
+        load: work.pressure_load().force,
+        max_pressure: largest(&field.pressure),
+        ..Sums::default()
+    };
+    for (i, range) in cells.columns() {
+        let opening = opening(work, i);
+        let squeeze = squeeze(work, drive, i);
+        let pressed = dot(&gap.pressed[range.clone()], &field.pressure[range.clone()]);
+        sums.form[0] += opening[0] * pressed;
+        sums.form[1] += opening[1] * pressed;
+        // The mean gap of rough surfaces does not close in step with the journal, so it needs this term too.
+        if cells.conserves_mass() || roughness > 0.0 {
+            sums.loss += filling_loss(work, stage, i, squeeze);
+        }
+    }
+    sums.shear = if settings.flow_factors().is_some() {
+        rough_shear(work, drive.rotation())
+    } else {
+        shear(work, drive.rotation())
+    };
+    for (own, before) in cells.neighbours() {
+        let p = [&field.pressure[before], &field.pressure[own.clone()]];
+        sums.loss += lost(&balance.along[own.clone()], p);
+        let share = &cells.share[own.clone()];
+        sums.rise += rise(share, &gap.edge[own.clone()], p);
+        if let Some(journal_share) = settings.flow_factors() {
+            let excess = roughness * (2.0 * journal_share - 1.0);
+            let ratio = &gap.edge_ratio[own];
+            let rough = |k: usize| share[k] * shear_flow_factor(ratio[k]) * (p[1][k] - p[0][k]);
+            sums.rough += excess * sum_of(share.len(), rough);
+        }
+    }
+    let n = field.pressure.len();
+    let p = &field.pressure;
+    sums.loss += lost(&balance.across[1..n], [&p[..n - 1], &p[1..]]);
+    let open: f64 = balance
+        .open
+        .iter()
+        .zip(p)
+        .map(|(open, p)| open * (p - stage.side))
+        .sum();
+    let pressed: f64 = balance
+        .open
+        .iter()
+        .zip(p)
+        .map(|(open, p)| open * (p - stage.side) * p)
+        .sum();
+    sums.loss += pressed - open * stage.side;
+    sums.bath = -open * stage.side;
+    if settings.is_compressible() {
+        let powers = compression::powers(work, stage, |column| squeeze(work, drive, column));
+        (sums.loss, sums.stored, sums.bath) = (powers.loss, powers.stored, powers.bath);
+    }
+    sums
+}
+
+/// How fast turning the journal, and the bush, by an angle opens the gap in a column.
+fn opening(work: &Workspace, column: usize) -> [f64; 2] {
+    let settings = work.settings();
+    (settings.profile)
+        .opening_rates(work.cells().grid.theta_centre(column), work.state().angles)
+        .map(|rate| rate / settings.clearance)
+}
+
+/// How fast the surfaces approach in a column.
+fn squeeze(work: &Workspace, drive: &Drive, column: usize) -> f64 {
+    let opening = opening(work, column);
+    let turning = opening[0] * drive.journal_speed + opening[1] * drive.bush_speed;
+    let direction = &work.cells().directions.mean[column];
+    work.state().velocity.dot(direction) - turning
+}
+
+/// Integral of content over viscous gap, where the surfaces do not touch.
+fn shear(work: &Workspace, rotation: f64) -> f64 {
+    let resolved = work.cells().resolved_gap();
+    let gap = work.geometry().gap();
+    sheared(work, rotation, |edges| {
+        let (h, apart) = (&gap.edge[edges.clone()], &gap.edge_apart[edges]);
+        move |k, fluidity| {
+            let h = if h[k] > resolved { h[k] } else { resolved };
+            apart[k] / (h * fluidity)
+        }
+    })
+}
+
+/// The same integral between rough surfaces, by their shear stress factors.
+fn rough_shear(work: &Workspace, rotation: f64) -> f64 {
+    let geometry = work.geometry();
+    let roughness = geometry.form().roughness;
+    sheared(work, rotation, |edges| {
+        let ratio = &geometry.gap().edge_ratio[edges];
+        move |k, fluidity| sliding_resistance(ratio[k]) / (roughness * fluidity)
+    })
+}
+
+/// Integral of content times a `resistance` at the edges between columns, which receives the fluidity there.
+///
+/// It uses the trapezoidal rule over the edges, which around the ring is nearly exact where the film is full. The content
+/// of a cell is that of the oil that the rotation carries over the cell's downstream edge, so it is paired with the gap
+/// there. The gap in the middle of the cell would be tens of per cent too wide behind the narrowest place.
+fn sheared<R: Fn(usize, f64) -> f64>(
+    work: &Workspace,
+    rotation: f64,
+    resistance: impl Fn(Range<usize>) -> R,
+) -> f64 {
+    let (area, fluidity) = (&work.cells().area, &work.liquid().fluidity);
+    let content = &work.field().content;
+    // Weights of the content before an edge and of that behind it.
+    let before_counts = if rotation == 0.0 {
+        0.5
+    } else {
+        f64::from(rotation > 0.0)
+    };
+    let shares = [before_counts, 1.0 - before_counts];
+    let mut sum = 0.0;
+    for (own, before) in work.cells().neighbours() {
+        let n = own.len();
+        let area = [&area[before.clone()][..n], &area[own.clone()][..n]];
+        let fluidity = [&fluidity[before.clone()][..n], &fluidity[own.clone()][..n]];
+        let content = [&content[before][..n], &content[own.clone()][..n]];
+        let resistance = resistance(own);
+        sum += sum_of(n, |k| {
+            let carried = shares[0] * content[0][k] + shares[1] * content[1][k];
+            let area = 0.5 * (area[0][k] + area[1][k]);
+            let fluidity = 0.5 * (fluidity[0][k] + fluidity[1][k]);
+            area * carried * resistance(k, fluidity)
+        });
+    }
+    sum
+}
+
+/// Dissipation by the pressure flow through edges.
+fn lost(conductance: &[f64], p: [&[f64]; 2]) -> f64 {
+    let n = conductance.len();
+    let p = p.map(|p| &p[..n]);
+    sum_of(n, |k| conductance[k] * (p[0][k] - p[1][k]).powi(2))
+}
+
+/// Integral of the gap times the pressure's rise.
+fn rise(share: &[f64], h: &[f64], p: [&[f64]; 2]) -> f64 {
+    let n = share.len();
+    let (h, p) = (&h[..n], p.map(|p| &p[..n]));
+    sum_of(n, |k| share[k] * h[k] * (p[1][k] - p[0][k]))
+}
+
+/// Power lost in a column by oil that enters a full cell from a less full one, or fills it up: it arrives without the
+/// cell's pressure. `squeeze` is how fast the surfaces approach.
+fn filling_loss(work: &Workspace, stage: &Stage<'_>, column: usize, squeeze: f64) -> f64 {
+    let (cells, gap, field) = (work.cells(), work.geometry().gap(), work.field());
+    let carried = &work.balance().carried;
+    let w = cells.stride;
+    let (own, left) = (column * w, cells.before(column) * w);
+    let right = cells.after(column) * w;
+    let mut loss = 0.0;
+    for k in 0..w {
+        let cell = own + k;
+        let p = field.pressure[cell];
+        if p == 0.0 {
+            continue;
+        }
+        let lack = [left, right].map(|side| 1.0 - field.content[side + k]);
+        let swept = carried[cell].max(0.0) * lack[0] - carried[right + k].min(0.0) * lack[1];
+        let filled = (gap.cell[cell] - stage.mass[cell]) / stage.duration;
+        loss += p * (swept + cells.area[cell] * (filled + squeeze * gap.cell_apart[cell]));
+    }
+    loss
+}

@@ -1,0 +1,218 @@
+//! The transient film over intervals of controlled error.
+
+use nalgebra::Vector2;
+use serde::{Deserialize, Serialize};
+
+use super::diagnostics::Diagnostics;
+use super::stage::NoSolution;
+use super::state::State;
+use super::step::{Step, Stepper};
+use super::workspace::Workspace;
+use crate::reynolds::grid::Grid;
+use crate::reynolds::settings::{Drive, FilmError, FilmSettings};
+
+/// The film between journal and bush by the transient Reynolds equation in two dimensions, with its journal.
+///
+/// The journal has no inertia here: film, contact and external load balance at every instant. Time is integrated with the
+/// two-stage, stiffly accurate SDIRK method of order two (Alexander 1977, SIAM J. Numer. Anal. 14, 1006-1021). Each stage is
+/// an implicit Euler step, which keeps contents within their bounds and lets the journal approach the bush at any step
+/// size. The step of order one inside the method controls the error.
+///
+/// Serialisation stores settings and state; a film that is read back continues bit for bit.
+///
+/// # Examples
+/// A journal that comes to rest under a steady load:
+/// ```
+/// use journal_bearing::nalgebra::Vector2;
+/// use journal_bearing::reynolds::{Drive, FilmSettings, ReynoldsFilm};
+///
+/// // Width, diameter and radial clearance in m; 750 N, 300 rpm, 20 mPa.s.
+/// let mut film = ReynoldsFilm::new(FilmSettings::new(0.019, 0.025, 20e-6))?;
+/// let drive = Drive::steady(Vector2::new(750.0, 0.0), 31.416, 0.02);
+/// let report = film.advance(1.5, &drive, &|_| 0.0)?;
+/// assert!((film.eccentricity().norm() - 0.89).abs() < 0.01);
+/// assert!((report.film_load - drive.load_after).norm() < 1e-3); // N
+/// assert!(report.mass_error < 1e-10);
+/// # Ok::<(), journal_bearing::reynolds::FilmError>(())
+/// ```
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(try_from = "Saved", into = "Saved")]
+pub struct ReynoldsFilm {
+    work: Workspace,
+    stepper: Stepper,
+    /// The state before the present interval.
+    before: State,
+}
+
+/// A film as it is stored.
+#[derive(Serialize, Deserialize)]
+struct Saved {
+    settings: FilmSettings,
+    state: State,
+}
+
+impl From<ReynoldsFilm> for Saved {
+    fn from(film: ReynoldsFilm) -> Self {
+        Self {
+            settings: film.work.settings().clone(),
+            state: film.work.state().clone(),
+        }
+    }
+}
+
+impl TryFrom<Saved> for ReynoldsFilm {
+    type Error = FilmError;
+
+    fn try_from(saved: Saved) -> Result<Self, FilmError> {
+        let mut film = Self::new(saved.settings)?;
+        if !saved.state.field.fits(film.work.cells().count()) {
+            let (name, value) = ("number of stored cells", saved.state.field.full.len());
+            let value = value as f64;
+            return Err(FilmError::Setting { name, value });
+        }
+        film.work.restore(&saved.state);
+        Ok(film)
+    }
+}
+
+/// Most internal steps, taken or not, in one interval. Ordinary intervals need a few; a journal that slides around an
+/// emptied bush needs some thousands.
+const MOST_TRIES: usize = 20_000;
+/// Most internal steps without a solution in one interval.
+const MOST_FAILURES: usize = 500;
+
+impl ReynoldsFilm {
+    /// A flooded film with the journal in the middle.
+    ///
+    /// # Errors
+    /// Returns [`FilmError::Setting`] when a setting is out of range, and [`FilmError::NoGap`] when form error and tilt leave
+    /// no gap.
+    pub fn new(settings: FilmSettings) -> Result<Self, FilmError> {
+        let work = Workspace::new(settings)?;
+        Ok(Self {
+            stepper: Stepper::new(&work),
+            before: work.state().clone(),
+            work,
+        })
+    }
+
+    /// Puts the journal at an eccentricity ratio and floods the film.
+    ///
+    /// # Errors
+    /// Returns [`FilmError::NoGap`] when the surfaces leave no gap there.
+    pub fn place(&mut self, eps: Vector2<f64>) -> Result<(), FilmError> {
+        self.work.place(eps)
+    }
+
+    /// The settings.
+    pub fn settings(&self) -> &FilmSettings {
+        self.work.settings()
+    }
+
+    /// The eccentricity-ratio vector in the middle plane, 1.
+    pub fn eccentricity(&self) -> Vector2<f64> {
+        self.work.state().eps
+    }
+
+    /// The share of the gap that oil fills, 0..1, in a column (around the bush) and a row (over the width) of
+    /// [`grid`](Self::grid).
+    ///
+    /// # Panics
+    /// When the grid has no such cell.
+    pub fn content(&self, column: usize, row: usize) -> f64 {
+        self.work.field().content[column * self.work.cells().stride + row]
+    }
+
+    /// The grid. It covers the half width, or the whole width of a tilted journal.
+    pub fn grid(&self) -> &Grid {
+        &self.work.cells().grid
+    }
+
+    /// The smallest gap, m; where the film sees the surfaces' roughness, the smallest mean gap.
+    pub fn smallest_gap(&self) -> f64 {
+        self.work.geometry().smallest_gap(self.eccentricity())
+    }
+
+    /// Lets `interval` seconds pass under `drive`, in internal steps of controlled error.
+    ///
+    /// `contact` gives the force (N) with which asperities push an aligned journal back, over the eccentricity ratio; it is
+    /// not used with [`FilmSettings::asperities`].
+    ///
+    /// # Errors
+    /// Returns [`FilmError::Touches`] when smooth surfaces meet and [`FilmError::NotConverged`] when no internal step finds a
+    /// solution. The film is then as before.
+    pub fn advance(
+        &mut self,
+        interval: f64,
+        drive: &Drive,
+        contact: &dyn Fn(f64) -> f64,
+    ) -> Result<Diagnostics, FilmError> {
+        self.before.copy_from(self.work.state());
+        // The linearisation is not stored, so an interval must not begin with that of the last one.
+        self.work.discard_linearisation();
+        self.stepper.begin_interval();
+        let mut total = Diagnostics::default();
+        let mut done = 0.0;
+        let shortest = 1e-9 * interval;
+        let mut step = self.work.state().step.unwrap_or(interval).min(interval);
+        for tries in 0.. {
+            if interval - done <= shortest {
+                break;
+            }
+            if tries == MOST_TRIES {
+                return Err(self.give_up(step));
+            }
+            let left = interval - done;
+            // Half of the rest at most, so that no sliver of a step remains.
+            let duration = if step < left {
+                step.clamp(shortest, 0.5 * left)
+            } else {
+                left
+            };
+            let duration = self.work.geometry().resolve_turning(duration, drive);
+            let place = Step {
+                from: done / interval,
+                share: duration / interval,
+                duration,
+            };
+            match self.stepper.step(&mut self.work, place, drive, contact) {
+                Ok((report, error)) if error <= 2.0 || duration <= shortest => {
+                    done += duration;
+                    let fitting = duration * (0.9 / error.max(1e-6).sqrt()).clamp(0.3, 2.5);
+                    // A step cut short by the interval's end is no reason for shorter ones.
+                    step = if duration < step {
+                        step.max(fitting)
+                    } else {
+                        fitting
+                    };
+                    total.add(report, duration);
+                }
+                Ok((_, error)) => {
+                    step = duration * (0.9 / error.sqrt()).clamp(0.1, 0.7);
+                    self.stepper.take_back(&mut self.work);
+                }
+                Err(NoSolution) => {
+                    step = 0.25 * duration;
+                    self.stepper.take_back(&mut self.work);
+                    if step < shortest || self.stepper.failures() == MOST_FAILURES {
+                        return Err(self.give_up(step));
+                    }
+                }
+            }
+        }
+        self.work.expect_step(step);
+        Ok(total.over(done))
+    }
+
+    /// Goes back to the state before the interval. Returns why.
+    fn give_up(&mut self, step: f64) -> FilmError {
+        let eps = self.eccentricity();
+        let touches = self.work.geometry().touches(eps);
+        self.work.restore(&self.before);
+        let eccentricity = eps.norm();
+        if touches {
+            return FilmError::Touches(eccentricity);
+        }
+        FilmError::NotConverged { eccentricity, step }
+    }
+}

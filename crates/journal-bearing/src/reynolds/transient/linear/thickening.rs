@@ -1,0 +1,61 @@
+//! The answer of the pressure flow to the oil's viscosity and density over pressure, in the matrix.
+//!
+//! The conductance of an edge goes with the mean `ease` of its two cells, which depends on their pressures. When the
+//! linearisation omits this, the iteration oscillates in oil that thickens much (`alpha p` of about one and more).
+
+use super::super::base::Base;
+use super::super::liquid::Liquid;
+use super::super::state::Field;
+use super::ring::Ring;
+use super::unknowns::Unknowns;
+
+/// Derivatives of the flow over an edge, from its first cell to its second, over the pressures in `ease` of both.
+fn gains(
+    conductance: f64,
+    ends: [usize; 2],
+    full: &[f64],
+    liquid: &Liquid,
+    field: &Field,
+) -> [f64; 2] {
+    let [a, b] = ends;
+    let flow = conductance * (field.pressure[a] - field.pressure[b]);
+    let by_ease = flow / (liquid.ease[a] + liquid.ease[b]);
+    ends.map(|cell| full[cell] * by_ease * liquid.easing[cell])
+}
+
+/// Adds these derivatives to the matrix.
+pub fn thicken(ring: &mut Ring, unknowns: &Unknowns, base: &Base<'_>) {
+    let Base {
+        cells,
+        liquid,
+        field,
+        balance,
+        stage,
+        ..
+    } = *base;
+    for (own, before) in cells.neighbours() {
+        for (own, before) in own.zip(before) {
+            let ends = [before, own];
+            let gains = gains(balance.along[own], ends, &unknowns.full, liquid, field);
+            let rows = ends.map(|cell| unknowns.balanced[cell]);
+            ring.own[before] += rows[0] * gains[0];
+            ring.after[before] += rows[0] * gains[1];
+            ring.before[own] -= rows[1] * gains[0];
+            ring.own[own] -= rows[1] * gains[1];
+        }
+    }
+    for own in 1..cells.count() {
+        let below = own - 1;
+        let ends = [below, own];
+        let gains = gains(balance.across[own], ends, &unknowns.full, liquid, field);
+        let rows = ends.map(|cell| unknowns.balanced[cell]);
+        ring.own[below] += rows[0] * gains[0];
+        ring.above[below] += rows[0] * gains[1];
+        ring.below[own] -= rows[1] * gains[0];
+        ring.own[own] -= rows[1] * gains[1];
+    }
+    for cell in 0..cells.count() {
+        let flow = balance.open[cell] * (field.pressure[cell] - stage.side);
+        ring.own[cell] += unknowns.full[cell] * flow * liquid.easing[cell] / liquid.ease[cell];
+    }
+}

@@ -1,0 +1,64 @@
+//! The unknown of each cell: pressure where it is full, content where it is not.
+
+use super::super::cells::Cells;
+use super::super::liquid::Liquid;
+use super::super::state::Field;
+
+/// The kinds of the cells' unknowns, as factors of one or zero for sweeps without branches.
+#[derive(Clone, Debug)]
+pub struct Unknowns {
+    /// One for cells whose unknown is the pressure.
+    pub full: Vec<f64>,
+    /// One for cells whose unknown is the content.
+    pub empty: Vec<f64>,
+    /// One for cells whose balance must hold: those with an unknown.
+    pub balanced: Vec<f64>,
+    /// Derivative of the oil per gap (density times content) over the cell's unknown.
+    pub swell: Vec<f64>,
+}
+
+impl Unknowns {
+    /// For a number of cells, none of which has an unknown yet.
+    pub fn new(cells: usize) -> Self {
+        let zeros = || vec![0.0; cells];
+        Self {
+            full: zeros(),
+            empty: zeros(),
+            balanced: zeros(),
+            swell: zeros(),
+        }
+    }
+
+    /// Sorts the cells by their unknowns.
+    pub fn sort(&mut self, cells: &Cells, liquid: &Liquid, field: &Field) {
+        let conserving = cells.conserves_mass();
+        for (c, &full) in field.full.iter().enumerate() {
+            let real = cells.area[c] > 0.0;
+            self.full[c] = f64::from(full);
+            self.empty[c] = f64::from(!full && conserving && real);
+            self.balanced[c] = self.full[c] + self.empty[c];
+        }
+        self.swell(liquid);
+    }
+
+    fn swell(&mut self, liquid: &Liquid) {
+        let n = self.full.len();
+        let (full, empty, swell) = (&self.full[..n], &self.empty[..n], &mut self.swell[..n]);
+        let (density, swelling) = (&liquid.density[..n], &liquid.swelling[..n]);
+        for c in 0..n {
+            swell[c] = full[c] * swelling[c] + empty[c] * density[c];
+        }
+    }
+
+    /// The column with the fewest full cells.
+    pub fn emptiest_column(&self, cells: &Cells) -> usize {
+        let count = |range: std::ops::Range<usize>| self.full[range].iter().sum::<f64>();
+        cells
+            .columns()
+            .map(|(i, range)| (count(range), i))
+            .fold((f64::INFINITY, 0), |least, column| {
+                if column.0 < least.0 { column } else { least }
+            })
+            .1
+    }
+}

@@ -1,0 +1,101 @@
+//! The oil's viscosity and density in each cell.
+
+use super::gap::Gap;
+use super::state::Field;
+use crate::reynolds::roughness::ease_of_mean_gap;
+use crate::reynolds::settings::{Drive, FilmSettings};
+use crate::rheology::PressureViscosity;
+
+/// Viscosity and density cell by cell, relative to those at ambient pressure and low shear.
+#[derive(Clone, Debug)]
+pub struct Liquid {
+    /// Reciprocal viscosity.
+    pub fluidity: Vec<f64>,
+    /// Density.
+    pub density: Vec<f64>,
+    /// Slope of the density over the dimensionless pressure, s.
+    pub swelling: Vec<f64>,
+    /// Mass flow per pressure gradient at `H = 1`: density times fluidity times the flow factor of rough surfaces.
+    pub ease: Vec<f64>,
+    /// Slope of `ease` over the dimensionless pressure, s.
+    pub easing: Vec<f64>,
+    /// Whether `ease` is one everywhere.
+    pub uniform: bool,
+    /// Whether the density depends on the pressure.
+    pub compressible: bool,
+    /// Whether `ease` depends on the pressure.
+    pub thickens: bool,
+}
+
+impl Liquid {
+    /// Oil at ambient pressure.
+    pub fn new(cells: usize) -> Self {
+        let ones = || vec![1.0; cells];
+        Self {
+            fluidity: ones(),
+            density: ones(),
+            swelling: vec![0.0; cells],
+            ease: ones(),
+            easing: vec![0.0; cells],
+            uniform: true,
+            compressible: false,
+            thickens: false,
+        }
+    }
+
+    /// Computes the properties for the present field. True when they have converged.
+    pub fn update(
+        &mut self,
+        settings: &FilmSettings,
+        gap: &Gap,
+        field: &Field,
+        drive: &Drive,
+    ) -> bool {
+        let factors = settings.flow_factors().is_some();
+        let to_pascal = settings.pressure_scale(drive.viscosity);
+        self.compress(settings, field, to_pascal);
+        if settings.rheology.is_newtonian() && !factors && !settings.is_compressible() {
+            return true;
+        }
+        self.uniform = false;
+        self.thickens =
+            settings.is_compressible() || settings.rheology.pressure != PressureViscosity::None;
+        let psi = settings.clearance / (0.5 * settings.diameter);
+        let sliding = (drive.journal_speed - drive.bush_speed).abs() / psi;
+        let mut largest: f64 = 0.0;
+        for (cell, fluidity) in self.fluidity.iter_mut().enumerate() {
+            let pressure = field.pressure[cell] * to_pascal;
+            let rate = sliding / gap.cell[cell];
+            let ratio = settings.rheology.ratio(drive.viscosity, pressure, rate);
+            let now = 1.0 / ratio;
+            largest = largest.max((now / *fluidity - 1.0).abs());
+            *fluidity = now;
+            let factor = if factors {
+                ease_of_mean_gap(gap.ratio[cell])
+            } else {
+                1.0
+            };
+            let ease = now * self.density[cell] * factor;
+            self.ease[cell] = ease;
+            if self.thickens {
+                let thickening = settings.rheology.thickening(drive.viscosity, pressure);
+                let swelling = self.swelling[cell] / self.density[cell];
+                self.easing[cell] = ease * (swelling - thickening * to_pascal);
+            }
+        }
+        largest < 1e-9
+    }
+
+    /// Computes the density, with `to_pascal` the pressure per unit of the field, Pa.s.
+    pub fn compress(&mut self, settings: &FilmSettings, field: &Field, to_pascal: f64) {
+        if !settings.is_compressible() {
+            return;
+        }
+        self.compressible = true;
+        let of = self.density.iter_mut().zip(&mut self.swelling);
+        for ((density, swelling), pressure) in of.zip(&field.pressure) {
+            let [ratio, slope] = settings.rheology.density.ratio(pressure * to_pascal);
+            (*density, *swelling) = (ratio, slope * to_pascal);
+        }
+    }
+}

@@ -1,0 +1,42 @@
+//! The transient film, from the ground up; each layer uses only those above it in this list.
+//!
+//! * `lanes`, `sweeps`: arithmetic over arrays, in an order that is the same on every machine.
+//! * `cells`, `gap`, `state`, `stage`, `liquid`, `upwind`, `balance`, `active_set`: the film cell by cell.
+//! * `base`, `linear`: the balances linearised, and the factorisation of their matrix.
+//! * `geometry`, `workspace`: the film at a place of the journal, with all buffers; a step allocates nothing.
+//! * `asperities`, `forces`, `way`: the journal in it.
+//! * `newton`, `landing`: the solution of one implicit stage.
+//! * `compression`, `evaluation`, `step`: one internal step of two stages, with its forces, flows and balances.
+//! * `film`: intervals of controlled error, and the public face.
+
+mod active_set;
+mod asperities;
+mod balance;
+mod base;
+mod cells;
+mod compression;
+mod diagnostics;
+mod evaluation;
+mod film;
+mod forces;
+mod gap;
+mod geometry;
+mod landing;
+mod lanes;
+mod linear;
+mod liquid;
+mod newton;
+mod stage;
+mod state;
+mod step;
+
+mod sweeps;
+mod upwind;
+mod way;
+mod workspace;
+
+#[cfg(test)]
+mod tests;
+
+pub use diagnostics::Diagnostics;
+pub use film::ReynoldsFilm;

@@ -1,0 +1,184 @@
+//! An internal step of the film: two implicit stages, and the mass balance over both.
+
+use super::balance::EndFlow;
+use super::diagnostics::Diagnostics;
+use super::evaluation::diagnose;
+use super::landing::Landing;
+use super::newton;
+use super::stage::{NoSolution, Stage, Task};
+use super::state::State;
+use super::workspace::Workspace;
+use crate::reynolds::settings::{Cavitation, Drive};
+
+/// `1 - 1/sqrt(2)`, the SDIRK method's coefficient.
+const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
+/// Failed steps of an interval before [`Landing`] is tried; until then a shorter step is less work.
+const PATIENCE: usize = 4;
+
+/// The place of an internal step in its interval.
+#[derive(Clone, Copy, Debug)]
+pub struct Step {
+    /// Its start and its length, as shares of the interval.
+    pub from: f64,
+    pub share: f64,
+    /// Its duration, s.
+    pub duration: f64,
+}
+
+/// Takes the steps of an interval.
+#[derive(Clone, Debug)]
+pub struct Stepper {
+    /// Mass per cell at the start of the first and of the second stage.
+    start: Vec<f64>,
+    launch: Vec<f64>,
+    /// The state before the present step.
+    kept: State,
+    landing: Landing,
+    /// Steps of the interval without a solution.
+    failures: usize,
+}
+
+impl Stepper {
+    /// Buffers for films like that of `work`.
+    pub fn new(work: &Workspace) -> Self {
+        let count = work.cells().count();
+        Self {
+            start: vec![0.0; count],
+            launch: vec![0.0; count],
+            kept: work.state().clone(),
+            landing: Landing::new(work.field()),
+            failures: 0,
+        }
+    }
+
+    /// Begins an interval.
+    pub fn begin_interval(&mut self) {
+        self.failures = 0;
+    }
+
+    /// Steps of the interval without a solution.
+    pub fn failures(&self) -> usize {
+        self.failures
+    }
+
+    /// Goes back to the state before the last step.
+    pub fn take_back(&self, work: &mut Workspace) {
+        work.restore(&self.kept);
+    }
+
+    /// Takes one step. Returns its diagnostics and its error relative to the tolerance.
+    pub fn step(
+        &mut self,
+        work: &mut Workspace,
+        step: Step,
+        drive: &Drive,
+        contact: &dyn Fn(f64) -> f64,
+    ) -> Result<(Diagnostics, f64), NoSolution> {
+        self.kept.copy_from(work.state());
+        let done = self.two_stages(work, step, drive, contact);
+        self.failures += usize::from(done.is_err());
+        done
+    }
+
+    fn two_stages(
+        &mut self,
+        work: &mut Workspace,
+        step: Step,
+        drive: &Drive,
+        contact: &dyn Fn(f64) -> f64,
+    ) -> Result<(Diagnostics, f64), NoSolution> {
+        let Self {
+            start: mass,
+            launch,
+            kept,
+            landing,
+            failures,
+        } = self;
+        let lands = work.cells().conserves_mass() && *failures >= PATIENCE;
+        let mut solve = |work: &mut Workspace, stage: &Stage<'_>, task: &Task<'_>| {
+            let solution = newton::solve(work, stage, task);
+            match solution {
+                Err(NoSolution) if lands => landing.solve(work, stage, task, &kept.field),
+                solution => solution,
+            }
+        };
+
+        let start = work.state().eps;
+        let first = GAMMA * step.duration;
+        mass.copy_from_slice(&work.balance().mass);
+        let mut task = Task {
+            start,
+            guess: start + work.state().velocity * first,
+            load: drive.load_at(step.from + GAMMA * step.share),
+            force_scale: work.settings().force_scale(drive.viscosity),
+            drive,
+            contact,
+        };
+        work.turn(first, drive);
+        let middle = solve(work, &stage(work, first, mass, drive), &task)?;
+        let first_flow = work.balance().end_flow();
+
+        // The second stage starts from where the rates of the first one lead at (1 - gamma) of the step.
+        let ahead = (1.0 - GAMMA) / GAMMA;
+        for ((launch, start), mass) in launch.iter_mut().zip(&*mass).zip(&work.balance().mass) {
+            *launch = start + ahead * (mass - start);
+        }
+        work.extrapolate(ahead, &kept.field);
+        let straight = start + (middle - start) / GAMMA;
+        task.start = start + (middle - start) * ahead;
+        task.guess = straight;
+        task.load = drive.load_at(step.from + step.share);
+        work.turn(step.duration - first, drive);
+        let stage = stage(work, first, launch, drive);
+        let end = solve(work, &stage, &task)?;
+
+        work.end_step(end, (end - task.start) / first, drive.viscosity);
+        // A gap that is finer than the grid resolves does not deserve finer steps.
+        let resolved = work.cells().resolved_gap();
+        let gap = work.geometry().gap().smallest.max(resolved);
+        let error = (end - straight).norm() / (work.settings().tolerance * gap);
+        let mut report = diagnose(work, &stage, drive);
+        if work.cells().conserves_mass() {
+            let last_flow = work.balance().end_flow();
+            let flow = first_flow
+                .weighted(1.0 - GAMMA)
+                .and(last_flow.weighted(GAMMA));
+            report.mass_error = mass_error(work, mass, step.duration, flow, stage.rotation);
+        }
+        Ok((report, error))
+    }
+}
+
+/// A stage that starts from the masses `mass`.
+fn stage<'a>(work: &Workspace, duration: f64, mass: &'a [f64], drive: &Drive) -> Stage<'a> {
+    let settings = work.settings();
+    let side = match settings.cavitation {
+        Cavitation::NonNegative => 0.0,
+        Cavitation::MassConserving => {
+            settings.side_pressure / settings.pressure_scale(drive.viscosity)
+        }
+    };
+    // The flow of sliding rough surfaces at a shear flow factor of one (Patir & Cheng 1979).
+    let shear = settings.flow_factors().map_or(0.0, |share| {
+        let (roughness, excess) = (work.geometry().form().roughness, 2.0 * share - 1.0);
+        0.5 * (drive.journal_speed - drive.bush_speed) * roughness * excess
+    });
+    Stage {
+        duration,
+        mass,
+        rotation: drive.rotation(),
+        shear,
+        side,
+    }
+}
+
+/// Inflow less outflow less storage over a step that began with the masses `start`, over the flow through the film.
+fn mass_error(work: &Workspace, start: &[f64], duration: f64, flow: EndFlow, rotation: f64) -> f64 {
+    let stored: f64 = (work.cells().area.iter())
+        .zip(work.balance().mass.iter().zip(start))
+        .map(|(area, (mass, start))| area * (mass - start))
+        .sum();
+    let moved = flow.out + flow.into + work.circulating(rotation);
+    let still = work.still_flow(duration);
+    (stored / duration + flow.out - flow.into).abs() / moved.max(still)
+}

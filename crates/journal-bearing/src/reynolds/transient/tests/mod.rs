@@ -1,0 +1,5 @@
+//! Tests of the transient film as a whole.
+
+mod compression;
+mod film;
+mod lives;

@@ -1,0 +1,329 @@
+//! The film at the place where the solver tries it, with all buffers that the solver needs.
+
+use nalgebra::{Matrix2, Vector2};
+
+use super::active_set::ActiveSet;
+use super::balance::Balance;
+use super::base::Base;
+use super::cells::Cells;
+use super::geometry::Geometry;
+use super::lanes::dot;
+use super::linear::Linear;
+use super::liquid::Liquid;
+use super::stage::Stage;
+use super::state::{Field, State};
+use crate::reynolds::settings::{Drive, FilmError, FilmSettings};
+
+/// A film through which flows less than this share of its content in a step counts as still: its mass balance is judged
+/// by this flow, which is still well above the rounding of the content.
+const STILL: f64 = 1e-5;
+
+/// State, gap, oil, balances and their linearisation. What is not state follows from it or is overwritten before use.
+#[derive(Clone, Debug)]
+pub struct Workspace {
+    geometry: Geometry,
+    state: State,
+    liquid: Liquid,
+    balance: Balance,
+    linear: Linear,
+    active_set: ActiveSet,
+}
+
+/// The load of a pressure field, and the sum of the absolute contributions to it.
+#[derive(Clone, Copy, Debug)]
+pub struct PressureLoad {
+    pub force: Vector2<f64>,
+    pub size: f64,
+}
+
+/// Setting up, and reading.
+impl Workspace {
+    /// A flooded film with the journal in the middle.
+    pub fn new(settings: FilmSettings) -> Result<Self, FilmError> {
+        let geometry = Geometry::new(settings)?;
+        let cells = geometry.cells();
+        let count = cells.count();
+        let mut work = Self {
+            state: State::flooded(cells),
+            liquid: Liquid::new(count),
+            balance: Balance::new(count),
+            linear: Linear::new(cells),
+            active_set: ActiveSet::new(count),
+            geometry,
+        };
+        work.place(Vector2::zeros())?;
+        Ok(work)
+    }
+
+    /// Puts the journal at an eccentricity ratio and floods the film.
+    pub fn place(&mut self, eps: Vector2<f64>) -> Result<(), FilmError> {
+        let angles = self.state.angles;
+        self.geometry.shape(angles);
+        self.geometry.move_to(eps);
+        let open = eps.x.is_finite() && eps.y.is_finite() && self.geometry.is_open();
+        if !open {
+            return Err(FilmError::NoGap(eps.norm()));
+        }
+        self.state = State {
+            eps,
+            angles,
+            ..State::flooded(self.geometry.cells())
+        };
+        self.arrive();
+        Ok(())
+    }
+
+    /// Takes over a state and computes what follows from it.
+    pub fn restore(&mut self, state: &State) {
+        self.state.copy_from(state);
+        self.arrive();
+    }
+
+    /// Computes what follows from the state alone.
+    fn arrive(&mut self) {
+        self.linear.discard();
+        self.geometry.shape(self.state.angles);
+        self.geometry.move_to(self.state.eps);
+        let (field, unit) = (&self.state.field, self.state.unit);
+        self.liquid.compress(self.geometry.settings(), field, unit);
+        self.balance.weigh(self.geometry.gap(), &self.liquid, field);
+    }
+
+    /// The geometry at the present place.
+    pub fn geometry(&self) -> &Geometry {
+        &self.geometry
+    }
+
+    /// The settings.
+    pub fn settings(&self) -> &FilmSettings {
+        self.geometry.settings()
+    }
+
+    /// The cells' geometry.
+    pub fn cells(&self) -> &Cells {
+        self.geometry.cells()
+    }
+
+    /// The state.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// The present field.
+    pub fn field(&self) -> &Field {
+        &self.state.field
+    }
+
+    /// The oil's properties at the last balance.
+    pub fn liquid(&self) -> &Liquid {
+        &self.liquid
+    }
+
+    /// The last balance.
+    pub fn balance(&self) -> &Balance {
+        &self.balance
+    }
+}
+
+/// Moving on within a step.
+impl Workspace {
+    /// Notes the internal step that the error control expects to fit next, s.
+    pub fn expect_step(&mut self, step: f64) {
+        self.state.step = Some(step);
+    }
+
+    /// Turns the surfaces for `duration` seconds.
+    pub fn turn(&mut self, duration: f64, drive: &Drive) {
+        self.state.angles[0] += drive.journal_speed * duration;
+        self.state.angles[1] += drive.bush_speed * duration;
+        self.geometry.shape(self.state.angles);
+    }
+
+    /// Computes the gap at an eccentricity ratio.
+    pub fn move_to(&mut self, eps: Vector2<f64>) {
+        self.geometry.move_to(eps);
+    }
+
+    /// The point on the way to `guess` that leaves at least half of the gap at the step's start.
+    pub fn reachable(&mut self, guess: Vector2<f64>) -> Vector2<f64> {
+        let from = self.state.eps;
+        let plain = self.geometry.form().is_plain();
+        if plain && (guess - from).norm() <= 0.5 * (1.0 - from.norm()) {
+            return guess;
+        }
+        self.move_to(from);
+        from + (guess - from) * self.geometry.allowed(from, guess - from, 0.5)
+    }
+
+    /// Guesses the pressures after a further `ahead` of the stage that led here from the field `start`.
+    pub fn extrapolate(&mut self, ahead: f64, start: &Field) {
+        let field = &mut self.state.field;
+        let pressures = field.pressure.iter_mut().zip(&start.pressure);
+        for ((pressure, start), &full) in pressures.zip(&field.full) {
+            *pressure += if full {
+                ahead * (*pressure - start)
+            } else {
+                0.0
+            };
+        }
+    }
+
+    /// Ends a step at an eccentricity ratio and its rate, with oil of a viscosity (Pa.s).
+    pub fn end_step(&mut self, eps: Vector2<f64>, velocity: Vector2<f64>, viscosity: f64) {
+        self.state.velocity = velocity;
+        self.state.eps = eps;
+        self.state.unit = self.geometry.settings().pressure_scale(viscosity);
+    }
+
+    /// Replaces the field.
+    pub fn restore_field(&mut self, field: &Field) {
+        self.state.field.copy_from(field);
+    }
+
+    /// Empties the film.
+    pub fn rupture(&mut self) {
+        self.state.field.rupture();
+        self.linear.discard();
+    }
+}
+
+/// The active set of full cells.
+impl Workspace {
+    /// Begins a stage under a dimensionless load: every cell may move again.
+    pub fn begin_stage(&mut self, load: Vector2<f64>) {
+        self.active_set.begin();
+        ActiveSet::fill_towards(load, self.geometry.cells(), &mut self.state.field);
+    }
+
+    /// Lets every cell move again.
+    pub fn release_cells(&mut self) {
+        self.active_set.begin();
+    }
+
+    /// Moves cells into and out of the set by their unknowns; the number that moved.
+    pub fn exchange(&mut self, stage: &Stage<'_>) -> usize {
+        let field = &mut self.state.field;
+        self.active_set
+            .exchange(self.geometry.cells(), field, stage)
+    }
+
+    /// Fills empty cells by their balances where mass is not conserved; the number that moved.
+    pub fn refill(&mut self, stage: &Stage<'_>) -> usize {
+        let field = &mut self.state.field;
+        self.active_set
+            .refill(self.geometry.cells(), field, &self.balance, stage)
+    }
+
+    /// Whether the field is one that no film can have: a cell that was held back violates the complementarity.
+    pub fn is_forced(&self) -> bool {
+        self.cells().conserves_mass() && self.active_set.is_forced(&self.state.field)
+    }
+}
+
+/// Balances and their linearisation.
+impl Workspace {
+    /// Computes oil and balances at the present gap and field. True when the oil's properties have converged.
+    pub fn update_balance(&mut self, stage: &Stage<'_>, drive: &Drive) -> bool {
+        let (field, geometry) = (&self.state.field, &self.geometry);
+        let (cells, gap) = (geometry.cells(), geometry.gap());
+        let steady = self.liquid.update(geometry.settings(), gap, field, drive);
+        self.balance.update(cells, gap, &self.liquid, field, stage);
+        steady
+    }
+
+    /// Linearises at the present place and answers to the residuals.
+    pub fn linearise(&mut self, stage: &Stage<'_>) {
+        self.linear.renew(&Base {
+            cells: self.geometry.cells(),
+            gap: self.geometry.gap(),
+            liquid: &self.liquid,
+            field: &self.state.field,
+            balance: &self.balance,
+            stage,
+        });
+        if self.geometry.form().roughness > 0.0 {
+            self.linear
+                .soften(self.geometry.lost_area(&self.state.field));
+        }
+    }
+
+    /// Whether a linearisation for stages of this duration is at hand.
+    pub fn is_linearised(&self, duration: f64) -> bool {
+        self.linear.serves(duration)
+    }
+
+    /// Puts the linearisation out of use.
+    pub fn discard_linearisation(&mut self) {
+        self.linear.discard();
+    }
+
+    /// Answers to the residuals with the linearisation at hand.
+    pub fn reuse_linearisation(&mut self) {
+        self.linear.reuse(&self.balance);
+    }
+
+    /// Derivative of the film's load over the eccentricity ratio.
+    pub fn slope(&self) -> Matrix2<f64> {
+        self.linear.slope()
+    }
+
+    /// The load that the correction of the cells takes from the film.
+    pub fn load_of_correction(&self) -> Vector2<f64> {
+        self.linear
+            .load_of_correction(self.cells(), self.geometry.gap())
+    }
+
+    /// Moves the unknowns by the correction and by a change of the eccentricity ratio.
+    pub fn apply(&mut self, change: Vector2<f64>) {
+        self.linear.apply(change, &mut self.state.field);
+    }
+
+    /// Moves the unknowns by a share of the correction.
+    pub fn approach(&mut self, share: f64) {
+        self.linear.approach(share, &mut self.state.field);
+    }
+
+    /// The sum of the absolute residuals that have to vanish.
+    pub fn imbalance(&self) -> f64 {
+        self.linear.imbalance(&self.balance)
+    }
+
+    /// The load of the present pressures.
+    pub fn pressure_load(&self) -> PressureLoad {
+        let (gap, pressure) = (self.geometry.gap(), &self.state.field.pressure);
+        let mut sum = PressureLoad {
+            force: Vector2::zeros(),
+            size: 0.0,
+        };
+        for (i, range) in self.cells().columns() {
+            let pressed = &gap.pressed[range.clone()];
+            let share = dot(pressed, &pressure[range]);
+            sum.force += self.cells().directions.mean[i] * share;
+            sum.size += share.abs();
+        }
+        sum
+    }
+
+    /// The flow through the film by which a stage's residuals are judged.
+    pub fn flow(&self, stage: &Stage<'_>) -> f64 {
+        let ends = self.balance.end_flow();
+        let still = self.still_flow(stage.duration);
+        (ends.out + ends.into + self.circulating(stage.rotation)).max(still)
+    }
+
+    /// The sum of the absolute contributions to the residuals.
+    pub fn turnover(&self, stage: &Stage<'_>) -> f64 {
+        let stored = self.balance.held(self.cells()) / stage.duration;
+        stored + self.linear.turnover(&self.state.field)
+    }
+
+    /// The flow that the mean rotation carries around, averaged over the columns.
+    pub fn circulating(&self, rotation: f64) -> f64 {
+        rotation.abs() * self.balance.held(self.cells()) / std::f64::consts::TAU
+    }
+
+    /// The flow below which a film counts as still in a stage or step of this duration.
+    pub fn still_flow(&self, duration: f64) -> f64 {
+        STILL * self.balance.held(self.cells()) / duration
+    }
+}
