@@ -1,8 +1,7 @@
-//! The drive: sets the shaft's speed, with the fluctuation that the paper allows for
-//! (Vrublevskyi & Skonieczna 2025, section 3: ±2.5 % of the nominal speed).
+//! The drive: shaft speed and angle. The speed may fluctuate, in the paper by ±2.5 % of its nominal value
+//! (Vrublevskyi & Skonieczna 2025, section 3).
 //!
-//! The speed is an input, so the shaft angle follows in closed form and never drifts with the
-//! step size.
+//! The speed is an input, not a state. The shaft angle is its integral in closed form, which no step size can make drift.
 
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -25,7 +24,7 @@ impl Default for Drive {
     }
 }
 
-/// The commanded speed over a step: `speed + slope * tau`, tau from the start of the step.
+/// The commanded speed during a step: `speed + slope * tau`, tau from the start of the step.
 #[derive(Clone, Copy, Debug)]
 pub struct Command {
     /// Time at the start of the step, s.
@@ -55,8 +54,8 @@ impl Drive {
         if self.fluctuation_amplitude == 0.0 {
             return steady;
         }
-        // The integral of (v + s*y)*sin(p + w*y) over y from -h to h, about the middle of the time that
-        // has passed: it cancels nothing, however slow the fluctuation is.
+        // The integral of (v + s*y)*sin(p + w*y) over y from -h to h, with y = 0 in the middle of the time that has passed.
+        // In this form no large terms cancel, even if the fluctuation is very slow.
         let h = 0.5 * tau;
         let (sin, cos) = (w * (command.time + h)).sin_cos();
         let speed = command.speed + command.slope * h;
@@ -68,7 +67,7 @@ impl Drive {
 
 /// The mean over x from -1 to 1 of `cos(q*x)` and of `x*sin(q*x)`.
 fn moments(q: f64) -> (f64, f64) {
-    /// Below, the second's series is more exact than its closed form, in which two near numbers cancel.
+    /// Below this, the series is more accurate than the closed form, in which nearly equal numbers cancel.
     const SMALL: f64 = 0.03;
     if q.abs() < SMALL {
         let q2 = q * q;

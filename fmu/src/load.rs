@@ -1,10 +1,9 @@
-//! The load mechanism: the shaft's eccentric mounting hole moves a lever, whose spring, damper and
-//! preload press on the bearing (Vrublevskyi & Skonieczna 2025, Fig. 1 and 3).
+//! The load mechanism: the shaft's eccentric mounting hole moves a lever, and spring, damper and preload press the lever on
+//! the bearing (Vrublevskyi & Skonieczna 2025, Fig. 1 and 3).
 //!
-//! The law is read from the paper's Table 3, whose twelve forces it reproduces within the printed
-//! digits: `F = i*(F0 + C*x + beta*dx/dt)` with the spring travel
-//! `x = k*eps*sin(angle + phase) - x0`. The lever ratio `i`, the travel ratio `k`, the offset `x0` and
-//! the phase are not in the paper: they are the coefficients of that regression.
+//! The force is `F = i*(F0 + C*x + beta*dx/dt)` with the spring travel `x = k*eps*sin(angle + phase) - x0`. The paper does
+//! not give the lever ratio `i`, the travel ratio `k`, the offset `x0` and the phase. They are fitted to the twelve forces
+//! of its Table 3, which the law reproduces within the printed digits.
 
 use serde::{Deserialize, Serialize};
 
@@ -17,13 +16,13 @@ pub struct Load {
     pub damping: f64,
     /// Starting force F0, N.
     pub preload: f64,
-    /// Eccentricity eps of the shaft's mounting hole, m. Zero gives a constant load.
+    /// Eccentricity eps of the shaft's mounting hole, m. At zero the load is constant.
     pub eccentricity: f64,
     /// Ratio i of the force on the bearing to the force of the elastic element, 1.
     pub lever_ratio: f64,
     /// Ratio k of the elastic element's travel to the eccentric's, 1.
     pub travel_ratio: f64,
-    /// Travel x0 of the elastic element by which it is released at rest, m.
+    /// Travel x0 by which the elastic element is released at rest, m.
     pub spring_offset: f64,
     /// Angle of the eccentric at shaft angle zero, rad.
     pub phase: f64,
@@ -75,7 +74,7 @@ mod tests {
     fn the_damper_swings_a_quarter_turn_ahead_of_the_spring() {
         let load = Load::default();
         let speed = 31.4;
-        // At the eccentric's top the travel rate is zero, at its middle the travel is.
+        // At the eccentric's top the travel rate is zero; at its middle the travel is zero.
         let top = load.force(std::f64::consts::FRAC_PI_2 - load.phase, speed);
         let middle = load.force(-load.phase, speed);
         let base = 16.621 * (48.0 - 100.0 * 0.03267);

@@ -1,4 +1,4 @@
-//! The oil's properties over temperature.
+//! The oil: viscosity, density and heat capacity over temperature, and the laws over pressure and shear rate.
 
 pub mod measured;
 
@@ -15,15 +15,15 @@ pub struct Oil {
     pub kinematic_viscosity_100: f64,
     /// Density at 15 °C, kg/m³.
     pub density_15: f64,
-    /// Factor on the viscosity of the oil law, 1. One is the real oil.
+    /// Factor on the viscosity of the oil law, 1. At one it is the real oil.
     pub viscosity_scale: f64,
-    /// A csv file of measured properties that replaces the two viscosities and the density; empty for none.
+    /// A csv file of measured properties, which replace the two viscosities and the density; empty for none.
     pub properties_file: String,
-    /// How viscosity and density depend on pressure and shear rate (Reynolds film only).
+    /// The laws of viscosity and density over pressure and shear rate (Reynolds film only).
     pub thickening: Thickening,
 }
 
-/// How viscosity and density depend on pressure and shear rate.
+/// The laws of viscosity and density over pressure and shear rate.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Thickening {
     /// The law over pressure.
@@ -122,10 +122,10 @@ impl Default for Oil {
 }
 
 const CELSIUS_0: f64 = 273.15;
-/// D341 adds this to the kinematic viscosity in mm²/s (valid from 2 mm²/s).
+/// ASTM D341 adds this to the kinematic viscosity in mm²/s; its law holds from 2 mm²/s.
 const D341_SHIFT: f64 = 0.7;
 
-/// The oil as the stand computes with it.
+/// Coefficients of the oil's laws over temperature.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Properties {
     /// `ln(nu + 0.7) = d341_factor * T^-d341_exponent`, nu in mm²/s and T in K.
@@ -140,8 +140,7 @@ pub struct Properties {
 }
 
 impl Oil {
-    /// The oil that the parameters describe: that of the properties file where one is named, else the one
-    /// through the two viscosities and the density.
+    /// The oil of the parameters: of the properties file if there is one, else of the two viscosities and the density.
     pub fn properties(&self, experiment: &Experiment<'_>) -> Result<Properties, Fault> {
         if self.properties_file.is_empty() {
             return Ok(self.through_two_points());
@@ -165,14 +164,14 @@ impl Oil {
         }
     }
 
-    /// The same laws through measured rows by least squares: `ln(ln(nu + 0.7))` over `ln(T)`, and the
-    /// logarithm of the density over the temperature.
+    /// The same laws fitted to measured rows by least squares: `ln(ln(nu + 0.7))` over `ln(T)`, and the logarithm of the
+    /// density over the temperature.
     fn fitted(&self, rows: &[measured::Row]) -> Properties {
         let (factor, slope) = measured::line(rows.iter().map(|row| {
             let doubled = (row.kinematic_viscosity + D341_SHIFT).ln().ln();
             ((row.temperature + CELSIUS_0).ln(), doubled)
         }));
-        // The density law is linear in its coefficient but for a small square, which few passes settle.
+        // The density law is linear in its coefficient except for a small square term: a few passes converge.
         let (mut density_15, mut expansion) = (0.0, 0.0);
         for _ in 0..6 {
             let (level, slope) = measured::line(rows.iter().map(|row| {
@@ -200,7 +199,7 @@ impl Properties {
     /// Kinematic viscosity of the real oil, m²/s, at a temperature, K (ASTM D341).
     pub fn kinematic_viscosity(&self, temperature: f64) -> f64 {
         let shifted = (self.d341_factor * temperature.powf(-self.d341_exponent)).exp();
-        // Below 2 mm²/s the law's shift takes over; it must not turn the oil into a vacuum.
+        // Far below 2 mm²/s, where the law no longer holds, subtracting the shift would give a negative viscosity.
         (shifted - D341_SHIFT).max(0.01) * 1e-6
     }
 
@@ -215,7 +214,7 @@ impl Properties {
         self.viscosity_scale * self.real(temperature)
     }
 
-    /// The real oil's, Pa.s.
+    /// Dynamic viscosity, Pa.s, without the viscosity scale.
     fn real(&self, temperature: f64) -> f64 {
         self.kinematic_viscosity(temperature) * self.density(temperature)
     }
@@ -235,14 +234,14 @@ impl Properties {
     }
 }
 
-/// The viscosity near a temperature: a polynomial through the oil law, which is much quicker than the
-/// law's powers, and moves along with the temperature. It follows the law to about 1e-14. It depends on the
-/// temperature alone, not on the way there.
+/// The viscosity near a temperature: a polynomial that interpolates the oil law, to about 1e-14, and is much faster than the
+/// law's powers. When the temperature leaves its range, the polynomial is built anew around it. The ranges are fixed, so
+/// that the result depends on the temperature alone, not on earlier ones.
 #[derive(Clone, Copy, Debug)]
 pub struct Nearby {
-    /// K; a multiple of twice the reach, once it is used.
+    /// Middle of the range, K: a multiple of its width. Infinite before the first use.
     centre: f64,
-    /// Of the real oil's viscosity, in Newton's form over [`Nearby::PLACES`].
+    /// Newton's form of the polynomial over [`Nearby::PLACES`], for the viscosity without its scale.
     coefficients: [f64; 6],
 }
 
@@ -256,9 +255,9 @@ impl Default for Nearby {
 }
 
 impl Nearby {
-    /// How far it reaches on both sides, K.
+    /// Half the width of the range, K.
     const REACH: f64 = 0.25;
-    /// Where it meets the law, in units of the reach: the zeros of the Chebyshev polynomial of degree 6.
+    /// The nodes, relative to the reach: the zeros of the Chebyshev polynomial of degree 6.
     const PLACES: [f64; 6] = [
         -0.965_925_826_289_068_3,
         -0.707_106_781_186_547_5,
@@ -283,8 +282,8 @@ impl Nearby {
         }
     }
 
-    /// Dynamic viscosity, Pa.s, at a temperature, K, with the viscosity scale. The oil must stay the same,
-    /// but for that scale.
+    /// Dynamic viscosity, Pa.s, at a temperature, K, with the viscosity scale. The oil must be the same at every call,
+    /// its viscosity scale apart.
     #[inline]
     pub fn viscosity(&mut self, oil: &Properties, temperature: f64) -> f64 {
         let away = temperature - self.centre;

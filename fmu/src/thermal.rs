@@ -1,16 +1,16 @@
-//! Heat transfer between film, bush with housing, shaft, oil bath and surroundings: a network of
-//! lumped capacities and conductances, as the paper's Fig. 3 draws it.
+//! Heat transfer between film, bush with housing, shaft, oil bath and surroundings: lumped heat capacities connected by
+//! conductances, as in the paper's Fig. 3.
 //!
-//! The paper publishes none of its thermal constants. The conductances to oil and surroundings are
-//! calibrated (`studies/calibration-rig.toml`): with them the measured temperatures of Table 2 are the
-//! steady state of the measured friction power. `docs/calibration.md` says what that determines.
+//! The paper gives none of its thermal constants. The conductances to oil and surroundings are calibrated
+//! (`studies/calibration-rig.toml`) so that the measured friction power holds the measured temperatures of Table 2 in
+//! steady state. `docs/calibration.md` tells which constants this determines.
 
 use serde::{Deserialize, Serialize};
 
 /// The thermal network's parameters.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Thermal {
-    /// Heat capacity of the film with the surface layers that follow it within a turn, J/K.
+    /// Heat capacity of the film and of the surface layers that follow its temperature within a turn, J/K.
     pub film_capacity: f64,
     /// Heat capacity of bush and housing, J/K.
     pub bush_capacity: f64,
@@ -22,9 +22,8 @@ pub struct Thermal {
     pub film_bush: f64,
     /// Conductance from film to shaft at the reference clearance, W/K.
     pub film_shaft: f64,
-    /// Radial clearance at which the film's two conductances hold, m. Heat is conducted across the
-    /// film, so they go as the reciprocal of the clearance (Fourier's law, `G = k*A/c`).
-    /// Zero: they hold at any clearance.
+    /// Radial clearance at which the film's two conductances hold, m. At another clearance they are scaled by its
+    /// reciprocal, as heat is conducted across the film (Fourier's law, `G = k*A/c`). At zero they are not scaled.
     pub reference_clearance: f64,
     /// Conductance from bush and housing to the oil bath, W/K.
     pub bush_oil: f64,
@@ -36,10 +35,10 @@ pub struct Thermal {
     pub shaft_ambient: f64,
     /// Conductance from oil bath to the surroundings, W/K.
     pub oil_ambient: f64,
-    /// Part of the boundary friction heat that goes into the shaft, 1; the rest goes into the bush.
+    /// Share of the boundary friction heat that goes into the shaft, 1; the rest goes into the bush.
     pub contact_heat_to_shaft: f64,
-    /// Part of the side flow that fresh oil from the bath replaces, 1; the rest is hot oil that is drawn
-    /// in again (hot-oil carry-over).
+    /// Share of the side flow that is replaced by fresh oil from the bath, 1. The rest is hot oil that is drawn in again
+    /// (hot-oil carry-over).
     pub fresh_oil: f64,
     /// Temperature of the oil bath at the start, K.
     pub initial_oil: f64,
@@ -79,7 +78,7 @@ impl Default for Thermal {
     }
 }
 
-/// The nodes' temperatures, K (or their rates, K/s).
+/// Temperatures of the nodes, K, or their rates, K/s.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Temperatures {
     /// The film.
@@ -92,14 +91,14 @@ pub struct Temperatures {
     pub oil: f64,
 }
 
-/// The heat that friction brings in, and what carries it away, at one instant.
+/// Heat sources and flows at one instant.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Heat {
     /// Viscous friction heat of the film, W.
     pub viscous: f64,
     /// Boundary friction heat of the asperities, W.
     pub boundary: f64,
-    /// Heat capacity flow of the oil that passes through the film to the bath, W/K.
+    /// Heat capacity rate of the oil that flows from the film into the bath, W/K.
     pub side_flow: f64,
     /// Heat capacity of the oil bath, J/K.
     pub bath: f64,

@@ -1,5 +1,4 @@
-//! An oil from measured data: viscosity and density over temperature from a csv file, fitted by the
-//! laws that the stand computes with.
+//! Measured oils: a csv file of viscosity and density over temperature, to which the stand's laws are fitted.
 
 use fmu_export::model::Fault;
 use serde::Deserialize;

@@ -1,10 +1,10 @@
-//! What drives the stand from outside, and where it leads within a step.
+//! The stand's inputs, which may vary linearly within a step.
 
 use super::Stand;
 use fmu_export::model::{Fault, Kind, Model, Role};
 use serde::{Deserialize, Serialize};
 
-/// An input and its rate over the present step.
+/// An input during a step.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Input {
     /// Value at the start of the step.
@@ -23,7 +23,7 @@ impl Input {
     }
 }
 
-/// What the host drives the stand with.
+/// The inputs, which the host sets.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Inputs {
     /// Mean shaft speed, rad/s.
@@ -55,9 +55,9 @@ impl Default for Inputs {
 }
 
 impl Stand {
-    /// Refuses times that are too far from zero for the drive's phase to be known.
+    /// Refuses times so far from zero that rounding would blur the drive's phase.
     pub(super) fn check_time(time: f64) -> Result<(), String> {
-        /// Some 30,000 years, s: beyond, neighbouring numbers are 0.1 ms apart.
+        /// Some 30,000 years, s. Here neighbouring numbers are 0.1 ms apart.
         const FARTHEST: f64 = 1e12;
         if time.abs() <= FARTHEST {
             return Ok(());
@@ -68,9 +68,9 @@ impl Stand {
         ))
     }
 
-    /// Refuses a step by whose end the slopes would take an input out of its range.
+    /// Refuses a step at whose end an input would be out of its range.
     pub(super) fn check_inputs_after(&mut self, span: f64) -> Result<(), Fault> {
-        // A ramp that ends at the bound may miss it by its rounding.
+        // A ramp that is meant to end at the bound may pass it by a rounding error.
         const ROUNDING: f64 = 1e-9;
         let now = self.inputs;
         if self.inputs.all().iter().all(|input| input.slope == 0.0) {

@@ -1,27 +1,27 @@
-//! Implicit steps, for what settles far faster than the rest moves: a journal that lies on hard, rough surfaces
-//! in thin oil, a film without heat capacity.
+//! Implicit steps for stiff cases, in which one unknown settles far faster than the others move: a journal on hard, rough
+//! surfaces in thin oil, or a film almost without heat capacity.
 
 use super::{FIRST_STEP, SCALES, Stand, Unknowns, unknowns};
 use crate::oil::Nearby;
 use crate::solver::{Budget, Failure, Rodas3};
 use nalgebra::{SMatrix, SVector};
 
-/// The unknowns and the time, s, as a system that depends on nothing else.
+/// The unknowns and the time, s: with the time among the unknowns, the system is autonomous.
 type Extended = SVector<f64, 7>;
 type Jacobian = SMatrix<f64, 7, 7>;
 
-/// Derivatives are taken over this part of an unknown's scale, and over so many seconds.
+/// Step of the differences for the Jacobian: relative to an unknown's scale, and in seconds.
 const NUDGE: f64 = 1e-8;
 
-/// Implicit steps are few, or of no help: those that may be taken before any time has passed, further ones per
-/// second and per turn, and in all.
+/// Budget of internal steps: before any time has passed, further ones per second and per turn, and in all. It is smaller
+/// than that of explicit steps, because implicit ones either need few steps or do not help.
 const STEPS_AT_ONCE: usize = 5_000;
 const STEPS_PER_SECOND: f64 = 5e4;
 const STEPS_PER_TURN: f64 = 1e3;
 const MOST_STEPS: f64 = 5e6;
 
 impl Stand {
-    /// The unknowns after `span` seconds from the present state, with an error allowed in each per step.
+    /// The unknowns `span` seconds after the present state. `allowed` is the error allowed in each of them per step.
     pub(super) fn resolve_stiffly(
         &self,
         span: f64,
@@ -58,7 +58,7 @@ impl Stand {
         for column in 0..7 {
             let scale = SCALES.get(column).unwrap_or(&1.0);
             let mut beside = *x;
-            // Away from the bush: there may be no room towards it.
+            // The journal is moved towards the middle, as there may be no room towards the bush.
             beside[column] -= (NUDGE * scale).copysign(x[column]);
             let change = self.extended_rates(&beside, oil) - here;
             jacobian.set_column(column, &(change / (beside[column] - x[column])));
@@ -77,7 +77,7 @@ mod tests {
     use super::*;
     use fmu_export::model::{Experiment, Model};
 
-    /// Where nothing is stiff, implicit steps lead where explicit ones do; the speed and the load change meanwhile.
+    /// In a case that is not stiff, implicit and explicit steps give the same, also while speed and load change.
     #[test]
     fn implicit_and_explicit_steps_agree() {
         let mut stand = Stand::default();

@@ -1,4 +1,4 @@
-//! Why a step could not be made: what changes too fast, and which parameter makes it so.
+//! Reasons why a step failed: which unknown changes too fast, and which parameter makes it so.
 
 use super::{SCALES, Stand, Unknowns, prepare};
 use crate::oil::Nearby;
@@ -15,44 +15,44 @@ pub enum Stuck {
     /// The time integration failed.
     #[error(transparent)]
     Integration(#[from] Failure),
-    /// The same, with what is known of the reason.
+    /// The time integration failed, and this is probably why.
     #[error("{0}: {1}")]
     Explained(Failure, Reason),
     /// The film could not be solved.
     #[error(transparent)]
     Film(#[from] FilmError),
-    /// The film changes too fast.
+    /// The Reynolds film needed too many internal steps.
     #[error("the Reynolds film's internal step collapsed after {passed:.1e} of {span} s; {cause}")]
     Crawling {
         /// The time that had passed, s.
         passed: f64,
         /// The time that was to pass, s.
         span: f64,
-        /// What may be the reason.
+        /// Which parameter may be the reason.
         cause: Advice,
     },
-    /// The step would take hours.
+    /// The step is so long that it would take hours.
     #[error(
         "some {0:.0e} steps of the Reynolds film would be needed: take shorter communication steps"
     )]
     TooLong(f64),
 }
 
-/// What changes too fast to be followed.
+/// An unknown that changes too fast, with its probable cause.
 #[derive(Clone, Debug)]
 pub struct Reason {
-    /// The fastest unknown and its time constant, s; none when the rates are no numbers.
+    /// The fastest unknown and its time constant, s; none if the rates are not finite.
     fastest: Option<(&'static str, f64)>,
     /// Temperature, K, and viscosity, Pa.s, of the film.
     film: (f64, f64),
     cause: Advice,
 }
 
-/// What to look at.
+/// Which parameter to look at.
 #[derive(Clone, Debug)]
 pub struct Advice(Option<Cause>);
 
-/// The parameter or input that alone makes it so.
+/// A parameter or input that explains the failure by itself.
 #[derive(Clone, Debug)]
 struct Cause {
     name: &'static str,
@@ -69,7 +69,7 @@ impl fmt::Display for Reason {
                 f,
                 "{name} settles within {time:.1e} s, faster than in any bearing"
             )?,
-            None => write!(f, "the state's rates are no numbers")?,
+            None => write!(f, "the state's rates are not finite")?,
         }
         write!(
             f,
@@ -102,20 +102,20 @@ impl fmt::Display for Advice {
     }
 }
 
-/// Where the step got stuck: the time into it, s, the unknowns, and which of them are in question.
+/// The point at which the step failed: the time into it, s, the unknowns, and the range of unknowns that were integrated.
 struct Place {
     tau: f64,
     y: Unknowns,
     among: Range<usize>,
 }
 
-/// A cause makes things so many times faster than the usual value would.
+/// A parameter counts as the cause if its default makes the fastest unknown slower by this factor.
 const TELLING: f64 = 3.0;
 
 impl Stand {
-    /// Refuses an oil that gets thicker with heat, a start at which it would be solid, and one below absolute zero.
+    /// Refuses an oil that gets thicker as it warms, and a start at which it would be solid or below absolute zero.
     pub(super) fn check_oil(&self) -> Result<(), Fault> {
-        /// Thicker than pitch, Pa.s.
+        /// More viscous than pitch, Pa.s.
         const SOLID: f64 = 1e6;
         let [cold, hot] = [
             self.oil.kinematic_viscosity_40,
@@ -150,7 +150,7 @@ impl Stand {
         Ok(())
     }
 
-    /// A failure at unknowns `y`, with its reason among some of them.
+    /// Finds the reason of a failure at unknowns `y`, of which those in the range `among` were integrated.
     pub(super) fn explain(&self, failure: Failure, y: &Unknowns, among: Range<usize>) -> Stuck {
         if let Failure::SpanTooLong { .. } = failure {
             return Stuck::Integration(failure);
@@ -170,7 +170,7 @@ impl Stand {
         Stuck::Explained(failure, reason)
     }
 
-    /// A Reynolds film that takes far more internal steps than any bearing's.
+    /// The failure of a Reynolds film that takes too many internal steps.
     pub(super) fn crawling(&self, passed: f64, span: f64) -> Stuck {
         Stuck::Crawling {
             passed,
@@ -179,7 +179,7 @@ impl Stand {
         }
     }
 
-    /// What changes fastest when it is disturbed, and its rate, 1/s; none when that is no number.
+    /// The unknown that settles fastest after a small disturbance, and its rate, 1/s; none if that is not finite.
     fn fastest(&self, at: &Place) -> Option<(&'static str, f64)> {
         const NAMES: [&str; 6] = [
             "the journal",
@@ -208,7 +208,7 @@ impl Stand {
         Some(fastest)
     }
 
-    /// The parameter or input whose default would slow things down most.
+    /// The parameter or input whose default would slow the fastest unknown down most.
     fn cause(&self, at: &Place, pace: f64) -> Option<Cause> {
         let mut slowest = pace / TELLING;
         let mut found = None;
@@ -227,7 +227,7 @@ impl Stand {
         found
     }
 
-    /// The parameter or input that is the furthest from its default, by a factor.
+    /// The parameter or input that differs from its default by the largest factor.
     fn oddest(&self) -> Option<Cause> {
         let far = |cause: &Cause| (cause.value / cause.default).ln().abs();
         self.changed()
@@ -236,7 +236,7 @@ impl Stand {
             .max_by(|one, other| far(one).total_cmp(&far(other)))
     }
 
-    /// What is not at its default, and how that is set.
+    /// Parameters and inputs that are not at their defaults, and how to set them.
     fn changed(&self) -> impl Iterator<Item = (Cause, fn(&mut Self, &f64))> {
         let usual = Self::default();
         Self::variables().iter().filter_map(move |variable| {
@@ -253,7 +253,7 @@ impl Stand {
         })
     }
 
-    /// With what follows from the parameters; the oil of a file stays as it was.
+    /// Recomputes what follows from the parameters. An oil from a file stays as it was.
     fn prepared_anew(mut self) -> Option<Self> {
         if self.oil.properties_file.is_empty() {
             self.fluid = self.oil.through_two_points();
