@@ -4,13 +4,13 @@
 #[macro_use]
 mod declare;
 
-use crate::bearing::FilmModel;
+use crate::bearing::{FILM, FilmModel};
 use crate::oil::{PressureLaw, ShearLaw};
 use crate::sensors::Readings;
 use crate::stand::Stand;
 use declare::V;
 use fmu_export::declare::{output, parameter, real, tunable, variable};
-use fmu_export::model::{Kind, Role};
+use fmu_export::model::{Access, Kind, Role};
 use fmu_export::units::*;
 use journal_bearing::rheology::DensityLaw;
 use std::sync::LazyLock;
@@ -37,11 +37,6 @@ pub fn table() -> &'static [V] {
 }
 
 fmu_export::enumerations! {
-    /// The film models.
-    FILM = "Film", "Film model of the bearing", [
-        Mobility = 1 "Mobility method on the map of our own Reynolds solutions",
-        Reynolds = 2 "Transient two-dimensional Reynolds equation with mass conservation"
-    ];
     /// The laws of the viscosity over pressure.
     PRESSURE_LAW = "PressureLaw", "Law of the viscosity over pressure", [
         Constant = 1 "The viscosity does not depend on pressure",
@@ -186,6 +181,14 @@ fn load() -> Vec<V> {
     ]
 }
 
+/// Reads and writes the choice of the film model.
+fn film_model() -> Access<Stand, i32, i32> {
+    Access {
+        get: |stand| stand.film.model.value(),
+        set: Some(|stand, value| stand.film.model = FilmModel::of(*value)),
+    }
+}
+
 fn bearing() -> Vec<V> {
     vec![
         parameter("bearing.radialClearance", &METRE, field!(bearing.radial_clearance), "Radial clearance h")
@@ -194,7 +197,7 @@ fn bearing() -> Vec<V> {
             .shown_in("mm").within(1e-4, 10.0).about(0.02),
         parameter("bearing.diameter", &METRE, field!(bearing.diameter), "Diameter D of the bush")
             .shown_in("mm").within(1e-4, 10.0).about(0.02),
-        choice!("bearing.film", FILM, FilmModel { Mobility = 1, Reynolds = 2 }, bearing.film, "Film model"),
+        variable("bearing.film", Role::Parameter, Kind::Enumeration { access: film_model(), of: &FILM }, "Film model"),
         parameter("bearing.roughness", &METRE, field!(bearing.surface.roughness), "Composite rms roughness and waviness of both surfaces; 0 switches asperity contact off")
             .shown_in("um").within(0.0, 1e-3).about(1e-6),
         variable("bearing.profileFile", Role::Parameter, Kind::String { access: text!(bearing.profile_file) },
@@ -414,7 +417,7 @@ mod tests {
         for variable in table() {
             if let Kind::Real {
                 access:
-                    fmu_export::model::Access {
+                    Access {
                         get,
                         set: Some(set),
                     },
