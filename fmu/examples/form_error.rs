@@ -54,7 +54,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// The journal after four turns under a constant load of 750 N at the rig's temperature.
 fn settled(profile: &Path, roughness: f64, tilt: f64) -> Result<Stand, Fault> {
     let mut stand = Stand::default();
-    stand.bearing.film = FilmModel::Reynolds;
+    stand.film.model = FilmModel::Reynolds;
     stand.bearing.profile_file = profile.display().to_string();
     stand.bearing.surface.roughness = roughness;
     stand.bearing.resolution.tilt[0] = tilt;

@@ -16,17 +16,14 @@ mod march;
 mod stiff;
 mod stuck;
 
-use crate::bearing::resolved::ResolvedFilm;
-use crate::bearing::{Bearing, FilmModel, Flows, Motion, Prepared};
+use crate::bearing::{Bearing, Film, Flows, Motion, Setup, Situation};
 use crate::drive::{Command, Drive};
 use crate::load::Load;
 use crate::oil::{Nearby, Oil, Properties};
 use crate::sensors::{self, Readings};
 use crate::thermal::{Heat, Temperatures, Thermal};
 use fmu_export::model::{self, Experiment, Fault, Info, Log, Model, Variable};
-use journal_bearing::profile::Profile;
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
 
 pub use inputs::{Input, Inputs};
 
@@ -72,6 +69,8 @@ pub struct Stand {
     pub load: Load,
     /// The bearing.
     pub bearing: Bearing,
+    /// Its film.
+    pub film: Film,
     /// The oil.
     pub oil: Oil,
     /// The heat transfer.
@@ -85,16 +84,11 @@ pub struct Stand {
     /// Its viscosity where the film is.
     #[serde(skip)]
     nearby: Nearby,
-    /// The film with its journal where it is solved by the Reynolds equation.
-    film: Option<Box<ResolvedFilm>>,
     state: State,
     readings: Readings,
     /// The readings' rates, as they were last asked for.
     #[serde(skip)]
     rates: Readings,
-    /// Follows from the bearing's parameters; shared by the snapshots.
-    #[serde(skip)]
-    prepared: Arc<Prepared>,
 }
 
 /// The unknowns: eccentricity ratio along x and y, temperatures of film, bush, shaft and oil.
@@ -139,10 +133,11 @@ impl Stand {
             ahead.resolve(AHEAD).ok()?;
             Some(ahead.read(0.0, &unknowns(&ahead.state)))
         };
-        // The Reynolds film's flows are means over its last step, so that only steps of the same length compare.
-        let begin = match &self.film {
-            Some(_) => later()?,
-            None => self.readings,
+        // A transient film's flows are means over its last step, so that only steps of the same length compare.
+        let begin = if self.film.is_transient() {
+            later()?
+        } else {
+            self.readings
         };
         Some(begin.rates_to(&later()?, AHEAD))
     }
@@ -160,12 +155,13 @@ impl Stand {
     /// The upper half of Fig. 3: drive, load mechanism and bearing, `tau` seconds into the step.
     fn instant(&self, tau: f64, eccentricity: [f64; 2], viscosity: f64) -> Instant {
         let (speed, angle, load) = self.driven(tau);
-        let motion = match &self.film {
-            Some(film) => film.motion(),
-            None => self
-                .prepared
-                .motion(&self.bearing, load, eccentricity, viscosity, speed),
+        let at = Situation {
+            load,
+            eccentricity,
+            viscosity,
+            speed,
         };
+        let motion = self.film.motion(&self.bearing, &at);
         Instant {
             speed,
             angle,
@@ -175,13 +171,18 @@ impl Stand {
         }
     }
 
-    /// Of the same, only what moves the unknowns: the mobility film's rate of the eccentricity-ratio
-    /// vector, 1/s, and the flows as far as the temperatures feel them.
+    /// Of the same, only what moves the unknowns: the rate of the eccentricity-ratio vector, 1/s, and the flows as far as
+    /// the temperatures depend on them.
     fn drift(&self, tau: f64, eccentricity: [f64; 2], viscosity: f64) -> ([f64; 2], Flows) {
         let (speed, _, load) = self.driven(tau);
         let felt = self.thermal.fresh_oil != 0.0 && !self.thermal.isothermal;
-        self.prepared
-            .drift(&self.bearing, load, eccentricity, viscosity, speed, felt)
+        let at = Situation {
+            load,
+            eccentricity,
+            viscosity,
+            speed,
+        };
+        self.film.drift(&self.bearing, &at, felt)
     }
 
     /// Shaft speed (rad/s) and angle (rad) and the load on the bearing (N), `tau` seconds into the step.
@@ -255,27 +256,6 @@ impl Stand {
         }
     }
 
-    /// The Reynolds film, where it is asked for.
-    fn resolved_film(
-        &self,
-        experiment: &Experiment<'_>,
-    ) -> Result<Option<Box<ResolvedFilm>>, Fault> {
-        if self.bearing.film == FilmModel::Mobility {
-            return Ok(None);
-        }
-        let invalid = |error: String| Fault::Invalid(format!("bearing.profileFile: {error}"));
-        let profile = match self.bearing.profile_file.as_str() {
-            "" => Profile::default(),
-            file => {
-                Profile::from_csv(&experiment.file(file)).map_err(|e| invalid(e.to_string()))?
-            }
-        };
-        let rheology = self.oil.thickening.rheology();
-        let film = ResolvedFilm::new(&self.bearing, rheology, profile)
-            .map_err(|error| Fault::Invalid(error.to_string()))?;
-        Ok(Some(Box::new(film)))
-    }
-
     fn command(&self) -> Command {
         Command {
             time: self.state.time,
@@ -283,11 +263,6 @@ impl Stand {
             slope: self.inputs.speed.slope,
         }
     }
-}
-
-fn prepare(bearing: &Bearing) -> Result<Arc<Prepared>, Fault> {
-    let prepared = Prepared::new(bearing).map_err(|error| Fault::Failed(error.to_string()))?;
-    Ok(Arc::new(prepared))
 }
 
 fn unknowns(state: &State) -> Unknowns {
@@ -340,8 +315,11 @@ impl Model for Stand {
         self.fluid = self.oil.properties(experiment)?;
         self.check_oil()?;
         self.nearby = Nearby::default();
-        self.prepared = prepare(&self.bearing)?;
-        self.film = self.resolved_film(experiment)?;
+        self.film.start(&Setup {
+            bearing: &self.bearing,
+            rheology: self.oil.thickening.rheology(),
+            experiment,
+        })?;
         self.state = State {
             time: experiment.start,
             angle: 0.0,
@@ -356,7 +334,7 @@ impl Model for Stand {
                 "set up at {} s: {:?} film, radial clearance {:e} m, film of {:e} Pa.s at {} K, load {} N, \
                  tolerance {:e}",
                 experiment.start,
-                self.bearing.film,
+                self.film.model,
                 self.bearing.radial_clearance,
                 self.readings.film_viscosity,
                 self.readings.film_temperature,
@@ -381,7 +359,8 @@ impl Model for Stand {
         Self::check_time(time + step).map_err(Fault::Failed)?;
         self.check_inputs_after(step)?;
         self.state.time = time;
-        let before = (self.state, self.inputs, self.film.clone());
+        let before = (self.state, self.inputs);
+        self.film.keep();
         let leaps = self.can_leap(step);
         let how = if leaps {
             "in a leap over most of its turns"
@@ -395,7 +374,8 @@ impl Model for Stand {
             self.resolve(step)
         };
         if let Err(failure) = done {
-            (self.state, self.inputs, self.film) = before;
+            (self.state, self.inputs) = before;
+            self.film.take_back();
             return Err(Fault::Failed(format!(
                 "the step from {time} s over {step} s failed: {failure}"
             )));
@@ -409,7 +389,7 @@ impl Model for Stand {
     fn restore(&mut self, bytes: &[u8]) -> Result<(), Fault> {
         let mut saved: Self = postcard::from_bytes(bytes)
             .map_err(|error| Fault::Invalid(format!("the saved state cannot be read: {error}")))?;
-        saved.prepared = prepare(&saved.bearing)?;
+        saved.film.prepare(&saved.bearing)?;
         *self = saved;
         Ok(())
     }

@@ -9,12 +9,12 @@
 mod declare;
 mod references;
 
-use crate::bearing::FilmModel;
+use crate::bearing::{FILM, FilmModel};
 use crate::oil::{PressureLaw, ShearLaw};
 use crate::stand::Stand;
 use declare::V;
 use fmu_export::declare::{output, parameter, tunable, variable};
-use fmu_export::model::{Kind, Role};
+use fmu_export::model::{Access, Kind, Role};
 use fmu_export::units::*;
 use journal_bearing::rheology::DensityLaw;
 use references::Table;
@@ -47,11 +47,6 @@ static TABLE: LazyLock<Table> = LazyLock::new(|| {
 });
 
 fmu_export::enumerations! {
-    /// The film models.
-    FILM = "Film", "Film model of the bearing", [
-        Mobility = 1 "Mobility method on the map of our own Reynolds solutions",
-        Reynolds = 2 "Transient two-dimensional Reynolds equation with mass conservation"
-    ];
     /// The laws of the viscosity over pressure.
     PRESSURE_LAW = "PressureLaw", "Law of the viscosity over pressure", [
         Constant = 1 "The viscosity does not depend on pressure",
@@ -196,6 +191,14 @@ fn load() -> Vec<V> {
     ]
 }
 
+/// Reads and writes the choice of the film model.
+fn film_model() -> Access<Stand, i32, i32> {
+    Access {
+        get: |stand| stand.film.model.value(),
+        set: Some(|stand, value| stand.film.model = FilmModel::of(*value)),
+    }
+}
+
 fn bearing() -> Vec<V> {
     vec![
         parameter("bearing.radialClearance", &METRE, field!(bearing.radial_clearance), "Radial clearance h")
@@ -204,7 +207,7 @@ fn bearing() -> Vec<V> {
             .shown_in("mm").within(1e-4, 10.0).about(0.02),
         parameter("bearing.diameter", &METRE, field!(bearing.diameter), "Diameter D of the bush")
             .shown_in("mm").within(1e-4, 10.0).about(0.02),
-        choice!("bearing.film", FILM, FilmModel { Mobility = 1, Reynolds = 2 }, bearing.film, "Film model"),
+        variable("bearing.film", Role::Parameter, Kind::Enumeration { access: film_model(), of: &FILM }, "Film model"),
         parameter("bearing.roughness", &METRE, field!(bearing.surface.roughness), "Composite rms roughness and waviness of both surfaces; 0 switches asperity contact off")
             .shown_in("um").within(0.0, 1e-3).about(1e-6),
         variable("bearing.profileFile", Role::Parameter, Kind::String { access: text!(bearing.profile_file) },
@@ -407,7 +410,7 @@ mod tests {
         for variable in table() {
             if let Kind::Real {
                 access:
-                    fmu_export::model::Access {
+                    Access {
                         get,
                         set: Some(set),
                     },

@@ -70,7 +70,7 @@ fn the_reynolds_films_beside_raimondi_and_boyd() {
     for [e, sommerfeld, attitude, tabulated] in RAIMONDI_BOYD {
         let film = |mass_conserving| {
             settled(sommerfeld, 10.0, |stand| {
-                stand.bearing.film = FilmModel::Reynolds;
+                stand.film.model = FilmModel::Reynolds;
                 stand.bearing.resolution.mass_conserving = mass_conserving;
             })
         };

@@ -5,7 +5,7 @@
 
 use fmu_export::model::{Experiment, Fault, Model};
 use journal_bearing::rheology::DensityLaw;
-use plain_bearing_stand::bearing::{FilmModel, Prepared};
+use plain_bearing_stand::bearing::{FilmModel, Situation};
 use plain_bearing_stand::oil::PressureLaw;
 use plain_bearing_stand::sensors::Readings;
 use plain_bearing_stand::stand::Stand;
@@ -82,7 +82,7 @@ fn lives() -> impl Strategy<Value = Life> {
 
 fn born(life: &Life, film: FilmModel) -> Stand {
     let mut stand = Stand::default();
-    stand.bearing.film = film;
+    stand.film.model = film;
     stand.bearing.resolution.columns = 32;
     stand.bearing.resolution.rows = 3;
     stand.bearing.diameter = life.diameter;
@@ -129,7 +129,7 @@ fn is_sane(readings: &Readings, least: f64, most: f64) -> Result<(), TestCaseErr
 }
 
 /// What shaft and load put in, less what the asperities store, is dissipated; nothing comes from nowhere.
-fn energy_is_closed(stand: &Stand, prepared: &Prepared) -> Result<(), TestCaseError> {
+fn energy_is_closed(stand: &Stand) -> Result<(), TestCaseError> {
     let Readings {
         load_force: load,
         eccentricity_ratio,
@@ -139,7 +139,13 @@ fn energy_is_closed(stand: &Stand, prepared: &Prepared) -> Result<(), TestCaseEr
     } = *stand.readings();
     let e = [eccentricity_ratio * at.cos(), eccentricity_ratio * at.sin()];
     let bearing = &stand.bearing;
-    let motion = prepared.motion(bearing, load, e, stand.readings().film_viscosity, speed);
+    let at = Situation {
+        load,
+        eccentricity: e,
+        viscosity: stand.readings().film_viscosity,
+        speed,
+    };
+    let motion = stand.film.motion(bearing, &at);
     let c = bearing.radial_clearance;
     let work = motion.torque * speed + c * load * motion.velocity[0];
     let outward =
@@ -184,7 +190,6 @@ fn live(life: &Life, film: FilmModel) -> Result<Outcome, TestCaseError> {
     stand
         .initialise(&Experiment::default(), &mut ())
         .map_err(|fault| fail(&fault))?;
-    let prepared = Prepared::new(&stand.bearing).unwrap();
     let area = stand.bearing.width * stand.bearing.diameter;
     let least = match film {
         FilmModel::Mobility => 0.0,
@@ -219,7 +224,7 @@ fn live(life: &Life, film: FilmModel) -> Result<Outcome, TestCaseError> {
         time += step;
         is_sane(stand.readings(), least, most)?;
         if film == FilmModel::Mobility {
-            energy_is_closed(&stand, &prepared)?;
+            energy_is_closed(&stand)?;
         }
     }
     Ok(Outcome::Lived)

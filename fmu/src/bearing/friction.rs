@@ -1,28 +1,28 @@
 //! Friction of the journal: the film's shear and the asperities' boundary friction.
 
-use super::Bearing;
+use super::parameters::Bearing;
 
-/// Sliding speed at which boundary friction has reached 76 % of its full value, m/s: rounds the jump
-/// of Coulomb's law at standstill.
+/// Sliding speed at which boundary friction reaches 76 % of its full value, m/s. It smooths the jump of Coulomb's law at
+/// standstill.
 const STICTION_SPEED: f64 = 1e-3;
 
-/// Couette part of the film's friction torque over viscosity and speed, m³:
-/// `2*pi*R^3*B/(c*sqrt(1 - e^2))`, exact for a full film between round, aligned surfaces
-/// (Sommerfeld 1904). In a ruptured film it is an upper bound.
+/// Couette part of the film's friction torque over viscosity and speed, m³: `2*pi*R^3*B/(c*sqrt(1 - e^2))`. It is exact for a
+/// full film between round, aligned surfaces (Sommerfeld 1904), and an upper bound for a ruptured one.
 pub fn couette(bearing: &Bearing, eccentricity_ratio: f64) -> f64 {
     let radius = bearing.radius();
     let gap = bearing.radial_clearance * (1.0 - eccentricity_ratio * eccentricity_ratio).sqrt();
     std::f64::consts::TAU * radius.powi(3) * bearing.width / gap
 }
 
-/// Poiseuille part of the film's friction torque on the journal, N.m: half the moment of the load
-/// about the bush's centre, `c*(Fx*ey - Fy*ex)/2`. It follows by partial integration of
-/// `h/2*dp/dtheta` and holds for any pressure field, with squeeze and cavitation.
+/// Poiseuille part of the film's friction torque on the journal, N.m: half the moment of the load about the bush's centre,
+/// `c*(Fx*ey - Fy*ex)/2`. Partial integration of `h/2*dp/dtheta` gives it for any pressure field, also with squeeze and
+/// cavitation.
 pub fn poiseuille(clearance: f64, load: [f64; 2], eccentricity: [f64; 2]) -> f64 {
     0.5 * clearance * (load[0] * eccentricity[1] - load[1] * eccentricity[0])
 }
 
-/// Boundary friction torque on the journal, N.m, of a contact whose pressure integrates to `normal` N.
+/// Boundary friction torque on the journal, N.m, at a contact pressure that integrates to `normal` N and a shaft speed of
+/// `speed` rad/s.
 pub fn boundary(bearing: &Bearing, normal: f64, speed: f64) -> f64 {
     let sliding = speed * bearing.radius() / STICTION_SPEED;
     bearing.surface.boundary_friction * normal * bearing.radius() * sliding.tanh()

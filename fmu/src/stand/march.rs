@@ -2,8 +2,7 @@
 
 use super::stuck::Stuck;
 use super::{EVENTS, Inputs, SCALES, Stand, State, Unknowns, temperatures, unknowns};
-use crate::bearing::resolved::ResolvedFilm;
-use crate::bearing::{FilmModel, Flows};
+use crate::bearing::{Flows, Interval};
 use crate::multirate::{self, Departure, Landing, TwoScales};
 use crate::solver::{Budget, DormandPrince};
 use crate::thermal::Temperatures;
@@ -23,9 +22,9 @@ const SETTLING_SLACK: f64 = 1000.0;
 const LANDING_SLACK: f64 = 10.0;
 /// Slack is given up to this relative tolerance.
 const LOOSEST: f64 = 1e-3;
-/// Steps of the Reynolds film in a turn, at the least: load and speed vary linearly within one.
+/// Least number of steps of a transient film in a turn: load and speed vary linearly within one.
 const FILM_STEPS_PER_TURN: f64 = 100.0;
-/// The longest step of the Reynolds film, s.
+/// The longest step of a transient film, s.
 const LONGEST_FILM_STEP: f64 = 2e-3;
 /// Internal steps that may be taken before any time has passed: a rig takes some tens to leave a start.
 const STEPS_AT_ONCE: usize = 30_000;
@@ -34,12 +33,12 @@ const STEPS_PER_SECOND: f64 = 1e6;
 const STEPS_PER_TURN: f64 = 1e3;
 /// In all, in one communication step: some minutes of work.
 const MOST_STEPS: f64 = 5e7;
-/// Steps of the Reynolds film in one communication step: some hours.
+/// Most steps of a transient film in one communication step: some hours.
 const MOST_FILM_STEPS: f64 = 1e7;
-/// Its internal steps that may be taken at once, and further ones per step; ordinary ones need a few.
+/// A transient film's internal steps that may be taken at once, and further ones per step; ordinary steps need a few.
 const FILM_STEPS_AT_ONCE: usize = 5_000;
 const FILM_STEPS_PER_STEP: usize = 50;
-/// Steps of the temperatures within one of the Reynolds film.
+/// Most steps of the temperatures within one of a transient film.
 const WARMING_STEPS: usize = 5_000;
 
 impl Stand {
@@ -51,10 +50,8 @@ impl Stand {
     /// The same with so many times the solver's tolerance.
     fn resolve_within(&mut self, slack: f64, span: f64) -> Result<(), Stuck> {
         let slack = slack.min(LOOSEST / self.solver.tolerance).max(1.0);
-        if let Some(mut film) = self.film.take() {
-            let done = self.resolve_film(&mut film, span);
-            self.film = Some(film);
-            return done;
+        if self.film.is_transient() {
+            return self.resolve_transient(span);
         }
         let integrator = DormandPrince {
             allowed: SCALES.map(|scale| slack * self.solver.tolerance * scale),
@@ -80,8 +77,8 @@ impl Stand {
         Ok(())
     }
 
-    /// The same with the Reynolds film: in steps in which film and temperatures go one after the other.
-    fn resolve_film(&mut self, film: &mut ResolvedFilm, span: f64) -> Result<(), Stuck> {
+    /// The same with a transient film: in steps in which film and temperatures go one after the other.
+    fn resolve_transient(&mut self, span: f64) -> Result<(), Stuck> {
         let longest = LONGEST_FILM_STEP.min(self.period() / FILM_STEPS_PER_TURN);
         let steps = (span / longest).ceil().max(1.0);
         if steps > MOST_FILM_STEPS {
@@ -93,14 +90,22 @@ impl Stand {
             let load = [0.0, step].map(|tau| self.driven(tau).2);
             let speed = self.drive.speed(&self.command(), 0.5 * step);
             let viscosity = self.fluid.viscosity(self.state.temperatures.film);
-            let contact = self.prepared.contact();
-            let (flows, taken) =
-                film.advance(&self.bearing, contact, step, load, speed, viscosity)?;
+            let interval = Interval {
+                duration: step,
+                load,
+                speed,
+                viscosity,
+            };
+            let Some(film) = self.film.transient() else {
+                break;
+            };
+            let (flows, taken) = film.advance(&self.bearing, &interval)?;
+            let eccentricity = film.eccentricity();
             spare = (spare + FILM_STEPS_PER_STEP)
                 .checked_sub(taken)
                 .ok_or_else(|| self.crawling(done as f64 * step, span))?;
             let temperatures = self.warm(step, &flows)?;
-            self.arrive(step, film.eccentricity(), temperatures);
+            self.arrive(step, eccentricity, temperatures);
         }
         Ok(())
     }
@@ -199,7 +204,7 @@ impl Stand {
         self.solver.multirate
             && steady
             && self.drive.fluctuation_amplitude == 0.0
-            && self.bearing.film == FilmModel::Mobility
+            && !self.film.is_transient()
             && span > FEWEST_TURNS * self.period()
     }
 

@@ -1,10 +1,9 @@
 //! Reasons why a step failed: which unknown changes too fast, and which parameter makes it so.
 
-use super::{SCALES, Stand, Unknowns, prepare};
+use super::{SCALES, Stand, Unknowns};
 use crate::oil::Nearby;
 use crate::solver::Failure;
 use fmu_export::model::{Fault, Kind, Model};
-use journal_bearing::reynolds::FilmError;
 use std::fmt;
 use std::ops::Range;
 use thiserror::Error;
@@ -20,7 +19,7 @@ pub enum Stuck {
     Explained(Failure, Reason),
     /// The film could not be solved.
     #[error(transparent)]
-    Film(#[from] FilmError),
+    Film(#[from] Fault),
     /// The Reynolds film needed too many internal steps.
     #[error("the Reynolds film's internal step collapsed after {passed:.1e} of {span} s; {cause}")]
     Crawling {
@@ -258,7 +257,7 @@ impl Stand {
         if self.oil.properties_file.is_empty() {
             self.fluid = self.oil.through_two_points();
         }
-        self.prepared = prepare(&self.bearing).ok()?;
+        self.film.prepare(&self.bearing).ok()?;
         Some(self)
     }
 }

@@ -15,7 +15,7 @@ use super::types::{FmuState, Status};
 use crate::model::Model;
 
 const MARK: &[u8; 8] = b"FMUSTATE";
-const VERSION: u16 = 1;
+const VERSION: u16 = 2;
 const HEADER: usize = 8 + 2 + 16 + 8 + 4;
 
 /// What an `fmi2FMUstate` points to.

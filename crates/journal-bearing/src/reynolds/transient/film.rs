@@ -44,6 +44,10 @@ pub struct ReynoldsFilm {
     before: State,
 }
 
+/// A film's state apart from the film: all that changes with time. See [`ReynoldsFilm::state`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct FilmState(State);
+
 /// A film as it is stored.
 #[derive(Serialize, Deserialize)]
 struct Saved {
@@ -65,12 +69,7 @@ impl TryFrom<Saved> for ReynoldsFilm {
 
     fn try_from(saved: Saved) -> Result<Self, FilmError> {
         let mut film = Self::new(saved.settings)?;
-        if !saved.state.field.fits(film.work.cells().count()) {
-            let (name, value) = ("number of stored cells", saved.state.field.full.len());
-            let value = value as f64;
-            return Err(FilmError::Setting { name, value });
-        }
-        film.work.restore(&saved.state);
+        film.restore(&FilmState(saved.state))?;
         Ok(film)
     }
 }
@@ -131,6 +130,34 @@ impl ReynoldsFilm {
     /// The smallest gap, m; where the film sees the surfaces' roughness, the smallest mean gap.
     pub fn smallest_gap(&self) -> f64 {
         self.work.geometry().smallest_gap(self.eccentricity())
+    }
+
+    /// A copy of the state, for [`restore`](Self::restore). It is far smaller than a clone of the film.
+    pub fn state(&self) -> FilmState {
+        FilmState(self.work.state().clone())
+    }
+
+    /// Copies the state into one that was taken from this film before; allocates nothing.
+    ///
+    /// # Panics
+    /// When that state has another number of cells.
+    pub fn copy_state_to(&self, state: &mut FilmState) {
+        state.0.copy_from(self.work.state());
+    }
+
+    /// Returns to a state of this film, or of one with the same settings.
+    ///
+    /// # Errors
+    /// Returns [`FilmError::Setting`] when the state has another number of cells; the film is then as before.
+    pub fn restore(&mut self, state: &FilmState) -> Result<(), FilmError> {
+        let FilmState(state) = state;
+        if !state.field.fits(self.work.cells().count()) {
+            let (name, value) = ("number of stored cells", state.field.full.len());
+            let value = value as f64;
+            return Err(FilmError::Setting { name, value });
+        }
+        self.work.restore(state);
+        Ok(())
     }
 
     /// Lets `interval` seconds pass under `drive`, in internal steps of controlled error.

@@ -39,4 +39,4 @@ mod workspace;
 mod tests;
 
 pub use diagnostics::Diagnostics;
-pub use film::ReynoldsFilm;
+pub use film::{FilmState, ReynoldsFilm};

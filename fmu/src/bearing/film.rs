@@ -1,0 +1,195 @@
+//! The film models: the one place that knows them all.
+//!
+//! A new film model is a file beside [`mobility`] with a type that implements [`JournalFilm`], its `mod` line and its line
+//! in `films!` below. The choice `bearing.film` of the FMU and its items follow from that line.
+
+mod mobility;
+mod reynolds;
+
+use fmu_export::model::{Enumeration, Fault, Item};
+use serde::{Deserialize, Serialize};
+
+use super::journal::{Flows, JournalFilm, Motion, Setup, Situation, TransientFilm};
+use super::parameters::Bearing;
+
+/// Makes the choice of the film models, and the film in use, from lines of name, value, type and meaning.
+macro_rules! films {
+    ($($model:ident = $value:literal, $film:ty, $meaning:literal;)*) => {
+        /// The choice of the film model.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+        pub enum FilmModel {
+            $(#[doc = concat!($meaning, ".")] $model = $value,)*
+        }
+
+        /// The film models as the FMU shows them.
+        pub const FILM: Enumeration = Enumeration {
+            name: "Film",
+            description: "Film model of the bearing",
+            items: &[$(Item { name: stringify!($model), value: $value, description: $meaning }),*],
+        };
+
+        impl FilmModel {
+            /// All film models; the first one is the default.
+            const ALL: &[Self] = &[$(Self::$model),*];
+
+            fn start(self, setup: &Setup<'_>) -> Result<Running, Fault> {
+                match self {
+                    $(Self::$model => <$film>::new(setup).map(Running::$model),)*
+                }
+            }
+        }
+
+        /// The film in use.
+        #[derive(Clone, Debug, Default, Serialize, Deserialize)]
+        enum Running {
+            /// Before the start.
+            #[default]
+            None,
+            $($model($film),)*
+        }
+
+        impl Running {
+            fn prepare(&mut self, bearing: &Bearing) -> Result<(), Fault> {
+                match self {
+                    Self::None => Ok(()),
+                    $(Self::$model(film) => film.prepare(bearing),)*
+                }
+            }
+
+            #[inline]
+            fn motion(&self, bearing: &Bearing, at: &Situation) -> Motion {
+                match self {
+                    Self::None => Motion::default(),
+                    $(Self::$model(film) => film.motion(bearing, at),)*
+                }
+            }
+
+            #[inline]
+            fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool) -> ([f64; 2], Flows) {
+                match self {
+                    Self::None => Default::default(),
+                    $(Self::$model(film) => film.drift(bearing, at, side_flow),)*
+                }
+            }
+
+            fn transient(&self) -> Option<&dyn TransientFilm> {
+                match self {
+                    Self::None => None,
+                    $(Self::$model(film) => film.transient(),)*
+                }
+            }
+
+            fn transient_mut(&mut self) -> Option<&mut dyn TransientFilm> {
+                match self {
+                    Self::None => None,
+                    $(Self::$model(film) => film.transient_mut(),)*
+                }
+            }
+        }
+    };
+}
+
+films! {
+    Mobility = 1, mobility::MobilityFilm, "Mobility method on the map of our own Reynolds solutions";
+    Reynolds = 2, reynolds::ReynoldsJournal, "Transient two-dimensional Reynolds equation with mass conservation";
+}
+
+/// The film model that was chosen, and from the start on the film in use.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Film {
+    /// The choice; it takes effect at the next start.
+    pub model: FilmModel,
+    running: Running,
+}
+
+impl FilmModel {
+    /// The value of its item.
+    pub fn value(self) -> i32 {
+        self as i32
+    }
+
+    /// The model of an item's value; the default for any other value.
+    pub fn of(value: i32) -> Self {
+        let mut all = Self::ALL.iter().copied();
+        all.find(|model| model.value() == value)
+            .unwrap_or(Self::ALL[0])
+    }
+}
+
+impl Default for Film {
+    fn default() -> Self {
+        Self {
+            model: FilmModel::ALL[0],
+            running: Running::None,
+        }
+    }
+}
+
+impl Film {
+    /// Starts the chosen film, with the journal in the middle.
+    ///
+    /// # Errors
+    /// When a parameter or a file is not usable.
+    pub fn start(&mut self, setup: &Setup<'_>) -> Result<(), Fault> {
+        self.running = self.model.start(setup)?;
+        Ok(())
+    }
+
+    /// Computes all that follows from the bearing's parameters alone.
+    ///
+    /// # Errors
+    /// When a parameter is not usable.
+    pub fn prepare(&mut self, bearing: &Bearing) -> Result<(), Fault> {
+        self.running.prepare(bearing)
+    }
+
+    /// The journal's motion at an instant.
+    #[inline]
+    pub fn motion(&self, bearing: &Bearing, at: &Situation) -> Motion {
+        self.running.motion(bearing, at)
+    }
+
+    /// The rate of the eccentricity-ratio vector, 1/s, and the flows; the side flow where it is asked for.
+    #[inline]
+    pub fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool) -> ([f64; 2], Flows) {
+        self.running.drift(bearing, at, side_flow)
+    }
+
+    /// Whether the film takes steps of its own.
+    pub fn is_transient(&self) -> bool {
+        self.running.transient().is_some()
+    }
+
+    /// The film as one that takes steps of its own, if it does.
+    pub fn transient(&mut self) -> Option<&mut dyn TransientFilm> {
+        self.running.transient_mut()
+    }
+
+    /// Remembers the state of a film that takes steps of its own.
+    pub fn keep(&mut self) {
+        if let Some(film) = self.transient() {
+            film.keep();
+        }
+    }
+
+    /// Returns to the state that was kept.
+    pub fn take_back(&mut self) {
+        if let Some(film) = self.transient() {
+            film.take_back();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_model_is_found_by_its_value() {
+        for (model, item) in FilmModel::ALL.iter().zip(FILM.items) {
+            assert_eq!(FilmModel::of(item.value), *model);
+            assert_eq!(format!("{model:?}"), item.name);
+        }
+        assert_eq!(FilmModel::of(0), Film::default().model);
+    }
+}

@@ -1,0 +1,209 @@
+//! The Reynolds film at work in the stand: it takes steps of its own and carries its journal along.
+
+use crate::bearing::friction;
+use crate::bearing::journal::{
+    Flows, Interval, JournalFilm, Motion, Setup, Situation, TransientFilm,
+};
+use crate::bearing::parameters::{Bearing, Resolution};
+use fmu_export::model::{Experiment, Fault};
+use journal_bearing::contact::ContactTable;
+use journal_bearing::profile::Profile;
+use journal_bearing::reynolds::{
+    Cavitation, Drive, FilmError, FilmSettings, FilmState, Grid, ReynoldsFilm, RoughFilm,
+};
+use nalgebra::Vector2;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// The transient Reynolds film with the journal that floats in it.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct ReynoldsJournal {
+    /// Clones share it until one of them takes a step.
+    film: Arc<ReynoldsFilm>,
+    /// The journal as the last interval left it.
+    motion: Motion,
+    /// Whether the bearing is round, aligned and without flow factors. Contact then comes from the table, else from the
+    /// film's cells.
+    plain: bool,
+    /// The contact of a round, aligned journal; follows from the bearing's parameters.
+    #[serde(skip)]
+    contact: Arc<ContactTable>,
+    /// What [`keep`](TransientFilm::keep) remembers.
+    #[serde(skip)]
+    kept: Option<Box<(FilmState, Motion)>>,
+}
+
+impl JournalFilm for ReynoldsJournal {
+    fn new(setup: &Setup<'_>) -> Result<Self, Fault> {
+        let (bearing, resolution) = (setup.bearing, &setup.bearing.resolution);
+        let profile = read_profile(bearing, setup.experiment)?;
+        let plain = profile.is_round() && resolution.tilt == [0.0; 2] && !resolution.flow_factors;
+        let rough = bearing.surface.roughness > 0.0;
+        let settings = FilmSettings {
+            cavitation: if resolution.mass_conserving {
+                Cavitation::MassConserving
+            } else {
+                Cavitation::NonNegative
+            },
+            side_pressure: resolution.side_pressure,
+            cells: cells(bearing),
+            rheology: setup.rheology,
+            profile,
+            tilt: resolution.tilt,
+            asperities: (rough && !plain).then(|| bearing.surface.clone()),
+            rough_film: if resolution.flow_factors {
+                RoughFilm::FlowFactors {
+                    journal_share: resolution.journal_roughness_share,
+                }
+            } else {
+                RoughFilm::MeanGap
+            },
+            ..FilmSettings::new(bearing.width, bearing.diameter, bearing.radial_clearance)
+        };
+        let film = ReynoldsFilm::new(settings).map_err(|error| Fault::Invalid(message(&error)))?;
+        let motion = Motion {
+            min_film_thickness: film.smallest_gap(),
+            ..Motion::default()
+        };
+        let mut film = Self {
+            film: Arc::new(film),
+            motion,
+            plain,
+            contact: Arc::default(),
+            kept: None,
+        };
+        film.prepare(bearing)?;
+        Ok(film)
+    }
+
+    fn prepare(&mut self, bearing: &Bearing) -> Result<(), Fault> {
+        self.contact = Arc::new(ContactTable::new(
+            &bearing.surface,
+            bearing.radial_clearance,
+            bearing.width,
+            bearing.diameter,
+        ));
+        Ok(())
+    }
+
+    fn motion(&self, _: &Bearing, _: &Situation) -> Motion {
+        self.motion
+    }
+
+    fn drift(&self, _: &Bearing, _: &Situation, _: bool) -> ([f64; 2], Flows) {
+        (self.motion.velocity, self.motion.flows)
+    }
+
+    fn transient(&self) -> Option<&dyn TransientFilm> {
+        Some(self)
+    }
+
+    fn transient_mut(&mut self) -> Option<&mut dyn TransientFilm> {
+        Some(self)
+    }
+}
+
+impl TransientFilm for ReynoldsJournal {
+    fn eccentricity(&self) -> [f64; 2] {
+        self.film.eccentricity().into()
+    }
+
+    fn advance(&mut self, bearing: &Bearing, interval: &Interval) -> Result<(Flows, usize), Fault> {
+        let Interval {
+            duration,
+            load,
+            speed,
+            viscosity,
+        } = *interval;
+        let drive = Drive {
+            load_before: Vector2::new(load[0], 0.0),
+            load_after: Vector2::new(load[1], 0.0),
+            ..Drive::steady(Vector2::zeros(), speed, viscosity)
+        };
+        let (contact, plain) = (&self.contact, self.plain);
+        let aligned = |ratio: f64| {
+            if plain { contact.at(ratio).force } else { 0.0 }
+        };
+        let report = Arc::make_mut(&mut self.film)
+            .advance(duration, &drive, &aligned)
+            .map_err(|error| Fault::Failed(message(&error)))?;
+
+        let ratio = self.film.eccentricity().norm();
+        let mut touch = contact.at(ratio);
+        if !plain {
+            touch.normal = report.contact_normal;
+            touch.force = (Vector2::new(load[1], 0.0) - report.film_load).norm();
+        }
+        let boundary_torque = friction::boundary(bearing, touch.normal, speed);
+        let boundary = boundary_torque * speed;
+        self.motion = Motion {
+            eccentricity_ratio: ratio,
+            velocity: report.velocity.into(),
+            torque: report.journal_torque + boundary_torque,
+            boundary_torque,
+            contact: touch,
+            min_film_thickness: report.smallest_gap,
+            max_film_pressure: report.max_pressure,
+            flows: Flows {
+                viscous: report.heat,
+                boundary,
+                side_flow: report.outflow,
+            },
+        };
+        let flows = Flows {
+            viscous: report.mean_heat,
+            boundary,
+            side_flow: report.mean_outflow,
+        };
+        Ok((flows, report.steps))
+    }
+
+    fn keep(&mut self) {
+        match &mut self.kept {
+            Some(kept) => {
+                self.film.copy_state_to(&mut kept.0);
+                kept.1 = self.motion;
+            }
+            none => *none = Some(Box::new((self.film.state(), self.motion))),
+        }
+    }
+
+    fn take_back(&mut self) {
+        // The state is this film's own, so that it fits.
+        if let Some(kept) = &self.kept
+            && Arc::make_mut(&mut self.film).restore(&kept.0).is_ok()
+        {
+            self.motion = kept.1;
+        }
+    }
+}
+
+/// The form error of the file that `bearing.profileFile` names; round surfaces without one.
+fn read_profile(bearing: &Bearing, experiment: &Experiment<'_>) -> Result<Profile, Fault> {
+    match bearing.profile_file.as_str() {
+        "" => Ok(Profile::default()),
+        file => Profile::from_csv(&experiment.file(file))
+            .map_err(|error| Fault::Invalid(format!("bearing.profileFile: {error}"))),
+    }
+}
+
+/// Columns and rows: as asked for, or as many as the width needs.
+fn cells(bearing: &Bearing) -> [usize; 2] {
+    let Resolution { columns, rows, .. } = bearing.resolution;
+    let enough = Grid::sufficient_cells(bearing.width / bearing.diameter);
+    [0, 1].map(|k| match [columns, rows][k] {
+        0 => enough[k],
+        asked => asked.unsigned_abs() as usize,
+    })
+}
+
+/// The film's error in the words of the stand's parameters.
+fn message(error: &FilmError) -> String {
+    match error {
+        FilmError::Touches(ratio) => format!(
+            "tilt or form error bring the smooth surfaces together at eccentricity ratio {ratio}, where no film carries the \
+             load; give bearing.roughness, or reduce them"
+        ),
+        error => error.to_string(),
+    }
+}

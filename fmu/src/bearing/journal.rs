@@ -1,0 +1,131 @@
+//! The journal in its film: what the stand tells a film model, and what the model answers.
+//!
+//! Film models are of two kinds. For most, the journal's velocity follows from the instant alone; the stand integrates it
+//! together with the temperatures. A [`TransientFilm`] remembers how its oil is distributed; it takes steps of its own and
+//! carries its journal along.
+
+use fmu_export::model::{Experiment, Fault};
+use journal_bearing::contact::Contact;
+use journal_bearing::rheology::Rheology;
+use serde::{Deserialize, Serialize};
+
+use super::parameters::Bearing;
+
+/// Heat and oil flow of the film.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Flows {
+    /// Viscous friction heat, W.
+    pub viscous: f64,
+    /// Boundary friction heat of the asperities, W.
+    pub boundary: f64,
+    /// Oil that leaves the film at both ends, m³/s.
+    pub side_flow: f64,
+}
+
+/// The journal at one instant.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Motion {
+    /// Eccentricity ratio, 1.
+    pub eccentricity_ratio: f64,
+    /// Rate of the eccentricity-ratio vector, 1/s.
+    pub velocity: [f64; 2],
+    /// Friction torque on the journal, N.m.
+    pub torque: f64,
+    /// The asperities' part of it, N.m.
+    pub boundary_torque: f64,
+    /// Forces of the touching asperities.
+    pub contact: Contact,
+    /// Smallest film thickness, m.
+    pub min_film_thickness: f64,
+    /// Largest film pressure, Pa.
+    pub max_film_pressure: f64,
+    /// Heat and oil flow.
+    pub flows: Flows,
+}
+
+/// The parameters and files that a film starts from.
+pub struct Setup<'a> {
+    /// The bearing.
+    pub bearing: &'a Bearing,
+    /// The oil's laws over pressure and shear rate.
+    pub rheology: Rheology,
+    /// Where the files are that parameters name.
+    pub experiment: &'a Experiment<'a>,
+}
+
+/// What acts on the film at one instant. The bush stands still.
+#[derive(Clone, Copy, Debug)]
+pub struct Situation {
+    /// Load along x, N.
+    pub load: f64,
+    /// Eccentricity-ratio vector, 1.
+    pub eccentricity: [f64; 2],
+    /// Viscosity of the oil at ambient pressure and low shear, Pa.s.
+    pub viscosity: f64,
+    /// Shaft speed, rad/s.
+    pub speed: f64,
+}
+
+/// A film model.
+pub trait JournalFilm: Sized {
+    /// The film of a bearing, with the journal in the middle.
+    ///
+    /// # Errors
+    /// When a parameter or a file is not usable, or no such film exists.
+    fn new(setup: &Setup<'_>) -> Result<Self, Fault>;
+
+    /// Computes all that follows from the bearing's parameters alone: after a state was read back, or a parameter was
+    /// changed.
+    ///
+    /// # Errors
+    /// As for [`new`](Self::new).
+    fn prepare(&mut self, bearing: &Bearing) -> Result<(), Fault>;
+
+    /// The journal's motion, with all that sensors read.
+    fn motion(&self, bearing: &Bearing, at: &Situation) -> Motion;
+
+    /// Only what moves the journal and the temperatures: the rate of the eccentricity-ratio vector, 1/s, and the flows. The
+    /// side flow may be zero unless it is asked for.
+    fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool) -> ([f64; 2], Flows);
+
+    /// The film as one that takes steps of its own, if it does.
+    fn transient(&self) -> Option<&dyn TransientFilm> {
+        None
+    }
+
+    /// The same, to take steps.
+    fn transient_mut(&mut self) -> Option<&mut dyn TransientFilm> {
+        None
+    }
+}
+
+/// An interval of a transient film. The load varies linearly, the rest is constant.
+#[derive(Clone, Copy, Debug)]
+pub struct Interval {
+    /// Duration, s.
+    pub duration: f64,
+    /// Load along x at its start and at its end, N.
+    pub load: [f64; 2],
+    /// Shaft speed, rad/s.
+    pub speed: f64,
+    /// Viscosity of the oil at ambient pressure and low shear, Pa.s.
+    pub viscosity: f64,
+}
+
+/// A film that takes steps of its own, and its journal with it.
+pub trait TransientFilm {
+    /// The eccentricity-ratio vector, 1.
+    fn eccentricity(&self) -> [f64; 2];
+
+    /// Lets an interval pass. Returns the mean flows over it, and the number of internal steps.
+    ///
+    /// # Errors
+    /// When the film cannot be solved; it is then as before.
+    fn advance(&mut self, bearing: &Bearing, interval: &Interval) -> Result<(Flows, usize), Fault>;
+
+    /// Remembers the present state for [`take_back`](Self::take_back).
+    fn keep(&mut self);
+
+    /// Returns to the state that was kept.
+    fn take_back(&mut self);
+}

@@ -1,0 +1,79 @@
+//! The bearing's parameters.
+
+use journal_bearing::contact::Surface;
+use serde::{Deserialize, Serialize};
+
+/// The bearing's parameters, apart from the choice of the [film model](super::FilmModel).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Bearing {
+    /// Radial clearance c, m.
+    pub radial_clearance: f64,
+    /// Width B, m.
+    pub width: f64,
+    /// Diameter D, m.
+    pub diameter: f64,
+    /// A csv file of the radial deviation of bush and shaft over the angle; empty for round ones.
+    pub profile_file: String,
+    /// The surfaces' asperities.
+    pub surface: Surface,
+    /// How a Reynolds film is solved.
+    pub resolution: Resolution,
+}
+
+/// How a Reynolds film is solved.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Resolution {
+    /// Whether the oil's mass is conserved where the film ruptures. If not, pressures only stay above the bath's.
+    pub mass_conserving: bool,
+    /// Pressure of the oil bath above that of the cavities, Pa.
+    pub side_pressure: f64,
+    /// Columns of cells around the bush; 0 takes as many as the width needs.
+    pub columns: i32,
+    /// Rows of cells over half the width; 0 takes as many as the width needs.
+    pub rows: i32,
+    /// Displacement of the journal's end at `z = B/2` by its tilt, along and across the load, m.
+    pub tilt: [f64; 2],
+    /// Whether the film sees the surfaces' roughness (mean gap and flow factors) when the bearing is round and aligned, too.
+    pub flow_factors: bool,
+    /// The journal's share of the composite roughness' variance, 1.
+    pub journal_roughness_share: f64,
+}
+
+impl Default for Bearing {
+    fn default() -> Self {
+        Self {
+            radial_clearance: 2.0e-5,
+            width: 0.019,
+            diameter: 0.025,
+            profile_file: String::new(),
+            surface: Surface::default(),
+            resolution: Resolution::default(),
+        }
+    }
+}
+
+impl Default for Resolution {
+    fn default() -> Self {
+        Self {
+            mass_conserving: true,
+            side_pressure: 1e5,
+            columns: 0,
+            rows: 0,
+            tilt: [0.0; 2],
+            flow_factors: false,
+            journal_roughness_share: 0.5,
+        }
+    }
+}
+
+impl Bearing {
+    /// Radius R, m.
+    pub fn radius(&self) -> f64 {
+        0.5 * self.diameter
+    }
+
+    /// Relative clearance psi = c/R, 1.
+    pub fn relative_clearance(&self) -> f64 {
+        self.radial_clearance / self.radius()
+    }
+}
