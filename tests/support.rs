@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::path::PathBuf;
 
 use fmu_export::model::{Access, Experiment, Kind, Model, Variable};
-use orchestrator::fmu::{Description, Package, Value};
+use fmu_import::{Description, Package, Value};
 use orchestrator::identify::bind::Bound;
 use orchestrator::identify::problem::Simulate;
 use orchestrator::statistics::Accumulator;

@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use crate::fmu::{Call, Status};
+use fmu_import::{Call, Status};
 
 /// Why a point has no result. Its text is the `status` column of `points.csv`.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -5,11 +5,11 @@ use std::collections::HashSet;
 use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
-use crate::fmu::Description;
 use crate::names::did_you_mean;
 use crate::study::plan::find;
 use crate::study::quantity::{Scale, Sense};
 use crate::study::{Criterion as Text, Quantity, Statistic, Study, StudyError};
+use fmu_import::Description;
 
 /// What the measurement says of one quantity, in the study's unit.
 #[derive(Clone, Debug, Serialize, Deserialize)]

@@ -10,10 +10,10 @@ mod watched;
 use std::sync::Arc;
 
 use crate::failure::Failure;
-use crate::fmu::{Call, Instance, Library, State};
 use crate::statistics::Accumulator;
 use crate::study::Statistic;
-use crate::task::{Storage, Task};
+use crate::task::Task;
+use fmu_import::{Call, Content, Instance, Library, State};
 use watched::Watched;
 
 /// Runs points, reusing the instance where the FMU can be reset.
@@ -54,7 +54,8 @@ struct Held {
 impl Drop for Held {
     fn drop(&mut self) {
         if let Some(state) = self.first.take() {
-            self.instance.forget(state);
+            // An instance that ended keeps it: nothing may be called any more.
+            let _ = self.instance.forget(state);
         }
     }
 }
@@ -65,12 +66,12 @@ impl Runner {
         let over_time = (0..task.observed.len())
             .filter(|&index| task.observed[index].statistic != Statistic::Final);
         let (probes, slow): (Vec<_>, Vec<_>) =
-            over_time.partition(|&index| task.observed[index].storage == Storage::Real);
+            over_time.partition(|&index| task.observed[index].handle.content == Content::Real);
         Self {
             used: None,
             reuse: Reuse::Reset,
             // Where there can be one instance only, there is none to compare with.
-            trusted: library.once,
+            trusted: library.is_for_one_instance(),
             candid: false,
             library,
             watched: Watched::new(&task, probes),
@@ -292,7 +293,7 @@ fn start(task: &Task, instance: &mut Instance, values: &[f64]) -> Result<(), Cal
         instance.set(*reference, value)?;
     }
     for (slot, &value) in task.varied.iter().zip(values) {
-        instance.set(slot.reference, &slot.value(value))?;
+        instance.set(slot.handle.reference, &slot.value(value))?;
     }
     feed(task, instance, schedule.start)?;
     instance.initialise()
@@ -301,7 +302,10 @@ fn start(task: &Task, instance: &mut Instance, values: &[f64]) -> Result<(), Cal
 /// Sets the inputs that change over time.
 fn feed(task: &Task, instance: &mut Instance, time: f64) -> Result<(), Call> {
     for series in &task.inputs {
-        instance.set(series.slot.reference, &series.slot.value(series.at(time)))?;
+        instance.set(
+            series.slot.handle.reference,
+            &series.slot.value(series.at(time)),
+        )?;
     }
     Ok(())
 }
@@ -309,7 +313,7 @@ fn feed(task: &Task, instance: &mut Instance, time: f64) -> Result<(), Call> {
 /// Lets those inputs vary within the next step that shall.
 fn ramp(task: &Task, instance: &mut Instance, time: f64, next: f64) -> Result<(), Call> {
     for series in task.inputs.iter().filter(|series| series.ramp) {
-        instance.set_slope(series.slot.reference, series.slope(time, next))?;
+        instance.set_slope(series.slot.handle.reference, series.slope(time, next))?;
     }
     Ok(())
 }
@@ -317,16 +321,6 @@ fn ramp(task: &Task, instance: &mut Instance, time: f64, next: f64) -> Result<()
 impl crate::task::Probe {
     /// The variable's present value as a number.
     pub(crate) fn read(&self, instance: &mut Instance) -> Result<f64, Call> {
-        match self.storage {
-            Storage::Real => {
-                let mut value = [0.0];
-                instance.reals(&[self.reference], &mut value)?;
-                Ok(value[0])
-            }
-            Storage::Integer => instance.integer(self.reference).map(f64::from),
-            Storage::Boolean => instance
-                .boolean(self.reference)
-                .map(|yes| f64::from(u8::from(yes))),
-        }
+        instance.value(self.handle).map(|value| value.number())
     }
 }

@@ -7,8 +7,8 @@ pub use schedule::{CommunicationPoints, Schedule};
 
 use serde::{Deserialize, Serialize};
 
-use crate::fmu::{Kind, Value, Variable};
 use crate::study::Statistic;
+use fmu_import::{Content, Handle, Value};
 
 /// One simulation, but for the values that vary from point to point.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -67,61 +67,13 @@ impl Series {
     }
 }
 
-/// A variable that a trajectory shows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Column {
-    /// Its value reference.
-    pub reference: u32,
-    /// What it holds.
-    pub content: Content,
-}
-
-/// What a variable holds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Content {
-    /// A real number.
-    Real,
-    /// A whole number or an item of an enumeration.
-    Integer,
-    /// Yes or no.
-    Boolean,
-    /// A text.
-    Text,
-}
-
-impl Column {
-    /// The column of a variable.
-    pub fn of(variable: &Variable) -> Self {
-        Self {
-            reference: variable.value_reference,
-            content: match variable.kind {
-                Kind::Real { .. } => Content::Real,
-                Kind::Integer { .. } | Kind::Enumeration { .. } => Content::Integer,
-                Kind::Boolean { .. } => Content::Boolean,
-                Kind::String { .. } => Content::Text,
-            },
-        }
-    }
-}
-
 /// A point that is run with its trajectory.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Record {
     /// The point's values.
     pub values: Vec<f64>,
     /// What is read at every communication point.
-    pub columns: Vec<Column>,
-}
-
-/// How a variable's value is stored in the FMU.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Storage {
-    /// As a real number.
-    Real,
-    /// As a whole number or an item of an enumeration.
-    Integer,
-    /// As yes (1) or no (0).
-    Boolean,
+    pub columns: Vec<Handle>,
 }
 
 /// A variable that takes a point's value.
@@ -129,10 +81,8 @@ pub enum Storage {
 pub struct Slot {
     /// Its name.
     pub name: String,
-    /// Its value reference.
-    pub reference: u32,
-    /// How it is stored.
-    pub storage: Storage,
+    /// How calls reach it.
+    pub handle: Handle,
     /// The smallest value that the FMU allows.
     pub min: Option<f64>,
     /// The largest value that the FMU allows.
@@ -144,24 +94,10 @@ pub struct Slot {
 pub struct Probe {
     /// Its name.
     pub name: String,
-    /// Its value reference.
-    pub reference: u32,
-    /// How it is stored.
-    pub storage: Storage,
+    /// How calls reach it.
+    pub handle: Handle,
     /// What becomes of it over time.
     pub statistic: Statistic,
-}
-
-impl Storage {
-    /// How a variable is stored; a text is not a number.
-    pub fn of(variable: &Variable) -> Option<Self> {
-        match variable.kind {
-            Kind::Real { .. } => Some(Self::Real),
-            Kind::Integer { .. } | Kind::Enumeration { .. } => Some(Self::Integer),
-            Kind::Boolean { .. } => Some(Self::Boolean),
-            Kind::String { .. } => None,
-        }
-    }
 }
 
 impl Slot {
@@ -175,9 +111,9 @@ impl Slot {
             return Err(format!("{name} = {value} is not a finite number"));
         }
         // What counts is the number that the FMU gets.
-        let stored = match self.storage {
-            Storage::Integer => value.round(),
-            Storage::Real | Storage::Boolean => value,
+        let stored = match self.handle.content {
+            Content::Integer => value.round(),
+            Content::Real | Content::Boolean | Content::Text => value,
         };
         let limit = match (self.min, self.max) {
             (Some(min), _) if stored < min => format!("less than the smallest value {min}"),
@@ -188,14 +124,8 @@ impl Slot {
     }
 
     /// The value as the FMU stores it; whole numbers are rounded.
-    #[allow(clippy::cast_possible_truncation)]
     pub fn value(&self, value: f64) -> Value {
-        match self.storage {
-            Storage::Real => Value::Real(value),
-            // A cast of a float saturates.
-            Storage::Integer => Value::Integer(value.round() as i32),
-            Storage::Boolean => Value::Boolean(value >= 0.5),
-        }
+        self.handle.content.value(value)
     }
 }
 
@@ -203,12 +133,18 @@ impl Slot {
 mod tests {
     use super::*;
 
+    fn handle(content: Content) -> Handle {
+        Handle {
+            reference: 1,
+            content,
+        }
+    }
+
     #[test]
     fn whole_numbers_count_as_rounded() {
         let slot = Slot {
             name: "n".to_owned(),
-            reference: 1,
-            storage: Storage::Integer,
+            handle: handle(Content::Integer),
             min: Some(1.0),
             max: Some(4.0),
         };
@@ -223,8 +159,7 @@ mod tests {
         let mut series = Series {
             slot: Slot {
                 name: "u".to_owned(),
-                reference: 1,
-                storage: Storage::Real,
+                handle: handle(Content::Real),
                 min: None,
                 max: None,
             },

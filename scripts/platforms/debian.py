@@ -7,9 +7,14 @@ import shutil
 from .common import Failure, run, say
 
 
+def present(*, command="", file="", root="/"):
+    """Whether a command is on the PATH, or a file that matches the pattern lies below the root."""
+    return bool(shutil.which(command) if command else glob.glob(file.lstrip("/"), root_dir=root))
+
+
 def install(package, *, command="", file=""):
     """Installs a package when its command, or its file (a pattern), is missing."""
-    if shutil.which(command) if command else glob.glob(file):
+    if present(command=command, file=file):
         return
     missing = command or file
     if not shutil.which("apt-get"):

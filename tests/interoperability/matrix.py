@@ -43,10 +43,11 @@ PYTHON = [
     ("PyFMI", None, ["pyfmi"]),
 ]
 RUST = [("fmi", "use-fmi"), ("fmi-sim", "use-fmi-sim"), ("fmu-runner", "use-fmu-runner")]
-# Libraries that importers need and do not bring: Debian's package, and a file that it has.
+# Libraries that importers need and do not bring: Debian's package, and a file that only this package has.
+# libclang.so comes with the headers that bindgen reads; libclang-cpp.so, which LLVM's tools install, does not.
 LIBRARIES = {
     "use_ecos": ("libtbb12", "/usr/lib/*/libtbb.so.12*"),
-    "rust": ("libclang-dev", "/usr/lib/llvm-*/lib/libclang*.so*"),
+    "rust": ("libclang-dev", "/usr/lib/llvm-*/lib/libclang.so"),
 }
 # What a tool's failure looks like that is none of this FMU's, and what it means.
 KNOWN = {

@@ -8,6 +8,26 @@ import zipfile
 import pytest
 from conftest import ROOT
 
+# What lies in /usr/lib/llvm-14/lib, and whether bindgen can work with it.
+CLANGS = [
+    ([], False),
+    (["libclang-cpp.so.14", "libclang-cpp.so"], False),
+    (["libclang.so.1"], False),
+    (["libclang-cpp.so.14", "libclang.so", "libclang.so.1"], True),
+]
+
+
+@pytest.mark.parametrize("files, enough", CLANGS)
+def test_other_libraries_of_clang_do_not_pass_for_libclang(files, enough, tmp_path, monkeypatch):
+    monkeypatch.syspath_prepend(ROOT / "tests/interoperability")
+    import matrix
+    from platforms.debian import present
+    folder = tmp_path / "usr/lib/llvm-14/lib"
+    folder.mkdir(parents=True)
+    for file in files:
+        (folder / file).touch()
+    assert present(file=matrix.LIBRARIES["rust"][1], root=tmp_path) == enough
+
 
 @pytest.mark.importers
 def test_every_importer_gets_the_same_outputs(fmu):

@@ -12,12 +12,12 @@ use crate::design::Design;
 use crate::distribution::Distribution;
 use crate::engine::crew::Crew;
 use crate::engine::{self, Job};
-use crate::fmu::Package;
 use crate::judge::Judge;
 use crate::results::origin::Origin;
 use crate::results::{Outcome, ResultsError};
 use crate::study::plan::Plan;
 use crate::study::{self, Method, Study};
+use fmu_import::Package;
 use tempfile::TempDir;
 
 /// A study that is ready to run.

@@ -2,13 +2,11 @@
 
 use std::path::Path;
 
-use sha2::{Digest, Sha256};
-
 use super::CommandError;
-use crate::fmu::{Description, Kind, Value, Variable, hexadecimal};
 use crate::results::{Summary, write_atomically};
 use crate::study::plan::Plan;
 use crate::study::ssv;
+use fmu_import::{Description, Value, Variable, digest};
 
 const SET: &str = "best.ssv";
 const PROVENANCE: &str = "best.srmd";
@@ -32,7 +30,7 @@ pub(super) fn write(
     plan.to_fmu(&parameters, &mut values);
     let fixed = plan.task.fixed.iter().cloned();
     let varied = plan.task.varied.iter().zip(&values);
-    let varied = varied.map(|(slot, &value)| (slot.reference, slot.value(value)));
+    let varied = varied.map(|(slot, &value)| (slot.handle.reference, slot.value(value)));
     let named = fixed.chain(varied).filter_map(|(reference, value)| {
         let variable = variable(fmu, reference, &value)?;
         Some((variable, value))
@@ -53,16 +51,7 @@ pub(super) fn write(
 /// The variable behind a reference: every type has references of its own.
 fn variable<'a>(fmu: &'a Description, reference: u32, value: &Value) -> Option<&'a Variable> {
     fmu.variables.values().find(|variable| {
-        let fits = matches!(
-            (&variable.kind, value),
-            (Kind::Real { .. }, Value::Real(_))
-                | (
-                    Kind::Integer { .. } | Kind::Enumeration { .. },
-                    Value::Integer(_)
-                )
-                | (Kind::Boolean { .. }, Value::Boolean(_))
-                | (Kind::String { .. }, Value::String(_))
-        );
+        let fits = variable.kind.content() == value.content();
         variable.value_reference == reference && variable.is_settable() && fits
     })
 }
@@ -82,10 +71,7 @@ fn entries(summary: &Summary, point: u64, set: &str) -> Vec<(&'static str, Strin
         ("seed", from.seed.map(|seed| seed.to_string())),
         ("points", Some(summary.points.to_string())),
         ("point", Some(point.to_string())),
-        (
-            "data.sha256",
-            Some(hexadecimal(&Sha256::digest(set.as_bytes()))),
-        ),
+        ("data.sha256", Some(digest(set.as_bytes()))),
     ];
     let known = known.into_iter();
     known

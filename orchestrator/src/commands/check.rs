@@ -21,10 +21,10 @@ use super::{CommandError, output};
 use crate::cli::Check;
 use crate::engine::process::{Limits, Process};
 use crate::engine::{Answer, Job, Worker};
-use crate::fmu::{ArchiveError, Causality, Description, FmuError, Package, Variable};
 use crate::results::ResultsError;
 use crate::study::Statistic;
-use crate::task::{Probe, Schedule, Storage, Task};
+use crate::task::{Probe, Schedule, Task};
+use fmu_import::{ArchiveError, Causality, Description, FmuError, Package, Variable};
 
 /// The most memory that a pre-flight may use, bytes.
 const MEMORY: u64 = 8 << 30;
@@ -160,8 +160,7 @@ fn task(package: &Package) -> Task {
     let probe = |variable: &Variable, statistic| {
         Some(Probe {
             name: variable.name.clone(),
-            reference: variable.value_reference,
-            storage: Storage::of(variable)?,
+            handle: variable.number_handle()?,
             statistic,
         })
     };

@@ -15,7 +15,6 @@ use crate::csv_file::{CsvFile, reason};
 use crate::design::Design;
 use crate::distribution::Distribution;
 use crate::engine::crew::Crew;
-use crate::fmu::Package;
 use crate::identify::bind::{BindError, Bound};
 use crate::identify::local::End;
 use crate::identify::model::FmuModel;
@@ -27,6 +26,7 @@ use crate::identify::settings::{Document, Settings};
 use crate::identify::text;
 use crate::results::{ResultsError, write_atomically};
 use crate::study::{self, Method, Study};
+use fmu_import::Package;
 
 pub(super) fn run(options: &Identify) -> Result<ExitCode, CommandError> {
     let study = Study::read(&options.study)?;

@@ -6,10 +6,10 @@ use std::process::ExitCode;
 
 use super::{CommandError, output};
 use crate::cli::Init;
-use crate::fmu::{Causality, Description, Kind, Package, Variable};
 use crate::results::points::number;
 use crate::results::{ResultsError, write_atomically};
 use crate::task::Schedule;
+use fmu_import::{Causality, Description, Kind, Package, Variable};
 
 pub(super) fn run(options: &Init) -> Result<ExitCode, CommandError> {
     let package = Package::open(&options.fmu)?;

@@ -7,8 +7,8 @@ use serde_json::json;
 
 use super::{CommandError, output};
 use crate::cli::Inspect;
-use crate::fmu::{Causality, Description, Kind, Package, Variable};
 use crate::results::points::number;
+use fmu_import::{Causality, Description, Kind, Package, Variable};
 
 pub(super) fn run(options: &Inspect) -> Result<ExitCode, CommandError> {
     let package = Package::open(&options.fmu)?;

@@ -5,7 +5,6 @@ use std::process::ExitCode;
 use super::{CommandError, output, report, table, verdict};
 use crate::cli;
 use crate::failure::Failure;
-use crate::fmu::{Description, Package};
 use crate::judge::Judge;
 use crate::report::Report;
 use crate::results::summary::{Provenance, Tally};
@@ -13,7 +12,8 @@ use crate::session::{FileSet, provenance};
 use crate::source::Table;
 use crate::study::Study;
 use crate::study::quantity::Scale;
-use crate::units::Conversion;
+use fmu_import::units::Conversion;
+use fmu_import::{Description, Package};
 
 pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, CommandError> {
     let study = Study::read(&options.study)?;

@@ -37,13 +37,13 @@ use crate::analysis::from_results::FolderError;
 use crate::cli::{Cli, Command};
 use crate::engine::{EngineError, servant};
 use crate::failure::Failure;
-use crate::fmu::FmuError;
 use crate::report::ReportError;
 use crate::results::ResultsError;
 use crate::session::SessionError;
 use crate::source::TableError;
 use crate::study::StudyError;
 use crate::study::ssv::SsvError;
+use fmu_import::FmuError;
 
 /// The exit code for a mistake in what was asked for.
 pub const MISTAKE: u8 = 2;

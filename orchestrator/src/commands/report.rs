@@ -9,14 +9,14 @@ use super::{CommandError, output};
 use crate::cli;
 use crate::engine::process::Limits;
 use crate::engine::trajectory::Recorder;
-use crate::fmu::{Package, Value};
 use crate::report::{Report, history};
 use crate::results::summary::{BestPoint, Summary};
 use crate::results::{ResultsError, write_atomically};
 use crate::run::{Runner, Trouble};
 use crate::study::Study;
 use crate::study::plan::Plan;
-use crate::task::{Column, Content, Schedule, Storage, Task};
+use crate::task::{Schedule, Task};
+use fmu_import::{Content, Handle, Package, Value};
 
 /// What the best point's trajectory may use: the point itself has come to its end before.
 const LIMITS: Limits = Limits {
@@ -94,13 +94,9 @@ fn record(
         ..plan.task.clone()
     };
     let probes: Vec<usize> = (0..task.observed.len())
-        .filter(|&k| task.observed[k].storage == Storage::Real)
+        .filter(|&k| task.observed[k].handle.content == Content::Real)
         .collect();
-    let column = |&k: &usize| Column {
-        reference: task.observed[k].reference,
-        content: Content::Real,
-    };
-    let columns: Vec<Column> = probes.iter().map(column).collect();
+    let columns: Vec<Handle> = probes.iter().map(|&k| task.observed[k].handle).collect();
     let names: Vec<&String> = best.values.keys().collect();
     let mut text = String::from("time");
     probes.iter().for_each(|&k| {
@@ -133,14 +129,14 @@ fn record_here(
     package: &mut Package,
     task: Task,
     values: &[f64],
-    columns: &[Column],
+    columns: &[Handle],
     mut put: impl FnMut(f64, &[Value]) -> Result<(), CommandError>,
 ) -> Result<(), CommandError> {
     let mut runner = Runner::new(package.load()?, task);
     let mut row = Vec::new();
     runner.trajectory(values, |time, instance| {
         row.clear();
-        for column in columns {
+        for &column in columns {
             row.push(instance.value(column)?);
         }
         put(time, &row).map_err(Trouble::Other)
@@ -152,7 +148,7 @@ fn record_apart(
     package: &mut Package,
     task: &Task,
     values: &[f64],
-    columns: &[Column],
+    columns: &[Handle],
     put: impl FnMut(f64, &[Value]) -> Result<(), CommandError>,
 ) -> Result<(), CommandError> {
     let scratch = tempfile::tempdir().map_err(ResultsError::io(&std::env::temp_dir()))?;

@@ -2,7 +2,6 @@
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
-use std::mem;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -15,12 +14,12 @@ use crate::engine::process::{Limits, Process};
 use crate::engine::trajectory::Recorder;
 use crate::engine::{Answer, EngineError, Job, Worker};
 use crate::failure::Failure;
-use crate::fmu::{Causality, Description, Package, Value, Variable};
 use crate::results::points::number;
 use crate::results::{ResultsError, of_the_system};
 use crate::study::plan::{find, value_of};
 use crate::study::{Setting, ssv};
-use crate::task::{Column, Schedule, Task};
+use crate::task::{Schedule, Task};
+use fmu_import::{Causality, Description, Handle, Package, Value, Variable};
 
 pub(super) fn run(options: &Simulate) -> Result<ExitCode, CommandError> {
     let mut package = Package::open(&options.fmu)?;
@@ -32,9 +31,8 @@ pub(super) fn run(options: &Simulate) -> Result<ExitCode, CommandError> {
     };
     // What is said on the command line counts more than a file.
     let own = |(reference, value): &(u32, Value)| {
-        !set.iter().any(|(other, new)| {
-            other == reference && mem::discriminant(new) == mem::discriminant(value)
-        })
+        !set.iter()
+            .any(|(other, new)| other == reference && new.content() == value.content())
     };
     let task = Task {
         schedule: schedule(options, fmu)?,
@@ -116,14 +114,14 @@ pub(super) fn settings(
 #[derive(Debug)]
 pub(super) struct Columns {
     variables: Vec<Variable>,
-    columns: Vec<Column>,
+    handles: Vec<Handle>,
 }
 
 impl Columns {
     pub(super) fn new(fmu: &Description) -> Self {
         let variables: Vec<Variable> = fmu.with(Causality::Output).cloned().collect();
         Self {
-            columns: variables.iter().map(Column::of).collect(),
+            handles: variables.iter().map(Variable::handle).collect(),
             variables,
         }
     }
@@ -219,7 +217,7 @@ impl Isolated {
         csv.write_record(std::iter::once("time").chain(names))?;
         let mut last = Vec::new();
         let recorder = self.recorder();
-        let recorded = recorder.record(task, values, &columns.columns, |time, values| {
+        let recorded = recorder.record(task, values, &columns.handles, |time, values| {
             last = values.iter().map(cell).collect();
             csv.write_field(number(time))?;
             csv.write_record(&last)?;

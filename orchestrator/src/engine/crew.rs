@@ -6,8 +6,8 @@ use std::sync::Arc;
 use super::local::Local;
 use super::process::{Limits, Process};
 use super::{EngineError, Worker};
-use crate::fmu::{FmuError, Library, Package};
 use crate::task::Task;
+use fmu_import::{FmuError, Library, Package};
 
 /// Where points are run.
 #[derive(Clone, Copy, Debug)]

@@ -4,9 +4,9 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use super::{Answer, EngineError, Job, Worker};
-use crate::fmu::Library;
 use crate::run::Runner;
 use crate::task::Task;
+use fmu_import::Library;
 
 /// Runs points on an instance of its own.
 #[derive(Debug)]

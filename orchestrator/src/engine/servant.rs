@@ -6,9 +6,9 @@ use std::time::{Duration, Instant};
 
 use super::wire::{End, Reader, Setup, put_answer, put_end, put_value, read_frame, write_frame};
 use crate::failure::Failure;
-use crate::fmu::{FmuError, Package, Value};
 use crate::run::{Runner, Trouble};
 use crate::task::Record;
+use fmu_import::{FmuError, Package, Value};
 
 /// Answers are sent after this time at the latest, when the next point is done: a message a
 /// point would cost more than a short point.
@@ -79,7 +79,7 @@ fn rows(runner: &mut Runner, record: &Record, mut output: impl Write) -> io::Res
     put_end(&End::Not, &mut buffer);
     let ended = runner.trajectory(&record.values, |time, instance| {
         put_value(&Value::Real(time), &mut buffer);
-        for column in &record.columns {
+        for &column in &record.columns {
             put_value(&instance.value(column)?, &mut buffer);
         }
         if buffer.len() > FULL || sent.elapsed() > HOLD {

@@ -6,8 +6,8 @@ use super::EngineError;
 use super::process::{Limits, Loss, Process};
 use super::wire::{End, Reader, read_frame};
 use crate::failure::Failure;
-use crate::fmu::Value;
-use crate::task::{Column, Record, Task};
+use crate::task::{Record, Task};
+use fmu_import::{Handle, Value};
 
 /// Where and within which limits a point is recorded.
 #[derive(Clone, Copy, Debug)]
@@ -33,7 +33,7 @@ impl Recorder<'_> {
         &self,
         task: &Task,
         values: &[f64],
-        columns: &[Column],
+        columns: &[Handle],
         mut row: impl FnMut(f64, &[Value]) -> Result<(), E>,
     ) -> Result<(), E> {
         let mut process = Process::new(self.fmu, task, self.limits, self.scratch, 0)?;

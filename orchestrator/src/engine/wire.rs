@@ -13,8 +13,8 @@ use serde::{Deserialize, Serialize};
 
 use super::{Answer, Job};
 use crate::failure::Failure;
-use crate::fmu::Value;
-use crate::task::{Column, Content, Record, Task};
+use crate::task::{Record, Task};
+use fmu_import::{Content, Handle, Value};
 
 /// What a worker needs to know to begin.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -172,9 +172,9 @@ impl Reader<'_> {
     }
 
     /// A row of a trajectory: the time, and a value a column.
-    pub(super) fn row(&mut self, columns: &[Column]) -> Option<(f64, Vec<Value>)> {
+    pub(super) fn row(&mut self, columns: &[Handle]) -> Option<(f64, Vec<Value>)> {
         let time = f64::from_le_bytes(self.array()?);
-        let value = |column: &Column| self.value(column.content);
+        let value = |column: &Handle| self.value(column.content);
         Some((time, columns.iter().map(value).collect::<Option<_>>()?))
     }
 
@@ -243,7 +243,7 @@ mod tests {
         fn rows_are_read_as_they_were_put(time: f64, real: f64, whole: i32, flag: bool, text: String) {
             let row = [Value::Real(real), Value::Integer(whole), Value::Boolean(flag), Value::String(text)];
             let contents = [Content::Real, Content::Integer, Content::Boolean, Content::Text];
-            let columns = contents.map(|content| Column { reference: 0, content });
+            let columns = contents.map(|content| Handle { reference: 0, content });
             let mut bytes = Vec::new();
             put_end(&End::Not, &mut bytes);
             for _ in 0..2 {
@@ -262,7 +262,7 @@ mod tests {
 
         #[test]
         fn damage_is_no_panic(bytes: Vec<u8>) {
-            let column = Column { reference: 0, content: Content::Text };
+            let column = Handle { reference: 0, content: Content::Text };
             let _ = Reader(&bytes).row(&[column]);
             let _ = Reader(&bytes).end();
             let _ = Reader(&bytes).job();

@@ -3,13 +3,13 @@
 use super::cases::Columns;
 use super::problem::{Case, Free, Interval, Latent, Measured, Prior, Problem, Quantity, Scale};
 use super::settings::{Exception, FreeText, LatentText, MeasuredText, Settings};
-use crate::fmu::{Description, Variable};
 use crate::source::TableError;
 use crate::study::plan::{Plan, find, slot_of};
 use crate::study::quantity::{Scale as UnitScale, Sense};
 use crate::study::{Name, Quantity as Text, Statistic, Study, StudyError};
-use crate::task::{Probe, Slot, Storage, Task};
-use crate::units::Conversion;
+use crate::task::{Probe, Slot, Task};
+use fmu_import::units::Conversion;
+use fmu_import::{Description, Variable};
 
 /// Why a study cannot be used for identification.
 #[derive(Debug, thiserror::Error)]
@@ -265,13 +265,13 @@ impl Binder<'_> {
     fn probe(&self, text: &MeasuredText) -> Result<(Probe, UnitScale<'_>), StudyError> {
         let at = |message: String| self.study.error_at::<String>(&text.variable, message);
         let variable = find(self.fmu, text.variable.as_ref()).map_err(at)?;
-        let storage = Storage::of(variable)
+        let handle = variable
+            .number_handle()
             .ok_or_else(|| at("a text cannot be compared with a measurement".to_owned()))?;
         let scale = self.scale(text.unit.as_deref(), variable).map_err(at)?;
         let probe = Probe {
             name: variable.name.clone(),
-            reference: variable.value_reference,
-            storage,
+            handle,
             statistic: text.statistic,
         };
         Ok((probe, scale))

@@ -3,8 +3,8 @@
 use std::ops::Range;
 
 use super::{Runner, feed, ramp};
-use crate::fmu::{Call, Instance};
 use crate::task::CommunicationPoints;
+use fmu_import::{Call, Instance};
 
 impl Runner {
     /// Takes some of the steps.

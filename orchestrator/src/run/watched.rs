@@ -1,8 +1,8 @@
 //! Real variables whose statistics are taken while a point runs.
 
-use crate::fmu::{Call, Instance};
 use crate::statistics::Accumulator;
 use crate::task::Task;
+use fmu_import::{Call, Instance};
 
 /// Real variables that are read in one call.
 #[derive(Debug)]
@@ -27,7 +27,7 @@ impl Watched {
         let (values, steps) = Self::GATHERED;
         let steps = (values / probes.len().max(1)).clamp(1, steps);
         Self {
-            references: observed().map(|probe| probe.reference).collect(),
+            references: observed().map(|probe| probe.handle.reference).collect(),
             values: vec![0.0; steps * probes.len()],
             elapsed: vec![0.0; steps],
             accumulators: observed()

@@ -6,19 +6,18 @@ mod request;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use sha2::{Digest, Sha256};
 use tempfile::TempDir;
 use thiserror::Error;
 
 use crate::engine::crew::{Crew, Place};
 use crate::engine::{EngineError, Job, Worker};
-use crate::fmu::{FmuError, Package, hexadecimal};
 use crate::judge::Judge;
 use crate::results::journal::{Finished, Header};
 use crate::results::{Journal, Outcome, ResultsError};
 use crate::source::{Source, TableError};
 use crate::study::plan::Plan;
 use crate::study::{Study, StudyError};
+use fmu_import::{FmuError, Package, digest};
 
 pub use finale::{FileSet, provenance};
 pub use request::{Request, Shard};
@@ -81,7 +80,7 @@ impl Session {
             Some(path) => {
                 let source = Source::from_table(&study, &plan.inputs, path)?;
                 let bytes = fs::read(path).map_err(ResultsError::io(path))?;
-                (source, Some(hexadecimal(&Sha256::digest(&bytes))))
+                (source, Some(digest(&bytes)))
             }
             None => {
                 let design = plan.design(&study.design);

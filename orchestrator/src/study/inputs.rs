@@ -2,10 +2,10 @@
 
 use super::quantity::Scale;
 use super::{Name, Recording, Study, StudyError};
-use crate::fmu::Description;
 use crate::source::Table;
 use crate::study::plan::{find, slot_of};
-use crate::task::{Schedule, Series, Slot, Storage};
+use crate::task::{Schedule, Series, Slot};
+use fmu_import::{Content, Description};
 
 /// The recordings of a study for an FMU.
 pub(super) fn series(
@@ -74,7 +74,7 @@ pub(super) fn series(
 fn can_ramp(recording: &Recording, fmu: &Description, slot: &Slot) -> Result<(), String> {
     let why = if recording.hold {
         "hold keeps the value between rows"
-    } else if slot.storage != Storage::Real {
+    } else if slot.handle.content != Content::Real {
         "the variable is not a Real"
     } else if !fmu.capabilities.can_interpolate_inputs {
         "the FMU does not interpolate inputs (canInterpolateInputs)"

@@ -25,8 +25,8 @@ use toml::Spanned;
 pub use error::StudyError;
 pub use quantity::Quantity;
 
-use crate::fmu::hexadecimal;
 use error::Place;
+use fmu_import::digest;
 
 /// A name with its place in the file.
 pub type Name = Spanned<String>;
@@ -369,14 +369,14 @@ impl Study {
     /// The SHA-256 digest of the study's text, and of the inputs and parameter sets that it names, as
     /// hexadecimal digits.
     pub fn digest(&self) -> String {
-        let mut digest = Sha256::new_with_prefix(self.text.as_bytes());
+        let mut bytes = self.text.clone().into_bytes();
         let inputs = self.inputs.values().map(|input| &input.file);
         for file in inputs.chain(&self.fixed_from) {
             // One that cannot be read is an error elsewhere.
             let content = std::fs::read(self.beside(file.as_ref())).unwrap_or_default();
-            digest.update(Sha256::digest(&content));
+            bytes.extend(Sha256::digest(&content));
         }
-        hexadecimal(&digest.finalize())
+        digest(&bytes)
     }
 
     /// The study's text.

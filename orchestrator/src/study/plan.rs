@@ -8,9 +8,9 @@ use super::{Name, Parameter, Setting, Study, StudyError, inputs, points, ssv};
 use crate::design::correlation::Correlation;
 use crate::design::{self, Design};
 use crate::distribution::Distribution;
-use crate::fmu::{Description, Value, Variable};
-use crate::task::{Probe, Schedule, Slot, Storage, Task};
-use crate::units::Conversion;
+use crate::task::{Probe, Schedule, Slot, Task};
+use fmu_import::units::Conversion;
+use fmu_import::{Description, Value, Variable};
 
 pub use super::values::{find, slot_of, value_of};
 
@@ -159,14 +159,14 @@ impl Binder<'_> {
         let bind = |criterion: &super::Criterion| {
             let variable = self.variable(&criterion.variable)?;
             let at = |message| self.study.error_at(&criterion.variable, message);
-            let storage = Storage::of(variable)
+            let handle = variable
+                .number_handle()
                 .ok_or_else(|| at("a text cannot be compared with a measurement".to_owned()))?;
             let unit = criterion.unit.as_deref();
             let scale = Scale::new(unit, self.fmu, variable).map_err(at)?;
             let probe = Probe {
                 name: variable.name.clone(),
-                reference: variable.value_reference,
-                storage,
+                handle,
                 statistic: criterion.statistic,
             };
             Ok((scale.conversion.inverse(), probe))

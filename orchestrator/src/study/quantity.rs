@@ -5,8 +5,8 @@ use std::fmt;
 use serde::de::{self, Deserializer, Visitor};
 use serde::{Deserialize, Serialize};
 
-use crate::fmu::{Description, Variable};
-use crate::units::{Conversion, split};
+use fmu_import::units::{Conversion, split};
+use fmu_import::{Description, Variable};
 
 /// A number in the unit of its table, or a number with a unit of its own.
 #[derive(Clone, Debug, PartialEq)]

@@ -10,7 +10,7 @@ use thiserror::Error;
 
 use super::Setting;
 use super::plan::{find, value_of};
-use crate::fmu::{Description, Kind, Value, Variable};
+use fmu_import::{Description, Kind, Value, Variable};
 
 /// Why a parameter set cannot be used.
 #[derive(Debug, Error)]
@@ -315,8 +315,8 @@ mod tests {
                 line: 1,
                 value_reference: 1,
                 description: None,
-                causality: crate::fmu::Causality::Parameter,
-                variability: crate::fmu::Variability::Fixed,
+                causality: fmu_import::Causality::Parameter,
+                variability: fmu_import::Variability::Fixed,
                 kind: Kind::String { start: None },
             };
             let values = [(&variable, Value::String(text.clone()))];

@@ -2,9 +2,9 @@
 
 use super::Setting;
 use super::quantity::{Quantity, Scale, Sense};
-use crate::fmu::{Description, Kind, Value, Variability, Variable};
-use crate::names::did_you_mean;
-use crate::task::{Slot, Storage};
+use crate::names::{did_you_mean, nearest};
+use crate::task::Slot;
+use fmu_import::{Description, Kind, Value, Variability, Variable};
 
 /// The variable of this name.
 ///
@@ -12,7 +12,7 @@ use crate::task::{Slot, Storage};
 /// Suggests the nearest name.
 pub fn find<'a>(fmu: &'a Description, name: &str) -> Result<&'a Variable, String> {
     fmu.variables.get(name).ok_or_else(|| {
-        let suggestion = did_you_mean(fmu.nearest(name));
+        let suggestion = did_you_mean(nearest(name, fmu.variables.keys().map(String::as_str)));
         format!("the FMU has no variable `{name}`{suggestion}")
     })
 }
@@ -32,12 +32,13 @@ fn limits(variable: &Variable) -> (Option<f64>, Option<f64>) {
 /// When it cannot be set, or is a text.
 pub fn slot_of(variable: &Variable) -> Result<Slot, String> {
     settable(variable)?;
-    let storage = Storage::of(variable).ok_or("a text cannot vary; set it under [fixed]")?;
+    let handle = variable
+        .number_handle()
+        .ok_or("a text cannot vary; set it under [fixed]")?;
     let (min, max) = limits(variable);
     Ok(Slot {
         name: variable.name.clone(),
-        reference: variable.value_reference,
-        storage,
+        handle,
         min,
         max,
     })

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
-use crate::fmu::Description;
+use fmu_import::Description;
 
 /// The times of a simulation, s.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -5,8 +5,8 @@ use std::collections::HashSet;
 use object::{Architecture, BinaryFormat, NameOrOrdinal, Object};
 
 use super::structure::short;
-use crate::fmu::archive::PLATFORM;
-use crate::fmu::{FmuError, Package};
+use fmu_import::archive::PLATFORM;
+use fmu_import::{FmuError, Package};
 
 /// What is wrong with the files, and whether this machine's binary is among it.
 pub(super) struct Found {

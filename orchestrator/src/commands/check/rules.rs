@@ -1,8 +1,8 @@
 //! What a model description says that cannot be right.
 
-use crate::fmu::description::{DefaultExperiment, Kind};
-use crate::fmu::{Description, Variable};
-use crate::units::Units;
+use fmu_import::description::{DefaultExperiment, Kind};
+use fmu_import::units::Units;
+use fmu_import::{Description, Variable};
 
 /// All that is wrong in a model description by itself.
 pub(super) fn broken(fmu: &Description) -> Vec<String> {

@@ -1,9 +1,8 @@
-//! Calls of an FMU: what they return, and the values that they pass.
+//! Calls of an FMU that did not succeed.
 
 use std::ffi::c_int;
 use std::fmt;
 
-use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 /// The status that a function of FMI 2.0 returns.
@@ -67,17 +66,4 @@ impl Call {
             None => format!("{} failed without a message", self.function),
         }
     }
-}
-
-/// A value of a variable.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Value {
-    /// A real number, in the variable's unit.
-    Real(f64),
-    /// A whole number, or an item of an enumeration.
-    Integer(i32),
-    /// Yes or no.
-    Boolean(bool),
-    /// A text.
-    String(String),
 }

@@ -1,22 +1,4 @@
-//! Functional Mock-up Units of FMI 2.0 for Co-Simulation, as an importer sees them.
-//!
-//! - [`archive`] finds and unpacks the file, trusting nothing in it;
-//! - [`description`] is what `modelDescription.xml` says, read tolerantly;
-//! - [`library`] is the binary: its functions, loaded once and never unloaded;
-//! - [`instance`] is one simulation of it, by [`call`]s.
-//!
-//! A [`Package`] is an FMU at rest. It loads no code until [`Package::load`] is called, so a
-//! process that only reads descriptions cannot be brought down by a faulty binary.
-
-pub mod archive;
-pub mod call;
-mod decode;
-pub mod description;
-pub mod instance;
-pub mod library;
-mod logger;
-mod parse;
-mod state;
+//! An FMU at rest: its description, and its files.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -26,15 +8,11 @@ use sha2::{Digest, Sha256};
 use tempfile::TempDir;
 use thiserror::Error;
 
-pub use archive::ArchiveError;
-pub use call::{Call, Status, Value};
-pub use description::{Causality, Description, Kind, Variability, Variable};
-pub use instance::Instance;
-pub use library::{Library, LibraryError};
-pub use parse::DescriptionError;
-pub use state::State;
-
-use archive::Archive;
+use crate::archive::{Archive, ArchiveError};
+use crate::decode;
+use crate::description::Description;
+use crate::library::{Library, LibraryError};
+use crate::parse::{self, DescriptionError};
 
 /// Why an FMU cannot be used.
 #[derive(Debug, Error)]
@@ -176,7 +154,7 @@ impl Package {
             path: self.path.clone(),
             source,
         })?;
-        Ok(hexadecimal(&Sha256::digest(&bytes)))
+        Ok(digest(&bytes))
     }
 
     /// Unpacks what a simulation on this platform needs, once, into a new folder within `parent`,
@@ -220,10 +198,11 @@ impl Package {
     }
 }
 
-/// Bytes as lower-case hexadecimal digits.
-pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
+/// The SHA-256 digest of bytes as lower-case hexadecimal digits: what tells two files apart.
+pub fn digest(bytes: &[u8]) -> String {
     use std::fmt::Write;
-    bytes.iter().fold(String::new(), |mut text, byte| {
+    let digest = Sha256::digest(bytes);
+    digest.iter().fold(String::new(), |mut text, byte| {
         let _ = write!(text, "{byte:02x}");
         text
     })

@@ -4,6 +4,7 @@ use indexmap::IndexMap;
 use serde::Serialize;
 
 use crate::units::{Conversion, UnitError, Units};
+use crate::value::{Content, Handle};
 
 /// A model description of FMI 2.0 for Co-Simulation.
 #[derive(Clone, Debug, Default, Serialize)]
@@ -193,14 +194,19 @@ impl Description {
             .values()
             .filter(move |variable| variable.causality == causality)
     }
-
-    /// The name that looks most like `name`, if any comes close.
-    pub fn nearest(&self, name: &str) -> Option<&str> {
-        crate::names::nearest(name, self.variables.keys().map(String::as_str))
-    }
 }
 
 impl Kind {
+    /// How the binary stores values of this type.
+    pub fn content(&self) -> Content {
+        match self {
+            Self::Real { .. } => Content::Real,
+            Self::Integer { .. } | Self::Enumeration { .. } => Content::Integer,
+            Self::Boolean { .. } => Content::Boolean,
+            Self::String { .. } => Content::Text,
+        }
+    }
+
     /// The start value as a number, where there is one.
     pub fn start(&self) -> Option<f64> {
         match self {
@@ -222,6 +228,19 @@ impl Kind {
 }
 
 impl Variable {
+    /// How calls reach it.
+    pub fn handle(&self) -> Handle {
+        Handle {
+            reference: self.value_reference,
+            content: self.kind.content(),
+        }
+    }
+
+    /// The same where its values are numbers; a text is none.
+    pub fn number_handle(&self) -> Option<Handle> {
+        Some(self.handle()).filter(|handle| handle.content != Content::Text)
+    }
+
     /// The name of its unit, where it has one.
     pub fn unit(&self) -> Option<&str> {
         match &self.kind {

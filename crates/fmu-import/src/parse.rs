@@ -10,8 +10,8 @@ use std::str::FromStr;
 use roxmltree::{Document, Node, ParsingOptions};
 use thiserror::Error;
 
-use super::decode::{self, decode};
-use super::description::{
+use crate::decode::{self, decode};
+use crate::description::{
     Capabilities, Causality, DefaultExperiment, Description, Kind, Variability, Variable,
 };
 use crate::units::{BaseUnit, DisplayUnit, Unit, Units};
@@ -50,7 +50,7 @@ pub enum DescriptionError {
 }
 
 /// The document of a model description.
-pub(super) fn document(text: &str) -> Result<Document<'_>, DescriptionError> {
+pub(crate) fn document(text: &str) -> Result<Document<'_>, DescriptionError> {
     let options = ParsingOptions {
         nodes_limit: MAX_NODES,
         ..ParsingOptions::default()
@@ -59,7 +59,7 @@ pub(super) fn document(text: &str) -> Result<Document<'_>, DescriptionError> {
 }
 
 /// Reads a model description.
-pub(super) fn description(bytes: &[u8]) -> Result<Description, DescriptionError> {
+pub(crate) fn description(bytes: &[u8]) -> Result<Description, DescriptionError> {
     let text = decode(bytes);
     let document = document(&text)?;
     let root = document.root_element();

@@ -3,15 +3,15 @@
 #include <stdarg.h>
 #include <stdio.h>
 
-void orchestrator_log(void *environment, const char *instance, int status, const char *category,
+void fmu_import_log(void *environment, const char *instance, int status, const char *category,
                       const char *message);
 
-void orchestrator_logger(void *environment, const char *instance, int status, const char *category,
+void fmu_import_logger(void *environment, const char *instance, int status, const char *category,
                          const char *format, ...) {
     char text[2048];
     va_list arguments;
     va_start(arguments, format);
     int length = format ? vsnprintf(text, sizeof text, format, arguments) : 0;
     va_end(arguments);
-    orchestrator_log(environment, instance, status, category, length > 0 ? text : "");
+    fmu_import_log(environment, instance, status, category, length > 0 ? text : "");
 }

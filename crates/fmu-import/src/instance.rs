@@ -3,25 +3,27 @@
 use std::ffi::{CString, c_char, c_int, c_void};
 use std::ptr;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
-use super::Library;
-use super::call::{Call, Status, Value};
-use super::library::{Callbacks, Component, Functions};
-use super::logger::{Log, orchestrator_logger};
-use crate::task::{Column, Content};
+use crate::call::{Call, Status};
+use crate::library::{Callbacks, Component, Functions, Library};
+use crate::logger::{Log, fmu_import_logger};
+use crate::value::{Content, Handle, Value};
 
 /// One instance. It may move between threads, but only one at a time may use it.
 #[derive(Debug)]
 pub struct Instance {
+    /// Unlike that of every other instance of this process: a state says with it whose it is.
+    pub(crate) number: u64,
     library: Arc<Library>,
     /// The library's, close at hand.
-    pub(super) functions: Functions,
-    pub(super) component: Component,
+    pub(crate) functions: Functions,
+    pub(crate) component: Component,
     // Both are known to the FMU by address: they must outlive the component.
-    pub(super) log: Box<Log>,
+    pub(crate) log: Box<Log>,
     _callbacks: Box<Callbacks>,
-    pub(super) dead: bool,
+    pub(crate) dead: bool,
 }
 
 // SAFETY: FMI 2.0 ties an instance to no thread; it only forbids concurrent calls, which `&mut self`
@@ -38,7 +40,7 @@ impl Instance {
     pub fn new(library: &Arc<Library>, name: &str) -> Result<Self, Call> {
         let log = Box::new(Log::default());
         let callbacks = Box::new(Callbacks {
-            logger: orchestrator_logger,
+            logger: fmu_import_logger,
             allocate_memory: libc::calloc,
             free_memory: libc::free,
             step_finished,
@@ -67,7 +69,9 @@ impl Instance {
                 message: log.last(),
             });
         }
+        static CREATED: AtomicU64 = AtomicU64::new(0);
         let mut instance = Self {
+            number: CREATED.fetch_add(1, Ordering::Relaxed),
             library: Arc::clone(library),
             functions: library.functions,
             component,
@@ -101,7 +105,7 @@ impl Instance {
     }
 
     #[inline]
-    pub(super) fn check(&mut self, function: &'static str, status: c_int) -> Result<(), Call> {
+    pub(crate) fn check(&mut self, function: &'static str, status: c_int) -> Result<(), Call> {
         match status {
             // Ok and warning.
             0 | 1 => Ok(()),
@@ -120,7 +124,7 @@ impl Instance {
     }
 
     /// A call of the optional function `function`, which some FMUs leave out.
-    pub(super) fn missing(function: &'static str) -> Call {
+    pub(crate) fn missing(function: &'static str) -> Call {
         Call {
             function,
             status: Status::Error,
@@ -290,9 +294,9 @@ impl Instance {
     ///
     /// # Errors
     /// When the FMU refuses.
-    pub fn value(&mut self, column: &Column) -> Result<Value, Call> {
-        let reference = column.reference;
-        Ok(match column.content {
+    pub fn value(&mut self, handle: Handle) -> Result<Value, Call> {
+        let reference = handle.reference;
+        Ok(match handle.content {
             Content::Real => {
                 let mut value = [0.0];
                 self.reals(&[reference], &mut value)?;

@@ -10,7 +10,7 @@ const KEPT: usize = 32;
 
 /// The last messages of one instance.
 #[derive(Debug, Default)]
-pub(super) struct Log {
+pub(crate) struct Log {
     messages: Mutex<VecDeque<(i32, String)>>,
 }
 
@@ -24,13 +24,13 @@ impl Log {
     }
 
     /// Forgets all messages.
-    pub(super) fn clear(&self) {
+    pub(crate) fn clear(&self) {
         let mut messages = self.messages.lock().unwrap_or_else(PoisonError::into_inner);
         messages.clear();
     }
 
     /// The last message of an error, or else the last message at all.
-    pub(super) fn last(&self) -> Option<String> {
+    pub(crate) fn last(&self) -> Option<String> {
         let messages = self.messages.lock().unwrap_or_else(PoisonError::into_inner);
         let error = messages.iter().rev().find(|(status, _)| *status >= 3);
         error
@@ -41,12 +41,12 @@ impl Log {
 
 unsafe extern "C" {
     /// The C-variadic callback of `logger.c`; only its address is used here.
-    pub(super) fn orchestrator_logger();
+    pub(crate) fn fmu_import_logger();
 }
 
 /// Takes a formatted message from `logger.c`.
 #[unsafe(no_mangle)]
-extern "C" fn orchestrator_log(
+extern "C" fn fmu_import_log(
     environment: *const c_void,
     _instance: *const c_char,
     status: c_int,

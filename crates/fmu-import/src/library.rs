@@ -9,8 +9,8 @@ use std::path::{Path, PathBuf};
 use libloading::Library as Loaded;
 use thiserror::Error;
 
-use super::Description;
-use super::archive;
+use crate::archive;
+use crate::description::Description;
 
 /// Why a binary cannot be loaded.
 #[derive(Debug, Error)]
@@ -31,7 +31,7 @@ pub enum LibraryError {
     Folder(PathBuf),
 }
 
-pub(super) type Component = *mut c_void;
+pub(crate) type Component = *mut c_void;
 type Get<T> = unsafe extern "C" fn(Component, *const u32, usize, *mut T) -> c_int;
 type Set<T> = unsafe extern "C" fn(Component, *const u32, usize, *const T) -> c_int;
 /// `fmi2GetFMUstate` and `fmi2FreeFMUstate`.
@@ -45,18 +45,18 @@ type Plain = unsafe extern "C" fn(Component) -> c_int;
 /// The struct `fmi2CallbackFunctions`.
 #[repr(C)]
 #[derive(Debug)]
-pub(super) struct Callbacks {
-    pub(super) logger: unsafe extern "C" fn(),
-    pub(super) allocate_memory: unsafe extern "C" fn(usize, usize) -> *mut c_void,
-    pub(super) free_memory: unsafe extern "C" fn(*mut c_void),
-    pub(super) step_finished: unsafe extern "C" fn(*mut c_void, c_int),
-    pub(super) environment: *const c_void,
+pub(crate) struct Callbacks {
+    pub(crate) logger: unsafe extern "C" fn(),
+    pub(crate) allocate_memory: unsafe extern "C" fn(usize, usize) -> *mut c_void,
+    pub(crate) free_memory: unsafe extern "C" fn(*mut c_void),
+    pub(crate) step_finished: unsafe extern "C" fn(*mut c_void, c_int),
+    pub(crate) environment: *const c_void,
 }
 
 /// The functions of FMI 2.0 for Co-Simulation that an importer calls.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Functions {
-    pub(super) instantiate: unsafe extern "C" fn(
+pub(crate) struct Functions {
+    pub(crate) instantiate: unsafe extern "C" fn(
         *const c_char,
         c_int,
         *const c_char,
@@ -65,48 +65,47 @@ pub(super) struct Functions {
         c_int,
         c_int,
     ) -> Component,
-    pub(super) free_instance: unsafe extern "C" fn(Component),
-    pub(super) set_debug_logging:
+    pub(crate) free_instance: unsafe extern "C" fn(Component),
+    pub(crate) set_debug_logging:
         Option<unsafe extern "C" fn(Component, c_int, usize, *const *const c_char) -> c_int>,
-    pub(super) setup_experiment:
+    pub(crate) setup_experiment:
         unsafe extern "C" fn(Component, c_int, f64, f64, c_int, f64) -> c_int,
-    pub(super) enter_initialization_mode: Plain,
-    pub(super) exit_initialization_mode: Plain,
-    pub(super) terminate: Option<Plain>,
-    pub(super) reset: Option<Plain>,
+    pub(crate) enter_initialization_mode: Plain,
+    pub(crate) exit_initialization_mode: Plain,
+    pub(crate) terminate: Option<Plain>,
+    pub(crate) reset: Option<Plain>,
     /// To get, set and free a state, where the FMU can.
-    pub(super) states: Option<(TakeState, PutState, TakeState)>,
-    pub(super) get_real: Get<f64>,
-    pub(super) get_integer: Get<c_int>,
-    pub(super) get_boolean: Get<c_int>,
-    pub(super) get_string: Option<Get<*const c_char>>,
-    pub(super) set_real: Set<f64>,
-    pub(super) set_integer: Set<c_int>,
-    pub(super) set_boolean: Set<c_int>,
-    pub(super) set_string: Option<Set<*const c_char>>,
+    pub(crate) states: Option<(TakeState, PutState, TakeState)>,
+    pub(crate) get_real: Get<f64>,
+    pub(crate) get_integer: Get<c_int>,
+    pub(crate) get_boolean: Get<c_int>,
+    pub(crate) get_string: Option<Get<*const c_char>>,
+    pub(crate) set_real: Set<f64>,
+    pub(crate) set_integer: Set<c_int>,
+    pub(crate) set_boolean: Set<c_int>,
+    pub(crate) set_string: Option<Set<*const c_char>>,
     /// To set the rates of inputs, where the FMU interpolates them.
-    pub(super) set_slopes: Option<SetSlopes>,
-    pub(super) do_step: unsafe extern "C" fn(Component, f64, f64, c_int) -> c_int,
-    pub(super) get_status: Option<unsafe extern "C" fn(Component, c_int, *mut c_int) -> c_int>,
-    pub(super) get_boolean_status:
+    pub(crate) set_slopes: Option<SetSlopes>,
+    pub(crate) do_step: unsafe extern "C" fn(Component, f64, f64, c_int) -> c_int,
+    pub(crate) get_status: Option<unsafe extern "C" fn(Component, c_int, *mut c_int) -> c_int>,
+    pub(crate) get_boolean_status:
         Option<unsafe extern "C" fn(Component, c_int, *mut c_int) -> c_int>,
 }
 
 /// A loaded binary.
 #[derive(Debug)]
 pub struct Library {
-    pub(super) functions: Functions,
-    pub(super) guid: String,
-    pub(super) resources: String,
-    pub(super) error_categories: Vec<String>,
+    pub(crate) functions: Functions,
+    pub(crate) guid: String,
+    pub(crate) resources: String,
+    pub(crate) error_categories: Vec<String>,
     name: String,
-    /// Whether the process can hold one instance only.
-    pub(crate) once: bool,
+    once: bool,
 }
 
 impl Library {
     /// Loads the binary of an unpacked FMU.
-    pub(super) fn load(folder: &Path, description: &Description) -> Result<Self, LibraryError> {
+    pub(crate) fn load(folder: &Path, description: &Description) -> Result<Self, LibraryError> {
         let resources = uri(&folder.join("resources"))?;
         let mut functions = functions(&archive::binary(folder, &description.model_identifier))?;
         // Some FMUs export what they cannot do.
@@ -132,6 +131,11 @@ impl Library {
             error_categories,
             name: description.model_name.clone(),
         })
+    }
+
+    /// Whether a process can hold one instance of it only, as the description says.
+    pub fn is_for_one_instance(&self) -> bool {
+        self.once
     }
 
     /// The model's name.

@@ -136,7 +136,7 @@ fn available(platforms: &[String]) -> String {
 
 /// An FMU's files.
 #[derive(Debug)]
-pub(super) enum Archive {
+pub(crate) enum Archive {
     Folder(PathBuf),
     Zip {
         path: PathBuf,
@@ -145,7 +145,7 @@ pub(super) enum Archive {
 }
 
 impl Archive {
-    pub(super) fn open(path: &Path) -> Result<Self, ArchiveError> {
+    pub(crate) fn open(path: &Path) -> Result<Self, ArchiveError> {
         let metadata = fs::metadata(path).map_err(|error| match error.kind() {
             io::ErrorKind::NotFound => ArchiveError::Missing,
             _ => ArchiveError::Io(error),
@@ -169,7 +169,7 @@ impl Archive {
     }
 
     /// The bytes of `modelDescription.xml`.
-    pub(super) fn description(&mut self) -> Result<Vec<u8>, ArchiveError> {
+    pub(crate) fn description(&mut self) -> Result<Vec<u8>, ArchiveError> {
         let mut bytes = Vec::new();
         match self {
             Self::Folder(path) => {
@@ -201,7 +201,7 @@ impl Archive {
     }
 
     /// The names of the files.
-    pub(super) fn entries(&self) -> Vec<String> {
+    pub(crate) fn entries(&self) -> Vec<String> {
         match self {
             Self::Folder(path) => files_below(path, path),
             // Not by the zip's own order of names: what could not be unpacked is to be seen, too.
@@ -214,7 +214,7 @@ impl Archive {
     }
 
     /// The content of one file.
-    pub(super) fn bytes_of(&mut self, entry: &str) -> Result<Vec<u8>, ArchiveError> {
+    pub(crate) fn bytes_of(&mut self, entry: &str) -> Result<Vec<u8>, ArchiveError> {
         let bytes = match self {
             Self::Folder(path) => {
                 let mut bytes = Vec::new();
@@ -237,14 +237,14 @@ impl Archive {
     }
 
     /// What identifies the content: the whole file, or the description of a folder.
-    pub(super) fn bytes(&self) -> Result<Vec<u8>, ArchiveError> {
+    pub(crate) fn bytes(&self) -> Result<Vec<u8>, ArchiveError> {
         Ok(match self {
             Self::Folder(path) => fs::read(path.join(DESCRIPTION))?,
             Self::Zip { path, .. } => fs::read(path)?,
         })
     }
 
-    pub(super) fn folder(&self) -> Option<&Path> {
+    pub(crate) fn folder(&self) -> Option<&Path> {
         match self {
             Self::Folder(path) => Some(path),
             Self::Zip { .. } => None,
@@ -252,7 +252,7 @@ impl Archive {
     }
 
     /// The platforms with a binary of this model, sorted.
-    pub(super) fn platforms(&self, identifier: &str) -> Vec<String> {
+    pub(crate) fn platforms(&self, identifier: &str) -> Vec<String> {
         let mut platforms: Vec<String> = match self {
             Self::Folder(path) => folder_platforms(&path.join("binaries"), identifier),
             Self::Zip { zip, .. } => zip
@@ -267,7 +267,7 @@ impl Archive {
 
     /// Unpacks the description, this platform's binaries and the resources into a new folder
     /// within `parent`.
-    pub(super) fn unpack(
+    pub(crate) fn unpack(
         &mut self,
         identifier: &str,
         parent: &Path,
@@ -294,7 +294,7 @@ fn content(zip: &mut ZipArchive<File>, entry: &str, most: u64) -> Result<Vec<u8>
 }
 
 /// The path of the binary below an unpacked FMU.
-pub(super) fn binary(folder: &Path, identifier: &str) -> PathBuf {
+pub(crate) fn binary(folder: &Path, identifier: &str) -> PathBuf {
     folder
         .join("binaries")
         .join(PLATFORM)

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 /// The text of the bytes: UTF-8 unless a byte-order mark, the XML declaration or the bytes
 /// themselves say that it is UTF-16 or Latin-1.
-pub(super) fn decode(bytes: &[u8]) -> Cow<'_, str> {
+pub(crate) fn decode(bytes: &[u8]) -> Cow<'_, str> {
     let utf16 = |decode: fn([u8; 2]) -> u16| {
         let units = bytes[2..]
             .chunks_exact(2)
@@ -36,7 +36,7 @@ fn declared_latin(bytes: &[u8]) -> bool {
 }
 
 /// The line in which bytes stop to be the UTF-8 that they are declared to be.
-pub(super) fn misread(bytes: &[u8]) -> Option<usize> {
+pub(crate) fn misread(bytes: &[u8]) -> Option<usize> {
     if matches!(bytes, [0xff, 0xfe, ..] | [0xfe, 0xff, ..]) || declared_latin(bytes) {
         return None;
     }

@@ -1,0 +1,24 @@
+#![doc = include_str!("../README.md")]
+
+pub mod archive;
+pub mod call;
+mod decode;
+pub mod description;
+pub mod instance;
+pub mod library;
+mod logger;
+pub mod package;
+mod parse;
+pub mod state;
+pub mod units;
+pub mod value;
+
+pub use archive::ArchiveError;
+pub use call::{Call, Status};
+pub use description::{Causality, Description, Kind, Variability, Variable};
+pub use instance::Instance;
+pub use library::{Library, LibraryError};
+pub use package::{FmuError, Package, digest};
+pub use parse::DescriptionError;
+pub use state::{State, StateError};
+pub use value::{Content, Handle, Value};

@@ -1,0 +1,94 @@
+//! Values of variables, and how the binary stores them.
+
+use serde::{Deserialize, Serialize};
+
+/// A value of a variable.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Value {
+    /// A real number, in the variable's unit.
+    Real(f64),
+    /// A whole number, or an item of an enumeration.
+    Integer(i32),
+    /// Yes or no.
+    Boolean(bool),
+    /// A text.
+    String(String),
+}
+
+/// How the binary stores a variable's values. An enumeration's items are stored as integers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Content {
+    /// A real number.
+    Real,
+    /// A whole number or an item of an enumeration.
+    Integer,
+    /// Yes or no.
+    Boolean,
+    /// A text.
+    Text,
+}
+
+/// The handle by which calls reach a variable: its value reference, and what is stored there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Handle {
+    /// The value reference.
+    pub reference: u32,
+    /// How its values are stored.
+    pub content: Content,
+}
+
+impl Content {
+    /// A number as a value of this content: a whole number is rounded, 0.5 and more is yes.
+    #[allow(clippy::cast_possible_truncation)]
+    pub fn value(self, number: f64) -> Value {
+        match self {
+            Self::Real => Value::Real(number),
+            // A cast of a float saturates.
+            Self::Integer => Value::Integer(number.round() as i32),
+            Self::Boolean => Value::Boolean(number >= 0.5),
+            Self::Text => Value::String(number.to_string()),
+        }
+    }
+}
+
+impl Value {
+    /// How the binary stores it.
+    pub fn content(&self) -> Content {
+        match self {
+            Self::Real(_) => Content::Real,
+            Self::Integer(_) => Content::Integer,
+            Self::Boolean(_) => Content::Boolean,
+            Self::String(_) => Content::Text,
+        }
+    }
+
+    /// The value as a number, yes as 1. A text is not a number.
+    pub fn number(&self) -> f64 {
+        match self {
+            Self::Real(value) => *value,
+            Self::Integer(value) => f64::from(*value),
+            Self::Boolean(yes) => f64::from(u8::from(*yes)),
+            Self::String(_) => f64::NAN,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_become_values_and_back() {
+        for (content, number, back) in [
+            (Content::Real, 0.3, 0.3),
+            (Content::Integer, 2.5, 3.0),
+            (Content::Integer, 1e300, f64::from(i32::MAX)),
+            (Content::Boolean, 0.5, 1.0),
+            (Content::Boolean, 0.49, 0.0),
+        ] {
+            assert_eq!(content.value(number).number(), back, "{content:?} {number}");
+        }
+        assert_eq!(Content::Text.value(0.5), Value::String("0.5".to_owned()));
+        assert!(Content::Text.value(0.5).number().is_nan());
+    }
+}
