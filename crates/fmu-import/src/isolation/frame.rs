@@ -3,7 +3,7 @@
 //! An FMU may write into any open descriptor, so a reader trusts nothing: a frame that does not begin with the
 //! mark, that belongs to another exchange, or whose checksum differs is [`Broken`], and the sender is given up.
 
-use std::io::{self, Write};
+use std::io::{self, Read, Write};
 
 /// The first bytes of each frame.
 const MARK: [u8; 4] = *b"FMUf";
@@ -16,7 +16,9 @@ const LONGEST: usize = 1 << 28;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Broken {
     /// The bytes do not begin with the mark.
-    #[error("foreign bytes came instead of an answer: the FMU writes into descriptors that it did not open")]
+    #[error(
+        "foreign bytes came instead of an answer: the FMU writes into descriptors that it did not open"
+    )]
     Mark,
     /// The frame answers something else.
     #[error("an answer to another question came")]
@@ -61,7 +63,28 @@ pub fn take(arrived: &mut Vec<u8>, ticket: u64) -> Result<Option<Vec<u8>>, Broke
     let Some(head) = arrived.first_chunk::<HEAD>() else {
         return Ok(None);
     };
-    let [_, _, _, _, t0, t1, t2, t3, t4, t5, t6, t7, l0, l1, l2, l3, c0, c1, c2, c3] = *head;
+    let [
+        _,
+        _,
+        _,
+        _,
+        t0,
+        t1,
+        t2,
+        t3,
+        t4,
+        t5,
+        t6,
+        t7,
+        l0,
+        l1,
+        l2,
+        l3,
+        c0,
+        c1,
+        c2,
+        c3,
+    ] = *head;
     if u64::from_le_bytes([t0, t1, t2, t3, t4, t5, t6, t7]) != ticket {
         return Err(Broken::Ticket);
     }
@@ -78,6 +101,75 @@ pub fn take(arrived: &mut Vec<u8>, ticket: u64) -> Result<Option<Vec<u8>>, Broke
     let payload = payload.to_vec();
     arrived.drain(..HEAD + length);
     Ok(Some(payload))
+}
+
+/// What has arrived from one sender and is not yet taken.
+#[derive(Debug)]
+pub struct Inbox<R> {
+    from: R,
+    arrived: Vec<u8>,
+    ticket: u64,
+}
+
+impl<R: Read> Inbox<R> {
+    /// Frames with this ticket.
+    pub fn new(from: R, ticket: u64) -> Self {
+        Self {
+            from,
+            arrived: Vec::new(),
+            ticket,
+        }
+    }
+
+    /// From here on, frames have another ticket.
+    pub fn expect(&mut self, ticket: u64) {
+        self.ticket = ticket;
+    }
+
+    /// Where the frames come from.
+    pub fn source(&self) -> &R {
+        &self.from
+    }
+
+    /// The next frame that has arrived whole, without reading.
+    ///
+    /// # Errors
+    /// When what has arrived is no frame.
+    pub fn arrived(&mut self) -> Result<Option<Vec<u8>>, Broken> {
+        take(&mut self.arrived, self.ticket)
+    }
+
+    /// Reads once; `false` at the end of the stream.
+    ///
+    /// # Errors
+    /// When the system says no.
+    pub fn read(&mut self) -> io::Result<bool> {
+        let mut buffer = [0; 1 << 14];
+        match self.from.read(&mut buffer) {
+            Ok(0) => Ok(false),
+            Ok(count) => {
+                self.arrived.extend_from_slice(&buffer[..count]);
+                Ok(true)
+            }
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => Ok(true),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// Waits for the next frame; `None` at the end of the stream.
+    ///
+    /// # Errors
+    /// When the system says no, and when what arrives is no frame.
+    pub fn wait(&mut self) -> io::Result<Option<Vec<u8>>> {
+        loop {
+            if let Some(payload) = self.arrived().map_err(io::Error::other)? {
+                return Ok(Some(payload));
+            }
+            if !self.read()? {
+                return Ok(None);
+            }
+        }
+    }
 }
 
 /// Covers the ticket too, so that a frame cannot be taken for another's.
