@@ -8,6 +8,7 @@ mod steps;
 mod watched;
 
 use std::sync::Arc;
+use std::time::Instant;
 
 use crate::failure::Failure;
 use crate::statistics::Accumulator;
@@ -27,11 +28,26 @@ pub struct Runner {
     trusted: bool,
     /// Whether a reset that fails is a failure.
     candid: bool,
+    /// Whether the last point failed because the FMU refused an instance.
+    refused: bool,
+    /// When the last instance was made.
+    ready: Option<Instant>,
     /// The real variables that are read at every communication point.
     watched: Watched,
     /// The numbers of the other probes that are read there.
     slow: Vec<(usize, Accumulator)>,
     results: Vec<f64>,
+}
+
+/// How a process that runs many points goes from one to the next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Habit {
+    /// One instance for all points, which is reset.
+    Reset,
+    /// An instance for each point.
+    Renew,
+    /// One instance, of which a failing reset is the next point's failure: for those who want to see what it does.
+    Candid,
 }
 
 /// How a used instance gets ready for the next point.
@@ -73,6 +89,8 @@ impl Runner {
             // Where there can be one instance only, there is none to compare with.
             trusted: library.is_for_one_instance(),
             candid: false,
+            refused: false,
+            ready: None,
             library,
             watched: Watched::new(&task, probes),
             slow: slow
@@ -84,11 +102,58 @@ impl Runner {
         }
     }
 
-    /// The same, but a reset is taken at its word, and its failure is the next point's.
-    pub fn candid(mut self) -> Self {
+    /// The same, but instances are used again in a way that others compare with fresh processes.
+    pub fn with_habit(mut self, habit: Habit) -> Self {
         self.trusted = true;
-        self.candid = true;
+        self.candid = habit == Habit::Candid;
+        if habit == Habit::Renew {
+            self.reuse = Reuse::Never;
+        }
         self
+    }
+
+    /// Whether the last point failed because the FMU refused an instance, such as for want of a licence.
+    pub fn was_refused(&self) -> bool {
+        self.refused
+    }
+
+    /// When the last instance was made.
+    pub fn ready(&self) -> Option<Instant> {
+        self.ready
+    }
+
+    /// Simulates one point on an instance of its own, which is ended only after `tell` has got the answer:
+    /// what the FMU does at its end costs no result.
+    pub fn alone(&mut self, values: &[f64], tell: impl FnOnce(&Self, Result<&[f64], &Failure>)) {
+        let begun = self.allow(values).and_then(|()| self.prepared());
+        let mut held = match begun {
+            Ok(held) => held,
+            Err(failure) => return tell(self, Err(&failure)),
+        };
+        let simulated = self.simulate(&mut held.instance, values);
+        let failed = simulated.is_err();
+        let simulated = simulated.map_err(|call| Failure::from_call(&call));
+        match simulated.and_then(|()| self.finite()) {
+            Ok(()) => tell(self, Ok(&self.results)),
+            Err(failure) => tell(self, Err(&failure)),
+        }
+        if !failed {
+            held.instance.terminate();
+        }
+    }
+
+    /// Refuses values that the FMU's description does not allow.
+    fn allow(&self, values: &[f64]) -> Result<(), Failure> {
+        let mut slots = self.task.varied.iter().zip(values);
+        slots.try_for_each(|(slot, &value)| slot.check(value).map_err(Failure::OutOfRange))
+    }
+
+    /// Refuses results that are no numbers.
+    fn finite(&self) -> Result<(), Failure> {
+        match self.results.iter().position(|value| !value.is_finite()) {
+            Some(index) => Err(Failure::NotFinite(self.task.observed[index].name.clone())),
+            None => Ok(()),
+        }
     }
 
     /// Simulates one point. The values are in the FMU's units, one for each of
@@ -97,9 +162,8 @@ impl Runner {
     /// # Errors
     /// When a value is not allowed, or the simulation fails.
     pub fn run(&mut self, values: &[f64]) -> Result<&[f64], Failure> {
-        for (slot, &value) in self.task.varied.iter().zip(values) {
-            slot.check(value).map_err(Failure::OutOfRange)?;
-        }
+        self.refused = false;
+        self.allow(values)?;
         let held = self.prepared()?;
         let compare = held.reused && !self.trusted;
         let outcome = self.once(held, values);
@@ -108,11 +172,8 @@ impl Runner {
         } else {
             outcome?;
         }
-        let bad = self.results.iter().position(|value| !value.is_finite());
-        match bad {
-            Some(index) => Err(Failure::NotFinite(self.task.observed[index].name.clone())),
-            None => Ok(&self.results),
-        }
+        self.finite()?;
+        Ok(&self.results)
     }
 
     /// Simulates a point on an instance, and keeps that.
@@ -146,8 +207,8 @@ impl Runner {
         fresh
     }
 
-    /// Simulates one point and hands over the values of the given real variables at every
-    /// communication point.
+    /// Simulates one point and lets `read` see the instance at every communication point. The instance is kept
+    /// until [`end`](Self::end).
     ///
     /// # Errors
     /// As [`run`](Self::run), and what `sink` returns.
@@ -156,9 +217,7 @@ impl Runner {
         values: &[f64],
         mut read: impl FnMut(f64, &mut Instance) -> Result<(), Trouble<E>>,
     ) -> Result<(), E> {
-        for (slot, &value) in self.task.varied.iter().zip(values) {
-            slot.check(value).map_err(Failure::OutOfRange)?;
-        }
+        self.allow(values)?;
         let mut held = self.prepared()?;
         let instance = &mut held.instance;
         let schedule = self.task.schedule;
@@ -178,12 +237,18 @@ impl Runner {
         };
         match run() {
             Ok(()) => {
-                instance.terminate();
                 self.used = Some(held);
                 Ok(())
             }
             Err(Trouble::Call(call)) => Err(Failure::from_call(&call).into()),
             Err(Trouble::Other(error)) => Err(error),
+        }
+    }
+
+    /// Ends the instance of a trajectory that went to its end.
+    pub fn end(&mut self) {
+        if let Some(mut held) = self.used.take() {
+            held.instance.terminate();
         }
     }
 
@@ -216,7 +281,9 @@ impl Runner {
             drop(used);
         }
         let instance = Instance::new(&self.library, "point");
+        self.refused = instance.is_err();
         let mut instance = instance.map_err(|call| Failure::from_call(&call))?;
+        self.ready = Some(Instant::now());
         let first = match self.reuse {
             Reuse::Restore => instance.save(),
             _ => None,

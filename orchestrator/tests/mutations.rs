@@ -185,7 +185,9 @@ fn journal(folder: &Path) -> Attempt {
     }
     let header = lines::header(folder).map_err(text)?;
     let (mut journal, _) = Journal::resume(folder, &header).map_err(text)?;
-    journal.append(3, &Ok(vec![1.0])).map_err(text)
+    journal
+        .append(3, &Ok(vec![1.0]), orchestrator::engine::Separation::New)
+        .map_err(text)
 }
 
 fn table(bench: &Bench, path: &Path) -> Attempt {

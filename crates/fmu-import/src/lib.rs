@@ -5,6 +5,8 @@ pub mod call;
 mod decode;
 pub mod description;
 pub mod instance;
+#[cfg(unix)]
+pub mod isolation;
 pub mod library;
 mod logger;
 pub mod package;

@@ -5,6 +5,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use crate::engine::Isolation;
+
 /// With what and where a study is run, and what a point may use.
 #[derive(Debug, Args)]
 pub struct Means {
@@ -15,8 +17,11 @@ pub struct Means {
     #[arg(long, value_name = "J", allow_negative_numbers = true)]
     pub jobs: Option<NonZeroUsize>,
     /// Run points in this process: a little faster, but a crash of the FMU ends the run
-    #[arg(long)]
+    #[arg(long, conflicts_with = "isolation")]
     pub in_process: bool,
+    /// How points share processes
+    #[arg(long, value_enum, value_name = "HOW", default_value = "audited")]
+    pub isolation: Isolation,
     /// The longest time that a point may take, s
     #[arg(long, value_name = "T", default_value_t = 3600.0)]
     pub point_timeout: f64,

@@ -92,37 +92,42 @@ impl Batch {
 
     /// Simulates points given by their parameters; the outcomes are in the study's units.
     pub(super) fn run(&self, points: &[Vec<f64>]) -> Result<Vec<Outcome>, CommandError> {
-        let workers = self.crew.workers(&self.plan.task)?;
+        let mut workers = self.crew.workers(&self.plan.task);
         let plan = &self.plan;
-        let job = |(index, parameters): (usize, &Vec<f64>)| {
+        let job = |index: u64| {
             let mut values = Vec::new();
-            plan.to_fmu(parameters, &mut values);
-            Job {
-                index: index as u64,
-                values,
+            if let Some(parameters) = points.get(index as usize) {
+                plan.to_fmu(parameters, &mut values);
             }
+            Job { index, values }
         };
         let progress = Progress::new(points.len() as u64, 0);
         let mut outcomes: Vec<Option<Outcome>> = vec![None; points.len()];
         let (mut verified, mut failed, mut done) = (0, 0, 0);
-        let jobs = points.iter().enumerate().map(job);
-        engine::run(workers, jobs, &AtomicBool::new(false), |event| {
-            let engine::Event::Answer(index, answer) = event else {
-                return Ok(ControlFlow::Continue(()));
-            };
-            let outcome: Outcome = answer.map(|mut values| {
-                plan.to_study(&mut values);
-                values
-            });
-            done += 1;
-            failed += u64::from(outcome.is_err());
-            verified += u64::from(self.judge.verdict(outcome.as_deref().ok()).verified());
-            progress.step(verified, failed, done);
-            if let Some(place) = outcomes.get_mut(index as usize) {
-                *place = Some(outcome);
-            }
-            Ok::<_, CommandError>(ControlFlow::Continue(()))
-        })?;
+        engine::run(
+            &mut workers,
+            0..points.len() as u64,
+            &job,
+            &|_| Vec::new(),
+            &AtomicBool::new(false),
+            |event| {
+                let engine::Event::Answer(index, answer, _) = event else {
+                    return Ok(ControlFlow::Continue(()));
+                };
+                let outcome: Outcome = answer.map(|mut values| {
+                    plan.to_study(&mut values);
+                    values
+                });
+                done += 1;
+                failed += u64::from(outcome.is_err());
+                verified += u64::from(self.judge.verdict(outcome.as_deref().ok()).verified());
+                progress.step(verified, failed, done);
+                if let Some(place) = outcomes.get_mut(index as usize) {
+                    *place = Some(outcome);
+                }
+                Ok::<_, CommandError>(ControlFlow::Continue(()))
+            },
+        )?;
         progress.finish();
         Ok(outcomes.into_iter().flatten().collect())
     }

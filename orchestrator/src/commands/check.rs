@@ -12,15 +12,15 @@ mod schema;
 mod structure;
 mod variables;
 
-use std::ops::ControlFlow;
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
 
 use super::{CommandError, output};
 use crate::cli::Check;
-use crate::engine::process::{Limits, Process};
-use crate::engine::{Answer, Job, Worker};
+use crate::engine::process::Limits;
+use crate::engine::single::Recorder;
+use crate::engine::{Answer, Job};
 use crate::results::ResultsError;
 use crate::statistics::Statistic;
 use crate::task::{Probe, Schedule, Task};
@@ -116,25 +116,20 @@ fn simulated(
         time: Duration::try_from_secs_f64(patience).unwrap_or(Duration::MAX),
         memory: MEMORY,
     };
-    let mut worker = Process::new(&unpacked, &task, limits, folder.path(), 0)?;
-    worker.be_candid();
+    let recorder = Recorder {
+        fmu: &unpacked,
+        name: package.path(),
+        limits,
+        echo: false,
+    };
     let jobs = [0, 1].map(|index| Job {
         index,
         values: Vec::new(),
     });
-    let mut answers: Vec<Answer> = Vec::new();
-    let done = worker.run(&jobs, &mut |_, answer| {
-        // What went wrong once goes wrong again.
-        let failed = answer.is_err();
-        answers.push(answer);
-        if failed {
-            return ControlFlow::Break(());
-        }
-        ControlFlow::Continue(())
-    });
-    if let Err(error) = done {
-        return Ok(vec![unloadable(&error.to_string(), &unpacked)]);
-    }
+    let answers = match recorder.run_reset(&task, &jobs) {
+        Ok(answers) => answers,
+        Err(error) => return Ok(vec![unloadable(&error.to_string(), &unpacked)]),
+    };
     let mut findings = compare(&answers, &task);
     findings.extend(outside(&answers, &task, package.description()));
     if described_well {

@@ -6,9 +6,9 @@ use std::time::{Duration, Instant};
 use super::CommandError;
 use super::limits::place;
 use crate::cli::Means;
-use crate::engine::Job;
 use crate::engine::crew::Place;
 use crate::engine::process::Limits;
+use crate::engine::{Event, Job, Post};
 use crate::results::ResultsError;
 use crate::session::Session;
 
@@ -31,14 +31,15 @@ pub(super) fn of(
 ) -> Result<String, CommandError> {
     let scratch = tempfile::tempdir().map_err(ResultsError::io(&std::env::temp_dir()))?;
     let place = match place(means, jobs)? {
-        Place::Workers(limits) => Place::Workers(Limits {
-            time: limits.time.min(PATIENCE),
-            ..limits
-        }),
+        Place::Processes(limits, isolation) => {
+            let time = limits.time.min(PATIENCE);
+            Place::Processes(Limits { time, ..limits }, isolation)
+        }
         Place::Here => Place::Here,
     };
-    let mut workers = session.workers(place, scratch.path(), 1)?;
-    let (Some(worker), Some(index)) = (workers.first_mut(), session.indexes().next()) else {
+    let crew = session.crew(place, scratch.path(), 1)?;
+    let mut worker = crew.worker(&session.plan.task);
+    let Some(index) = session.indexes().next() else {
         return Ok(String::new());
     };
     let jobs_of = |count: usize| -> Vec<Job> {
@@ -48,10 +49,13 @@ pub(super) fn of(
     let mut run = |points: &[Job]| {
         let begun = Instant::now();
         let mut first = None;
-        worker.run(points, &mut |_, answer| {
-            first.get_or_insert(answer.err());
+        let mut take = |event| {
+            if let Event::Answer(_, answer, _) = event {
+                first.get_or_insert(answer.err());
+            }
             ControlFlow::Continue(())
-        })?;
+        };
+        worker.run(points, &mut Post::new(&mut take, &|| false, Some(0)))?;
         Ok::<_, CommandError>((first.flatten(), begun.elapsed().as_secs_f64()))
     };
     // The first run starts the worker and loads the FMU.

@@ -13,7 +13,7 @@ pub(super) fn place(options: &Means, jobs: usize) -> Result<Place, CommandError>
     if options.in_process {
         return Ok(Place::Here);
     }
-    Ok(Place::Workers(limits(options, jobs)?))
+    Ok(Place::Processes(limits(options, jobs)?, options.isolation))
 }
 
 /// The limits for one of `jobs` workers.

@@ -32,7 +32,7 @@ use thiserror::Error;
 
 use crate::analysis::from_results::FolderError;
 use crate::cli::{Cli, Command};
-use crate::engine::{EngineError, servant};
+use crate::engine::{EngineError, guard};
 use crate::failure::Failure;
 use crate::report::ReportError;
 use crate::results::ResultsError;
@@ -113,7 +113,7 @@ pub fn run(cli: Cli) -> Result<ExitCode, CommandError> {
         Command::Judge(options) => judge::run(&options),
         Command::Replay(options) => replay::run(&options),
         Command::Merge(options) => merge::run(&options),
-        Command::Worker => servant::end(servant::serve()),
+        Command::Worker => guard::end(guard::serve()),
         Command::Report(options) => report::run(&options),
         Command::Sensitivity(options) => sensitivity::run(&options),
         Command::Robustness(options) => robustness::run(&options),

@@ -8,7 +8,7 @@ use std::time::Duration;
 use super::{CommandError, output};
 use crate::cli;
 use crate::engine::process::Limits;
-use crate::engine::trajectory::Recorder;
+use crate::engine::single::Recorder;
 use crate::report::{Report, history};
 use crate::results::summary::{BestPoint, Summary};
 use crate::results::{ResultsError, write_atomically};
@@ -140,7 +140,9 @@ fn record_here(
             row.push(instance.value(column)?);
         }
         put(time, &row).map_err(Trouble::Other)
-    })
+    })?;
+    runner.end();
+    Ok(())
 }
 
 /// Simulates a point in a process of its own.
@@ -156,7 +158,6 @@ fn record_apart(
     let recorder = Recorder {
         fmu: &fmu,
         name: package.path(),
-        scratch: scratch.path(),
         limits: LIMITS,
         echo: false,
     };

@@ -2,7 +2,6 @@
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -10,9 +9,9 @@ use tempfile::TempDir;
 
 use super::{CommandError, output};
 use crate::cli::Simulate;
-use crate::engine::process::{Limits, Process};
-use crate::engine::trajectory::Recorder;
-use crate::engine::{Answer, EngineError, Job, Worker};
+use crate::engine::process::Limits;
+use crate::engine::single::Recorder;
+use crate::engine::{Answer, EngineError, Job};
 use crate::failure::Failure;
 use crate::results::points::number;
 use crate::results::{ResultsError, of_the_system};
@@ -177,7 +176,7 @@ impl TrajectoryError {
 pub(super) struct Isolated {
     fmu: PathBuf,
     name: PathBuf,
-    scratch: TempDir,
+    _scratch: TempDir,
 }
 
 impl Isolated {
@@ -186,7 +185,7 @@ impl Isolated {
         Ok(Self {
             fmu: package.unpack(scratch.path())?,
             name: package.path().to_owned(),
-            scratch,
+            _scratch: scratch,
         })
     }
 
@@ -195,7 +194,6 @@ impl Isolated {
         Recorder {
             fmu: &self.fmu,
             name: &self.name,
-            scratch: self.scratch.path(),
             limits: Limits::NONE,
             echo: true,
         }
@@ -230,13 +228,11 @@ impl Isolated {
 
     /// Simulates a point as `verify` does.
     pub(super) fn run(&self, task: &Task, job: &Job) -> Result<Answer, EngineError> {
-        let mut worker = Process::new(&self.fmu, task, Limits::NONE, self.scratch.path(), 1)?;
-        let mut last = None;
-        worker.run(std::slice::from_ref(job), &mut |_, answer| {
-            last = Some(answer);
-            ControlFlow::Continue(())
-        })?;
-        last.ok_or_else(|| EngineError::Lost("it gave no answer".to_owned()))
+        let silent = Recorder {
+            echo: false,
+            ..self.recorder()
+        };
+        silent.run(task, job)
     }
 }
 

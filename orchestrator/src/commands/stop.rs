@@ -1,12 +1,17 @@
-//! Ctrl-C.
+//! Ctrl-C, and SIGTERM.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
+use std::thread;
+use std::time::Duration;
 
 /// The exit code of an interrupted command.
 pub(super) const INTERRUPTED: u8 = 130;
+/// How long an interrupted command may take to put things in order.
+const PATIENCE: Duration = Duration::from_millis(800);
 
-/// Set by Ctrl-C: points that have begun are finished, no further ones are begun.
+/// Set by Ctrl-C: points under way are given up, no further ones are begun. The process ends within a second,
+/// whatever its threads do; the journal is sound at any time.
 pub(super) fn flag() -> &'static AtomicBool {
     static STOP: OnceLock<Arc<AtomicBool>> = OnceLock::new();
     STOP.get_or_init(|| {
@@ -16,9 +21,20 @@ pub(super) fn flag() -> &'static AtomicBool {
         let _ = ctrlc::set_handler(move || {
             if handler.swap(true, Ordering::Relaxed) {
                 // The second Ctrl-C does not wait.
-                std::process::exit(INTERRUPTED.into());
+                leave();
             }
+            thread::spawn(|| {
+                thread::sleep(PATIENCE);
+                leave();
+            });
         });
         stop
     })
+}
+
+/// Ends this process at once. Guards end with their supervisor.
+fn leave() {
+    eprintln!("interrupted; --resume goes on");
+    // SAFETY: never returns, runs no code of this process: an FMU in it may hang in its own destructors.
+    unsafe { libc::_exit(INTERRUPTED.into()) }
 }

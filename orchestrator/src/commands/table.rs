@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use indexmap::IndexMap;
 
+use crate::engine::Conduct;
 use crate::results::Summary;
 use crate::results::summary::{Count, FailedPoint};
 
@@ -91,6 +92,12 @@ fn reasons(failures: &IndexMap<String, u64>) -> String {
         .map(|(reason, count)| format!("{reason}: {count}"))
         .collect();
     reasons.join(", ")
+}
+
+/// What a reader has to know first, a line each.
+pub(super) fn remarks(summary: &Summary) -> String {
+    let remarks = summary.conduct.iter().flat_map(Conduct::remarks);
+    remarks.map(|remark| format!("{remark}\n")).collect()
 }
 
 /// The best point for people.

@@ -12,6 +12,7 @@ use crate::cli::Verify;
 use crate::design::Method;
 use crate::engine;
 use crate::results::finished::Finished;
+use crate::results::note::Note;
 use crate::results::summary::Run;
 use crate::results::{Journal, Tally, parquet};
 use crate::session::{Front, Request, Session, scratch};
@@ -101,7 +102,8 @@ pub(super) fn conclude(
     best::write(folder, plan, package.description(), summary)?;
     report::complete(folder, study, plan, package, summary, trusted)?;
     output::print(&format!(
-        "{}{}\nresults in {}\n",
+        "{}{}{}\nresults in {}\n",
+        table::remarks(summary),
         table::counts(summary),
         table::best(summary),
         folder.display()
@@ -185,7 +187,8 @@ fn compute(
     jobs: usize,
 ) -> Result<Computed, CommandError> {
     let place = place(&options.means, jobs)?;
-    let workers = session.workers(place, scratch, jobs)?;
+    let crew = session.crew(place, scratch, jobs)?;
+    let mut workers = crew.workers(&session.plan.task);
     let session = &*session;
     let mut front = Front::default();
     let mut enough = false;
@@ -200,20 +203,27 @@ fn compute(
     let open = session
         .indexes()
         .filter(|&index| !finished.is_some_and(|f| f.has(index)));
-    let open = open
-        .take(if enough { 0 } else { usize::MAX })
-        .map(|index| session.job(index));
+    let open = open.take(if enough { 0 } else { usize::MAX });
     let before = finished.map_or(0, |finished| finished.count);
     let progress = Progress::new(session.expected(), before);
     let mut tally = Tally::new(&session.judge);
     let mut synced = Instant::now();
-    let result = engine::run(workers, open, stop::flag(), |event| {
-        let (index, answer) = match event {
-            engine::Event::Answer(index, answer) => (index, answer),
+    let job = |index| session.job(index);
+    let earlier = |separation| finished.map_or_else(Vec::new, |finished| finished.of(separation));
+    let mut noted = None;
+    let result = engine::run(&mut workers, open, &job, &earlier, stop::flag(), |event| {
+        let (index, answer, separation) = match event {
+            engine::Event::Answer(index, answer, separation) => (index, answer, separation),
+            engine::Event::Void(separation) => {
+                journal.note(&Note::Void(separation))?;
+                return Ok(ControlFlow::Continue(()));
+            }
             // Nothing else to do: what is finished is made durable.
             engine::Event::Idle => {
                 const OFTEN: Duration = Duration::from_secs(5);
                 if synced.elapsed() > OFTEN {
+                    let conduct = crew.conduct();
+                    journal.note(&Note::Conduct(conduct.since(noted.replace(conduct))))?;
                     journal.sync()?;
                     synced = Instant::now();
                 } else {
@@ -223,7 +233,7 @@ fn compute(
             }
         };
         let outcome = session.outcome(answer);
-        journal.append(index, &outcome)?;
+        journal.append(index, &outcome, separation)?;
         let verified = tally.add(index, &[], &outcome).verified();
         progress.step(tally.verified(), tally.failed(), tally.points());
         enough |= options
@@ -237,6 +247,9 @@ fn compute(
     });
     progress.finish();
     result?;
+    if tally.points() > 0 {
+        journal.note(&Note::Conduct(crew.conduct().since(noted)))?;
+    }
     Ok(Computed {
         points: tally.points(),
         enough,

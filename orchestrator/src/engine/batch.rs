@@ -62,4 +62,9 @@ impl<I: Iterator<Item = Job>> Batches<I> {
         batch.extend(self.jobs.by_ref().take(size));
         !batch.is_empty()
     }
+
+    /// How many points are left, as far as that is known.
+    pub(super) fn left(&self) -> Option<usize> {
+        self.jobs.size_hint().1
+    }
 }

@@ -3,9 +3,11 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use super::Worker;
 use super::local::Local;
-use super::process::{Limits, Process};
-use super::{EngineError, Worker};
+use super::policy::{Conduct, Isolation, Policy};
+use super::process::Limits;
+use super::slot::Slot;
 use crate::task::Task;
 use fmu_import::{FmuError, Library, Package};
 
@@ -14,8 +16,8 @@ use fmu_import::{FmuError, Library, Package};
 pub enum Place {
     /// In this process.
     Here,
-    /// In worker processes, within limits.
-    Workers(Limits),
+    /// In processes of their own, within limits.
+    Processes(Limits, Isolation),
 }
 
 /// Starts workers for one FMU.
@@ -23,6 +25,7 @@ pub enum Place {
 pub struct Crew {
     way: Way,
     size: usize,
+    policy: Arc<Policy>,
 }
 
 #[derive(Debug)]
@@ -30,8 +33,8 @@ enum Way {
     Here(Arc<Library>),
     Processes {
         fmu: PathBuf,
+        name: PathBuf,
         limits: Limits,
-        scratch: PathBuf,
     },
 }
 
@@ -47,19 +50,25 @@ impl Crew {
         jobs: usize,
     ) -> Result<Self, FmuError> {
         let capabilities = package.description().capabilities;
-        let once = capabilities.can_be_instantiated_only_once_per_process;
+        let tool = capabilities.needs_execution_tool;
         Ok(match place {
-            Place::Here => Self {
-                way: Way::Here(package.load()?),
-                size: if once { 1 } else { jobs },
-            },
-            Place::Workers(limits) => Self {
+            Place::Here => {
+                let once = capabilities.can_be_instantiated_only_once_per_process;
+                let size = if once { 1 } else { jobs };
+                Self {
+                    way: Way::Here(package.load()?),
+                    size,
+                    policy: Arc::new(Policy::new(Isolation::InProcess, tool, size)),
+                }
+            }
+            Place::Processes(limits, isolation) => Self {
                 way: Way::Processes {
                     fmu: package.unpack(scratch)?,
+                    name: package.path().to_owned(),
                     limits,
-                    scratch: scratch.to_owned(),
                 },
                 size: jobs,
+                policy: Arc::new(Policy::new(isolation, tool, jobs)),
             },
         })
     }
@@ -69,28 +78,24 @@ impl Crew {
         self.size
     }
 
-    /// One worker; `number` is unlike those of the others.
-    ///
-    /// # Errors
-    /// When the system says no.
-    pub fn worker(&self, task: &Task, number: usize) -> Result<Box<dyn Worker>, EngineError> {
-        Ok(match &self.way {
+    /// How its points were computed so far.
+    pub fn conduct(&self) -> Conduct {
+        self.policy.conduct()
+    }
+
+    /// One worker.
+    pub fn worker(&self, task: &Task) -> Box<dyn Worker> {
+        match &self.way {
             Way::Here(library) => Box::new(Local::new(library, task)),
-            Way::Processes {
-                fmu,
-                limits,
-                scratch,
-            } => Box::new(Process::new(fmu, task, *limits, scratch, number)?),
-        })
+            Way::Processes { fmu, name, limits } => {
+                let policy = Arc::clone(&self.policy);
+                Box::new(Slot::new(policy, fmu, name, task, *limits))
+            }
+        }
     }
 
     /// All workers.
-    ///
-    /// # Errors
-    /// When the system says no.
-    pub fn workers(&self, task: &Task) -> Result<Vec<Box<dyn Worker>>, EngineError> {
-        (0..self.size)
-            .map(|number| self.worker(task, number))
-            .collect()
+    pub fn workers(&self, task: &Task) -> Vec<Box<dyn Worker>> {
+        (0..self.size).map(|_| self.worker(task)).collect()
     }
 }

@@ -1,9 +1,8 @@
 //! Runs points in this process: the fastest way, for an FMU that is trusted.
 
-use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use super::{Answer, EngineError, Job, Worker};
+use super::{EngineError, Event, Job, Post, Separation, Worker};
 use crate::run::Runner;
 use crate::task::Task;
 use fmu_import::Library;
@@ -24,14 +23,11 @@ impl Local {
 }
 
 impl Worker for Local {
-    fn run(
-        &mut self,
-        jobs: &[Job],
-        report: &mut dyn FnMut(u64, Answer) -> ControlFlow<()>,
-    ) -> Result<(), EngineError> {
+    fn run(&mut self, jobs: &[Job], post: &mut Post<'_>) -> Result<(), EngineError> {
         for job in jobs {
             let answer = self.runner.run(&job.values).map(<[f64]>::to_vec);
-            if report(job.index, answer).is_break() {
+            post.send(Event::Answer(job.index, answer, Separation::Used));
+            if post.is_over() {
                 break;
             }
         }

@@ -1,15 +1,22 @@
 //! Runs many points on all cores.
 //!
-//! Points are handed to workers in batches; a worker is anything that can run a batch. Results
-//! come back to the calling thread in whatever order they finish.
+//! Points are handed to workers in batches; a worker is anything that can run a batch. Results come back to the
+//! calling thread in whatever order they finish.
+//!
+//! Where points run, from the outside in: this process has [`Slot`](slot)s, each with its [guards](process); a
+//! [guard] is a process of its own whose children run the FMU ([servant]). How far points may share a process is
+//! what the slots find out together ([policy]).
 
 mod batch;
 pub mod crew;
-mod last_words;
+pub mod guard;
 pub mod local;
+pub mod policy;
 pub mod process;
-pub mod servant;
-pub mod trajectory;
+mod servant;
+mod shared;
+pub mod single;
+mod slot;
 mod wire;
 
 use std::ops::ControlFlow;
@@ -23,6 +30,10 @@ use thiserror::Error;
 
 use crate::failure::Failure;
 use batch::Batches;
+use process::Gone;
+use wire::Trouble;
+
+pub use policy::{Conduct, Isolation, Separation};
 
 /// Why a run cannot go on at all. What happens to a single point is a [`Failure`].
 #[derive(Debug, Error)]
@@ -50,66 +61,146 @@ pub type Answer = Result<Vec<f64>, Failure>;
 /// What happens while points run.
 #[derive(Debug)]
 pub enum Event {
-    /// The point of this index is done.
-    Answer(u64, Answer),
+    /// The point of this index is done, in such a process.
+    Answer(u64, Answer, Separation),
+    /// Points that were computed in such processes, or less strictly separated ones, do not count any more:
+    /// they will come again.
+    Void(Separation),
     /// All answers so far have been handed over; the next one is waited for.
     Idle,
+}
+
+/// What a worker is told while it runs, and where its answers go.
+pub struct Post<'a> {
+    /// Takes what happens; breaks where nothing further is wanted.
+    pub take: &'a mut dyn FnMut(Event) -> ControlFlow<()>,
+    /// Whether the run is to end at once.
+    pub stopped: &'a dyn Fn() -> bool,
+    /// How many points are left besides the batch, as far as that is known.
+    pub left: Option<usize>,
+    over: bool,
+}
+
+impl<'a> Post<'a> {
+    /// Hands everything to `take`.
+    pub fn new(
+        take: &'a mut dyn FnMut(Event) -> ControlFlow<()>,
+        stopped: &'a dyn Fn() -> bool,
+        left: Option<usize>,
+    ) -> Self {
+        Self {
+            take,
+            stopped,
+            left,
+            over: false,
+        }
+    }
+
+    /// Reports what happened.
+    pub fn send(&mut self, event: Event) {
+        self.over |= (self.take)(event).is_break();
+    }
+
+    /// Whether nothing further is wanted.
+    pub fn is_over(&self) -> bool {
+        self.over || (self.stopped)()
+    }
+
+    fn answer(&mut self, index: u64, found: Result<Vec<f64>, Trouble>, separation: Separation) {
+        let answer = found.map_err(Trouble::failure);
+        self.send(Event::Answer(index, answer, separation));
+    }
+
+    /// Waits, unless the run is to end.
+    fn pause(&self, pause: Duration) -> Result<(), Gone> {
+        let until = std::time::Instant::now() + pause;
+        while std::time::Instant::now() < until {
+            if (self.stopped)() {
+                return Err(Gone::Stopped);
+            }
+            thread::sleep(pause.min(Duration::from_millis(20)));
+        }
+        Ok(())
+    }
 }
 
 /// Something that runs points one after another.
 pub trait Worker: Send {
     /// Runs the jobs and reports each one as soon as it is done, exactly once; may stop early
-    /// when `report` says so.
+    /// when the post says so.
     ///
     /// # Errors
     /// When no further point can be run.
-    fn run(
-        &mut self,
-        jobs: &[Job],
-        report: &mut dyn FnMut(u64, Answer) -> ControlFlow<()>,
-    ) -> Result<(), EngineError>;
+    fn run(&mut self, jobs: &[Job], post: &mut Post<'_>) -> Result<(), EngineError>;
 }
 
-/// Runs all jobs on as many workers as `workers` holds, and hands each answer to `receive` on the
-/// calling thread. Setting `stop`, or a `Break` from `receive`, ends the run early; points that
-/// have begun are finished.
+/// Runs the points `open` on the workers, and hands each answer to `receive` on the calling thread. Setting `stop`,
+/// or a `Break` from `receive`, ends the run early; points that have begun are given up.
+///
+/// Where it turns out that points cannot be computed as they were, those of this run and of `earlier` ones (given
+/// by their separation) are computed again after the others.
 ///
 /// # Errors
-/// When a worker is lost, and what `receive` returns.
+/// When a worker cannot start, and what `receive` returns.
 pub fn run<E: From<EngineError>>(
-    workers: Vec<Box<dyn Worker>>,
-    jobs: impl Iterator<Item = Job> + Send,
+    workers: &mut [Box<dyn Worker>],
+    open: impl Iterator<Item = u64> + Send,
+    job: &(dyn Fn(u64) -> Job + Sync),
+    earlier: &dyn Fn(Separation) -> Vec<u64>,
     stop: &AtomicBool,
     mut receive: impl FnMut(Event) -> Result<ControlFlow<()>, E>,
 ) -> Result<(), E> {
+    let mut ledger = Ledger::default();
+    let mut watch = |event, ledger: &mut Ledger| match ledger.enter(event, earlier) {
+        Some(event) => receive(event),
+        None => Ok(ControlFlow::Continue(())),
+    };
+    let mut over = pass(workers, open, job, stop, &mut |event| {
+        watch(event, &mut ledger)
+    })?;
+    while let (false, Some(again)) = (over, ledger.open()) {
+        over = pass(workers, again.into_iter(), job, stop, &mut |event| {
+            watch(event, &mut ledger)
+        })?;
+    }
+    Ok(())
+}
+
+/// Runs points once; whether the run has been ended early.
+fn pass<E: From<EngineError>>(
+    workers: &mut [Box<dyn Worker>],
+    open: impl Iterator<Item = u64> + Send,
+    job: &(dyn Fn(u64) -> Job + Sync),
+    stop: &AtomicBool,
+    receive: &mut dyn FnMut(Event) -> Result<ControlFlow<()>, E>,
+) -> Result<bool, E> {
     // Bounded, so that slow storage holds the workers back instead of filling the memory.
     const WAITING: usize = 16_384;
-    let jobs = Mutex::new(Batches::new(jobs, workers.len()));
+    let jobs = Mutex::new(Batches::new(open.map(job), workers.len()));
     let done = AtomicBool::new(false);
     let stopped = || stop.load(Ordering::Relaxed) || done.load(Ordering::Relaxed);
     let (send, receiver) = sync_channel(WAITING);
     thread::scope(|scope| {
-        for mut worker in workers {
+        for worker in workers {
             let (send, jobs, stopped) = (send.clone(), &jobs, &stopped);
             scope.spawn(move || {
                 let mut pace = batch::Pace::default();
                 let mut batch = Vec::new();
                 loop {
-                    let ready = jobs
-                        .lock()
-                        .is_ok_and(|mut jobs| jobs.take(&pace, &mut batch));
-                    if !ready || stopped() {
+                    let taken = jobs.lock().map(|mut jobs| {
+                        let taken = jobs.take(&pace, &mut batch);
+                        taken.then(|| jobs.left())
+                    });
+                    let Ok(Some(left)) = taken else { return };
+                    if stopped() {
                         return;
                     }
                     pace.begin();
-                    let result = worker.run(&batch, &mut |index, answer| {
-                        let sent = send.send(Ok((index, answer)));
-                        if sent.is_err() || stopped() {
-                            ControlFlow::Break(())
-                        } else {
-                            ControlFlow::Continue(())
-                        }
-                    });
+                    let mut take = |event| match send.send(Ok(event)) {
+                        Ok(()) => ControlFlow::Continue(()),
+                        Err(_) => ControlFlow::Break(()),
+                    };
+                    let result = worker.run(&batch, &mut Post::new(&mut take, stopped, left));
                     pace.end(batch.len());
                     if let Err(error) = result {
                         // The receiver may have gone; then nobody waits for the error either.
@@ -120,8 +211,106 @@ pub fn run<E: From<EngineError>>(
             });
         }
         drop(send);
-        collect(&receiver, &done, &mut receive)
-    })
+        collect(&receiver, &done, receive)
+    })?;
+    Ok(stopped())
+}
+
+/// Which points were computed how, and which of them have to be computed again.
+#[derive(Debug, Default)]
+struct Ledger {
+    forked: Indexes,
+    used: Indexes,
+    again: Indexes,
+    /// What does not count any more.
+    void: Option<Separation>,
+}
+
+impl Ledger {
+    /// Notes an event; `None` where it does not count.
+    fn enter(&mut self, event: Event, earlier: &dyn Fn(Separation) -> Vec<u64>) -> Option<Event> {
+        match event {
+            Event::Answer(index, _, separation)
+                if self.void.is_some_and(|void| separation >= void) =>
+            {
+                self.again.insert(index);
+                return None;
+            }
+            Event::Answer(index, _, separation) => {
+                self.again.remove(index);
+                self.forked.set(index, separation == Separation::Forked);
+                self.used.set(index, separation == Separation::Used);
+            }
+            Event::Void(separation) => {
+                if self.void.is_some_and(|void| void <= separation) {
+                    return None;
+                }
+                self.void = Some(separation);
+                for index in earlier(separation) {
+                    self.again.insert(index);
+                }
+                self.again.take(&mut self.used);
+                if separation <= Separation::Forked {
+                    self.again.take(&mut self.forked);
+                }
+            }
+            Event::Idle => {}
+        }
+        Some(event)
+    }
+
+    /// The points to compute again, if there are any.
+    fn open(&mut self) -> Option<Vec<u64>> {
+        let open: Vec<u64> = self.again.iter().collect();
+        (!open.is_empty()).then_some(open)
+    }
+}
+
+/// A set of indexes, a bit each.
+#[derive(Debug, Default)]
+struct Indexes(Vec<u64>);
+
+impl Indexes {
+    fn set(&mut self, index: u64, present: bool) {
+        let place = usize::try_from(index / 64).unwrap_or(usize::MAX);
+        if place >= self.0.len() {
+            if !present {
+                return;
+            }
+            self.0.resize(place + 1, 0);
+        }
+        let bit = 1 << (index % 64);
+        if present {
+            self.0[place] |= bit;
+        } else {
+            self.0[place] &= !bit;
+        }
+    }
+
+    fn insert(&mut self, index: u64) {
+        self.set(index, true);
+    }
+
+    fn remove(&mut self, index: u64) {
+        self.set(index, false);
+    }
+
+    /// Takes all of another set.
+    fn take(&mut self, other: &mut Self) {
+        self.0.resize(self.0.len().max(other.0.len()), 0);
+        for (own, other) in self.0.iter_mut().zip(other.0.drain(..)) {
+            *own |= other;
+        }
+    }
+
+    fn iter(&self) -> impl Iterator<Item = u64> + '_ {
+        let words = self.0.iter().zip(0_u64..);
+        words.flat_map(|(word, place)| {
+            (0..64)
+                .filter(move |bit| word >> bit & 1 == 1)
+                .map(move |bit| 64 * place + bit)
+        })
+    }
 }
 
 /// How long answers are gathered before they are handed over, at first and in the long run: to wake up
@@ -130,9 +319,9 @@ const GATHERING: [Duration; 2] = [Duration::from_millis(1), Duration::from_milli
 
 /// Hands over everything that comes, until all workers have ended.
 fn collect<E: From<EngineError>>(
-    receiver: &Receiver<Result<(u64, Answer), EngineError>>,
+    receiver: &Receiver<Result<Event, EngineError>>,
     done: &AtomicBool,
-    receive: &mut impl FnMut(Event) -> Result<ControlFlow<()>, E>,
+    receive: &mut dyn FnMut(Event) -> Result<ControlFlow<()>, E>,
 ) -> Result<(), E> {
     let mut outcome = Ok(());
     let mut handle = |step: Result<Event, EngineError>| {
@@ -163,7 +352,7 @@ fn collect<E: From<EngineError>>(
                 message
             }
         };
-        handle(message.map(|(index, answer)| Event::Answer(index, answer)));
+        handle(message);
     }
     outcome
 }
@@ -176,11 +365,7 @@ mod tests {
     struct Doubling;
 
     impl Worker for Doubling {
-        fn run(
-            &mut self,
-            jobs: &[Job],
-            report: &mut dyn FnMut(u64, Answer) -> ControlFlow<()>,
-        ) -> Result<(), EngineError> {
+        fn run(&mut self, jobs: &[Job], post: &mut Post<'_>) -> Result<(), EngineError> {
             for job in jobs {
                 let value = job.values[0];
                 let answer = if value < 0.0 {
@@ -188,7 +373,8 @@ mod tests {
                 } else {
                     Ok(vec![2.0 * value])
                 };
-                if report(job.index, answer).is_break() {
+                post.send(Event::Answer(job.index, answer, Separation::Used));
+                if post.is_over() {
                     break;
                 }
             }
@@ -203,11 +389,15 @@ mod tests {
     }
 
     #[allow(clippy::cast_precision_loss)]
-    fn jobs(count: u64) -> impl Iterator<Item = Job> + Send {
-        (0..count).map(|index| Job {
+    fn job(index: u64) -> Job {
+        Job {
             index,
             values: vec![index as f64 - 3.0],
-        })
+        }
+    }
+
+    fn none(_: Separation) -> Vec<u64> {
+        Vec::new()
     }
 
     #[test]
@@ -215,8 +405,8 @@ mod tests {
     fn every_point_is_answered_once() {
         let mut seen = vec![0; 10_000];
         let stop = AtomicBool::new(false);
-        run::<EngineError>(workers(3), jobs(10_000), &stop, |event| {
-            let Event::Answer(index, answer) = event else {
+        run::<EngineError>(&mut workers(3), 0..10_000, &job, &none, &stop, |event| {
+            let Event::Answer(index, answer, _) = event else {
                 return Ok(ControlFlow::Continue(()));
             };
             seen[index as usize] += 1;
@@ -234,7 +424,7 @@ mod tests {
     fn a_run_ends_early_when_asked_to() {
         let stop = AtomicBool::new(false);
         let mut count = 0;
-        run::<EngineError>(workers(2), jobs(1_000_000), &stop, |event| {
+        run::<EngineError>(&mut workers(2), 0..1_000_000, &job, &none, &stop, |event| {
             count += u64::from(matches!(event, Event::Answer(..)));
             Ok(if count == 10 {
                 ControlFlow::Break(())

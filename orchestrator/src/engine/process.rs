@@ -1,38 +1,40 @@
-//! Runs points in a process of its own, so that whatever an FMU does, only its point is lost.
+//! The supervisor's side of a guard.
 //!
-//! A worker that dies, hangs or swells is replaced, and the point that it was at is tried once
-//! more on the fresh one; the second time it is marked. The worker notes the point at hand in a
-//! small file, so that it is known however suddenly the process ends.
+//! A guard answers for all that becomes of its children. What may become of the guard itself (an FMU may kill its
+//! parent, or stop it) is noticed here: it is looked at while it is silent, and each of its answers has a deadline.
 
-use std::collections::VecDeque;
-use std::fs::{self, File};
-use std::io::{self, BufReader};
-use std::ops::ControlFlow;
-use std::os::fd::AsRawFd;
+use std::collections::BTreeSet;
+use std::fs::File;
+use std::io;
+use std::os::fd::{AsRawFd, OwnedFd};
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::{Path, PathBuf};
-use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
-use std::sync::Arc;
+use std::process::{Child, ChildStdin, Command, Stdio};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
-use super::last_words::LastWords;
-use super::wire::{Reader, Setup, put_job, read_frame, write_frame};
-use super::{Answer, EngineError, Job, Worker};
+use super::wire::{Reader, Reply, Setup, Way, put_job};
+use super::{EngineError, Job};
 use crate::failure::Failure;
-use crate::task::{Record, Task};
+use crate::task::Task;
+use fmu_import::isolation::frame::Inbox;
+use fmu_import::isolation::keeper::signal_name;
+use fmu_import::isolation::{frame, offspring};
 
-/// The hidden command that makes this program a worker.
+/// The hidden command that makes this program a guard.
 pub const COMMAND: &str = "worker";
 
-/// How often a waiting supervisor looks at time and memory.
-const LOOK: Duration = Duration::from_millis(10);
+/// How often a waiting supervisor looks whether it is to stop.
+const LOOK: Duration = Duration::from_millis(20);
+/// How much longer than a point a guard's answer may take: it waits for children to end, and for room to fork.
+const MARGIN: Duration = Duration::from_secs(20);
 
 /// What a point may use.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
     /// The longest time that a point may take.
     pub time: Duration,
-    /// The most memory that a worker may occupy, bytes.
+    /// The most memory that its process may occupy, bytes.
     pub memory: u64,
 }
 
@@ -44,342 +46,289 @@ impl Limits {
     };
 }
 
-/// A worker process, replaced as needed.
+/// Why a guard gives no further answers.
 #[derive(Debug)]
-pub struct Process {
-    program: PathBuf,
+pub(super) enum Gone {
+    /// It was lost; what becomes of the point that it was at.
+    Lost(Failure),
+    /// The run is to end.
+    Stopped,
+    /// It could not be started.
+    Start(String),
+}
+
+impl From<Gone> for EngineError {
+    fn from(gone: Gone) -> Self {
+        match gone {
+            Gone::Lost(failure) => Self::Lost(failure.to_string()),
+            Gone::Stopped => Self::Lost("the run was ended".to_owned()),
+            Gone::Start(reason) => Self::Start(reason),
+        }
+    }
+}
+
+/// A guard, started when it is needed and replaced when it is lost.
+#[derive(Debug)]
+pub(super) struct Process {
     setup: Setup,
     limits: Limits,
-    child: Option<Running>,
-    /// The point at which a worker was lost; the next loss at it counts.
-    struck: Option<u64>,
-    /// Whether what the FMU prints is shown.
-    echo: bool,
+    running: Option<Running>,
 }
 
 #[derive(Debug)]
-pub(super) struct Running {
+struct Running {
     child: Child,
-    jobs: ChildStdin,
-    pub(super) answers: BufReader<ChildStdout>,
-    pub(super) last_words: Arc<LastWords>,
-}
-
-/// Why a worker has to be replaced.
-pub(super) enum Loss {
-    Ended,
-    Timeout,
-    OutOfMemory,
+    orders: Option<ChildStdin>,
+    replies: Inbox<File>,
+    ticket: u64,
 }
 
 impl Process {
-    /// A worker that runs points of the FMU unpacked in `fmu`; `scratch` is a folder for its notes.
-    ///
-    /// # Errors
-    /// When this program cannot be found, or the scratch file not be written.
-    pub fn new(
-        fmu: &Path,
-        task: &Task,
-        limits: Limits,
-        scratch: &Path,
-        number: usize,
-    ) -> Result<Self, EngineError> {
-        let start = |error: io::Error| EngineError::Start(error.to_string());
-        let place = scratch.join(format!("place-{number}"));
-        File::create(&place).map_err(start)?;
+    /// A guard for the FMU unpacked in `fmu`, which the user calls `name`.
+    pub(super) fn new(fmu: &Path, name: &Path, task: &Task, limits: Limits) -> Self {
         let setup = Setup {
-            fmu: std::path::absolute(fmu).map_err(start)?,
+            fmu: std::path::absolute(fmu).unwrap_or_else(|_| fmu.to_owned()),
+            name: name.to_owned(),
             task: task.clone(),
-            place: std::path::absolute(place).map_err(start)?,
-            supervisor: std::process::id(),
-            name: fmu.to_owned(),
-            record: None,
-            candid: false,
+            time: (limits.time < Duration::MAX).then(|| limits.time.as_secs_f64()),
+            memory: limits.memory,
+            ticket: 0,
+            fill: None,
+            echo: false,
         };
-        Ok(Self {
-            program: program().map_err(start)?,
+        Self {
             setup,
             limits,
-            child: None,
-            struck: None,
-            echo: false,
-        })
-    }
-
-    /// Says what the user calls the FMU, and whether what it prints is shown on standard error.
-    pub(super) fn name(&mut self, name: &Path, echo: bool) {
-        self.setup.name = name.to_owned();
-        self.echo = echo;
-    }
-
-    /// Takes a reset at its word, and its failure as the next point's.
-    pub fn be_candid(&mut self) {
-        self.setup.candid = true;
-    }
-
-    /// Lets the worker run one point with its trajectory, instead of jobs.
-    pub(super) fn record(&mut self, record: Record) {
-        self.setup.record = Some(record);
-    }
-
-    /// The present process, started if there is none.
-    pub(super) fn running(&mut self) -> Result<&mut Running, EngineError> {
-        if self.child.is_none() {
-            let mut running = self
-                .start()
-                .map_err(|error| EngineError::Start(error.to_string()))?;
-            running.await_readiness(self.limits)?;
-            self.child = Some(running);
+            running: None,
         }
-        let missing = || EngineError::Start("no worker".to_owned());
-        self.child.as_mut().ok_or_else(missing)
     }
 
-    fn start(&self) -> io::Result<Running> {
-        let mut child = Command::new(&self.program)
-            .arg0("orchestrator")
-            .arg(COMMAND)
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            // Ctrl-C is for the supervisor, which lets points be finished.
-            .process_group(0)
-            .spawn()?;
-        let gone = || io::Error::other("a pipe to the worker is missing");
-        let mut jobs = child.stdin.take().ok_or_else(gone)?;
-        let answers = BufReader::new(child.stdout.take().ok_or_else(gone)?);
-        let last_words = LastWords::listen(child.stderr.take().ok_or_else(gone)?, self.echo);
-        write_frame(&mut jobs, &serde_json::to_vec(&self.setup)?)?;
-        Ok(Running {
-            child,
-            jobs,
-            answers,
-            last_words,
-        })
+    /// The same, but memory that the FMU has not written holds this byte.
+    pub(super) fn with_fill(mut self, fill: Option<u8>) -> Self {
+        self.setup.fill = fill;
+        self
     }
 
-    /// Sends jobs and reports answers until all are answered or the worker is lost.
-    fn attempt(
+    /// The same, but what the FMU prints is shown on standard error.
+    pub(super) fn with_echo(mut self, echo: bool) -> Self {
+        self.setup.echo = echo;
+        self
+    }
+
+    /// Lets points be run, and hands over what comes of each.
+    pub(super) fn run(
         &mut self,
-        jobs: &mut VecDeque<&Job>,
-        report: &mut dyn FnMut(u64, Answer) -> ControlFlow<()>,
-    ) -> Result<ControlFlow<(), Option<Loss>>, EngineError> {
-        let limits = self.limits;
-        let running = self.running()?;
-        let mut payload = Vec::new();
-        jobs.iter().for_each(|job| put_job(job, &mut payload));
-        if write_frame(&mut running.jobs, &payload).is_err() {
-            return Ok(ControlFlow::Continue(Some(Loss::Ended)));
-        }
-        let mut enough = false;
-        while !jobs.is_empty() {
-            if let Some(loss) = running.wait(limits) {
-                return Ok(ControlFlow::Continue(Some(loss)));
-            }
-            match read_frame(&mut running.answers, &mut payload) {
-                Ok(true) => {}
-                Ok(false) | Err(_) => return Ok(ControlFlow::Continue(Some(Loss::Ended))),
-            }
-            let mut reader = Reader(&payload);
-            while let Some((index, answer)) = reader.answer() {
-                if jobs.pop_front().is_none_or(|job| job.index != index) {
-                    return Err(EngineError::Lost("its answers are out of order".to_owned()));
-                }
-                enough |= report(index, answer).is_break();
-            }
-            if enough {
-                // What it still works on is not wanted any more.
-                self.replace();
-                return Ok(ControlFlow::Break(()));
-            }
-        }
-        Ok(ControlFlow::Continue(None))
-    }
-
-    /// What became of the point at which the worker was lost.
-    pub(super) fn failure(&mut self, loss: &Loss) -> Failure {
-        let Some(running) = &mut self.child else {
-            return Failure::Crashed("the worker is gone".to_owned());
-        };
-        match loss {
-            Loss::Timeout => Failure::Timeout,
-            Loss::OutOfMemory => Failure::OutOfMemory,
-            Loss::Ended => running.ending(),
-        }
-    }
-
-    /// The index that the worker noted last.
-    fn place(&self) -> Option<u64> {
-        let bytes = fs::read(&self.setup.place).ok()?;
-        Some(u64::from_le_bytes(bytes.try_into().ok()?))
-    }
-
-    /// Ends the present process; the next point gets a fresh one.
-    fn replace(&mut self) {
-        if let Some(mut running) = self.child.take() {
-            let _ = running.child.kill();
-            let _ = running.child.wait();
-        }
-    }
-
-    /// Handles the loss of a worker; a point that lost two is answered with the failure.
-    fn mourn(
-        &mut self,
-        loss: &Loss,
-        jobs: &mut VecDeque<&Job>,
-        report: &mut dyn FnMut(u64, Answer) -> ControlFlow<()>,
-    ) -> ControlFlow<()> {
-        let failure = self.failure(loss);
-        self.replace();
-        let place = self.place();
-        let Some(job) = place.and_then(|place| jobs.iter().position(|job| job.index == place))
-        else {
-            // It ended between points, as after fmi2Fatal.
-            return ControlFlow::Continue(());
-        };
-        let index = jobs[job].index;
-        if self.struck.replace(index) != Some(index) {
-            return ControlFlow::Continue(());
-        }
-        self.struck = None;
-        jobs.remove(job);
-        report(index, Err(failure))
-    }
-}
-
-impl Worker for Process {
-    fn run(
-        &mut self,
+        way: Way,
         jobs: &[Job],
-        report: &mut dyn FnMut(u64, Answer) -> ControlFlow<()>,
-    ) -> Result<(), EngineError> {
-        let mut jobs: VecDeque<&Job> = jobs.iter().collect();
-        // A worker that dies again and again before its first point will never do.
-        let mut in_vain = 0;
-        while !jobs.is_empty() {
-            let before = jobs.len();
-            match self.attempt(&mut jobs, report)? {
-                ControlFlow::Break(()) => return Ok(()),
-                ControlFlow::Continue(None) => {}
-                ControlFlow::Continue(Some(loss)) => {
-                    if self.mourn(&loss, &mut jobs, report).is_break() {
-                        return Ok(());
-                    }
+        stopped: &dyn Fn() -> bool,
+        answer: &mut dyn FnMut(Reply),
+    ) -> Result<(), Gone> {
+        let mut order = Vec::new();
+        way.put(&mut order);
+        jobs.iter().for_each(|job| put_job(job, &mut order));
+        let mut left = jobs.len();
+        self.order(&order, stopped, &mut |payload| {
+            let mut reader = Reader(payload);
+            while let Some(reply) = reader.reply() {
+                left = left.saturating_sub(1);
+                answer(reply);
+            }
+            left > 0
+        })
+    }
+
+    /// Sends an order, and hands over the payloads that come, while `more` says that more are to come.
+    pub(super) fn order(
+        &mut self,
+        order: &[u8],
+        stopped: &dyn Fn() -> bool,
+        more: &mut dyn FnMut(&[u8]) -> bool,
+    ) -> Result<(), Gone> {
+        let limits = self.limits;
+        let result = self.running().and_then(|running| {
+            running.order(order)?;
+            loop {
+                let payload = running.wait(limits, stopped)?;
+                if !more(&payload) {
+                    return Ok(());
                 }
             }
-            in_vain = if jobs.len() == before { in_vain + 1 } else { 0 };
-            const TOO_OFTEN: u32 = 5;
-            if in_vain == TOO_OFTEN {
-                return Err(EngineError::Lost("it ends again and again".to_owned()));
-            }
+        });
+        if result.is_err() {
+            self.end();
         }
-        // A leak costs a restart now and then, long before it costs a point.
-        let swollen = |running: &Running| running.memory() > self.limits.memory / 2;
-        if self.child.as_ref().is_some_and(swollen) {
-            self.replace();
-        }
-        Ok(())
+        result
     }
-}
 
-impl Drop for Process {
-    fn drop(&mut self) {
-        self.replace();
+    fn running(&mut self) -> Result<&mut Running, Gone> {
+        if self.running.is_none() {
+            self.running = Some(Running::start(&self.setup)?);
+        }
+        let missing = || Gone::Start("no worker".to_owned());
+        self.running.as_mut().ok_or_else(missing)
+    }
+
+    /// Ends the guard with all its children; the next order gets another one.
+    pub(super) fn end(&mut self) {
+        self.running = None;
     }
 }
 
 impl Running {
-    fn await_readiness(&mut self, limits: Limits) -> Result<(), EngineError> {
-        let mut reason = Vec::new();
-        let lost = self.wait(limits);
-        if lost.is_some() || !read_frame(&mut self.answers, &mut reason).unwrap_or(false) {
-            let _ = self.child.kill();
-            let ending = match lost {
-                Some(Loss::OutOfMemory) => format!(
-                    "it takes more memory than the {:.0} MB that a worker may; raise \
-                     --memory-limit or use fewer --jobs",
-                    limits.memory as f64 / f64::from(1 << 20)
-                ),
-                Some(Loss::Timeout) => "it takes longer than --point-timeout".to_owned(),
-                Some(Loss::Ended) | None => self.ending().to_string(),
-            };
-            return Err(EngineError::Start(format!("loading the FMU: {ending}")));
-        }
-        if reason.is_empty() {
-            Ok(())
-        } else {
-            Err(EngineError::Start(
-                String::from_utf8_lossy(&reason).into_owned(),
-            ))
+    fn start(setup: &Setup) -> Result<Self, Gone> {
+        let start = |error: io::Error| Gone::Start(error.to_string());
+        let mut family = family();
+        offspring::adopt_orphans();
+        let mut child = Command::new(program().map_err(start)?)
+            .arg0("orchestrator")
+            .arg(COMMAND)
+            .env(MARK, mark())
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(if setup.echo {
+                Stdio::inherit()
+            } else {
+                Stdio::null()
+            })
+            // Ctrl-C is for the supervisor.
+            .process_group(0)
+            .spawn()
+            .map_err(start)?;
+        family.insert(child.id());
+        drop(family);
+        let ticket = rand::random();
+        let orders = child.stdin.take();
+        let replies: Option<OwnedFd> = child.stdout.take().map(Into::into);
+        let replies = replies.map(|replies| Inbox::new(File::from(replies), ticket));
+        let Some(replies) = replies else {
+            return Err(Gone::Start("a pipe to the worker is missing".to_owned()));
+        };
+        let mut running = Self {
+            child,
+            orders,
+            replies,
+            ticket: 0,
+        };
+        let setup = Setup {
+            ticket,
+            ..setup.clone()
+        };
+        let text = serde_json::to_vec(&setup).map_err(|error| start(error.into()))?;
+        running.order(&text)?;
+        running.ticket = ticket;
+        Ok(running)
+    }
+
+    fn order(&mut self, order: &[u8]) -> Result<(), Gone> {
+        let sent = self
+            .orders
+            .as_mut()
+            .map(|orders| frame::write(orders, self.ticket, order));
+        match sent {
+            Some(Ok(())) => Ok(()),
+            _ => Err(Gone::Lost(self.ending())),
         }
     }
 
-    /// Waits until there is something to read, or a limit is exceeded.
-    pub(super) fn wait(&mut self, limits: Limits) -> Option<Loss> {
-        if !self.answers.buffer().is_empty() {
-            return None;
-        }
+    /// Waits for the next payload, or until the guard is given up.
+    fn wait(&mut self, limits: Limits, stopped: &dyn Fn() -> bool) -> Result<Vec<u8>, Gone> {
         let begun = Instant::now();
+        loop {
+            match self.replies.arrived() {
+                Ok(Some(payload)) => return Ok(payload),
+                Ok(None) => {}
+                Err(broken) => return Err(Gone::Lost(Failure::Crashed(broken.to_string()))),
+            }
+            if stopped() {
+                return Err(Gone::Stopped);
+            }
+            if self.is_ready() {
+                if !self.replies.read().unwrap_or(false) {
+                    return Err(Gone::Lost(self.ending()));
+                }
+            } else if begun.elapsed() > limits.time.saturating_add(MARGIN) {
+                return Err(Gone::Lost(Failure::Timeout));
+            } else if offspring::is_stopped(self.child.id() as libc::pid_t) {
+                let text = "the FMU stopped the process that watches it";
+                return Err(Gone::Lost(Failure::Crashed(text.to_owned())));
+            }
+        }
+    }
+
+    /// Waits a short time until there is something to read, or the end of it.
+    fn is_ready(&self) -> bool {
         let mut poll = libc::pollfd {
-            fd: self.answers.get_ref().as_raw_fd(),
+            fd: self.replies.source().as_raw_fd(),
             events: libc::POLLIN,
             revents: 0,
         };
-        let look = i32::try_from(LOOK.as_millis()).unwrap_or(1);
-        loop {
-            // SAFETY: one valid descriptor, which `self` keeps open.
-            let ready = unsafe { libc::poll(&raw mut poll, 1, look) };
-            if ready > 0 {
-                return None;
-            }
-            if begun.elapsed() > limits.time {
-                return Some(Loss::Timeout);
-            }
-            if self.memory() > limits.memory {
-                return Some(Loss::OutOfMemory);
-            }
-        }
+        // SAFETY: one valid descriptor, which `self` keeps open.
+        unsafe { libc::poll(&raw mut poll, 1, LOOK.as_millis() as i32) > 0 }
     }
 
-    /// The memory that the process occupies, bytes; 0 where that is not known.
-    fn memory(&self) -> u64 {
-        // The second number is the resident set in pages (proc(5)).
-        const PAGE: u64 = 4096;
-        let text = fs::read_to_string(format!("/proc/{}/statm", self.child.id()));
-        let pages = text
-            .ok()
-            .and_then(|text| text.split(' ').nth(1)?.parse::<u64>().ok());
-        pages.unwrap_or(0) * PAGE
-    }
-
-    /// How the process ended.
+    /// How the guard ended, whose pipes are closed.
     fn ending(&mut self) -> Failure {
-        // Its pipes are closed, so it is ending; but one that only closed them must not hold us up.
-        let deadline = Instant::now() + Duration::from_secs(5);
-        let status = loop {
-            match self.child.try_wait() {
-                Ok(Some(status)) => break Some(status),
-                Ok(None) if Instant::now() < deadline => std::thread::sleep(LOOK),
-                _ => break None,
-            }
+        let status = self.wait_for_end(Duration::from_secs(1));
+        let how = status.map(|status| (status.signal(), status.code()));
+        let reason = match how {
+            Some((Some(signal), _)) => signal_name(signal),
+            Some((None, Some(code))) => format!("exit code {code}"),
+            _ => "its pipes are closed".to_owned(),
         };
-        let words = self.last_words.text();
-        match status
-            .as_ref()
-            .map(|status| (status.signal(), status.code()))
-        {
-            Some((Some(signal), _)) => {
-                let name = signal_name(signal);
-                Failure::Crashed(if words.is_empty() {
-                    name
-                } else {
-                    format!("{name}: {words}")
-                })
+        Failure::Crashed(format!(
+            "the FMU ended the process that watches it: {reason}"
+        ))
+    }
+
+    fn wait_for_end(&mut self, patience: Duration) -> Option<std::process::ExitStatus> {
+        let deadline = Instant::now() + patience;
+        let mut pause = Duration::from_micros(50);
+        loop {
+            match self.child.try_wait() {
+                Ok(Some(status)) => return Some(status),
+                Ok(None) if Instant::now() < deadline => std::thread::sleep(pause),
+                _ => return None,
             }
-            Some((None, code)) => Failure::Exited(code.unwrap_or(-1)),
-            None => Failure::Crashed("the worker closed its pipes".to_owned()),
+            pause = (pause * 2).min(Duration::from_millis(5));
         }
     }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        // A guard ends its children and itself when nobody can send it orders any more.
+        self.orders = None;
+        let patience = Duration::from_millis(300);
+        let sound = self.wait_for_end(patience).is_some_and(|end| end.success());
+        if !sound {
+            // SAFETY: sends a signal to the guard's group; nothing of this process changes.
+            unsafe { libc::kill(-(self.child.id() as libc::pid_t), libc::SIGKILL) };
+            let _ = self.child.kill();
+            let _ = self.child.wait();
+        }
+        let mut family = family();
+        family.remove(&self.child.id());
+        if !sound {
+            let mark = format!("{MARK}={}", mark());
+            offspring::end_marked(&mark, |pid| family.contains(&(pid as u32)));
+        }
+    }
+}
+
+/// The environment variable by which the processes of a run are known.
+const MARK: &str = "ORCHESTRATOR_RUN";
+
+/// Its value for the processes of this supervisor.
+fn mark() -> &'static str {
+    static OWN: OnceLock<String> = OnceLock::new();
+    OWN.get_or_init(|| format!("{}-{:016x}", std::process::id(), rand::random::<u64>()))
+}
+
+/// The guards of this process: its other children with the mark have outlived theirs.
+fn family() -> MutexGuard<'static, BTreeSet<u32>> {
+    static GUARDS: Mutex<BTreeSet<u32>> = Mutex::new(BTreeSet::new());
+    // A set of numbers is sound whatever interrupted its last user.
+    GUARDS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// This program, even when its file has been replaced since.
@@ -390,21 +339,4 @@ fn program() -> io::Result<PathBuf> {
     } else {
         std::env::current_exe()
     }
-}
-
-/// The name of a signal that ends processes.
-fn signal_name(signal: i32) -> String {
-    let name = match signal {
-        libc::SIGSEGV => "SIGSEGV",
-        libc::SIGABRT => "SIGABRT",
-        libc::SIGFPE => "SIGFPE",
-        libc::SIGILL => "SIGILL",
-        libc::SIGBUS => "SIGBUS",
-        libc::SIGKILL => "SIGKILL",
-        libc::SIGTERM => "SIGTERM",
-        libc::SIGTRAP => "SIGTRAP",
-        libc::SIGPIPE => "SIGPIPE",
-        other => return format!("signal {other}"),
-    };
-    name.to_owned()
 }

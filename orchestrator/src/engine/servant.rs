@@ -1,188 +1,243 @@
-//! The worker's side of a process of its own: runs jobs until its supervisor ends.
+//! A guard's child, in which the FMU runs.
 
-use std::fs::File;
-use std::io::{self, BufReader, Write};
+use std::collections::BTreeSet;
+use std::fs;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::wire::{End, Reader, Setup, put_answer, put_end, put_value, read_frame, write_frame};
+use super::Job;
+use super::shared::Shared;
+use super::wire::{
+    End, Reader, Setup, Trouble, put_end, put_results, put_trouble, put_value, speech,
+};
 use crate::failure::Failure;
-use crate::run::{Runner, Trouble};
+use crate::run::{Habit, Runner, Trouble as Interruption};
 use crate::task::Record;
-use fmu_import::{FmuError, Package, Value};
+use fmu_import::isolation::Place;
+use fmu_import::{Library, Package, Value};
 
-/// Answers are sent after this time at the latest, when the next point is done: a message a
-/// point would cost more than a short point.
+/// Answers of many points are sent after this time at the latest, when the next point is done.
 const HOLD: Duration = Duration::from_millis(1);
 
-/// Serves a supervisor over standard input and output.
-///
-/// # Errors
-/// When the supervisor cannot be understood or reached.
-pub fn serve() -> io::Result<()> {
-    let (input, mut output) = own_streams()?;
-    let mut input = BufReader::new(input);
-    let mut payload = Vec::new();
-    if !read_frame(&mut input, &mut payload)? {
-        return Ok(());
+/// Runs one point, and tells its answer before the instance is ended.
+pub(super) fn alone(
+    mut place: Place,
+    setup: &Setup,
+    package: Option<&mut Package>,
+    library: Option<Arc<Library>>,
+    job: &Job,
+) {
+    let begun = Instant::now();
+    if let Some(byte) = setup.fill {
+        paint_stack(byte);
     }
-    let setup: Setup = serde_json::from_slice(&payload)?;
-    end_with(setup.supervisor)?;
-    let place = File::options().write(true).open(&setup.place)?;
-    let mut runner = match begin(&setup) {
-        Ok(runner) => runner,
-        Err(reason) => return write_frame(&mut output, reason.as_bytes()),
+    let Some(library) = loaded(&mut place, setup, package, library) else {
+        return;
     };
-    write_frame(&mut output, &[])?;
-    if let Some(record) = &setup.record {
-        return rows(&mut runner, record, &mut output);
-    }
-    let mut answers = Answers {
-        output,
-        buffer: Vec::new(),
-        sent: Instant::now(),
-    };
-    while read_frame(&mut input, &mut payload)? {
-        let mut jobs = Reader(&payload);
-        while let Some(job) = jobs.job() {
-            note(&place, job.index)?;
-            let answer = runner.run(&job.values);
-            let fatal = matches!(answer, Err(Failure::Fatal(_)));
-            put_answer(job.index, &answer, &mut answers.buffer);
-            // After fmi2Fatal nothing may be called any more: a fresh process goes on.
-            if fatal {
-                return answers.send();
-            }
-            answers.send_in_time()?;
-        }
-        answers.send()?;
-    }
-    Ok(())
+    let mut runner = Runner::new(library, setup.task.clone());
+    runner.alone(&job.values, |runner, answer| {
+        let ready = runner
+            .ready()
+            .map_or(0.0, |ready| (ready - begun).as_secs_f32());
+        let mut said = vec![speech::REPLIES];
+        put(job.index, ready, answer, runner.was_refused(), &mut said);
+        place.send(&said);
+    });
 }
 
-fn begin(setup: &Setup) -> Result<Runner, String> {
-    // The user knows the file, not the folder into which it was unpacked.
-    let named = |error: FmuError| error.at(&setup.name).to_string();
-    let mut package = Package::open(&setup.fmu).map_err(named)?;
-    let library = package.load().map_err(named)?;
-    let runner = Runner::new(library, setup.task.clone());
-    Ok(if setup.candid {
-        runner.candid()
-    } else {
-        runner
-    })
+/// Runs points until there are no further ones.
+pub(super) fn serve(
+    mut place: Place,
+    setup: &Setup,
+    package: Option<&mut Package>,
+    library: Option<Arc<Library>>,
+    habit: Habit,
+    progress: &Shared,
+) {
+    let Some(library) = loaded(&mut place, setup, package, library) else {
+        return;
+    };
+    let mut runner = Runner::new(library, setup.task.clone()).with_habit(habit);
+    let mut said = vec![speech::REPLIES];
+    while let Some(message) = place.receive() {
+        let mut sent = Instant::now();
+        let (mut jobs, mut begun) = (Reader(&message), 0);
+        while let Some(job) = jobs.job() {
+            begun += 1;
+            progress.set(begun);
+            let (answer, refused) = match runner.run(&job.values) {
+                Ok(values) => {
+                    put_results(job.index, 0.0, values, &mut said);
+                    (Ok(()), false)
+                }
+                Err(failure) => (Err(failure), runner.was_refused()),
+            };
+            if let Err(failure) = answer {
+                // After fmi2Fatal nothing may be called any more: another process goes on.
+                let fatal = matches!(failure, Failure::Fatal(_));
+                put(job.index, 0.0, Err(&failure), refused, &mut said);
+                if fatal {
+                    return place.send(&said);
+                }
+            }
+            if sent.elapsed() > HOLD {
+                place.send(&said);
+                said.truncate(1);
+                sent = Instant::now();
+            }
+        }
+        if said.len() > 1 {
+            place.send(&said);
+            said.truncate(1);
+        }
+    }
+}
+
+fn put(
+    index: u64,
+    start: f32,
+    answer: Result<&[f64], &Failure>,
+    refused: bool,
+    said: &mut Vec<u8>,
+) {
+    match answer {
+        Ok(values) => put_results(index, start, values, said),
+        Err(failure) => {
+            let failure = failure.clone();
+            let trouble = if refused {
+                let licence = false;
+                Trouble::Refused { failure, licence }
+            } else {
+                Trouble::Failed(failure)
+            };
+            put_trouble(index, start, &trouble, said);
+        }
+    }
 }
 
 /// Runs a point and sends its trajectory.
-fn rows(runner: &mut Runner, record: &Record, mut output: impl Write) -> io::Result<()> {
+pub(super) fn record(
+    mut place: Place,
+    setup: &Setup,
+    package: Option<&mut Package>,
+    record: &Record,
+) {
     const FULL: usize = 1 << 16;
-    let (mut buffer, mut sent) = (Vec::new(), Instant::now());
-    put_end(&End::Not, &mut buffer);
+    let Some(library) = loaded(&mut place, setup, package, None) else {
+        return;
+    };
+    let mut runner = Runner::new(library, setup.task.clone());
+    let (mut said, mut sent) = (vec![speech::ROWS], Instant::now());
+    put_end(&End::Not, &mut said);
+    let empty = said.len();
     let ended = runner.trajectory(&record.values, |time, instance| {
-        put_value(&Value::Real(time), &mut buffer);
+        put_value(&Value::Real(time), &mut said);
         for &column in &record.columns {
-            put_value(&instance.value(column)?, &mut buffer);
+            put_value(&instance.value(column)?, &mut said);
         }
-        if buffer.len() > FULL || sent.elapsed() > HOLD {
-            write_frame(&mut output, &buffer).map_err(|error| Trouble::Other(Stop::Gone(error)))?;
-            buffer.truncate(1);
+        if said.len() > FULL || sent.elapsed() > HOLD {
+            place.send(&said);
+            said.truncate(empty);
             sent = Instant::now();
         }
-        Ok(())
+        Ok::<_, Interruption<Failure>>(())
     });
-    write_frame(&mut output, &buffer)?;
+    place.send(&said);
     let end = match ended {
         Ok(()) => End::Done,
-        Err(Stop::Failed(failure)) => End::Failed(failure),
-        Err(Stop::Gone(error)) => return Err(error),
+        Err(failure) => End::Failed(failure),
     };
-    buffer.clear();
-    put_end(&end, &mut buffer);
-    write_frame(&mut output, &buffer)
+    said.truncate(1);
+    put_end(&end, &mut said);
+    place.send(&said);
+    runner.end();
 }
 
-/// What ends a trajectory early.
-enum Stop {
-    Failed(Failure),
-    Gone(io::Error),
-}
-
-impl From<Failure> for Stop {
-    fn from(failure: Failure) -> Self {
-        Self::Failed(failure)
+/// The FMU, loaded here where the guard has not done so; the guard is told.
+fn loaded(
+    place: &mut Place,
+    setup: &Setup,
+    package: Option<&mut Package>,
+    library: Option<Arc<Library>>,
+) -> Option<Arc<Library>> {
+    if let Some(library) = library {
+        place.send(&[speech::LOADED]);
+        return Some(library);
+    }
+    let package = package?;
+    // Only a guard that fills memory is there for finding out.
+    let before = setup.fill.map(|_| Belongings::now());
+    match package.load() {
+        Ok(library) => {
+            let mut said = vec![speech::LOADED];
+            said.extend(before.map(|before| u8::from(before.allow_forks(&Belongings::now()))));
+            place.send(&said);
+            Some(library)
+        }
+        Err(error) => {
+            let mut said = vec![speech::UNLOADABLE];
+            said.extend(error.at(&setup.name).to_string().bytes());
+            place.send(&said);
+            None
+        }
     }
 }
 
-/// Notes the point at hand where it survives this process, whatever becomes of it.
-fn note(place: &File, index: u64) -> io::Result<()> {
-    std::os::unix::fs::FileExt::write_all_at(place, &index.to_le_bytes(), 0)
+/// What a process has that its forks would lack or share.
+struct Belongings {
+    threads: usize,
+    descriptors: BTreeSet<String>,
+    /// Memory that is shared with others, and devices.
+    shared: BTreeSet<String>,
 }
 
-struct Answers<W> {
-    output: W,
-    buffer: Vec<u8>,
-    sent: Instant,
-}
-
-impl<W: Write> Answers<W> {
-    fn send_in_time(&mut self) -> io::Result<()> {
-        if self.sent.elapsed() < HOLD {
-            Ok(())
-        } else {
-            self.send()
+impl Belongings {
+    fn now() -> Self {
+        let names = |folder: &str| -> BTreeSet<String> {
+            let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+            entries
+                .map(|entry| entry.file_name().to_string_lossy().into_owned())
+                .collect()
+        };
+        let maps = fs::read_to_string("/proc/self/maps").unwrap_or_default();
+        let is_shared = |line: &&str| {
+            let access = line.split(' ').nth(1).unwrap_or("");
+            access.ends_with('s') || line.contains("/dev/")
+        };
+        Self {
+            threads: names("/proc/self/task").len(),
+            descriptors: names("/proc/self/fd"),
+            shared: maps.lines().filter(is_shared).map(str::to_owned).collect(),
         }
     }
 
-    fn send(&mut self) -> io::Result<()> {
-        if !self.buffer.is_empty() {
-            write_frame(&mut self.output, &self.buffer)?;
-            self.buffer.clear();
-        }
-        self.sent = Instant::now();
-        Ok(())
+    /// Whether loading the FMU has left nothing that a fork would lack or share.
+    fn allow_forks(&self, after: &Self) -> bool {
+        // Where the system does not tell, there is one thread at least that is not seen.
+        self.threads == 1
+            && after.threads == 1
+            && after.descriptors.is_subset(&self.descriptors)
+            && after.shared.is_subset(&self.shared)
     }
 }
 
-/// Takes standard input and output for the supervisor alone. What the FMU prints goes to
-/// standard error instead, and reading gives it nothing.
-fn own_streams() -> io::Result<(File, File)> {
-    use std::os::fd::{AsFd, AsRawFd};
-    let input = io::stdin().as_fd().try_clone_to_owned()?;
-    let output = io::stdout().as_fd().try_clone_to_owned()?;
-    let nothing = File::open("/dev/null")?;
-    let redirections = [(nothing.as_raw_fd(), 0), (2, 1)];
-    for (from, to) in redirections {
-        // SAFETY: both are open descriptors of this process, and Rust's own handles of standard
-        // input and output own none.
-        if unsafe { libc::dup2(from, to) } < 0 {
-            return Err(io::Error::last_os_error());
-        }
+/// Lets the C library fill memory that is handed out or given back, so that what depends on it shows.
+pub(super) fn fill_memory(byte: u8) {
+    #[cfg(all(target_os = "linux", target_env = "gnu"))]
+    {
+        const M_PERTURB: i32 = -6;
+        // SAFETY: sets an option of this process's C library.
+        unsafe { libc::mallopt(M_PERTURB, i32::from(byte)) };
     }
-    Ok((input.into(), output.into()))
+    #[cfg(not(all(target_os = "linux", target_env = "gnu")))]
+    let _ = byte;
 }
 
-/// Lets the kernel end this process with its supervisor, even in an endless loop of the FMU.
-fn end_with(supervisor: u32) -> io::Result<()> {
-    #[cfg(target_os = "linux")]
-    // SAFETY: sets a property of this process; the arguments are plain numbers.
-    if unsafe { libc::prctl(libc::PR_SET_PDEATHSIG, libc::SIGKILL) } != 0 {
-        return Err(io::Error::last_os_error());
-    }
-    // It may have ended before.
-    if std::os::unix::process::parent_id() == supervisor {
-        Ok(())
-    } else {
-        Err(io::Error::other("the supervisor has gone"))
-    }
-}
-
-/// Ends this process at once: the FMU's own destructors have no say any more.
-pub fn end(result: io::Result<()>) -> ! {
-    if let Err(error) = &result {
-        eprintln!("worker: {error}");
-    }
-    // SAFETY: writes what the FMU has printed so far, of all streams.
-    unsafe { libc::fflush(std::ptr::null_mut()) };
-    let code = i32::from(result.is_err());
-    // SAFETY: never returns, runs no code of this process.
-    unsafe { libc::_exit(code) }
+/// Fills the part of the stack that the FMU is going to use.
+#[inline(never)]
+fn paint_stack(byte: u8) {
+    const SIZE: usize = 256 << 10;
+    let mut paint = [0_u8; SIZE];
+    paint.fill(byte);
+    std::hint::black_box(&mut paint);
 }

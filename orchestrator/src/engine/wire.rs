@@ -1,38 +1,118 @@
-//! What a supervisor and its worker processes say to each other, over pipes.
+//! What the processes of a study say to each other, over pipes.
 //!
-//! Messages are frames: a length of 4 bytes, then so many bytes; numbers are little-endian.
-//! The first frame to a worker is its [`Setup`] as JSON, which it answers with an empty frame or
-//! with the reason why it cannot begin. Then come frames of jobs; answers come back in the
-//! jobs' order, many to a frame. A setup with a trajectory to record gets frames of rows instead, each
-//! behind a byte that says whether it is the last one.
+//! A supervisor has guards, each guard has children in which the FMU runs. All messages are frames with length and
+//! checksum ([`frame`](fmu_import::isolation::frame)); numbers are little-endian. The first frame to a guard is its
+//! [`Setup`] as JSON; then come orders: a byte that says how points are to be run, then the points. A guard gives
+//! one [`Reply`] a point, many to a frame. An order to record a trajectory gets frames of rows instead, each behind
+//! a byte that says whether it is the last one.
 
-use std::io::{self, Read, Write};
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Answer, Job};
+use super::Job;
 use crate::failure::Failure;
-use crate::task::{Record, Task};
+use crate::run::Habit;
+use crate::task::Task;
 use fmu_import::{Content, Handle, Value};
 
-/// What a worker needs to know to begin.
+/// What a guard needs to know to begin.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Setup {
     /// The folder of the unpacked FMU.
     pub(super) fmu: PathBuf,
-    /// What is to be done for each point.
-    pub(super) task: Task,
-    /// The file in which the worker notes the point that it is at.
-    pub(super) place: PathBuf,
-    /// The supervisor, whose end is the worker's end.
-    pub(super) supervisor: u32,
     /// What the user calls the FMU.
     pub(super) name: PathBuf,
-    /// A point that is run with its trajectory, instead of jobs.
-    pub(super) record: Option<Record>,
-    /// A reset is taken at its word, for those who want to see what it does.
-    pub(super) candid: bool,
+    /// What is to be done for each point.
+    pub(super) task: Task,
+    /// The longest time that a point may take, s; none without a limit.
+    pub(super) time: Option<f64>,
+    /// The most memory that a child may occupy, bytes.
+    pub(super) memory: u64,
+    /// What further frames are marked with.
+    pub(super) ticket: u64,
+    /// The byte that fills memory which the FMU has not written; none for memory as it comes.
+    pub(super) fill: Option<u8>,
+    /// Whether what the FMU prints is shown on standard error.
+    pub(super) echo: bool,
+}
+
+/// How points are run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Way {
+    /// Each in a child that loads the FMU itself.
+    New,
+    /// Each in a child of a process that has loaded the FMU and never instantiated it.
+    Forked,
+    /// All in one child.
+    Used(Habit),
+    /// One point with its trajectory, in a child of its own.
+    Recorded,
+}
+
+const WAYS: [Way; 6] = [
+    Way::New,
+    Way::Forked,
+    Way::Used(Habit::Reset),
+    Way::Used(Habit::Renew),
+    Way::Used(Habit::Candid),
+    Way::Recorded,
+];
+
+impl Way {
+    pub(super) fn put(self, into: &mut Vec<u8>) {
+        let place = WAYS.iter().position(|way| *way == self);
+        // `WAYS` has them all, and they are few.
+        into.push(place.unwrap_or(0) as u8);
+    }
+}
+
+/// What came of a point.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Reply {
+    /// The index of the point.
+    pub(super) index: u64,
+    /// Its results in the FMU's units, or why there are none.
+    pub(super) answer: Result<Vec<f64>, Trouble>,
+    /// How long it took until there was an instance, s; 0 where that is not known.
+    pub(super) start: f32,
+    /// Whether the process that has loaded the FMU may be forked, where that has been looked at.
+    pub(super) forkable: Option<bool>,
+}
+
+/// Why there are no results.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) enum Trouble {
+    /// The FMU failed, and said so.
+    Failed(Failure),
+    /// The FMU refused an instance; whether it spoke of a licence.
+    Refused { failure: Failure, licence: bool },
+    /// The process ended, or had to be ended.
+    Lost(Failure),
+    /// The FMU cannot be loaded.
+    Unloadable(String),
+}
+
+impl Trouble {
+    /// What the results say of it.
+    pub(super) fn failure(self) -> Failure {
+        match self {
+            Self::Failed(failure) | Self::Refused { failure, .. } | Self::Lost(failure) => failure,
+            Self::Unloadable(text) => Failure::Crashed(text),
+        }
+    }
+}
+
+/// What a child says.
+pub(super) mod speech {
+    /// The FMU cannot be loaded; the reason follows.
+    pub(in super::super) const UNLOADABLE: u8 = 0;
+    /// It is loaded; 0 or 1 follows where it was looked at whether the process may be forked.
+    pub(in super::super) const LOADED: u8 = 1;
+    /// Replies follow.
+    pub(in super::super) const REPLIES: u8 = 2;
+    /// Rows of a trajectory follow.
+    pub(in super::super) const ROWS: u8 = 3;
 }
 
 /// Whether a trajectory ends with a frame.
@@ -42,63 +122,44 @@ pub(super) enum End {
     Failed(Failure),
 }
 
-/// More than any frame has, against damaged lengths.
-const MAX_FRAME: u32 = 1 << 30;
-
-/// Writes a frame.
-pub(super) fn write_frame(mut into: impl Write, payload: &[u8]) -> io::Result<()> {
-    let length = u32::try_from(payload.len())
-        .ok()
-        .filter(|&length| length <= MAX_FRAME);
-    let length = length.ok_or_else(|| io::Error::other("a message is too long"))?;
-    into.write_all(&length.to_le_bytes())?;
-    into.write_all(payload)?;
-    into.flush()
-}
-
-/// Reads a frame; `false` at the end of the stream.
-pub(super) fn read_frame(mut from: impl Read, payload: &mut Vec<u8>) -> io::Result<bool> {
-    let mut length = [0; 4];
-    match from.read_exact(&mut length) {
-        Ok(()) => {}
-        Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => return Ok(false),
-        Err(error) => return Err(error),
-    }
-    let length = u32::from_le_bytes(length);
-    if length > MAX_FRAME {
-        return Err(io::Error::other("a message is damaged"));
-    }
-    payload.clear();
-    // Grows with what really comes, whatever the length says.
-    let read = from.take(length.into()).read_to_end(payload)?;
-    if read == length as usize {
-        Ok(true)
-    } else {
-        Err(io::ErrorKind::UnexpectedEof.into())
-    }
-}
-
 /// Appends a job.
 pub(super) fn put_job(job: &Job, into: &mut Vec<u8>) {
     into.extend(job.index.to_le_bytes());
     put_numbers(&job.values, into);
 }
 
-/// Appends an answer.
-pub(super) fn put_answer(index: u64, answer: &Result<&[f64], Failure>, into: &mut Vec<u8>) {
-    into.extend(index.to_le_bytes());
-    match answer {
-        Ok(values) => {
-            into.push(1);
-            put_numbers(values, into);
-        }
-        Err(failure) => {
-            into.push(0);
-            let text = serde_json::to_vec(failure).unwrap_or_default();
-            put_length(text.len(), into);
-            into.extend(text);
-        }
+/// Appends results.
+pub(super) fn put_results(index: u64, start: f32, values: &[f64], into: &mut Vec<u8>) {
+    put_head(index, 1, start, into);
+    put_numbers(values, into);
+}
+
+/// Appends why there are none.
+pub(super) fn put_trouble(index: u64, start: f32, trouble: &Trouble, into: &mut Vec<u8>) {
+    put_head(index, 0, start, into);
+    let text = serde_json::to_vec(trouble).unwrap_or_default();
+    put_length(text.len(), into);
+    into.extend(text);
+}
+
+/// Appends a reply.
+pub(super) fn put_reply(reply: &Reply, into: &mut Vec<u8>) {
+    let begin = into.len();
+    match &reply.answer {
+        Ok(values) => put_results(reply.index, reply.start, values, into),
+        Err(trouble) => put_trouble(reply.index, reply.start, trouble, into),
     }
+    into[begin + FORKABLE] = reply.forkable.map_or(2, u8::from);
+}
+
+/// Where the byte is in a reply that says whether the process may be forked.
+const FORKABLE: usize = 9;
+
+fn put_head(index: u64, good: u8, start: f32, into: &mut Vec<u8>) {
+    into.extend(index.to_le_bytes());
+    into.push(good);
+    into.push(2);
+    into.extend(start.to_le_bytes());
 }
 
 /// Appends how a trajectory ended.
@@ -150,16 +211,29 @@ impl Reader<'_> {
         })
     }
 
-    pub(super) fn answer(&mut self) -> Option<(u64, Answer)> {
+    /// How the points of an order are to be run.
+    pub(super) fn way(&mut self) -> Option<Way> {
+        let [number] = self.array()?;
+        WAYS.get(usize::from(number)).copied()
+    }
+
+    pub(super) fn reply(&mut self) -> Option<Reply> {
         let index = u64::from_le_bytes(self.array()?);
         let [good] = self.array()?;
+        let [forkable] = self.array()?;
+        let start = f32::from_le_bytes(self.array()?);
         let answer = if good == 1 {
             Ok(self.numbers()?)
         } else {
             let length = self.length()?;
             Err(serde_json::from_slice(self.bytes(length)?).ok()?)
         };
-        Some((index, answer))
+        Some(Reply {
+            index,
+            answer,
+            start,
+            forkable: (forkable < 2).then_some(forkable == 1),
+        })
     }
 
     /// How a trajectory goes on.
@@ -219,23 +293,25 @@ mod tests {
 
     proptest! {
         #[test]
-        fn what_was_put_is_read(index: u64, values: Vec<f64>, text: String) {
+        fn what_was_put_is_read(index: u64, values: Vec<f64>, text: String, start: f32) {
             let job = Job { index, values };
-            let failure = Failure::Error(text);
+            let trouble = Trouble::Failed(Failure::Error(text));
+            let lost = Reply { index, answer: Err(trouble.clone()), start, forkable: Some(true) };
             let mut bytes = Vec::new();
+            Way::Used(Habit::Renew).put(&mut bytes);
             put_job(&job, &mut bytes);
-            put_answer(index, &Ok(&job.values), &mut bytes);
-            put_answer(index, &Err(failure.clone()), &mut bytes);
-            let mut frame = Vec::new();
-            write_frame(&mut frame, &bytes).unwrap();
-            let mut payload = Vec::new();
-            prop_assert!(read_frame(&frame[..], &mut payload).unwrap());
-            let mut reader = Reader(&payload);
+            put_results(index, start, &job.values, &mut bytes);
+            put_reply(&lost, &mut bytes);
+            let mut reader = Reader(&bytes);
             let bits = |values: &[f64]| values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+            prop_assert_eq!(reader.way(), Some(Way::Used(Habit::Renew)));
             prop_assert_eq!(bits(&reader.job().unwrap().values), bits(&job.values));
-            let (_, answer) = reader.answer().unwrap();
-            prop_assert_eq!(bits(&answer.unwrap()), bits(&job.values));
-            prop_assert_eq!(reader.answer(), Some((index, Err(failure))));
+            let reply = reader.reply().unwrap();
+            prop_assert_eq!((reply.index, reply.forkable), (index, None));
+            prop_assert_eq!(bits(&reply.answer.unwrap()), bits(&job.values));
+            let reply = reader.reply().unwrap();
+            prop_assert_eq!((reply.index, reply.forkable, reply.start.to_bits()), (index, Some(true), start.to_bits()));
+            prop_assert_eq!(reply.answer, Err(trouble));
             prop_assert!(reader.0.is_empty());
         }
 
@@ -266,8 +342,7 @@ mod tests {
             let _ = Reader(&bytes).row(&[column]);
             let _ = Reader(&bytes).end();
             let _ = Reader(&bytes).job();
-            let _ = Reader(&bytes).answer();
-            let _ = read_frame(&bytes[..], &mut Vec::new());
+            let _ = Reader(&bytes).reply();
         }
     }
 }

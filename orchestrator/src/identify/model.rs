@@ -2,20 +2,18 @@
 
 use std::fmt;
 use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use super::bind::Bound;
 use super::problem::Simulate;
 use crate::engine::crew::Crew;
-use crate::engine::{Answer, Job, Worker};
+use crate::engine::{Answer, Event, Job, Post, Worker};
 
 /// An FMU with its cases; it keeps as many workers as simulations run at a time.
 pub struct FmuModel<'a> {
     bound: &'a Bound,
     crew: &'a Crew,
     idle: Mutex<Vec<Box<dyn Worker>>>,
-    started: AtomicUsize,
 }
 
 impl fmt::Debug for FmuModel<'_> {
@@ -32,7 +30,6 @@ impl<'a> FmuModel<'a> {
             bound,
             crew,
             idle: Mutex::new(Vec::new()),
-            started: AtomicUsize::new(0),
         }
     }
 
@@ -43,20 +40,25 @@ impl<'a> FmuModel<'a> {
 
     fn run(&self, values: Vec<f64>) -> Result<Answer, String> {
         let idle = self.idle().pop();
-        let mut worker = match idle {
-            Some(worker) => worker,
-            None => {
-                let number = self.started.fetch_add(1, Ordering::Relaxed);
-                let worker = self.crew.worker(&self.bound.task, number);
-                worker.map_err(|error| error.to_string())?
+        let mut worker = idle.unwrap_or_else(|| self.crew.worker(&self.bound.task));
+        let (mut answer, mut void) = (None, false);
+        let mut take = |event| {
+            match event {
+                Event::Answer(_, own, _) => answer = Some(own),
+                Event::Void(_) => void = true,
+                Event::Idle => {}
             }
-        };
-        let mut answer = None;
-        let run = worker.run(&[Job { index: 0, values }], &mut |_, own| {
-            answer = Some(own);
             ControlFlow::Continue(())
-        });
+        };
+        let mut post = Post::new(&mut take, &|| false, None);
+        let run = worker.run(&[Job { index: 0, values }], &mut post);
         run.map_err(|error| error.to_string())?;
+        if void {
+            return Err(
+                "the FMU gives other results in a process that has computed points before;                 begin again with --isolation fresh"
+                    .to_owned(),
+            );
+        }
         self.idle().push(worker);
         answer.ok_or_else(|| "the worker gave no answer".to_owned())
     }

@@ -2,6 +2,7 @@
 
 use super::{Intervals, Reading, Report, ReportError, history, pareto, robustness, sensitivity};
 use crate::analysis::from_results;
+use crate::engine::Conduct;
 use crate::results::Summary;
 use crate::results::origin::Origin;
 use crate::results::summary::VariantCount;
@@ -33,6 +34,7 @@ impl Report {
                     p.study, summary.points
                 ),
             },
+            remarks: summary.conduct.iter().flat_map(Conduct::remarks).collect(),
             provenance: provenance(&summary),
             intervals: intervals(&summary),
             readings: summary

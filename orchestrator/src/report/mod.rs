@@ -42,6 +42,8 @@ pub struct Report {
     pub model: String,
     /// When the study was run, as people write it.
     pub date: String,
+    /// What a reader has to know of how the points were computed, a sentence each.
+    pub remarks: Vec<String>,
     /// The points.
     pub table: PointTable,
     /// The counts' intervals, where the points are not independent of each other.

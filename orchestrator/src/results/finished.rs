@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 
 use super::header::Header;
 use super::lines::{Lines, open, path_in};
+use super::note::{Note, separation};
 use super::{Outcome, ResultsError};
+use crate::engine::{Conduct, Isolation, Separation};
 
 /// What a journal holds: where the line of each finished point is.
 #[derive(Debug)]
@@ -13,8 +15,11 @@ pub struct Finished {
     /// What the journal belongs to.
     pub header: Header,
     path: PathBuf,
-    /// A place in the file for each point; [`NOWHERE`] when it is not finished.
+    /// A place in the file for each point, with its separation in the bits above [`SEPARATION`]; [`NOWHERE`] when it is
+    /// not finished.
     places: Vec<u64>,
+    /// How the points were computed, where that is noted.
+    pub conduct: Option<Conduct>,
     /// How many points are finished.
     pub count: u64,
     /// The length of the sound part of the file.
@@ -22,6 +27,8 @@ pub struct Finished {
 }
 
 const NOWHERE: u64 = u64::MAX;
+/// Files are shorter than 2^62 bytes.
+const SEPARATION: u32 = 62;
 
 /// As many places as points: 8 bytes each.
 fn places(folder: &Path, points: u64) -> Result<Vec<u64>, ResultsError> {
@@ -49,6 +56,7 @@ impl Finished {
             path: path_in(folder),
             count: 0,
             sound: lines.sound,
+            conduct: None,
         };
         loop {
             let place = lines.sound;
@@ -56,25 +64,66 @@ impl Finished {
                 .next_line()
                 .map_err(ResultsError::io(&finished.path))?;
             let Some(line) = line else { break };
-            let index = line
-                .split(' ')
-                .next()
-                .and_then(|text| text.parse::<usize>().ok());
+            let (first, rest) = line.split_once(' ').unwrap_or((line, ""));
+            let index = first.parse::<usize>().ok();
             if let Some(slot) = index.and_then(|index| finished.places.get_mut(index)) {
                 finished.count += u64::from(*slot == NOWHERE);
-                *slot = place;
+                let word = rest.split(' ').next().unwrap_or("");
+                let separation = separation(word).unwrap_or(Separation::New);
+                *slot = place | (separation as u64) << SEPARATION;
+            } else if first == "note" {
+                let note = serde_json::from_str(rest);
+                note.into_iter().for_each(|note| finished.heed(note));
             }
         }
         finished.sound = lines.sound;
         Ok(finished)
     }
 
+    fn heed(&mut self, note: Note) {
+        match note {
+            Note::Conduct(new) => {
+                self.conduct = Some(self.conduct.map_or(new, |old| old.and(new)));
+            }
+            Note::Void(separation) => {
+                for slot in &mut self.places {
+                    if *slot != NOWHERE && *slot >> SEPARATION >= separation as u64 {
+                        *slot = NOWHERE;
+                        self.count -= 1;
+                    }
+                }
+                if let Some(conduct) = &mut self.conduct {
+                    conduct.isolation = Isolation::Fresh;
+                }
+            }
+        }
+    }
+
+    /// Whether a line at this place is that of a finished point, and not of one that was computed again.
+    pub(super) fn counts(&self, line: &str, place: u64) -> bool {
+        let index = line.split(' ').next().and_then(|text| text.parse().ok());
+        index.is_some_and(|index| self.place(index) == Some(place))
+    }
+
+    /// The finished points that were computed in such processes, or in less strictly separated ones.
+    pub fn of(&self, separation: Separation) -> Vec<u64> {
+        let slots = (0..).zip(&self.places);
+        let wanted = |slot: u64| slot != NOWHERE && slot >> SEPARATION >= separation as u64;
+        slots
+            .filter(|(_, slot)| wanted(**slot))
+            .map(|(index, _)| index)
+            .collect()
+    }
+
+    /// Where the line of a finished point is.
+    fn place(&self, index: u64) -> Option<u64> {
+        let slot = *self.places.get(usize::try_from(index).ok()?)?;
+        (slot != NOWHERE).then_some(slot & ((1 << SEPARATION) - 1))
+    }
+
     /// Whether a point is finished.
     pub fn has(&self, index: u64) -> bool {
-        let place = usize::try_from(index)
-            .ok()
-            .and_then(|index| self.places.get(index));
-        place.is_some_and(|&place| place != NOWHERE)
+        self.place(index).is_some()
     }
 
     /// Reads outcomes, in whatever order they are asked for.
@@ -104,11 +153,9 @@ impl Outcomes<'_> {
     /// When the journal cannot be read any more.
     pub fn get(&mut self, index: u64) -> Result<Option<Outcome>, ResultsError> {
         let path = &self.finished.path;
-        if !self.finished.has(index) {
+        let Some(place) = self.finished.place(index) else {
             return Ok(None);
-        }
-        // `has` has checked the index.
-        let place = usize::try_from(index).map_or(NOWHERE, |index| self.finished.places[index]);
+        };
         self.lines.seek(place).map_err(ResultsError::io(path))?;
         let line = self.lines.next_line().map_err(ResultsError::io(path))?;
         let outcome = line.and_then(parse).ok_or_else(|| ResultsError::Content {
@@ -124,7 +171,7 @@ fn parse(line: &str) -> Option<Outcome> {
     let (_, word) = (parts.next()?, parts.next()?);
     let rest = parts.next().unwrap_or("");
     match word {
-        "ok" => {
+        word if separation(word).is_some() => {
             let values = rest.split_ascii_whitespace().map(|text| text.parse().ok());
             Some(Ok(values.collect::<Option<_>>()?))
         }

@@ -7,8 +7,13 @@
 //! ```text
 //! 5d41402a {"orchestrator":...,"points":50}
 //! 7b502c3a 3 ok 4.802e1 8.155e1
+//! 1c0de5a7 5 used 4.799e1 8.161e1
 //! 9a0b11c2 4 failed {"Error":"film rupture (fmi2DoStep)"}
+//! 0d1e2f3a note {"Void":"Used"}
 //! ```
+//!
+//! `ok`, `forked` and `used` tell in what process a point was computed ([`Separation`]): a note may say that some of
+//! these do not count any more.
 
 use std::fmt::Write as _;
 use std::fs::{self, File, OpenOptions, TryLockError};
@@ -18,7 +23,9 @@ use std::path::{Path, PathBuf};
 use super::finished::Finished;
 use super::header::Header;
 use super::lines::{open, path_in};
+use super::note::{Note, word};
 use super::{Outcome, ResultsError};
+use crate::engine::Separation;
 
 /// A journal that is being written.
 #[derive(Debug)]
@@ -97,11 +104,16 @@ impl Journal {
     ///
     /// # Errors
     /// When the outcome cannot be written as text.
-    pub fn append(&mut self, index: u64, outcome: &Outcome) -> Result<(), ResultsError> {
+    pub fn append(
+        &mut self,
+        index: u64,
+        outcome: &Outcome,
+        separation: Separation,
+    ) -> Result<(), ResultsError> {
         // Writing to a String cannot fail.
         match outcome {
             Ok(values) => {
-                let _ = write!(self.line, "{index} ok");
+                let _ = write!(self.line, "{index} {}", word(separation));
                 for value in values {
                     let _ = write!(self.line, " {value:e}");
                 }
@@ -111,6 +123,17 @@ impl Journal {
                 let _ = write!(self.line, "{index} failed {text}");
             }
         }
+        self.finish_line();
+        self.flush_when_full()
+    }
+
+    /// Notes what concerns many points.
+    ///
+    /// # Errors
+    /// When the system says no.
+    pub fn note(&mut self, note: &Note) -> Result<(), ResultsError> {
+        let text = serde_json::to_string(note).unwrap_or_default();
+        let _ = write!(self.line, "note {text}");
         self.finish_line();
         self.flush_when_full()
     }
@@ -162,17 +185,26 @@ impl Journal {
     }
 }
 
-/// Appends all points of a folder's journal to another one.
+/// Appends all points of a folder's journal that count to another one.
 ///
 /// # Errors
 /// When either cannot be read or written.
 pub fn copy(folder: &Path, into: &mut Journal) -> Result<(), ResultsError> {
+    let finished = Finished::read(folder)?;
     let (mut lines, _) = open(folder)?;
     let path = path_in(folder);
-    while let Some(line) = lines.next_line().map_err(ResultsError::io(&path))? {
-        into.line.push_str(line);
-        into.finish_line();
-        into.flush_when_full()?;
+    loop {
+        let place = lines.place();
+        let line = lines.next_line().map_err(ResultsError::io(&path))?;
+        let Some(line) = line else { break };
+        if finished.counts(line, place) {
+            into.line.push_str(line);
+            into.finish_line();
+            into.flush_when_full()?;
+        }
+    }
+    if let Some(conduct) = finished.conduct {
+        into.note(&Note::Conduct(conduct))?;
     }
     into.flush()
 }

@@ -1,6 +1,7 @@
 //! Tests of the journal: what was written comes back, damage is cut off.
 
 use super::*;
+use crate::engine::Separation;
 use crate::failure::Failure;
 
 fn header() -> Header {
@@ -24,7 +25,9 @@ fn written() -> (tempfile::TempDir, Vec<Outcome>) {
     ];
     let mut journal = Journal::create(folder.path(), &header()).unwrap();
     for (index, outcome) in [(3, 0), (0, 1), (1, 2)] {
-        journal.append(index, &outcomes[outcome]).unwrap();
+        journal
+            .append(index, &outcomes[outcome], Separation::New)
+            .unwrap();
     }
     journal.sync().unwrap();
     (folder, outcomes)
@@ -59,7 +62,7 @@ fn a_damaged_end_is_cut_off_wherever_it_begins() {
             .filter(|&&byte| byte == b'\n')
             .count();
         assert_eq!(finished.count, complete as u64);
-        journal.append(4, &Ok(vec![1.0])).unwrap();
+        journal.append(4, &Ok(vec![1.0]), Separation::New).unwrap();
         journal.flush().unwrap();
         let again = Finished::read(folder.path()).unwrap();
         assert_eq!(again.count, complete as u64 + 1);

@@ -55,6 +55,11 @@ impl Lines {
         }
     }
 
+    /// Position at which the next line begins.
+    pub(super) fn place(&self) -> u64 {
+        self.sound
+    }
+
     pub(super) fn seek(&mut self, place: u64) -> io::Result<()> {
         match i64::try_from(i128::from(place) - i128::from(self.sound)) {
             // Stays in the buffer where that holds the place.

@@ -9,6 +9,7 @@ pub mod finished;
 pub mod header;
 pub mod journal;
 pub mod lines;
+pub mod note;
 pub mod origin;
 pub mod parquet;
 pub mod points;

@@ -3,6 +3,7 @@
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
+use crate::engine::Conduct;
 use crate::judge::Criterion;
 
 /// The content of `summary.json`.
@@ -43,6 +44,9 @@ pub struct Summary {
     pub parameters: Vec<ParameterSummary>,
     /// The point nearest to the measurement, among those that meet all criteria if any does.
     pub best_point: Option<BestPoint>,
+    /// How the points shared processes, and what audits of that found.
+    #[serde(flatten)]
+    pub conduct: Option<Conduct>,
     /// How the computation went. All else is the same for every run of the study.
     pub run: Option<Run>,
 }

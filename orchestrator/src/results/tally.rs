@@ -271,6 +271,7 @@ impl<'a> Tally<'a> {
                 .as_ref()
                 .map(|best| self.best_point(best, &parameters)),
             parameters,
+            conduct: None,
             run: None,
             provenance,
         }

@@ -48,6 +48,7 @@ impl Session {
         }
         let parameters = self.plan.inputs.iter().map(ParameterSummary::new).collect();
         let mut summary = tally.summary(self.study.title.clone(), provenance, parameters);
+        summary.conduct = finished.conduct;
         summary.run = run;
         files.finish(&summary)?;
         Ok(summary)

@@ -11,7 +11,7 @@ use tempfile::TempDir;
 use thiserror::Error;
 
 use crate::engine::crew::{Crew, Place};
-use crate::engine::{EngineError, Job, Worker};
+use crate::engine::{EngineError, Job};
 use crate::judge::Judge;
 use crate::results::finished::Finished;
 use crate::results::lines;
@@ -197,18 +197,17 @@ impl Session {
         })
     }
 
-    /// As many workers as points are to be run at a time; `scratch` is a folder for their files.
+    /// The crew that runs its points, so many at a time; `scratch` is a folder for their files.
     ///
     /// # Errors
     /// When the FMU cannot be unpacked or loaded.
-    pub fn workers(
+    pub fn crew(
         &mut self,
         place: Place,
         scratch: &Path,
         jobs: usize,
-    ) -> Result<Vec<Box<dyn Worker>>, SessionError> {
-        let crew = Crew::new(&mut self.package, place, scratch, jobs)?;
-        Ok(crew.workers(&self.plan.task)?)
+    ) -> Result<Crew, SessionError> {
+        Ok(Crew::new(&mut self.package, place, scratch, jobs)?)
     }
 }
 

@@ -1,0 +1,178 @@
+//! What a forked child does before and after its work.
+
+use std::fs::File;
+use std::io;
+use std::os::fd::{AsRawFd, FromRawFd, OwnedFd, RawFd};
+
+use super::frame::{self, Inbox};
+use super::keeper::MUTE;
+use super::offspring::own_pid;
+
+/// A child's own end of the pipes to its keeper.
+#[derive(Debug)]
+pub struct Place {
+    own: libc::pid_t,
+    ticket: u64,
+    orders: Inbox<File>,
+    answers: File,
+}
+
+impl Place {
+    /// Sends an answer. A process that the FMU has forked and let return ends here instead: only the child
+    /// itself answers. So does a child that cannot send.
+    pub fn send(&mut self, payload: &[u8]) {
+        if own_pid() != self.own {
+            end(0);
+        }
+        if frame::write(&self.answers, self.ticket, payload).is_err() {
+            end(MUTE);
+        }
+    }
+
+    /// Waits for the keeper's next message; `None` when none will come.
+    pub fn receive(&mut self) -> Option<Vec<u8>> {
+        let message = self.orders.wait().ok().flatten();
+        if own_pid() != self.own {
+            end(0);
+        }
+        message
+    }
+}
+
+/// Ends this process at once: the FMU's own destructors have no say any more.
+fn end(code: i32) -> ! {
+    // SAFETY: never returns, runs no code of this process.
+    unsafe { libc::_exit(code) }
+}
+
+/// The child's side: a group of its own, no descriptor but its own, the work, the end.
+pub(super) fn be_child(
+    parent: libc::pid_t,
+    orders: OwnedFd,
+    answers: OwnedFd,
+    ticket: u64,
+    work: &mut dyn FnMut(Place),
+) -> ! {
+    // SAFETY: these change this process only; the arguments are plain numbers.
+    unsafe {
+        libc::setpgid(0, 0);
+        #[cfg(target_os = "linux")]
+        libc::prctl(libc::PR_SET_PDEATHSIG, libc::SIGKILL);
+        // The parent may have ended before.
+        if libc::getppid() != parent {
+            end(0);
+        }
+    }
+    usual_signals();
+    let (orders, answers) = hidden(orders, answers);
+    let place = Place {
+        own: own_pid(),
+        ticket,
+        orders: Inbox::new(orders, ticket),
+        answers,
+    };
+    // A panic must not unwind into the parent's code, which this process has a copy of.
+    let done = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| work(place)));
+    if done.is_err() {
+        // SAFETY: ends this process.
+        unsafe { libc::abort() }
+    }
+    // SAFETY: writes what the FMU has printed so far, of all streams.
+    unsafe { libc::fflush(std::ptr::null_mut()) };
+    end(0)
+}
+
+/// Signals that a keeper ignores, and those whose handlers are Rust's.
+const CHANGED: [i32; 11] = [
+    libc::SIGTERM,
+    libc::SIGINT,
+    libc::SIGHUP,
+    libc::SIGQUIT,
+    libc::SIGALRM,
+    libc::SIGUSR1,
+    libc::SIGUSR2,
+    libc::SIGVTALRM,
+    libc::SIGPROF,
+    libc::SIGSEGV,
+    libc::SIGBUS,
+];
+
+/// Lets this process survive the signals that its children may send it.
+pub(super) fn ignore_signals() {
+    for signal in CHANGED
+        .into_iter()
+        .filter(|signal| ![libc::SIGSEGV, libc::SIGBUS].contains(signal))
+    {
+        // SAFETY: these signals then have no effect; no handler is involved.
+        unsafe { libc::signal(signal, libc::SIG_IGN) };
+    }
+}
+
+/// The FMU finds the signals as in any new process; writing to a closed pipe is an error there, and no signal,
+/// as in most hosts.
+fn usual_signals() {
+    // SAFETY: sets default actions and an empty mask in this process.
+    unsafe {
+        for signal in CHANGED {
+            libc::signal(signal, libc::SIG_DFL);
+        }
+        let mut none: libc::sigset_t = std::mem::zeroed();
+        libc::sigemptyset(&raw mut none);
+        libc::sigprocmask(libc::SIG_SETMASK, &raw const none, std::ptr::null_mut());
+    }
+}
+
+/// Moves the two descriptors to high numbers, which FMUs that write into or close what they did not open seldom
+/// reach, and closes all others above standard error.
+fn hidden(orders: OwnedFd, answers: OwnedFd) -> (File, File) {
+    const FIRST: RawFd = 3;
+    let [orders, answers] = [orders, answers].map(|fd| {
+        let high = raised(fd.as_raw_fd());
+        if high != fd.as_raw_fd() {
+            return high;
+        }
+        // No room above: it stays where it is.
+        std::mem::forget(fd);
+        high
+    });
+    let (low, high) = (orders.min(answers), orders.max(answers));
+    close_between(FIRST, low - 1);
+    close_between(low + 1, high - 1);
+    close_between(high + 1, RawFd::MAX);
+    // SAFETY: both are open, and nothing else in this process owns them.
+    unsafe { (File::from_raw_fd(orders), File::from_raw_fd(answers)) }
+}
+
+/// The same file under a high number; programs that the FMU starts do not get it.
+fn raised(fd: RawFd) -> RawFd {
+    const ROOM: RawFd = 8;
+    // SAFETY: asks for a limit and copies a descriptor.
+    unsafe {
+        let limit = libc::sysconf(libc::_SC_OPEN_MAX).clamp(16, 1024) as RawFd;
+        let high = libc::fcntl(fd, libc::F_DUPFD_CLOEXEC, limit - ROOM);
+        if high < 0 { fd } else { high }
+    }
+}
+
+/// Closes the descriptors of a range.
+fn close_between(first: RawFd, last: RawFd) {
+    if first > last {
+        return;
+    }
+    // SAFETY: nothing in this child uses any of them again.
+    unsafe {
+        #[cfg(target_os = "linux")]
+        if libc::syscall(libc::SYS_close_range, first as u32, last as u32, 0) == 0 {
+            return;
+        }
+        for other in first..=last.min(libc::sysconf(libc::_SC_OPEN_MAX).clamp(64, 4096) as RawFd) {
+            libc::close(other);
+        }
+    }
+}
+
+/// A pipe: the end to read from, the end to write to.
+pub(super) fn pipe() -> io::Result<(OwnedFd, OwnedFd)> {
+    let (reader, writer) = io::pipe()?;
+    Ok((reader.into(), writer.into()))
+}

@@ -1,0 +1,15 @@
+//! Points in processes of their own, so that whatever an FMU does costs its own point only.
+//!
+//! - [`frame`]: bytes between processes, with length and checksum;
+//! - [`keeper`]: a process that forks children, watches them and outlives whatever they do;
+//! - [`offspring`]: what an FMU leaves running is found and ended;
+//! - [`words`]: what children print, as far as it is worth keeping.
+
+mod birth;
+pub mod frame;
+pub mod keeper;
+pub mod offspring;
+pub mod words;
+
+pub use frame::Broken;
+pub use keeper::{Bounds, Child, Keeper, Loss, Place};

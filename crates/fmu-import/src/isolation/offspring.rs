@@ -1,0 +1,141 @@
+//! Processes that an FMU leaves behind: found, ended and reaped.
+//!
+//! A child has a process group of its own, but an FMU may leave it (`setsid`) or start daemons. As a
+//! *subreaper* (`prctl(2)`) this process inherits whatever its children leave behind, and ends it.
+
+use std::fs;
+use std::time::{Duration, Instant};
+
+/// Makes this process the parent of all that its children leave behind. Without effect where the system cannot.
+pub fn adopt_orphans() {
+    #[cfg(target_os = "linux")]
+    // SAFETY: sets a property of this process; the arguments are plain numbers.
+    unsafe {
+        libc::prctl(libc::PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0);
+    }
+}
+
+/// Ends a process and its group at once: SIGKILL cannot be blocked, and reaches stopped processes too.
+pub fn kill_group(leader: libc::pid_t) {
+    // A group of 0 or 1 would be this process's own or everyone's.
+    if leader > 1 {
+        // SAFETY: sends a signal; nothing of this process changes.
+        unsafe {
+            libc::kill(-leader, libc::SIGKILL);
+            libc::kill(leader, libc::SIGKILL);
+        }
+    }
+}
+
+/// Ends and reaps all children of this process, with all that becomes its child by that.
+/// Gives up after a second: what the kernel holds (a dead network disk) cannot be ended by anyone.
+///
+/// Only for a process that wants no child to live, and waits for none elsewhere.
+pub fn end_all() {
+    let deadline = Instant::now() + Duration::from_secs(1);
+    loop {
+        let mut status = 0;
+        // SAFETY: `status` is valid for writing.
+        match unsafe { libc::waitpid(-1, &raw mut status, libc::WNOHANG) } {
+            // No child is left: the usual case, at the cost of one system call.
+            -1 => return,
+            0 => {
+                if Instant::now() > deadline {
+                    return;
+                }
+                children_of(own_pid()).into_iter().for_each(kill_group);
+                std::thread::sleep(Duration::from_micros(200));
+            }
+            _ => {}
+        }
+    }
+}
+
+/// Makes this process fit to keep children: what they leave behind becomes its own, and the signals that they may
+/// send it have no effect. Crashes leave no dump of the memory: a study may see thousands.
+pub fn become_keeper() {
+    adopt_orphans();
+    super::birth::ignore_signals();
+    // SAFETY: zeroes are a valid value of this plain struct, which the calls fill and read.
+    unsafe {
+        let mut usual: libc::rlimit = std::mem::zeroed();
+        if libc::getrlimit(libc::RLIMIT_CORE, &raw mut usual) == 0 {
+            usual.rlim_cur = 0;
+            libc::setrlimit(libc::RLIMIT_CORE, &raw const usual);
+        }
+    }
+}
+
+/// The memory that a process occupies, bytes; 0 where that is not known.
+pub fn resident(pid: libc::pid_t) -> u64 {
+    // The second number is the resident set in pages (proc(5)).
+    let text = fs::read_to_string(format!("/proc/{pid}/statm"));
+    let pages = text
+        .ok()
+        .and_then(|text| text.split(' ').nth(1)?.parse::<u64>().ok());
+    // SAFETY: asks for a constant.
+    let page = unsafe { libc::sysconf(libc::_SC_PAGESIZE) };
+    pages.unwrap_or(0) * page.max(0) as u64
+}
+
+/// Whether a process has been stopped (SIGSTOP), so that nothing will come from it.
+pub fn is_stopped(pid: libc::pid_t) -> bool {
+    state_and_parent(pid).is_some_and(|(state, _)| state == "T" || state == "t")
+}
+
+/// Ends and reaps the children of this process whose environment holds `mark`, except `spared`: processes that
+/// outlived the keeper that they belonged to.
+pub fn end_marked(mark: &str, spared: impl Fn(libc::pid_t) -> bool) {
+    for pid in children_of(own_pid()) {
+        if spared(pid) {
+            continue;
+        }
+        let (mut status, mut how) = (0, libc::WNOHANG);
+        if is_marked(pid, mark) {
+            kill_group(pid);
+            how = 0;
+        }
+        // One that has ended already has no environment any more; nobody else will wait for it.
+        // SAFETY: `status` is valid for writing.
+        unsafe { libc::waitpid(pid, &raw mut status, how) };
+    }
+}
+
+/// Whether a process was started with `mark` in its environment.
+fn is_marked(pid: libc::pid_t, mark: &str) -> bool {
+    let environment = fs::read(format!("/proc/{pid}/environ")).unwrap_or_default();
+    let mut entries = environment.split(|&byte| byte == 0);
+    entries.any(|entry| entry == mark.as_bytes())
+}
+
+/// This process's number.
+pub fn own_pid() -> libc::pid_t {
+    // SAFETY: always succeeds, changes nothing.
+    unsafe { libc::getpid() }
+}
+
+/// The children of a process, whichever of its threads started them; none where the system does not tell.
+pub fn children_of(parent: libc::pid_t) -> Vec<libc::pid_t> {
+    let Ok(processes) = fs::read_dir("/proc") else {
+        return Vec::new();
+    };
+    let number = |name: &std::ffi::OsStr| name.to_str()?.parse::<libc::pid_t>().ok();
+    processes
+        .flatten()
+        .filter_map(|entry| number(&entry.file_name()))
+        .filter(|pid| parent_of(*pid) == Some(parent))
+        .collect()
+}
+
+/// The parent of a process.
+fn parent_of(pid: libc::pid_t) -> Option<libc::pid_t> {
+    state_and_parent(pid)?.1.parse().ok()
+}
+
+/// State and parent of a process: the fields after its name, which may hold anything (proc(5), `stat`).
+fn state_and_parent(pid: libc::pid_t) -> Option<(String, String)> {
+    let stat = fs::read_to_string(format!("/proc/{pid}/stat")).ok()?;
+    let (_, fields) = stat.rsplit_once(')')?;
+    let mut fields = fields.split_ascii_whitespace().map(str::to_owned);
+    Some((fields.next()?, fields.next()?))
+}

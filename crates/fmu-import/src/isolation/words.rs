@@ -1,0 +1,85 @@
+//! What children print, as far as it is worth keeping.
+
+use std::fs::File;
+use std::io::{self, Read, Write};
+use std::os::fd::{AsRawFd, OwnedFd, RawFd};
+
+use super::birth::pipe;
+
+/// The end of what is printed; a flood of text costs no memory.
+const KEPT: usize = 4096;
+
+/// Hears what this process and its children print.
+#[derive(Debug)]
+pub struct Words {
+    heard: File,
+    end: Vec<u8>,
+    echo: Option<File>,
+}
+
+impl Words {
+    /// Takes over standard output and standard error of this process and of its later children;
+    /// with `echo`, what is printed is repeated there.
+    ///
+    /// # Errors
+    /// When the system has no room for further descriptors.
+    pub fn overhear(echo: Option<File>) -> io::Result<Self> {
+        let (heard, printed): (OwnedFd, OwnedFd) = pipe()?;
+        // SAFETY: all are open descriptors of this process; Rust's own handles of the streams own none.
+        unsafe {
+            if libc::dup2(printed.as_raw_fd(), 1) < 0 || libc::dup2(printed.as_raw_fd(), 2) < 0 {
+                return Err(io::Error::last_os_error());
+            }
+            let flags = libc::fcntl(heard.as_raw_fd(), libc::F_GETFL);
+            libc::fcntl(heard.as_raw_fd(), libc::F_SETFL, flags | libc::O_NONBLOCK);
+        }
+        Ok(Self {
+            heard: heard.into(),
+            end: Vec::new(),
+            echo,
+        })
+    }
+
+    /// Reads what has been printed so far.
+    pub fn hear(&mut self) {
+        let mut chunk = [0; KEPT];
+        // At most what a pipe holds: a child that prints without an end must not keep us here.
+        for _ in 0..16 {
+            let Ok(count @ 1..) = self.heard.read(&mut chunk) else {
+                return;
+            };
+            if let Some(echo) = &mut self.echo {
+                // Nobody may be listening.
+                let _ = echo.write_all(&chunk[..count]);
+            }
+            self.end.extend_from_slice(&chunk[..count]);
+            let surplus = self.end.len().saturating_sub(KEPT);
+            self.end.drain(..surplus);
+        }
+    }
+
+    /// Forgets what has been printed so far.
+    pub fn clear(&mut self) {
+        self.hear();
+        self.end.clear();
+    }
+
+    /// What is kept of what has been printed.
+    pub fn text(&mut self) -> String {
+        self.hear();
+        String::from_utf8_lossy(&self.end).into_owned()
+    }
+
+    /// The last line that is not empty.
+    pub fn last_line(&mut self) -> String {
+        let text = self.text();
+        let line = text.lines().map(str::trim).rfind(|line| !line.is_empty());
+        line.unwrap_or("").to_owned()
+    }
+}
+
+impl AsRawFd for Words {
+    fn as_raw_fd(&self) -> RawFd {
+        self.heard.as_raw_fd()
+    }
+}

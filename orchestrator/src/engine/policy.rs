@@ -1,0 +1,423 @@
+//! How far the points of a study may share processes: what the workers have found out together.
+//!
+//! A point's result is what the FMU gives alone in a process that has loaded it and never instantiated it. The
+//! first points are run in really new processes, under two patterns of unwritten memory, and in forks of a process
+//! that has loaded the FMU: only where all agree are forks used. Processes are used for many points only where
+//! that pays and has been proven on points, in different orders; and a random share of them is computed again
+//! alone, as long as that takes at most a fiftieth of the time.
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use serde::{Deserialize, Serialize};
+
+use super::Job;
+use crate::run::Habit;
+
+/// How points share processes, as the user wishes it and as it turned out.
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, clap::ValueEnum,
+)]
+#[serde(rename_all = "kebab-case")]
+pub enum Isolation {
+    /// Every point alone in a process of its own
+    Fresh,
+    /// Processes are used for many points once that is proven, and under audit
+    Audited,
+    /// Processes are used for many points, and not audited
+    Reuse,
+    /// All points in the process of the supervisor.
+    #[value(skip)]
+    InProcess,
+}
+
+/// In what process a point was computed, from the strictest on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum Separation {
+    /// In a new one.
+    New,
+    /// In a fork of one that had loaded the FMU and never instantiated it.
+    Forked,
+    /// In one that had computed other points before.
+    Used,
+}
+
+/// How the points of a run were computed, and what their audits found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Conduct {
+    /// How points shared processes.
+    pub isolation: Isolation,
+    /// How many points were computed again alone, to be compared.
+    pub audits: u64,
+    /// How many of them differed.
+    pub audit_mismatches: u64,
+    /// Whether points that are computed twice, alone, give the same.
+    pub reproducible: bool,
+}
+
+impl Conduct {
+    /// How all points were computed, of which some were computed so and others otherwise.
+    pub fn and(self, other: Self) -> Self {
+        Self {
+            isolation: self.isolation.max(other.isolation),
+            audits: self.audits + other.audits,
+            audit_mismatches: self.audit_mismatches + other.audit_mismatches,
+            reproducible: self.reproducible && other.reproducible,
+        }
+    }
+
+    /// What has been found since `before`.
+    pub fn since(self, before: Option<Self>) -> Self {
+        let audits = |conduct: Self| (conduct.audits, conduct.audit_mismatches);
+        let (audits, mismatches) = before.map_or((0, 0), audits);
+        Self {
+            audits: self.audits - audits,
+            audit_mismatches: self.audit_mismatches - mismatches,
+            ..self
+        }
+    }
+
+    /// What a reader of the results has to know, a sentence each.
+    pub fn remarks(&self) -> Vec<String> {
+        let mut remarks = Vec::new();
+        if !self.reproducible {
+            remarks.push(
+                "not reproducible: the FMU gives other results for the same point in another new process (memory \
+                 that it never wrote, the clock, random numbers); every point ran alone in a new process"
+                    .to_owned(),
+            );
+        }
+        if self.audit_mismatches > 0 {
+            remarks.push(format!(
+                "{} of {} audited points had other results in a process that had computed points before than \
+                 alone; all points were computed again, each alone",
+                self.audit_mismatches, self.audits
+            ));
+        }
+        match self.isolation {
+            Isolation::Audited => remarks.push(self.proof()),
+            Isolation::Reuse => remarks
+                .push("points shared processes without audits (--isolation reuse)".to_owned()),
+            Isolation::Fresh | Isolation::InProcess => {}
+        }
+        remarks
+    }
+
+    /// What the audits prove.
+    fn proof(&self) -> String {
+        if self.audits == 0 {
+            return "points shared processes; there was no time for an audit".to_owned();
+        }
+        // 95 % of the FMUs that err in a larger share of their points would have been found.
+        let share = 100.0 * (1.0 - 0.05_f64.powf(1.0 / self.audits as f64));
+        format!(
+            "points shared processes; {} chosen at random were computed again alone, and agreed to the last bit (an \
+             FMU that errs in a share f of its points is found with probability 1-(1-f)^{}: 95 % for f = {share:.2} %)",
+            self.audits, self.audits
+        )
+    }
+}
+
+/// What a worker is to do next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Plan {
+    /// Run a point in several ways and [report](Policy::probed).
+    Probe,
+    /// Run a point alone.
+    Alone(Separation),
+    /// Find out whether processes may be used again, and [report](Policy::tried).
+    Trial,
+    /// Run points in one process.
+    Used(Habit),
+}
+
+/// What a probe found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Probed {
+    /// New processes and forks agree.
+    Alike,
+    /// New processes agree with each other; forks are not possible, or differ.
+    NoForks,
+    /// New processes differ from each other.
+    Different,
+    /// It was interrupted.
+    Nothing,
+}
+
+/// How many points are probed, where that takes little time.
+const PROBES: u32 = 3;
+/// On how many points reuse is proven, where starts are cheap.
+const PROOF: usize = 8;
+/// A start that takes longer is dear, s.
+const DEAR: f64 = 1.0;
+/// What reuse must be expected to save, s.
+const WORTH: f64 = 2.0;
+/// How much of the time audits may take.
+const SHARE: f64 = 0.02;
+/// The first audit may take this part of the time so far.
+const FIRST_SHARE: f64 = 0.1;
+/// How long a licence is waited for while no other point gets one.
+const LICENCE: Duration = Duration::from_secs(600);
+
+/// A point with its results, computed alone.
+pub(super) type Proof = (Job, Vec<f64>);
+
+/// What is known of an FMU's need for processes of its own.
+#[derive(Debug)]
+pub(super) struct Policy {
+    wish: Isolation,
+    /// A tool stands behind the FMU.
+    tool: bool,
+    workers: usize,
+    state: Mutex<State>,
+}
+
+#[derive(Debug)]
+struct State {
+    /// How points are run alone; unknown at first.
+    alone: Option<Separation>,
+    probing: bool,
+    probes: u32,
+    probe_time: Duration,
+    reuse: Reuse,
+    reused: bool,
+    proof: Vec<Proof>,
+    reproducible: bool,
+    audits: u64,
+    mismatches: u64,
+    /// How long points take alone, s: sum and number.
+    time: (f64, u64),
+    dear: bool,
+    /// Whether the FMU has ever been loaded.
+    loaded: bool,
+    /// When an instance was made last.
+    instance: Option<Instant>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Reuse {
+    Untried,
+    OnTrial,
+    Earned(Habit),
+    Refused,
+}
+
+impl Policy {
+    pub(super) fn new(wish: Isolation, tool: bool, workers: usize) -> Self {
+        let reuse = match wish {
+            Isolation::Audited => Reuse::Untried,
+            Isolation::Reuse => Reuse::Earned(Habit::Reset),
+            Isolation::Fresh | Isolation::InProcess => Reuse::Refused,
+        };
+        Self {
+            wish,
+            tool,
+            workers,
+            state: Mutex::new(State {
+                alone: None,
+                probing: false,
+                probes: 0,
+                probe_time: Duration::ZERO,
+                reuse,
+                reused: false,
+                proof: Vec::new(),
+                reproducible: true,
+                audits: 0,
+                mismatches: 0,
+                time: (0.0, 0),
+                dear: tool,
+                loaded: false,
+                instance: None,
+            }),
+        }
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        // Every change leaves it sound.
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// What to do next; `left` points are to come, as far as that is known.
+    pub(super) fn plan(&self, left: Option<usize>) -> Plan {
+        let mut state = self.state();
+        let Some(alone) = state.alone else {
+            if state.probing {
+                return Plan::Alone(Separation::New);
+            }
+            state.probing = true;
+            return Plan::Probe;
+        };
+        match state.reuse {
+            Reuse::Earned(habit) => Plan::Used(habit),
+            Reuse::Untried if self.is_worth_a_trial(&state, left) => {
+                state.reuse = Reuse::OnTrial;
+                Plan::Trial
+            }
+            _ => Plan::Alone(alone),
+        }
+    }
+
+    /// Whether reuse could save so much that its trial pays.
+    fn is_worth_a_trial(&self, state: &State, left: Option<usize>) -> bool {
+        let wanted = if state.dear { 1 } else { PROOF };
+        if state.proof.len() < wanted {
+            return false;
+        }
+        // The trial runs each point three times and starts a process; it must stay a small part of what is left.
+        const PART: usize = 20;
+        let left = left.unwrap_or(usize::MAX);
+        let enough = if state.dear { 4 } else { 3 * PART * wanted };
+        let mean = state.mean();
+        left > enough && left as f64 * mean / self.workers as f64 > WORTH
+    }
+
+    /// Notes what a probe found and how long it took.
+    pub(super) fn probed(&self, found: Probed, took: Duration) {
+        let mut state = self.state();
+        state.probing = false;
+        state.probe_time += took;
+        match found {
+            Probed::Nothing => {}
+            Probed::Different => state.give_up_reproducing(),
+            Probed::NoForks => state.alone = Some(Separation::New),
+            Probed::Alike => {
+                state.probes += 1;
+                let long = state.probe_time > Duration::from_secs(1);
+                if long || state.dear || state.probes >= PROBES || self.wish == Isolation::Reuse {
+                    state.alone = Some(Separation::Forked);
+                }
+            }
+        }
+    }
+
+    /// How points are run alone, as far as that is known.
+    pub(super) fn alone(&self) -> Separation {
+        self.state().alone.unwrap_or(Separation::New)
+    }
+
+    /// Whether a single probe is enough, because every start costs much.
+    pub(super) fn is_dear(&self) -> bool {
+        self.state().dear
+    }
+
+    /// Notes a point that was computed alone.
+    pub(super) fn note(&self, job: &Job, values: &[f64], separation: Separation, took: f64) {
+        let mut state = self.state();
+        if state.alone == Some(separation) {
+            state.time.0 += took;
+            state.time.1 += 1;
+        }
+        if state.proof.len() < PROOF && self.wish == Isolation::Audited {
+            state.proof.push((job.clone(), values.to_vec()));
+        }
+    }
+
+    /// Notes that an instance was made, and how long it took from the start of its process, s.
+    pub(super) fn instantiated(&self, start: f64) {
+        let mut state = self.state();
+        state.instance = Some(Instant::now());
+        state.loaded = true;
+        state.dear |= start > DEAR;
+    }
+
+    /// Notes that the FMU was loaded, whatever came after that.
+    pub(super) fn loaded(&self) {
+        self.state().loaded = true;
+    }
+
+    /// Whether the FMU was ever loaded: if not, it will never be.
+    pub(super) fn has_loaded(&self) -> bool {
+        self.state().loaded
+    }
+
+    /// Whether a refused instance is to be asked for again: it spoke of a licence, or the tool behind the FMU
+    /// gave one before; and it is not too long that nobody got one.
+    pub(super) fn waits_for_licence(&self, spoken: bool, since: Instant) -> bool {
+        let state = self.state();
+        let last = state.instance.map_or(since, |instance| instance.max(since));
+        (spoken || self.tool && state.instance.is_some()) && last.elapsed() < LICENCE
+    }
+
+    /// The points on which reuse is to be proven.
+    pub(super) fn proof(&self) -> Vec<Proof> {
+        let mut state = self.state();
+        if state.dear {
+            state.proof.truncate(1);
+        }
+        state.proof.clone()
+    }
+
+    /// How long a point takes alone, s.
+    pub(super) fn mean_time(&self) -> f64 {
+        self.state().mean()
+    }
+
+    /// Notes what a trial found: the habit that gave the same, if it is worth it.
+    pub(super) fn tried(&self, habit: Option<Habit>) {
+        let mut state = self.state();
+        if state.reuse == Reuse::OnTrial {
+            state.reuse = habit.map_or(Reuse::Refused, Reuse::Earned);
+            state.proof = Vec::new();
+        }
+    }
+
+    /// Notes that points were computed in a used process.
+    pub(super) fn note_reuse(&self) {
+        self.state().reused = true;
+    }
+
+    /// Whether there is time for an audit, given how long this worker has computed and audited, s.
+    pub(super) fn allows_audit(&self, computed: f64, audited: f64, one: f64) -> bool {
+        let first = audited == 0.0 && one < FIRST_SHARE * computed;
+        self.wish == Isolation::Audited && (first || audited + one < SHARE * computed)
+    }
+
+    /// Notes an audit.
+    pub(super) fn audited(&self, agreed: bool) {
+        let mut state = self.state();
+        state.audits += 1;
+        state.mismatches += u64::from(!agreed);
+    }
+
+    /// Points of this separation are not to be had any more. Those that there are do not count.
+    pub(super) fn refute(&self, separation: Separation) {
+        let mut state = self.state();
+        state.reuse = Reuse::Refused;
+        if separation == Separation::Forked {
+            state.alone = Some(Separation::New);
+        }
+    }
+
+    /// New processes differ among themselves.
+    pub(super) fn give_up_reproducing(&self) {
+        self.state().give_up_reproducing();
+    }
+
+    /// How the points were computed.
+    pub(super) fn conduct(&self) -> Conduct {
+        let state = self.state();
+        Conduct {
+            isolation: match (self.wish, state.reuse) {
+                (Isolation::Audited, Reuse::Earned(_)) if state.reused => Isolation::Audited,
+                (Isolation::Reuse, Reuse::Earned(_)) => Isolation::Reuse,
+                (Isolation::InProcess, _) => Isolation::InProcess,
+                _ => Isolation::Fresh,
+            },
+            audits: state.audits,
+            audit_mismatches: state.mismatches,
+            reproducible: state.reproducible,
+        }
+    }
+}
+
+impl State {
+    fn mean(&self) -> f64 {
+        self.time.0 / self.time.1.max(1) as f64
+    }
+
+    fn give_up_reproducing(&mut self) {
+        self.reproducible = false;
+        self.alone = Some(Separation::New);
+        self.reuse = Reuse::Refused;
+    }
+}

@@ -1,0 +1,156 @@
+//! Single points in a process of their own: what the FMU does to it is one clear failure.
+
+use std::path::Path;
+
+use super::process::{Gone, Limits, Process};
+use super::wire::{End, Reader, Trouble, Way};
+use super::{Answer, EngineError, Job};
+use crate::failure::Failure;
+use crate::run::Habit;
+use crate::task::{Record, Task};
+use fmu_import::{Handle, Value};
+
+/// Where and within which limits single points are run.
+#[derive(Clone, Copy, Debug)]
+pub struct Recorder<'a> {
+    /// The folder of the unpacked FMU.
+    pub fmu: &'a Path,
+    /// What the user calls the FMU.
+    pub name: &'a Path,
+    /// What the point may use; the time is that between two messages of the process.
+    pub limits: Limits,
+    /// Whether what the FMU prints is shown on standard error.
+    pub echo: bool,
+}
+
+impl Recorder<'_> {
+    fn process(&self, task: &Task) -> Process {
+        Process::new(self.fmu, self.name, task, self.limits).with_echo(self.echo)
+    }
+
+    /// Runs a point as a study does, in a new process; one that fails is tried once more.
+    ///
+    /// # Errors
+    /// When no process can be started, or the FMU cannot be loaded.
+    pub fn run(&self, task: &Task, job: &Job) -> Result<Answer, EngineError> {
+        let mut answer = None;
+        for _ in 0..2 {
+            let answers = self.answers(task, Way::New, std::slice::from_ref(job))?;
+            answer = answers.into_iter().next();
+            if let Some(Ok(_)) = answer {
+                break;
+            }
+        }
+        answer.ok_or_else(|| EngineError::Lost("it gave no answer".to_owned()))
+    }
+
+    /// Runs points one after another on one instance in one process, in which a failing `fmi2Reset` is the next
+    /// point's failure: to see what the FMU does.
+    ///
+    /// # Errors
+    /// When no process can be started, or the FMU cannot be loaded.
+    pub fn run_reset(&self, task: &Task, jobs: &[Job]) -> Result<Vec<Answer>, EngineError> {
+        self.answers(task, Way::Used(Habit::Candid), jobs)
+    }
+
+    fn answers(&self, task: &Task, way: Way, jobs: &[Job]) -> Result<Vec<Answer>, EngineError> {
+        let mut answers = Vec::new();
+        let mut unloadable = None;
+        let mut take = |answer: Result<Vec<f64>, Trouble>| match answer {
+            Ok(values) => answers.push(Ok(values)),
+            Err(Trouble::Unloadable(reason)) => unloadable = Some(reason),
+            Err(trouble) => answers.push(Err(trouble.failure())),
+        };
+        let mut process = self.process(task);
+        let run = process.run(way, jobs, &|| false, &mut |reply| take(reply.answer));
+        match (unloadable, run) {
+            (Some(reason), _) => Err(EngineError::Start(reason)),
+            (None, Ok(())) => Ok(answers),
+            (None, Err(Gone::Lost(failure))) => {
+                answers.push(Err(failure));
+                Ok(answers)
+            }
+            (None, Err(gone)) => Err(gone.into()),
+        }
+    }
+
+    /// Simulates a point and hands over time and columns at every communication point. One that fails is tried
+    /// once more; what has been handed over is not handed over again.
+    ///
+    /// # Errors
+    /// When no process can be started, when the simulation fails, and what `row` returns.
+    pub fn record<E: From<Failure> + From<EngineError>>(
+        &self,
+        task: &Task,
+        values: &[f64],
+        columns: &[Handle],
+        mut row: impl FnMut(f64, &[Value]) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let record = Record {
+            values: values.to_vec(),
+            columns: columns.to_vec(),
+        };
+        let mut order = Vec::new();
+        Way::Recorded.put(&mut order);
+        let text = serde_json::to_vec(&record);
+        order.extend(text.map_err(|error| EngineError::Start(error.to_string()))?);
+        let mut handed_over = 0;
+        for last in [false, true] {
+            let mut number = 0;
+            let mut keep = |time: f64, values: &[Value]| {
+                number += 1;
+                if number <= handed_over {
+                    return Ok(());
+                }
+                handed_over = number;
+                row(time, values)
+            };
+            match self.attempt(task, &order, columns, &mut keep)? {
+                None => return Ok(()),
+                Some(failure) if last => return Err(failure.into()),
+                Some(_) => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// One try: the failure, if there is one.
+    fn attempt<E: From<EngineError>>(
+        &self,
+        task: &Task,
+        order: &[u8],
+        columns: &[Handle],
+        row: &mut dyn FnMut(f64, &[Value]) -> Result<(), E>,
+    ) -> Result<Option<Failure>, E> {
+        let mut outcome = Ok(None);
+        let mut process = self.process(task);
+        let ended = process.order(order, &|| false, &mut |payload| {
+            let mut reader = Reader(payload);
+            match reader.end() {
+                Some(End::Not) => {}
+                Some(End::Done) => return false,
+                Some(End::Failed(failure)) => {
+                    outcome = Ok(Some(failure));
+                    return false;
+                }
+                None => {
+                    let damaged = EngineError::Lost("its answer is damaged".to_owned());
+                    outcome = Err(damaged.into());
+                    return false;
+                }
+            }
+            while let Some((time, values)) = reader.row(columns) {
+                if let Err(error) = row(time, &values) {
+                    outcome = Err(error);
+                    return false;
+                }
+            }
+            true
+        });
+        match ended {
+            Ok(()) => outcome,
+            Err(Gone::Lost(failure)) => Ok(Some(failure)),
+            Err(gone) => Err(EngineError::from(gone).into()),
+        }
+    }
+}

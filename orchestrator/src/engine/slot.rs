@@ -1,0 +1,442 @@
+//! A worker that runs points in processes, as strictly separated as the FMU needs it.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use rand::RngExt;
+
+use super::policy::{Plan, Policy, Probed, Separation};
+use super::process::{Gone, Limits, Process};
+use super::wire::{Reply, Trouble, Way};
+use super::{EngineError, Event, Job, Post, Worker};
+use crate::failure::Failure;
+use crate::run::Habit;
+use crate::task::Task;
+
+/// The bytes with which unwritten memory is filled for comparison.
+const FILLS: [u8; 2] = [0x55, 0xaa];
+
+/// A worker with processes of its own.
+#[derive(Debug)]
+pub(super) struct Slot {
+    policy: Arc<Policy>,
+    fmu: PathBuf,
+    name: PathBuf,
+    task: Task,
+    limits: Limits,
+    /// The guard of points that are run alone, in forks.
+    forking: Process,
+    /// The guard of the process that runs many points.
+    using: Process,
+    /// How long this worker has computed in used processes, and audited, s.
+    spent: (f64, f64),
+}
+
+/// What came of a point that was run alone.
+type Found = Result<Vec<f64>, Trouble>;
+
+impl Slot {
+    pub(super) fn new(
+        policy: Arc<Policy>,
+        fmu: &Path,
+        name: &Path,
+        task: &Task,
+        limits: Limits,
+    ) -> Self {
+        let guard = || Process::new(fmu, name, task, limits);
+        Self {
+            policy,
+            fmu: fmu.to_owned(),
+            name: name.to_owned(),
+            task: task.clone(),
+            limits,
+            forking: guard(),
+            using: guard(),
+            spent: (0.0, 0.0),
+        }
+    }
+
+    /// One try of a point alone.
+    fn once(
+        &mut self,
+        job: &Job,
+        separation: Separation,
+        fill: Option<u8>,
+        post: &Post<'_>,
+    ) -> Result<Reply, Gone> {
+        let jobs = std::slice::from_ref(job);
+        let mut reply = None;
+        let mut take = |own| reply = Some(own);
+        let ran = if separation == Separation::Forked {
+            self.forking.run(Way::Forked, jobs, post.stopped, &mut take)
+        } else {
+            let guard = Process::new(&self.fmu, &self.name, &self.task, self.limits);
+            let mut guard = guard.with_fill(fill);
+            guard.run(Way::New, jobs, post.stopped, &mut take)
+        };
+        let failure = match (ran, reply) {
+            (_, Some(reply)) => {
+                match &reply.answer {
+                    Ok(_) => self.policy.instantiated(f64::from(reply.start)),
+                    Err(Trouble::Unloadable(_)) => {}
+                    Err(_) => self.policy.loaded(),
+                }
+                return Ok(reply);
+            }
+            (Ok(()), None) => Failure::Crashed("no answer came".to_owned()),
+            (Err(Gone::Lost(failure)), None) => failure,
+            (Err(gone), None) => return Err(gone),
+        };
+        Ok(Reply {
+            index: job.index,
+            answer: Err(Trouble::Lost(failure)),
+            start: 0.0,
+            forkable: None,
+        })
+    }
+
+    /// The same, but a licence is waited for.
+    fn licensed(
+        &mut self,
+        job: &Job,
+        separation: Separation,
+        fill: Option<u8>,
+        post: &Post<'_>,
+    ) -> Result<Reply, Gone> {
+        const LONGEST: Duration = Duration::from_secs(5);
+        let (since, mut pause) = (Instant::now(), Duration::from_millis(20));
+        loop {
+            let reply = self.once(job, separation, fill, post)?;
+            let Err(Trouble::Refused { licence, .. }) = &reply.answer else {
+                return Ok(reply);
+            };
+            if !self.policy.waits_for_licence(*licence, since) {
+                return Ok(reply);
+            }
+            post.pause(pause)?;
+            pause = LONGEST.min(pause * 3 / 2);
+        }
+    }
+
+    /// A point alone; one that fails is tried once more, in a new process.
+    fn alone(
+        &mut self,
+        job: &Job,
+        separation: Separation,
+        post: &mut Post<'_>,
+    ) -> Result<(Found, Separation), Gone> {
+        let begun = Instant::now();
+        let first = self.licensed(job, separation, None, post)?.answer;
+        if let Ok(values) = &first {
+            self.policy
+                .note(job, values, separation, begun.elapsed().as_secs_f64());
+            return Ok((first, separation));
+        }
+        let second = self.licensed(job, Separation::New, None, post)?.answer;
+        if second.is_ok() && speaks_of_the_fmu(&first) {
+            self.explain(job, separation, &second, post)?;
+        }
+        Ok((second, Separation::New))
+    }
+
+    /// A point failed in a process of this separation, but not in a new one: either that matters, or new ones differ.
+    fn explain(
+        &mut self,
+        job: &Job,
+        separation: Separation,
+        new: &Found,
+        post: &mut Post<'_>,
+    ) -> Result<(), Gone> {
+        let again = if separation == Separation::New {
+            None
+        } else {
+            Some(self.licensed(job, Separation::New, None, post)?.answer)
+        };
+        match again {
+            Some(again) if is_same(new, &again) => self.refute(separation, post),
+            _ => self.give_up_reproducing(post),
+        }
+        Ok(())
+    }
+
+    fn refute(&mut self, separation: Separation, post: &mut Post<'_>) {
+        self.policy.refute(separation);
+        post.send(Event::Void(separation));
+    }
+
+    fn give_up_reproducing(&mut self, post: &mut Post<'_>) {
+        self.policy.give_up_reproducing();
+        // Forks share what new processes would draw anew.
+        post.send(Event::Void(Separation::Forked));
+    }
+
+    /// Runs a point in several ways, and reports it.
+    fn probe(&mut self, job: &Job, post: &mut Post<'_>) -> Result<(), Gone> {
+        let begun = Instant::now();
+        let found = self.compare(job, post);
+        let nothing = Probed::Nothing;
+        let probed = found.as_ref().map_or(nothing, |(probed, _)| *probed);
+        self.policy.probed(probed, begun.elapsed());
+        let (probed, answer) = found?;
+        let answer = match answer {
+            // What new processes give is not the same: it is drawn again, with memory as it comes.
+            _ if probed == Probed::Different => {
+                self.give_up_reproducing(post);
+                self.alone(job, Separation::New, post)?.0
+            }
+            Some(answer) => answer,
+            None => self.alone(job, Separation::New, post)?.0,
+        };
+        if let Ok(values) = &answer {
+            let each = begun.elapsed().as_secs_f64() / 2.0;
+            self.policy.note(job, values, Separation::New, each);
+        }
+        post.answer(job.index, answer, Separation::New);
+        Ok(())
+    }
+
+    /// A point under two patterns of unwritten memory, and in a fork.
+    fn compare(&mut self, job: &Job, post: &mut Post<'_>) -> Result<(Probed, Option<Found>), Gone> {
+        let [first, second] = FILLS.map(Some);
+        let first = self.licensed(job, Separation::New, first, post)?;
+        if let (Err(Trouble::Unloadable(reason)), false) = (&first.answer, self.policy.has_loaded())
+        {
+            return Err(Gone::Start(reason.clone()));
+        }
+        let second = self.licensed(job, Separation::New, second, post)?;
+        if !is_same(&first.answer, &second.answer) {
+            // A process that was ended from outside tells nothing about the FMU.
+            let told = speaks_of_the_fmu(&first.answer) && speaks_of_the_fmu(&second.answer);
+            let probed = if told {
+                Probed::Different
+            } else {
+                Probed::NoForks
+            };
+            return Ok((probed, None));
+        }
+        let mut probed = Probed::NoForks;
+        if first.forkable == Some(true) && !self.policy.is_dear() {
+            let forked = self.licensed(job, Separation::Forked, None, post)?;
+            if is_same(&first.answer, &forked.answer) {
+                probed = Probed::Alike;
+            }
+        }
+        Ok((probed, Some(first.answer)))
+    }
+
+    /// Finds out whether processes may be used again: points that are known, in both orders and repeated.
+    fn trial(&mut self, post: &Post<'_>) -> Result<(), Gone> {
+        let proof = self.policy.proof();
+        let forward = 0..proof.len();
+        let orders: Vec<usize> = forward
+            .clone()
+            .chain(forward.clone().rev())
+            .chain(forward.flat_map(|k| [k, k]))
+            .collect();
+        let mut habit = None;
+        for candidate in [Habit::Reset, Habit::Renew] {
+            let mut same = true;
+            let begun = Instant::now();
+            let jobs: Vec<Job> = orders
+                .iter()
+                .enumerate()
+                .map(|(number, &k)| Job {
+                    index: number as u64,
+                    values: proof[k].0.values.clone(),
+                })
+                .collect();
+            let way = Way::Used(candidate);
+            let ran = self.using.run(way, &jobs, post.stopped, &mut |reply| {
+                let known = orders.get(reply.index as usize).map(|&k| &proof[k].1);
+                let own = reply.answer.as_ref().ok();
+                same &= known.zip(own).is_some_and(|(a, b)| bits(a).eq(bits(b)));
+            });
+            match ran {
+                Ok(()) if same => {
+                    // What saves next to nothing is not worth any doubt.
+                    const PAYS: f64 = 0.8;
+                    let each = begun.elapsed().as_secs_f64() / jobs.len() as f64;
+                    let pays = each < PAYS * self.policy.mean_time();
+                    habit = Some(candidate).filter(|_| pays);
+                    break;
+                }
+                Ok(()) | Err(Gone::Lost(_)) => self.using.end(),
+                Err(gone) => return Err(gone),
+            }
+        }
+        self.policy.tried(habit);
+        Ok(())
+    }
+
+    /// Runs points in one process; each that fails there is run alone. Some are audited.
+    fn used(&mut self, jobs: &[Job], habit: Habit, post: &mut Post<'_>) -> Result<(), Gone> {
+        let begun = Instant::now();
+        self.policy.note_reuse();
+        let mut open: BTreeMap<u64, &Job> = jobs.iter().map(|job| (job.index, job)).collect();
+        let mut failed = Vec::new();
+        let mut done = Vec::new();
+        let way = Way::Used(habit);
+        let stopped = post.stopped;
+        let ran = self.using.run(way, jobs, stopped, &mut |reply| {
+            let Some(job) = open.remove(&reply.index) else {
+                return;
+            };
+            match reply.answer {
+                Ok(values) => {
+                    done.push((job, values.clone()));
+                    post.answer(job.index, Ok(values), Separation::Used);
+                }
+                Err(trouble) => failed.push((job, Err(trouble))),
+            }
+        });
+        match ran {
+            Ok(()) => {}
+            Err(Gone::Lost(failure)) => {
+                // The guard was lost: which point it was is not known, so none of them is to blame yet.
+                let lost = |job| (job, Err(Trouble::Lost(failure.clone())));
+                failed.extend(open.into_values().map(lost));
+            }
+            Err(gone) => return Err(gone),
+        }
+        self.spent.0 += begun.elapsed().as_secs_f64();
+        for (job, used) in failed {
+            self.again(job, &used, post)?;
+        }
+        self.audit(&done, post)
+    }
+
+    /// A point that failed in a used process, alone.
+    fn again(&mut self, job: &Job, used: &Found, post: &mut Post<'_>) -> Result<(), Gone> {
+        let separation = self.alone_separation();
+        let (found, separation) = match used {
+            // It has had its second try with this one.
+            Err(Trouble::Lost(Failure::Timeout)) => (
+                self.licensed(job, separation, None, post)?.answer,
+                separation,
+            ),
+            _ => self.alone(job, separation, post)?,
+        };
+        if found.is_ok() && speaks_of_the_fmu(used) {
+            self.policy.audited(false);
+            self.refute(Separation::Used, post);
+        }
+        post.answer(job.index, found, separation);
+        Ok(())
+    }
+
+    fn alone_separation(&self) -> Separation {
+        self.policy.alone()
+    }
+
+    /// Computes some of the points again alone, as far as there is time.
+    fn audit(&mut self, done: &[(&Job, Vec<f64>)], post: &mut Post<'_>) -> Result<(), Gone> {
+        let mut random = rand::rng();
+        for _ in 0..done.len() {
+            let (computed, audited) = self.spent;
+            if !self
+                .policy
+                .allows_audit(computed, audited, self.policy.mean_time())
+            {
+                break;
+            }
+            let begun = Instant::now();
+            let (job, values) = &done[random.random_range(0..done.len())];
+            let separation = self.alone_separation();
+            let (found, _) = self.alone(job, separation, post)?;
+            self.spent.1 += begun.elapsed().as_secs_f64();
+            let agreed = is_same(&Ok(values.clone()), &found);
+            // A process that was ended from outside tells nothing about the FMU.
+            if !agreed && !speaks_of_the_fmu(&found) {
+                continue;
+            }
+            self.policy.audited(agreed);
+            if !agreed {
+                return self.judge(job, &found, post);
+            }
+        }
+        Ok(())
+    }
+
+    /// A used process gave something else than one that ran the point alone: who is right?
+    fn judge(&mut self, job: &Job, alone: &Found, post: &mut Post<'_>) -> Result<(), Gone> {
+        self.refute(Separation::Used, post);
+        let [first, second] = [(); 2].map(|()| self.licensed(job, Separation::New, None, post));
+        let (first, second) = (first?.answer, second?.answer);
+        if !is_same(&first, &second) {
+            self.give_up_reproducing(post);
+        } else if !is_same(alone, &first) {
+            self.refute(Separation::Forked, post);
+        }
+        Ok(())
+    }
+}
+
+impl Worker for Slot {
+    fn run(&mut self, jobs: &[Job], post: &mut Post<'_>) -> Result<(), EngineError> {
+        let mut jobs = jobs;
+        while let Some((job, rest)) = jobs.split_first() {
+            let plan = self.policy.plan(post.left.map(|left| left + jobs.len()));
+            let done = match plan {
+                Plan::Probe => self.probe(job, post),
+                Plan::Alone(separation) => {
+                    self.alone(job, separation, post)
+                        .map(|(found, separation)| {
+                            post.answer(job.index, found, separation);
+                        })
+                }
+                Plan::Trial => {
+                    let tried = self.trial(post);
+                    if tried.is_err() {
+                        self.policy.tried(None);
+                    }
+                    tried
+                }
+                Plan::Used(habit) => self.used(jobs, habit, post),
+            };
+            match done {
+                Ok(()) => {}
+                Err(Gone::Stopped) => return Ok(()),
+                Err(gone) => return Err(gone.into()),
+            }
+            jobs = match plan {
+                Plan::Trial => jobs,
+                Plan::Used(_) => &[],
+                Plan::Probe | Plan::Alone(_) => rest,
+            };
+            if post.is_over() {
+                return Ok(());
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Whether an answer comes from the FMU, and not from what happened around its process: a lack of time or memory,
+/// a signal from outside.
+fn speaks_of_the_fmu(found: &Found) -> bool {
+    match found {
+        Ok(_) | Err(Trouble::Failed(_)) => true,
+        Err(Trouble::Lost(Failure::Crashed(text))) => {
+            let by_the_fmu = ["SIGSEGV", "SIGABRT", "SIGFPE", "SIGILL", "SIGBUS"];
+            by_the_fmu.iter().any(|signal| text.starts_with(signal))
+        }
+        Err(Trouble::Lost(Failure::Exited(_))) => true,
+        Err(Trouble::Lost(_) | Trouble::Refused { .. } | Trouble::Unloadable(_)) => false,
+    }
+}
+
+/// Whether two processes gave the same: results to the last bit, or failures of one class, whose words may hold
+/// addresses and times.
+fn is_same(one: &Found, other: &Found) -> bool {
+    match (one, other) {
+        (Ok(one), Ok(other)) => bits(one).eq(bits(other)),
+        (Err(one), Err(other)) => one.clone().failure().class() == other.clone().failure().class(),
+        _ => false,
+    }
+}
+
+fn bits(values: &[f64]) -> impl Iterator<Item = u64> {
+    values.iter().map(|value| value.to_bits())
+}

@@ -1,0 +1,30 @@
+//! Lines of the journal about many points: how they were computed, and which count no more.
+
+use serde::{Deserialize, Serialize};
+
+use crate::engine::{Conduct, Separation};
+
+/// A line about many points.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Note {
+    /// How points were computed since the last such note.
+    Conduct(Conduct),
+    /// The points so far that were computed in such processes, or in less strictly separated ones, do not count.
+    Void(Separation),
+}
+
+/// How a line names the process of a point that has results.
+pub(super) fn word(separation: Separation) -> &'static str {
+    match separation {
+        Separation::New => "ok",
+        Separation::Forked => "forked",
+        Separation::Used => "used",
+    }
+}
+
+/// The process that a line names.
+pub(super) fn separation(word: &str) -> Option<Separation> {
+    let all = [Separation::New, Separation::Forked, Separation::Used];
+    all.into_iter()
+        .find(|separation| self::word(*separation) == word)
+}
