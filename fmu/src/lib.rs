@@ -1,8 +1,8 @@
-//! A plain-bearing test stand: drive, load mechanism, bearing, oil, heat transfer and sensors,
-//! and its export as an FMI 2.0 Co-Simulation FMU.
+//! A plain-bearing test stand: drive, load mechanism, bearing, oil, heat transfer and sensors, exported as an FMI 2.0
+//! Co-Simulation FMU.
 //!
-//! The physics (all modules but [`fmi2`]) never knows FMI; the boundary never knows bearings.
-//! What they share is [`model`]: a model with variables. Start reading at [`stand`].
+//! The modules compute in SI units and know nothing of FMI, which comes from [`fmu_export`]. Start reading at [`stand`],
+//! where the blocks are wired, and at [`variables`], which names all that hosts can set and read.
 
 pub mod bearing;
 pub mod documentation;

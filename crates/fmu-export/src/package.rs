@@ -226,3 +226,108 @@ fn at(path: &Path, error: io::Error) -> PackageError {
     let path = path.to_owned();
     PackageError::File { path, error }
 }
+
+#[cfg(test)]
+mod tests {
+    use serde::{Deserialize, Serialize};
+    use zip::ZipArchive;
+
+    use super::*;
+    use crate::model::{Experiment, Fault, Info, Log, Variable};
+
+    #[derive(Clone, Default, Serialize, Deserialize)]
+    struct Nothing;
+
+    impl Model for Nothing {
+        const INFO: Info = Info {
+            identifier: "Nothing",
+            ..crate::info!()
+        };
+
+        fn variables() -> &'static [Variable<Self>] {
+            &[]
+        }
+
+        fn initialise(&mut self, _: &Experiment<'_>, _: &mut dyn Log) -> Result<(), Fault> {
+            Ok(())
+        }
+
+        fn advance(&mut self, _: f64, _: f64, _: &mut dyn Log) -> Result<(), Fault> {
+            Ok(())
+        }
+    }
+
+    /// A package with a library, a licence and a resource.
+    fn package() -> (tempfile::TempDir, Vec<Binary>) {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        std::fs::create_dir_all(at("fmu/resources/deep")).unwrap();
+        std::fs::write(at("fmu/resources/deep/table.csv"), "1,2\n").unwrap();
+        std::fs::write(at("LICENSE-MIT"), "free").unwrap();
+        std::fs::write(at("libnothing.so"), [1, 2, 3]).unwrap();
+        let binary = Binary {
+            platform: "linux64",
+            library: at("libnothing.so"),
+        };
+        (folder, vec![binary])
+    }
+
+    #[test]
+    fn an_fmu_holds_what_belongs_to_it_and_is_the_same_every_time() {
+        let (folder, binaries) = package();
+        let files = contents::<Nothing>(folder.path(), &binaries).unwrap();
+        let (one, two) = (
+            folder.path().join("a/one.fmu"),
+            folder.path().join("two.fmu"),
+        );
+        let size = write(&one, &files).unwrap();
+        write(&two, &files).unwrap();
+        let bytes = std::fs::read(&one).unwrap();
+        assert_eq!(bytes.len() as u64, size);
+        assert_eq!(bytes, std::fs::read(&two).unwrap());
+        let mut archive = ZipArchive::new(File::open(&one).unwrap()).unwrap();
+        let names: Vec<_> = archive
+            .file_names()
+            .map(|name| name.unwrap().into_owned())
+            .collect();
+        assert_eq!(
+            names,
+            [
+                "binaries/linux64/Nothing.so",
+                "documentation/licenses/LICENSE-MIT",
+                "modelDescription.xml",
+                "resources/deep/table.csv",
+            ]
+        );
+        let mode = archive
+            .by_name("binaries/linux64/Nothing.so")
+            .unwrap()
+            .unix_mode();
+        assert_eq!(mode.unwrap() & 0o777, 0o755);
+        let mut xml = String::new();
+        let mut entry = archive.by_name("modelDescription.xml").unwrap();
+        io::Read::read_to_string(&mut entry, &mut xml).unwrap();
+        assert_eq!(xml, description::xml::<Nothing>());
+    }
+
+    #[test]
+    fn two_binaries_for_a_platform_and_missing_files_are_refused() {
+        let (folder, mut binaries) = package();
+        binaries.push(Binary {
+            platform: "linux64",
+            library: folder.path().join("libnothing.so"),
+        });
+        let refused = contents::<Nothing>(folder.path(), &binaries)
+            .unwrap_err()
+            .to_string();
+        assert!(
+            refused.starts_with("there are two binaries for linux64"),
+            "{refused}"
+        );
+        binaries[1].library = folder.path().join("missing.so");
+        let refused = contents::<Nothing>(folder.path(), &binaries)
+            .unwrap_err()
+            .to_string();
+        assert!(refused.contains("missing.so: "), "{refused}");
+    }
+}

@@ -48,7 +48,7 @@ pub struct Host {
     seed: u64,
 }
 
-/// The logger as Rust can define it: see `fmi2/testing.rs`.
+/// The logger as Rust can define it: see `crates/fmu-export/tests/boundary/host.rs`.
 type Fixed = unsafe extern "C" fn(ComponentEnvironment, Text, Status, Text, Text, *const c_char);
 
 unsafe extern "C" fn logger(
