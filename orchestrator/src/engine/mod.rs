@@ -77,7 +77,7 @@ pub trait Worker: Send {
 /// # Errors
 /// When a worker is lost, and what `receive` returns.
 pub fn run<E: From<EngineError>>(
-    workers: Vec<Box<dyn Worker>>,
+    workers: &mut [Box<dyn Worker>],
     jobs: impl Iterator<Item = Job> + Send,
     stop: &AtomicBool,
     mut receive: impl FnMut(Event) -> Result<ControlFlow<()>, E>,
@@ -89,7 +89,7 @@ pub fn run<E: From<EngineError>>(
     let stopped = || stop.load(Ordering::Relaxed) || done.load(Ordering::Relaxed);
     let (send, receiver) = sync_channel(WAITING);
     thread::scope(|scope| {
-        for mut worker in workers {
+        for worker in workers {
             let (send, jobs, stopped) = (send.clone(), &jobs, &stopped);
             scope.spawn(move || {
                 let mut pace = batch::Pace::default();
@@ -125,8 +125,8 @@ pub fn run<E: From<EngineError>>(
 }
 
 /// How long answers are gathered before they are handed over, at first and in the long run: to wake up
-/// and to write costs the workers a little each time.
-const GATHERING: [Duration; 2] = [Duration::from_millis(1), Duration::from_millis(8)];
+/// and to write costs the workers a little each time. A set of few points should not wait for it.
+const GATHERING: [Duration; 2] = [Duration::from_micros(20), Duration::from_millis(8)];
 
 /// Hands over everything that comes, until all workers have ended.
 fn collect<E: From<EngineError>>(
@@ -215,7 +215,7 @@ mod tests {
     fn every_point_is_answered_once() {
         let mut seen = vec![0; 10_000];
         let stop = AtomicBool::new(false);
-        run::<EngineError>(workers(3), jobs(10_000), &stop, |event| {
+        run::<EngineError>(&mut workers(3), jobs(10_000), &stop, |event| {
             let Event::Answer(index, answer) = event else {
                 return Ok(ControlFlow::Continue(()));
             };
@@ -234,7 +234,7 @@ mod tests {
     fn a_run_ends_early_when_asked_to() {
         let stop = AtomicBool::new(false);
         let mut count = 0;
-        run::<EngineError>(workers(2), jobs(1_000_000), &stop, |event| {
+        run::<EngineError>(&mut workers(2), jobs(1_000_000), &stop, |event| {
             count += u64::from(matches!(event, Event::Answer(..)));
             Ok(if count == 10 {
                 ControlFlow::Break(())
