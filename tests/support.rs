@@ -6,10 +6,11 @@ use std::path::PathBuf;
 use fmu_export::model::{Access, Experiment, Kind, Model, Variable};
 use fmu_import::{Description, Package, Value};
 use orchestrator::identify::bind::Bound;
-use orchestrator::identify::problem::Simulate;
+use orchestrator::identify::problem::{NoPrediction, Prediction, Query, Simulate};
 use orchestrator::statistics::Accumulator;
 use orchestrator::task::Task;
 use plain_bearing_stand::stand::Stand;
+use rayon::prelude::*;
 
 /// A file of the repository.
 pub fn file(path: &str) -> PathBuf {
@@ -50,12 +51,22 @@ impl<'a> StandModel<'a> {
     }
 }
 
-impl Simulate for StandModel<'_> {
-    fn simulate(&self, case: usize, free: &[f64], latents: &[f64]) -> Result<Vec<f64>, String> {
-        let results = run(self.stand(case, free, latents), &self.bound.task)?;
+impl StandModel<'_> {
+    fn predict(&self, query: &Query) -> Prediction {
+        let stand = self.stand(query.case, &query.free, &query.latents);
+        let results = run(stand, &self.bound.task)?;
         let pairs = results.iter().zip(&self.bound.outputs);
         Ok(pairs
             .map(|(&value, conversion)| conversion.value(value))
+            .collect())
+    }
+}
+
+impl Simulate for StandModel<'_> {
+    fn simulate(&self, queries: &[Query]) -> Result<Vec<Prediction>, NoPrediction> {
+        Ok(queries
+            .par_iter()
+            .map(|query| self.predict(query))
             .collect())
     }
 }

@@ -9,7 +9,7 @@ use clap::{Args, Parser, Subcommand};
 
 pub use analysis::{Pareto, Robustness, Sensitivity, Synchronise};
 pub use fmu::{Check, Init, Inspect, Simulate};
-pub use running::Means;
+pub use running::{Means, Parts};
 pub use study::{Identify, Judge, Merge, Replay, Report, Verify};
 
 /// Verifies FMI 2.0 Co-Simulation FMUs against measurements under uncertainty.

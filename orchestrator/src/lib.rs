@@ -11,6 +11,7 @@ pub mod failure;
 pub mod identify;
 pub mod judge;
 pub mod names;
+pub mod pipeline;
 pub mod report;
 pub mod results;
 pub mod run;

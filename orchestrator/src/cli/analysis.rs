@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::Means;
+use super::{Means, Parts};
 use crate::analysis::sensitivity::sobol::FirstOrder;
 
 /// Options of `sensitivity`.
@@ -17,7 +17,7 @@ pub struct Sensitivity {
     /// The study
     pub study: PathBuf,
     /// Use the points of a finished study instead of new runs
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["morris", "fmu", "jobs"])]
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["morris", "fmu", "jobs", "resume", "shard"])]
     pub from: Option<PathBuf>,
     /// Base points of the Sobol indices; the runs are this many times the parameters and two more
     #[arg(long, value_name = "N", default_value_t = 256)]
@@ -34,6 +34,9 @@ pub struct Sensitivity {
     /// What runs it
     #[command(flatten)]
     pub means: Means,
+    /// Which part of it
+    #[command(flatten)]
+    pub parts: Parts,
     /// The folder for the results [default: results/ and the study's name, or DIR of --from]
     #[arg(long, value_name = "DIR")]
     pub output: Option<PathBuf>,
@@ -63,6 +66,9 @@ pub struct Robustness {
     /// What runs it
     #[command(flatten)]
     pub means: Means,
+    /// Which part of it
+    #[command(flatten)]
+    pub parts: Parts,
     /// The folder for the results [default: that of the study]
     #[arg(long, value_name = "DIR")]
     pub output: Option<PathBuf>,
@@ -97,6 +103,9 @@ pub struct Pareto {
     /// What runs it
     #[command(flatten)]
     pub means: Means,
+    /// Which part of it
+    #[command(flatten)]
+    pub parts: Parts,
     /// The folder for the results [default: that of the study]
     #[arg(long, value_name = "DIR")]
     pub output: Option<PathBuf>,

@@ -6,6 +6,18 @@ use std::path::PathBuf;
 use clap::Args;
 
 use crate::engine::Isolation;
+use crate::pipeline::Shard;
+
+/// How a run of points is cut up and taken up again.
+#[derive(Debug, Args)]
+pub struct Parts {
+    /// Continue a run that was interrupted
+    #[arg(long)]
+    pub resume: bool,
+    /// Simulate only one of several equal parts of the points; `merge` joins them
+    #[arg(long, value_name = "I/N")]
+    pub shard: Option<Shard>,
+}
 
 /// With what and where a study is run, and what a point may use.
 #[derive(Debug, Args)]

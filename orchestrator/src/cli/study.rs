@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::Means;
-use crate::session::{Shard, Until};
+use super::{Means, Parts};
+use crate::session::Until;
 
 /// Options of `verify`.
 #[derive(Debug, Args)]
@@ -34,15 +34,12 @@ pub struct Verify {
     /// Only say what would be done: points, design, criteria; and how long, by some points
     #[arg(long)]
     pub dry_run: bool,
-    /// Continue a study that was interrupted
-    #[arg(long)]
-    pub resume: bool,
+    /// Which part of it
+    #[command(flatten)]
+    pub parts: Parts,
     /// Write points.parquet, too
     #[arg(long)]
     pub parquet: bool,
-    /// Simulate only one of several equal parts of the points; `merge` joins them
-    #[arg(long, value_name = "I/N")]
-    pub shard: Option<Shard>,
     /// End when the 95 % interval of the verified share is narrow enough, such as "ci 0.01"
     #[arg(long, value_name = "CONDITION", conflicts_with = "shard")]
     pub until: Option<Until>,
@@ -120,9 +117,9 @@ pub struct Identify {
     /// End the search after this long and report the best so far
     #[arg(long, value_name = "SECONDS")]
     pub time_limit: Option<f64>,
-    /// Continue a search that was interrupted
-    #[arg(long)]
-    pub resume: bool,
+    /// Which part of it
+    #[command(flatten)]
+    pub parts: Parts,
 }
 
 /// Options of `report`.

@@ -6,11 +6,11 @@ use std::time::{Duration, Instant};
 use super::CommandError;
 use super::limits::place;
 use crate::cli::Means;
-use crate::engine::crew::Place;
+use crate::engine::crew::{Crew, Place};
 use crate::engine::process::Limits;
 use crate::engine::{Event, Job, Post};
 use crate::results::ResultsError;
-use crate::session::Session;
+use crate::session::Verification;
 
 /// How long the point may take; nobody waits longer for an estimate.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -25,7 +25,7 @@ const ENOUGH: f64 = 0.5;
     clippy::cast_sign_loss
 )]
 pub(super) fn of(
-    session: &mut Session,
+    verification: &mut Verification,
     means: &Means,
     jobs: usize,
 ) -> Result<String, CommandError> {
@@ -37,14 +37,15 @@ pub(super) fn of(
         }
         Place::Here => Place::Here,
     };
-    let crew = session.crew(place, scratch.path(), 1)?;
+    let session = &mut verification.session;
+    let crew = Crew::new(&mut session.package, place, scratch.path(), 1)?;
     let mut worker = crew.worker(&session.plan.task);
-    let Some(index) = session.indexes().next() else {
+    let Some(index) = verification.indexes().next() else {
         return Ok(String::new());
     };
     let jobs_of = |count: usize| -> Vec<Job> {
-        let indexes = session.indexes().take(count);
-        indexes.map(|index| session.job(index)).collect()
+        let indexes = verification.indexes().take(count);
+        indexes.map(|index| verification.job(index)).collect()
     };
     let mut run = |points: &[Job]| {
         let begun = Instant::now();
@@ -61,7 +62,7 @@ pub(super) fn of(
     // The first run starts the worker and loads the FMU.
     let (failure, mut point) = run(&jobs_of(1))?;
     if let Some(failure) = failure {
-        let label = session.source.label(index);
+        let label = verification.source.label(index);
         return Ok(format!("point {label} fails: {failure}\n"));
     }
     // Short points are told from what surrounds them by running many.
@@ -71,7 +72,7 @@ pub(super) fn of(
             point = run(&few)?.1 / few.len() as f64;
         }
     }
-    Ok(text(point, session.expected(), jobs))
+    Ok(text(point, verification.expected(), jobs))
 }
 
 #[allow(clippy::cast_precision_loss)]

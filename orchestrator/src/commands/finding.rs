@@ -12,6 +12,7 @@ use crate::report::Report;
 use crate::results::origin::Origin;
 use crate::results::{ResultsError, Summary, write_atomically};
 use crate::study::Study;
+use fmu_import::digest;
 
 /// Where a study's results lie unless the user says otherwise.
 pub(super) fn folder_of(study: &Path) -> PathBuf {
@@ -21,55 +22,96 @@ pub(super) fn folder_of(study: &Path) -> PathBuf {
 /// The points of a finished study, for an analysis of `study`.
 pub(super) fn points_of(
     folder: &Path,
-    study: &Path,
+    study: &Study,
 ) -> Result<(Summary, PointTable), CommandError> {
     let (summary, table) = from_results::read(folder)?;
-    if Study::read(study)?.digest() != summary.provenance.study_sha256 {
+    if study.digest() != summary.provenance.study_sha256 {
         return Err(CommandError::Option {
             option: "from",
             message: format!(
                 "the points in {} are not of {} as it is now; verify it again, or name the folder \
                  of its points",
                 folder.display(),
-                study.display()
+                study.path().display()
             ),
         });
     }
     Ok((summary, table))
 }
 
-/// A finding with what it belongs to.
-#[derive(Serialize)]
-struct Told<'a, T> {
-    origin: &'a Origin,
-    #[serde(flatten)]
-    finding: &'a T,
+/// What tells the points of a finished study from others.
+pub(super) fn digest_of(folder: &Path) -> Result<String, CommandError> {
+    let path = folder.join("points.csv");
+    let bytes = std::fs::read(&path).map_err(|error| match error.kind() {
+        std::io::ErrorKind::NotFound => ResultsError::Missing(folder.to_owned()),
+        _ => ResultsError::io(&path)(error),
+    })?;
+    Ok(digest(&bytes))
 }
 
-/// Writes a finding; a finished study in the same folder shows it on its page, where it belongs to
-/// that study.
-pub(super) fn tell(
-    finding: &impl Serialize,
-    origin: &Origin,
-    text: &str,
-    folder: &Path,
-    file: &str,
-) -> Result<ExitCode, CommandError> {
-    std::fs::create_dir_all(folder).map_err(ResultsError::io(folder))?;
-    write_atomically(&folder.join(file), |out| {
-        serde_json::to_writer_pretty(&mut *out, &Told { origin, finding })?;
-        writeln!(out)
-    })?;
-    if folder.join("summary.json").exists() {
-        Report::from_folder(folder)?.write(folder)?;
-        if !origin.fits(&from_results::read(folder)?.0) {
-            let page = folder.join("report.html");
-            eprintln!(
-                "note: {} tells of another study or its earlier text, so it does not show this",
-                page.display()
-            );
-        }
+/// What an analysis has found out.
+pub(super) struct Finding {
+    /// To which study, FMU and points it belongs.
+    pub(super) origin: Origin,
+    /// The same for people.
+    pub(super) text: String,
+    /// The name of its file.
+    pub(super) file: &'static str,
+    result: serde_json::Value,
+}
+
+/// A finding with what it belongs to.
+#[derive(Serialize)]
+struct Told<'a> {
+    origin: &'a Origin,
+    #[serde(flatten)]
+    finding: &'a serde_json::Value,
+}
+
+impl Finding {
+    /// What was found, which becomes the content of `file`.
+    pub(super) fn new(
+        result: &impl Serialize,
+        origin: Origin,
+        text: String,
+        file: &'static str,
+    ) -> Result<Self, CommandError> {
+        let result = serde_json::to_value(result).map_err(|error| ResultsError::Content {
+            path: file.into(),
+            message: error.to_string(),
+        })?;
+        Ok(Self {
+            origin,
+            text,
+            file,
+            result,
+        })
     }
-    output::print(&format!("{text}\nresults in {}\n", folder.display()));
-    Ok(ExitCode::SUCCESS)
+
+    /// Writes the finding; a finished study in the same folder shows it on its page, where it belongs to
+    /// that study.
+    pub(super) fn tell(&self, folder: &Path) -> Result<ExitCode, CommandError> {
+        let told = Told {
+            origin: &self.origin,
+            finding: &self.result,
+        };
+        std::fs::create_dir_all(folder).map_err(ResultsError::io(folder))?;
+        write_atomically(&folder.join(self.file), |out| {
+            serde_json::to_writer_pretty(&mut *out, &told)?;
+            writeln!(out)
+        })?;
+        if folder.join("summary.json").exists() {
+            Report::from_folder(folder)?.write(folder)?;
+            if !self.origin.fits(&from_results::read(folder)?.0) {
+                let page = folder.join("report.html");
+                eprintln!(
+                    "note: {} tells of another study or its earlier text, so it does not show this",
+                    page.display()
+                );
+            }
+        }
+        let text = &self.text;
+        output::print(&format!("{text}\nresults in {}\n", folder.display()));
+        Ok(ExitCode::SUCCESS)
+    }
 }

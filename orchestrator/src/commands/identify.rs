@@ -1,15 +1,11 @@
 //! `identify`: finds the parameters that make the FMU's outputs most probable.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use serde::{Deserialize, Serialize};
-
 use super::limits::place;
-use super::{CommandError, finding, output};
+use super::{CommandError, asking, output};
 use crate::cli::Identify;
 use crate::design::{Design, Method, Sampling};
 use crate::distribution::Distribution;
@@ -21,60 +17,69 @@ use crate::identify::model::FmuModel;
 use crate::identify::objective::Objective;
 use crate::identify::outcome::Outcome;
 use crate::identify::posterior::Posterior;
-use crate::identify::search::{self, SearchError, State, search};
+use crate::identify::search::{self, Progress, SearchError, search};
 use crate::identify::settings::{Document, Settings};
 use crate::identify::text;
-use crate::results::{ResultsError, write_atomically};
+use crate::pipeline::Pipeline;
+use crate::pipeline::folder::RunFolder;
+use crate::results::{Header, ResultsError, write_atomically};
+use crate::session::{Asking, Request};
 use crate::study::Study;
 use crate::table::csv_file::{CsvFile, reason};
-use fmu_import::Package;
+use fmu_import::{Package, digest};
+
+/// The name of the command, and of the folder of its journal.
+const NAME: &str = "identify";
 
 pub(super) fn run(options: &Identify) -> Result<ExitCode, CommandError> {
+    if options.parts.shard.is_some() {
+        let message = "each step of a search depends on the one before, so it has no parts; --resume goes on with one";
+        return Err(CommandError::Option {
+            option: "shard",
+            message: message.to_owned(),
+        });
+    }
     let study = Study::read(&options.study)?;
-    let mut settings = study.section::<Document>()?.identify.ok_or_else(|| {
-        study.error("identify needs a section [identify]; `orchestrator identify --help` shows one")
-    })?;
-    settings.starts = options.starts.unwrap_or(settings.starts);
-    settings.seed = options.seed.unwrap_or(settings.seed);
-    let path = options.means.fmu(&study);
-    let mut package = Package::open(&path)?;
+    let settings = settings(options, &study)?;
+    let mut package = Package::open(&options.means.fmu(&study))?;
     let bound =
         Bound::new(&study, &settings, package.description()).map_err(|error| match error {
             BindError::Study(error) => CommandError::from(error),
             BindError::Table(error) => CommandError::from(error),
         })?;
-    let folder = options
-        .output
-        .clone()
-        .unwrap_or_else(|| finding::folder_of(&options.study));
-    let mut saved = Saved::begin(&folder, key(&study, &package, &settings)?, options.resume)?;
-    let scratch = tempfile::tempdir().map_err(ResultsError::io(&std::env::temp_dir()))?;
+    let folder = asking::folder(
+        options.output.as_deref(),
+        &options.study,
+        &options.parts,
+        None,
+    );
+    let state = folder.join(NAME);
+    let header = header(&study, &package, &settings)?;
+    let taken = RunFolder::open(&state, &header, options.parts.resume, false)?;
+    request(options).write(&state, &study)?;
     let jobs = options.means.jobs();
     let place = place(&options.means, jobs)?;
-    let crew = Crew::new(&mut package, place, scratch.path(), jobs)?;
-    let model = FmuModel::new(&bound, &crew);
-    let objective = Objective::new(&bound.problem, &model, settings.difference);
-    let starts = starts(&study, &settings)?;
-    let limits = search::Settings {
-        descents: settings.descents.max(1),
-        iterations: settings.iterations.max(1),
-        deadline: options
-            .time_limit
-            .map(|seconds| Instant::now() + Duration::from_secs_f64(seconds.clamp(0.0, 1e9))),
+    let crew = Crew::new(&mut package, place, taken.scratch.path(), jobs)?;
+    let RunFolder {
+        journal, finished, ..
+    } = taken;
+    let mut pipeline = Pipeline::new(
+        &bound,
+        Some((&crew, &bound.task)),
+        journal,
+        finished,
+        None,
+        None,
+    );
+    let found = find(options, &study, &settings, &bound, &mut pipeline);
+    let outcome = match found {
+        Ok(outcome) => outcome,
+        Err(error) => {
+            pipeline.pause()?;
+            return Err(error);
+        }
     };
-    let found = pool(crew.size())?.install(|| {
-        let progress = Progress::new(starts.len(), limits.descents.min(starts.len()));
-        let mut state = std::mem::take(&mut saved.state);
-        let minimum = search(&objective, &starts, &limits, &mut state, &mut |state| {
-            progress.show(state);
-            saved.keep(state)
-        });
-        progress.bar.finish_and_clear();
-        let minimum = minimum?;
-        let posterior = Posterior::at(&objective, &minimum).map_err(SearchError::Simulation)?;
-        Ok(Outcome::new(&bound.problem, &minimum, &posterior, &state))
-    });
-    let outcome = found.map_err(|error: SearchError| CommandError::Search(error.to_string()))?;
+    pipeline.end()?;
     write(&folder, &study, &outcome)?;
     write_cases(&folder, &study, &settings, &outcome)?;
     output::print(&format!(
@@ -86,6 +91,95 @@ pub(super) fn run(options: &Identify) -> Result<ExitCode, CommandError> {
         End::Time | End::Iterations => ExitCode::FAILURE,
         End::Converged => ExitCode::SUCCESS,
     })
+}
+
+/// What the study says, unless the command line says otherwise.
+fn settings(options: &Identify, study: &Study) -> Result<Settings, CommandError> {
+    let mut settings = study.section::<Document>()?.identify.ok_or_else(|| {
+        study.error("identify needs a section [identify]; `orchestrator identify --help` shows one")
+    })?;
+    settings.starts = options.starts.unwrap_or(settings.starts);
+    settings.seed = options.seed.unwrap_or(settings.seed);
+    Ok(settings)
+}
+
+/// What is kept beside the journal.
+fn request(options: &Identify) -> Request {
+    let Identify { starts, seed, .. } = options;
+    Request {
+        study: options.study.clone(),
+        fmu: options.means.fmu.clone(),
+        seed: *seed,
+        analysis: Some(Asking {
+            name: NAME.to_owned(),
+            options: serde_json::json!({ "starts": starts }),
+        }),
+        ..Request::default()
+    }
+}
+
+/// What the journal belongs to.
+fn header(study: &Study, package: &Package, settings: &Settings) -> Result<Header, CommandError> {
+    let table = settings.cases.as_ref().map(|path| {
+        let path = beside(study, path.as_ref());
+        std::fs::read(&path).map_err(ResultsError::io(&path))
+    });
+    Ok(Header {
+        orchestrator: env!("CARGO_PKG_VERSION").to_owned(),
+        study: study.digest(),
+        fmu: package.digest()?,
+        table: table.transpose()?.map(|bytes| digest(&bytes)),
+        seed: settings.seed,
+        points: None,
+        shard: None,
+        analysis: Some(format!("{NAME}, {} starts", settings.starts)),
+    })
+}
+
+/// Searches for the most probable parameters.
+fn find(
+    options: &Identify,
+    study: &Study,
+    settings: &Settings,
+    bound: &Bound,
+    pipeline: &mut Pipeline<'_>,
+) -> Result<Outcome, CommandError> {
+    let starts = starts(study, settings)?;
+    let limits = search::Settings {
+        descents: settings.descents.max(1),
+        iterations: settings.iterations.max(1),
+        deadline: options
+            .time_limit
+            .map(|seconds| Instant::now() + Duration::from_secs_f64(seconds.clamp(0.0, 1e9))),
+    };
+    let model = FmuModel::new(bound, pipeline);
+    let objective = Objective::new(&bound.problem, &model, settings.difference);
+    let searches = starts.len() + limits.descents.min(starts.len());
+    let found = search(&objective, &starts, &limits, &|progress| {
+        model.say(so_far(progress, searches));
+    });
+    let found = found.and_then(|(minimum, progress)| {
+        let posterior = Posterior::at(&objective, &minimum)?;
+        Ok(Outcome::new(
+            &bound.problem,
+            &minimum,
+            &posterior,
+            &progress,
+        ))
+    });
+    found.map_err(|error: SearchError| match model.halted() {
+        Some(halt) => halt.into(),
+        None => CommandError::Search(error.to_string()),
+    })
+}
+
+/// How far a search has got, for people.
+fn so_far(progress: &Progress, searches: usize) -> String {
+    let done = progress.screened.len() + progress.descents.len();
+    let best = progress.best().map_or_else(String::new, |best| {
+        format!(", sum of squares {:.4}", best.cost)
+    });
+    format!("{done} of {searches} searches{best}")
 }
 
 /// Starts from a scrambled Sobol net between the bounds.
@@ -100,86 +194,6 @@ fn starts(study: &Study, settings: &Settings) -> Result<Vec<Vec<f64>>, CommandEr
     let design = Design::new(&design, vec![place; settings.free.len()])
         .map_err(|message| study.error(format!("[identify] {message}")))?;
     Ok((0..design.len()).map(|index| design.point(index)).collect())
-}
-
-fn pool(jobs: usize) -> Result<rayon::ThreadPool, CommandError> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build();
-    pool.map_err(|error| CommandError::Option {
-        option: "jobs",
-        message: error.to_string(),
-    })
-}
-
-/// What a search depends on: only the same one can be resumed.
-#[derive(Debug, PartialEq, Serialize, Deserialize)]
-struct Key {
-    study: String,
-    table: Option<String>,
-    fmu: String,
-    seed: u64,
-}
-
-fn key(study: &Study, package: &Package, settings: &Settings) -> Result<Key, CommandError> {
-    let table = settings.cases.as_ref().map(|path| {
-        let path = beside(study, path.as_ref());
-        fs::read_to_string(&path).map_err(ResultsError::io(&path))
-    });
-    Ok(Key {
-        study: study.digest(),
-        table: table.transpose()?,
-        fmu: package.digest()?,
-        seed: settings.seed,
-    })
-}
-
-/// The state file: how far the search has got.
-#[derive(Debug)]
-struct Saved {
-    path: PathBuf,
-    key: Key,
-    state: State,
-}
-
-#[derive(Serialize, Deserialize)]
-struct File<K, S> {
-    key: K,
-    state: S,
-}
-
-impl Saved {
-    fn begin(folder: &Path, key: Key, resume: bool) -> Result<Self, CommandError> {
-        fs::create_dir_all(folder).map_err(ResultsError::io(folder))?;
-        let path = folder.join("identification-state.json");
-        let state = if resume && path.exists() {
-            let text = fs::read_to_string(&path).map_err(ResultsError::io(&path))?;
-            let file: File<Key, State> =
-                serde_json::from_str(&text).map_err(|error| ResultsError::Content {
-                    path: path.clone(),
-                    message: error.to_string(),
-                })?;
-            if file.key != key {
-                let message = "it was made with another study, table, FMU or seed; start again without --resume";
-                return Err(ResultsError::Content {
-                    path,
-                    message: message.to_owned(),
-                }
-                .into());
-            }
-            file.state
-        } else {
-            State::default()
-        };
-        Ok(Self { path, key, state })
-    }
-
-    fn keep(&self, state: &State) -> std::io::Result<()> {
-        let file = File {
-            key: &self.key,
-            state,
-        };
-        let written = write_atomically(&self.path, |out| Ok(serde_json::to_writer(out, &file)?));
-        written.map_err(std::io::Error::other)
-    }
 }
 
 fn write(folder: &Path, study: &Study, outcome: &Outcome) -> Result<(), CommandError> {
@@ -242,31 +256,4 @@ fn write_cases(
 /// A path that the study gives relative to itself.
 fn beside(study: &Study, path: &Path) -> PathBuf {
     study.path().parent().unwrap_or("".as_ref()).join(path)
-}
-
-/// Progress on standard error, when that is a terminal.
-struct Progress {
-    bar: ProgressBar,
-}
-
-impl Progress {
-    fn new(starts: usize, descents: usize) -> Self {
-        const LINE: &str = "{bar:30} {pos}/{len} searches, {elapsed}, {msg}";
-        let target = ProgressDrawTarget::stderr_with_hz(5);
-        let bar = ProgressBar::with_draw_target(Some((starts + descents) as u64), target);
-        if let Ok(style) = ProgressStyle::with_template(LINE) {
-            bar.set_style(style);
-        }
-        bar.enable_steady_tick(Duration::from_millis(500));
-        Self { bar }
-    }
-
-    fn show(&self, state: &State) {
-        self.bar
-            .set_position((state.screened.len() + state.descents.len()) as u64);
-        if let Some(best) = state.best() {
-            self.bar
-                .set_message(format!("sum of squares {:.4}", best.cost));
-        }
-    }
 }

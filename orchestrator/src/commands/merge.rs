@@ -1,46 +1,127 @@
 //! `merge`: joins shards; the same result as one run.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use super::{CommandError, verify};
+use super::{CommandError, asking, verify};
 use crate::cli::Merge;
+use crate::pipeline::folder::RunFolder;
+use crate::pipeline::{Halt, Pipeline};
 use crate::results::{Header, ResultsError, journal, lines, parquet};
-use crate::session::{Request, Session, SessionError};
+use crate::session::{Asking, Request, Session, SessionError, Verification};
 
 pub(super) fn run(options: &Merge) -> Result<ExitCode, CommandError> {
-    let [first, ..] = &options.folders[..] else {
+    let folders = options.folders.iter().map(|folder| shard_in(folder));
+    let folders: Vec<PathBuf> = folders.collect::<Result<_, _>>()?;
+    let [first, ..] = &folders[..] else {
         return Err(ResultsError::Missing(options.output.clone()).into());
     };
     let mut request = Request::read(first)?;
     request.shard = None;
     request.fmu = options.fmu.clone().or(request.fmu);
-    let mut session = Session::open(request)?;
-    let named = check(&options.folders, session.header())?;
+    match request.analysis.clone() {
+        Some(asking) => join_analysis(options, &folders, request, &asking),
+        None => join_verification(options, &folders, request),
+    }
+}
+
+/// The folder of the journal in a shard's folder: that of `verify`, or that of the only analysis.
+fn shard_in(folder: &Path) -> Result<PathBuf, CommandError> {
+    if Request::is_in(folder) {
+        return Ok(folder.to_owned());
+    }
+    let candidates = asking::names().map(|name| folder.join(name));
+    let found: Vec<PathBuf> = candidates.filter(|inner| Request::is_in(inner)).collect();
+    match &found[..] {
+        [] => Err(ResultsError::Missing(folder.to_owned()).into()),
+        [only] => Ok(only.clone()),
+        [one, ..] => Err(CommandError::Shards(format!(
+            "{} holds shards of several analyses; name one of them, such as {}",
+            folder.display(),
+            one.display()
+        ))),
+    }
+}
+
+fn join_verification(
+    options: &Merge,
+    folders: &[PathBuf],
+    request: Request,
+) -> Result<ExitCode, CommandError> {
+    let mut verification = Verification::open(request)?;
+    let named = check(folders, verification.header())?;
     // What an incomplete merge has begun, this one goes on with.
     let begun = !options.output.join("summary.json").exists();
-    let (mut joined, _) = session.journal(&options.output, begun)?;
-    for folder in &options.folders {
-        journal::copy(folder, &mut joined)?;
-    }
-    joined.sync()?;
-    drop(joined);
-    let summary = session.conclude(&options.output, None, |_| false);
+    let taken = verify::open(&verification, &options.output, begun)?;
+    fill(taken, folders)?;
+    let summary = verification.conclude(&options.output, None, |_| false);
     let summary = summary.map_err(|error| match error {
         SessionError::Results(ResultsError::Incomplete {
             missing, points, ..
-        }) => CommandError::Shards(format!(
-            "{missing} of {points} points are in none of the shards {}; merge all of them, or \
-                 compute what is missing with `verify STUDY --output {} --resume`",
-            named.join(", "),
-            options.output.display()
-        )),
+        }) => incomplete(missing, points, &named, "verify STUDY", &options.output),
         error => error.into(),
     })?;
     if options.parquet {
         parquet::convert(&options.output, &summary)?;
     }
-    verify::conclude(&mut session, &options.output, &summary, false)
+    verify::conclude(&mut verification.session, &options.output, &summary, false)
+}
+
+fn join_analysis(
+    options: &Merge,
+    folders: &[PathBuf],
+    request: Request,
+    asking: &Asking,
+) -> Result<ExitCode, CommandError> {
+    let analysis = asking::of(asking, &folders[0])?;
+    let session = Session::open(request)?;
+    let header = asking::header(&session, &*analysis)?;
+    let named = check(folders, &header)?;
+    let state = options.output.join(analysis.name());
+    // What an incomplete merge has begun, this one goes on with.
+    fill(RunFolder::open(&state, &header, true, false)?, folders)?;
+    session.request.write(&state, &session.study)?;
+    let RunFolder {
+        journal,
+        finished,
+        scratch: _scratch,
+    } = RunFolder::open(&state, &header, true, false)?;
+    let mut pipeline = Pipeline::new(&session, None, journal, finished, None, header.points);
+    match analysis.find(&session, &mut pipeline, &options.output) {
+        Ok(finding) => {
+            pipeline.end()?;
+            finding.tell(&options.output)
+        }
+        Err(CommandError::Halted(Halt::Missing { missing, of })) => {
+            let command = format!("{} STUDY ...", analysis.name());
+            Err(incomplete(missing, of, &named, &command, &options.output))
+        }
+        Err(error) => Err(error),
+    }
+}
+
+fn incomplete(
+    missing: u64,
+    points: u64,
+    shards: &[String],
+    command: &str,
+    output: &Path,
+) -> CommandError {
+    CommandError::Shards(format!(
+        "{missing} of {points} points are in none of the shards {}; merge all of them, or \
+         compute what is missing with `{command} --output {} --resume`",
+        shards.join(", "),
+        output.display()
+    ))
+}
+
+/// Adds all points of these folders to a journal.
+fn fill(taken: RunFolder, folders: &[PathBuf]) -> Result<(), ResultsError> {
+    let mut joined = taken.journal;
+    for folder in folders {
+        journal::copy(folder, &mut joined)?;
+    }
+    joined.sync()
 }
 
 /// Refuses folders that are not of one study, before anything is written; names their shards.

@@ -1,10 +1,11 @@
 //! The commands, one file each.
 
-mod batch;
+mod asking;
 mod best;
 mod check;
 mod completion;
 mod cost;
+mod cube;
 mod finding;
 mod identify;
 mod init;
@@ -15,13 +16,11 @@ mod means;
 mod merge;
 mod output;
 mod pareto;
-mod progress;
 mod replay;
 mod report;
 mod robustness;
 mod sensitivity;
 mod simulate;
-mod stop;
 pub mod synchronise;
 mod table;
 mod verify;
@@ -34,6 +33,8 @@ use crate::analysis::from_results::FolderError;
 use crate::cli::{Cli, Command};
 use crate::engine::{EngineError, guard};
 use crate::failure::Failure;
+use crate::pipeline::Halt;
+use crate::pipeline::stop::INTERRUPTED;
 use crate::report::ReportError;
 use crate::results::ResultsError;
 use crate::session::SessionError;
@@ -84,6 +85,9 @@ pub enum CommandError {
     /// A search found nothing.
     #[error("the search failed: {0}")]
     Search(String),
+    /// Not every point has an outcome.
+    #[error(transparent)]
+    Halted(#[from] Halt),
     /// Shards cannot be joined.
     #[error("{0}")]
     Shards(String),
@@ -102,6 +106,20 @@ pub enum CommandError {
 /// # Errors
 /// With one clear line, for a mistake in what was asked for.
 pub fn run(cli: Cli) -> Result<ExitCode, CommandError> {
+    match dispatch(cli) {
+        Err(CommandError::Halted(halt @ Halt::Interrupted { .. })) => {
+            eprintln!("{halt}");
+            Ok(ExitCode::from(INTERRUPTED))
+        }
+        Err(CommandError::Halted(halt @ Halt::Shard(_))) => {
+            output::print(&format!("{halt}; `orchestrator merge` joins the shards\n"));
+            Ok(ExitCode::SUCCESS)
+        }
+        other => other,
+    }
+}
+
+fn dispatch(cli: Cli) -> Result<ExitCode, CommandError> {
     match cli.command {
         Command::Inspect(options) => inspect::run(&options),
         Command::Check(options) => check::run(&options),

@@ -6,24 +6,28 @@ use std::process::ExitCode;
 use super::simulate::{Columns, Isolated};
 use super::{CommandError, output};
 use crate::cli::Replay;
+use crate::pipeline::Model;
 use crate::results::ResultsError;
 use crate::results::points::number;
-use crate::session::Session;
+use crate::session::Verification;
 
 pub(super) fn run(options: &Replay) -> Result<ExitCode, CommandError> {
-    let mut session = Session::reopen(&options.folder, options.fmu.clone())?;
-    let index = session
-        .source
-        .index_of(options.point)
-        .ok_or_else(|| CommandError::Option {
-            option: "point",
-            message: format!(
-                "the study has no point {}; points.csv lists its {}",
-                options.point,
-                session.source.len()
-            ),
-        })?;
-    let job = session.job(index);
+    let mut verification = Verification::reopen(&options.folder, options.fmu.clone())?;
+    let index =
+        verification
+            .source
+            .index_of(options.point)
+            .ok_or_else(|| CommandError::Option {
+                option: "point",
+                message: format!(
+                    "the study has no point {}; points.csv lists its {}",
+                    options.point,
+                    verification.source.len()
+                ),
+            })?;
+    let job = verification.job(index);
+    let parameters = verification.source.parameters(index);
+    let session = &mut verification.session;
     let run = Isolated::new(&mut session.package)?;
     let outcome = session.outcome(run.run(&session.plan.task, &job)?);
     let columns = Columns::new(session.package.description());
@@ -36,7 +40,6 @@ pub(super) fn run(options: &Replay) -> Result<ExitCode, CommandError> {
         written.map_err(|error| error.into_command(&path))?;
     }
     let mut text = format!("point {}\n", options.point);
-    let parameters = session.source.parameters(index);
     for (input, value) in session.plan.inputs.iter().zip(parameters) {
         let unit = input.unit.as_deref().unwrap_or("");
         text += format!("  {} = {} {unit}", input.name, number(value)).trim_end();

@@ -2,54 +2,67 @@
 
 mod confirm;
 
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use super::batch::{self, Batch};
-use super::{CommandError, finding};
+use serde::{Deserialize, Serialize};
+
+use super::asking::{self, Analysis, PointSet};
+use super::finding::{self, Finding};
+use super::{CommandError, cube};
 use crate::analysis::robustness::region::Confirmed;
 use crate::analysis::robustness::{Robustness, region, robustness, rows};
 use crate::analysis::table::PointTable;
 use crate::cli;
+use crate::pipeline::Pipeline;
 use crate::report::format::{number, percent};
 use crate::report::robustness as page;
 use crate::results::origin::Origin;
+use crate::session::Session;
+use crate::study::Study;
+use crate::study::plan::Plan;
 use confirm::Confirmation;
 
+pub(super) const NAME: &str = "robustness";
+
 pub(super) fn run(options: &cli::Robustness) -> Result<ExitCode, CommandError> {
-    let folder = options
-        .from
-        .clone()
-        .unwrap_or_else(|| finding::folder_of(&options.study));
-    let (summary, table) = finding::points_of(&folder, &options.study)?;
+    let cli::Robustness {
+        study,
+        means,
+        parts,
+        output,
+        ..
+    } = options;
+    let from = options.from.clone();
+    let from = from.unwrap_or_else(|| finding::folder_of(study));
     if !(options.level > 0.0 && options.level < 1.0) {
         return Err(option("level", "must lie between 0 and 1"));
     }
-    let batch = Batch::new(&options.study, &options.means);
-    let batch = match batch {
-        Err(error) if options.confirm > 0 => return Err(error),
-        // Without the FMU there are no new runs, but all else can be told.
-        other => other.ok(),
+    let analysis = Stated {
+        from: std::path::absolute(&from).unwrap_or_else(|_| from.clone()),
+        level: options.level,
+        confirm: options.confirm,
+        seed: options.seed,
     };
-    let cloud = cloud(batch.as_ref(), &table, options.seed)?;
-    let mut result = robustness(&table, &cloud, options.level).ok_or_else(|| {
-        option(
-            "from",
-            "the points are too few for a surrogate, or no parameter varies: verify more points",
-        )
-    })?;
-    if let (Some(batch), points @ 1..) = (&batch, options.confirm) {
-        result = Confirmation {
-            batch,
-            table: &table,
-            cloud: &cloud,
-            points,
-            seed: options.seed,
-        }
-        .of(result)?;
+    let session = asking::open(study, means, parts, &analysis);
+    let own = parts
+        .shard
+        .map(|_| asking::folder(None, study, parts, Some(NAME)));
+    let folder = output.clone().or(own).unwrap_or(from);
+    if options.confirm > 0 {
+        return asking::run(session?, &analysis, means, parts, &folder);
     }
-    let target = options.output.clone().unwrap_or_else(|| folder.clone());
-    let origin = Origin::of_points(&summary);
-    finding::tell(&result, &origin, &text(&result), &target, page::FILE)
+    if parts.shard.is_some() || parts.resume {
+        let message = "without new runs there is nothing to resume or to share; add --confirm N";
+        return Err(option("confirm", message));
+    }
+    // Without the FMU there are no new runs, but all else can be told.
+    let session = session.ok();
+    let plan = session.as_ref().map(|session| &session.plan);
+    let (origin, points, cloud) = analysis.known(&Study::read(study)?, plan)?;
+    let result = analysis.stated(&points, &cloud)?;
+    let text = text(&result);
+    Finding::new(&result, origin, text, page::FILE)?.tell(&folder)
 }
 
 fn option(option: &'static str, message: &str) -> CommandError {
@@ -59,28 +72,98 @@ fn option(option: &'static str, message: &str) -> CommandError {
     }
 }
 
+/// What is stated from the points of a finished study, and perhaps confirmed by new runs.
+#[derive(Debug, Serialize, Deserialize)]
+struct Stated {
+    /// The folder of the finished study.
+    from: PathBuf,
+    /// The verification probability that box and ellipsoid must hold.
+    level: f64,
+    /// New runs in each.
+    confirm: usize,
+    seed: u64,
+}
+
+pub(super) fn kept(options: serde_json::Value) -> serde_json::Result<Box<dyn Analysis>> {
+    Ok(Box::new(serde_json::from_value::<Stated>(options)?))
+}
+
+impl Stated {
+    /// The points of the finished study, to which results they belong, and a large sample of its distributions.
+    fn known(
+        &self,
+        study: &Study,
+        plan: Option<&Plan>,
+    ) -> Result<(Origin, PointTable, Vec<Vec<f64>>), CommandError> {
+        let (summary, table) = finding::points_of(&self.from, study)?;
+        let cloud = cloud(plan, &table, self.seed)?;
+        Ok((Origin::of_points(&summary), table, cloud))
+    }
+
+    fn stated(&self, table: &PointTable, cloud: &[Vec<f64>]) -> Result<Robustness, CommandError> {
+        robustness(table, cloud, self.level).ok_or_else(|| {
+            option(
+                "from",
+                "the points are too few for a surrogate, or no parameter varies: verify more points",
+            )
+        })
+    }
+}
+
+impl Analysis for Stated {
+    fn name(&self) -> &'static str {
+        NAME
+    }
+
+    fn options(&self) -> serde_json::Value {
+        serde_json::json!(self)
+    }
+
+    fn points(&self, _: &Session) -> Result<PointSet, CommandError> {
+        Ok(PointSet {
+            seed: self.seed,
+            // Further rounds follow where a statement does not hold.
+            points: None,
+            method: format!("{} runs to confirm the level {}", self.confirm, self.level),
+            table: Some(finding::digest_of(&self.from)?),
+        })
+    }
+
+    fn find(
+        &self,
+        session: &Session,
+        pipeline: &mut Pipeline<'_>,
+        _: &Path,
+    ) -> Result<Finding, CommandError> {
+        let (origin, table, cloud) = self.known(&session.study, Some(&session.plan))?;
+        let stated = self.stated(&table, &cloud)?;
+        let confirmed = Confirmation {
+            session,
+            pipeline,
+            table: &table,
+            cloud: &cloud,
+            points: self.confirm,
+            seed: self.seed,
+        }
+        .of(stated)?;
+        Finding::new(&confirmed, origin, text(&confirmed), page::FILE)
+    }
+}
+
 /// A large sample from the study's distributions, in the order of the table's parameters; from the
 /// points themselves where the FMU is not there to convert units.
 fn cloud(
-    batch: Option<&Batch>,
+    plan: Option<&Plan>,
     table: &PointTable,
     seed: u64,
 ) -> Result<Vec<Vec<f64>>, CommandError> {
     const SIZE: u64 = 32_768;
-    let names = |batch: &Batch| {
-        batch
-            .plan
-            .inputs
-            .iter()
-            .map(|i| i.name.clone())
-            .collect::<Vec<_>>()
-    };
-    let own: Vec<String> = table.parameters.iter().map(|p| p.name.clone()).collect();
-    match batch {
-        Some(batch) if names(batch) == own => {
+    let own = || table.parameters.iter().map(|p| &p.name);
+    match plan {
+        Some(plan) if plan.inputs.iter().map(|i| &i.name).eq(own()) => {
             let cube =
-                batch::cube(batch.varied().len(), SIZE, seed, 1).map_err(|m| option("seed", &m))?;
-            Ok(cube.iter().map(|u| batch.parameters(u)).collect())
+                cube::points(plan.varied().len(), SIZE, seed, 1).map_err(|m| option("seed", &m))?;
+            Ok(cube.iter().map(|u| plan.from_cube(u)).collect())
         }
         _ => Ok(region::cloud(&rows(table), seed)),
     }

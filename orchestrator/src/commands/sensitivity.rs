@@ -3,101 +3,191 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-use super::batch::{self, Batch};
-use super::{CommandError, finding};
+use serde::{Deserialize, Serialize};
+
+use super::asking::{self, Analysis, PointSet};
+use super::finding::{self, Finding};
+use super::{CommandError, cube};
 use crate::analysis::from_results;
+use crate::analysis::sensitivity::sobol::FirstOrder;
 use crate::analysis::sensitivity::study::{
     Output, Sensitivity, from_morris, from_points, from_sobol,
 };
 use crate::analysis::sensitivity::{morris, sobol};
 use crate::analysis::table::PointTable;
 use crate::cli;
+use crate::pipeline::Pipeline;
 use crate::report::format::number;
 use crate::report::sensitivity;
 use crate::results::origin::Origin;
 use crate::results::{ResultsError, points, write_atomically};
+use crate::session::Session;
+use crate::study::Study;
+
+pub(super) const NAME: &str = "sensitivity";
 
 pub(super) fn run(options: &cli::Sensitivity) -> Result<ExitCode, CommandError> {
-    let (folder, origin, result) = match &options.from {
-        Some(folder) => {
-            let (summary, table) = finding::points_of(folder, &options.study)?;
-            let origin = Origin::of_points(&summary);
-            let target = options.output.clone().unwrap_or_else(|| folder.clone());
-            (target, origin, from_points(&table, options.seed))
-        }
-        None => {
-            let batch = Batch::new(&options.study, &options.means)?;
-            let folder = options
-                .output
-                .clone()
-                .unwrap_or_else(|| finding::folder_of(&options.study));
-            let result = match options.morris {
-                Some(trajectories) => screen(&batch, trajectories, options.seed, &folder)?,
-                None => indices(&batch, options, &folder)?,
-            };
-            (folder, batch.origin, result)
-        }
+    let cli::Sensitivity {
+        study,
+        means,
+        parts,
+        output,
+        ..
+    } = options;
+    if let Some(folder) = &options.from {
+        let (summary, table) = finding::points_of(folder, &Study::read(study)?)?;
+        let result = from_points(&table, options.seed);
+        let text = text(&result);
+        let finding = Finding::new(
+            &result,
+            Origin::of_points(&summary),
+            text,
+            sensitivity::FILE,
+        )?;
+        return finding.tell(output.as_ref().unwrap_or(folder));
+    }
+    let analysis = Runs {
+        base: options.base,
+        morris: options.morris,
+        estimator: options.estimator,
+        seed: options.seed,
     };
-    finding::tell(&result, &origin, &text(&result), &folder, sensitivity::FILE)
+    let session = asking::open(study, means, parts, &analysis)?;
+    let folder = asking::folder(output.as_deref(), study, parts, Some(NAME));
+    asking::run(session, &analysis, means, parts, &folder)
 }
 
-fn indices(
-    batch: &Batch,
-    options: &cli::Sensitivity,
-    folder: &Path,
-) -> Result<Sensitivity, CommandError> {
-    let (base, seed) = (options.base, options.seed);
-    at_least_two("base", base)?;
-    let varied = batch.varied();
-    let replicates = sobol::replicates(base);
-    let pairs = batch::cube(2 * varied.len(), base, seed, replicates).map_err(|message| {
-        CommandError::Option {
-            option: "base",
-            message,
-        }
-    })?;
-    let rows = simulate(batch, &sobol::design(&pairs))?;
-    keep_runs(folder, &rows)?;
-    Ok(from_sobol(&rows, options.estimator, replicates, seed))
-}
-
-fn screen(
-    batch: &Batch,
-    trajectories: usize,
+/// An analysis by runs of its own.
+#[derive(Debug, Serialize, Deserialize)]
+struct Runs {
+    /// Base points of the Sobol indices.
+    base: u64,
+    /// Trajectories of a screening, instead of Sobol indices.
+    morris: Option<usize>,
+    /// How first-order indices are estimated.
+    estimator: FirstOrder,
     seed: u64,
-    folder: &Path,
-) -> Result<Sensitivity, CommandError> {
-    const LEVELS: usize = 4;
-    at_least_two("morris", trajectories as u64)?;
-    // The ends of a distribution may reach far; the grid covers its middle 98 %.
-    let cube = morris::design(batch.varied().len(), trajectories, LEVELS, seed);
-    let middle: Vec<Vec<f64>> = cube
-        .iter()
-        .map(|row| row.iter().map(|u| 0.01 + 0.98 * u).collect())
-        .collect();
-    let rows = simulate(batch, &middle)?;
-    keep_runs(folder, &rows)?;
-    Ok(from_morris(&cube, &rows, seed))
+}
+
+pub(super) fn kept(options: serde_json::Value) -> serde_json::Result<Box<dyn Analysis>> {
+    Ok(Box::new(serde_json::from_value::<Runs>(options)?))
+}
+
+impl Analysis for Runs {
+    fn name(&self) -> &'static str {
+        NAME
+    }
+
+    fn options(&self) -> serde_json::Value {
+        serde_json::json!(self)
+    }
+
+    fn points(&self, session: &Session) -> Result<PointSet, CommandError> {
+        let dimensions = session.plan.varied().len() as u64;
+        let (points, method) = match self.morris {
+            Some(trajectories) => {
+                at_least_two("morris", trajectories as u64)?;
+                let points = trajectories as u64 * (dimensions + 1);
+                (
+                    points,
+                    format!("Morris screening by {trajectories} trajectories"),
+                )
+            }
+            None => {
+                at_least_two("base", self.base)?;
+                let points = self.base * (dimensions + 2);
+                (
+                    points,
+                    format!("Sobol indices from {} base points", self.base),
+                )
+            }
+        };
+        Ok(PointSet {
+            seed: self.seed,
+            points: Some(points),
+            method,
+            table: None,
+        })
+    }
+
+    fn find(
+        &self,
+        session: &Session,
+        pipeline: &mut Pipeline<'_>,
+        folder: &Path,
+    ) -> Result<Finding, CommandError> {
+        let result = match self.morris {
+            Some(trajectories) => self.screen(session, pipeline, trajectories, folder)?,
+            None => self.indices(session, pipeline, folder)?,
+        };
+        let origin = asking::origin(session)?;
+        Finding::new(&result, origin, text(&result), sensitivity::FILE)
+    }
+}
+
+impl Runs {
+    fn indices(
+        &self,
+        session: &Session,
+        pipeline: &mut Pipeline<'_>,
+        folder: &Path,
+    ) -> Result<Sensitivity, CommandError> {
+        let replicates = sobol::replicates(self.base);
+        let dimensions = 2 * session.plan.varied().len();
+        let pairs = cube::points(dimensions, self.base, self.seed, replicates)
+            .map_err(|message| option("base", message))?;
+        let rows = simulate(session, pipeline, &sobol::design(&pairs))?;
+        keep_runs(folder, &rows)?;
+        Ok(from_sobol(&rows, self.estimator, replicates, self.seed))
+    }
+
+    fn screen(
+        &self,
+        session: &Session,
+        pipeline: &mut Pipeline<'_>,
+        trajectories: usize,
+        folder: &Path,
+    ) -> Result<Sensitivity, CommandError> {
+        const LEVELS: usize = 4;
+        // The ends of a distribution may reach far; the grid covers its middle 98 %.
+        let cube = morris::design(session.plan.varied().len(), trajectories, LEVELS, self.seed);
+        let middle: Vec<Vec<f64>> = cube
+            .iter()
+            .map(|row| row.iter().map(|u| 0.01 + 0.98 * u).collect())
+            .collect();
+        let rows = simulate(session, pipeline, &middle)?;
+        keep_runs(folder, &rows)?;
+        Ok(from_morris(&cube, &rows, self.seed))
+    }
 }
 
 /// One run tells nothing of how sure it is.
-fn at_least_two(option: &'static str, number: u64) -> Result<(), CommandError> {
+fn at_least_two(name: &'static str, number: u64) -> Result<(), CommandError> {
     if number >= 2 {
         return Ok(());
     }
     let message = format!("{number} is too few; at least 2 are needed");
-    Err(CommandError::Option { option, message })
+    Err(option(name, message))
+}
+
+fn option(option: &'static str, message: String) -> CommandError {
+    CommandError::Option { option, message }
 }
 
 /// Simulates points of the unit cube of the parameters that vary.
-fn simulate(batch: &Batch, cube: &[Vec<f64>]) -> Result<PointTable, CommandError> {
-    let points: Vec<Vec<f64>> = cube.iter().map(|u| batch.parameters(u)).collect();
-    let outcomes = batch.run(&points)?;
-    let varied = batch.varied();
+fn simulate(
+    session: &Session,
+    pipeline: &mut Pipeline<'_>,
+    cube: &[Vec<f64>],
+) -> Result<PointTable, CommandError> {
+    let plan = &session.plan;
+    let points: Vec<Vec<f64>> = cube.iter().map(|u| plan.from_cube(u)).collect();
+    let outcomes = pipeline.ask(&points)?;
+    let varied = plan.varied();
     Ok(from_results::from_runs(
-        &batch.plan.inputs,
+        &plan.inputs,
         &varied,
-        &batch.judge,
+        &session.judge,
         &points,
         outcomes,
     ))

@@ -1,72 +1,69 @@
 //! `verify`: simulates a study's points and judges them.
 
 use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use super::limits::place;
-use super::progress::Progress;
-use super::{CommandError, best, cost, finding, output, report, stop, table, verdict};
+use super::{CommandError, asking, best, cost, output, report, table, verdict};
 use crate::cli::Verify;
 use crate::design::Method;
-use crate::engine;
+use crate::engine::crew::Crew;
+use crate::pipeline::folder::RunFolder;
+use crate::pipeline::{Pipeline, Step};
 use crate::results::finished::Finished;
-use crate::results::note::Note;
 use crate::results::summary::Run;
-use crate::results::{Journal, Tally, parquet};
-use crate::session::{Front, Request, Session, scratch};
+use crate::results::{Tally, parquet};
+use crate::session::{Front, Request, Session, Until, Verification};
 
 /// With `--until`, a study has as many points as needed, but for a limit.
 const MOST_POINTS: u64 = 1_000_000;
 
 pub(super) fn run(options: &Verify) -> Result<ExitCode, CommandError> {
     let begun = Instant::now();
-    let mut session = Session::open(request(options))?;
-    if options.until.is_some() && !session.is_extensible() {
-        return Err(CommandError::Option {
-            option: "until",
-            message:
-                "a Latin hypercube or a full factorial needs all its points; use sobol, halton or \
-                monte-carlo"
-                    .to_owned(),
-        });
-    }
-    if options.points.is_some() && session.study.design.method == Method::FullFactorial {
-        return Err(CommandError::Option {
-            option: "points",
-            message: "a full factorial has as many points as the levels make; change `levels`"
-                .to_owned(),
-        });
-    }
-    let folder = output_folder(options);
+    let mut verification = Verification::open(request(options))?;
+    check(options, &verification)?;
+    let folder = asking::folder(
+        options.output.as_deref(),
+        &options.study,
+        &options.parts,
+        None,
+    );
     // More workers than points would only take memory from each other.
-    let points = usize::try_from(session.expected()).unwrap_or(usize::MAX);
+    let points = usize::try_from(verification.expected()).unwrap_or(usize::MAX);
     let jobs = options.means.jobs().min(points.max(1));
     if options.dry_run {
-        output::print(&plan(&session, &folder));
-        output::print(&cost::of(&mut session, &options.means, jobs)?);
+        output::print(&plan(&verification, &folder));
+        output::print(&cost::of(&mut verification, &options.means, jobs)?);
         return Ok(ExitCode::SUCCESS);
     }
-    let (mut journal, finished) = session.journal(&folder, options.resume)?;
-    // The unpacked FMU is kept in it until the report is written.
-    let scratch = scratch(&folder)?;
-    let computed = compute(
-        &mut session,
-        options,
-        scratch.path(),
-        &mut journal,
-        finished.as_ref(),
-        jobs,
-    )?;
-    journal.sync()?;
-    let done = finished.as_ref().map_or(0, |finished| finished.count) + computed.points;
-    if done < session.expected() && !computed.enough {
-        let all = session.expected();
-        eprintln!("interrupted: {done} of {all} points are done; --resume goes on");
-        return Ok(ExitCode::from(stop::INTERRUPTED));
+    // The unpacked FMU is kept in the scratch folder until the report is written.
+    let RunFolder {
+        journal,
+        finished,
+        scratch,
+    } = open(&verification, &folder, options.parts.resume)?;
+    let session = &mut verification.session;
+    let place = place(&options.means, jobs)?;
+    let crew = Crew::new(&mut session.package, place, scratch.path(), jobs)?;
+    let (shard, all) = (session.request.shard, Some(verification.source.len()));
+    let mut pipeline = Pipeline::new(
+        &verification.session,
+        Some((&crew, &verification.session.plan.task)),
+        journal,
+        finished,
+        shard,
+        all,
+    );
+    let enough = compute(&verification, &mut pipeline, options.until)?;
+    let (done, computed, interrupted) =
+        (pipeline.done(), pipeline.computed(), pipeline.interrupted());
+    pipeline.pause()?;
+    if done < verification.expected() && !enough {
+        return Err(interrupted.into());
     }
-    if session.request.shard.is_some() {
+    if shard.is_some() {
         output::print(&format!(
             "{done} points in {}; `orchestrator merge` joins the shards\n",
             folder.display()
@@ -75,15 +72,51 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, CommandError> {
     }
     let run = Run {
         wall_seconds: begun.elapsed().as_secs_f64(),
-        computed: computed.points,
+        computed,
         jobs,
     };
     let enough = |tally: &Tally<'_>| options.until.is_some_and(|until| until.is_met(tally));
-    let summary = session.conclude(&folder, Some(run), enough)?;
+    let summary = verification.conclude(&folder, Some(run), enough)?;
     if options.parquet {
         parquet::convert(&folder, &summary)?;
     }
-    conclude(&mut session, &folder, &summary, options.means.in_process)
+    let session = &mut verification.session;
+    conclude(session, &folder, &summary, options.means.in_process)
+}
+
+/// Refuses options that the study's design cannot follow.
+fn check(options: &Verify, verification: &Verification) -> Result<(), CommandError> {
+    let refuse = |option, message: &str| {
+        Err(CommandError::Option {
+            option,
+            message: message.to_owned(),
+        })
+    };
+    if options.until.is_some() && !verification.is_extensible() {
+        let message = "a Latin hypercube or a full factorial needs all its points; use sobol, halton or \
+            monte-carlo";
+        return refuse("until", message);
+    }
+    let method = verification.session.study.design.method;
+    if options.points.is_some() && method == Method::FullFactorial {
+        let message = "a full factorial has as many points as the levels make; change `levels`";
+        return refuse("points", message);
+    }
+    Ok(())
+}
+
+/// Takes a folder for the points of a study, and keeps there what was asked for.
+pub(super) fn open(
+    verification: &Verification,
+    folder: &Path,
+    resume: bool,
+) -> Result<RunFolder, CommandError> {
+    let complete = folder.join("summary.json").exists();
+    let taken = RunFolder::open(folder, verification.header(), resume, complete)?;
+    // A run that was killed early may not have come so far.
+    let Session { request, study, .. } = &verification.session;
+    request.write(folder, study)?;
+    Ok(taken)
 }
 
 /// Completes the folder and says what came out. `trusted`: the points ran in this process.
@@ -117,12 +150,13 @@ fn counted(number: u64, thing: &str) -> String {
 }
 
 /// What would be done.
-fn plan(session: &Session, folder: &Path) -> String {
+fn plan(verification: &Verification, folder: &Path) -> String {
+    let session = &verification.session;
     let schedule = &session.plan.task.schedule;
     let steps = schedule.steps();
     let mut text = format!(
         "{} of {} ({} to {} s) into {}\n",
-        counted(session.expected(), "point"),
+        counted(verification.expected(), "point"),
         counted(steps, "step"),
         schedule.start,
         schedule.stop,
@@ -151,107 +185,62 @@ fn request(options: &Verify) -> Request {
         points: options.points.or(until.map(|_| MOST_POINTS)),
         seed: options.seed,
         points_from: options.points_from.clone(),
-        shard: options.shard,
-        base: None,
-        original: None,
+        shard: options.parts.shard,
+        ..Request::default()
     }
 }
 
-/// `results/` and the study's name, unless the user says otherwise.
-fn output_folder(options: &Verify) -> PathBuf {
-    let usual = || {
-        let folder = finding::folder_of(&options.study);
-        match options.shard {
-            Some(shard) => folder.join(format!("shard-{}-of-{}", shard.number, shard.of)),
-            None => folder,
-        }
-    };
-    options.output.clone().unwrap_or_else(usual)
-}
-
-/// What came of a run of points.
-struct Computed {
-    /// How many points were run.
-    points: u64,
-    /// Whether no further ones are needed.
-    enough: bool,
-}
-
-/// Runs all points that are not finished.
+/// Runs all points that are not finished; says whether no further ones are needed.
 fn compute(
-    session: &mut Session,
-    options: &Verify,
-    scratch: &Path,
-    journal: &mut Journal,
-    finished: Option<&Finished>,
-    jobs: usize,
-) -> Result<Computed, CommandError> {
-    let place = place(&options.means, jobs)?;
-    let crew = session.crew(place, scratch, jobs)?;
-    let mut workers = crew.workers(&session.plan.task);
-    let session = &*session;
+    verification: &Verification,
+    pipeline: &mut Pipeline<'_>,
+    until: Option<Until>,
+) -> Result<bool, CommandError> {
     let mut front = Front::default();
     let mut enough = false;
-    if let (Some(until), Some(finished)) = (options.until, finished) {
-        let mut outcomes = finished.outcomes()?;
-        for index in (0..session.source.len()).take_while(|&index| finished.has(index)) {
-            let outcome = outcomes.get(index)?;
-            let values = outcome.as_ref().and_then(|outcome| outcome.as_deref().ok());
-            enough |= front.add(index, session.judge.verdict(values).verified(), until);
-        }
+    if let (Some(until), Some(finished)) = (until, pipeline.finished()) {
+        enough = is_known(verification, &finished, until, &mut front)?;
     }
-    let open = session
-        .indexes()
-        .filter(|&index| !finished.is_some_and(|f| f.has(index)));
-    let open = open.take(if enough { 0 } else { usize::MAX });
-    let before = finished.map_or(0, |finished| finished.count);
-    let progress = Progress::new(session.expected(), before);
-    let mut tally = Tally::new(&session.judge);
-    let mut synced = Instant::now();
-    let job = |index| session.job(index);
-    let earlier = |separation| finished.map_or_else(Vec::new, |finished| finished.of(separation));
-    let mut noted = None;
-    let result = engine::run(&mut workers, open, &job, &earlier, stop::flag(), |event| {
-        let (index, answer, separation) = match event {
-            engine::Event::Answer(index, answer, separation) => (index, answer, separation),
-            engine::Event::Void(separation) => {
-                journal.note(&Note::Void(separation))?;
-                return Ok(ControlFlow::Continue(()));
-            }
-            // Nothing else to do: what is finished is made durable.
-            engine::Event::Idle => {
-                const OFTEN: Duration = Duration::from_secs(5);
-                if synced.elapsed() > OFTEN {
-                    let conduct = crew.conduct();
-                    journal.note(&Note::Conduct(conduct.since(noted.replace(conduct))))?;
-                    journal.sync()?;
-                    synced = Instant::now();
-                } else {
-                    journal.flush()?;
-                }
-                return Ok(ControlFlow::Continue(()));
-            }
-        };
-        let outcome = session.outcome(answer);
-        journal.append(index, &outcome, separation)?;
-        let verified = tally.add(index, &[], &outcome).verified();
-        progress.step(tally.verified(), tally.failed(), tally.points());
-        enough |= options
-            .until
-            .is_some_and(|until| front.add(index, verified, until));
-        Ok::<_, CommandError>(if enough {
+    if enough {
+        return Ok(true);
+    }
+    let finished = pipeline.finished();
+    let unfinished = move |index: &u64| !finished.as_ref().is_some_and(|f| f.has(*index));
+    let open = verification.indexes().filter(unfinished);
+    let job = |index| verification.job(index);
+    pipeline.compute(open, &job, |step| {
+        if let (
+            Some(until),
+            Step::Outcome {
+                index, verified, ..
+            },
+        ) = (until, step)
+        {
+            enough |= front.add(index, verified, until);
+        }
+        if enough {
             ControlFlow::Break(())
         } else {
             ControlFlow::Continue(())
-        })
-    });
-    progress.finish();
-    result?;
-    if tally.points() > 0 {
-        journal.note(&Note::Conduct(crew.conduct().since(noted)))?;
+        }
+    })?;
+    Ok(enough)
+}
+
+/// Whether the points that are finished are enough.
+fn is_known(
+    verification: &Verification,
+    finished: &Finished,
+    until: Until,
+    front: &mut Front,
+) -> Result<bool, CommandError> {
+    let mut outcomes = finished.outcomes()?;
+    let mut enough = false;
+    for index in (0..verification.source.len()).take_while(|&index| finished.has(index)) {
+        let outcome = outcomes.get(index)?;
+        let values = outcome.as_ref().and_then(|outcome| outcome.as_deref().ok());
+        let verified = verification.session.judge.verdict(values).verified();
+        enough |= front.add(index, verified, until);
     }
-    Ok(Computed {
-        points: tally.points(),
-        enough,
-    })
+    Ok(enough)
 }

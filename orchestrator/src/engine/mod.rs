@@ -314,8 +314,8 @@ impl Indexes {
 }
 
 /// How long answers are gathered before they are handed over, at first and in the long run: to wake up
-/// and to write costs the workers a little each time.
-const GATHERING: [Duration; 2] = [Duration::from_millis(1), Duration::from_millis(8)];
+/// and to write costs the workers a little each time. A set of few points should not wait for it.
+const GATHERING: [Duration; 2] = [Duration::from_micros(20), Duration::from_millis(8)];
 
 /// Hands over everything that comes, until all workers have ended.
 fn collect<E: From<EngineError>>(

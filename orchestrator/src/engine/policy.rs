@@ -42,6 +42,11 @@ pub enum Separation {
     Used,
 }
 
+impl Separation {
+    /// Number of kinds.
+    pub const COUNT: usize = 3;
+}
+
 /// How the points of a run were computed, and what their audits found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Conduct {

@@ -8,6 +8,7 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 use std::time::Instant;
 
 use super::objective::{Differences, Linear, Misfit, Objective};
+use super::problem::NoPrediction;
 
 /// When to stop.
 #[derive(Clone, Copy, Debug)]
@@ -53,7 +54,7 @@ pub fn minimise(
     held: &[usize],
     differences: Differences,
     limits: &Limits,
-) -> Result<Minimum, String> {
+) -> Result<Minimum, NoPrediction> {
     let misfit = objective.misfit(&start)?;
     let mut at = Minimum {
         places: start,
@@ -71,7 +72,7 @@ pub fn minimise(
         }
         let linear = objective.linear(&at.places, &at.misfit, differences)?;
         let before = at.misfit.cost();
-        if !descend(objective, &linear, held, &mut damping, &mut at)
+        if !descend(objective, &linear, held, &mut damping, &mut at)?
             || before - at.misfit.cost() < limits.decrease * before
         {
             at.end = End::Converged;
@@ -120,7 +121,7 @@ fn descend(
     held: &[usize],
     damping: &mut Damping,
     at: &mut Minimum,
-) -> bool {
+) -> Result<bool, NoPrediction> {
     let size = linear.curvature.diagonal().amax().max(f64::MIN_POSITIVE);
     while damping.value < Damping::MOST {
         let mut damped = linear.clone();
@@ -129,7 +130,7 @@ fn descend(
         }
         let step = bounded_step(&damped, &at.places, held);
         if step.amax() < 1e-10 {
-            return false;
+            return Ok(false);
         }
         let expected = -(2.0 * linear.gradient.dot(&step) + (&linear.curvature * &step).dot(&step));
         let places: Vec<f64> = at
@@ -138,19 +139,20 @@ fn descend(
             .zip(&step)
             .map(|(place, step)| (place + step).clamp(0.0, 1.0))
             .collect();
-        if let Ok(misfit) = objective.misfit(&places) {
-            let decrease = at.misfit.cost() - misfit.cost();
-            if decrease > 0.0 {
+        match objective.misfit(&places) {
+            Ok(misfit) if misfit.cost() < at.misfit.cost() => {
+                let decrease = at.misfit.cost() - misfit.cost();
                 damping.accept(decrease / expected.max(f64::MIN_POSITIVE));
                 at.places = places;
                 at.misfit = misfit;
-                return true;
+                return Ok(true);
             }
+            Err(NoPrediction::Stopped) => return Err(NoPrediction::Stopped),
+            Ok(_) | Err(NoPrediction::Here(_)) => damping.refuse(),
         }
-        damping.refuse();
     }
     damping.value = Damping::MOST.sqrt();
-    false
+    Ok(false)
 }
 
 /// The step to the minimum of the quadratic model within the bounds, by an active set: unknowns

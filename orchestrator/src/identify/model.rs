@@ -1,79 +1,89 @@
 //! An FMU as the model that identification asks for predictions.
 
-use std::fmt;
-use std::ops::ControlFlow;
-use std::sync::{Mutex, PoisonError};
+use std::cell::RefCell;
 
 use super::bind::Bound;
-use super::problem::Simulate;
-use crate::engine::crew::Crew;
-use crate::engine::{Answer, Event, Job, Post, Worker};
+use super::problem::{NoPrediction, Prediction, Query, Simulate};
+use crate::engine::Answer;
+use crate::pipeline::{Halt, Model, Pipeline};
+use crate::results::Outcome;
 
-/// An FMU with its cases; it keeps as many workers as simulations run at a time.
-pub struct FmuModel<'a> {
-    bound: &'a Bound,
-    crew: &'a Crew,
-    idle: Mutex<Vec<Box<dyn Worker>>>,
-}
+impl Model for Bound {
+    fn values(&self, point: &[f64]) -> Vec<f64> {
+        point.to_vec()
+    }
 
-impl fmt::Debug for FmuModel<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mut text = f.debug_struct("FmuModel");
-        text.field("crew", self.crew).finish_non_exhaustive()
+    fn outcome(&self, answer: Answer) -> Outcome {
+        answer.map(|results| {
+            let predicted = results.iter().zip(&self.outputs);
+            predicted
+                .map(|(&value, conversion)| conversion.value(value))
+                .collect()
+        })
+    }
+
+    fn is_verified(&self, _: &Outcome) -> bool {
+        false
     }
 }
 
-impl<'a> FmuModel<'a> {
-    /// A model of an FMU.
-    pub fn new(bound: &'a Bound, crew: &'a Crew) -> Self {
+/// An FMU with its cases.
+#[derive(Debug)]
+pub struct FmuModel<'a, 'b> {
+    bound: &'a Bound,
+    state: RefCell<State<'a, 'b>>,
+}
+
+#[derive(Debug)]
+struct State<'a, 'b> {
+    pipeline: &'a mut Pipeline<'b>,
+    halted: Option<Halt>,
+}
+
+impl<'a, 'b> FmuModel<'a, 'b> {
+    /// A model that asks a pipeline.
+    pub fn new(bound: &'a Bound, pipeline: &'a mut Pipeline<'b>) -> Self {
+        let halted = None;
         Self {
             bound,
-            crew,
-            idle: Mutex::new(Vec::new()),
+            state: RefCell::new(State { pipeline, halted }),
         }
     }
 
-    fn idle(&self) -> std::sync::MutexGuard<'_, Vec<Box<dyn Worker>>> {
-        // A list of idle workers is sound whatever interrupted its last user.
-        self.idle.lock().unwrap_or_else(PoisonError::into_inner)
+    /// Says how far the search has got.
+    pub fn say(&self, text: String) {
+        self.state.borrow().pipeline.say(text);
     }
 
-    fn run(&self, values: Vec<f64>) -> Result<Answer, String> {
-        let idle = self.idle().pop();
-        let mut worker = idle.unwrap_or_else(|| self.crew.worker(&self.bound.task));
-        let (mut answer, mut void) = (None, false);
-        let mut take = |event| {
-            match event {
-                Event::Answer(_, own, _) => answer = Some(own),
-                Event::Void(_) => void = true,
-                Event::Idle => {}
-            }
-            ControlFlow::Continue(())
-        };
-        let mut post = Post::new(&mut take, &|| false, None);
-        let run = worker.run(&[Job { index: 0, values }], &mut post);
-        run.map_err(|error| error.to_string())?;
-        if void {
-            return Err(
-                "the FMU gives other results in a process that has computed points before;                 begin again with --isolation fresh"
-                    .to_owned(),
-            );
-        }
-        self.idle().push(worker);
-        answer.ok_or_else(|| "the worker gave no answer".to_owned())
+    /// Why there are no further predictions, once they were refused.
+    pub fn halted(self) -> Option<Halt> {
+        self.state.into_inner().halted
+    }
+
+    /// The point of a query, in the FMU's units.
+    fn point(&self, query: &Query) -> Vec<f64> {
+        let found = query.free.iter().chain(&query.latents);
+        let found = found.zip(&self.bound.inputs);
+        let found = found.map(|(&value, conversion)| conversion.value(value));
+        let known = self.bound.known[query.case].iter().copied();
+        known.chain(found).collect()
     }
 }
 
-impl Simulate for FmuModel<'_> {
-    fn simulate(&self, case: usize, free: &[f64], latents: &[f64]) -> Result<Vec<f64>, String> {
-        let bound = self.bound;
-        let found = free.iter().chain(latents).zip(&bound.inputs);
-        let found = found.map(|(&value, conversion)| conversion.value(value));
-        let values = bound.known[case].iter().copied().chain(found).collect();
-        let results = self.run(values)?.map_err(|failure| failure.to_string())?;
-        let predicted = results.iter().zip(&bound.outputs);
-        Ok(predicted
-            .map(|(&value, conversion)| conversion.value(value))
-            .collect())
+impl Simulate for FmuModel<'_, '_> {
+    fn simulate(&self, queries: &[Query]) -> Result<Vec<Prediction>, NoPrediction> {
+        let points: Vec<Vec<f64>> = queries.iter().map(|query| self.point(query)).collect();
+        let mut state = self.state.borrow_mut();
+        match state.pipeline.ask(&points) {
+            Ok(outcomes) => {
+                let outcomes = outcomes.into_iter();
+                let named = |outcome: Outcome| outcome.map_err(|failure| failure.to_string());
+                Ok(outcomes.map(named).collect())
+            }
+            Err(halt) => {
+                state.halted = Some(halt);
+                Err(NoPrediction::Stopped)
+            }
+        }
     }
 }

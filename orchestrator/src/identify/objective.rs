@@ -7,9 +7,8 @@
 //! 0 to 1, so that all are of one size.
 
 use nalgebra::{DMatrix, DVector};
-use rayon::prelude::*;
 
-use super::problem::{Problem, Simulate};
+use super::problem::{NoPrediction, Prediction, Problem, Query, Simulate};
 
 /// How derivatives are taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -71,36 +70,71 @@ impl<'a> Objective<'a> {
         }
     }
 
-    fn case(&self, case: usize, places: &[f64]) -> Result<Vec<f64>, String> {
-        let free = self.problem.free_values(places);
-        let latents = self.problem.latent_values(case, places);
-        let predicted = self.simulate.simulate(case, &free, &latents)?;
-        match predicted.iter().find(|value| !value.is_finite()) {
-            Some(value) => Err(format!("a prediction is {value}")),
-            None => Ok(predicted),
+    fn query(&self, case: usize, places: &[f64]) -> Query {
+        Query {
+            case,
+            free: self.problem.free_values(places),
+            latents: self.problem.latent_values(case, places),
         }
+    }
+
+    /// The predictions; one that is not finite is none.
+    fn predict(&self, queries: &[Query]) -> Result<Vec<Prediction>, NoPrediction> {
+        let predictions = self.simulate.simulate(queries)?.into_iter();
+        let finite = |prediction: Prediction| {
+            let predicted = prediction?;
+            match predicted.iter().find(|value| !value.is_finite()) {
+                Some(value) => Err(format!("a prediction is {value}")),
+                None => Ok(predicted),
+            }
+        };
+        Ok(predictions.map(finite).collect())
     }
 
     /// The misfit at a set of unknowns.
     ///
     /// # Errors
     /// When a simulation fails.
-    pub fn misfit(&self, places: &[f64]) -> Result<Misfit, String> {
-        let cases = 0..self.problem.cases.len();
-        let predicted: Vec<Vec<f64>> = cases
-            .into_par_iter()
-            .map(|case| self.case(case, places))
-            .collect::<Result<_, _>>()?;
+    pub fn misfit(&self, places: &[f64]) -> Result<Misfit, NoPrediction> {
+        let mut misfits = self.misfits(std::slice::from_ref(&places))?;
+        let own = misfits.pop().unwrap_or(Err(String::new()));
+        own.map_err(NoPrediction::Here)
+    }
+
+    /// The misfits at several sets of unknowns, or why there is none.
+    ///
+    /// # Errors
+    /// When there are no further predictions.
+    pub fn misfits<P: AsRef<[f64]>>(
+        &self,
+        sets: &[P],
+    ) -> Result<Vec<Result<Misfit, String>>, NoPrediction> {
+        let cases = self.problem.cases.len();
+        let queries = sets.iter().flat_map(|places| {
+            let places = places.as_ref();
+            (0..cases).map(move |case| self.query(case, places))
+        });
+        let predictions = self.predict(&queries.collect::<Vec<_>>())?;
+        let mut predictions = predictions.into_iter();
+        let misfits = sets.iter().map(|places| {
+            let own: Vec<Prediction> = predictions.by_ref().take(cases).collect();
+            let predicted = own.into_iter().collect::<Result<_, _>>()?;
+            Ok(self.of_predicted(places.as_ref(), predicted))
+        });
+        Ok(misfits.collect())
+    }
+
+    fn of_predicted(&self, places: &[f64], predicted: Vec<Vec<f64>>) -> Misfit {
         let pairs = self.problem.cases.iter().zip(&predicted);
         let data = pairs.flat_map(|(case, predicted)| {
             let pairs = case.measured.iter().zip(predicted);
             pairs.map(|(measured, predicted)| (predicted - measured.value) / measured.accuracy)
         });
         let residuals: Vec<f64> = data.chain(self.prior_residuals(places)).collect();
-        Ok(Misfit {
+        Misfit {
             predicted,
             residuals: DVector::from_vec(residuals),
-        })
+        }
     }
 
     fn prior_residuals(&self, places: &[f64]) -> impl Iterator<Item = f64> {
@@ -120,13 +154,10 @@ impl<'a> Objective<'a> {
         places: &[f64],
         misfit: &Misfit,
         differences: Differences,
-    ) -> Result<Linear, String> {
+    ) -> Result<Linear, NoPrediction> {
         let n = self.problem.unknowns();
         let jobs = self.displacements(places);
-        let columns: Vec<DVector<f64>> = jobs
-            .par_iter()
-            .map(|job| self.derivative(job, places, &misfit.predicted[job.case], differences))
-            .collect::<Result<_, _>>()?;
+        let columns = self.derivatives(&jobs, places, misfit, differences)?;
         let mut linear = Linear {
             curvature: DMatrix::zeros(n, n),
             gradient: DVector::zeros(n),
@@ -174,33 +205,59 @@ impl<'a> Objective<'a> {
         (0..self.problem.cases.len()).flat_map(displaced).collect()
     }
 
-    /// Derivatives of a case's weighted misfits over the place of one unknown.
+    /// Derivatives of the cases' weighted misfits, each over the place of one unknown.
+    fn derivatives(
+        &self,
+        jobs: &[Displaced],
+        places: &[f64],
+        misfit: &Misfit,
+        differences: Differences,
+    ) -> Result<Vec<DVector<f64>>, NoPrediction> {
+        let at = |job: &Displaced, place: f64| {
+            let mut places = places.to_vec();
+            places[job.unknown] = place;
+            self.query(job.case, &places)
+        };
+        let mirrored = |job: &Displaced| 2.0 * places[job.unknown] - job.place;
+        let inside = |job: &&Displaced| (0.0..=1.0).contains(&mirrored(job));
+        let there: Vec<Query> = jobs.iter().map(|job| at(job, job.place)).collect();
+        let there = self.predict(&there)?;
+        // Where both sides are wanted from the start, and where the first one failed.
+        let wanted = |(job, there): &(&Displaced, &Prediction)| {
+            inside(job) && (differences == Differences::Central || there.is_err())
+        };
+        let pairs = jobs.iter().zip(&there).filter(wanted);
+        let opposite: Vec<Query> = pairs.map(|(job, _)| at(job, mirrored(job))).collect();
+        let mut opposite = self.predict(&opposite)?.into_iter();
+        let mut columns = Vec::with_capacity(jobs.len());
+        for (job, there) in jobs.iter().zip(&there) {
+            let opposite = wanted(&(job, there)).then(|| opposite.next()).flatten();
+            let here = &misfit.predicted[job.case];
+            let distance = job.place - places[job.unknown];
+            let column = self.derivative(job, here, there, opposite.as_ref(), distance);
+            columns.push(column.map_err(NoPrediction::Here)?);
+        }
+        Ok(columns)
+    }
+
+    /// Derivatives of a case's weighted misfits over the place of one unknown, from the predictions `here`, at
+    /// `distance`, and as far on the opposite side.
     fn derivative(
         &self,
         job: &Displaced,
-        places: &[f64],
         here: &[f64],
-        differences: Differences,
+        there: &Prediction,
+        opposite: Option<&Prediction>,
+        distance: f64,
     ) -> Result<DVector<f64>, String> {
-        let at = |place: f64| {
-            let mut places = places.to_vec();
-            places[job.unknown] = place;
-            self.case(job.case, &places)
-        };
-        let there = at(job.place);
-        let mirrored = 2.0 * places[job.unknown] - job.place;
-        let inside = (0.0..=1.0).contains(&mirrored);
-        let opposite = (inside && (differences == Differences::Central || there.is_err()))
-            .then(|| at(mirrored));
-        let distance = job.place - places[job.unknown];
         let (ahead, behind, distance) = match (there, opposite) {
-            (Ok(ahead), Some(Ok(behind))) => (ahead, behind, 2.0 * distance),
-            (Ok(ahead), _) => (ahead, here.to_vec(), distance),
-            (Err(_), Some(Ok(behind))) => (here.to_vec(), behind, distance),
-            (Err(error), _) => return Err(error),
+            (Ok(ahead), Some(Ok(behind))) => (&ahead[..], &behind[..], 2.0 * distance),
+            (Ok(ahead), _) => (&ahead[..], here, distance),
+            (Err(_), Some(Ok(behind))) => (here, &behind[..], distance),
+            (Err(error), _) => return Err(error.clone()),
         };
         let measured = &self.problem.cases[job.case].measured;
-        let slopes = ahead.iter().zip(&behind).zip(measured);
+        let slopes = ahead.iter().zip(behind).zip(measured);
         let slopes = slopes.map(|((a, b), measured)| (a - b) / distance / measured.accuracy);
         Ok(DVector::from_iterator(measured.len(), slopes))
     }

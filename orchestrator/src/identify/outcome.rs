@@ -6,7 +6,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 use super::local::{End, Minimum};
 use super::posterior::{Direction, Posterior, UNDETERMINED};
 use super::problem::{Problem, Scale};
-use super::search::State;
+use super::search::Progress;
 
 /// The standard deviations to both sides that hold 95 % of a Gaussian.
 const NINETY_FIVE: f64 = 1.959_964;
@@ -141,7 +141,12 @@ pub struct SearchOutcome {
 
 impl Outcome {
     /// Gathers what was found.
-    pub fn new(problem: &Problem, minimum: &Minimum, posterior: &Posterior, state: &State) -> Self {
+    pub fn new(
+        problem: &Problem,
+        minimum: &Minimum,
+        posterior: &Posterior,
+        progress: &Progress,
+    ) -> Self {
         let n = problem.free.len();
         let values = problem.values();
         let cost = minimum.misfit.cost();
@@ -175,7 +180,7 @@ impl Outcome {
             worst: (0..problem.quantities.len())
                 .map(|q| worst(problem, minimum, q))
                 .collect(),
-            search: searches(state),
+            search: searches(progress),
         }
     }
 }
@@ -289,16 +294,20 @@ fn worst(problem: &Problem, minimum: &Minimum, quantity: usize) -> WorstOutcome 
     }
 }
 
-fn searches(state: &State) -> SearchOutcome {
-    let found = state
+fn searches(progress: &Progress) -> SearchOutcome {
+    let found = progress
         .descents
         .iter()
         .filter_map(|descent| descent.found.as_ref());
     let mut minima: Vec<f64> = found.map(|found| found.cost).collect();
     minima.sort_by(f64::total_cmp);
     SearchOutcome {
-        screened: state.screened.len(),
-        failed: state.screened.iter().filter(|cost| cost.is_none()).count(),
+        screened: progress.screened.len(),
+        failed: progress
+            .screened
+            .iter()
+            .filter(|cost| cost.is_none())
+            .count(),
         minima,
     }
 }

@@ -11,6 +11,7 @@ use serde::Serialize;
 
 use super::local::Minimum;
 use super::objective::{Differences, Objective};
+use super::problem::NoPrediction;
 
 /// The precision of a place of which only the bounds are known: the inverse variance of the uniform
 /// distribution from 0 to 1.
@@ -45,7 +46,7 @@ impl Posterior {
     ///
     /// # Errors
     /// When a simulation fails.
-    pub fn at(objective: &Objective<'_>, minimum: &Minimum) -> Result<Self, String> {
+    pub fn at(objective: &Objective<'_>, minimum: &Minimum) -> Result<Self, NoPrediction> {
         let linear = objective.linear(&minimum.places, &minimum.misfit, Differences::Central)?;
         let problem = objective.problem;
         let n = problem.free.len();
@@ -63,8 +64,9 @@ impl Posterior {
         for index in n..problem.unknowns() {
             precision[(index, index)] += UNIFORM;
         }
+        let rough = "the curvature at the minimum is not positive: the simulations are too rough";
         let covariance = Cholesky::new(precision)
-            .ok_or("the curvature at the minimum is not positive: the simulations are too rough")?
+            .ok_or_else(|| NoPrediction::Here(rough.to_owned()))?
             .inverse();
         let directions = directions(&covariance, &prior);
         Ok(Self {

@@ -228,20 +228,48 @@ impl Problem {
     }
 }
 
+/// Where a prediction is wanted.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Query {
+    /// The case.
+    pub case: usize,
+    /// The free parameters' values.
+    pub free: Vec<f64>,
+    /// The values of the case's latent parameters.
+    pub latents: Vec<f64>,
+}
+
+/// What would be measured in the order of [`Problem::quantities`], or why there is no prediction.
+pub type Prediction = Result<Vec<f64>, String>;
+
+/// Why a search cannot go on.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum NoPrediction {
+    /// There is none here; the search keeps away.
+    #[error("{0}")]
+    Here(String),
+    /// There will be no further ones.
+    #[error("the search was stopped")]
+    Stopped,
+}
+
 /// Predicts what would be measured.
-pub trait Simulate: Sync {
-    /// The measured quantities of a case, from the free parameters and the case's latent ones.
+pub trait Simulate {
+    /// The predictions of several queries, in their order.
     ///
     /// # Errors
-    /// Says why there is no prediction; the search then keeps away from there.
-    fn simulate(&self, case: usize, free: &[f64], latents: &[f64]) -> Result<Vec<f64>, String>;
+    /// When there will be no further predictions.
+    fn simulate(&self, queries: &[Query]) -> Result<Vec<Prediction>, NoPrediction>;
 }
 
 impl<F> Simulate for F
 where
-    F: Fn(usize, &[f64], &[f64]) -> Result<Vec<f64>, String> + Sync,
+    F: Fn(usize, &[f64], &[f64]) -> Prediction,
 {
-    fn simulate(&self, case: usize, free: &[f64], latents: &[f64]) -> Result<Vec<f64>, String> {
-        self(case, free, latents)
+    fn simulate(&self, queries: &[Query]) -> Result<Vec<Prediction>, NoPrediction> {
+        let queries = queries.iter();
+        Ok(queries
+            .map(|query| self(query.case, &query.free, &query.latents))
+            .collect())
     }
 }

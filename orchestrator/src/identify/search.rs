@@ -6,11 +6,11 @@
 //! that ends at the same minimum from many starts is evidence that nothing deeper was missed, and one that
 //! doesn't shows where the others are. Starts are first screened by their misfit alone.
 
-use serde::{Deserialize, Serialize};
 use std::time::Instant;
 
 use super::local::{End, Limits, Minimum, minimise};
 use super::objective::{Differences, Objective};
+use super::problem::NoPrediction;
 
 /// How much to search.
 #[derive(Clone, Copy, Debug)]
@@ -24,7 +24,7 @@ pub struct Settings {
 }
 
 /// A local search that ended.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug)]
 pub struct Descent {
     /// The number of its start.
     pub start: usize,
@@ -33,7 +33,7 @@ pub struct Descent {
 }
 
 /// Where a local search ended.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug)]
 pub struct Found {
     /// The unknowns, as places between their bounds.
     pub places: Vec<f64>,
@@ -43,16 +43,16 @@ pub struct Found {
     pub end: End,
 }
 
-/// How far a search has got: enough to go on with.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub struct State {
+/// How far a search has got.
+#[derive(Clone, Debug, Default)]
+pub struct Progress {
     /// The sum of squares at each start; `None` where a simulation failed.
     pub screened: Vec<Option<f64>>,
     /// The local searches.
     pub descents: Vec<Descent>,
 }
 
-impl State {
+impl Progress {
     /// The deepest place so far.
     pub fn best(&self) -> Option<&Found> {
         let found = self
@@ -72,18 +72,27 @@ pub enum SearchError {
     /// Time was up before anything was found.
     #[error("the time limit ended the search before the first start was simulated")]
     NoTime,
-    /// The observer gave up.
-    #[error(transparent)]
-    Observer(#[from] std::io::Error),
+    /// There are no further predictions.
+    #[error("the search was stopped")]
+    Stopped,
     /// The simulations around the minimum failed.
     #[error("around the minimum: {0}")]
     Simulation(String),
 }
 
-/// What a search reports while it runs.
-pub type Observer<'a> = dyn FnMut(&State) -> std::io::Result<()> + 'a;
+impl From<NoPrediction> for SearchError {
+    fn from(error: NoPrediction) -> Self {
+        match error {
+            NoPrediction::Stopped => Self::Stopped,
+            NoPrediction::Here(message) => Self::Simulation(message),
+        }
+    }
+}
 
-/// Searches from starts (free parameters as places); goes on from an earlier state.
+/// So many simulations are asked for at a time when starts are screened.
+const TOGETHER: usize = 64;
+
+/// Searches from starts (free parameters as places), and tells how far it has got.
 ///
 /// # Errors
 /// When nothing can be simulated, or time is up before anything was.
@@ -91,32 +100,34 @@ pub fn search(
     objective: &Objective<'_>,
     starts: &[Vec<f64>],
     settings: &Settings,
-    state: &mut State,
-    observe: &mut Observer<'_>,
-) -> Result<Minimum, SearchError> {
+    observe: &dyn Fn(&Progress),
+) -> Result<(Minimum, Progress), SearchError> {
     let in_time = || {
         settings
             .deadline
             .is_none_or(|deadline| Instant::now() < deadline)
     };
+    let mut progress = Progress::default();
     let mut last_error = String::new();
-    for start in starts.iter().skip(state.screened.len()) {
+    for starts in starts.chunks(TOGETHER.div_ceil(objective.problem.cases.len().max(1))) {
         if !in_time() {
             break;
         }
-        let misfit = objective.misfit(&unknowns(objective, start));
-        let cost = misfit
-            .map(|misfit| misfit.cost())
-            .map_err(|error| last_error = error);
-        state.screened.push(cost.ok());
-        observe(state)?;
+        let sets = starts.iter().map(|start| unknowns(objective, start));
+        for misfit in objective.misfits(&sets.collect::<Vec<_>>())? {
+            let cost = misfit.map(|misfit| misfit.cost());
+            progress
+                .screened
+                .push(cost.map_err(|error| last_error = error).ok());
+        }
+        observe(&progress);
     }
-    if state.screened.is_empty() {
+    if progress.screened.is_empty() {
         return Err(SearchError::NoTime);
     }
-    let ranked = ranked(&state.screened);
+    let ranked = ranked(&progress.screened);
     let Some(&first) = ranked.first() else {
-        return Err(SearchError::NoStart(state.screened.len(), last_error));
+        return Err(SearchError::NoStart(progress.screened.len(), last_error));
     };
     let limits = Limits {
         iterations: settings.iterations,
@@ -124,16 +135,24 @@ pub fn search(
         deadline: settings.deadline,
     };
     for &start in ranked.iter().take(settings.descents) {
-        if state.descents.iter().any(|descent| descent.start == start) || !in_time() {
+        if progress
+            .descents
+            .iter()
+            .any(|descent| descent.start == start)
+            || !in_time()
+        {
             continue;
         }
         let from = unknowns(objective, &starts[start]);
-        let minimum = minimise(objective, from, &[], Differences::Forward, &limits).ok();
-        // One that time cut short is taken up again from its start.
+        let minimum = match minimise(objective, from, &[], Differences::Forward, &limits) {
+            Err(NoPrediction::Stopped) => return Err(SearchError::Stopped),
+            other => other.ok(),
+        };
+        // One that time cut short is no minimum.
         if minimum
             .as_ref()
             .is_some_and(|minimum| minimum.end == End::Time)
-            && state.best().is_some()
+            && progress.best().is_some()
         {
             break;
         }
@@ -142,17 +161,18 @@ pub fn search(
             places: minimum.places,
             end: minimum.end,
         });
-        state.descents.push(Descent { start, found });
-        observe(state)?;
+        progress.descents.push(Descent { start, found });
+        observe(&progress);
     }
-    let from = state.best().map(|found| found.places.clone());
+    let from = progress.best().map(|found| found.places.clone());
     let from = from.unwrap_or_else(|| unknowns(objective, &starts[first]));
     let limits = Limits {
         iterations: 2 * settings.iterations,
         decrease: 1e-7,
         ..limits
     };
-    minimise(objective, from, &[], Differences::Central, &limits).map_err(SearchError::Simulation)
+    let minimum = minimise(objective, from, &[], Differences::Central, &limits)?;
+    Ok((minimum, progress))
 }
 
 /// All unknowns at a start: latent parameters begin in the middle of their intervals.

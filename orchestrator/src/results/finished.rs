@@ -1,5 +1,6 @@
 //! The journal, read again.
 
+use std::collections::HashMap;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
@@ -22,6 +23,10 @@ pub struct Finished {
     pub conduct: Option<Conduct>,
     /// How many points are finished.
     pub count: u64,
+    /// What tells the sets of points from others, by the index of their first point.
+    pub sets: HashMap<u64, String>,
+    /// Whether the analysis needed no further points.
+    pub ended: bool,
     /// The length of the sound part of the file.
     pub(super) sound: u64,
 }
@@ -51,10 +56,12 @@ impl Finished {
     pub fn read(folder: &Path) -> Result<Self, ResultsError> {
         let (mut lines, header) = open(folder)?;
         let mut finished = Self {
-            places: places(folder, header.points)?,
+            places: places(folder, header.points.unwrap_or(0))?,
             header,
             path: path_in(folder),
             count: 0,
+            sets: HashMap::new(),
+            ended: false,
             sound: lines.sound,
             conduct: None,
         };
@@ -64,16 +71,24 @@ impl Finished {
                 .next_line()
                 .map_err(ResultsError::io(&finished.path))?;
             let Some(line) = line else { break };
-            let (first, rest) = line.split_once(' ').unwrap_or((line, ""));
-            let index = first.parse::<usize>().ok();
-            if let Some(slot) = index.and_then(|index| finished.places.get_mut(index)) {
-                finished.count += u64::from(*slot == NOWHERE);
-                let word = rest.split(' ').next().unwrap_or("");
-                let separation = separation(word).unwrap_or(Separation::New);
-                *slot = place | (separation as u64) << SEPARATION;
-            } else if first == "note" {
-                let note = serde_json::from_str(rest);
-                note.into_iter().for_each(|note| finished.heed(note));
+            match line.split_once(' ') {
+                Some(("set", set)) => {
+                    let (first, sum) = set.split_once(' ').unwrap_or((set, ""));
+                    if let Ok(first) = first.parse() {
+                        finished.begin_set(first, sum);
+                    }
+                }
+                Some(("note", note)) => {
+                    let note = serde_json::from_str(note);
+                    note.into_iter().for_each(|note| finished.heed(note));
+                }
+                Some((index, rest)) => {
+                    let word = rest.split(' ').next().unwrap_or("");
+                    let separation = separation(word).unwrap_or(Separation::New);
+                    let place = place | (separation as u64) << SEPARATION;
+                    finished.note(index.parse().ok(), place);
+                }
+                None => finished.ended |= line == "end",
             }
         }
         finished.sound = lines.sound;
@@ -119,6 +134,35 @@ impl Finished {
     fn place(&self, index: u64) -> Option<u64> {
         let slot = *self.places.get(usize::try_from(index).ok()?)?;
         (slot != NOWHERE).then_some(slot & ((1 << SEPARATION) - 1))
+    }
+
+    /// A set that differs from the one that began here makes an end of all that followed that.
+    fn begin_set(&mut self, first: u64, sum: &str) {
+        if self.sets.get(&first).is_some_and(|then| then != sum) {
+            self.forget_from(first);
+        }
+        self.sets.insert(first, sum.to_owned());
+    }
+
+    /// Forgets all points from an index on.
+    pub fn forget_from(&mut self, first: u64) {
+        self.sets.retain(|&other, _| other < first);
+        let first = usize::try_from(first).unwrap_or(usize::MAX);
+        for slot in self.places.iter_mut().skip(first) {
+            self.count -= u64::from(*slot != NOWHERE);
+            *slot = NOWHERE;
+        }
+    }
+
+    fn note(&mut self, index: Option<usize>, place: u64) {
+        let Some(index) = index else { return };
+        if self.header.points.is_none() && index >= self.places.len() {
+            self.places.resize(index + 1, NOWHERE);
+        }
+        if let Some(slot) = self.places.get_mut(index) {
+            self.count += u64::from(*slot == NOWHERE);
+            *slot = place;
+        }
     }
 
     /// Whether a point is finished.

@@ -19,10 +19,13 @@ pub struct Header {
     pub table: Option<String>,
     /// The seed of the design.
     pub seed: u64,
-    /// How many points the whole study has.
-    pub points: u64,
+    /// How many points there are, where that is known beforehand.
+    pub points: Option<u64>,
     /// Which part of the points this is, such as `2/8`.
     pub shard: Option<String>,
+    /// The analysis that asks for the points, where that is another one than `verify`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub analysis: Option<String>,
 }
 
 impl Header {
@@ -46,6 +49,10 @@ impl Header {
     pub fn difference(&self, then: &Self) -> Option<(&'static str, String, String)> {
         let texts = |header: &Self| {
             [
+                (
+                    "analysis",
+                    header.analysis.clone().unwrap_or("verify".to_owned()),
+                ),
                 ("orchestrator", header.orchestrator.clone()),
                 ("study", short(&header.study)),
                 ("FMU", short(&header.fmu)),
@@ -54,7 +61,12 @@ impl Header {
                     header.table.as_deref().map_or_else(String::new, short),
                 ),
                 ("seed", header.seed.to_string()),
-                ("number of points", header.points.to_string()),
+                (
+                    "number of points",
+                    header
+                        .points
+                        .map_or("open".to_owned(), |points| points.to_string()),
+                ),
                 (
                     "shard",
                     header.shard.clone().unwrap_or_else(|| "none".to_owned()),

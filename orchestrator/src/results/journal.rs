@@ -14,6 +14,8 @@
 //!
 //! `ok`, `forked` and `used` tell in what process a point was computed ([`Separation`]): a note may say that some of
 //! these do not count any more.
+//! An analysis that asks for several sets of points notes what tells each set from others, `set 0 600 5d41402a`,
+//! and at last `end`. Where a set takes the place of another one, what followed that one counts no more.
 
 use std::fmt::Write as _;
 use std::fs::{self, File, OpenOptions, TryLockError};
@@ -136,6 +138,23 @@ impl Journal {
         let _ = write!(self.line, "note {text}");
         self.finish_line();
         self.flush_when_full()
+    }
+
+    /// Notes a set of points by what tells it from others; `first` is the index of its first point.
+    ///
+    /// # Errors
+    /// When the system says no.
+    pub fn append_set(&mut self, first: u64, sum: &str) -> Result<(), ResultsError> {
+        // Writing to a String cannot fail.
+        let _ = write!(self.line, "set {first} {sum}");
+        self.finish_line();
+        self.flush_when_full()
+    }
+
+    /// Notes that no further points are needed.
+    pub fn append_end(&mut self) {
+        self.line.push_str("end");
+        self.finish_line();
     }
 
     fn flush_when_full(&mut self) -> Result<(), ResultsError> {

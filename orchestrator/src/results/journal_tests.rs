@@ -11,8 +11,9 @@ fn header() -> Header {
         fmu: "f".to_owned(),
         table: None,
         seed: 1,
-        points: 5,
+        points: Some(5),
         shard: None,
+        analysis: None,
     }
 }
 

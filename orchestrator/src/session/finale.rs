@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
 
-use super::{Session, SessionError};
+use super::{Session, SessionError, Verification};
 use crate::judge::{Judge, Verdict};
 use crate::results::finished::Finished;
 use crate::results::summary::{ParameterSummary, Provenance, Run, Summary};
@@ -14,7 +14,7 @@ use crate::results::{Outcome, ResultsError, Tally, keep, points, write_atomicall
 use crate::study::Study;
 use crate::study::plan::Input;
 
-impl Session {
+impl Verification {
     /// Writes `points.csv` and `summary.json` from the journal, in the order of the points;
     /// ends where `enough` says so after a point.
     ///
@@ -26,12 +26,13 @@ impl Session {
         run: Option<Run>,
         enough: impl Fn(&Tally<'_>) -> bool,
     ) -> Result<Summary, SessionError> {
+        let session = &self.session;
         let finished = Finished::read(folder)?;
         let mut outcomes = finished.outcomes()?;
         let provenance = self.provenance();
         let replicates = provenance.replicates.unwrap_or(1);
-        let mut tally = Tally::of_replicates(&self.judge, replicates);
-        let mut files = FileSet::new(folder, &self.plan.inputs, &self.judge)?;
+        let mut tally = Tally::of_replicates(&session.judge, replicates);
+        let mut files = FileSet::new(folder, &session.plan.inputs, &session.judge)?;
         for index in 0..self.source.len() {
             let incomplete = || ResultsError::Incomplete {
                 path: folder.to_owned(),
@@ -46,8 +47,13 @@ impl Session {
                 break;
             }
         }
-        let parameters = self.plan.inputs.iter().map(ParameterSummary::new).collect();
-        let mut summary = tally.summary(self.study.title.clone(), provenance, parameters);
+        let parameters = session
+            .plan
+            .inputs
+            .iter()
+            .map(ParameterSummary::new)
+            .collect();
+        let mut summary = tally.summary(session.study.title.clone(), provenance, parameters);
         summary.conduct = finished.conduct;
         summary.run = run;
         files.finish(&summary)?;
@@ -56,13 +62,19 @@ impl Session {
 
     /// What this study is computed with.
     pub fn provenance(&self) -> Provenance {
-        let fmu = self.package.description();
+        let Session {
+            request,
+            study,
+            package,
+            ..
+        } = &self.session;
+        let fmu = package.description();
         let header = self.header();
-        let method = serde_json::to_value(self.study.design.method).ok();
+        let method = serde_json::to_value(study.design.method).ok();
         let method = method.and_then(|name| name.as_str().map(str::to_owned));
         let given = header.table.is_some();
         Provenance {
-            study: name(self.request.own_study()),
+            study: name(request.own_study()),
             fmu: Some(fmu.model_name.clone()),
             fmu_version: fmu.version.clone(),
             fmu_guid: Some(fmu.guid.clone()),
@@ -71,8 +83,8 @@ impl Session {
                 .filter(|_| !given)
                 .unwrap_or_else(|| "table".to_owned()),
             seed: (!given).then_some(header.seed),
-            replicates: Some(self.study.design.replicates).filter(|&n| !given && n > 1),
-            ..provenance(&self.study)
+            replicates: Some(study.design.replicates).filter(|&n| !given && n > 1),
+            ..provenance(study)
         }
     }
 }

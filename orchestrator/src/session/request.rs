@@ -1,14 +1,13 @@
 //! What was asked for, kept beside the results so that a point can be run again and shards
 //! be joined.
 
-use std::fmt;
 use std::fs;
 use std::mem;
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
+use crate::pipeline::Shard;
 use crate::results::{ResultsError, write_atomically};
 use crate::study::Study;
 
@@ -27,6 +26,9 @@ pub struct Request {
     pub points_from: Option<PathBuf>,
     /// A part of the points.
     pub shard: Option<Shard>,
+    /// The analysis that asks for points, where that is another one than `verify`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub analysis: Option<Asking>,
     /// The folder of the files that the study names, where that is not its own.
     #[serde(skip)]
     pub base: Option<PathBuf>,
@@ -35,38 +37,24 @@ pub struct Request {
     pub original: Option<PathBuf>,
 }
 
-/// One of several equal parts of the points: those with index `number - 1`, `number - 1 + of`, ...
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Shard {
-    /// Which part, from 1.
-    pub number: u64,
-    /// How many parts there are.
-    pub of: u64,
-}
-
-impl FromStr for Shard {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let parts = text.split_once('/');
-        let numbers = parts.and_then(|(a, b)| Some((a.parse().ok()?, b.parse().ok()?)));
-        match numbers {
-            Some((number, of)) if (1..=of).contains(&number) => Ok(Self { number, of }),
-            _ => Err(format!("`{text}` is not a part such as 2/8")),
-        }
-    }
-}
-
-impl fmt::Display for Shard {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}/{}", self.number, self.of)
-    }
+/// An analysis that asks for points of its own.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Asking {
+    /// Its name, which is that of its command.
+    pub name: String,
+    /// Its options.
+    pub options: serde_json::Value,
 }
 
 const FILE: &str = "request.json";
 const STUDY: &str = "study.toml";
 
 impl Request {
+    /// Whether a folder holds a request.
+    pub fn is_in(folder: &Path) -> bool {
+        folder.join(FILE).exists()
+    }
+
     /// Keeps the request in a folder, and the study's text beside it.
     ///
     /// # Errors
@@ -109,18 +97,5 @@ impl Request {
     /// The study as the user called it.
     pub fn own_study(&self) -> &Path {
         self.original.as_deref().unwrap_or(&self.study)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn shards() {
-        assert_eq!("2/8".parse(), Ok(Shard { number: 2, of: 8 }));
-        for wrong in ["0/8", "9/8", "2", "a/b", "1/0"] {
-            assert!(wrong.parse::<Shard>().is_err(), "{wrong}");
-        }
     }
 }

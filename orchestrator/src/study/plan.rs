@@ -86,6 +86,26 @@ impl Plan {
         Design::new(design, inputs)
     }
 
+    /// The parameters that vary, by their places among the inputs.
+    pub fn varied(&self) -> Vec<usize> {
+        (0..self.inputs.len())
+            .filter(|&k| self.inputs[k].distribution.varies())
+            .collect()
+    }
+
+    /// The parameters at a point of the unit cube of those that vary; the others have their medians.
+    pub fn from_cube(&self, cube: &[f64]) -> Vec<f64> {
+        // Away from the ends of the unit interval, where a distribution may reach to infinity.
+        let mut places = cube.iter().map(|u| u.clamp(1e-6, 1.0 - 1e-6));
+        let value = |input: &Input| {
+            let place = input.distribution.varies().then(|| places.next()).flatten();
+            place.map_or(input.distribution.median(), |u| {
+                input.distribution.quantile(u)
+            })
+        };
+        self.inputs.iter().map(value).collect()
+    }
+
     /// Whether every parameter varies on its own.
     pub fn is_independent(&self) -> bool {
         self.correlation.is_none()

@@ -1,7 +1,8 @@
 //! Fresh runs of the model inside the box and the ellipsoid.
 
+use std::ops::Range;
+
 use super::super::CommandError;
-use super::super::batch::Batch;
 use super::option;
 use crate::analysis::from_results;
 use crate::analysis::robustness::region::{Confirmed, Ellipsoid, Region};
@@ -9,6 +10,8 @@ use crate::analysis::robustness::{Robustness, refined, rows};
 use crate::analysis::table::PointTable;
 use crate::design::{Design, Method, Sampling};
 use crate::distribution::Distribution;
+use crate::pipeline::Pipeline;
+use crate::session::Session;
 
 /// So many draws are looked through for points inside a small region.
 const MOST_DRAWS: u64 = 4_000_000;
@@ -16,8 +19,9 @@ const MOST_DRAWS: u64 = 4_000_000;
 const ROUNDS: u64 = 4;
 
 /// What is confirmed, and with what.
-pub(super) struct Confirmation<'a> {
-    pub(super) batch: &'a Batch,
+pub(super) struct Confirmation<'a, 'b> {
+    pub(super) session: &'a Session,
+    pub(super) pipeline: &'a mut Pipeline<'b>,
     pub(super) table: &'a PointTable,
     pub(super) cloud: &'a [Vec<f64>],
     /// Fresh points in each region.
@@ -25,13 +29,13 @@ pub(super) struct Confirmation<'a> {
     pub(super) seed: u64,
 }
 
-impl Confirmation<'_> {
+impl Confirmation<'_, '_> {
     /// Runs independent points of the study's distributions inside the box, and as many inside the
     /// ellipsoid, and notes what comes out. Where a statement does not hold, the surrogates learn
     /// from these runs, and what they state then is confirmed by new ones: the points that judge a
     /// statement have nothing to do with those that it was made of.
     pub(super) fn of(&mut self, mut result: Robustness) -> Result<Robustness, CommandError> {
-        let inputs = self.batch.plan.inputs.iter().map(|input| &input.name);
+        let inputs = self.session.plan.inputs.iter().map(|input| &input.name);
         if !inputs.eq(self.table.parameters.iter().map(|p| &p.name)) {
             let message = "the study's parameters are not those of the points";
             return Err(option("confirm", message));
@@ -64,31 +68,45 @@ impl Confirmation<'_> {
             .filter(|&k| result.parameters.contains(&parameters[k].name))
             .collect();
         let varying = |x: &[f64]| -> Vec<f64> { places.iter().map(|&k| x[k]).collect() };
-        let mut all = self.table.subset(&[]);
+        let region = result.region.as_ref();
+        let box_points =
+            region.map(|region| self.inside(2 * round, |x| Region::contains(region, &varying(x))));
+        let ellipsoid = result.ellipsoid.as_ref();
+        let ellipsoid_points = ellipsoid.map(|ellipsoid| {
+            self.inside(2 * round + 1, |x| {
+                Ellipsoid::contains(ellipsoid, &varying(x))
+            })
+        });
+        let [in_box, in_ellipsoid] = [
+            box_points.transpose()?.unwrap_or_default(),
+            ellipsoid_points.transpose()?.unwrap_or_default(),
+        ];
+        // Asked for together: neither depends on the other.
+        let boundary = in_box.len();
+        let all = self.run([in_box, in_ellipsoid].concat())?;
+        let part = |range: Range<usize>| all.subset(&range.collect::<Vec<_>>());
+        let inner = |runs: &PointTable| -> Vec<Vec<f64>> {
+            rows(runs).iter().map(|x| varying(x)).collect()
+        };
         if let Some(region) = &mut result.region {
-            let runs = self.run(2 * round, |x| Region::contains(region, &varying(x)))?;
-            let inner: Vec<Vec<f64>> = rows(&runs).iter().map(|x| varying(x)).collect();
-            region.fresh = Some(region.confirm(&inner, &runs.verified));
-            all.extend(&runs);
+            let runs = part(0..boundary);
+            region.fresh = Some(region.confirm(&inner(&runs), &runs.verified));
         }
         if let Some(ellipsoid) = &mut result.ellipsoid {
-            let runs = self.run(2 * round + 1, |x| {
-                Ellipsoid::contains(ellipsoid, &varying(x))
-            })?;
-            let inner: Vec<Vec<f64>> = rows(&runs).iter().map(|x| varying(x)).collect();
-            ellipsoid.fresh = Some(ellipsoid.confirm(&inner, &runs.verified));
-            all.extend(&runs);
+            let runs = part(boundary..all.len());
+            ellipsoid.fresh = Some(ellipsoid.confirm(&inner(&runs), &runs.verified));
         }
         Ok(all)
     }
 
-    /// Runs the first points of a sequence of independent ones that lie inside.
-    fn run(
-        &mut self,
+    /// The first points of a sequence of independent ones that lie inside.
+    fn inside(
+        &self,
         sequence: u64,
         inside: impl Fn(&[f64]) -> bool,
-    ) -> Result<PointTable, CommandError> {
-        let settings = Sampling {
+    ) -> Result<Vec<Vec<f64>>, CommandError> {
+        let plan = &self.session.plan;
+        let sampling = Sampling {
             method: Method::MonteCarlo,
             points: MOST_DRAWS,
             // Far from the seeds that people give to studies.
@@ -96,18 +114,21 @@ impl Confirmation<'_> {
             ..Sampling::default()
         };
         let unit = Distribution::Uniform { min: 0.0, max: 1.0 };
-        let cube = Design::new(&settings, vec![unit; self.batch.varied().len()])
+        let cube = Design::new(&sampling, vec![unit; plan.varied().len()])
             .map_err(|message| option("confirm", &message))?;
-        let draws = (0..MOST_DRAWS).map(|index| self.batch.parameters(&cube.point(index)));
-        let chosen: Vec<Vec<f64>> = draws.filter(|x| inside(x)).take(self.points).collect();
-        let outcomes = self.batch.run(&chosen)?;
-        let inputs = &self.batch.plan.inputs;
+        let draws = (0..MOST_DRAWS).map(|index| plan.from_cube(&cube.point(index)));
+        Ok(draws.filter(|x| inside(x)).take(self.points).collect())
+    }
+
+    fn run(&mut self, points: Vec<Vec<f64>>) -> Result<PointTable, CommandError> {
+        let outcomes = self.pipeline.ask(&points)?;
+        let inputs = &self.session.plan.inputs;
         let all: Vec<usize> = (0..inputs.len()).collect();
         Ok(from_results::from_runs(
             inputs,
             &all,
-            &self.batch.judge,
-            &chosen,
+            &self.session.judge,
+            &points,
             outcomes,
         ))
     }

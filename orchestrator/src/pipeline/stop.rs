@@ -6,13 +6,13 @@ use std::thread;
 use std::time::Duration;
 
 /// The exit code of an interrupted command.
-pub(super) const INTERRUPTED: u8 = 130;
+pub const INTERRUPTED: u8 = 130;
 /// How long an interrupted command may take to put things in order.
 const PATIENCE: Duration = Duration::from_millis(800);
 
 /// Set by Ctrl-C: points under way are given up, no further ones are begun. The process ends within a second,
 /// whatever its threads do; the journal is sound at any time.
-pub(super) fn flag() -> &'static AtomicBool {
+pub fn flag() -> &'static AtomicBool {
     static STOP: OnceLock<Arc<AtomicBool>> = OnceLock::new();
     STOP.get_or_init(|| {
         let stop = Arc::new(AtomicBool::new(false));

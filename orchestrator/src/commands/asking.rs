@@ -1,0 +1,190 @@
+//! Analyses that ask for points of their own, however they come to be run: begun, resumed, in parts, or joined.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use super::finding::{self, Finding};
+use super::limits::place;
+use super::{CommandError, pareto, robustness, sensitivity};
+use crate::cli::{Means, Parts};
+use crate::engine::crew::Crew;
+use crate::pipeline::Pipeline;
+use crate::pipeline::folder::RunFolder;
+use crate::results::Header;
+use crate::results::origin::Origin;
+use crate::session::{Asking, Request, Session};
+
+/// An analysis that asks for points of its own.
+pub(super) trait Analysis {
+    /// Its name: that of its command, and of the folder of its journal.
+    fn name(&self) -> &'static str;
+
+    /// Its options, as the request keeps them.
+    fn options(&self) -> serde_json::Value;
+
+    /// The seed, how many points it asks for where that is known beforehand, and what else the points depend on
+    /// beside study and FMU.
+    fn points(&self, session: &Session) -> Result<PointSet, CommandError>;
+
+    /// Why parts of the points cannot be computed apart, if they cannot.
+    fn one_piece(&self) -> Option<&'static str> {
+        None
+    }
+
+    /// Asks for the points and says what they tell; tables of its own go into `folder`.
+    fn find(
+        &self,
+        session: &Session,
+        pipeline: &mut Pipeline<'_>,
+        folder: &Path,
+    ) -> Result<Finding, CommandError>;
+}
+
+/// What tells the points of an analysis from others of the same study and FMU.
+pub(super) struct PointSet {
+    pub(super) seed: u64,
+    /// How many there are, where that is known beforehand.
+    pub(super) points: Option<u64>,
+    /// The method and its sizes, for people.
+    pub(super) method: String,
+    /// The digest of the points that it begins with.
+    pub(super) table: Option<String>,
+}
+
+/// The analyses by name, with what makes one of its kept options.
+const KNOWN: [(&str, Kept); 3] = [
+    (sensitivity::NAME, sensitivity::kept),
+    (robustness::NAME, robustness::kept),
+    (pareto::NAME, pareto::kept),
+];
+
+type Kept = fn(serde_json::Value) -> serde_json::Result<Box<dyn Analysis>>;
+
+/// The analysis that a request asks for.
+pub(super) fn of(asking: &Asking, folder: &Path) -> Result<Box<dyn Analysis>, CommandError> {
+    let known = KNOWN.iter().find(|(name, _)| *name == asking.name);
+    let kept = known.and_then(|(_, kept)| kept(asking.options.clone()).ok());
+    kept.ok_or_else(|| {
+        CommandError::Shards(format!(
+            "{}: this program knows no analysis `{}` with these options",
+            folder.display(),
+            asking.name
+        ))
+    })
+}
+
+/// The folders of the journals that a folder of results may hold beside that of `verify`.
+pub(super) fn names() -> impl Iterator<Item = &'static str> {
+    KNOWN.iter().map(|(name, _)| *name)
+}
+
+/// Where the results go unless the user says otherwise; a part of them goes beside the others.
+pub(super) fn folder(
+    output: Option<&Path>,
+    study: &Path,
+    parts: &Parts,
+    analysis: Option<&str>,
+) -> PathBuf {
+    let usual = || {
+        let folder = finding::folder_of(study);
+        let name = analysis.map_or(String::new(), |name| format!("{name}-"));
+        match parts.shard {
+            Some(shard) => folder.join(format!("{name}shard-{}-of-{}", shard.number, shard.of)),
+            None => folder,
+        }
+    };
+    output.map_or_else(usual, Path::to_owned)
+}
+
+/// A study for an analysis.
+pub(super) fn open(
+    study: &Path,
+    means: &Means,
+    parts: &Parts,
+    analysis: &dyn Analysis,
+) -> Result<Session, CommandError> {
+    if let (Some(_), Some(message)) = (parts.shard, analysis.one_piece()) {
+        return Err(CommandError::Option {
+            option: "shard",
+            message: message.to_owned(),
+        });
+    }
+    let session = Session::open(Request {
+        study: study.to_owned(),
+        fmu: means.fmu.clone(),
+        shard: parts.shard,
+        analysis: Some(Asking {
+            name: analysis.name().to_owned(),
+            options: analysis.options(),
+        }),
+        ..Request::default()
+    })?;
+    if !session.plan.is_independent() {
+        let message = "this analysis takes every parameter on its own; remove [[correlations]]";
+        return Err(session.study.error(message).into());
+    }
+    Ok(session)
+}
+
+/// What the journal of an analysis belongs to.
+pub(super) fn header(session: &Session, analysis: &dyn Analysis) -> Result<Header, CommandError> {
+    let set = analysis.points(session)?;
+    Ok(Header {
+        table: set.table,
+        analysis: Some(format!("{}, {}", analysis.name(), set.method)),
+        ..session.header(set.seed, set.points)?
+    })
+}
+
+/// Runs an analysis; its findings go into `folder`.
+pub(super) fn run(
+    mut session: Session,
+    analysis: &dyn Analysis,
+    means: &Means,
+    parts: &Parts,
+    folder: &Path,
+) -> Result<ExitCode, CommandError> {
+    let header = header(&session, analysis)?;
+    let state = folder.join(analysis.name());
+    let RunFolder {
+        journal,
+        finished,
+        scratch,
+    } = RunFolder::open(&state, &header, parts.resume, false)?;
+    session.request.write(&state, &session.study)?;
+    let jobs = means.jobs();
+    let crew = Crew::new(
+        &mut session.package,
+        place(means, jobs)?,
+        scratch.path(),
+        jobs,
+    )?;
+    let shard = session.request.shard;
+    let mut pipeline = Pipeline::new(
+        &session,
+        Some((&crew, &session.plan.task)),
+        journal,
+        finished,
+        shard,
+        header.points,
+    );
+    match analysis.find(&session, &mut pipeline, folder) {
+        Ok(finding) => {
+            pipeline.end()?;
+            finding.tell(folder)
+        }
+        Err(error) => {
+            pipeline.pause()?;
+            Err(error)
+        }
+    }
+}
+
+/// To what belongs what an analysis finds by runs of its own.
+pub(super) fn origin(session: &Session) -> Result<Origin, CommandError> {
+    Ok(Origin {
+        study_sha256: session.study.digest(),
+        fmu_sha256: Some(session.package.digest()?),
+        points: None,
+    })
+}

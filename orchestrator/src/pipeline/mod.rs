@@ -1,0 +1,445 @@
+//! Runs points, for every analysis in the same way.
+//!
+//! An analysis is a set of points, or several sets one after the other, where a later one may depend on what came
+//! of the earlier ones. What is in the journal is read, what is not is computed and noted at once. So a run that
+//! was interrupted is simply begun again: the same analysis asks for the same points, and the journal answers
+//! those that it knows.
+
+pub mod folder;
+mod progress;
+mod shard;
+pub mod stop;
+
+use std::fmt;
+use std::ops::ControlFlow;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use thiserror::Error;
+
+use crate::engine::crew::Crew;
+use crate::engine::{self, Answer, Conduct, EngineError, Event, Job, Separation, Worker};
+use crate::results::finished::Finished;
+use crate::results::note::Note;
+use crate::results::{Journal, Outcome, ResultsError};
+use crate::task::Task;
+use progress::Progress;
+
+pub use shard::Shard;
+
+/// Points of one model in the units of the study.
+pub trait Model {
+    /// A point in the FMU's units.
+    fn values(&self, point: &[f64]) -> Vec<f64>;
+
+    /// An answer of the FMU in the study's units.
+    fn outcome(&self, answer: Answer) -> Outcome;
+
+    /// Whether the outcome meets all criteria.
+    fn is_verified(&self, outcome: &Outcome) -> bool;
+}
+
+/// Why a run has no outcome for every point that was asked for.
+#[derive(Debug, Error)]
+pub enum Halt {
+    /// Ctrl-C.
+    #[error("interrupted: {} done; --resume goes on", share(*.done, *.of))]
+    Interrupted {
+        /// Points that are done.
+        done: u64,
+        /// How many there are, where that is known.
+        of: Option<u64>,
+    },
+    /// The points of this run's shard are done; those of the others are not its task.
+    #[error("{0} points of this shard are done")]
+    Shard(u64),
+    /// Only the journal is read, and it does not hold all points.
+    #[error("{missing} of {of} points are missing")]
+    Missing {
+        /// How many are missing.
+        missing: u64,
+        /// Of how many.
+        of: u64,
+    },
+    /// Points on which the analysis has built already were computed in a process that changed their results.
+    #[error(
+        "the FMU gives other results in a process that has computed points before; add --resume --isolation fresh: \
+         it computes those points again"
+    )]
+    Spoilt,
+    /// The journal cannot be read or written.
+    #[error(transparent)]
+    Results(#[from] ResultsError),
+    /// The points cannot be run.
+    #[error(transparent)]
+    Engine(#[from] EngineError),
+}
+
+fn share(done: u64, of: Option<u64>) -> String {
+    match of {
+        Some(of) => format!("{done} of {of} points are"),
+        None => format!("{done} points are"),
+    }
+}
+
+/// An event of a run for the analysis that asked for its points.
+#[derive(Debug)]
+pub enum Step {
+    /// A point is done.
+    Outcome {
+        /// The point's index.
+        index: u64,
+        /// Its values in the study's units, or its failure.
+        outcome: Outcome,
+        /// Whether it meets all criteria.
+        verified: bool,
+        /// The process in which it was computed.
+        separation: Separation,
+    },
+    /// Outcomes from such processes, or from less strictly separated ones, count no more; they come again.
+    Void(Separation),
+}
+
+/// Runs points and keeps what comes of them.
+pub struct Pipeline<'a> {
+    model: &'a dyn Model,
+    /// Knows how the points are computed; absent where only the journal is read.
+    crew: Option<&'a Crew>,
+    workers: Vec<Box<dyn Worker>>,
+    /// How the points were computed, as far as the journal says it.
+    noted: Option<Conduct>,
+    journal: Journal,
+    finished: Option<Arc<Finished>>,
+    shard: Option<Shard>,
+    /// How many points all sets have together, where that is known beforehand.
+    expected: Option<u64>,
+    /// Points that were asked for so far.
+    asked: u64,
+    /// Points computed in this run, by the process in which they were computed.
+    computed: [u64; Separation::COUNT],
+    /// Points that earlier runs computed.
+    before: u64,
+    progress: Progress,
+    synced: Instant,
+}
+
+impl fmt::Debug for Pipeline<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Pipeline")
+            .field("journal", &self.journal)
+            .field("asked", &self.asked)
+            .field("computed", &self.computed)
+            .finish_non_exhaustive()
+    }
+}
+
+impl<'a> Pipeline<'a> {
+    /// A pipeline that notes points in a journal; `finished` is what that holds already. Without a crew it only
+    /// reads.
+    pub fn new(
+        model: &'a dyn Model,
+        crew: Option<(&'a Crew, &Task)>,
+        journal: Journal,
+        finished: Option<Finished>,
+        shard: Option<Shard>,
+        points: Option<u64>,
+    ) -> Self {
+        let expected = points.map(|points| shard.unwrap_or(Shard::WHOLE).count(points));
+        let before = finished.as_ref().map_or(0, |finished| finished.count);
+        let progress = Progress::new(expected, before);
+        Self {
+            model,
+            crew: crew.map(|(crew, _)| crew),
+            workers: crew.map_or_else(Vec::new, |(crew, task)| crew.workers(task)),
+            noted: None,
+            journal,
+            finished: finished.map(Arc::new),
+            shard,
+            expected,
+            asked: 0,
+            computed: [0; Separation::COUNT],
+            before,
+            progress,
+            synced: Instant::now(),
+        }
+    }
+
+    /// How many points this run has computed.
+    pub fn computed(&self) -> u64 {
+        self.computed.iter().sum()
+    }
+
+    /// How many points are done, in this run or before.
+    pub fn done(&self) -> u64 {
+        self.computed() + self.before
+    }
+
+    /// What the journal held when this run began.
+    pub fn finished(&self) -> Option<Arc<Finished>> {
+        self.finished.clone()
+    }
+
+    /// Says how far the analysis has got, beside the number of points.
+    pub fn say(&self, text: String) {
+        self.progress.say(text);
+    }
+
+    /// The reason to give when Ctrl-C has ended the run.
+    pub fn interrupted(&self) -> Halt {
+        Halt::Interrupted {
+            done: self.done(),
+            of: self.expected,
+        }
+    }
+
+    /// Runs the points `open`, which `job` makes of their indexes. Each outcome goes to the journal and then to
+    /// `receive`, in the order in which points finish. Ends early with Ctrl-C and where `receive` breaks.
+    ///
+    /// `job` must know all points of earlier runs, too: where these were computed in processes that changed the
+    /// results, they are computed again.
+    ///
+    /// # Errors
+    /// When no worker can be started, and when the journal cannot be written.
+    pub fn compute(
+        &mut self,
+        open: impl Iterator<Item = u64> + Send,
+        job: &(dyn Fn(u64) -> Job + Sync),
+        receive: impl FnMut(Step) -> ControlFlow<()>,
+    ) -> Result<(), Halt> {
+        let finished = self.finished.clone();
+        let earlier = |separation| {
+            let finished = finished.as_ref();
+            finished.map_or_else(Vec::new, |finished| finished.of(separation))
+        };
+        self.run(open, job, &earlier, receive)
+    }
+
+    fn run(
+        &mut self,
+        open: impl Iterator<Item = u64> + Send,
+        job: &(dyn Fn(u64) -> Job + Sync),
+        earlier: &dyn Fn(Separation) -> Vec<u64>,
+        mut receive: impl FnMut(Step) -> ControlFlow<()>,
+    ) -> Result<(), Halt> {
+        let mut workers = std::mem::take(&mut self.workers);
+        let result = engine::run(&mut workers, open, job, earlier, stop::flag(), |event| {
+            Ok::<_, Halt>(match self.take(event)? {
+                Some(step) => receive(step),
+                None => ControlFlow::Continue(()),
+            })
+        });
+        self.workers = workers;
+        result?;
+        Ok(self.settle()?)
+    }
+
+    /// Notes an event in the journal.
+    fn take(&mut self, event: Event) -> Result<Option<Step>, Halt> {
+        Ok(match event {
+            Event::Answer(index, answer, separation) => {
+                let outcome = self.model.outcome(answer);
+                self.journal.append(index, &outcome, separation)?;
+                self.computed[separation as usize] += 1;
+                let verified = self.model.is_verified(&outcome);
+                self.progress.step(verified, outcome.is_err());
+                Some(Step::Outcome {
+                    index,
+                    outcome,
+                    verified,
+                    separation,
+                })
+            }
+            Event::Void(separation) => {
+                self.journal.note(&Note::Void(separation))?;
+                self.computed[separation as usize..].fill(0);
+                let finished = self.finished.as_ref();
+                self.before -= finished.map_or(0, |finished| finished.of(separation).len() as u64);
+                Some(Step::Void(separation))
+            }
+            Event::Idle => {
+                self.settle()?;
+                None
+            }
+        })
+    }
+
+    /// Hands everything to the operating system, so that it survives the end of this process; now and then to the
+    /// disk.
+    fn settle(&mut self) -> Result<(), ResultsError> {
+        const OFTEN: Duration = Duration::from_secs(5);
+        if self.synced.elapsed() < OFTEN {
+            return self.journal.flush();
+        }
+        self.synced = Instant::now();
+        self.note_conduct()?;
+        self.journal.sync()
+    }
+
+    /// Notes how the points since the last such note were computed.
+    fn note_conduct(&mut self) -> Result<(), ResultsError> {
+        let Some(crew) = self.crew.filter(|_| self.computed() > 0) else {
+            return Ok(());
+        };
+        let conduct = crew.conduct();
+        let since = conduct.since(self.noted.replace(conduct));
+        self.journal.note(&Note::Conduct(since))
+    }
+
+    /// The outcomes of a set of points, given in the study's units. What the journal knows is read from it, all
+    /// else is computed.
+    ///
+    /// # Errors
+    /// When not all points have an outcome: see [`Halt`].
+    pub fn ask(&mut self, points: &[Vec<f64>]) -> Result<Vec<Outcome>, Halt> {
+        if points.is_empty() {
+            return Ok(Vec::new());
+        }
+        let first = self.asked;
+        self.asked += points.len() as u64;
+        self.begin_set(first, points)?;
+        let mut outcomes = self.known(first, points.len())?;
+        let shard = self.shard.unwrap_or(Shard::WHOLE);
+        let open: Vec<usize> = (0..points.len())
+            .filter(|&k| outcomes[k].is_none() && shard.has(first + k as u64))
+            .collect();
+        if !open.is_empty() {
+            if self.workers.is_empty() {
+                return Err(Halt::Missing {
+                    missing: open.len() as u64,
+                    of: points.len() as u64,
+                });
+            }
+            self.fill(first, points, &open, &mut outcomes)?;
+            if open.iter().any(|&k| outcomes[k].is_none()) {
+                return Err(self.interrupted());
+            }
+        }
+        let complete: Option<Vec<Outcome>> = outcomes.into_iter().collect();
+        complete.ok_or_else(|| Halt::Shard(self.done()))
+    }
+
+    /// Computes the open points of a set.
+    fn fill(
+        &mut self,
+        first: u64,
+        points: &[Vec<f64>],
+        open: &[usize],
+        outcomes: &mut [Option<Outcome>],
+    ) -> Result<(), Halt> {
+        let model = self.model;
+        let values: Vec<Vec<f64>> = points.iter().map(|point| model.values(point)).collect();
+        let job = |index: u64| {
+            let values = values.get((index - first) as usize).cloned();
+            Job {
+                index,
+                values: values.unwrap_or_default(),
+            }
+        };
+        let finished = self.finished.clone();
+        let set = first..first + points.len() as u64;
+        let within = |separation| -> Vec<u64> {
+            let earlier = finished.as_ref().map(|finished| finished.of(separation));
+            let earlier = earlier.into_iter().flatten();
+            earlier.filter(|index| set.contains(index)).collect()
+        };
+        // Outcomes of earlier sets have been used already: where they count no more, the analysis must begin again.
+        let built_upon = |separation: Separation, computed: &[u64]| {
+            let earlier = finished.as_ref().map(|finished| finished.of(separation));
+            let earlier = earlier.is_some_and(|earlier| earlier.iter().any(|&index| index < first));
+            earlier
+                || computed[separation as usize..]
+                    .iter()
+                    .any(|&count| count > 0)
+        };
+        let computed = self.computed;
+        let mut spoilt = false;
+        let open = open.iter().map(|&k| first + k as u64);
+        let open: Vec<u64> = open.collect();
+        let mut origins = vec![None; points.len()];
+        self.run(open.into_iter(), &job, &within, |step| {
+            match step {
+                Step::Outcome {
+                    index,
+                    outcome,
+                    separation,
+                    ..
+                } => {
+                    let place = (index - first) as usize;
+                    outcomes[place] = Some(outcome);
+                    origins[place] = Some(separation);
+                }
+                Step::Void(separation) => {
+                    spoilt |= built_upon(separation, &computed);
+                    for (outcome, origin) in outcomes.iter_mut().zip(&mut origins) {
+                        if origin.is_some_and(|origin| origin >= separation) {
+                            (*outcome, *origin) = (None, None);
+                        }
+                    }
+                    for index in within(separation) {
+                        outcomes[(index - first) as usize] = None;
+                    }
+                }
+            }
+            if spoilt {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            }
+        })?;
+        if spoilt { Err(Halt::Spoilt) } else { Ok(()) }
+    }
+
+    /// The outcomes that the journal knows of the set that begins with this index.
+    fn known(&self, first: u64, count: usize) -> Result<Vec<Option<Outcome>>, Halt> {
+        let Some(finished) = &self.finished else {
+            return Ok(vec![None; count]);
+        };
+        let mut outcomes = finished.outcomes()?;
+        let known = (0..count as u64).map(|k| Ok(outcomes.get(first + k)?));
+        known.collect()
+    }
+
+    /// Notes which points a set has. Where the journal has answers for other points, these count no more: a search
+    /// that ended in time may go another way when there is more of it.
+    fn begin_set(&mut self, first: u64, points: &[Vec<f64>]) -> Result<(), Halt> {
+        let sum = checksum(points);
+        if let Some(finished) = self.finished.as_mut().and_then(Arc::get_mut) {
+            match finished.sets.get(&first) {
+                Some(then) if *then == sum => return Ok(()),
+                Some(_) => finished.forget_from(first),
+                None => {}
+            }
+        }
+        Ok(self.journal.append_set(first, &sum)?)
+    }
+
+    /// Ends the run: everything is on the disk, and the journal says that the analysis needs no further points.
+    ///
+    /// # Errors
+    /// When the system says no.
+    pub fn end(mut self) -> Result<(), ResultsError> {
+        self.progress.finish();
+        self.note_conduct()?;
+        self.journal.append_end();
+        self.journal.sync()
+    }
+
+    /// Ends a run that may need further points.
+    ///
+    /// # Errors
+    /// When the system says no.
+    pub fn pause(mut self) -> Result<(), ResultsError> {
+        self.progress.finish();
+        self.note_conduct()?;
+        self.journal.sync()
+    }
+}
+
+/// What tells a set of points from another one: their number and a checksum of all their digits.
+fn checksum(points: &[Vec<f64>]) -> String {
+    let mut sum = crc32fast::Hasher::new();
+    for value in points.iter().flatten() {
+        sum.update(&value.to_bits().to_le_bytes());
+    }
+    format!("{} {:08x}", points.len(), sum.finalize())
+}

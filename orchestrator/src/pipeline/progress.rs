@@ -1,0 +1,71 @@
+//! Progress on standard error, when that is a terminal.
+
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+/// A bar with rate, remaining time and the share of verified points so far.
+#[derive(Debug)]
+pub(super) struct Progress {
+    bar: ProgressBar,
+    verified: u64,
+    failed: u64,
+    points: u64,
+}
+
+impl Progress {
+    /// Begins at `done` of `points`, where their number is known. Without a terminal nothing is shown.
+    pub(super) fn new(points: Option<u64>, done: u64) -> Self {
+        const LINE: &str = "{bar:30} {pos}/{len} points, {per_sec}, {eta} left, {msg}";
+        const OPEN: &str = "{pos} points, {per_sec}, {elapsed}, {msg}";
+        let target = ProgressDrawTarget::stderr_with_hz(5);
+        let bar = ProgressBar::with_draw_target(points, target).with_position(done);
+        if let Ok(style) = ProgressStyle::with_template(points.map_or(OPEN, |_| LINE)) {
+            bar.set_style(style);
+        }
+        bar.reset_eta();
+        if !bar.is_hidden() {
+            bar.enable_steady_tick(Duration::from_millis(500));
+        }
+        Self {
+            bar,
+            verified: 0,
+            failed: 0,
+            points: 0,
+        }
+    }
+
+    /// One more point is done.
+    pub(super) fn step(&mut self, verified: bool, failed: bool) {
+        const RARELY: u64 = 64;
+        self.verified += u64::from(verified);
+        self.failed += u64::from(failed);
+        self.points += 1;
+        self.bar.inc(1);
+        let shown = self.points.is_power_of_two() || self.points.is_multiple_of(RARELY);
+        if shown && !self.bar.is_hidden() {
+            let text = message(self.verified, self.failed, self.points);
+            self.bar.set_message(text);
+        }
+    }
+
+    /// Shows a text of the analysis' own.
+    pub(super) fn say(&self, text: String) {
+        self.bar.set_message(text);
+    }
+
+    /// Takes the bar away.
+    pub(super) fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+fn message(verified: u64, failed: u64, points: u64) -> String {
+    let share = 100.0 * verified as f64 / points.max(1) as f64;
+    let failed = if failed > 0 {
+        format!(", {failed} failed")
+    } else {
+        String::new()
+    };
+    format!("{share:.1} % verified{failed}")
+}

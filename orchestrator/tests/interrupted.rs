@@ -1,0 +1,372 @@
+//! Analyses that ask for points of their own are as durable as `verify`: interrupted by Ctrl-C or killed, and
+//! resumed, they end with the same files; so do their shards, joined.
+#![allow(clippy::unwrap_used)]
+
+mod support;
+
+use std::fs;
+use std::process::{Child, Command, Stdio};
+use std::thread::sleep;
+use std::time::Duration;
+
+use rand::rngs::StdRng;
+use rand::{RngExt, SeedableRng};
+
+use support::{Bench, Said};
+
+const STUDY: &str = r#"
+fmu = "lag.fmu"
+[simulation]
+stop = 2
+step = 0.1
+[design]
+method = "sobol"
+points = 64
+[parameters."lag.rate"]
+distribution = "normal"
+mean = 1
+deviation = 0.1
+[parameters."lag.length"]
+distribution = "uniform"
+min = 0.01
+max = 0.03
+unit = "mm"
+[criteria.Y]
+variable = "lag.y"
+nominal = 0.86
+tolerance = 0.02
+[criteria.Z]
+variable = "lag.y"
+statistic = "mean"
+nominal = 0.6
+tolerance = 0.03
+"#;
+
+/// An analysis: its command, the folder of its journal, and its files.
+struct Analysis {
+    command: &'static [&'static str],
+    state: &'static str,
+    files: &'static [&'static str],
+}
+
+const SENSITIVITY: Analysis = Analysis {
+    command: &["sensitivity", "study.toml", "--base", "20"],
+    state: "sensitivity",
+    files: &["sensitivity.json", "sensitivity-runs.csv"],
+};
+const SCREENING: Analysis = Analysis {
+    command: &["sensitivity", "study.toml", "--morris", "20"],
+    state: "sensitivity",
+    files: &["sensitivity.json", "sensitivity-runs.csv"],
+};
+const PARETO: Analysis = Analysis {
+    command: &[
+        "pareto",
+        "study.toml",
+        "--generations",
+        "6",
+        "--population",
+        "10",
+    ],
+    state: "pareto",
+    files: &["pareto.json"],
+};
+const ROBUSTNESS: Analysis = Analysis {
+    command: &[
+        "robustness",
+        "study.toml",
+        "--from",
+        "verified",
+        "--confirm",
+        "40",
+        "--level",
+        "0.8",
+    ],
+    state: "robustness",
+    files: &["robustness.json"],
+};
+const IDENTIFICATION: Analysis = Analysis {
+    command: &["identify", "identify.toml"],
+    state: "identify",
+    files: &["identification.json", "optimum.toml"],
+};
+
+const IDENTIFY: &str = r#"
+fmu = "lag.fmu"
+[simulation]
+stop = 2
+step = 0.1
+[identify]
+starts = 16
+descents = 2
+[identify.free."lag.rate"]
+min = 0.1
+max = 10
+scale = "log"
+[identify.measured.Y]
+variable = "lag.y"
+value = 0.86
+accuracy = 0.01
+"#;
+
+/// A folder with a slow FMU (2 ms a point, asleep) and the points of a finished study.
+fn bench() -> Bench {
+    let bench = Bench::empty();
+    bench.fmu("lag.fmu", &["SLOW"], &support::model("", ""));
+    bench.write("study.toml", STUDY);
+    bench.write("identify.toml", IDENTIFY);
+    let said = bench.run(&["verify", "study.toml", "--output", "verified"]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    bench
+}
+
+impl Analysis {
+    fn arguments<'a>(&'a self, folder: &'a str, more: &[&'a str]) -> Vec<&'a str> {
+        let own = ["--jobs", "2", "--output", folder];
+        [self.command, &own[..], more].concat()
+    }
+
+    fn run(&self, bench: &Bench, folder: &str, more: &[&str]) -> Said {
+        bench.run(&self.arguments(folder, more))
+    }
+
+    /// What the analysis leaves for people and programs.
+    fn results(&self, bench: &Bench, folder: &str) -> Vec<String> {
+        let files = self.files.iter();
+        files
+            .map(|file| bench.read(&format!("{folder}/{file}")))
+            .collect()
+    }
+
+    /// The results of an undisturbed run, and what it says.
+    fn undisturbed(&self, bench: &Bench) -> (Vec<String>, String) {
+        let said = self.run(bench, "whole", &[]);
+        assert_eq!(said.code, 0, "{}", said.err);
+        (self.results(bench, "whole"), said.out)
+    }
+
+    /// How many points the journal of a folder holds.
+    fn noted(&self, bench: &Bench, folder: &str) -> u64 {
+        let path = bench.path(&format!("{folder}/{}/journal.txt", self.state));
+        let text = fs::read_to_string(path).unwrap_or_default();
+        let points = text.lines().filter(|line| {
+            let words: Vec<&str> = line.split(' ').take(3).collect();
+            matches!(words[..], [_, _, "ok" | "failed"])
+        });
+        points.count() as u64
+    }
+
+    /// Stops runs at so many moments spread over the analysis, by turns with the one and the other signal, resumes
+    /// each time, and compares the end with an undisturbed run.
+    fn stop_and_resume(&self, moments: u64, signals: &[&str]) {
+        let bench = bench();
+        let (whole, text) = self.undisturbed(&bench);
+        let points = self.noted(&bench, "whole");
+        let mut random = StdRng::seed_from_u64(moments);
+        let (mut stopped, mut by_message) = (0, 0);
+        while stopped < moments {
+            let mut child = self.begin(&bench);
+            // In the order of the points, and at any moment of what happens between two of them.
+            let wanted = stopped * points / moments;
+            while self.noted(&bench, "stopped") < wanted && child.try_wait().unwrap().is_none() {
+                sleep(Duration::from_micros(200));
+            }
+            sleep(Duration::from_micros(random.random_range(0..4000)));
+            let signal = signals[stopped as usize % signals.len()];
+            if child.try_wait().unwrap().is_some() {
+                // Done before it could be stopped: the other moments are those of another run.
+                assert!(self.results(&bench, "stopped") == whole);
+                fs::remove_dir_all(bench.path("stopped")).unwrap();
+                continue;
+            }
+            by_message += u64::from(stop(child, signal));
+            stopped += 1;
+        }
+        let said = self.run(&bench, "stopped", &["--resume"]);
+        assert_eq!(said.code, 0, "{}", said.err);
+        assert!(self.results(&bench, "stopped") == whole);
+        assert_eq!(said.out, text.replace("in whole", "in stopped"));
+        let left_over = fs::read_dir(bench.path(&format!("stopped/{}", self.state)));
+        let hidden = |entry: &fs::DirEntry| entry.file_name().to_string_lossy().starts_with('.');
+        assert_eq!(left_over.unwrap().flatten().filter(hidden).count(), 0);
+        if signals.contains(&"-INT") {
+            assert!(by_message > 0, "no run said how to go on");
+        }
+    }
+
+    fn begin(&self, bench: &Bench) -> Child {
+        let mut command = bench.command(&self.arguments("stopped", &["--resume"]));
+        command.stdout(Stdio::null()).stderr(Stdio::piped());
+        command.spawn().unwrap()
+    }
+}
+
+/// Stops a run; says whether it told how to go on.
+fn stop(child: Child, signal: &str) -> bool {
+    let number = child.id().to_string();
+    let sent = Command::new("kill").args([signal, &number]).status();
+    assert!(sent.unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    if output.status.code() == Some(130) {
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert!(
+            message.starts_with("interrupted: ") && message.ends_with("done; --resume goes on\n"),
+            "{message}"
+        );
+        return true;
+    }
+    false
+}
+
+const BOTH: [&str; 2] = ["-INT", "-KILL"];
+
+#[test]
+fn sensitivity_goes_on() {
+    SENSITIVITY.stop_and_resume(6, &BOTH);
+}
+
+#[test]
+fn screening_goes_on() {
+    SCREENING.stop_and_resume(4, &BOTH);
+}
+
+#[test]
+fn pareto_goes_on() {
+    PARETO.stop_and_resume(6, &BOTH);
+}
+
+#[test]
+fn robustness_goes_on() {
+    ROBUSTNESS.stop_and_resume(6, &BOTH);
+}
+
+#[test]
+fn identification_goes_on() {
+    IDENTIFICATION.stop_and_resume(6, &BOTH);
+}
+
+#[test]
+#[ignore = "takes minutes: cargo test -p orchestrator --test interrupted -- --ignored"]
+fn twenty_moments_of_each_signal() {
+    for signal in BOTH {
+        for analysis in [SENSITIVITY, SCREENING, PARETO, ROBUSTNESS, IDENTIFICATION] {
+            analysis.stop_and_resume(20, &[signal]);
+        }
+    }
+}
+
+#[test]
+fn shards_join_to_the_same_results() {
+    let bench = bench();
+    for analysis in [SENSITIVITY, SCREENING, ROBUSTNESS] {
+        let (whole, text) = analysis.undisturbed(&bench);
+        let mut folders = Vec::new();
+        for shard in ["3/3", "1/3", "2/3"] {
+            let folder = format!("part{}", &shard[..1]);
+            let said = analysis.run(&bench, &folder, &["--shard", shard]);
+            assert_eq!(said.code, 0, "{}", said.err);
+            assert!(said.out.contains("`orchestrator merge`"), "{}", said.out);
+            assert!(
+                !bench
+                    .path(&format!("{folder}/{}", analysis.files[0]))
+                    .exists()
+            );
+            folders.push(folder);
+        }
+        let merge = |parts: &[String], into: &str| {
+            let parts = parts.iter().map(String::as_str);
+            let command: Vec<&str> = ["merge"].into_iter().chain(parts).collect();
+            bench.run(&[&command[..], &["--output", into]].concat())
+        };
+        merge(&folders[1..], "joined").is_mistake(&["are in none of the shards 1/3, 2/3"]);
+        let mut said = merge(&folders, "joined");
+        if said.code == 2 {
+            // What is stated did not hold, and is confirmed once more by points that no shard could know of.
+            said.is_mistake(&["robustness STUDY ... --output joined --resume"]);
+            said = analysis.run(&bench, "joined", &["--resume"]);
+        }
+        assert_eq!(said.code, 0, "{}", said.err);
+        assert_eq!(said.out, text.replace("in whole", "in joined"));
+        assert!(
+            analysis.results(&bench, "joined") == whole,
+            "{}",
+            analysis.state
+        );
+        for folder in ["part1", "part2", "part3", "joined", "whole"] {
+            fs::remove_dir_all(bench.path(folder)).unwrap();
+        }
+    }
+}
+
+#[test]
+fn what_has_no_parts_is_refused_with_the_reason() {
+    let bench = bench();
+    let shard = ["--shard", "1/2"];
+    PARETO
+        .run(&bench, "p", &shard)
+        .is_mistake(&["--shard", "each generation depends on the one before"]);
+    IDENTIFICATION
+        .run(&bench, "i", &shard)
+        .is_mistake(&["--shard", "depends on the one before"]);
+    bench
+        .run(&[
+            "pareto",
+            "study.toml",
+            "--from",
+            "verified",
+            "--shard",
+            "1/2",
+        ])
+        .is_mistake(&["--shard", "a single point"]);
+    bench
+        .run(&[
+            "robustness",
+            "study.toml",
+            "--from",
+            "verified",
+            "--shard",
+            "1/2",
+        ])
+        .is_mistake(&["--confirm"]);
+}
+
+#[test]
+fn other_analyses_are_not_resumed_and_an_unfinished_one_is_not_overwritten() {
+    let bench = bench();
+    let said = SENSITIVITY.run(&bench, "s", &["--shard", "1/2"]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    let other = |more: &[&str]| SENSITIVITY.run(&bench, "s", &[&["--shard", "1/2"], more].concat());
+    other(&["--resume", "--seed", "9"]).is_mistake(&["another seed (1 then, 9 now)"]);
+    other(&[]).is_mistake(&["begun already", "--resume"]);
+    SCREENING
+        .run(&bench, "s", &["--resume", "--shard", "1/2"])
+        .is_mistake(&[
+            "another analysis",
+            "20 base points then",
+            "20 trajectories now",
+        ]);
+    // One that is complete is simply done again.
+    for _ in 0..2 {
+        assert_eq!(SENSITIVITY.run(&bench, "whole", &[]).code, 0);
+    }
+}
+
+#[test]
+fn a_search_over_more_generations_goes_on_with_the_earlier_ones() {
+    let bench = bench();
+    let (whole, _) = PARETO.undisturbed(&bench);
+    let fewer = [
+        "pareto",
+        "study.toml",
+        "--population",
+        "10",
+        "--output",
+        "more",
+    ];
+    let said = bench.run(&[&fewer[..], &["--generations", "3"]].concat());
+    assert_eq!(said.code, 0, "{}", said.err);
+    assert_eq!(PARETO.run(&bench, "more", &["--resume"]).code, 0);
+    assert!(PARETO.results(&bench, "more") == whole);
+    // 40 of the first search with its nominal design, and the 30 and 1 that came to it.
+    assert_eq!(PARETO.noted(&bench, "more"), 41 + 31);
+}
