@@ -5,7 +5,12 @@
 //! nothing else is known of it (JCGM 106:2012, "Evaluation of measurement data - The role of
 //! measurement uncertainty in conformity assessment", whose terms are used here).
 
+pub mod decision;
+pub mod interval;
 pub mod joint;
+pub mod measured;
 pub mod normal;
+pub mod risk;
+pub mod sequence;
 
 mod genz;

@@ -45,7 +45,11 @@ pub fn between_both(lower: [f64; 2], upper: [f64; 2], correlation: f64) -> f64 {
     if correlation.abs() >= 1.0 {
         return identical(lower, upper, correlation > 0.0);
     }
-    let independent = between(lower[0], upper[0]) * between(lower[1], upper[1]);
+    let alone = [0, 1].map(|k| between(lower[k], upper[k]));
+    if alone[0].min(alone[1]) < NOTHING {
+        return 0.0;
+    }
+    let independent = alone[0] * alone[1];
     let mut dependent = 0.0;
     for [sine, cosine, weight] in angles(correlation) {
         let density = |h, k| weight * density(h, k, sine, cosine);
@@ -54,6 +58,9 @@ pub fn between_both(lower: [f64; 2], upper: [f64; 2], correlation: f64) -> f64 {
     }
     (independent + dependent).clamp(0.0, 1.0)
 }
+
+/// Less than the rounding of a joint probability.
+const NOTHING: f64 = 1e-17;
 
 /// The same of two numbers that are equal, or opposite.
 fn identical(lower: [f64; 2], upper: [f64; 2], equal: bool) -> f64 {
