@@ -161,7 +161,8 @@ fn quantiles(case: &Case, guard: Guard, points: u32) -> Statement {
 #[test]
 fn of_one_criterion_the_joint_risk_is_its_own() {
     let statement = quantiles(&CASES[0], Guard::Given(0.1), 1000);
-    assert_eq!(statement.criteria, [statement.all.clone()]);
+    assert_eq!(statement.criteria.len(), 1);
+    assert_eq!(statement.criteria[0], statement.all);
     let risk = statement.all.unwrap();
     let expected = statement.expected_conforming.unwrap();
     assert!((risk.conformance_probability * 1000.0 - expected).abs() < 1e-9);
