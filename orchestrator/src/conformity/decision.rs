@@ -7,7 +7,7 @@ use super::interval::student;
 
 /// What can be said of a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[serde(rename_all = "lowercase")]
 pub enum Decision {
     /// The share is at least the required one.
     Verified,
@@ -16,6 +16,16 @@ pub enum Decision {
     NotVerified,
     /// The points do not tell.
     Inconclusive,
+}
+
+impl std::fmt::Display for Decision {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Verified => "verified",
+            Self::NotVerified => "not verified",
+            Self::Inconclusive => "inconclusive",
+        })
+    }
 }
 
 /// How it is decided: the interval of the share must lie on one side of the required share.

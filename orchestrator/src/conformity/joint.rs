@@ -4,7 +4,7 @@ use super::genz;
 use super::normal::{between, between_both};
 
 /// Standard normal errors with given correlations.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct JointNormal {
     /// Errors that are others once more, or their opposites: which, of which, and the sign.
     twins: Vec<(usize, usize, f64)>,

@@ -85,7 +85,7 @@ pub struct Assessed {
 }
 
 /// All criteria with the joint distribution of the errors of their measured values.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Measurement {
     criteria: Vec<Measured>,
     errors: JointNormal,

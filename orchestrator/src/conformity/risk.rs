@@ -74,6 +74,8 @@ pub struct Statement {
     pub guard: Option<f64>,
     /// Points that are accepted: within all tolerances less the guard bands.
     pub accepted: u64,
+    /// The same for each of the independent samples.
+    pub accepted_by_sample: Vec<u64>,
     /// How many points are expected to conform.
     pub expected_conforming: Option<f64>,
     /// Of each criterion alone, where its uncertainty is known.
@@ -95,26 +97,19 @@ pub struct RiskTally {
 impl RiskTally {
     /// No points yet of `samples` independent samples, to which the points belong in turn.
     ///
-    /// # Errors
-    /// When a guard band is to be found although some criterion has no uncertainty.
-    pub fn new(measurement: &Measurement, guard: Guard, samples: u64) -> Result<Self, String> {
-        if matches!(guard, Guard::Limiting { .. }) && !measurement.complete() {
-            return Err(
-                "the risk of accepted points is unknown while a criterion has no \
-                        `uncertainty`"
-                    .to_owned(),
-            );
-        }
+    /// A guard band can only be found while every criterion has an uncertainty; otherwise nothing is
+    /// accepted.
+    pub fn new(measurement: &Measurement, guard: Guard, samples: u64) -> Self {
         let samples = usize::try_from(samples).unwrap_or(1).max(1);
         let criteria = measurement.criteria().iter();
         let known = criteria.map(|criterion| criterion.uncertainty.is_some());
-        Ok(Self {
+        Self {
             guard,
             samples,
             points: 0,
             criteria: known.map(|known| Acceptance::new(samples, known)).collect(),
             all: Acceptance::new(samples, measurement.complete()),
-        })
+        }
     }
 
     /// Takes a point; `None` is one that failed, which is never accepted and does not conform.
@@ -142,11 +137,13 @@ impl RiskTally {
                 None => (None, usize::MAX),
             },
         };
-        let [accepted, rejected] = self.all.split(from).map(|parts| Moments::total(&parts));
+        let parts = self.all.split(from);
+        let [accepted, rejected] = parts.each_ref().map(|parts| Moments::total(parts));
         let conforming = accepted.complement().sum + rejected.complement().sum;
         Statement {
             guard,
             accepted: accepted.count,
+            accepted_by_sample: parts[0].iter().map(|part| part.count).collect(),
             expected_conforming: self.all.known.then_some(conforming),
             criteria: self.criteria.iter().map(|c| c.risk(from)).collect(),
             all: self.all.risk(from),

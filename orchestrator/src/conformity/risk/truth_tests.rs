@@ -71,7 +71,7 @@ impl Study {
 /// Risks of a decision in many studies: of each criterion and of both. Each is a sum over the
 /// points, as it was stated, and as it came true.
 fn compare(study: &Study, guard: Guard, differences: &mut [[Differences; 4]; 3]) -> [f64; 2] {
-    let mut tally = RiskTally::new(&study.measurement, guard, 1).unwrap();
+    let mut tally = RiskTally::new(&study.measurement, guard, 1);
     let assessed: Vec<Conformity> = study
         .points
         .iter()
