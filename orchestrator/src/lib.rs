@@ -4,6 +4,7 @@
 pub mod analysis;
 pub mod cli;
 pub mod commands;
+pub mod conformity;
 pub mod design;
 pub mod distribution;
 pub mod engine;

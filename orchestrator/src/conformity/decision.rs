@@ -1,0 +1,118 @@
+//! Whether the share of the sampled space that meets all criteria is as large as required.
+
+use serde::{Deserialize, Serialize};
+use statrs::function::beta::beta_reg;
+
+use super::interval::student;
+
+/// What can be said of a model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Decision {
+    /// The share is at least the required one.
+    Verified,
+    /// The share is less than the required one.
+    #[serde(rename = "not verified")]
+    NotVerified,
+    /// The points do not tell.
+    Inconclusive,
+}
+
+impl std::fmt::Display for Decision {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Verified => "verified",
+            Self::NotVerified => "not verified",
+            Self::Inconclusive => "inconclusive",
+        })
+    }
+}
+
+/// How it is decided: the interval of the share must lie on one side of the required share.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Rule {
+    /// The required share of the sampled space.
+    pub share: f64,
+    /// The probability with which the interval holds the true share.
+    pub confidence: f64,
+}
+
+impl Rule {
+    /// The decision by the share's interval. At most one of the two wrong decisions is possible at
+    /// any true share, so that the probability of a wrong one is half of what the interval lacks to
+    /// certainty.
+    pub fn decide(&self, [low, high]: [f64; 2]) -> Decision {
+        if low >= self.share {
+            Decision::Verified
+        } else if high < self.share {
+            Decision::NotVerified
+        } else {
+            Decision::Inconclusive
+        }
+    }
+}
+
+/// The interval of a share from independent trials, whose number was fixed beforehand: no share
+/// outside of it makes the count, or a more extreme one, probable (Clopper and Pearson 1934, "The use
+/// of confidence or fiducial limits illustrated in the case of the binomial", Biometrika 26).
+///
+/// Wilson's interval is narrower, but at small shares its lower limit is too high too often: one of
+/// 100 points would show a share of 0.18 %, which by chance has that point in 16 % of the studies.
+pub fn clopper_pearson(hits: u64, trials: u64, confidence: f64) -> [f64; 2] {
+    let tail = 0.5 * (1.0 - confidence);
+    let misses = trials - hits;
+    // The probability of at least `hits` grows with the share, that of at most `hits` falls.
+    let low = match hits {
+        0 => 0.0,
+        _ => crossing(|share| beta_reg(hits as f64, misses as f64 + 1.0, share) - tail)[0],
+    };
+    let high = match misses {
+        0 => 1.0,
+        _ => crossing(|share| beta_reg(hits as f64 + 1.0, misses as f64, share) - 1.0 + tail)[1],
+    };
+    [low, high]
+}
+
+/// The interval of a share of points that belong in turn to independent randomisations of a design,
+/// given the count of each: Student's about their shares. Where nearly all counts are equal, their
+/// scatter tells nothing, and the points count as independent trials (see [`clopper_pearson`]); a
+/// design spreads its points more evenly than chance.
+pub fn randomised(counts: &[u64], points: u64, confidence: f64) -> [f64; 2] {
+    let (n, total) = (counts.len() as u64, counts.iter().sum::<u64>());
+    if n < 2 || total.min(points - total) < n || unequal(counts) < (n / 2).min(4) {
+        return clopper_pearson(total, points, confidence);
+    }
+    let size = |k: u64| points / n + u64::from(k < points % n);
+    let shares = (0..)
+        .zip(counts)
+        .map(|(k, &count)| count as f64 / size(k) as f64);
+    let shares: Vec<f64> = shares.collect();
+    student(total as f64 / points as f64, &shares, confidence)
+}
+
+/// How many counts differ from the most frequent one.
+fn unequal(counts: &[u64]) -> u64 {
+    let equal = |count: &u64| counts.iter().filter(|other| *other == count).count();
+    (counts.len() - counts.iter().map(equal).max().unwrap_or(0)) as u64
+}
+
+/// The end points of a small interval in which a function that grows from below 0 to above 0
+/// between 0 and 1 changes its sign.
+pub(super) fn crossing(grows: impl Fn(f64) -> f64) -> [f64; 2] {
+    let (mut low, mut high) = (0.0_f64, 1.0_f64);
+    while high - low > 1e-14 * high {
+        let middle = 0.5 * (low + high);
+        if middle <= low || middle >= high {
+            break;
+        }
+        if grows(middle) < 0.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    [low, high]
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,203 @@
+use super::*;
+use crate::conformity::sequence::ConfidenceSequence;
+use rand::{RngExt, SeedableRng, rngs::StdRng};
+use statrs::distribution::{Binomial, DiscreteCDF};
+
+#[test]
+fn decisions_follow_the_interval() {
+    let rule = Rule {
+        share: 0.05,
+        confidence: 0.95,
+    };
+    assert_eq!(rule.decide([0.05, 0.2]), Decision::Verified);
+    assert_eq!(rule.decide([0.01, 0.05]), Decision::Inconclusive);
+    assert_eq!(rule.decide([0.01, 0.0499]), Decision::NotVerified);
+}
+
+#[test]
+fn clopper_pearson_matches_published_values() {
+    // Newcombe (1998), table I, method 5.
+    for (hits, trials, expected) in [
+        (81, 263, [0.2527, 0.3676]),
+        (15, 148, [0.0578, 0.1617]),
+        (0, 20, [0.0, 0.1684]),
+        (1, 29, [0.0009, 0.1776]),
+    ] {
+        let found = clopper_pearson(hits, trials, 0.95);
+        for k in 0..2 {
+            assert!(
+                (found[k] - expected[k]).abs() < 5.1e-5,
+                "{hits}/{trials}: {found:?}"
+            );
+        }
+    }
+    assert_eq!(clopper_pearson(20, 20, 0.95)[1], 1.0);
+    assert_eq!(clopper_pearson(0, 0, 0.95), [0.0, 1.0]);
+    // Exact by hand: 1 - 0.025^(1/n).
+    let [low, high] = clopper_pearson(0, 50_000, 0.95);
+    assert_eq!(low, 0.0);
+    assert!(
+        (high - (1.0 - 0.025_f64.powf(1.0 / 50_000.0))).abs() < 1e-12,
+        "{high}"
+    );
+}
+
+#[test]
+fn equal_counts_tell_nothing_of_their_scatter() {
+    let exact = |hits, points| clopper_pearson(hits, points, 0.95);
+    assert_eq!(randomised(&[8; 16], 512, 0.95), exact(128, 512));
+    let mut counts = [8; 16];
+    counts[..3].fill(9);
+    assert_eq!(randomised(&counts, 512, 0.95), exact(131, 512));
+    counts[3] = 9;
+    let [low, high] = randomised(&counts, 512, 0.95);
+    assert!(high - low < 0.02 && low > 0.25, "{low} {high}");
+    assert_eq!(randomised(&[30], 100, 0.95), exact(30, 100));
+    let few = [[1; 8], [0; 8]].concat();
+    assert_eq!(randomised(&few, 512, 0.95), exact(8, 512));
+}
+
+/// Student's interval of two shares, by hand: t is 12.706 with one degree of freedom.
+#[test]
+fn two_randomisations() {
+    let [low, high] = randomised(&[40, 44], 201, 0.95);
+    let (a, b) = (40.0 / 101.0, 44.0 / 100.0_f64);
+    let half = 12.706_204_7 * (b - a).abs() / 2.0;
+    let centre = 84.0 / 201.0;
+    assert!((low - (centre - half)).abs() < 1e-8, "{low}");
+    assert!((high - (centre + half)).abs() < 1e-8, "{high}");
+}
+
+/// How often so many studies may decide wrongly before a binomial test at 5 % says that their
+/// probability is above 5 %.
+fn most_wrong(studies: u64) -> u64 {
+    Binomial::new(0.05, studies).unwrap().inverse_cdf(0.95)
+}
+
+const RULE: Rule = Rule {
+    share: 0.2,
+    confidence: 0.95,
+};
+/// Just below, at and just above the required share, and further away.
+const SHARES: [f64; 5] = [0.16, 0.198, 0.2, 0.202, 0.25];
+const STUDIES: u64 = 1000;
+
+/// Counts the wrong decisions and those that decide at all.
+fn repeat(seed: u64, share: f64, rule: Rule, study: impl Fn(&mut StdRng) -> Decision) -> [u64; 2] {
+    let mut random = StdRng::seed_from_u64(seed);
+    let (mut wrong, mut decided) = (0, 0);
+    for _ in 0..STUDIES {
+        let decision = study(&mut random);
+        let right = match decision {
+            Decision::Verified => share >= rule.share,
+            Decision::NotVerified => share < rule.share,
+            Decision::Inconclusive => true,
+        };
+        wrong += u64::from(!right);
+        decided += u64::from(decision != Decision::Inconclusive);
+    }
+    assert!(wrong <= most_wrong(STUDIES), "{share}: {wrong} wrong");
+    [wrong, decided]
+}
+
+fn hits(random: &mut StdRng, share: f64, points: u64) -> u64 {
+    (0..points)
+        .map(|_| u64::from(random.random::<f64>() < share))
+        .sum()
+}
+
+#[test]
+fn independent_points_hardly_ever_decide_wrongly() {
+    for share in SHARES {
+        let [_, decided] = repeat(5, share, RULE, |random| {
+            RULE.decide(clopper_pearson(
+                hits(random, share, 1000),
+                1000,
+                RULE.confidence,
+            ))
+        });
+        if (share - RULE.share).abs() > 0.03 {
+            assert!(decided > 850, "{share}: {decided}");
+        }
+    }
+}
+
+/// At such a share Wilson's interval would decide wrongly in 16 % of the studies.
+#[test]
+fn rare_points_hardly_ever_decide_wrongly() {
+    let share = 0.0017;
+    let rule = Rule {
+        share: 0.0018,
+        ..RULE
+    };
+    repeat(6, share, rule, |random| {
+        rule.decide(clopper_pearson(
+            hits(random, share, 100),
+            100,
+            rule.confidence,
+        ))
+    });
+}
+
+#[test]
+fn studies_that_end_when_it_is_decided_hardly_ever_decide_wrongly() {
+    const MOST: u64 = 5000;
+    let sequence = ConfidenceSequence {
+        confidence: RULE.confidence,
+    };
+    for share in SHARES {
+        let [_, decided] = repeat(7, share, RULE, |random| {
+            let mut hits = 0;
+            for points in 1..=MOST {
+                hits += u64::from(random.random::<f64>() < share);
+                // Every tenth point keeps the test short; all points are looked at elsewhere.
+                if points % 10 != 0 {
+                    continue;
+                }
+                let decision = RULE.decide(sequence.interval(hits, points));
+                if decision != Decision::Inconclusive {
+                    return decision;
+                }
+            }
+            Decision::Inconclusive
+        });
+        if (share - RULE.share).abs() > 0.03 {
+            assert!(decided > 990, "{share}: {decided}");
+        }
+    }
+}
+
+/// Randomisations as even as those of a net: stratified in one or in two directions.
+#[test]
+fn randomised_designs_hardly_ever_decide_wrongly() {
+    const NETS: usize = 16;
+    const SIDE: u32 = 6;
+    for share in SHARES {
+        for plane in [false, true] {
+            let [_, decided] = repeat(8, share, RULE, |random| {
+                let counts: Vec<u64> = (0..NETS)
+                    .map(|_| {
+                        let cells = (0..SIDE).flat_map(|i| (0..SIDE).map(move |j| (i, j)));
+                        let inside = cells.filter(|&(i, j)| {
+                            let mut place =
+                                |k| (f64::from(k) + random.random::<f64>()) / f64::from(SIDE);
+                            let (x, y) = (place(i), place(j));
+                            // Either half a plane or a corner that the diagonal cuts off.
+                            if plane {
+                                x < share
+                            } else {
+                                x + y < (2.0 * share).sqrt()
+                            }
+                        });
+                        inside.count() as u64
+                    })
+                    .collect();
+                let points = NETS as u64 * u64::from(SIDE * SIDE);
+                RULE.decide(randomised(&counts, points, RULE.confidence))
+            });
+            if (share - RULE.share).abs() > 0.03 {
+                assert!(decided > 850, "{share}: {decided}");
+            }
+        }
+    }
+}

@@ -1,0 +1,220 @@
+//! What a measurement says of the criteria, and what that says of one point.
+
+use serde::{Deserialize, Serialize};
+
+use super::joint::JointNormal;
+
+/// The uncertainty of a measured value (JCGM 100:2008).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Uncertainty {
+    /// The expanded uncertainty U, in the criterion's unit.
+    pub expanded: f64,
+    /// The coverage factor k: U is k standard uncertainties.
+    pub coverage: f64,
+}
+
+impl Uncertainty {
+    /// The standard uncertainty u.
+    pub fn standard(&self) -> f64 {
+        self.expanded / self.coverage
+    }
+}
+
+/// A measured value with its tolerance interval.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measured {
+    /// The measured value D.
+    pub nominal: f64,
+    /// How far the model may be from the true value, to both sides.
+    pub tolerance: f64,
+    /// How far the measured value may be from the true value, where that is known.
+    pub uncertainty: Option<Uncertainty>,
+}
+
+impl Measured {
+    /// How far a model value is within the tolerance, in expanded uncertainties: a guard band of
+    /// that many would just let it pass. Negative outside of the tolerance interval; infinite where no
+    /// uncertainty is known, since then there is nothing to guard against.
+    pub fn margin(&self, value: f64) -> f64 {
+        let rest = self.tolerance - (value - self.nominal).abs();
+        match self.uncertainty {
+            Some(uncertainty) => rest / uncertainty.expanded,
+            None if rest >= 0.0 => f64::INFINITY,
+            None => f64::NEG_INFINITY,
+        }
+    }
+
+    /// Whether model and measurement do not contradict each other: they differ by no more than the
+    /// expanded uncertainty of the measured value (VIM 2.47).
+    pub fn compatible(&self, value: f64) -> Option<bool> {
+        let uncertainty = self.uncertainty?;
+        Some((value - self.nominal).abs() <= uncertainty.expanded)
+    }
+
+    /// The measurement capability index C_m (JCGM 106:2012, 7.6.3).
+    pub fn capability(&self) -> Option<f64> {
+        let uncertainty = self.uncertainty?;
+        Some(self.tolerance / (2.0 * uncertainty.standard()))
+    }
+
+    /// The errors of the measured value, in standard uncertainties, with which a model value
+    /// conforms.
+    fn limits(&self, value: f64, uncertainty: Uncertainty) -> [f64; 2] {
+        let deviation = value - self.nominal;
+        [-self.tolerance, self.tolerance].map(|side| (deviation + side) / uncertainty.standard())
+    }
+}
+
+/// What the measurement says of the model values of one point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Conformity {
+    /// For each criterion.
+    pub criteria: Vec<Assessed>,
+    /// For all of them together.
+    pub all: Assessed,
+}
+
+/// How far within the tolerance, and how probably so.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Assessed {
+    /// See [`Measured::margin`]; the least one of all criteria.
+    pub margin: f64,
+    /// The conformance probability: that the model is within the tolerance of the true value. `None`
+    /// where an uncertainty is not known.
+    pub probability: Option<f64>,
+}
+
+/// All criteria with the joint distribution of the errors of their measured values.
+#[derive(Clone, Debug, Default)]
+pub struct Measurement {
+    criteria: Vec<Measured>,
+    errors: JointNormal,
+}
+
+impl Measurement {
+    /// Criteria whose errors have these correlations, by the criteria's numbers.
+    ///
+    /// # Errors
+    /// When the correlations contradict each other.
+    pub fn new(criteria: Vec<Measured>, pairs: &[(usize, usize, f64)]) -> Result<Self, String> {
+        let errors = JointNormal::new(criteria.len(), pairs)?;
+        Ok(Self { criteria, errors })
+    }
+
+    /// The criteria.
+    pub fn criteria(&self) -> &[Measured] {
+        &self.criteria
+    }
+
+    /// Whether every criterion has an uncertainty, so that joint probabilities are known.
+    pub fn complete(&self) -> bool {
+        let mut criteria = self.criteria.iter();
+        !self.criteria.is_empty() && criteria.all(|criterion| criterion.uncertainty.is_some())
+    }
+
+    /// Assesses the model values of a point, of which there is one a criterion.
+    pub fn assess(&self, values: &[f64]) -> Conformity {
+        let pairs = || self.criteria.iter().zip(values);
+        let limits: Vec<Option<[f64; 2]>> = pairs()
+            .map(|(c, &value)| c.uncertainty.map(|u| c.limits(value, u)))
+            .collect();
+        let criteria: Vec<Assessed> = pairs()
+            .zip(&limits)
+            .map(|((c, &value), limits)| Assessed {
+                margin: c.margin(value),
+                probability: limits.map(|[lower, upper]| super::normal::between(lower, upper)),
+            })
+            .collect();
+        let known: Option<Vec<[f64; 2]>> = limits.into_iter().collect();
+        let joint = known.map(|limits| {
+            let (lower, upper): (Vec<f64>, Vec<f64>) = limits
+                .into_iter()
+                .map(|[lower, upper]| (lower, upper))
+                .unzip();
+            self.errors.probability(&lower, &upper)
+        });
+        let margins = criteria.iter().map(|c| c.margin);
+        let all = Assessed {
+            margin: margins.fold(f64::INFINITY, f64::min),
+            probability: joint,
+        };
+        Conformity { criteria, all }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::conformity::normal::{between, between_both};
+
+    fn measured(nominal: f64, tolerance: f64, expanded: f64) -> Measured {
+        Measured {
+            nominal,
+            tolerance,
+            uncertainty: Some(Uncertainty {
+                expanded,
+                coverage: 2.0,
+            }),
+        }
+    }
+
+    /// JCGM 106:2012, 7.4: p_c = Phi((T_U - y) / u) - Phi((T_L - y) / u).
+    #[test]
+    fn one_criterion_has_the_formula_of_jcgm_106() {
+        let measurement = Measurement::new(vec![measured(82.0, 0.615, 0.5)], &[]).unwrap();
+        for value in [81.0, 81.486, 82.0, 82.615, 83.0] {
+            let found = measurement.assess(&[value]);
+            let expected = between((81.385 - value) / 0.25, (82.615 - value) / 0.25);
+            let probability = found.criteria[0].probability.unwrap();
+            assert!((probability - expected).abs() < 1e-12);
+            assert_eq!(found.all.probability, Some(probability));
+            let margin = (0.615 - (value - 82.0).abs()) / 0.5;
+            assert!((found.all.margin - margin).abs() < 1e-12);
+        }
+        let capability = measured(82.0, 0.615, 0.615).capability().unwrap();
+        assert!((capability - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn correlated_errors_are_joint() {
+        let criteria = vec![measured(10.0, 1.0, 1.0), measured(-3.0, 2.0, 4.0)];
+        let measurement = Measurement::new(criteria, &[(0, 1, -0.6)]).unwrap();
+        let found = measurement.assess(&[10.4, -2.0]).all.probability.unwrap();
+        // A model above the measured value conforms with errors that lie above it, too.
+        let expected = between_both([-1.2, -0.5], [2.8, 1.5], -0.6);
+        assert!((found - expected).abs() < 1e-12);
+    }
+
+    #[test]
+    fn nothing_is_assumed_where_no_uncertainty_is_stated() {
+        let unknown = Measured {
+            uncertainty: None,
+            ..measured(750.0, 52.5, 1.0)
+        };
+        let measurement = Measurement::new(vec![measured(82.0, 1.0, 0.5), unknown], &[]).unwrap();
+        assert!(!measurement.complete());
+        let inside = measurement.assess(&[82.5, 802.5]);
+        assert_eq!(
+            inside.all,
+            Assessed {
+                margin: 1.0,
+                probability: None
+            }
+        );
+        assert!(inside.criteria[0].probability.is_some());
+        assert_eq!(inside.criteria[1].margin, f64::INFINITY);
+        assert_eq!(
+            measurement.assess(&[82.5, 803.0]).all.margin,
+            f64::NEG_INFINITY
+        );
+        assert_eq!(unknown.compatible(750.0), None);
+        assert_eq!(unknown.capability(), None);
+    }
+
+    #[test]
+    fn compatibility_is_within_the_expanded_uncertainty() {
+        let criterion = measured(82.0, 1.0, 0.5);
+        assert_eq!(criterion.compatible(81.5), Some(true));
+        assert_eq!(criterion.compatible(82.51), Some(false));
+    }
+}

@@ -1,0 +1,259 @@
+//! Global risks over the points of a study, and the guard band that limits them.
+//!
+//! Points stand for parameter sets that manufacturing leaves open; each is accepted or rejected by
+//! the measured values. *Global* risks are joint over points and the measured values' errors
+//! (JCGM 106:2012, 9.5): the consumer's that a point is accepted and does not conform, the
+//! producer's that it is rejected and conforms.
+
+use serde::{Deserialize, Serialize};
+
+use super::interval::{Moments, of_mean, of_part};
+use super::measured::{Assessed, Conformity, Measurement};
+
+/// How far the acceptance interval is drawn in from the tolerance interval.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Guard {
+    /// By so many expanded uncertainties of each criterion; 0 is simple acceptance.
+    Given(f64),
+    /// By as few as keep the probability that an accepted point does not conform at or below this.
+    Limiting {
+        /// The largest probability.
+        risk: f64,
+    },
+}
+
+impl Guard {
+    /// Guard bands are looked for in these steps, in expanded uncertainties.
+    const STEP: f64 = 1e-3;
+    /// Margins above this many steps count as equal.
+    const MOST_STEPS: f64 = 1e4;
+
+    /// The number of the widest guard band, of those that come into question, that lets a point
+    /// pass.
+    fn widest_passed(self, margin: f64) -> Option<usize> {
+        match self {
+            Self::Given(factor) => (margin >= factor).then_some(0),
+            Self::Limiting { .. } => {
+                let steps = (margin / Self::STEP).min(Self::MOST_STEPS);
+                (steps >= 0.0).then_some(steps as usize)
+            }
+        }
+    }
+}
+
+/// What global risks a decision rule has, and their 95 % intervals from the sample of points.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Risk {
+    /// R_C, that a point is accepted and does not conform.
+    pub consumer: f64,
+    /// R_P, that a point is rejected and conforms.
+    pub producer: f64,
+    /// That a point conforms.
+    pub conformance_probability: f64,
+    /// That an accepted point does not conform; none where no point is accepted.
+    pub not_conforming_given_accepted: Option<f64>,
+    /// Their intervals.
+    pub intervals: RiskIntervals,
+}
+
+/// The intervals of the numbers in [`Risk`], which have the same names.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[allow(missing_docs)]
+pub struct RiskIntervals {
+    pub consumer: [f64; 2],
+    pub producer: [f64; 2],
+    pub conformance_probability: [f64; 2],
+    pub not_conforming_given_accepted: [f64; 2],
+}
+
+/// What can be said of all points.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Statement {
+    /// The guard band in expanded uncertainties; none where none limits the risk as wanted, and
+    /// nothing is accepted.
+    pub guard: Option<f64>,
+    /// Points that are accepted: within all tolerances less the guard bands.
+    pub accepted: u64,
+    /// The same for each of the independent samples.
+    pub accepted_by_sample: Vec<u64>,
+    /// How many points are expected to conform.
+    pub expected_conforming: Option<f64>,
+    /// Of each criterion alone, where its uncertainty is known.
+    pub criteria: Vec<Option<Risk>>,
+    /// Of all criteria together, where all uncertainties are known.
+    pub all: Option<Risk>,
+}
+
+/// Sums up points one by one, in constant memory.
+#[derive(Clone, Debug)]
+pub struct RiskTally {
+    guard: Guard,
+    samples: usize,
+    points: u64,
+    criteria: Vec<Acceptance>,
+    all: Acceptance,
+}
+
+impl RiskTally {
+    /// No points yet of `samples` independent samples, to which the points belong in turn.
+    ///
+    /// A guard band can only be found while every criterion has an uncertainty; otherwise nothing is
+    /// accepted.
+    pub fn new(measurement: &Measurement, guard: Guard, samples: u64) -> Self {
+        let samples = usize::try_from(samples).unwrap_or(1).max(1);
+        let criteria = measurement.criteria().iter();
+        let known = criteria.map(|criterion| criterion.uncertainty.is_some());
+        Self {
+            guard,
+            samples,
+            points: 0,
+            criteria: known.map(|known| Acceptance::new(samples, known)).collect(),
+            all: Acceptance::new(samples, measurement.complete()),
+        }
+    }
+
+    /// Takes a point; `None` is one that failed, which is never accepted and does not conform.
+    pub fn add(&mut self, point: Option<&Conformity>) {
+        let sample = (self.points % self.samples as u64) as usize;
+        self.points += 1;
+        let failed = Assessed {
+            margin: f64::NEG_INFINITY,
+            probability: Some(0.0),
+        };
+        for (k, acceptance) in self.criteria.iter_mut().enumerate() {
+            let assessed = point.map_or(failed, |point| point.criteria[k]);
+            acceptance.add(self.guard, sample, assessed);
+        }
+        let assessed = point.map_or(failed, |point| point.all);
+        self.all.add(self.guard, sample, assessed);
+    }
+
+    /// What can be said of the points so far.
+    pub fn statement(&self) -> Statement {
+        let (guard, from) = match self.guard {
+            Guard::Given(factor) => (Some(factor), 0),
+            Guard::Limiting { risk } => match self.all.least_step(risk) {
+                Some(step) => (Some(step as f64 * Guard::STEP), step),
+                None => (None, usize::MAX),
+            },
+        };
+        let parts = self.all.split(from);
+        let [accepted, rejected] = parts.each_ref().map(|parts| Moments::total(parts));
+        let conforming = accepted.complement().sum + rejected.complement().sum;
+        Statement {
+            guard,
+            accepted: accepted.count,
+            accepted_by_sample: parts[0].iter().map(|part| part.count).collect(),
+            expected_conforming: self.all.known.then_some(conforming),
+            criteria: self.criteria.iter().map(|c| c.risk(from)).collect(),
+            all: self.all.risk(from),
+        }
+    }
+}
+
+/// The points that are within a tolerance, by the widest guard band that lets them pass, and those
+/// that are not; of all, the sums of the probabilities not to conform.
+#[derive(Clone, Debug)]
+struct Acceptance {
+    samples: usize,
+    known: bool,
+    within: Vec<Vec<Moments>>,
+    outside: Vec<Moments>,
+}
+
+impl Acceptance {
+    fn new(samples: usize, known: bool) -> Self {
+        Self {
+            samples,
+            known,
+            within: Vec::new(),
+            outside: vec![Moments::default(); samples],
+        }
+    }
+
+    fn add(&mut self, guard: Guard, sample: usize, assessed: Assessed) {
+        let place = match guard.widest_passed(assessed.margin) {
+            Some(step) => {
+                if step >= self.within.len() {
+                    let none = vec![Moments::default(); self.samples];
+                    self.within.resize(step + 1, none);
+                }
+                &mut self.within[step]
+            }
+            None => &mut self.outside,
+        };
+        place[sample].add(1.0 - assessed.probability.unwrap_or(0.0));
+    }
+
+    /// The least step that keeps the probability of accepted points not to conform at or below a
+    /// limit.
+    fn least_step(&self, limit: f64) -> Option<usize> {
+        let mut accepted = Moments::default();
+        let mut least = None;
+        for (step, moments) in self.within.iter().enumerate().rev() {
+            accepted.merge(Moments::total(moments));
+            if accepted.count > 0 && accepted.mean() <= limit {
+                least = Some(step);
+            }
+        }
+        least
+    }
+
+    /// The accepted and the rejected points of each sample, with the guard band of a step.
+    fn split(&self, from: usize) -> [Vec<Moments>; 2] {
+        let mut accepted = vec![Moments::default(); self.samples];
+        let mut rejected = self.outside.clone();
+        for (step, moments) in self.within.iter().enumerate() {
+            let side = if step >= from {
+                &mut accepted
+            } else {
+                &mut rejected
+            };
+            side.iter_mut()
+                .zip(moments)
+                .for_each(|(sum, more)| sum.merge(*more));
+        }
+        [accepted, rejected]
+    }
+
+    fn risk(&self, from: usize) -> Option<Risk> {
+        const CONFIDENCE: f64 = 0.95;
+        let [accepted, rejected] = self.split(from);
+        let pairs = || accepted.iter().zip(&rejected);
+        if !self.known || pairs().all(|(a, r)| a.count + r.count == 0) {
+            return None;
+        }
+        let of_all = |of: &dyn Fn(&Moments, &Moments) -> Moments| -> Vec<Moments> {
+            pairs()
+                .map(|(a, r)| of(a, r).among(a.count + r.count))
+                .collect()
+        };
+        let consumer = of_all(&|accepted, _| *accepted);
+        let producer = of_all(&|_, rejected| rejected.complement());
+        let conforming = of_all(&|accepted, rejected| {
+            let mut both = *accepted;
+            both.merge(*rejected);
+            both.complement()
+        });
+        let mean = |parts: &[Moments]| Moments::total(parts).mean();
+        let any = Moments::total(&accepted).count > 0;
+        Some(Risk {
+            consumer: mean(&consumer),
+            producer: mean(&producer),
+            conformance_probability: mean(&conforming),
+            not_conforming_given_accepted: any.then(|| mean(&accepted)),
+            intervals: RiskIntervals {
+                consumer: of_mean(&consumer, CONFIDENCE),
+                producer: of_mean(&producer, CONFIDENCE),
+                conformance_probability: of_mean(&conforming, CONFIDENCE),
+                not_conforming_given_accepted: of_part(&accepted, CONFIDENCE),
+            },
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests;
+
+#[cfg(test)]
+mod truth_tests;
