@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use super::CommandError;
 use super::finding::{self, Finding};
 use super::limits::place;
-use super::{CommandError, pareto, robustness, sensitivity};
 use crate::cli::{Means, Parts};
 use crate::engine::crew::Crew;
 use crate::pipeline::Pipeline;
@@ -49,33 +49,6 @@ pub(super) struct PointSet {
     pub(super) method: String,
     /// The digest of the points that it begins with.
     pub(super) table: Option<String>,
-}
-
-/// The analyses by name, with what makes one of its kept options.
-const KNOWN: [(&str, Kept); 3] = [
-    (sensitivity::NAME, sensitivity::kept),
-    (robustness::NAME, robustness::kept),
-    (pareto::NAME, pareto::kept),
-];
-
-type Kept = fn(serde_json::Value) -> serde_json::Result<Box<dyn Analysis>>;
-
-/// The analysis that a request asks for.
-pub(super) fn of(asking: &Asking, folder: &Path) -> Result<Box<dyn Analysis>, CommandError> {
-    let known = KNOWN.iter().find(|(name, _)| *name == asking.name);
-    let kept = known.and_then(|(_, kept)| kept(asking.options.clone()).ok());
-    kept.ok_or_else(|| {
-        CommandError::Shards(format!(
-            "{}: this program knows no analysis `{}` with these options",
-            folder.display(),
-            asking.name
-        ))
-    })
-}
-
-/// The folders of the journals that a folder of results may hold beside that of `verify`.
-pub(super) fn names() -> impl Iterator<Item = &'static str> {
-    KNOWN.iter().map(|(name, _)| *name)
 }
 
 /// Where the results go unless the user says otherwise; a part of them goes beside the others.

@@ -3,12 +3,35 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use super::{CommandError, asking, verify};
+use super::asking::{self, Analysis};
+use super::{CommandError, pareto, robustness, sensitivity, verify};
 use crate::cli::Merge;
 use crate::pipeline::folder::RunFolder;
 use crate::pipeline::{Halt, Pipeline};
 use crate::results::{Header, ResultsError, journal, lines, parquet};
 use crate::session::{Asking, Request, Session, SessionError, Verification};
+
+/// The analyses by name, with what makes one of its kept options.
+const KNOWN: [(&str, Kept); 3] = [
+    (sensitivity::NAME, sensitivity::kept),
+    (robustness::NAME, robustness::kept),
+    (pareto::NAME, pareto::kept),
+];
+
+type Kept = fn(serde_json::Value) -> serde_json::Result<Box<dyn Analysis>>;
+
+/// The analysis that a request asks for.
+fn analysis_of(asking: &Asking, folder: &Path) -> Result<Box<dyn Analysis>, CommandError> {
+    let known = KNOWN.iter().find(|(name, _)| *name == asking.name);
+    let kept = known.and_then(|(_, kept)| kept(asking.options.clone()).ok());
+    kept.ok_or_else(|| {
+        CommandError::Shards(format!(
+            "{}: this program knows no analysis `{}` with these options",
+            folder.display(),
+            asking.name
+        ))
+    })
+}
 
 pub(super) fn run(options: &Merge) -> Result<ExitCode, CommandError> {
     let folders = options.folders.iter().map(|folder| shard_in(folder));
@@ -30,7 +53,7 @@ fn shard_in(folder: &Path) -> Result<PathBuf, CommandError> {
     if Request::is_in(folder) {
         return Ok(folder.to_owned());
     }
-    let candidates = asking::names().map(|name| folder.join(name));
+    let candidates = KNOWN.iter().map(|(name, _)| folder.join(name));
     let found: Vec<PathBuf> = candidates.filter(|inner| Request::is_in(inner)).collect();
     match &found[..] {
         [] => Err(ResultsError::Missing(folder.to_owned()).into()),
@@ -73,7 +96,7 @@ fn join_analysis(
     request: Request,
     asking: &Asking,
 ) -> Result<ExitCode, CommandError> {
-    let analysis = asking::of(asking, &folders[0])?;
+    let analysis = analysis_of(asking, &folders[0])?;
     let session = Session::open(request)?;
     let header = asking::header(&session, &*analysis)?;
     let named = check(folders, &header)?;

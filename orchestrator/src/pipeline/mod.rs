@@ -403,10 +403,10 @@ impl<'a> Pipeline<'a> {
     /// that ended in time may go another way when there is more of it.
     fn begin_set(&mut self, first: u64, points: &[Vec<f64>]) -> Result<(), Halt> {
         let sum = checksum(points);
-        if let Some(finished) = self.finished.as_mut().and_then(Arc::get_mut) {
+        if let Some(finished) = &mut self.finished {
             match finished.sets.get(&first) {
                 Some(then) if *then == sum => return Ok(()),
-                Some(_) => finished.forget_from(first),
+                Some(_) => Arc::make_mut(finished).forget_from(first),
                 None => {}
             }
         }

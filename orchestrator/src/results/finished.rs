@@ -11,7 +11,7 @@ use super::{Outcome, ResultsError};
 use crate::engine::{Conduct, Isolation, Separation};
 
 /// What a journal holds: where the line of each finished point is.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Finished {
     /// What the journal belongs to.
     pub header: Header,

@@ -1,12 +1,10 @@
 //! What a forked child does before and after its work.
 
 use std::fs::File;
-use std::io;
 use std::os::fd::{AsRawFd, FromRawFd, OwnedFd, RawFd};
 
 use super::frame::{self, Inbox};
-use super::keeper::MUTE;
-use super::offspring::own_pid;
+use super::system::{MUTE, own_pid, usual_signals};
 
 /// A child's own end of the pipes to its keeper.
 #[derive(Debug)]
@@ -82,46 +80,6 @@ pub(super) fn be_child(
     end(0)
 }
 
-/// Signals that a keeper ignores, and those whose handlers are Rust's.
-const CHANGED: [i32; 11] = [
-    libc::SIGTERM,
-    libc::SIGINT,
-    libc::SIGHUP,
-    libc::SIGQUIT,
-    libc::SIGALRM,
-    libc::SIGUSR1,
-    libc::SIGUSR2,
-    libc::SIGVTALRM,
-    libc::SIGPROF,
-    libc::SIGSEGV,
-    libc::SIGBUS,
-];
-
-/// Lets this process survive the signals that its children may send it.
-pub(super) fn ignore_signals() {
-    for signal in CHANGED
-        .into_iter()
-        .filter(|signal| ![libc::SIGSEGV, libc::SIGBUS].contains(signal))
-    {
-        // SAFETY: these signals then have no effect; no handler is involved.
-        unsafe { libc::signal(signal, libc::SIG_IGN) };
-    }
-}
-
-/// The FMU finds the signals as in any new process; writing to a closed pipe is an error there, and no signal,
-/// as in most hosts.
-fn usual_signals() {
-    // SAFETY: sets default actions and an empty mask in this process.
-    unsafe {
-        for signal in CHANGED {
-            libc::signal(signal, libc::SIG_DFL);
-        }
-        let mut none: libc::sigset_t = std::mem::zeroed();
-        libc::sigemptyset(&raw mut none);
-        libc::sigprocmask(libc::SIG_SETMASK, &raw const none, std::ptr::null_mut());
-    }
-}
-
 /// Moves the two descriptors to high numbers, which FMUs that write into or close what they did not open seldom
 /// reach, and closes all others above standard error.
 fn hidden(orders: OwnedFd, answers: OwnedFd) -> (File, File) {
@@ -169,10 +127,4 @@ fn close_between(first: RawFd, last: RawFd) {
             libc::close(other);
         }
     }
-}
-
-/// A pipe: the end to read from, the end to write to.
-pub(super) fn pipe() -> io::Result<(OwnedFd, OwnedFd)> {
-    let (reader, writer) = io::pipe()?;
-    Ok((reader.into(), writer.into()))
 }

@@ -10,18 +10,16 @@ use std::os::fd::{AsRawFd, OwnedFd, RawFd};
 use std::time::{Duration, Instant};
 
 pub use super::birth::Place;
-use super::birth::{be_child, pipe};
+use super::birth::be_child;
 use super::frame::{self, Broken, Inbox};
 use super::offspring::{self, kill_group};
+use super::system::{MUTE, own_pid, pipe};
 use super::words::Words;
 
 /// How often a silent child is looked at.
 const LOOK: Duration = Duration::from_millis(10);
 /// How long a child may take to end after it has closed its pipe.
 const PATIENCE: Duration = Duration::from_secs(1);
-
-/// The exit code of a child that could not send its answer.
-pub(super) const MUTE: i32 = 121;
 
 /// Why no answer comes from a child.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -87,7 +85,7 @@ impl Keeper {
         let (answers, answers_end) = pipe()?;
         let (orders_end, orders) = pipe()?;
         self.words.clear();
-        let parent = offspring::own_pid();
+        let parent = own_pid();
         // SAFETY: the caller vouches for a single thread.
         match unsafe { libc::fork() } {
             -1 => Err(io::Error::last_os_error()),

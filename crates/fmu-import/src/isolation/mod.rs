@@ -9,6 +9,7 @@ mod birth;
 pub mod frame;
 pub mod keeper;
 pub mod offspring;
+mod system;
 pub mod words;
 
 pub use frame::Broken;

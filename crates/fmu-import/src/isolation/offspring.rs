@@ -6,6 +6,8 @@
 use std::fs;
 use std::time::{Duration, Instant};
 
+use super::system::{ignore_signals, own_pid};
+
 /// Makes this process the parent of all that its children leave behind. Without effect where the system cannot.
 pub fn adopt_orphans() {
     #[cfg(target_os = "linux")]
@@ -55,7 +57,7 @@ pub fn end_all() {
 /// send it have no effect. Crashes leave no dump of the memory: a study may see thousands.
 pub fn become_keeper() {
     adopt_orphans();
-    super::birth::ignore_signals();
+    ignore_signals();
     // SAFETY: zeroes are a valid value of this plain struct, which the calls fill and read.
     unsafe {
         let mut usual: libc::rlimit = std::mem::zeroed();
@@ -106,12 +108,6 @@ fn is_marked(pid: libc::pid_t, mark: &str) -> bool {
     let environment = fs::read(format!("/proc/{pid}/environ")).unwrap_or_default();
     let mut entries = environment.split(|&byte| byte == 0);
     entries.any(|entry| entry == mark.as_bytes())
-}
-
-/// This process's number.
-pub fn own_pid() -> libc::pid_t {
-    // SAFETY: always succeeds, changes nothing.
-    unsafe { libc::getpid() }
 }
 
 /// The children of a process, whichever of its threads started them; none where the system does not tell.

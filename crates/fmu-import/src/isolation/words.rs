@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{self, Read, Write};
 use std::os::fd::{AsRawFd, OwnedFd, RawFd};
 
-use super::birth::pipe;
+use super::system::pipe;
 
 /// The end of what is printed; a flood of text costs no memory.
 const KEPT: usize = 4096;

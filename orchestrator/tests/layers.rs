@@ -1,0 +1,128 @@
+//! The layers of the house: which module may import which, and that no files import each other in a circle.
+//!
+//! A module on a floor may use modules of the floors below it, and no others. To put a module elsewhere, move its
+//! name in [`FLOORS`], the only place that knows the order.
+#![allow(clippy::unwrap_used)]
+
+#[path = "layers/arrows.rs"]
+mod arrows;
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use arrows::{Tree, circles};
+
+/// The orchestrator's modules, from the ground up.
+const FLOORS: [&[&str]; 13] = [
+    &[
+        "names",
+        "statistics",
+        "distribution",
+        "failure",
+        "conformity",
+    ],
+    &["table", "task", "design"],
+    &["run"],
+    &["engine", "study"],
+    &["judge", "source"],
+    &["results"],
+    &["pipeline", "analysis"],
+    &["session", "identify"],
+    &["report"],
+    &["cli"],
+    &["commands"],
+    &["lib"],
+    &["main"],
+];
+
+/// The sources in which no files may import each other in a circle.
+const HOUSES: [&str; 6] = [
+    "../crates/fmu-export/src",
+    "../crates/fmu-import/src",
+    "../crates/journal-bearing/src",
+    "../fmu/src",
+    "src",
+    "../python/src",
+];
+
+/// Files that are meant to know each other: the stand has variables, and these say where in the stand they are.
+const MEANT: [&[&str]; 1] = [&["stand.rs", "variables.rs", "variables/"]];
+
+fn floor(module: &str) -> usize {
+    let floor = FLOORS.iter().position(|floor| floor.contains(&module));
+    floor.unwrap_or_else(|| panic!("the module `{module}` is on no floor: add it to FLOORS"))
+}
+
+#[test]
+fn no_arrow_goes_back_up() {
+    let tree = Tree::read("src".as_ref());
+    let mut seen = BTreeSet::new();
+    for (from, to, name) in tree.arrows() {
+        let [upper, lower] = [from, to].map(|file| arrows::module(file));
+        seen.insert(upper.clone());
+        if upper != lower {
+            assert!(
+                floor(&upper) > floor(&lower),
+                "src/{from} uses `{name}` of `{lower}`, which is not below `{upper}`: \
+                 move what both need to a lower floor"
+            );
+        }
+    }
+    let known: BTreeSet<String> = tree.files().map(arrows::module).collect();
+    for module in FLOORS.concat() {
+        assert!(
+            known.contains(module),
+            "FLOORS names `{module}`, which is gone"
+        );
+    }
+}
+
+#[test]
+fn no_files_import_each_other_in_a_circle() {
+    let mut found = Vec::new();
+    for house in HOUSES.iter().filter(|house| Path::new(house).exists()) {
+        for circle in circles(&Tree::read(house.as_ref())) {
+            let meant = MEANT.iter().any(|meant| {
+                let known = |file: &String| meant.iter().any(|start| file.starts_with(start));
+                circle.files.iter().all(known)
+            });
+            if !meant {
+                found.push(format!("in {house}: {}", circle.arrows.join("\n  ")));
+            }
+        }
+    }
+    assert!(found.is_empty(), "{}", found.join("\n"));
+}
+
+#[test]
+fn an_arrow_up_and_a_circle_are_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, text).unwrap();
+    };
+    write("lib.rs", "pub mod high;\npub mod low;\n");
+    write(
+        "low.rs",
+        "pub struct Low;\nfn f() { crate::high::part::g(); }",
+    );
+    write("high/mod.rs", "pub mod part;\npub use part::Part;\n");
+    write(
+        "high/part.rs",
+        "use crate::low::{self, Low};\npub struct Part(Low);\n#[cfg(test)]\nmod tests { use crate::main::X; }",
+    );
+    let tree = Tree::read(folder.path());
+    let found: Vec<(&str, &str)> = tree.arrows().map(|(from, to, _)| (from, to)).collect();
+    assert!(found.contains(&("low.rs", "high/part.rs")), "{found:?}");
+    let circles = circles(&tree);
+    assert_eq!(circles.len(), 1);
+    assert_eq!(circles[0].files, ["high/part.rs", "low.rs"]);
+    // Names that a module hands on belong to the file that defines them.
+    write("low.rs", "use crate::high::Part;\npub struct Low;");
+    let tree = Tree::read(folder.path());
+    assert!(
+        tree.arrows()
+            .any(|arrow| arrow == ("low.rs", "high/part.rs", "Part"))
+    );
+}
