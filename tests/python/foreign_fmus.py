@@ -72,14 +72,12 @@ def schedule(description):
 
 
 def varied(description):
-    """Variables to vary: parameters, else inputs, else exact start values; real ones first."""
+    """Variables to vary: parameters, else inputs; real ones first."""
     def kind(variable):
-        if variable.type == "String" or variable.start is None or variable.variability == "constant":
-            return None
         causes = ["parameter", "input"]
-        if variable.causality in causes:
-            return (variable.type != "Real", causes.index(variable.causality))
-        return (variable.type != "Real", 2) if variable.initial == "exact" else None
+        if variable.type == "String" or variable.start is None or variable.causality not in causes:
+            return None
+        return (variable.type != "Real", causes.index(variable.causality))
 
     found = [(kind(variable), variable) for variable in description.modelVariables]
     groups = sorted({kind for kind, _ in found if kind is not None})
@@ -201,7 +199,11 @@ def simulate(fmu, description, outputs, row, server):
         row.remark += f"; fmpy cannot run it: {expected['failure'][:120]}"
         return
     command = [PROGRAM, "simulate", fmu, "--start", repr(start), "--stop", repr(stop), "--step", repr(step)]
-    done = subprocess.run(command, capture_output=True, text=True, errors="replace", timeout=CHECK_TIMEOUT)
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, errors="replace", timeout=CHECK_TIMEOUT)
+    except subprocess.TimeoutExpired:
+        row.wrong.append("simulate does not end")
+        return
     last = list(csv.DictReader(done.stdout.splitlines()))[-1:]
     values = [float({"true": 1, "false": 0}.get(last[0][v.name], last[0][v.name])).hex() for v in outputs
               if last and last[0].get(v.name)]
