@@ -1,11 +1,12 @@
 """Other people's FMUs: 100 points of each by `orchestrator verify`, undisturbed and killed and resumed, against fmpy with
-a new process for every point. Prints a Markdown table; the exit code is 1 when a result is wrong or lost.
+a fresh process for every point. Prints a Markdown table; the exit code is 1 when a result is wrong or lost.
 
     scripts/foreign FOLDER [--only PART] [--points N] [--keep DIR]
 
 FOLDER holds .fmu files. `--keep` is a folder in which fmpy's results stay for the next time."""
 
 import argparse
+import csv
 import hashlib
 import json
 import os
@@ -24,7 +25,9 @@ from supervised import PROGRAM, Study
 
 MOST_VARIED, MOST_OBSERVED, MOST_STEPS = 4, 12, 200
 SPREAD = 0.05
-CHECK_TIMEOUT, POINT_TIMEOUT = 300, 60.0
+# How many points fmpy runs in new processes, too: importing it takes long.
+FEW = 5
+CHECK_TIMEOUT, POINT_TIMEOUT = 300, 30.0
 # Fills fresh memory with this byte, so that what depends on unwritten memory gives other results.
 FILL = {"MALLOC_PERTURB_": "165"}
 
@@ -69,14 +72,12 @@ def schedule(description):
 
 
 def varied(description):
-    """Variables to vary: parameters, else inputs, else exact start values; real ones first."""
+    """Variables to vary: parameters, else inputs; real ones first."""
     def kind(variable):
-        if variable.type == "String" or variable.start is None or variable.variability == "constant":
-            return None
         causes = ["parameter", "input"]
-        if variable.causality in causes:
-            return (variable.type != "Real", causes.index(variable.causality))
-        return (variable.type != "Real", 2) if variable.initial == "exact" else None
+        if variable.type == "String" or variable.start is None or variable.causality not in causes:
+            return None
+        return (variable.type != "Real", causes.index(variable.causality))
 
     found = [(kind(variable), variable) for variable in description.modelVariables]
     groups = sorted({kind for kind, _ in found if kind is not None})
@@ -124,8 +125,8 @@ def study(fmu, description, inputs, outputs, count, folder):
     return points
 
 
-def reference(fmu, description, points, outputs, keep):
-    """fmpy's results, and whether memory that was never written changes them."""
+def reference(fmu, description, points, outputs, keep, server):
+    """fmpy's results, and whether other processes give the same: new ones instead of forks, and other fresh memory."""
     start, stop, step = schedule(description)
     job = {"points": points, "outputs": [v.name for v in outputs], "start": start, "stop": stop, "step": step,
            "timeout": POINT_TIMEOUT}
@@ -134,11 +135,14 @@ def reference(fmu, description, points, outputs, keep):
     if file and file.is_file():
         return json.loads(file.read_text())
     job["fmu"] = str(fmu)
-    results = fresh_points.run(job, workers=2)
-    few = {**job, "points": points[:5]}
-    again = fresh_points.run(few, workers=2, environment=FILL) + fresh_points.run(few, workers=2)
-    values = [result.get("values") for result in results + again]
-    known = {"results": results, "reproducible": values[len(points):] == values[:len(few["points"])] * 2}
+    results = server.run(job)
+    if all("failure" in result for result in results):
+        return {"results": results, "reproducible": None}
+    few = {**job, "points": points[:FEW]}
+    again = fresh_points.run(few, workers=2) + fresh_points.run(few, workers=2, environment=FILL)
+    pairs = [(one["values"], other["values"]) for one, other in zip(results[:FEW] * 2, again)
+             if "values" in one and "values" in other]
+    known = {"results": results, "reproducible": all(one == other for one, other in pairs)}
     if file:
         file.write_text(json.dumps(known))
     return known
@@ -185,7 +189,32 @@ def compare(outcome, known, outputs, row):
     return equal, different, lost
 
 
-def examine(fmu, count, keep, folder):
+def simulate(fmu, description, outputs, row, server):
+    """One run as the FMU is, of FMUs without anything to vary."""
+    start, stop, step = schedule(description)
+    job = {"fmu": str(fmu), "points": [{}], "outputs": [v.name for v in outputs], "start": start, "stop": stop,
+           "step": step}
+    expected = server.run(job)[0]
+    if "failure" in expected:
+        row.remark += f"; fmpy cannot run it: {expected['failure'][:120]}"
+        return
+    command = [PROGRAM, "simulate", fmu, "--start", repr(start), "--stop", repr(stop), "--step", repr(step)]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, errors="replace", timeout=CHECK_TIMEOUT)
+    except subprocess.TimeoutExpired:
+        row.wrong.append("simulate does not end")
+        return
+    last = list(csv.DictReader(done.stdout.splitlines()))[-1:]
+    values = [float({"true": 1, "false": 0}.get(last[0][v.name], last[0][v.name])).hex() for v in outputs
+              if last and last[0].get(v.name)]
+    if done.returncode != 0 or values != expected["values"]:
+        row.wrong.append(f"simulate: exit code {done.returncode}, {values} instead of {expected['values']}: "
+                         f"{done.stderr.strip()[:120]}")
+    else:
+        row.remark += "; simulated once, equal to fmpy"
+
+
+def examine(fmu, count, keep, folder, server):
     row = Row(fmu.stem)
     try:
         description = fmpy.read_model_description(str(fmu), validate=False)
@@ -196,18 +225,19 @@ def examine(fmu, count, keep, folder):
         row.remark = f"fmpy cannot read it: {str(error)[:120]}"
         return row
     row.tool, row.varied = description.generationTool or "", len(inputs)
-    if not inputs or not outputs:
-        check(fmu, row, simulates=False)
-        row.remark = "nothing to vary" if not inputs else "nothing to observe"
-        return row
-    points = study(fmu, description, inputs, outputs, count, folder)
-    known = reference(fmu, description, points, outputs, keep)
-    failures = [result["failure"] for result in known["results"] if "failure" in result]
-    check(fmu, row, simulates=not failures)
-    if failures:
-        row.remark = f"fmpy cannot run {len(failures)} points: {failures[0][:120]}"
-    if len(failures) < len(points):
+    known, failures = None, ["nothing to vary"]
+    if inputs and outputs:
+        points = study(fmu, description, inputs, outputs, count, folder)
+        known = reference(fmu, description, points, outputs, keep, server)
+        failures = [result["failure"] for result in known["results"] if "failure" in result]
+        if failures:
+            row.remark = f"fmpy cannot run {len(failures)} points: {failures[0][:120]}"
+    if known and len(failures) < len(points):
         verify(fmu, row, known, outputs, folder)
+    else:
+        row.remark = row.remark or "nothing to vary" if outputs else "nothing to observe"
+        simulate(fmu, description, outputs, row, server)
+    check(fmu, row, simulates="cannot run" not in row.remark)
     return row
 
 
@@ -251,12 +281,13 @@ def main():
     if options.keep:
         options.keep.mkdir(parents=True, exist_ok=True)
     print(HEAD, flush=True)
-    found = []
+    found, server = [], fresh_points.Server()
     for fmu in fmus:
         with tempfile.TemporaryDirectory(prefix="foreign-") as folder:
-            row = examine(fmu, options.points, options.keep, Path(folder))
+            row = examine(fmu, options.points, options.keep, Path(folder), server)
         print(row.line(), flush=True)
         found.append(row)
+    server.close()
     wrong = [row for row in found if row.wrong]
     run = [row for row in found if row.equal != ""]
     print(f"\n{len(found)} FMUs, {len(run)} run over {options.points} points: {sum(row.equal for row in run)} points "
