@@ -10,6 +10,7 @@ use std::path::Path;
 
 use fmu_import::Package;
 use orchestrator::analysis::from_results;
+use orchestrator::engine::Separation;
 use orchestrator::judge::Judge;
 use orchestrator::results::journal::{Finished, Header, Journal};
 use orchestrator::source::{Source, Table};
@@ -183,7 +184,9 @@ fn journal(folder: &Path) -> Attempt {
     }
     let header = Header::read(folder).map_err(text)?;
     let (mut journal, _) = Journal::resume(folder, &header).map_err(text)?;
-    journal.append(3, &Ok(vec![1.0])).map_err(text)
+    journal
+        .append(3, &Ok(vec![1.0]), Separation::New)
+        .map_err(text)
 }
 
 fn table(bench: &Bench, path: &Path) -> Attempt {

@@ -1,5 +1,6 @@
 //! Runs of a study's model at points that an analysis chooses.
 
+use std::cell::Cell;
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -11,7 +12,7 @@ use crate::cli::Means;
 use crate::design::Design;
 use crate::distribution::Distribution;
 use crate::engine::crew::Crew;
-use crate::engine::{self, Job};
+use crate::engine::{self, EngineError, Job};
 use crate::judge::Judge;
 use crate::results::origin::Origin;
 use crate::results::{Outcome, ResultsError};
@@ -27,6 +28,8 @@ pub(super) struct Batch {
     /// To what belongs what its runs tell.
     pub(super) origin: Origin,
     crew: Crew,
+    /// Whether results have been handed out.
+    used: Cell<bool>,
     // What the workers need on disk lives as long as these.
     _scratch: TempDir,
     _package: Package,
@@ -55,6 +58,7 @@ impl Batch {
             judge,
             origin,
             crew,
+            used: Cell::new(false),
             _scratch: scratch,
             _package: package,
         })
@@ -111,8 +115,15 @@ impl Batch {
             &|_| Vec::new(),
             &AtomicBool::new(false),
             |event| {
-                let engine::Event::Answer(index, answer, _) = event else {
-                    return Ok(ControlFlow::Continue(()));
+                let (index, answer) = match event {
+                    engine::Event::Answer(index, answer, _) => (index, answer),
+                    // Those of this run will come again.
+                    engine::Event::Void(_) if self.used.get() => {
+                        return Err(EngineError::Refuted.into());
+                    }
+                    engine::Event::Void(_) | engine::Event::Idle => {
+                        return Ok(ControlFlow::Continue(()));
+                    }
                 };
                 let outcome: Outcome = answer.map(|mut values| {
                     plan.to_study(&mut values);
@@ -129,6 +140,7 @@ impl Batch {
             },
         )?;
         progress.finish();
+        self.used.set(true);
         Ok(outcomes.into_iter().flatten().collect())
     }
 }

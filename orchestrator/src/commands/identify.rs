@@ -14,6 +14,7 @@ use crate::cli::Identify;
 use crate::csv_file::{CsvFile, reason};
 use crate::design::Design;
 use crate::distribution::Distribution;
+use crate::engine::EngineError;
 use crate::engine::crew::Crew;
 use crate::identify::bind::{BindError, Bound};
 use crate::identify::local::End;
@@ -73,6 +74,10 @@ pub(super) fn run(options: &Identify) -> Result<ExitCode, CommandError> {
         let posterior = Posterior::at(&objective, &minimum).map_err(SearchError::Simulation)?;
         Ok(Outcome::new(&bound.problem, &minimum, &posterior, &state))
     });
+    if crew.conduct().audit_mismatches > 0 {
+        saved.remove()?;
+        return Err(EngineError::Refuted.into());
+    }
     let outcome = found.map_err(|error: SearchError| CommandError::Search(error.to_string()))?;
     write(&folder, &study, &outcome)?;
     write_cases(&folder, &study, &settings, &outcome)?;
@@ -169,6 +174,16 @@ impl Saved {
             State::default()
         };
         Ok(Self { path, key, state })
+    }
+
+    /// Forgets the search: what it rests on does not count any more.
+    fn remove(&self) -> Result<(), CommandError> {
+        match fs::remove_file(&self.path) {
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+                Err(ResultsError::io(&self.path)(error).into())
+            }
+            _ => Ok(()),
+        }
     }
 
     fn keep(&self, state: &State) -> std::io::Result<()> {

@@ -7,7 +7,7 @@ use std::sync::{Mutex, PoisonError};
 use super::bind::Bound;
 use super::problem::Simulate;
 use crate::engine::crew::Crew;
-use crate::engine::{Answer, Event, Job, Post, Worker};
+use crate::engine::{Answer, EngineError, Event, Job, Post, Worker};
 
 /// An FMU with its cases; it keeps as many workers as simulations run at a time.
 pub struct FmuModel<'a> {
@@ -54,10 +54,8 @@ impl<'a> FmuModel<'a> {
         let run = worker.run(&[Job { index: 0, values }], &mut post);
         run.map_err(|error| error.to_string())?;
         if void {
-            return Err(
-                "the FMU gives other results in a process that has computed points before;                 begin again with --isolation fresh"
-                    .to_owned(),
-            );
+            // The command looks at this before it believes anything, and begins again.
+            return Err(EngineError::Refuted.to_string());
         }
         self.idle().push(worker);
         answer.ok_or_else(|| "the worker gave no answer".to_owned())
