@@ -21,8 +21,8 @@ pub enum Failure {
     NotFinite(String),
     /// The worker process died of a signal; its name, and the last words of the FMU.
     Crashed(String),
-    /// The worker process ended by itself; the exit code.
-    Exited(i32),
+    /// The FMU ended its process; the exit code, and its last words.
+    Exited(i32, String),
     /// The point took too long.
     Timeout,
     /// The worker process took too much memory.
@@ -55,7 +55,7 @@ impl Failure {
             Self::Fatal(_) => "fmi2Fatal",
             Self::NotFinite(_) => "not finite",
             Self::Crashed(_) => "crashed",
-            Self::Exited(_) => "exited",
+            Self::Exited(..) => "exited",
             Self::Timeout => "timeout",
             Self::OutOfMemory => "out of memory",
         }
@@ -72,7 +72,17 @@ impl fmt::Display for Failure {
             | Self::Fatal(text)
             | Self::NotFinite(text)
             | Self::Crashed(text) => write!(f, "{class}: {text}"),
-            Self::Exited(code) => write!(f, "{class}: the FMU ended its process with code {code}"),
+            Self::Exited(code, words) => {
+                let words = if words.is_empty() {
+                    String::new()
+                } else {
+                    format!(": {words}")
+                };
+                write!(
+                    f,
+                    "{class}: the FMU ended its process with code {code}{words}"
+                )
+            }
             Self::Timeout | Self::OutOfMemory => f.write_str(class),
         }
     }

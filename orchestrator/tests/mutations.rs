@@ -10,6 +10,7 @@ use std::path::Path;
 
 use fmu_import::Package;
 use orchestrator::analysis::from_results;
+use orchestrator::engine::Separation;
 use orchestrator::judge::Judge;
 use orchestrator::results::finished::Finished;
 use orchestrator::results::{Journal, lines};
@@ -186,7 +187,7 @@ fn journal(folder: &Path) -> Attempt {
     let header = lines::header(folder).map_err(text)?;
     let (mut journal, _) = Journal::resume(folder, &header).map_err(text)?;
     journal
-        .append(3, &Ok(vec![1.0]), orchestrator::engine::Separation::New)
+        .append(3, &Ok(vec![1.0]), Separation::New)
         .map_err(text)
 }
 

@@ -30,8 +30,8 @@ use std::process::ExitCode;
 use thiserror::Error;
 
 use crate::analysis::from_results::FolderError;
-use crate::cli::{Cli, Command};
-use crate::engine::{EngineError, guard};
+use crate::cli::{Cli, Command, Means, Parts};
+use crate::engine::{EngineError, Isolation, guard};
 use crate::failure::Failure;
 use crate::pipeline::Halt;
 use crate::pipeline::stop::INTERRUPTED;
@@ -127,16 +127,45 @@ fn dispatch(cli: Cli) -> Result<ExitCode, CommandError> {
         Command::Completion(options) => Ok(completion::run(&options)),
         Command::Simulate(options) => simulate::run(&options),
         Command::Verify(options) => verify::run(&options),
-        Command::Identify(options) => identify::run(&options),
+        Command::Identify(options) => {
+            proven(options, identify::run, |o| (&mut o.means, &mut o.parts))
+        }
         Command::Judge(options) => judge::run(&options),
         Command::Replay(options) => replay::run(&options),
         Command::Merge(options) => merge::run(&options),
         Command::Worker => guard::end(guard::serve()),
         Command::Report(options) => report::run(&options),
-        Command::Sensitivity(options) => sensitivity::run(&options),
-        Command::Robustness(options) => robustness::run(&options),
-        Command::Pareto(options) => pareto::run(&options),
+        Command::Sensitivity(options) => {
+            proven(options, sensitivity::run, |o| (&mut o.means, &mut o.parts))
+        }
+        Command::Robustness(options) => {
+            proven(options, robustness::run, |o| (&mut o.means, &mut o.parts))
+        }
+        Command::Pareto(options) => proven(options, pareto::run, |o| (&mut o.means, &mut o.parts)),
         Command::Synchronise(options) => synchronise::run(&options),
+    }
+}
+
+/// Runs an analysis of which later points depend on earlier ones. Where the processes of these turn out not to be
+/// used again, it begins again with each point alone.
+fn proven<T>(
+    mut options: T,
+    run: impl Fn(&T) -> Result<ExitCode, CommandError>,
+    settings: impl Fn(&mut T) -> (&mut Means, &mut Parts),
+) -> Result<ExitCode, CommandError> {
+    match run(&options) {
+        Err(CommandError::Halted(Halt::Engine(EngineError::Refuted))) => {
+            eprintln!(
+                "note: the FMU gives other results in a process that has computed points before: all points are \
+                 computed again, each alone"
+            );
+            let (means, parts) = settings(&mut options);
+            means.isolation = Isolation::Fresh;
+            // The journal says which points count no more; the others are kept.
+            parts.resume = true;
+            run(&options)
+        }
+        other => other,
     }
 }
 

@@ -374,7 +374,7 @@ impl Guard {
         };
         Ok(match loss {
             Loss::Signal(signal) => with_words(signal_name(*signal), self.keeper.last_line()),
-            Loss::Exit(code) => Failure::Exited(*code),
+            Loss::Exit(code) => Failure::Exited(*code, self.keeper.last_line()),
             Loss::Timeout => Failure::Timeout,
             Loss::Memory => Failure::OutOfMemory,
             Loss::Stopped => Failure::Crashed("the FMU stopped its own process".to_owned()),

@@ -44,6 +44,11 @@ pub enum EngineError {
     /// A worker was lost and cannot be replaced.
     #[error("a worker was lost: {0}")]
     Lost(String),
+    /// Earlier results, which have been used already, do not count any more.
+    #[error(
+        "the FMU gives other results in a process that has computed points before; use --isolation fresh"
+    )]
+    Refuted,
 }
 
 /// A point to run: its index, and its parameters in the FMU's units.

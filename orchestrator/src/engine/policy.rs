@@ -190,8 +190,8 @@ struct State {
     reproducible: bool,
     audits: u64,
     mismatches: u64,
-    /// How long points take alone, s: sum and number.
-    time: (f64, u64),
+    /// How long a point takes alone, s: the latest ones count most.
+    time: Option<f64>,
     dear: bool,
     /// Whether the FMU has ever been loaded.
     loaded: bool,
@@ -229,7 +229,7 @@ impl Policy {
                 reproducible: true,
                 audits: 0,
                 mismatches: 0,
-                time: (0.0, 0),
+                time: None,
                 dear: tool,
                 loaded: false,
                 instance: None,
@@ -305,12 +305,19 @@ impl Policy {
         self.state().dear
     }
 
-    /// Notes a point that was computed alone.
-    pub(super) fn note(&self, job: &Job, values: &[f64], separation: Separation, took: f64) {
+    /// Notes a point that was computed alone, and how long that took, s, where nothing else was started for it.
+    pub(super) fn note(
+        &self,
+        job: &Job,
+        values: &[f64],
+        separation: Separation,
+        took: Option<f64>,
+    ) {
         let mut state = self.state();
-        if state.alone == Some(separation) {
-            state.time.0 += took;
-            state.time.1 += 1;
+        if let (true, Some(took)) = (state.alone == Some(separation), took) {
+            const WEIGHT: f64 = 0.2;
+            let before = state.time.unwrap_or(took);
+            state.time = Some(before + WEIGHT * (took - before));
         }
         if state.proof.len() < PROOF && self.wish == Isolation::Audited {
             state.proof.push((job.clone(), values.to_vec()));
@@ -417,7 +424,7 @@ impl Policy {
 
 impl State {
     fn mean(&self) -> f64 {
-        self.time.0 / self.time.1.max(1) as f64
+        self.time.unwrap_or(0.0)
     }
 
     fn give_up_reproducing(&mut self) {

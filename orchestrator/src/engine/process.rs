@@ -160,6 +160,11 @@ impl Process {
         result
     }
 
+    /// Whether there is a guard already.
+    pub(super) fn is_running(&self) -> bool {
+        self.running.is_some()
+    }
+
     fn running(&mut self) -> Result<&mut Running, Gone> {
         if self.running.is_none() {
             self.running = Some(Running::start(&self.setup)?);

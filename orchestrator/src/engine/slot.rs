@@ -128,10 +128,11 @@ impl Slot {
         post: &mut Post<'_>,
     ) -> Result<(Found, Separation), Gone> {
         let begun = Instant::now();
+        let ready = separation == Separation::New || self.forking.is_running();
         let first = self.licensed(job, separation, None, post)?.answer;
         if let Ok(values) = &first {
-            self.policy
-                .note(job, values, separation, begun.elapsed().as_secs_f64());
+            let took = ready.then(|| begun.elapsed().as_secs_f64());
+            self.policy.note(job, values, separation, took);
             return Ok((first, separation));
         }
         let second = self.licensed(job, Separation::New, None, post)?.answer;
@@ -191,7 +192,7 @@ impl Slot {
         };
         if let Ok(values) = &answer {
             let each = begun.elapsed().as_secs_f64() / 2.0;
-            self.policy.note(job, values, Separation::New, each);
+            self.policy.note(job, values, Separation::New, Some(each));
         }
         post.answer(job.index, answer, Separation::New);
         Ok(())
@@ -422,7 +423,7 @@ fn speaks_of_the_fmu(found: &Found) -> bool {
             let by_the_fmu = ["SIGSEGV", "SIGABRT", "SIGFPE", "SIGILL", "SIGBUS"];
             by_the_fmu.iter().any(|signal| text.starts_with(signal))
         }
-        Err(Trouble::Lost(Failure::Exited(_))) => true,
+        Err(Trouble::Lost(Failure::Exited(..))) => true,
         Err(Trouble::Lost(_) | Trouble::Refused { .. } | Trouble::Unloadable(_)) => false,
     }
 }

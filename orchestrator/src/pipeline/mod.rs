@@ -61,12 +61,6 @@ pub enum Halt {
         /// Of how many.
         of: u64,
     },
-    /// Points on which the analysis has built already were computed in a process that changed their results.
-    #[error(
-        "the FMU gives other results in a process that has computed points before; add --resume --isolation fresh: \
-         it computes those points again"
-    )]
-    Spoilt,
     /// The journal cannot be read or written.
     #[error(transparent)]
     Results(#[from] ResultsError),
@@ -386,7 +380,11 @@ impl<'a> Pipeline<'a> {
                 ControlFlow::Continue(())
             }
         })?;
-        if spoilt { Err(Halt::Spoilt) } else { Ok(()) }
+        if spoilt {
+            Err(EngineError::Refuted.into())
+        } else {
+            Ok(())
+        }
     }
 
     /// The outcomes that the journal knows of the set that begins with this index.
