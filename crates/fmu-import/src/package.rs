@@ -109,6 +109,11 @@ impl Package {
         self.archive.entries()
     }
 
+    /// The names that more than one of its files has.
+    pub fn entries_twice(&self) -> &[String] {
+        self.archive.twice()
+    }
+
     /// The content of one file.
     ///
     /// # Errors
