@@ -114,6 +114,7 @@ pub fn run(cli: Cli) -> Result<ExitCode, CommandError> {
         Command::Replay(options) => replay::run(&options),
         Command::Merge(options) => merge::run(&options),
         Command::Worker => guard::end(guard::serve()),
+        Command::Probe { setup } => guard::end(check::serve(&setup)),
         Command::Report(options) => report::run(&options),
         Command::Sensitivity(options) => sensitivity::run(&options),
         Command::Robustness(options) => robustness::run(&options),

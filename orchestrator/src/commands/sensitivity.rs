@@ -16,6 +16,7 @@ use crate::report::format::number;
 use crate::report::sensitivity;
 use crate::results::origin::Origin;
 use crate::results::{ResultsError, points, write_atomically};
+use crate::table::csv_file;
 
 pub(super) fn run(options: &cli::Sensitivity) -> Result<ExitCode, CommandError> {
     let (folder, origin, result) = match &options.from {
@@ -118,13 +119,15 @@ fn keep_runs(folder: &Path, rows: &PointTable) -> Result<(), CommandError> {
     write_atomically(&folder.join("sensitivity-runs.csv"), |out| {
         let mut table = csv::Writer::from_writer(out);
         let names = columns.iter().map(|(name, _)| *name);
-        table.write_record(names.chain(["verified", "status"]))?;
+        let names = names.chain(["verified", "status"]);
+        table.write_record(names.map(|name| csv_file::cell(name).into_owned()))?;
         for row in 0..rows.len() {
             let cell = |(_, values): &(&str, &[f64])| match values[row] {
                 value if value.is_finite() => points::number(value),
                 _ => String::new(),
             };
-            let verdict = [rows.verified[row].to_string(), rows.status[row].to_string()];
+            let status = csv_file::cell(&rows.status[row]).into_owned();
+            let verdict = [rows.verified[row].to_string(), status];
             table.write_record(columns.iter().map(cell).chain(verdict))?;
         }
         table.flush()
