@@ -15,6 +15,9 @@ use fmu_import::isolation::keeper::signal_name;
 /// The most memory that a probe may use, bytes.
 const MEMORY: u64 = 8 << 30;
 
+/// The fate of a probe that takes too long.
+pub(super) const TIMEOUT: &str = "timeout";
+
 /// What became of a probe.
 #[derive(Clone, Debug)]
 pub(super) struct Outcome {
@@ -74,7 +77,7 @@ fn wait(child: &mut Child, patience: Duration) -> io::Result<End> {
             return Ok(End::Status(status));
         }
         if begun.elapsed() > patience {
-            return Ok(End::Limit("timeout"));
+            return Ok(End::Limit(TIMEOUT));
         }
         if memory(child.id()) > MEMORY {
             return Ok(End::Limit("out of memory"));

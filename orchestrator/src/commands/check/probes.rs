@@ -67,7 +67,10 @@ impl<'a> Probes<'a> {
         let mut found = self.remarks(&alone);
         let whole = match sound(&alone, 1) {
             Ok(runs) => &runs[0],
-            Err(text) => {
+            Err(mut text) => {
+                if text.ends_with(child::TIMEOUT) {
+                    text += &format!(" after {} s (--patience)", self.patience.as_secs_f64());
+                }
                 let rule = match &alone.report {
                     Some(report) if report.unloadable.is_some() => "binary-loads",
                     _ => "simulation-runs",
@@ -159,25 +162,27 @@ impl<'a> Probes<'a> {
 
     /// Values that cannot be right.
     fn shown(&self, run: &Run, described_well: bool) -> Vec<Found> {
-        let mut found = Vec::new();
+        let (mut found, mut infinite) = (Vec::new(), Vec::new());
         for (place, variable) in self.columns.iter().enumerate() {
-            let values = run.rows.iter().map(|row| number(row[place], variable));
+            let values = run
+                .rows
+                .iter()
+                .filter_map(|row| number(row[place], variable));
             if variable.causality == Causality::Parameter {
                 continue;
             }
-            if let Some(value) = values
-                .clone()
-                .skip(1)
-                .flatten()
-                .find(|value| !value.is_finite())
-            {
-                let text = format!(
-                    "{} is {value} in a simulation: no criterion can use it",
-                    variable.name
-                );
-                found.push(("output-finite", Hit::plain(text)));
+            // Before the first step, some are not known yet.
+            if let Some(value) = values.clone().skip(1).find(|value| !value.is_finite()) {
+                infinite.push(format!("{} is {value}", variable.name));
             }
-            found.extend(beyond(variable, values.flatten()));
+            found.extend(beyond(variable, values));
+        }
+        if !infinite.is_empty() {
+            let text = format!(
+                "{} in a simulation: no criterion can use it",
+                short(&infinite)
+            );
+            found.push(("output-finite", Hit::plain(text)));
         }
         if described_well {
             found.extend(self.other_starts(run));
@@ -188,8 +193,8 @@ impl<'a> Probes<'a> {
     /// Parameters that the binary starts with another value than the description says.
     fn other_starts(&self, run: &Run) -> Option<Found> {
         const ROUNDING: f64 = 1e-6;
-        let last = run.rows.last()?;
-        let parameters = self.columns.iter().zip(last);
+        let first = run.rows.first()?;
+        let parameters = self.columns.iter().zip(first);
         let others: Vec<String> = parameters
             .filter(|(variable, _)| variable.causality == Causality::Parameter)
             .filter_map(|(variable, bits)| {
@@ -338,6 +343,10 @@ impl<'a> Probes<'a> {
     /// How much half the step changes. It may: a note.
     fn halved(&self, whole: &Run) -> io::Result<Option<Found>> {
         const MUCH: f64 = 0.01;
+        // Where it ends depends on the step that it refuses.
+        if whole.ended.is_some() {
+            return Ok(None);
+        }
         let outcome = self.run(Life::Halved, None)?;
         let runs = match sound(&outcome, 1) {
             Ok(runs) => runs,

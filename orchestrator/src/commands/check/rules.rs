@@ -67,7 +67,7 @@ pub(super) static RULES: &[Rule] = &[
     rule("stop-after-start", Error, "FMI 2.0.5, 2.2.5", "stopTime is later than startTime", Document(values::stop)),
     rule("step-within", Warning, "FMI 2.0.5, 2.2.5", "stepSize is not longer than the experiment", Document(values::long_step)),
     rule("tool-unique", Error, "FMI 2.0.5, 2.2.6", "annotations are of a tool each", Document(definitions::tools)),
-    rule("source-file-unique", Error, "FMI 2.0.5, 4.3.1", "source files have names of their own", Document(definitions::source_files)),
+    rule("source-file-unique", Warning, "FMI 2.0.5, 4.3.1", "source files have names of their own", Document(definitions::source_files)),
     rule("serialize-needs-state", Error, "FMI 2.0.5, 4.3.1", "canSerializeFMUstate implies canGetAndSetFMUstate", Document(definitions::serialized_states)),
     rule("exchange-only", Error, "FMI 2.0.5, 2.2.7", "reinit and canHandleMultipleSetPerTimeInstant are for Model Exchange", Document(definitions::exchange_only)),
     // Variables.

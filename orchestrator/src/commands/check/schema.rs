@@ -245,7 +245,7 @@ pub(super) fn typeless(document: &Document<'_>) -> Vec<Hit> {
 
 /// Values that are not of their attribute's type, where nobody else reads them.
 pub(super) fn values(document: &Document<'_>) -> Vec<Hit> {
-    visit(document, |node, (_, attributes, _), hits| {
+    let mut wrong = visit(document, |node, (_, attributes, _), hits| {
         for (names, is, what) in TYPED {
             for name in names
                 .split(' ')
@@ -256,11 +256,18 @@ pub(super) fn values(document: &Document<'_>) -> Vec<Hit> {
                 }
             }
         }
-    })
+    });
+    let remarks = &document.read.remarks;
+    // What the reader has used, it has remarked on.
+    wrong.retain(|hit| remarks.iter().all(|remark| Some(remark.line) != hit.line));
+    wrong
 }
 
-/// Attributes that the reader does not use: what their values are, and what they are else.
-const TYPED: [(&str, fn(&str) -> bool, &str); 4] = [
+/// Attributes, whether a text is one of their values, and what it is else.
+type Typed = (&'static str, fn(&str) -> bool, &'static str);
+
+/// Attributes that the reader does not use.
+const TYPED: [Typed; 4] = [
     (
         "canNotUseMemoryManagementFunctions providesDirectionalDerivative completedIntegratorStepNotNeeded unbounded \
          reinit canHandleMultipleSetPerTimeInstant",

@@ -53,7 +53,10 @@ pub(super) fn derivatives_missing(document: &Document<'_>) -> Vec<Hit> {
         return Vec::new();
     }
     missing(document, "Derivatives", &|scalar| {
-        scalar.typed.has_attribute("derivative") && !scalar.is_settable()
+        let state = scalar.typed.attribute("derivative");
+        let state = state.and_then(|index| position(index, &document.scalars));
+        let state = state.and_then(|place| document.scalars[place].as_ref());
+        state.is_some_and(|state| state.kind() == "Real") && !scalar.is_settable()
     })
 }
 
@@ -112,8 +115,10 @@ pub(super) fn initial_unknowns_surplus(document: &Document<'_>) -> Vec<Hit> {
     let surplus = |unknown: &Node<'_, '_>| {
         let place = position(unknown.attribute("index")?, &document.scalars)?;
         let scalar = document.scalars[place].as_ref()?;
+        // An output that is not computed does no harm here.
         let wanted = scalar.causality == "calculatedParameter"
-            || (is_output(scalar) || states.contains(&place)) && is_guessed(scalar);
+            || is_output(scalar)
+            || states.contains(&place) && is_guessed(scalar);
         (!wanted).then_some(scalar.name.to_owned())
     };
     let names: Vec<String> = unknowns(structure, "InitialUnknowns")
