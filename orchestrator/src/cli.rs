@@ -5,10 +5,12 @@ mod fmu;
 mod running;
 mod study;
 
+use std::path::PathBuf;
+
 use clap::{Args, Parser, Subcommand};
 
 pub use analysis::{Pareto, Robustness, Sensitivity, Synchronise};
-pub use fmu::{Check, Init, Inspect, Simulate};
+pub use fmu::{Check, Format, Init, Inspect, Simulate};
 pub use running::{Means, Parts};
 pub use study::{Identify, Judge, Merge, Replay, Report, Verify};
 
@@ -50,6 +52,12 @@ pub enum Command {
     /// Runs points for another process of this program
     #[command(hide = true)]
     Worker,
+    /// Simulates once for `check`
+    #[command(hide = true)]
+    Probe {
+        /// What to do
+        setup: PathBuf,
+    },
     /// Writes the page of a finished study again
     Report(Report),
     /// Tells which parameter matters: Sobol indices, screening, or from existing points

@@ -41,6 +41,7 @@ impl Failure {
         match call.status {
             Status::Discard => Self::Discard(text),
             Status::Fatal => Self::Fatal(text),
+            Status::Pending => Self::Error(format!("fmi2Pending: {text}")),
             Status::Unknown(number) => Self::Error(format!("unknown status {number}: {text}")),
             _ => Self::Error(text),
         }

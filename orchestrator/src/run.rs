@@ -14,7 +14,7 @@ use crate::failure::Failure;
 use crate::statistics::Accumulator;
 use crate::statistics::Statistic;
 use crate::task::Task;
-use fmu_import::{Call, Content, Instance, Library, State};
+use fmu_import::{Call, Content, End, Instance, Library, State, Warnings};
 use watched::Watched;
 
 /// Runs points, reusing the instance where the FMU can be reset.
@@ -37,6 +37,11 @@ pub struct Runner {
     /// The numbers of the other probes that are read there.
     slow: Vec<(usize, Accumulator)>,
     results: Vec<f64>,
+    /// When the FMU ended the last simulation by itself, s.
+    ended: Option<f64>,
+    /// Of the last trajectory: its warnings, and why it could not be ended.
+    warnings: Option<Warnings>,
+    unfinished: Option<Call>,
 }
 
 /// How a process that runs many points goes from one to the next.
@@ -98,6 +103,9 @@ impl Runner {
                 .map(|index| (index, Accumulator::new(task.observed[index].statistic)))
                 .collect(),
             results: vec![0.0; task.observed.len()],
+            ended: None,
+            warnings: None,
+            unfinished: None,
             task,
         }
     }
@@ -138,7 +146,8 @@ impl Runner {
             Err(failure) => tell(self, Err(&failure)),
         }
         if !failed {
-            held.instance.terminate();
+            // The answer has been told; what becomes of the instance changes nothing.
+            let _ = held.instance.terminate();
         }
     }
 
@@ -154,6 +163,22 @@ impl Runner {
             Some(index) => Err(Failure::NotFinite(self.task.observed[index].name.clone())),
             None => Ok(()),
         }
+    }
+
+    /// When the FMU ended the last simulation by itself, s, as the standard allows (`fmi2Discard` with
+    /// `fmi2Terminated`). Its results are those until then.
+    pub fn ended(&self) -> Option<f64> {
+        self.ended
+    }
+
+    /// The warnings of the last trajectory.
+    pub fn warnings(&self) -> Option<&Warnings> {
+        self.warnings.as_ref()
+    }
+
+    /// Why the last trajectory could not be ended (`fmi2Terminate`), though all of it was computed.
+    pub fn unfinished(&self) -> Option<&Call> {
+        self.unfinished.as_ref()
     }
 
     /// Simulates one point. The values are in the FMU's units, one for each of
@@ -181,8 +206,10 @@ impl Runner {
         // An instance that failed is not used again.
         self.simulate(&mut held.instance, values)
             .map_err(|call| Failure::from_call(&call))?;
-        held.instance.terminate();
-        self.used = Some(held);
+        // The results stand, but an instance that cannot end properly is not used again.
+        if held.instance.terminate().is_ok() {
+            self.used = Some(held);
+        }
         Ok(())
     }
 
@@ -221,6 +248,7 @@ impl Runner {
         let mut held = self.prepared()?;
         let instance = &mut held.instance;
         let schedule = self.task.schedule;
+        let mut ended = None;
         let mut run = || -> Result<(), Trouble<E>> {
             start(&self.task, instance, values)?;
             read(schedule.start, instance)?;
@@ -229,14 +257,22 @@ impl Runner {
                 let next = points.at(index);
                 feed(&self.task, instance, time)?;
                 ramp(&self.task, instance, time, next)?;
-                instance.step(time, next - time)?;
+                if let Err(call) = instance.step(time, next - time) {
+                    // An end that the FMU chose is no failure; its last values count.
+                    let end = call.ended.ok_or(call)?;
+                    ended = Some(end.at);
+                    return read(end.at, instance);
+                }
                 read(next, instance)?;
                 time = next;
             }
             Ok(())
         };
-        match run() {
+        let result = run();
+        self.ended = ended;
+        match result {
             Ok(()) => {
+                self.warnings = Some(instance.warnings().clone());
                 self.used = Some(held);
                 Ok(())
             }
@@ -248,7 +284,7 @@ impl Runner {
     /// Ends the instance of a trajectory that went to its end.
     pub fn end(&mut self) {
         if let Some(mut held) = self.used.take() {
-            held.instance.terminate();
+            self.unfinished = held.instance.terminate().err();
         }
     }
 
@@ -296,20 +332,35 @@ impl Runner {
     }
 
     fn simulate(&mut self, instance: &mut Instance, values: &[f64]) -> Result<(), Call> {
+        self.ended = None;
         start(&self.task, instance, values)?;
         let points = self.task.schedule.points();
-        let mut span = 0.0;
         if self.watched.probes.is_empty() && self.slow.is_empty() {
-            self.advance::<false>(instance, &points, 0..points.steps)?;
-        } else {
-            self.forget();
-            let from = points.from(self.task.schedule.window_start);
-            self.advance::<false>(instance, &points, 0..from)?;
-            self.watch(instance, 0.0)?;
-            self.advance::<true>(instance, &points, from..points.steps)?;
-            span = points.at(points.steps) - points.at(from);
+            let steps = self.advance::<false>(instance, &points, 0..points.steps);
+            self.until_its_end(steps)?;
+            return self.finish(instance, 0.0);
         }
-        self.finish(instance, span)
+        self.forget();
+        let from = points.from(self.task.schedule.window_start);
+        let before = self.advance::<false>(instance, &points, 0..from);
+        before.map_err(before_the_window)?;
+        self.watch(instance, 0.0)?;
+        let steps = self.advance::<true>(instance, &points, from..points.steps);
+        let mut stop = points.at(points.steps);
+        if let Some(end) = self.until_its_end(steps)? {
+            // The part of a step that was computed counts, too.
+            self.watch(instance, end.at - end.from)?;
+            stop = end.at;
+        }
+        self.finish(instance, stop - points.at(from))
+    }
+
+    /// Where the FMU has ended the simulation by itself; no failure then.
+    fn until_its_end(&mut self, steps: Result<(), Call>) -> Result<Option<End>, Call> {
+        let Err(call) = steps else { return Ok(None) };
+        let end = call.ended.ok_or(call)?;
+        self.ended = Some(end.at);
+        Ok(Some(end))
     }
 
     fn forget(&mut self) {
@@ -350,6 +401,16 @@ impl<E> From<Call> for Trouble<E> {
     fn from(call: Call) -> Self {
         Self::Call(call)
     }
+}
+
+/// Statistics over a window cannot be taken where the FMU ends the simulation before it.
+fn before_the_window(mut call: Call) -> Call {
+    if let Some(End { at, .. }) = call.ended {
+        let message =
+            format!("the FMU ended the simulation at {at} s, before the window of the statistics");
+        call.message = Some(message);
+    }
+    call
 }
 
 /// Sets the start values and initialises.

@@ -32,6 +32,6 @@ fn main() -> Result<(), Box<dyn Error>> {
             println!("{} s: {} = {value:?}", time(index + 1), output.name);
         }
     }
-    instance.terminate();
+    instance.terminate()?;
     Ok(())
 }

@@ -13,6 +13,8 @@ use thiserror::Error;
 use zip::ZipArchive;
 use zip::result::ZipError;
 
+use crate::directory;
+
 /// More entries than any FMU has.
 const MAX_ENTRIES: usize = 100_000;
 /// The largest unpacked size, bytes.
@@ -83,6 +85,12 @@ pub enum ArchiveError {
     /// There is no binary for this platform.
     #[error("no binary for this platform ({PLATFORM}); the FMU holds {}", available(.0))]
     NoBinary(Vec<String>),
+    /// The binary for this platform has another name than the model.
+    #[error("{0}: the binary is named otherwise than modelIdentifier: call it {1}")]
+    OtherName(String, String),
+    /// An entry is there twice, and readers differ in which one they take.
+    #[error("refused: two entries `{0}`: remove one of them")]
+    Twice(String),
     /// An entry would be written outside the target folder, or is a link.
     #[error(
         "refused: the entry `{0}` is a link, lies outside the archive or has a name that not every system takes"
@@ -141,6 +149,8 @@ pub(crate) enum Archive {
     Zip {
         path: PathBuf,
         zip: ZipArchive<File>,
+        /// The names that more than one entry has.
+        twice: Vec<String>,
     },
 }
 
@@ -164,8 +174,9 @@ impl Archive {
         if zip.len() > MAX_ENTRIES {
             return Err(ArchiveError::TooLarge);
         }
+        let twice = directory::names_twice(path, zip.central_directory_start())?;
         let path = path.to_owned();
-        Ok(Self::Zip { path, zip })
+        Ok(Self::Zip { path, zip, twice })
     }
 
     /// The bytes of `modelDescription.xml`.
@@ -178,9 +189,12 @@ impl Archive {
                 };
                 file.take(MAX_DESCRIPTION + 1).read_to_end(&mut bytes)?;
             }
-            Self::Zip { zip, .. } => {
+            Self::Zip { zip, twice, .. } => {
                 if zip.index_for_name(DESCRIPTION).is_none() {
                     return Err(self.no_description());
+                }
+                if twice.iter().any(|name| name == DESCRIPTION) {
+                    return Err(ArchiveError::Twice(DESCRIPTION.to_owned()));
                 }
                 bytes = content(zip, DESCRIPTION, MAX_DESCRIPTION + 1)?;
             }
@@ -211,6 +225,28 @@ impl Archive {
                 .map(Cow::into_owned)
                 .collect(),
         }
+    }
+
+    /// The names that more than one entry has.
+    pub(crate) fn twice(&self) -> &[String] {
+        match self {
+            Self::Folder(_) => &[],
+            Self::Zip { twice, .. } => twice,
+        }
+    }
+
+    /// A binary for this platform that has another name than the model.
+    fn misnamed(&self, identifier: &str) -> Option<ArchiveError> {
+        let (folder, end) = (format!("binaries/{PLATFORM}/"), format!(".{EXTENSION}"));
+        let is_binary = |entry: &&String| {
+            let file = entry.strip_prefix(&folder);
+            file.is_some_and(|file| !file.contains('/') && file.ends_with(&end))
+        };
+        let entries = self.entries();
+        let mut binaries = entries.iter().filter(is_binary);
+        let only = binaries.next().filter(|_| binaries.next().is_none())?;
+        let wanted = format!("{identifier}{end}");
+        Some(ArchiveError::OtherName(only.clone(), wanted))
     }
 
     /// The content of one file.
@@ -274,7 +310,8 @@ impl Archive {
     ) -> Result<TempDir, ArchiveError> {
         let platforms = self.platforms(identifier);
         if !platforms.iter().any(|platform| platform == PLATFORM) {
-            return Err(ArchiveError::NoBinary(platforms));
+            let otherwise = || ArchiveError::NoBinary(platforms);
+            return Err(self.misnamed(identifier).unwrap_or_else(otherwise));
         }
         let target = tempfile::Builder::new().prefix("fmu-").tempdir_in(parent)?;
         if let Self::Zip { zip, .. } = self {
@@ -456,6 +493,34 @@ mod tests {
             .unpack("m", &std::env::temp_dir())
             .unwrap_err();
         assert!(error.to_string().contains("holds other"), "{error}");
+    }
+
+    #[test]
+    fn names_a_binary_of_another_name() {
+        let other = format!("binaries/{PLATFORM}/n.{EXTENSION}");
+        let (_folder, path) = archive(&[(DESCRIPTION, b"<x/>"), (&other, b"")]);
+        let error = Archive::open(&path)
+            .unwrap()
+            .unpack("m", &std::env::temp_dir())
+            .unwrap_err();
+        let text = error.to_string();
+        assert!(text.starts_with(&other), "{text}");
+        assert!(text.ends_with(&format!("call it m.{EXTENSION}")), "{text}");
+    }
+
+    #[test]
+    fn refuses_two_descriptions() {
+        // The writer refuses a second entry of a name, so it gets its name afterwards.
+        let (_folder, path) = archive(&[(DESCRIPTION, b"<x/>"), ("modelDescription.XML", b"<y/>")]);
+        let mut bytes = fs::read(&path).unwrap();
+        let other = b"modelDescription.XML";
+        while let Some(at) = bytes.windows(other.len()).position(|part| part == other) {
+            bytes[at..at + other.len()].copy_from_slice(DESCRIPTION.as_bytes());
+        }
+        fs::write(&path, bytes).unwrap();
+        let mut archive = Archive::open(&path).unwrap();
+        let error = archive.description().unwrap_err();
+        assert!(matches!(error, ArchiveError::Twice(_)), "{error}");
     }
 
     #[test]

@@ -57,6 +57,27 @@ pub struct Call {
     pub status: Status,
     /// What the FMU said.
     pub message: Option<String>,
+    /// Where the FMU has ended the simulation by itself, which the standard allows: it has refused the step
+    /// (`fmi2Discard`) and said that it wants no further one (`fmi2Terminated`).
+    pub ended: Option<End>,
+}
+
+/// How far an FMU got that ended the simulation by itself.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct End {
+    /// When its last step began, s.
+    pub from: f64,
+    /// The time that it reached, s.
+    pub at: f64,
+}
+
+/// What calls said beside that they were done.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Warnings {
+    /// How many calls returned `fmi2Warning` since the instance was created or reset.
+    pub count: u64,
+    /// The first of them: its function, and what the FMU said.
+    pub first: Option<String>,
 }
 
 impl Call {

@@ -1,7 +1,9 @@
 //! What `modelDescription.xml` says of an FMU.
 
+use std::fmt;
+
 use indexmap::IndexMap;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use crate::units::{Conversion, UnitError, Units};
 use crate::value::{Content, Handle};
@@ -34,7 +36,43 @@ pub struct Description {
     /// The variables by name, in the order of the file.
     pub variables: IndexMap<String, Variable>,
     /// What is not as the standard wants it, but does not prevent a simulation.
-    pub remarks: Vec<String>,
+    pub remarks: Vec<Remark>,
+}
+
+/// Something in a model description that is not as the standard wants it, and was read all the same.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Remark {
+    /// The line in `modelDescription.xml`, from 1.
+    pub line: usize,
+    /// What it concerns.
+    pub about: About,
+    /// What is wrong, and what became of it.
+    pub text: String,
+}
+
+/// What a [`Remark`] concerns.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum About {
+    /// The bytes of the file.
+    Encoding,
+    /// An attribute's value.
+    Value,
+    /// A variable's name.
+    Name,
+    /// A variable that cannot be used.
+    Variable,
+}
+
+impl fmt::Display for Remark {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "line {}: {}", self.line, self.text)
+    }
+}
+
+impl Serialize for Remark {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
 }
 
 /// What an FMU says of its abilities.

@@ -1,14 +1,14 @@
 //! One simulation of an FMU.
 
-use std::ffi::{CString, c_char, c_int, c_void};
+use std::ffi::{CString, c_char, c_int};
 use std::ptr;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
-use crate::call::{Call, Status};
-use crate::library::{Callbacks, Component, Functions, Library};
-use crate::logger::{Log, fmu_import_logger};
+use crate::call::{Call, End, Status, Warnings};
+use crate::library::{Component, Functions, Library};
+use crate::logger::Log;
 use crate::value::{Content, Handle, Value};
 
 /// One instance. It may move between threads, but only one at a time may use it.
@@ -20,9 +20,8 @@ pub struct Instance {
     /// The library's, close at hand.
     pub(crate) functions: Functions,
     pub(crate) component: Component,
-    // Both are known to the FMU by address: they must outlive the component.
-    pub(crate) log: Box<Log>,
-    _callbacks: Box<Callbacks>,
+    pub(crate) log: Log,
+    pub(crate) warnings: Warnings,
     pub(crate) dead: bool,
 }
 
@@ -30,34 +29,24 @@ pub struct Instance {
 // and the missing `Sync` rule out.
 unsafe impl Send for Instance {}
 
-unsafe extern "C" fn step_finished(_: *mut c_void, _: c_int) {}
-
 impl Instance {
     /// Creates an instance.
     ///
     /// # Errors
     /// When the FMU refuses.
     pub fn new(library: &Arc<Library>, name: &str) -> Result<Self, Call> {
-        let log = Box::new(Log::default());
-        let callbacks = Box::new(Callbacks {
-            logger: fmu_import_logger,
-            allocate_memory: libc::calloc,
-            free_memory: libc::free,
-            step_finished,
-            environment: ptr::from_ref::<Log>(&log).cast(),
-        });
+        let log = Log::open();
         let [name, guid, resources] =
             [name, library.guid.as_str(), library.resources.as_str()].map(c_string);
         const CO_SIMULATION: c_int = 1;
-        // SAFETY: the strings live through the call; the callbacks and the log outlive the
-        // component, since this value owns them.
+        // SAFETY: the strings live through the call, and the callbacks for ever.
         let component = unsafe {
             (library.functions.instantiate)(
                 name.as_ptr(),
                 CO_SIMULATION,
                 guid.as_ptr(),
                 resources.as_ptr(),
-                &raw const *callbacks,
+                log.callbacks(),
                 0,
                 0,
             )
@@ -67,6 +56,7 @@ impl Instance {
                 function: "fmi2Instantiate",
                 status: Status::Error,
                 message: log.last(),
+                ended: None,
             });
         }
         static CREATED: AtomicU64 = AtomicU64::new(0);
@@ -76,18 +66,18 @@ impl Instance {
             functions: library.functions,
             component,
             log,
-            _callbacks: callbacks,
+            warnings: Warnings::default(),
             dead: false,
         };
-        instance.log_errors();
+        instance.log_troubles();
         Ok(instance)
     }
 
-    /// Asks the FMU for its error messages, where it has a category for them.
-    fn log_errors(&mut self) {
+    /// Asks the FMU for its errors and warnings, where it has categories for them.
+    fn log_troubles(&mut self) {
         let library = Arc::clone(&self.library);
         let names: Vec<CString> = library
-            .error_categories
+            .categories
             .iter()
             .map(|name| c_string(name))
             .collect();
@@ -107,10 +97,34 @@ impl Instance {
     #[inline]
     pub(crate) fn check(&mut self, function: &'static str, status: c_int) -> Result<(), Call> {
         match status {
-            // Ok and warning.
-            0 | 1 => Ok(()),
+            0 => Ok(()),
+            1 => {
+                self.warned(function);
+                Ok(())
+            }
             status => Err(self.failed(function, Status::from(status))),
         }
+    }
+
+    #[cold]
+    fn warned(&mut self, function: &str) {
+        self.warnings.count += 1;
+        if self.warnings.first.is_none() {
+            self.warnings.first = Some(match self.log.last() {
+                Some(message) => format!("{function}: {message}"),
+                None => function.to_owned(),
+            });
+        }
+    }
+
+    /// The warnings since the instance was created or reset.
+    pub fn warnings(&self) -> &Warnings {
+        &self.warnings
+    }
+
+    /// How many messages the FMU has passed to the logger with an environment that is not its own.
+    pub fn strays(&self) -> u64 {
+        self.log.strays()
     }
 
     #[cold]
@@ -120,6 +134,7 @@ impl Instance {
             function,
             status,
             message: self.log.last(),
+            ended: None,
         }
     }
 
@@ -129,6 +144,7 @@ impl Instance {
             function,
             status: Status::Error,
             message: Some("the FMU does not export the function".to_owned()),
+            ended: None,
         }
     }
 
@@ -172,7 +188,8 @@ impl Instance {
     /// Lets `step` seconds pass from `time`.
     ///
     /// # Errors
-    /// When the step is refused or fails.
+    /// When the step is refused or fails, and when the FMU ends the simulation by itself: then [`Call::ended`] says
+    /// when, and the instance holds its last values.
     #[inline]
     pub fn step(&mut self, time: f64, step: f64) -> Result<(), Call> {
         // SAFETY: the component is alive.
@@ -180,11 +197,11 @@ impl Instance {
         if status == 0 {
             return Ok(());
         }
-        self.slow_step(status)
+        self.slow_step(status, time, step)
     }
 
     #[cold]
-    fn slow_step(&mut self, mut status: c_int) -> Result<(), Call> {
+    fn slow_step(&mut self, mut status: c_int, time: f64, step: f64) -> Result<(), Call> {
         while Status::from(status) == Status::Pending {
             std::thread::sleep(Duration::from_micros(100));
             status = self.pending_step()?;
@@ -192,7 +209,8 @@ impl Instance {
         let result = self.check("fmi2DoStep", status);
         result.map_err(|mut call| {
             if call.status == Status::Discard && self.wants_to_stop() {
-                call.message = Some("the FMU ended the simulation early".to_owned());
+                let at = self.reached(time, step);
+                call.ended = Some(End { from: time, at });
             }
             call
         })
@@ -201,13 +219,31 @@ impl Instance {
     /// The present status of a step that returned before it was done.
     fn pending_step(&mut self) -> Result<c_int, Call> {
         const DO_STEP_STATUS: c_int = 0;
-        let function = self.functions.get_status;
-        let function = function.ok_or_else(|| Self::missing("fmi2GetStatus"))?;
+        let forsaken = |why: &str| Call {
+            function: "fmi2DoStep",
+            status: Status::Pending,
+            message: Some(format!("nobody can tell when the step is done, as {why}")),
+            ended: None,
+        };
+        let Some(function) = self.functions.get_status else {
+            return Err(forsaken("the FMU does not export fmi2GetStatus"));
+        };
         let mut status: c_int = 0;
         // SAFETY: the component is alive, and the status is a valid place to write to.
         let call = unsafe { function(self.component, DO_STEP_STATUS, &raw mut status) };
-        self.check("fmi2GetStatus", call)?;
-        Ok(status)
+        match self.check("fmi2GetStatus", call) {
+            Ok(()) => Ok(status),
+            Err(Call {
+                status: Status::Fatal,
+                message,
+                ..
+            }) => Err(Call {
+                status: Status::Fatal,
+                message,
+                ..forsaken("")
+            }),
+            Err(call) => Err(forsaken(&format!("fmi2GetStatus returned {}", call.status))),
+        }
     }
 
     /// Whether the FMU refused the step because it wants no further ones.
@@ -216,9 +252,24 @@ impl Instance {
         let mut terminated: c_int = 0;
         self.functions.get_boolean_status.is_some_and(|function| {
             // SAFETY: the component is alive, and the flag is a valid place to write to.
-            unsafe { function(self.component, TERMINATED, &raw mut terminated) };
-            terminated != 0
+            let status = unsafe { function(self.component, TERMINATED, &raw mut terminated) };
+            matches!(status, 0 | 1) && terminated != 0
         })
+    }
+
+    /// The time up to which a refused step was computed; its beginning where the FMU says nothing sensible.
+    fn reached(&self, time: f64, step: f64) -> f64 {
+        const LAST_SUCCESSFUL_TIME: c_int = 2;
+        let mut reached = time;
+        if let Some(function) = self.functions.get_real_status {
+            // SAFETY: the component is alive, and the time is a valid place to write to.
+            let status =
+                unsafe { function(self.component, LAST_SUCCESSFUL_TIME, &raw mut reached) };
+            if !matches!(status, 0 | 1) || !(time..=time + step).contains(&reached) {
+                return time;
+            }
+        }
+        reached
     }
 
     /// Reads real variables.
@@ -372,18 +423,23 @@ impl Instance {
         let reset = self.functions.reset;
         let reset = reset.ok_or_else(|| Self::missing("fmi2Reset"))?;
         self.log.clear();
+        self.warnings = Warnings::default();
         // SAFETY: the component is alive.
         let status = unsafe { reset(self.component) };
         self.check("fmi2Reset", status)
     }
 
-    /// Ends a simulation that was initialised. What the FMU returns no longer matters.
-    pub fn terminate(&mut self) {
-        if let (Some(terminate), false) = (self.functions.terminate, self.dead) {
-            // SAFETY: the component is alive.
-            let status = unsafe { terminate(self.component) };
-            self.dead |= Status::from(status) == Status::Fatal;
-        }
+    /// Ends a simulation that was initialised.
+    ///
+    /// # Errors
+    /// When the FMU refuses. What was computed before holds all the same.
+    pub fn terminate(&mut self) -> Result<(), Call> {
+        let (Some(terminate), false) = (self.functions.terminate, self.dead) else {
+            return Ok(());
+        };
+        // SAFETY: the component is alive.
+        let status = unsafe { terminate(self.component) };
+        self.check("fmi2Terminate", status)
     }
 }
 

@@ -4,11 +4,13 @@ pub mod archive;
 pub mod call;
 mod decode;
 pub mod description;
+mod directory;
 pub mod instance;
 #[cfg(unix)]
 pub mod isolation;
 pub mod library;
 mod logger;
+pub mod needed;
 pub mod package;
 mod parse;
 pub mod state;
@@ -16,8 +18,8 @@ pub mod units;
 pub mod value;
 
 pub use archive::ArchiveError;
-pub use call::{Call, Status};
-pub use description::{Causality, Description, Kind, Variability, Variable};
+pub use call::{Call, End, Status, Warnings};
+pub use description::{Causality, Description, Kind, Remark, Variability, Variable};
 pub use instance::Instance;
 pub use library::{Library, LibraryError};
 pub use package::{FmuError, Package, digest};

@@ -3,7 +3,7 @@
 //! Unloading is left out on purpose: thread-local destructors and threads of an FMU that outlive
 //! its code crash the process, and a process loads few FMUs.
 
-use std::ffi::{c_char, c_int, c_void};
+use std::ffi::{CStr, c_char, c_int, c_void};
 use std::path::{Path, PathBuf};
 
 use libloading::Library as Loaded;
@@ -11,6 +11,7 @@ use thiserror::Error;
 
 use crate::archive;
 use crate::description::Description;
+use crate::needed;
 
 /// Why a binary cannot be loaded.
 #[derive(Debug, Error)]
@@ -41,6 +42,8 @@ type PutState = unsafe extern "C" fn(Component, *mut c_void) -> c_int;
 type SetSlopes =
     unsafe extern "C" fn(Component, *const u32, usize, *const c_int, *const f64) -> c_int;
 type Plain = unsafe extern "C" fn(Component) -> c_int;
+/// `fmi2GetVersion` and `fmi2GetTypesPlatform`.
+type Text = unsafe extern "C" fn() -> *const c_char;
 
 /// The struct `fmi2CallbackFunctions`.
 #[repr(C)]
@@ -56,6 +59,8 @@ pub(crate) struct Callbacks {
 /// The functions of FMI 2.0 for Co-Simulation that an importer calls.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Functions {
+    pub(crate) get_version: Option<Text>,
+    pub(crate) get_types_platform: Option<Text>,
     pub(crate) instantiate: unsafe extern "C" fn(
         *const c_char,
         c_int,
@@ -88,6 +93,7 @@ pub(crate) struct Functions {
     pub(crate) set_slopes: Option<SetSlopes>,
     pub(crate) do_step: unsafe extern "C" fn(Component, f64, f64, c_int) -> c_int,
     pub(crate) get_status: Option<unsafe extern "C" fn(Component, c_int, *mut c_int) -> c_int>,
+    pub(crate) get_real_status: Option<unsafe extern "C" fn(Component, c_int, *mut f64) -> c_int>,
     pub(crate) get_boolean_status:
         Option<unsafe extern "C" fn(Component, c_int, *mut c_int) -> c_int>,
 }
@@ -98,7 +104,7 @@ pub struct Library {
     pub(crate) functions: Functions,
     pub(crate) guid: String,
     pub(crate) resources: String,
-    pub(crate) error_categories: Vec<String>,
+    pub(crate) categories: Vec<String>,
     name: String,
     once: bool,
 }
@@ -112,12 +118,14 @@ impl Library {
         if !description.capabilities.can_get_and_set_fmu_state {
             functions.states = None;
         }
-        let error_categories = description
+        let categories = description
             .log_categories
             .iter()
             .filter(|name| {
                 let name = name.to_lowercase();
-                name.contains("error") || name.contains("fatal")
+                ["error", "fatal", "warning", "discard"]
+                    .iter()
+                    .any(|word| name.contains(word))
             })
             .cloned()
             .collect();
@@ -128,7 +136,7 @@ impl Library {
                 .can_be_instantiated_only_once_per_process,
             guid: description.guid.clone(),
             resources,
-            error_categories,
+            categories,
             name: description.model_name.clone(),
         })
     }
@@ -142,6 +150,28 @@ impl Library {
     pub fn name(&self) -> &str {
         &self.name
     }
+
+    /// The version of FMI that the binary was compiled with; usually `2.0`.
+    pub fn version(&self) -> Option<String> {
+        self.functions.get_version.and_then(text)
+    }
+
+    /// The types that the binary was compiled with; usually `default`.
+    pub fn types_platform(&self) -> Option<String> {
+        self.functions.get_types_platform.and_then(text)
+    }
+}
+
+/// The text that a function without arguments returns.
+fn text(function: Text) -> Option<String> {
+    // SAFETY: FMI 2.0 lets these functions be called at any time.
+    let text = unsafe { function() };
+    if text.is_null() {
+        return None;
+    }
+    // SAFETY: FMI 2.0 returns a zero-terminated string that stays where it is.
+    let text = unsafe { CStr::from_ptr(text) };
+    Some(text.to_string_lossy().into_owned())
 }
 
 /// A folder as `file:///...`, percent-encoded.
@@ -173,13 +203,25 @@ fn functions(path: &Path) -> Result<Functions, LibraryError> {
     // SAFETY: running the initialisers of the binary is what the user asked for; the caller
     // decides in which process.
     let library = unsafe { Loaded::new(&path) }.map_err(|error| LibraryError::Load {
-        reason: plain(&error),
+        reason: reason(&path, &error),
         path,
     })?;
     let functions = table(&library);
     // Never unloaded, see above.
     std::mem::forget(library);
     functions
+}
+
+/// Why the loader refused: all libraries that are missing, of which it names the first only, or else its own words.
+fn reason(path: &Path, error: &libloading::Error) -> String {
+    match &needed::missing(path)[..] {
+        [] => plain(error),
+        [one] => format!("it needs {one}, which is not there: install it"),
+        some => format!(
+            "it needs {}, which are not there: install them",
+            some.join(", ")
+        ),
+    }
 }
 
 /// The loader's own words, on one line.
@@ -212,6 +254,8 @@ fn table(library: &Loaded) -> Result<Functions, LibraryError> {
         ))
     };
     Ok(Functions {
+        get_version: symbol(library, "fmi2GetVersion").ok(),
+        get_types_platform: symbol(library, "fmi2GetTypesPlatform").ok(),
         states: states(),
         instantiate: symbol(library, "fmi2Instantiate")?,
         free_instance: symbol(library, "fmi2FreeInstance")?,
@@ -232,6 +276,7 @@ fn table(library: &Loaded) -> Result<Functions, LibraryError> {
         set_slopes: symbol(library, "fmi2SetRealInputDerivatives").ok(),
         do_step: symbol(library, "fmi2DoStep")?,
         get_status: symbol(library, "fmi2GetStatus").ok(),
+        get_real_status: symbol(library, "fmi2GetRealStatus").ok(),
         get_boolean_status: symbol(library, "fmi2GetBooleanStatus").ok(),
     })
 }

@@ -1,41 +1,161 @@
 //! Receives the messages of an FMU.
+//!
+//! An FMU may call its logger with any environment, from any thread, even after `fmi2FreeInstance`. So the
+//! environment is no pointer but a ticket, which is looked up, and what an FMU knows by address is never freed:
+//! each instance takes a seat, and seats of instances that have gone are taken again.
 
 use std::collections::VecDeque;
 use std::ffi::{CStr, c_char, c_int, c_void};
 use std::panic::catch_unwind;
-use std::sync::{Mutex, PoisonError};
+use std::ptr;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use crate::library::Callbacks;
 
 /// Messages kept; the oldest go first, so that a chatty FMU costs no memory.
 const KEPT: usize = 32;
 
-/// The last messages of one instance.
+/// The ticket of the first seat: unlike the small numbers that some FMUs pass as their environment.
+const FIRST: usize = 0x6d75_0001;
+
+/// How many seats stay empty before one is taken again, so that a late message finds nobody rather than the next.
+const RESTING: usize = 32;
+
+/// The place at which an instance's messages arrive. It is never freed.
+#[derive(Debug)]
+struct Seat {
+    callbacks: Callbacks,
+    taken: AtomicBool,
+    heard: Mutex<Heard>,
+}
+
+// SAFETY: the callbacks are written before the seat is shared, and read only from then on; their environment is a
+// number that nobody dereferences.
+unsafe impl Send for Seat {}
+// SAFETY: as above; all else in a seat is made to be shared.
+unsafe impl Sync for Seat {}
+
 #[derive(Debug, Default)]
+struct Heard {
+    messages: VecDeque<(i32, String)>,
+    strays: u64,
+}
+
+/// All seats, in the order of their tickets, and those that are free.
+#[derive(Debug)]
+struct Seats {
+    all: Vec<&'static Seat>,
+    free: VecDeque<usize>,
+}
+
+static SEATS: Mutex<Seats> = Mutex::new(Seats {
+    all: Vec::new(),
+    free: VecDeque::new(),
+});
+
+/// What a lock protects stays sound when a thread that held it has panicked.
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+unsafe extern "C" fn step_finished(_: *mut c_void, _: c_int) {}
+
+impl Seat {
+    fn new(number: usize) -> Self {
+        Self {
+            callbacks: Callbacks {
+                logger: fmu_import_logger,
+                allocate_memory: libc::calloc,
+                free_memory: libc::free,
+                step_finished,
+                environment: ptr::without_provenance(FIRST + number),
+            },
+            taken: AtomicBool::new(true),
+            heard: Mutex::default(),
+        }
+    }
+
+    fn hear(&self, status: i32, message: String, stray: bool) {
+        let mut heard = locked(&self.heard);
+        heard.strays += u64::from(stray);
+        if heard.messages.len() == KEPT {
+            heard.messages.pop_front();
+        }
+        heard.messages.push_back((status, message));
+    }
+}
+
+/// The last messages of one instance.
+#[derive(Debug)]
 pub(crate) struct Log {
-    messages: Mutex<VecDeque<(i32, String)>>,
+    number: usize,
+    seat: &'static Seat,
 }
 
 impl Log {
-    fn push(&self, status: i32, message: String) {
-        let mut messages = self.messages.lock().unwrap_or_else(PoisonError::into_inner);
-        if messages.len() == KEPT {
-            messages.pop_front();
+    /// Takes a seat.
+    pub(crate) fn open() -> Self {
+        let mut seats = locked(&SEATS);
+        if seats.free.len() > RESTING
+            && let Some(number) = seats.free.pop_front()
+        {
+            let seat = seats.all[number];
+            *locked(&seat.heard) = Heard::default();
+            seat.taken.store(true, Ordering::Release);
+            return Self { number, seat };
         }
-        messages.push_back((status, message));
+        let number = seats.all.len();
+        let seat: &'static Seat = Box::leak(Box::new(Seat::new(number)));
+        seats.all.push(seat);
+        Self { number, seat }
+    }
+
+    /// The struct for `fmi2Instantiate`. It stays valid for ever: some FMUs use it after they were freed.
+    pub(crate) fn callbacks(&self) -> *const Callbacks {
+        &raw const self.seat.callbacks
     }
 
     /// Forgets all messages.
     pub(crate) fn clear(&self) {
-        let mut messages = self.messages.lock().unwrap_or_else(PoisonError::into_inner);
-        messages.clear();
+        locked(&self.seat.heard).messages.clear();
     }
 
     /// The last message of an error, or else the last message at all.
     pub(crate) fn last(&self) -> Option<String> {
-        let messages = self.messages.lock().unwrap_or_else(PoisonError::into_inner);
-        let error = messages.iter().rev().find(|(status, _)| *status >= 3);
+        let heard = locked(&self.seat.heard);
+        let mut newest_first = heard.messages.iter().rev();
+        let error = newest_first.find(|(status, _)| matches!(status, 3 | 4));
         error
-            .or_else(|| messages.back())
+            .or_else(|| heard.messages.back())
             .map(|(_, message)| message.clone())
+    }
+
+    /// How many messages came with an environment that nobody gave to the FMU.
+    pub(crate) fn strays(&self) -> u64 {
+        locked(&self.seat.heard).strays
+    }
+}
+
+impl Drop for Log {
+    fn drop(&mut self) {
+        self.seat.taken.store(false, Ordering::Release);
+        locked(&SEATS).free.push_back(self.number);
+    }
+}
+
+/// The seat of a ticket and whether the ticket was a foreign one. With such a ticket the message is that of the only
+/// instance, where there is only one.
+fn seat_of(ticket: usize) -> Option<(&'static Seat, bool)> {
+    let seats = locked(&SEATS);
+    let taken = |seat: &&'static Seat| seat.taken.load(Ordering::Acquire);
+    match ticket.checked_sub(FIRST).and_then(|n| seats.all.get(n)) {
+        Some(seat) => Some((*seat, false)).filter(|(seat, _)| taken(seat)),
+        None => {
+            let mut live = seats.all.iter().copied().filter(taken);
+            let only = live.next()?;
+            live.next().is_none().then_some((only, true))
+        }
     }
 }
 
@@ -53,14 +173,15 @@ extern "C" fn fmu_import_log(
     category: *const c_char,
     message: *const c_char,
 ) {
-    if environment.is_null() || message.is_null() {
+    if message.is_null() {
         return;
     }
     // A panic must not cross the C frames of the FMU.
     let _ = catch_unwind(|| {
-        // SAFETY: the environment is the `Log` that the instance passed to `fmi2Instantiate`; it
-        // is shared and lives as long as the component.
-        let log = unsafe { &*environment.cast::<Log>() };
+        // The address is a number to look up; it is never followed.
+        let Some((seat, stray)) = seat_of(environment.addr()) else {
+            return;
+        };
         // SAFETY: `logger.c` passes its own zero-terminated buffer.
         let message = unsafe { CStr::from_ptr(message) }.to_string_lossy();
         // Some FMUs pass every message as "OK"; then the category tells errors apart.
@@ -70,9 +191,61 @@ extern "C" fn fmu_import_log(
             category.contains("Error") || category.contains("Fatal")
         };
         let status = if severe { status.max(3) } else { status };
-        log.push(
-            status,
-            message.split_whitespace().collect::<Vec<_>>().join(" "),
-        );
+        let words: Vec<&str> = message.split_whitespace().collect();
+        seat.hear(status, words.join(" "), stray);
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn say(environment: *const c_void, status: c_int, text: &CStr) {
+        fmu_import_log(environment, ptr::null(), status, ptr::null(), text.as_ptr());
+    }
+
+    /// One test, as the seats are those of the whole process.
+    #[test]
+    fn messages_find_their_instance_and_nothing_else() {
+        let [one, other] = [Log::open(), Log::open()];
+        let own = |log: &Log| log.seat.callbacks.environment;
+        say(own(&one), 3, c"of\n one");
+        say(own(&other), 77, c"of the other");
+        assert_eq!(one.last().as_deref(), Some("of one"));
+        assert_eq!(other.last().as_deref(), Some("of the other"));
+        // Between two, nobody knows whose a foreign ticket is.
+        for foreign in [0, 1, 2, usize::MAX] {
+            say(ptr::without_provenance(foreign), 3, c"lost");
+        }
+        assert_eq!((one.strays(), other.strays()), (0, 0));
+        let late = own(&other);
+        drop(other);
+        say(late, 3, c"too late");
+        // Another takes a seat of its own, not the one just left.
+        let next = Log::open();
+        assert_ne!(own(&next), late);
+        assert_eq!(next.last(), None);
+        drop(next);
+        say(ptr::without_provenance(1), 1, c"astray");
+        assert_eq!(one.strays(), 1);
+        // An error outlasts what comes after it; a wild status is none.
+        say(own(&one), -5, c"wild");
+        assert_eq!(one.last().as_deref(), Some("of one"));
+        fmu_import_log(own(&one), ptr::null(), 0, ptr::null(), ptr::null());
+        std::thread::scope(|scope| {
+            let environment = own(&one).addr();
+            for _ in 0..4 {
+                scope.spawn(move || {
+                    for _ in 0..1000 {
+                        say(ptr::without_provenance(environment), 1, c"chatter");
+                    }
+                });
+            }
+        });
+        assert_eq!(locked(&one.seat.heard).messages.len(), KEPT);
+        // Seats are taken again in the end, so that many instances take no more memory than few.
+        let before = locked(&SEATS).all.len();
+        (0..10 * RESTING).for_each(|_| drop(Log::open()));
+        assert!(locked(&SEATS).all.len() <= before + RESTING + 1);
+    }
 }

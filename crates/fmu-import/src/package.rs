@@ -8,7 +8,7 @@ use sha2::{Digest, Sha256};
 use tempfile::TempDir;
 use thiserror::Error;
 
-use crate::archive::{Archive, ArchiveError};
+use crate::archive::{self, Archive, ArchiveError};
 use crate::decode;
 use crate::description::Description;
 use crate::library::{Library, LibraryError};
@@ -109,6 +109,11 @@ impl Package {
         self.archive.entries()
     }
 
+    /// The names that more than one of its files has.
+    pub fn entries_twice(&self) -> &[String] {
+        self.archive.twice()
+    }
+
     /// The content of one file.
     ///
     /// # Errors
@@ -181,6 +186,12 @@ impl Package {
         }
         let folder = self.unpacked.as_ref().map(TempDir::path);
         Ok(folder.unwrap_or(&self.path).to_owned())
+    }
+
+    /// The binary for this platform in the folder into which the FMU was unpacked; none where there is none.
+    pub fn binary(&self, folder: &Path) -> Option<PathBuf> {
+        let binary = archive::binary(folder, &self.description.model_identifier);
+        binary.exists().then_some(binary)
     }
 
     /// Unpacks the FMU and loads its binary into this process.

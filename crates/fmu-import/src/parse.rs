@@ -12,7 +12,8 @@ use thiserror::Error;
 
 use crate::decode::{self, decode};
 use crate::description::{
-    Capabilities, Causality, DefaultExperiment, Description, Kind, Variability, Variable,
+    About, Capabilities, Causality, DefaultExperiment, Description, Kind, Remark, Variability,
+    Variable,
 };
 use crate::units::{BaseUnit, DisplayUnit, Unit, Units};
 
@@ -92,10 +93,12 @@ pub(crate) fn description(bytes: &[u8]) -> Result<Description, DescriptionError>
         ..Description::default()
     };
     reader.variables(root, &types, &mut description);
-    if let Some(line) = decode::misread(bytes) {
-        reader.remarks.push(format!(
-            "line {line}: not UTF-8, as which the file is declared: save it as UTF-8 or declare its encoding"
-        ));
+    if let Some((line, text)) = decode::misread(bytes) {
+        reader.remarks.push(Remark {
+            line,
+            about: About::Encoding,
+            text: text.to_owned(),
+        });
     }
     description.remarks = reader.remarks;
     Ok(description)
@@ -144,16 +147,20 @@ type Types<'a> = HashMap<&'a str, Node<'a, 'a>>;
 /// Collects remarks on the way.
 #[derive(Default)]
 struct Reader {
-    remarks: Vec<String>,
+    remarks: Vec<Remark>,
     /// Where the line of a variable was last counted: its position, and the lines before that.
     counted: (usize, u32),
 }
 
 impl Reader {
-    fn remark(&mut self, node: Node<'_, '_>, text: &str) {
+    fn remark(&mut self, node: Node<'_, '_>, about: About, text: &str) {
         const ENOUGH: usize = 100;
         if self.remarks.len() < ENOUGH {
-            self.remarks.push(format!("line {}: {text}", line(node)));
+            self.remarks.push(Remark {
+                line: line(node) as usize,
+                about,
+                text: text.to_owned(),
+            });
         }
     }
 
@@ -179,7 +186,11 @@ impl Reader {
         let text = node.attribute(name)?.trim();
         let value = text.parse().ok();
         if value.is_none() {
-            self.remark(node, &format!("{name}=\"{text}\" is not a number"));
+            self.remark(
+                node,
+                About::Value,
+                &format!("{name}=\"{text}\" is not a number"),
+            );
         }
         value
     }
@@ -191,6 +202,7 @@ impl Reader {
             text => {
                 self.remark(
                     node,
+                    About::Value,
                     &format!("{name}=\"{text}\" is neither true nor false"),
                 );
                 None
@@ -233,7 +245,7 @@ impl Reader {
             .flat_map(|node| children(node, "Unit"))
         {
             let Some(name) = node.attribute("name") else {
-                self.remark(node, "a unit without a name");
+                self.remark(node, About::Value, "a unit without a name");
                 continue;
             };
             let base = child(node, "BaseUnit").map(|base| BaseUnit {
@@ -279,6 +291,7 @@ impl Reader {
             if into.variables.contains_key(&name) {
                 self.remark(
                     node,
+                    About::Name,
                     &format!("a second variable `{name}`; the first one counts"),
                 );
                 continue;
@@ -289,7 +302,11 @@ impl Reader {
 
     fn variable(&mut self, node: Node<'_, '_>, types: &Types<'_>) -> Option<Variable> {
         let Some(name) = node.attribute("name") else {
-            self.remark(node, "a variable without a name is left out");
+            self.remark(
+                node,
+                About::Variable,
+                "a variable without a name is left out",
+            );
             return None;
         };
         let reference = node.attribute("valueReference");
@@ -300,11 +317,19 @@ impl Reader {
                 }
                 None => "no valueReference".to_owned(),
             };
-            self.remark(node, &format!("`{name}` has {wrong} and is left out"));
+            self.remark(
+                node,
+                About::Variable,
+                &format!("`{name}` has {wrong} and is left out"),
+            );
             return None;
         };
         let Some(element) = typed(node) else {
-            self.remark(node, &format!("`{name}` has no type and is left out"));
+            self.remark(
+                node,
+                About::Variable,
+                &format!("`{name}` has no type and is left out"),
+            );
             return None;
         };
         let declared = element
@@ -330,7 +355,11 @@ impl Reader {
             Some("independent") => Causality::Independent,
             Some("local") | None => Causality::Local,
             Some(other) => {
-                self.remark(node, &format!("unknown causality \"{other}\""));
+                self.remark(
+                    node,
+                    About::Value,
+                    &format!("unknown causality \"{other}\""),
+                );
                 Causality::Local
             }
         }
@@ -344,7 +373,11 @@ impl Reader {
             Some("discrete") => Variability::Discrete,
             Some("continuous") | None => Variability::Continuous,
             Some(other) => {
-                self.remark(node, &format!("unknown variability \"{other}\""));
+                self.remark(
+                    node,
+                    About::Value,
+                    &format!("unknown variability \"{other}\""),
+                );
                 Variability::Continuous
             }
         }

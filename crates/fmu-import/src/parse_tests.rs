@@ -87,7 +87,19 @@ fn latin_1_and_byte_order_marks_are_understood() {
     assert_eq!(description(&marked).unwrap().model_name, "Kälte");
     let mut utf16 = vec![0xff, 0xfe];
     utf16.extend(utf8.encode_utf16().flat_map(u16::to_le_bytes));
-    assert_eq!(description(&utf16).unwrap().model_name, "Kälte");
+    let read = description(&utf16).unwrap();
+    assert_eq!(read.model_name, "Kälte");
+    // The bytes are not what the declaration says.
+    assert_eq!(read.remarks.len(), 1, "{:?}", read.remarks);
+    assert_eq!(read.remarks[0].about, About::Encoding);
+    for declaration in [" encoding=\"UTF-16\"", ""] {
+        let own = utf8.replace(" encoding=\"UTF-8\"", declaration);
+        assert_ne!(own, utf8);
+        // Without a mark, too: the first character tells.
+        let bytes: Vec<u8> = own.encode_utf16().flat_map(u16::to_be_bytes).collect();
+        let read = description(&bytes).unwrap();
+        assert_eq!((read.model_name.as_str(), read.remarks.len()), ("Kälte", 0));
+    }
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::ptr;
 
 use thiserror::Error;
 
-use crate::call::Call;
+use crate::call::{Call, Warnings};
 use crate::instance::Instance;
 use crate::library::Component;
 
@@ -62,6 +62,7 @@ impl Instance {
         let states = self.functions.states;
         let (_, set, _) = states.ok_or_else(|| Self::missing("fmi2SetFMUstate"))?;
         self.log.clear();
+        self.warnings = Warnings::default();
         // SAFETY: the component is alive, and the state is one of its own.
         let status = unsafe { set(self.component, state.state) };
         Ok(self.check("fmi2SetFMUstate", status)?)

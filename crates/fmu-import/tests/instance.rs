@@ -6,7 +6,7 @@ use std::process::Command;
 use std::sync::Arc;
 
 use fmu_import::archive::PLATFORM;
-use fmu_import::{Instance, Library, Package, State, StateError, Status, Value};
+use fmu_import::{Call, End, Instance, Library, Package, State, StateError, Status, Value};
 use tempfile::TempDir;
 
 const DESCRIPTION: &str = r#"<fmiModelDescription fmiVersion="2.0" modelName="Counter" guid="c">
@@ -107,4 +107,103 @@ fn a_dead_instance_takes_no_state() {
     assert!(matches!(instance.restore(&state), Err(StateError::Dead)));
     assert!(instance.save().is_none());
     assert!(matches!(instance.forget(state), Err(StateError::Dead)));
+}
+
+/// What a step from 0 to 1 becomes with a whim of `counter.c`.
+fn whimsical(whim: i32) -> (Instance, Result<(), Call>) {
+    let (_folder, mut package) = counter();
+    let mut instance = started(&package.load().unwrap());
+    instance.set(8, &Value::Integer(whim)).unwrap();
+    let step = instance.step(0.0, 1.0);
+    (instance, step)
+}
+
+#[test]
+fn an_fmu_may_end_the_simulation() {
+    for (whim, at) in [(2, 0.25), (3, 0.0)] {
+        let (mut instance, step) = whimsical(whim);
+        let call = step.unwrap_err();
+        assert_eq!(call.status, Status::Discard);
+        assert_eq!(call.ended, Some(End { from: 0.0, at }), "{whim}");
+        instance.terminate().unwrap();
+    }
+    // A step that is only refused is no end.
+    assert_eq!(whimsical(4).1.unwrap_err().ended, None);
+}
+
+#[test]
+fn warnings_are_counted_until_a_new_start() {
+    let (mut instance, step) = whimsical(1);
+    step.unwrap();
+    instance.step(1.0, 1.0).unwrap();
+    let warnings = instance.warnings();
+    let first = warnings.first.as_deref();
+    assert_eq!((warnings.count, first), (2, Some("fmi2DoStep: take care")));
+    let refused = instance.terminate().unwrap_err();
+    assert_eq!(
+        (refused.function, refused.status),
+        ("fmi2Terminate", Status::Error)
+    );
+}
+
+#[test]
+fn a_pending_step_is_waited_for_or_named() {
+    let (mut instance, step) = whimsical(6);
+    step.unwrap();
+    assert_eq!(instance.integer(0).unwrap(), 1);
+    let call = whimsical(5).1.unwrap_err();
+    assert_eq!(call.status, Status::Pending);
+    let text = call.to_string();
+    assert!(
+        text.contains("fmi2Pending") && text.contains("fmi2GetStatus returned fmi2Discard"),
+        "{text}"
+    );
+}
+
+#[test]
+fn a_logger_that_is_called_wildly_harms_nothing() {
+    let (_instance, step) = whimsical(7);
+    assert_eq!(step.unwrap_err().status, Status::Error);
+}
+
+#[test]
+fn a_library_tells_its_version() {
+    let (_folder, mut package) = counter();
+    assert_eq!(package.load().unwrap().version().as_deref(), Some("1.0"));
+}
+
+/// With a library missing, the dynamic loader names that one only; we name all.
+#[test]
+#[cfg(target_os = "linux")]
+fn all_missing_libraries_are_named() {
+    let (folder, mut package) = counter();
+    let binary = folder
+        .path()
+        .join("binaries")
+        .join(PLATFORM)
+        .join("counter.so");
+    let compile = |arguments: &[&str], output: &std::path::Path| {
+        let status = Command::new("cc")
+            .current_dir(folder.path())
+            .args(["-shared", "-fPIC", "-x", "c", "/dev/null", "-o"])
+            .arg(output)
+            .args(arguments)
+            .status();
+        assert!(status.unwrap().success());
+    };
+    for name in ["one", "two"] {
+        let file = folder.path().join(format!("libabsent{name}.so"));
+        compile(&[], &file);
+    }
+    compile(
+        &["-L.", "-Wl,--no-as-needed", "-labsentone", "-labsenttwo"],
+        &binary,
+    );
+    let missing = fmu_import::needed::missing(&binary);
+    assert_eq!(missing, ["libabsentone.so", "libabsenttwo.so"]);
+    let error = package.load().unwrap_err().to_string();
+    assert!(
+        error.contains("libabsentone.so, libabsenttwo.so, which are not there"),
+        "{error}"
+    );
 }

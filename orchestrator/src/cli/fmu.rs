@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 
 /// Options of `inspect`.
 #[derive(Debug, Args)]
@@ -21,9 +21,27 @@ pub struct Inspect {
 pub struct Check {
     /// The FMU
     pub fmu: PathBuf,
-    /// How long each of the two short simulations may take, s
+    /// How the findings are written: lines, JSON, or SARIF for editors and build servers
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+    /// Exit code 1 with a warning, too
+    #[arg(long)]
+    pub strict: bool,
+    /// How long each of the short simulations may take, s
     #[arg(long, value_name = "SECONDS", default_value_t = 60.0)]
     pub patience: f64,
+}
+
+/// How `check` writes its findings.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// A line each
+    #[default]
+    Text,
+    /// One object
+    Json,
+    /// SARIF 2.1.0
+    Sarif,
 }
 
 /// Options of `init`.
@@ -61,7 +79,13 @@ pub struct Simulate {
     /// The communication step, s [default: as the FMU suggests]
     #[arg(long, value_name = "H", allow_negative_numbers = true)]
     pub step: Option<f64>,
-    /// Where to write the trajectory [default: standard output]
+    /// The variables to record, separated by commas; may be repeated [default: the outputs]
+    #[arg(long, value_name = "NAME,NAME")]
+    pub record: Vec<String>,
+    /// Inputs over time: a table with a column `time` and a column for each input, NAME or NAME [UNIT]
+    #[arg(long, value_name = "FILE.csv")]
+    pub input: Option<PathBuf>,
+    /// Where to write the trajectory; - is standard output, as without this option
     #[arg(long, value_name = "FILE.csv")]
     pub output: Option<PathBuf>,
 }

@@ -25,7 +25,7 @@ use crate::pipeline::folder::RunFolder;
 use crate::results::{Header, ResultsError, write_atomically};
 use crate::session::{Asking, Request};
 use crate::study::Study;
-use crate::table::csv_file::{CsvFile, reason};
+use crate::table::csv_file::{CsvFile, cell, reason};
 use fmu_import::{Package, digest};
 
 /// The name of the command, and of the folder of its journal.
@@ -238,7 +238,8 @@ fn write_cases(
         })
         .collect();
     let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record(&header).map_err(failed)?;
+    let names = header.iter().map(|name| cell(name).into_owned());
+    writer.write_record(names).map_err(failed)?;
     for (record, case) in reader.records().zip(&outcome.cases) {
         let mut cells: Vec<String> = record.map_err(failed)?.iter().map(str::to_owned).collect();
         for (place, latent) in places.iter().zip(&case.latents) {
@@ -246,7 +247,8 @@ fn write_cases(
                 *cell = text::digits(latent.value).to_string();
             }
         }
-        writer.write_record(&cells).map_err(failed)?;
+        let cells = cells.iter().map(|text| cell(text).into_owned());
+        writer.write_record(cells).map_err(failed)?;
     }
     let bytes = writer.into_inner().unwrap_or_default();
     write_atomically(&folder.join("cases.csv"), |out| out.write_all(&bytes))?;

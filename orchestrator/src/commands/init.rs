@@ -9,7 +9,7 @@ use crate::cli::Init;
 use crate::results::points::number;
 use crate::results::{ResultsError, write_atomically};
 use crate::task::Schedule;
-use fmu_import::{Causality, Description, Kind, Package, Variable};
+use fmu_import::{Causality, Description, Kind, Package, Variability, Variable};
 
 pub(super) fn run(options: &Init) -> Result<ExitCode, CommandError> {
     let package = Package::open(&options.fmu)?;
@@ -54,10 +54,37 @@ fn study(fmu: &Description, path: &Path) -> String {
         parameter(&mut text, fmu, variable);
     }
     text.push_str("\n# Measured quantities; a study needs at least one criterion\n");
-    for variable in fmu.with(Causality::Output) {
+    for variable in measurable(fmu, &mut text) {
         criterion(&mut text, variable);
     }
     text
+}
+
+/// The variables that can be compared with a measurement: the outputs, or else what the FMU shows of its inside.
+fn measurable<'a>(fmu: &'a Description, text: &mut String) -> Vec<&'a Variable> {
+    const MOST: usize = 50;
+    let real = |variable: &&Variable| {
+        matches!(variable.kind, Kind::Real { .. }) && variable.variability != Variability::Constant
+    };
+    let outputs: Vec<&Variable> = fmu.with(Causality::Output).filter(real).collect();
+    if !outputs.is_empty() {
+        return outputs;
+    }
+    let locals: Vec<&Variable> = fmu.with(Causality::Local).filter(real).collect();
+    if !locals.is_empty() {
+        text.push_str(
+            "# The FMU has no outputs of type Real. These are local variables: what it computes inside and shows, \
+             which criteria may use, too.\n",
+        );
+    }
+    if locals.len() > MOST {
+        let _ = writeln!(
+            text,
+            "# The first {MOST} of {}; `orchestrator inspect --json` has all.",
+            locals.len()
+        );
+    }
+    locals.into_iter().take(MOST).collect()
 }
 
 fn parameter(text: &mut String, fmu: &Description, variable: &Variable) {
@@ -88,9 +115,6 @@ fn parameter(text: &mut String, fmu: &Description, variable: &Variable) {
 }
 
 fn criterion(text: &mut String, variable: &Variable) {
-    if !matches!(variable.kind, Kind::Real { .. }) {
-        return;
-    }
     let about = variable.description.as_deref().unwrap_or(&variable.name);
     let _ = writeln!(
         text,

@@ -50,7 +50,8 @@ fn text(fmu: &Description, platforms: &[String]) -> String {
     row("platforms", &platforms.join(", "));
     row("experiment", &experiment(fmu));
     row("capabilities", &capabilities(fmu));
-    row("remarks", &fmu.remarks.join("; "));
+    let remarks: Vec<String> = fmu.remarks.iter().map(ToString::to_string).collect();
+    row("remarks", &remarks.join("; "));
     let sections = [
         ("Inputs", Causality::Input),
         ("Parameters", Causality::Parameter),

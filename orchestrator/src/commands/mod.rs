@@ -134,6 +134,7 @@ fn dispatch(cli: Cli) -> Result<ExitCode, CommandError> {
         Command::Replay(options) => replay::run(&options),
         Command::Merge(options) => merge::run(&options),
         Command::Worker => guard::end(guard::serve()),
+        Command::Probe { setup } => guard::end(check::serve(&setup)),
         Command::Report(options) => report::run(&options),
         Command::Sensitivity(options) => {
             proven(options, sensitivity::run, |o| (&mut o.means, &mut o.parts))

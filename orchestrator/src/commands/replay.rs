@@ -30,7 +30,7 @@ pub(super) fn run(options: &Replay) -> Result<ExitCode, CommandError> {
     let session = &mut verification.session;
     let run = Isolated::new(&mut session.package)?;
     let outcome = session.outcome(run.run(&session.plan.task, &job)?);
-    let columns = Columns::new(session.package.description());
+    let columns = Columns::usual(session.package.description(), false);
     let usual = options.folder.join(format!("point-{}.csv", options.point));
     let path = options.output.clone().unwrap_or(usual);
     let file = File::create(&path).map_err(ResultsError::io(&path))?;

@@ -23,6 +23,7 @@ use crate::results::origin::Origin;
 use crate::results::{ResultsError, points, write_atomically};
 use crate::session::Session;
 use crate::study::Study;
+use crate::table::csv_file;
 
 pub(super) const NAME: &str = "sensitivity";
 
@@ -208,13 +209,15 @@ fn keep_runs(folder: &Path, rows: &PointTable) -> Result<(), CommandError> {
     write_atomically(&folder.join("sensitivity-runs.csv"), |out| {
         let mut table = csv::Writer::from_writer(out);
         let names = columns.iter().map(|(name, _)| *name);
-        table.write_record(names.chain(["verified", "status"]))?;
+        let names = names.chain(["verified", "status"]);
+        table.write_record(names.map(|name| csv_file::cell(name).into_owned()))?;
         for row in 0..rows.len() {
             let cell = |(_, values): &(&str, &[f64])| match values[row] {
                 value if value.is_finite() => points::number(value),
                 _ => String::new(),
             };
-            let verdict = [rows.verified[row].to_string(), rows.status[row].to_string()];
+            let status = csv_file::cell(&rows.status[row]).into_owned();
+            let verdict = [rows.verified[row].to_string(), status];
             table.write_record(columns.iter().map(cell).chain(verdict))?;
         }
         table.flush()

@@ -1,5 +1,8 @@
 //! `simulate`: one run, in a process of its own.
 
+mod recorded;
+
+use std::borrow::Cow;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -17,6 +20,7 @@ use crate::results::points::number;
 use crate::results::{ResultsError, of_the_system};
 use crate::study::plan::{find, value_of};
 use crate::study::{Setting, ssv};
+use crate::table::csv_file;
 use crate::task::{Schedule, Task};
 use fmu_import::{Causality, Description, Handle, Package, Value, Variable};
 
@@ -41,12 +45,22 @@ pub(super) fn run(options: &Simulate) -> Result<ExitCode, CommandError> {
             .chain(set.iter().cloned())
             .collect(),
         varied: Vec::new(),
-        inputs: Vec::new(),
+        inputs: match &options.input {
+            Some(path) => recorded::inputs(path, fmu)?,
+            None => Vec::new(),
+        },
         observed: Vec::new(),
     };
-    let columns = Columns::new(fmu);
+    let columns = match &options.record[..] {
+        [] => Columns::usual(fmu, true),
+        names => recorded::columns(names, fmu)?,
+    };
     let run = Isolated::new(&mut package)?;
-    match &options.output {
+    match options
+        .output
+        .as_deref()
+        .filter(|path| *path != Path::new("-"))
+    {
         None => {
             let out = io::stdout().lock();
             let result = run.trajectory(&task, &[], &columns, out);
@@ -109,7 +123,7 @@ pub(super) fn settings(
     texts.iter().map(set).collect()
 }
 
-/// The outputs that a trajectory shows.
+/// The variables that a trajectory shows.
 #[derive(Debug)]
 pub(super) struct Columns {
     variables: Vec<Variable>,
@@ -117,12 +131,28 @@ pub(super) struct Columns {
 }
 
 impl Columns {
-    pub(super) fn new(fmu: &Description) -> Self {
-        let variables: Vec<Variable> = fmu.with(Causality::Output).cloned().collect();
+    pub(super) fn of(variables: Vec<Variable>) -> Self {
         Self {
             handles: variables.iter().map(Variable::handle).collect(),
             variables,
         }
+    }
+
+    /// The outputs, or where there are none the local variables, of which `aloud` tells the user.
+    pub(super) fn usual(fmu: &Description, aloud: bool) -> Self {
+        let all = |causality| fmu.with(causality).cloned().collect::<Vec<Variable>>();
+        let outputs = all(Causality::Output);
+        if !outputs.is_empty() {
+            return Self::of(outputs);
+        }
+        let locals = all(Causality::Local);
+        if aloud {
+            eprintln!(
+                "note: the FMU has no outputs, so its {} local variables are recorded; --record chooses others",
+                locals.len()
+            );
+        }
+        Self::of(locals)
     }
 }
 
@@ -131,7 +161,7 @@ fn cell(value: &Value) -> String {
         Value::Real(value) => number(*value),
         Value::Integer(value) => value.to_string(),
         Value::Boolean(value) => u8::from(*value).to_string(),
-        Value::String(text) => text.clone(),
+        Value::String(text) => csv_file::cell(text).into_owned(),
     }
 }
 
@@ -211,8 +241,12 @@ impl Isolated {
         let names = columns
             .variables
             .iter()
-            .map(|variable| variable.name.as_str());
-        csv.write_record(std::iter::once("time").chain(names))?;
+            .map(|variable| csv_file::cell(&variable.name));
+        csv.write_record(
+            std::iter::once("time".into())
+                .chain(names)
+                .map(Cow::into_owned),
+        )?;
         let mut last = Vec::new();
         let recorder = self.recorder();
         let recorded = recorder.record(task, values, &columns.handles, |time, values| {
@@ -236,7 +270,7 @@ impl Isolated {
     }
 }
 
-/// The outputs at the end, for people.
+/// The values at the end, for people.
 fn summary(columns: &Columns, last: &[String]) -> String {
     let lines = columns.variables.iter().zip(last).map(|(variable, value)| {
         let unit = variable.unit().unwrap_or("");

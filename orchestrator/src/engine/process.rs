@@ -337,7 +337,7 @@ fn family() -> MutexGuard<'static, BTreeSet<u32>> {
 }
 
 /// This program, even when its file has been replaced since.
-fn program() -> io::Result<PathBuf> {
+pub(crate) fn program() -> io::Result<PathBuf> {
     let own = Path::new("/proc/self/exe");
     if own.exists() {
         Ok(own.to_owned())

@@ -14,7 +14,7 @@ use crate::failure::Failure;
 use crate::run::{Habit, Runner, Trouble as Interruption};
 use crate::task::Record;
 use fmu_import::isolation::Place;
-use fmu_import::{Library, Package, Value};
+use fmu_import::{Library, Package, Value, Warnings};
 
 /// Answers of many points are sent after this time at the latest, when the next point is done.
 const HOLD: Duration = Duration::from_millis(1);
@@ -144,13 +144,33 @@ pub(super) fn record(
     });
     place.send(&said);
     let end = match ended {
-        Ok(()) => End::Done,
+        Ok(()) => {
+            tell(&runner);
+            End::Done
+        }
         Err(failure) => End::Failed(failure),
     };
     said.truncate(1);
     put_end(&end, &mut said);
     place.send(&said);
     runner.end();
+    if let Some(error) = runner.unfinished() {
+        eprintln!("note: the simulation is whole, but its end failed: {error}");
+    }
+}
+
+/// Tells whoever watches what a trajectory does not show. Standard error is shown to the user.
+fn tell(runner: &Runner) {
+    if let Some(time) = runner.ended() {
+        eprintln!(
+            "note: the FMU ended the simulation at {time} s (fmi2Discard with fmi2Terminated)"
+        );
+    }
+    let Some(Warnings { count, first }) = runner.warnings().filter(|all| all.count > 0) else {
+        return;
+    };
+    let first = first.as_deref().unwrap_or_default();
+    eprintln!("note: calls that returned fmi2Warning: {count}; the first: {first}");
 }
 
 /// The FMU, loaded here where the guard has not done so; the guard is told.

@@ -10,6 +10,7 @@ use super::Outcome;
 use super::summary::Summary;
 use crate::judge::{Judge, Verdict};
 use crate::study::plan::Input;
+use crate::table::csv_file;
 
 /// Writes `points.csv` row by row.
 pub struct Writer<W: Write> {
@@ -36,7 +37,7 @@ impl<W: Write> Writer<W> {
             .chain(criteria())
             .chain(criteria().map(|name| format!("{name}.ok")))
             .chain(["verified".to_owned(), "status".to_owned()]);
-        csv.write_record(header)?;
+        csv.write_record(header.map(|name| csv_file::cell(&name).into_owned()))?;
         let record = csv::StringRecord::new();
         Ok(Self { csv, record })
     }
@@ -70,7 +71,7 @@ impl<W: Write> Writer<W> {
         record.push_field(if verdict.verified() { "true" } else { "false" });
         match outcome {
             Ok(_) => record.push_field("ok"),
-            Err(failure) => record.push_field(&failure.to_string()),
+            Err(failure) => record.push_field(&csv_file::cell(&failure.to_string())),
         }
         self.csv.write_record(&*record)?;
         Ok(())

@@ -64,13 +64,22 @@ impl Runner {
             let end = steps.end.min(first + watched.elapsed.len() as u64);
             let rows = watched.values.chunks_exact_mut(watched.references.len());
             let rows = watched.elapsed.iter_mut().zip(rows);
+            let mut done = 0;
+            let mut outcome = Ok(());
             for (next, (elapsed, row)) in points.even_ends(first..end).zip(rows) {
                 *elapsed = next - time;
-                instance.step(time, *elapsed)?;
-                instance.reals(&watched.references, row)?;
+                outcome = instance
+                    .step(time, *elapsed)
+                    .and_then(|()| instance.reals(&watched.references, row));
+                if outcome.is_err() {
+                    break;
+                }
                 time = next;
+                done += 1;
             }
-            watched.take((end - first) as usize);
+            // Where the FMU ends the simulation by itself, the steps before count.
+            watched.take(done);
+            outcome?;
             first = end;
         }
         Ok(())

@@ -5,6 +5,7 @@ use super::values::{find, slot_of};
 use super::{Name, Recording, Study, StudyError};
 use crate::table::Table;
 use crate::task::{Schedule, Series, Slot};
+use fmu_import::units::Conversion;
 use fmu_import::{Content, Description};
 
 /// The recordings of a study for an FMU.
@@ -43,31 +44,39 @@ pub(super) fn series(
         ];
         let table = Table::read(&path, &columns);
         let table = table.map_err(|error| study.error_at(&recording.file, error.to_string()))?;
-        let [mut times, mut values] = [Vec::new(), Vec::new()];
-        for row in &table.rows {
-            let (time, value) = (row[0], scale.conversion.value(row[1]));
-            let place = || format!("{}: {} = {time}", path.display(), columns[0].0[0]);
-            let after = times.last().is_none_or(|&last| time >= last);
-            if !(time.is_finite() && after) {
-                return Err(named(format!(
-                    "{} is not later than the time before",
-                    place()
-                )));
-            }
-            slot.check(value)
-                .map_err(|message| named(format!("{}: {message}", place())))?;
-            times.push(time);
-            values.push(value);
-        }
-        Ok(Series {
-            slot,
-            hold: recording.hold,
-            ramp: recording.ramp,
-            times,
-            values,
-        })
+        let mut series = follow(&table, slot, scale.conversion)
+            .map_err(|message| named(format!("{}: {message}", path.display())))?;
+        series.hold = recording.hold;
+        series.ramp = recording.ramp;
+        Ok(series)
     };
     study.inputs.iter().map(bind).collect()
+}
+
+/// An input that follows a table of times and values, along straight lines.
+///
+/// # Errors
+/// When the times do not grow, or the FMU does not allow a value.
+pub(crate) fn follow(table: &Table, slot: Slot, conversion: Conversion) -> Result<Series, String> {
+    let [mut times, mut values] = [Vec::new(), Vec::new()];
+    for row in &table.rows {
+        let (time, value) = (row[0], conversion.value(row[1]));
+        let after = times.last().is_none_or(|&last| time >= last);
+        if !(time.is_finite() && after) {
+            return Err(format!("time = {time} is not later than the time before"));
+        }
+        slot.check(value)
+            .map_err(|message| format!("time = {time}: {message}"))?;
+        times.push(time);
+        values.push(value);
+    }
+    Ok(Series {
+        slot,
+        hold: false,
+        ramp: false,
+        times,
+        values,
+    })
 }
 
 /// Whether an input can vary within a step.

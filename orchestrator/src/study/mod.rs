@@ -3,7 +3,7 @@
 //! [`Study`] is the content of the TOML file, [`plan`] ties it to an FMU.
 
 mod error;
-mod inputs;
+pub(crate) mod inputs;
 pub mod plan;
 mod points;
 pub mod quantity;

@@ -1,6 +1,7 @@
 //! Csv files as programs and spreadsheets write them: commas, semicolons or tabs between cells, and
 //! decimal commas where commas separate nothing.
 
+use std::borrow::Cow;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Seek};
 use std::path::Path;
@@ -67,6 +68,25 @@ fn separator(file: &mut impl BufRead, comment: Option<u8>) -> io::Result<u8> {
     Ok(most.map_or(b',', |&(byte, count)| if count > 0 { byte } else { b',' }))
 }
 
+/// A text as a cell: where a spreadsheet would take it for a formula, an apostrophe before it prevents that. Numbers
+/// stay as they are.
+pub fn cell(text: &str) -> Cow<'_, str> {
+    let formula = text.starts_with(['=', '+', '-', '@', '\t', '\r']);
+    if formula && text.parse::<f64>().is_err() {
+        Cow::Owned(format!("'{text}"))
+    } else {
+        Cow::Borrowed(text)
+    }
+}
+
+/// The text that [`cell`] made a cell of.
+pub fn text(cell: &str) -> &str {
+    let inner = cell.strip_prefix('\'');
+    inner
+        .filter(|inner| inner.starts_with(['=', '+', '-', '@', '\t', '\r']))
+        .unwrap_or(cell)
+}
+
 /// Why a file cannot be read, for people.
 pub fn reason(error: &csv::Error) -> String {
     let line = |position: &Option<csv::Position>| {
@@ -108,6 +128,19 @@ mod tests {
         ] {
             let found = separator(&mut header.as_bytes(), Some(b'#')).unwrap();
             assert_eq!(found, expected, "{header}");
+        }
+    }
+
+    #[test]
+    fn no_text_becomes_a_formula() {
+        for formula in ["=1+1", "+cmd|' /C calc'!A0", "-x", "@SUM(A1)", "\t=1", "-"] {
+            let cell = cell(formula);
+            assert_eq!(cell, format!("'{formula}"));
+            assert_eq!(text(&cell), formula);
+        }
+        for plain in ["", "lag.y", "-1.5e3", "+2", "'quoted'", "der(x)", "a=b"] {
+            assert_eq!(cell(plain), plain);
+            assert_eq!(text(plain), plain);
         }
     }
 

@@ -148,7 +148,7 @@ impl Table {
             .headers()
             .map_err(failed)?
             .iter()
-            .map(str::to_owned)
+            .map(|cell| csv_file::text(cell).to_owned())
             .collect();
         if header.is_empty() {
             return Err(TableError::Empty(path.to_owned()));

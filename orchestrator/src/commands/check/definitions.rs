@@ -1,52 +1,139 @@
 //! What the definitions say before any variable does: names that come twice, factors of nothing, the date, and how
-//! variables are named (FMI 2.0.4, sections 2.2.1 to 2.2.4, 2.2.6 and 2.2.9).
+//! variables are named (FMI 2.0.5, sections 2.2.1 to 2.2.4, 2.2.6 and 2.2.9).
 
 use std::collections::{HashMap, HashSet};
 
 use roxmltree::Node;
 
-use super::document::{Scalar, at, elements, named};
+use super::document::{Document, Scalar, at, elements, named};
+use super::finding::Hit;
+use super::names::is_structured;
 
-/// All that is wrong with the definitions.
-pub(super) fn broken(root: Node<'_, '_>, scalars: &[Option<Scalar<'_>>]) -> Vec<String> {
-    let mut findings = Vec::new();
-    let all = |list, of| named(root, list).flat_map(move |list| named(list, of));
-    findings.extend(twice(all("UnitDefinitions", "Unit"), "name"));
-    for unit in all("UnitDefinitions", "Unit") {
-        findings.extend(twice(named(unit, "DisplayUnit"), "name"));
-        findings.extend(elements(unit).filter_map(factor));
-    }
-    findings.extend(twice(all("TypeDefinitions", "SimpleType"), "name"));
-    for items in all("TypeDefinitions", "SimpleType").flat_map(elements) {
-        let names = twice(named(items, "Item"), "name");
-        findings.extend(names.or_else(|| twice(named(items, "Item"), "value")));
-    }
-    findings.extend(types_and_variables(
-        all("TypeDefinitions", "SimpleType"),
-        scalars,
-    ));
-    findings.extend(twice(all("LogCategories", "Category"), "name"));
-    findings.extend(twice(all("VendorAnnotations", "Tool"), "name"));
-    findings.extend(date(root));
-    findings.extend(convention(root, scalars));
-    findings.extend(exchange_only(root, scalars));
-    findings
+pub(super) fn units(document: &Document<'_>) -> Vec<Hit> {
+    twice(document.all("UnitDefinitions", "Unit"), "name")
+}
+
+pub(super) fn display_units(document: &Document<'_>) -> Vec<Hit> {
+    let units = document.all("UnitDefinitions", "Unit");
+    units
+        .flat_map(|unit| twice(named(unit, "DisplayUnit"), "name"))
+        .collect()
+}
+
+pub(super) fn factors(document: &Document<'_>) -> Vec<Hit> {
+    let units = document.all("UnitDefinitions", "Unit");
+    units.flat_map(elements).filter_map(factor).collect()
+}
+
+pub(super) fn types(document: &Document<'_>) -> Vec<Hit> {
+    twice(document.all("TypeDefinitions", "SimpleType"), "name")
+}
+
+pub(super) fn items(document: &Document<'_>) -> Vec<Hit> {
+    let types = document
+        .all("TypeDefinitions", "SimpleType")
+        .flat_map(elements);
+    let clash = |node| {
+        let names = twice(named(node, "Item"), "name");
+        if names.is_empty() {
+            return twice(named(node, "Item"), "value");
+        }
+        names
+    };
+    types.flat_map(clash).collect()
+}
+
+/// Units and ranges of types that cannot be.
+pub(super) fn type_attributes(document: &Document<'_>) -> Vec<Hit> {
+    let types = document
+        .all("TypeDefinitions", "SimpleType")
+        .flat_map(elements);
+    let wrong = |node: Node<'_, '_>| {
+        let number = |name| node.attribute(name)?.trim().parse::<f64>().ok();
+        if let Some((min, max)) = number("min").zip(number("max"))
+            && min > max
+        {
+            return Some(format!(
+                "min {min} is greater than max {max}: exchange or correct them"
+            ));
+        }
+        let shown = node.attribute("displayUnit");
+        match node.attribute("unit") {
+            None => {
+                shown.map(|shown| format!("displayUnit \"{shown}\" without a unit: add the unit"))
+            }
+            Some(unit) => {
+                let defined = document.read.units.iter().any(|(name, _)| name == unit);
+                (!defined)
+                    .then(|| format!("unit \"{unit}\" is not defined: add it to UnitDefinitions"))
+            }
+        }
+    };
+    // Where a variable uses the type, the finding is the variable's.
+    let used: HashSet<&str> = document
+        .known()
+        .filter_map(|s| s.typed.attribute("declaredType"))
+        .collect();
+    types
+        .filter(|node| {
+            let name = node.parent().and_then(|parent| parent.attribute("name"));
+            name.is_none_or(|name| !used.contains(name))
+        })
+        .filter_map(|node| wrong(node).map(|text| at(node, &text)))
+        .collect()
+}
+
+pub(super) fn categories(document: &Document<'_>) -> Vec<Hit> {
+    twice(document.all("LogCategories", "Category"), "name")
+}
+
+pub(super) fn tools(document: &Document<'_>) -> Vec<Hit> {
+    let root = twice(document.all("VendorAnnotations", "Tool"), "name");
+    let of_variables = document.known().flat_map(|scalar| {
+        named(scalar.node, "Annotations").flat_map(|list| twice(named(list, "Tool"), "name"))
+    });
+    root.into_iter().chain(of_variables).collect()
+}
+
+pub(super) fn source_files(document: &Document<'_>) -> Vec<Hit> {
+    let lists = document.all("CoSimulation", "SourceFiles");
+    lists
+        .flat_map(|list| twice(named(list, "File"), "name"))
+        .collect()
+}
+
+/// States can only be turned into bytes where there are states.
+pub(super) fn serialized_states(document: &Document<'_>) -> Vec<Hit> {
+    let parts = named(document.root, "CoSimulation");
+    let on = |node: Node<'_, '_>, name| matches!(node.attribute(name), Some("true" | "1"));
+    let wrong = parts
+        .filter(|node| on(*node, "canSerializeFMUstate") && !on(*node, "canGetAndSetFMUstate"));
+    wrong
+        .map(|node| {
+            at(
+                node,
+                "canSerializeFMUstate without canGetAndSetFMUstate: set both or none",
+            )
+        })
+        .collect()
 }
 
 /// The first of these elements with an attribute that an earlier one has, too.
-fn twice<'a>(nodes: impl Iterator<Item = Node<'a, 'a>>, attribute: &'static str) -> Option<String> {
+fn twice<'a>(nodes: impl Iterator<Item = Node<'a, 'a>>, attribute: &'static str) -> Vec<Hit> {
     let mut seen = HashSet::new();
     let mut known = nodes.filter_map(|node| Some((node, node.attribute(attribute)?)));
-    let (node, value) = known.find(|(_, value)| !seen.insert(*value))?;
-    let element = node.tag_name().name();
-    Some(at(
-        node,
-        &format!("a second `{element}` with {attribute}=\"{value}\": rename or remove it"),
-    ))
+    let second = known.find(|(_, value)| !seen.insert(*value));
+    let hit = |(node, value): (Node<'a, 'a>, &str)| {
+        let element = node.tag_name().name();
+        let text =
+            format!("a second `{element}` with {attribute}=\"{value}\": rename or remove it");
+        at(node, &text)
+    };
+    second.map(hit).into_iter().collect()
 }
 
 /// Units are converted by a factor.
-fn factor(node: Node<'_, '_>) -> Option<String> {
+fn factor(node: Node<'_, '_>) -> Option<Hit> {
     let text = node.attribute("factor")?;
     let nothing = text.trim().parse::<f64>() == Ok(0.0);
     let element = node.tag_name().name();
@@ -58,32 +145,30 @@ fn factor(node: Node<'_, '_>) -> Option<String> {
     })
 }
 
-fn types_and_variables<'a>(
-    mut types: impl Iterator<Item = Node<'a, 'a>>,
-    scalars: &[Option<Scalar<'_>>],
-) -> Option<String> {
-    let names: HashSet<&str> = scalars.iter().flatten().map(|scalar| scalar.name).collect();
-    let node = types.find(|node| {
-        node.attribute("name")
-            .is_some_and(|name| names.contains(name))
-    })?;
-    let name = node.attribute("name").unwrap_or_default();
-    Some(at(
-        node,
-        &format!("SimpleType: \"{name}\" is the name of a variable, too: rename the type"),
-    ))
+pub(super) fn types_and_variables(document: &Document<'_>) -> Vec<Hit> {
+    let names: HashSet<&str> = document.known().map(|scalar| scalar.name).collect();
+    let mut types = document.all("TypeDefinitions", "SimpleType");
+    let same = types.find_map(|node| Some((node, names.get(node.attribute("name")?)?)));
+    let hit = |(node, name)| {
+        let text =
+            format!("SimpleType: \"{name}\" is the name of a variable, too: rename the type");
+        at(node, &text)
+    };
+    same.map(hit).into_iter().collect()
 }
 
 /// The date of the generation is an `xs:dateTime`.
-fn date(root: Node<'_, '_>) -> Option<String> {
-    let text = root.attribute("generationDateAndTime")?;
-    (!is_date(text.trim())).then(|| {
+pub(super) fn date(document: &Document<'_>) -> Vec<Hit> {
+    let text = document.root.attribute("generationDateAndTime");
+    let wrong = text.filter(|text| !is_date(text.trim()));
+    let hit = |text| {
         let wanted = "write it as 2009-12-08T14:33:22Z, or remove it";
         at(
-            root,
+            document.root,
             &format!("generationDateAndTime is \"{text}\": {wanted}"),
         )
-    })
+    };
+    wrong.map(hit).into_iter().collect()
 }
 
 fn is_date(text: &str) -> bool {
@@ -110,94 +195,48 @@ fn is_date(text: &str) -> bool {
 }
 
 /// The first name that the naming convention does not allow.
-fn convention(root: Node<'_, '_>, scalars: &[Option<Scalar<'_>>]) -> Option<String> {
-    match root.attribute("variableNamingConvention").unwrap_or("flat") {
-        "flat" => None,
-        "structured" => {
-            let strange: Vec<&Scalar<'_>> = scalars
-                .iter()
-                .flatten()
-                .filter(|scalar| scalar.node.has_attribute("name") && !is_structured(scalar.name))
-                .collect();
-            let first = strange.first()?;
-            let more = match strange.len() {
-                1 => String::new(),
-                count => format!(" ({} more are none, either)", count - 1),
-            };
-            Some(first.finding(&format!(
-                "no structured name{more}: use names as `a.b[1].c`, quoted where they hold other characters, or set \
-                 variableNamingConvention to flat"
-            )))
-        }
-        other => Some(at(
-            root,
-            &format!("variableNamingConvention is \"{other}\": it is flat or structured"),
-        )),
+pub(super) fn convention(document: &Document<'_>) -> Vec<Hit> {
+    let convention = document.root.attribute("variableNamingConvention");
+    if convention != Some("structured") {
+        return Vec::new();
     }
-}
-
-/// The grammar of section 2.2.9. Derivatives of derivatives are taken, too, which tools nest instead of counting.
-fn is_structured(name: &str) -> bool {
-    derivative(name) == Some("")
-}
-
-/// What follows an identifier or a derivative of one.
-fn derivative(text: &str) -> Option<&str> {
-    let Some(inner) = text.strip_prefix("der(") else {
-        return identifier(text);
+    let strange =
+        |scalar: &&Scalar<'_>| scalar.node.has_attribute("name") && !is_structured(scalar.name);
+    let strange: Vec<&Scalar<'_>> = document.known().filter(strange).collect();
+    let more = match strange.len() {
+        0 | 1 => String::new(),
+        count => format!(" ({} more are none, either)", count - 1),
     };
-    let rest = derivative(inner)?;
-    let order = rest.strip_prefix(',').map(|order| {
-        let after = order.trim_start_matches(|c: char| c.is_ascii_digit());
-        (after.len() < order.len()).then_some(after)
-    });
-    order.unwrap_or(Some(rest))?.strip_prefix(')')
+    let text = format!(
+        "no structured name{more}: use names as `a.b[1].c`, quoted where they hold other characters, or set \
+         variableNamingConvention to flat"
+    );
+    strange
+        .first()
+        .map(|first| first.finding(&text))
+        .into_iter()
+        .collect()
 }
 
-/// What follows an identifier: names with indices, joined by dots.
-fn identifier(text: &str) -> Option<&str> {
-    let mut rest = indices(simple(text)?)?;
-    while let Some(next) = rest.strip_prefix('.') {
-        rest = indices(simple(next)?)?;
-    }
-    Some(rest)
-}
-
-/// What follows a name, or a name in quotes.
-fn simple(text: &str) -> Option<&str> {
-    if let Some(quoted) = text.strip_prefix('\'') {
-        let mut escaped = false;
-        let end = quoted.find(|c| {
-            let closes = c == '\'' && !escaped;
-            escaped = c == '\\' && !escaped;
-            closes
-        })?;
-        return (end > 0).then(|| &quoted[end + 1..]);
-    }
-    let rest = text.trim_start_matches(|c: char| c.is_ascii_alphanumeric() || c == '_');
-    (rest.len() < text.len() && !text.starts_with(|c: char| c.is_ascii_digit())).then_some(rest)
-}
-
-/// What follows indices in brackets, where there are any.
-fn indices(text: &str) -> Option<&str> {
-    let Some(inner) = text.strip_prefix('[') else {
-        return Some(text);
-    };
-    let (list, rest) = inner.split_once(']')?;
-    let number = |word: &str| !word.is_empty() && word.bytes().all(|byte| byte.is_ascii_digit());
-    // Modelica tools write a space after the comma.
-    list.split(',')
-        .all(|word| number(word.trim()))
-        .then_some(rest)
+/// A naming convention that is none.
+pub(super) fn conventions(document: &Document<'_>) -> Vec<Hit> {
+    let convention = document.root.attribute("variableNamingConvention");
+    let other = convention.filter(|word| !["flat", "structured"].contains(word));
+    let text =
+        |word: &str| format!("variableNamingConvention is \"{word}\": it is flat or structured");
+    other
+        .map(|word| at(document.root, &text(word)))
+        .into_iter()
+        .collect()
 }
 
 /// Attributes that only FMUs for Model Exchange may have.
-fn exchange_only(root: Node<'_, '_>, scalars: &[Option<Scalar<'_>>]) -> Vec<String> {
-    if named(root, "ModelExchange").next().is_some() {
+pub(super) fn exchange_only(document: &Document<'_>) -> Vec<Hit> {
+    if named(document.root, "ModelExchange").next().is_some() {
         return Vec::new();
     }
     let mut counts: HashMap<&str, (&Scalar<'_>, usize)> = HashMap::new();
-    for scalar in scalars.iter().flatten() {
+    for scalar in document.known() {
         for (node, name) in [
             (scalar.node, "canHandleMultipleSetPerTimeInstant"),
             (scalar.typed, "reinit"),
@@ -216,37 +255,14 @@ fn exchange_only(root: Node<'_, '_>, scalars: &[Option<Scalar<'_>>]) -> Vec<Stri
             "it has the attribute {name}{more}, which only an FMU for Model Exchange may have: remove it"
         ))
     });
-    let mut findings: Vec<String> = findings.collect();
-    findings.sort();
+    let mut findings: Vec<Hit> = findings.collect();
+    findings.sort_by_key(|hit| hit.line);
     findings
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn structured_names() {
-        for name in [
-            "a",
-            "_a1.b",
-            "a[1]",
-            "a[1,2].b[3]",
-            "a[1, 2]",
-            "der(a.b)",
-            "der(a[1],2)",
-            "der(der(a.b))",
-            "'a b!'.c",
-            r"'it\'s'",
-        ] {
-            assert!(is_structured(name), "{name}");
-        }
-        for name in [
-            "", "1a", "a.", ".a", "a b", "a[]", "a[i]", "der(a", "der(a,)", "''", "'a", "a-b", "é",
-        ] {
-            assert!(!is_structured(name), "{name}");
-        }
-    }
 
     #[test]
     fn dates() {

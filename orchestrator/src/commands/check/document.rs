@@ -1,12 +1,99 @@
 //! `modelDescription.xml` as the rules see it: its elements with their lines, its variables in their order.
 
+use std::collections::HashMap;
+
 use roxmltree::Node;
 
+use super::finding::Hit;
+use fmu_import::Description;
+
+/// The name of the file.
+pub(super) const NAME: &str = "modelDescription.xml";
+
+/// A model description, as it is written and as it was read.
+pub(super) struct Document<'a> {
+    pub(super) root: Node<'a, 'a>,
+    /// The variables in their order, which `ModelStructure` counts; none where one cannot be read.
+    pub(super) scalars: Vec<Option<Scalar<'a>>>,
+    /// The element of each type definition, `Real` for instance, by its name.
+    pub(super) types: HashMap<&'a str, Node<'a, 'a>>,
+    pub(super) read: &'a Description,
+    /// For the variables in their order, the first that has the same value reference and type.
+    pub(super) aliased: Vec<Option<usize>>,
+}
+
+impl<'a> Document<'a> {
+    pub(super) fn new(root: Node<'a, 'a>, read: &'a Description) -> Self {
+        let scalars: Vec<Option<Scalar<'a>>> = named(root, "ModelVariables")
+            .flat_map(|list| named(list, "ScalarVariable"))
+            .enumerate()
+            .map(|(position, node)| Scalar::new(node, position))
+            .collect();
+        let types = named(root, "TypeDefinitions")
+            .flat_map(|list| named(list, "SimpleType"))
+            .filter_map(|node| Some((node.attribute("name")?, elements(node).next()?)))
+            .collect();
+        Self {
+            aliased: aliased(&scalars),
+            root,
+            scalars,
+            types,
+            read,
+        }
+    }
+
+    /// The variables that can be read.
+    pub(super) fn known(&self) -> impl Iterator<Item = &Scalar<'a>> {
+        self.scalars.iter().flatten()
+    }
+
+    /// All elements of one kind within the lists of another.
+    pub(super) fn all(
+        &self,
+        list: &'static str,
+        of: &'static str,
+    ) -> impl Iterator<Item = Node<'a, 'a>> + use<'a> {
+        named(self.root, list).flat_map(move |list| named(list, of))
+    }
+
+    /// The definition of a variable's declared type.
+    pub(super) fn declared(&self, scalar: &Scalar<'_>) -> Option<Node<'a, 'a>> {
+        let name = scalar.typed.attribute("declaredType")?;
+        self.types.get(name).copied()
+    }
+
+    /// An attribute of a variable's type: its own, or else that of its declared type.
+    pub(super) fn effective(&self, scalar: &Scalar<'a>, name: &str) -> Option<&'a str> {
+        let own = scalar.typed.attribute(name);
+        own.or_else(|| self.declared(scalar)?.attribute(name))
+    }
+}
+
+/// For each variable the first of the same type and value reference that stands for all of them: the one that can be
+/// set, where there is one.
+fn aliased<'a>(scalars: &[Option<Scalar<'a>>]) -> Vec<Option<usize>> {
+    let mut first: HashMap<(&'a str, &'a str), usize> = HashMap::new();
+    let other = |(position, scalar): (usize, &Option<Scalar<'a>>)| {
+        let scalar = (*scalar)?;
+        let key = (scalar.kind(), scalar.node.attribute("valueReference")?);
+        let before = first.get(&key).copied();
+        if before.is_none() || scalar.is_settable() {
+            first.insert(key, position);
+        }
+        before
+    };
+    scalars.iter().enumerate().map(other).collect()
+}
+
 /// A finding at an element.
-pub(super) fn at(node: Node<'_, '_>, text: &str) -> String {
+pub(super) fn at(node: Node<'_, '_>, text: &str) -> Hit {
     let before = &node.document().input_text().as_bytes()[..node.range().start];
     let line = before.iter().filter(|byte| **byte == b'\n').count() + 1;
-    format!("modelDescription.xml, line {line}: {text}")
+    Hit {
+        file: Some(NAME.to_owned()),
+        line: Some(line),
+        text: text.to_owned(),
+    }
 }
 
 /// The child elements; those of foreign namespaces don't count.
@@ -29,6 +116,8 @@ pub(super) struct Scalar<'a> {
     pub(super) node: Node<'a, 'a>,
     /// The element of its type, `Real` for instance.
     pub(super) typed: Node<'a, 'a>,
+    /// Its place among the variables, from 0.
+    pub(super) position: usize,
     pub(super) name: &'a str,
     pub(super) causality: &'a str,
     pub(super) variability: &'a str,
@@ -37,7 +126,7 @@ pub(super) struct Scalar<'a> {
 }
 
 impl<'a> Scalar<'a> {
-    fn new(node: Node<'a, 'a>) -> Option<Self> {
+    fn new(node: Node<'a, 'a>, position: usize) -> Option<Self> {
         let types = ["Real", "Integer", "Boolean", "String", "Enumeration"];
         let typed = elements(node).find(|child| types.contains(&child.tag_name().name()))?;
         let causality = node.attribute("causality").unwrap_or("local");
@@ -55,6 +144,7 @@ impl<'a> Scalar<'a> {
         Some(Self {
             node,
             typed,
+            position,
             name: node
                 .attribute("name")
                 .unwrap_or("a variable without a name"),
@@ -73,16 +163,13 @@ impl<'a> Scalar<'a> {
         self.typed.attribute("start")
     }
 
+    /// Whether an importer may set it freely.
+    pub(super) fn is_settable(&self) -> bool {
+        matches!(self.causality, "parameter" | "input")
+    }
+
     /// A finding at this variable.
-    pub(super) fn finding(&self, text: &str) -> String {
+    pub(super) fn finding(&self, text: &str) -> Hit {
         at(self.node, &format!("{}: {text}", self.name))
     }
-}
-
-/// The variables in their order, which `ModelStructure` counts; none where one cannot be read.
-pub(super) fn scalars<'a>(root: Node<'a, 'a>) -> Vec<Option<Scalar<'a>>> {
-    named(root, "ModelVariables")
-        .flat_map(|list| named(list, "ScalarVariable"))
-        .map(Scalar::new)
-        .collect()
 }

@@ -4,13 +4,15 @@ use std::collections::HashSet;
 
 use object::{Architecture, BinaryFormat, NameOrOrdinal, Object};
 
+use super::document::NAME;
+use super::finding::Hit;
 use super::structure::short;
 use fmu_import::archive::PLATFORM;
 use fmu_import::{FmuError, Package};
 
 /// What is wrong with the files, and whether this machine's binary is among it.
 pub(super) struct Found {
-    pub(super) findings: Vec<String>,
+    pub(super) findings: Vec<(&'static str, Hit)>,
     pub(super) fatal: bool,
 }
 
@@ -42,7 +44,7 @@ const PLATFORMS: [(&str, &str, BinaryFormat, Architecture); 8] = [
 ];
 
 /// The functions of FMI 2.0 for Co-Simulation, without their prefix: a binary has them all, even those of
-/// capabilities that it has not (FMI 2.0.4, section 2.1.1).
+/// capabilities that it has not (FMI 2.0.5, section 2.1.1).
 const FUNCTIONS: [&str; 34] = [
     "GetTypesPlatform",
     "GetVersion",
@@ -80,6 +82,9 @@ const FUNCTIONS: [&str; 34] = [
     "GetStringStatus",
 ];
 
+const LIBRARY: &str = "binary-readable";
+const FUNCTIONS_THERE: &str = "binary-functions";
+
 pub(super) fn broken(package: &mut Package) -> Result<Found, FmuError> {
     let entries = package.entries();
     let identifier = package.description().model_identifier.clone();
@@ -91,7 +96,10 @@ pub(super) fn broken(package: &mut Package) -> Result<Found, FmuError> {
         let those = entries.iter().filter(|entry| path(entry) == Some(wrong));
         let those: Vec<String> = those.cloned().collect();
         if !those.is_empty() {
-            found.findings.push(format!("{}: {wrong}", short(&those)));
+            found.findings.push((
+                "archive-path",
+                Hit::plain(format!("{}: {wrong}", short(&those))),
+            ));
             found.fatal = true;
         }
     }
@@ -99,45 +107,69 @@ pub(super) fn broken(package: &mut Package) -> Result<Found, FmuError> {
         return Ok(found);
     }
     if !is_identifier(&identifier) {
-        found.findings.push(format!(
-            "modelDescription.xml: modelIdentifier `{identifier}` is no C identifier: use letters, digits and underscores"
-        ));
+        let text = format!(
+            "modelIdentifier `{identifier}` is no C identifier: use letters, digits and underscores"
+        );
+        found
+            .findings
+            .push(("model-identifier", Hit::of(NAME, text)));
     }
-    for (platform, extension, format, machine) in PLATFORMS {
-        let folder = format!("binaries/{platform}/");
-        let binaries: Vec<&str> = entries
-            .iter()
-            .filter_map(|entry| entry.strip_prefix(&folder))
-            .filter(|file| !file.contains('/') && file.ends_with(&format!(".{extension}")))
-            .collect();
-        let wanted = format!("{identifier}.{extension}");
-        let wrong = if binaries.contains(&wanted.as_str()) {
-            let name = format!("{folder}{wanted}");
-            match package.bytes_of(&name) {
-                Ok(bytes) => {
-                    binary(&bytes, format, machine).map(|wrong| format!("{name}: {wrong}"))
-                }
-                Err(FmuError::Archive { source, .. }) if source.is_a_fault() => {
-                    Some(source.to_string())
-                }
-                Err(error) => return Err(error),
-            }
-        } else if let Some(entry) = entries.iter().find(|entry| miswritten(entry, &folder)) {
-            Some(format!(
-                "{entry}: the folder's name is {folder}, as names differ by upper and lower case"
-            ))
-        } else {
-            let first = binaries.first();
-            first.map(|other| {
-                format!(
-                    "{folder}{other}: the binary is named otherwise than modelIdentifier, `{identifier}`: call it {wanted}"
-                )
-            })
-        };
-        found.fatal |= wrong.is_some() && platform == PLATFORM;
+    for platform in PLATFORMS {
+        let wrong = of_platform(package, &entries, &identifier, platform)?;
+        found.fatal |= wrong.is_some() && platform.0 == PLATFORM;
         found.findings.extend(wrong);
     }
+    let twice = package.entries_twice();
+    if !twice.is_empty() {
+        let text = format!(
+            "two entries of each of these names: {}: remove one",
+            short(twice)
+        );
+        found
+            .findings
+            .push(("archive-entry-unique", Hit::plain(text)));
+    }
     Ok(found)
+}
+
+/// What is wrong with the binary of a platform.
+fn of_platform(
+    package: &mut Package,
+    entries: &[String],
+    identifier: &str,
+    (platform, extension, format, machine): (&str, &str, BinaryFormat, Architecture),
+) -> Result<Option<(&'static str, Hit)>, FmuError> {
+    let folder = format!("binaries/{platform}/");
+    let binaries: Vec<&str> = entries
+        .iter()
+        .filter_map(|entry| entry.strip_prefix(&folder))
+        .filter(|file| !file.contains('/') && file.ends_with(&format!(".{extension}")))
+        .collect();
+    let wanted = format!("{identifier}.{extension}");
+    if binaries.contains(&wanted.as_str()) {
+        let name = format!("{folder}{wanted}");
+        return match package.bytes_of(&name) {
+            Ok(bytes) => {
+                Ok(binary(&bytes, format, machine)
+                    .map(|(rule, wrong)| (rule, Hit::of(&name, wrong))))
+            }
+            Err(FmuError::Archive { source, .. }) if source.is_a_fault() => {
+                Ok(Some(("archive-readable", Hit::plain(source.to_string()))))
+            }
+            Err(error) => Err(error),
+        };
+    }
+    if let Some(entry) = entries.iter().find(|entry| miswritten(entry, &folder)) {
+        let text =
+            format!("the folder's name is {folder}, as names differ by upper and lower case");
+        return Ok(Some(("binary-folder", Hit::of(entry, text))));
+    }
+    Ok(binaries.first().map(|other| {
+        let text = format!(
+            "the binary is named otherwise than modelIdentifier, `{identifier}`: call it {wanted}"
+        );
+        ("binary-name", Hit::of(&format!("{folder}{other}"), text))
+    }))
 }
 
 /// Whether an entry is in a folder that differs by upper and lower case only.
@@ -150,7 +182,7 @@ const OUTSIDE: &str =
     "the path leads outside the archive: pack the FMU with relative paths below it";
 const BACKSLASH: &str = "the path contains a backslash: pack the FMU with forward slashes";
 
-/// What is wrong with an entry's path (FMI 2.0.4, section 2.3).
+/// What is wrong with an entry's path (FMI 2.0.5, section 2.3).
 fn path(entry: &str) -> Option<&'static str> {
     let outside = entry.starts_with('/')
         || entry.split(['/', '\\']).any(|part| part == "..")
@@ -171,7 +203,11 @@ fn is_identifier(name: &str) -> bool {
 }
 
 /// What is wrong with a binary by itself.
-fn binary(bytes: &[u8], format: BinaryFormat, machine: Architecture) -> Option<String> {
+fn binary(
+    bytes: &[u8],
+    format: BinaryFormat,
+    machine: Architecture,
+) -> Option<(&'static str, String)> {
     // A macOS library for several machines holds one for each.
     if format == BinaryFormat::MachO && bytes.starts_with(&[0xca, 0xfe, 0xba, 0xbe]) {
         return None;
@@ -179,24 +215,27 @@ fn binary(bytes: &[u8], format: BinaryFormat, machine: Architecture) -> Option<S
     let file = match object::File::parse(bytes) {
         Ok(file) => file,
         Err(error) => {
-            return Some(format!(
-                "no shared library ({error}): build the binary anew"
+            return Some((
+                LIBRARY,
+                format!("no shared library ({error}): build the binary anew"),
             ));
         }
     };
     if (file.format(), file.architecture()) != (format, machine) {
-        return Some(format!(
+        let text = format!(
             "a binary for {:?} in {:?} format, not for {machine:?} in {format:?}: put it into the folder of its \
              platform, or build it for this one",
             file.architecture(),
             file.format()
-        ));
+        );
+        return Some(("binary-machine", text));
     }
     let exports = match exports(&file) {
         Ok(exports) => exports,
         Err(error) => {
-            return Some(format!(
-                "its functions cannot be read ({error}): build it anew"
+            return Some((
+                LIBRARY,
+                format!("its functions cannot be read ({error}): build it anew"),
             ));
         }
     };
@@ -211,18 +250,19 @@ fn binary(bytes: &[u8], format: BinaryFormat, machine: Architecture) -> Option<S
         let prefixed = exports
             .iter()
             .find(|export| export.ends_with("_fmi2DoStep"));
-        return Some(prefixed.map_or_else(
+        let text = prefixed.map_or_else(
             || "the binary exports none of the functions of FMI 2.0: export them".to_owned(),
             |name| {
                 format!("the binary exports {name} instead of fmi2DoStep: build it without a prefix of the functions")
             },
-        ));
+        );
+        return Some((FUNCTIONS_THERE, text));
     }
     (!absent.is_empty()).then(|| {
-        format!(
-            "the binary does not export {}: every function of FMI 2.0 must be there",
-            short(&absent)
-        )
+        let absent = short(&absent);
+        let text =
+            format!("the binary does not export {absent}: every function of FMI 2.0 must be there");
+        (FUNCTIONS_THERE, text)
     })
 }
 

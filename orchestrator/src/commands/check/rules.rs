@@ -1,158 +1,136 @@
-//! What a model description says that cannot be right.
+//! All rules of a check, a line each. A new rule is a function and a line here.
 
-use fmu_import::description::{DefaultExperiment, Kind};
-use fmu_import::units::Units;
-use fmu_import::{Description, Variable};
+use super::finding::Find::{Document, Elsewhere, Variable};
+use super::finding::Severity::{Error, Note, Warning};
+use super::finding::{Find, Rule, Severity};
+use super::{definitions, schema, structure, values, variables};
 
-/// All that is wrong in a model description by itself.
-pub(super) fn broken(fmu: &Description) -> Vec<String> {
-    let mut findings = experiment(&fmu.default_experiment);
-    if fmu.fmi_version != "2.0" {
-        findings.push(format!(
-            "modelDescription.xml: fmiVersion is {}; FMI 2.0 is needed, which calls itself 2.0",
-            fmu.fmi_version
-        ));
+const fn rule(
+    id: &'static str,
+    severity: Severity,
+    source: &'static str,
+    wants: &'static str,
+    find: Find,
+) -> Rule {
+    Rule {
+        id,
+        severity,
+        source,
+        wants,
+        find,
     }
-    findings.extend(
-        fmu.variables
-            .values()
-            .flat_map(|variable| of_variable(variable, &fmu.units)),
-    );
-    findings
 }
 
-fn experiment(experiment: &DefaultExperiment) -> Vec<String> {
-    let mut findings = Vec::new();
-    for (name, value) in [
-        ("stepSize", experiment.step),
-        ("tolerance", experiment.tolerance),
-    ] {
-        if let Some(value) = value
-            && !(value > 0.0 && value.is_finite())
-        {
-            findings.push(format!(
-                "modelDescription.xml: DefaultExperiment: {name} is {value}; it must be greater than 0"
-            ));
-        }
-    }
-    let start = experiment.start.unwrap_or(0.0);
-    if let Some(stop) = experiment.stop
-        && (stop <= start || !(stop - start).is_finite())
-    {
-        findings.push(format!(
-            "modelDescription.xml: DefaultExperiment: stopTime is {stop}; it must be later than startTime, {start}"
-        ));
-    }
-    let length = experiment.stop.map(|stop| stop - start);
-    if let (Some(step), Some(length)) = (experiment.step, length)
-        && length > 0.0
-        && step > length
-        && step.is_finite()
-    {
-        findings.push(format!(
-            "modelDescription.xml: DefaultExperiment: stepSize is {step}, but the experiment lasts {length} s only: \
-             shorten the step"
-        ));
-    }
-    findings
+const XML: &str = "XML 1.0, 4.3.3";
+const MODEL: &str = "fmi2ModelDescription.xsd";
+const SCALAR: &str = "fmi2ScalarVariable.xsd";
+const TYPE: &str = "fmi2Type.xsd";
+
+/// The rule of this name.
+pub(super) fn named(id: &str) -> Option<&'static Rule> {
+    RULES.iter().find(|rule| rule.id == id)
 }
 
-fn of_variable(variable: &Variable, units: &Units) -> Vec<String> {
-    let mut findings = match &variable.kind {
-        Kind::Real {
-            start,
-            min,
-            max,
-            nominal,
-            ..
-        } => real(*start, *min, *max, *nominal),
-        Kind::Integer { start, min, max } => range(*start, *min, *max),
-        Kind::Enumeration {
-            start: Some(start),
-            items,
-        } if !items.is_empty() && items.iter().all(|(_, value)| value != start) => {
-            vec![format!(
-                "start {start} is none of its type's items: choose one of them"
-            )]
-        }
-        _ => Vec::new(),
-    };
-    findings.extend(unit(variable, units));
-    findings
-        .into_iter()
-        .map(|finding| {
-            let Variable { name, line, .. } = variable;
-            format!("modelDescription.xml, line {line}: {name}: {finding}")
-        })
-        .collect()
-}
-
-fn real(
-    start: Option<f64>,
-    min: Option<f64>,
-    max: Option<f64>,
-    nominal: Option<f64>,
-) -> Vec<String> {
-    let mut findings = range(start, min, max);
-    if let Some(start) = start.filter(|start| !start.is_finite()) {
-        findings.push(format!("start is {start}: it must be a finite number"));
-    }
-    if let Some(nominal) = nominal.filter(|nominal| nominal.is_nan() || *nominal <= 0.0) {
-        findings.push(format!(
-            "nominal is {nominal}: it must be greater than 0, as importers divide by it"
-        ));
-    }
-    findings
-}
-
-fn range<T: PartialOrd + std::fmt::Display>(
-    start: Option<T>,
-    min: Option<T>,
-    max: Option<T>,
-) -> Vec<String> {
-    let mut findings = Vec::new();
-    if let (Some(min), Some(max)) = (&min, &max)
-        && min > max
-    {
-        return vec![format!(
-            "min {min} is greater than max {max}: exchange or correct them"
-        )];
-    }
-    if let Some(start) = &start {
-        if let Some(min) = min.filter(|min| start < min) {
-            findings.push(format!(
-                "start {start} is less than min {min}: correct one of them"
-            ));
-        }
-        if let Some(max) = max.filter(|max| start > max) {
-            findings.push(format!(
-                "start {start} is greater than max {max}: correct one of them"
-            ));
-        }
-    }
-    findings
-}
-
-fn unit(variable: &Variable, units: &Units) -> Option<String> {
-    let Kind::Real {
-        unit, display_unit, ..
-    } = &variable.kind
-    else {
-        return None;
-    };
-    let Some(unit) = unit else {
-        return display_unit
-            .as_ref()
-            .map(|shown| format!("displayUnit \"{shown}\" without a unit: add the unit"));
-    };
-    let Some((_, defined)) = units.iter().find(|(name, _)| name == unit) else {
-        return Some(format!(
-            "unit \"{unit}\" is not defined: add it to UnitDefinitions"
-        ));
-    };
-    let shown = display_unit.as_ref()?;
-    let known = shown == unit || defined.display.iter().any(|other| other.name == *shown);
-    (!known).then(|| {
-        format!("displayUnit \"{shown}\" is not defined for unit \"{unit}\": add it there")
-    })
-}
+#[rustfmt::skip]
+pub(super) static RULES: &[Rule] = &[
+    // What a simulation needs to begin with.
+    rule("description-readable", Error, "FMI 2.0.5, 2.2", "modelDescription.xml is well-formed and one of FMI 2.0 for Co-Simulation", Elsewhere),
+    rule("archive-readable", Error, "FMI 2.0.5, 2.3", "the FMU is a sound zip archive with modelDescription.xml at its top", Elsewhere),
+    // The schema.
+    rule("xml-encoding", Error, XML, "the bytes are of the declared encoding", Document(values::encoding)),
+    rule("schema-namespace", Error, MODEL, "the elements of FMI 2.0 are in no namespace", Document(schema::namespace)),
+    rule("schema-attribute", Error, MODEL, "only attributes of FMI 2.0", Document(schema::unknown_attributes)),
+    rule("schema-attribute-missing", Error, MODEL, "all required attributes", Document(schema::missing_attributes)),
+    rule("schema-element", Error, MODEL, "only elements of FMI 2.0", Document(schema::unknown_elements)),
+    rule("schema-element-missing", Error, MODEL, "all required elements", Document(schema::missing_elements)),
+    rule("schema-order", Error, MODEL, "elements in the schema's order, single ones once", Document(schema::order)),
+    rule("schema-empty-list", Error, MODEL, "a list that is there holds something", Document(schema::empty_lists)),
+    rule("schema-type-missing", Error, TYPE, "a SimpleType says of which type it is", Document(schema::typeless)),
+    rule("schema-value", Error, MODEL, "values of their attribute's type", Document(schema::values)),
+    rule("schema-value-read", Error, MODEL, "values of their attribute's type", Document(values::unreadable)),
+    rule("variable-readable", Error, SCALAR, "a variable has a name, a value reference and a type", Document(values::left_out)),
+    // The definitions.
+    rule("version", Error, "FMI 2.0.5, 2.2.1", "fmiVersion is 2.0", Document(values::version)),
+    rule("date", Error, "FMI 2.0.5, 2.2.1", "generationDateAndTime is an xs:dateTime", Document(definitions::date)),
+    rule("naming-convention", Error, "FMI 2.0.5, 2.2.1", "variableNamingConvention is flat or structured", Document(definitions::conventions)),
+    rule("structured-name", Error, "FMI 2.0.5, 2.2.9", "structured names follow the grammar", Document(definitions::convention)),
+    rule("unit-unique", Error, "FMI 2.0.5, 2.2.2", "units have names of their own", Document(definitions::units)),
+    rule("display-unit-unique", Error, "FMI 2.0.5, 2.2.2", "display units of a unit have names of their own", Document(definitions::display_units)),
+    rule("unit-factor", Error, "FMI 2.0.5, 2.2.2", "a factor is not zero", Document(definitions::factors)),
+    rule("type-unique", Error, "FMI 2.0.5, 2.2.3", "types have names of their own", Document(definitions::types)),
+    rule("type-name", Error, "FMI 2.0.5, 2.2.3", "a type is not called as a variable", Document(definitions::types_and_variables)),
+    rule("type-attributes", Error, "FMI 2.0.5, 2.2.3", "a type's range and units make sense", Document(definitions::type_attributes)),
+    rule("item-unique", Error, "FMI 2.0.5, 2.2.3", "items have names and values of their own", Document(definitions::items)),
+    rule("category-unique", Error, "FMI 2.0.5, 2.2.4", "log categories have names of their own", Document(definitions::categories)),
+    rule("step-size-positive", Error, "FMI 2.0.5, 2.2.5", "stepSize is greater than 0", Document(values::step)),
+    rule("tolerance-positive", Error, "FMI 2.0.5, 2.2.5", "tolerance is greater than 0", Document(values::tolerance)),
+    rule("stop-after-start", Error, "FMI 2.0.5, 2.2.5", "stopTime is later than startTime", Document(values::stop)),
+    rule("step-within", Warning, "FMI 2.0.5, 2.2.5", "stepSize is not longer than the experiment", Document(values::long_step)),
+    rule("tool-unique", Error, "FMI 2.0.5, 2.2.6", "annotations are of a tool each", Document(definitions::tools)),
+    rule("source-file-unique", Warning, "FMI 2.0.5, 4.3.1", "source files have names of their own", Document(definitions::source_files)),
+    rule("serialize-needs-state", Error, "FMI 2.0.5, 4.3.1", "canSerializeFMUstate implies canGetAndSetFMUstate", Document(definitions::serialized_states)),
+    rule("exchange-only", Error, "FMI 2.0.5, 2.2.7", "reinit and canHandleMultipleSetPerTimeInstant are for Model Exchange", Document(definitions::exchange_only)),
+    // Variables.
+    rule("variable-name-unique", Error, "FMI 2.0.5, 2.2.7", "variables have names of their own", Document(values::names_twice)),
+    rule("independent-single", Error, "FMI 2.0.5, 2.2.7", "one independent variable", Document(variables::independents)),
+    rule("variability", Error, "FMI 2.0.5, 2.2.7", "causality and variability go together", Variable(variables::kind)),
+    rule("continuous-real", Error, "FMI 2.0.5, 2.2.7", "only a Real is continuous", Variable(variables::continuous)),
+    rule("initial", Error, "FMI 2.0.5, 2.2.7", "initial goes with causality and variability", Variable(variables::initial)),
+    rule("start-needed", Error, "FMI 2.0.5, 2.2.7", "inputs, parameters, constants and exact ones have a start value", Variable(variables::startless)),
+    rule("start-forbidden", Error, "FMI 2.0.5, 2.2.7", "calculated ones and the time have no start value", Variable(variables::started)),
+    rule("type-declared", Error, "FMI 2.0.5, 2.2.7", "declaredType is defined", Variable(variables::undeclared)),
+    rule("type-fits", Error, "FMI 2.0.5, 2.2.7", "declaredType is of the variable's type", Variable(variables::mistyped)),
+    rule("derivative", Error, "FMI 2.0.5, 2.2.7", "derivative is the index of a continuous Real", Variable(variables::derivative)),
+    rule("range", Error, "FMI 2.0.5, 2.2.7", "max is not less than min", Variable(values::range)),
+    rule("start-in-range", Error, "FMI 2.0.5, 2.2.7", "start lies between min and max", Variable(values::start)),
+    rule("start-finite", Error, "FMI 2.0.5, 2.2.7", "start is a finite number", Variable(values::infinite)),
+    rule("start-item", Error, "FMI 2.0.5, 2.2.7", "start is an item of the type", Variable(values::item)),
+    rule("nominal-positive", Error, "FMI 2.0.5, 2.2.7", "nominal is greater than 0", Variable(values::nominal)),
+    rule("range-of-type", Warning, "FMI 2.0.5, 2.2.7", "a variable's range lies within its type's", Variable(values::beyond_type)),
+    rule("unit-defined", Error, "FMI 2.0.5, 2.2.7", "unit is defined", Variable(values::unit)),
+    rule("display-unit-defined", Error, "FMI 2.0.5, 2.2.7", "displayUnit is defined for the unit", Variable(values::display_unit)),
+    rule("alias", Error, "FMI 2.0.5, 2.2.7", "of several names one can be set and has a start value; all are constant or none is", Variable(variables::alias)),
+    rule("alias-unit", Error, "FMI 2.0.5, 2.2.7", "several names have one unit", Variable(variables::alias_unit)),
+    rule("alias-unit-missing", Warning, "FMI 2.0.5, 2.2.7", "several names all have a unit or none has", Variable(variables::alias_without_unit)),
+    // The structure.
+    rule("outputs", Error, "FMI 2.0.5, 2.2.8", "Outputs lists outputs, each once", Document(structure::outputs)),
+    rule("outputs-complete", Error, "FMI 2.0.5, 2.2.8", "Outputs lists every output", Document(structure::outputs_missing)),
+    rule("outputs-none", Note, "FMI 2.0.5, 2.2.8", "there is something to compare with", Document(structure::no_outputs)),
+    rule("derivatives", Error, "FMI 2.0.5, 2.2.8", "Derivatives lists state derivatives, each once", Document(structure::derivatives)),
+    rule("derivatives-complete", Warning, "FMI 2.0.5, 2.2.8", "Derivatives is there where states are declared", Document(structure::derivatives_missing)),
+    rule("initial-unknowns", Error, "FMI 2.0.5, 2.2.8", "InitialUnknowns lists variables that are computed initially, each once", Document(structure::initial_unknowns)),
+    rule("initial-unknowns-sorted", Error, "FMI 2.0.5, 2.2.8", "InitialUnknowns is sorted by index", Document(structure::initial_unknowns_unsorted)),
+    rule("initial-unknowns-complete", Warning, "FMI 2.0.5, 2.2.8", "InitialUnknowns lists all outputs, calculated parameters, states and derivatives that are computed", Document(structure::initial_unknowns_missing)),
+    rule("initial-unknowns-surplus", Warning, "FMI 2.0.5, 2.2.8", "InitialUnknowns lists nothing else", Document(structure::initial_unknowns_surplus)),
+    rule("dependencies", Error, "FMI 2.0.5, 2.2.8", "dependencies are on variables, with a kind each where kinds are given", Document(structure::dependencies)),
+    // The archive.
+    rule("archive-path", Error, "FMI 2.0.5, 2.3", "paths are relative, with forward slashes", Elsewhere),
+    rule("archive-entry-unique", Warning, "FMI 2.0.5, 2.3", "entries have names of their own", Elsewhere),
+    rule("model-identifier", Error, "FMI 2.0.5, 4.3.1", "modelIdentifier is a C identifier", Elsewhere),
+    rule("binary-there", Error, "FMI 2.0.5, 2.3", "there is a binary for this machine", Elsewhere),
+    rule("binary-folder", Error, "FMI 2.0.5, 2.3", "binaries lie in binaries/PLATFORM", Elsewhere),
+    rule("binary-name", Error, "FMI 2.0.5, 2.3", "a binary is named as modelIdentifier", Elsewhere),
+    rule("binary-machine", Error, "FMI 2.0.5, 2.3", "a binary is one for its platform", Elsewhere),
+    rule("binary-readable", Error, "FMI 2.0.5, 2.3", "a binary is a shared library", Elsewhere),
+    rule("binary-functions", Error, "FMI 2.0.5, 2.1.1", "a binary exports every function of FMI 2.0 for Co-Simulation", Elsewhere),
+    rule("binary-libraries", Error, "FMI 2.0.5, 2.3", "the libraries that a binary needs are there", Elsewhere),
+    // The life of an FMU.
+    rule("execution-tool", Note, "FMI 2.0.5, 4.3.1", "the FMU runs by itself", Elsewhere),
+    rule("binary-loads", Error, "FMI 2.0.5, 2.3", "the binary can be loaded", Elsewhere),
+    rule("binary-version", Warning, "FMI 2.0.5, 2.1.4", "fmi2GetVersion returns 2.0", Elsewhere),
+    rule("binary-types", Warning, "FMI 2.0.5, 2.1.4", "fmi2GetTypesPlatform returns default", Elsewhere),
+    rule("simulation-runs", Error, "FMI 2.0.5, 4.2.4", "a simulation with the start values runs", Elsewhere),
+    rule("output-finite", Error, "a study would be wrong", "outputs are finite numbers", Elsewhere),
+    rule("output-range", Warning, "FMI 2.0.5, 2.2.3", "outputs keep to their range", Elsewhere),
+    rule("start-agrees", Error, "FMI 2.0.5, 2.2.7", "the binary starts with the start values of the description", Elsewhere),
+    rule("warnings", Warning, "FMI 2.0.5, 2.1.3", "calls return fmi2OK", Elsewhere),
+    rule("logger-environment", Warning, "FMI 2.0.5, 2.1.5", "the logger gets its environment", Elsewhere),
+    rule("early-end", Note, "FMI 2.0.5, 4.2.2", "a simulation goes on to its stop time", Elsewhere),
+    rule("life-ends", Error, "FMI 2.0.5, 2.1.6", "a simulation ends and is freed in order", Elsewhere),
+    rule("reproducible", Warning, "a study would differ from run to run", "the same simulation gives the same values", Elsewhere),
+    rule("memory-written", Error, "a study would be wrong", "no memory is read that was never written", Elsewhere),
+    rule("life-reset", Error, "FMI 2.0.5, 2.1.6", "fmi2Reset takes everything back", Elsewhere),
+    rule("life-again", Error, "FMI 2.0.5, 2.1.5", "a second instance is as the first", Elsewhere),
+    rule("life-instances", Error, "FMI 2.0.5, 4.3.1", "several instances do not disturb each other, or canBeInstantiatedOnlyOncePerProcess is set", Elsewhere),
+    rule("step-size", Note, "FMI 2.0.5, 4.2.2", "the communication step hardly changes the values", Elsewhere),
+];

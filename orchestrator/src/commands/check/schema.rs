@@ -1,9 +1,10 @@
-//! The elements and attributes of `modelDescription.xml` (FMI 2.0.4, sections 2.2 and 4.3.1): what is none of
+//! The elements and attributes of `modelDescription.xml` (FMI 2.0.5, sections 2.2 and 4.3.1): what is none of
 //! them is a typing error, or belongs into an annotation.
 
 use roxmltree::Node;
 
-use super::document::{at, elements};
+use super::document::{Document, at, elements};
+use super::finding::Hit;
 use crate::names::{did_you_mean, nearest};
 
 /// An element: its name, with its parent's where it has several; its attributes and its children. Those that must
@@ -104,6 +105,20 @@ fn element(parent: &str, name: &str) -> Option<Element> {
     found(&format!("{parent}/{name}")).or_else(|| found(name))
 }
 
+/// Elements that hold at least one element.
+const MANY_WITHIN: [&str; 10] = [
+    "SourceFiles",
+    "UnitDefinitions",
+    "TypeDefinitions",
+    "LogCategories",
+    "VendorAnnotations",
+    "Annotations",
+    "ModelVariables",
+    "Outputs",
+    "Derivatives",
+    "InitialUnknowns",
+];
+
 /// Elements of which there may be many beside each other.
 const MANY: [&str; 9] = [
     "File",
@@ -117,68 +132,197 @@ const MANY: [&str; 9] = [
     "Unknown",
 ];
 
-/// All that is in the document but not in the standard, and what the standard wants but is not there.
-pub(super) fn broken(root: Node<'_, '_>) -> Vec<String> {
-    let mut findings = Vec::new();
-    if let Some(space) = root.tag_name().namespace() {
-        let text =
-            format!("the namespace \"{space}\": the elements of FMI 2.0 have none, remove it");
-        findings.push(at(root, &text));
-    }
-    visit(root, "", &mut findings);
-    findings
+/// A namespace that the elements of FMI 2.0 have not.
+pub(super) fn namespace(document: &Document<'_>) -> Vec<Hit> {
+    let space = document.root.tag_name().namespace();
+    let text = |space: &str| {
+        format!("the namespace \"{space}\": the elements of FMI 2.0 have none, remove it")
+    };
+    let hit = |space| at(document.root, &text(space));
+    space.map(hit).into_iter().collect()
 }
 
-fn visit(node: Node<'_, '_>, parent: &str, findings: &mut Vec<String>) {
-    let name = node.tag_name().name();
-    let Some((_, attributes, children)) = element(parent, name) else {
-        return;
-    };
-    let known = |list: &'static str| list.split(' ').map(|word| word.trim_end_matches('!'));
-    let missing = |list: &'static str| list.split(' ').filter_map(|word| word.strip_suffix('!'));
-    let own = node.attributes().filter(|a| a.namespace().is_none());
-    for attribute in own.map(|attribute| attribute.name()) {
-        if known(attributes).all(|known| known != attribute) {
-            let meant = did_you_mean(nearest(attribute, known(attributes)));
-            let text =
-                format!("`{name}` has no attribute `{attribute}` in FMI 2.0: remove it{meant}");
-            findings.push(at(node, &text));
+/// Attributes that are none of FMI 2.0.
+pub(super) fn unknown_attributes(document: &Document<'_>) -> Vec<Hit> {
+    visit(document, |node, (_, attributes, _), hits| {
+        let own = node.attributes().filter(|a| a.namespace().is_none());
+        for attribute in own.map(|attribute| attribute.name()) {
+            if known(attributes).all(|known| known != attribute) {
+                let meant = did_you_mean(nearest(attribute, known(attributes)));
+                let name = node.tag_name().name();
+                let text =
+                    format!("`{name}` has no attribute `{attribute}` in FMI 2.0: remove it{meant}");
+                hits.push(at(node, &text));
+            }
         }
-    }
-    for attribute in missing(attributes).filter(|attribute| !node.has_attribute(*attribute)) {
-        findings.push(at(
-            node,
-            &format!("`{name}` needs the attribute `{attribute}`: add it"),
-        ));
-    }
-    if children == "*" {
-        return;
-    }
-    for wanted in missing(children) {
-        if elements(node).all(|child| child.tag_name().name() != wanted) {
-            findings.push(at(
+    })
+}
+
+/// Attributes that must be there.
+pub(super) fn missing_attributes(document: &Document<'_>) -> Vec<Hit> {
+    visit(document, |node, (_, attributes, _), hits| {
+        for attribute in missing(attributes).filter(|wanted| !node.has_attribute(*wanted)) {
+            let name = node.tag_name().name();
+            hits.push(at(
                 node,
-                &format!("`{name}` needs the element `{wanted}`: add it"),
+                &format!("`{name}` needs the attribute `{attribute}`: add it"),
             ));
         }
-    }
-    findings.extend(disordered(node, &Vec::from_iter(known(children))));
-    for child in elements(node) {
-        let inner = child.tag_name().name();
-        if known(children).any(|known| known == inner) {
-            visit(child, name, findings);
-        } else {
-            let meant = did_you_mean(nearest(inner, known(children)));
-            let text = format!(
-                "`{name}` has no element `{inner}` in FMI 2.0: remove it, or put it into an annotation{meant}"
-            );
-            findings.push(at(child, &text));
+    })
+}
+
+/// Elements that are none of FMI 2.0.
+pub(super) fn unknown_elements(document: &Document<'_>) -> Vec<Hit> {
+    visit(document, |node, (_, _, children), hits| {
+        for child in elements(node) {
+            let inner = child.tag_name().name();
+            if children != "*" && known(children).all(|known| known != inner) {
+                let meant = did_you_mean(nearest(inner, known(children)));
+                let text = format!(
+                    "`{}` has no element `{inner}` in FMI 2.0: remove it, or put it into an annotation{meant}",
+                    node.tag_name().name()
+                );
+                hits.push(at(child, &text));
+            }
         }
+    })
+}
+
+/// Elements that must be there.
+pub(super) fn missing_elements(document: &Document<'_>) -> Vec<Hit> {
+    visit(document, |node, (_, _, children), hits| {
+        for wanted in missing(children) {
+            if elements(node).all(|child| child.tag_name().name() != wanted) {
+                let name = node.tag_name().name();
+                hits.push(at(
+                    node,
+                    &format!("`{name}` needs the element `{wanted}`: add it"),
+                ));
+            }
+        }
+    })
+}
+
+/// Elements in another order than the schema's, or twice.
+pub(super) fn order(document: &Document<'_>) -> Vec<Hit> {
+    visit(document, |node, (_, _, children), hits| {
+        if children != "*" {
+            hits.extend(disordered(node, &Vec::from_iter(known(children))));
+        }
+    })
+}
+
+/// Lists in which there is nothing.
+pub(super) fn empty_lists(document: &Document<'_>) -> Vec<Hit> {
+    visit(document, |node, (name, _, children), hits| {
+        let own = node.tag_name().name();
+        let list = MANY_WITHIN.contains(&own) || name == "SimpleType/Enumeration";
+        if list && elements(node).next().is_none() {
+            let remedy = match name {
+                "SimpleType/Enumeration" => "add its items",
+                _ => "remove it, or add one",
+            };
+            hits.push(at(
+                node,
+                &format!("`{own}` has no `{children}` in it: {remedy}"),
+            ));
+        }
+    })
+}
+
+/// Type definitions without a type.
+pub(super) fn typeless(document: &Document<'_>) -> Vec<Hit> {
+    let types = document.all("TypeDefinitions", "SimpleType");
+    let bare = types.filter(|node| elements(*node).next().is_none());
+    bare.map(|node| {
+        at(
+            node,
+            "`SimpleType` has no type in it: add Real, Integer, Boolean, String or Enumeration",
+        )
+    })
+    .collect()
+}
+
+/// Values that are not of their attribute's type, where nobody else reads them.
+pub(super) fn values(document: &Document<'_>) -> Vec<Hit> {
+    let mut wrong = visit(document, |node, (_, attributes, _), hits| {
+        for (names, is, what) in TYPED {
+            for name in names
+                .split(' ')
+                .filter(|name| known(attributes).any(|own| own == *name))
+            {
+                if let Some(text) = node.attribute(name).filter(|text| !is(text.trim())) {
+                    hits.push(at(node, &format!("{name}=\"{text}\" is {what}")));
+                }
+            }
+        }
+    });
+    let remarks = &document.read.remarks;
+    // What the reader has used, it has remarked on.
+    wrong.retain(|hit| remarks.iter().all(|remark| Some(remark.line) != hit.line));
+    wrong
+}
+
+/// Attributes, whether a text is one of their values, and what it is else.
+type Typed = (&'static str, fn(&str) -> bool, &'static str);
+
+/// Attributes that the reader does not use.
+const TYPED: [Typed; 4] = [
+    (
+        "canNotUseMemoryManagementFunctions providesDirectionalDerivative completedIntegratorStepNotNeeded unbounded \
+         reinit canHandleMultipleSetPerTimeInstant",
+        |text| ["true", "false", "1", "0"].contains(&text),
+        "neither true nor false",
+    ),
+    (
+        "maxOutputDerivativeOrder numberOfEventIndicators",
+        |text| text.parse::<u32>().is_ok(),
+        "not a whole number from 0 on",
+    ),
+    (
+        "value",
+        |text| text.parse::<i32>().is_ok(),
+        "not a whole number",
+    ),
+    (
+        "initial",
+        |text| ["exact", "approx", "calculated"].contains(&text),
+        "none of exact, approx and calculated",
+    ),
+];
+
+fn known(list: &'static str) -> impl Iterator<Item = &'static str> {
+    list.split(' ').map(|word| word.trim_end_matches('!'))
+}
+
+fn missing(list: &'static str) -> impl Iterator<Item = &'static str> {
+    list.split(' ').filter_map(|word| word.strip_suffix('!'))
+}
+
+/// Hands over all elements that the standard knows, and their descriptions.
+fn visit(
+    document: &Document<'_>,
+    mut look: impl FnMut(Node<'_, '_>, Element, &mut Vec<Hit>),
+) -> Vec<Hit> {
+    let mut hits = Vec::new();
+    let mut open = vec![(document.root, "")];
+    while let Some((node, parent)) = open.pop() {
+        let Some(element) = element(parent, node.tag_name().name()) else {
+            continue;
+        };
+        look(node, element, &mut hits);
+        let inner = elements(node).filter(|child| {
+            element.2 != "*" && known(element.2).any(|known| known == child.tag_name().name())
+        });
+        let begin = open.len();
+        open.extend(inner.map(|child| (child, node.tag_name().name())));
+        open[begin..].reverse();
     }
+    hits
 }
 
 /// The first child that comes after one that it must come before, or comes a second time.
-fn disordered(node: Node<'_, '_>, order: &[&str]) -> Option<String> {
+fn disordered(node: Node<'_, '_>, order: &[&str]) -> Option<Hit> {
     let mut last: Option<usize> = None;
     elements(node).find_map(|child| {
         let name = child.tag_name().name();

@@ -1,48 +1,172 @@
-//! `ModelStructure` (FMI 2.0.4, section 2.2.8): its lists name variables by their index, counted from 1.
+//! `ModelStructure` (FMI 2.0.5, section 2.2.8): its lists name variables by their index, counted from 1.
 
 use std::collections::HashSet;
 
 use roxmltree::Node;
 
-use super::document::{Scalar, at, named};
+use super::document::{Document, Scalar, at, named};
+use super::finding::Hit;
 
 type Scalars<'a> = [Option<Scalar<'a>>];
 
-/// All that is wrong with the lists.
-pub(super) fn broken(root: Node<'_, '_>, scalars: &Scalars<'_>) -> Vec<String> {
-    let Some(structure) = named(root, "ModelStructure").next() else {
+/// The element itself. Without it the schema's rules have said so.
+fn structure<'a>(document: &Document<'a>) -> Option<Node<'a, 'a>> {
+    named(document.root, "ModelStructure").next()
+}
+
+fn is_output(scalar: &Scalar<'_>) -> bool {
+    scalar.causality == "output"
+}
+
+fn is_guessed(scalar: &Scalar<'_>) -> bool {
+    ["calculated", "approx"].contains(&scalar.initial)
+}
+
+/// Whether a list of `ModelStructure` is there.
+fn has_list(document: &Document<'_>, name: &'static str) -> bool {
+    structure(document).is_some_and(|node| named(node, name).next().is_some())
+}
+
+pub(super) fn outputs(document: &Document<'_>) -> Vec<Hit> {
+    list(document, "Outputs", &|scalar| {
+        (!is_output(scalar)).then_some("is no output")
+    })
+}
+
+pub(super) fn outputs_missing(document: &Document<'_>) -> Vec<Hit> {
+    if !outputs(document).is_empty() {
         return Vec::new();
-    };
-    let output = |scalar: &Scalar<'_>| scalar.causality == "output";
-    let mut findings = list(structure, "Outputs", scalars, &|scalar| {
-        (!output(scalar)).then_some("is no output")
-    });
-    if findings.is_empty() {
-        findings = missing(structure, "Outputs", scalars, &output);
     }
-    findings.extend(list(structure, "Derivatives", scalars, &|scalar| {
+    missing(document, "Outputs", &is_output)
+}
+
+pub(super) fn derivatives(document: &Document<'_>) -> Vec<Hit> {
+    list(document, "Derivatives", &|scalar| {
         let derivative = scalar.typed.has_attribute("derivative");
         (!derivative).then_some("has no attribute derivative")
-    }));
-    let mut initial = list(
-        structure,
+    })
+}
+
+/// States are declared, but no state derivatives.
+pub(super) fn derivatives_missing(document: &Document<'_>) -> Vec<Hit> {
+    if has_list(document, "Derivatives") {
+        return Vec::new();
+    }
+    missing(document, "Derivatives", &|scalar| {
+        let state = scalar.typed.attribute("derivative");
+        let state = state.and_then(|index| position(index, &document.scalars));
+        let state = state.and_then(|place| document.scalars[place].as_ref());
+        state.is_some_and(|state| state.kind() == "Real") && !scalar.is_settable()
+    })
+}
+
+pub(super) fn initial_unknowns(document: &Document<'_>) -> Vec<Hit> {
+    list(
+        document,
         "InitialUnknowns",
-        scalars,
         &|scalar| match scalar.causality {
             "parameter" => Some("is a parameter, so known initially"),
             "input" => Some("is an input, so known initially"),
             _ => None,
         },
-    );
-    if initial.is_empty() {
-        initial.extend(unsorted(structure, "InitialUnknowns"));
-        findings.extend(missing(structure, "InitialUnknowns", scalars, &|scalar| {
-            scalar.causality == "calculatedParameter"
-                || output(scalar) && ["calculated", "approx"].contains(&scalar.initial)
-        }));
+    )
+}
+
+/// Outputs, calculated parameters, states and their derivatives that are computed initially.
+pub(super) fn initial_unknowns_missing(document: &Document<'_>) -> Vec<Hit> {
+    if !initial_unknowns(document).is_empty() {
+        return Vec::new();
     }
-    findings.extend(initial);
-    findings
+    let states = states(document);
+    missing(document, "InitialUnknowns", &|scalar| {
+        let computed = is_output(scalar) || states.contains(&scalar.position);
+        scalar.causality == "calculatedParameter" || computed && is_guessed(scalar)
+    })
+}
+
+/// The positions of the states and their derivatives, as `Derivatives` lists them.
+fn states(document: &Document<'_>) -> HashSet<usize> {
+    let mut positions = HashSet::new();
+    let listed = structure(document)
+        .into_iter()
+        .flat_map(|node| unknowns(node, "Derivatives"));
+    for unknown in listed {
+        let derivative = unknown
+            .attribute("index")
+            .and_then(|index| position(index, &document.scalars));
+        let scalar = derivative.and_then(|place| document.scalars[place].as_ref());
+        let state = scalar
+            .and_then(|scalar| position(scalar.typed.attribute("derivative")?, &document.scalars));
+        positions.extend(derivative);
+        positions.extend(state);
+    }
+    positions
+}
+
+/// Entries that the list is not made for.
+pub(super) fn initial_unknowns_surplus(document: &Document<'_>) -> Vec<Hit> {
+    let Some(structure) = structure(document) else {
+        return Vec::new();
+    };
+    if !initial_unknowns(document).is_empty() {
+        return Vec::new();
+    }
+    let states = states(document);
+    let surplus = |unknown: &Node<'_, '_>| {
+        let place = position(unknown.attribute("index")?, &document.scalars)?;
+        let scalar = document.scalars[place].as_ref()?;
+        // An output that is not computed does no harm here.
+        let wanted = scalar.causality == "calculatedParameter"
+            || is_output(scalar)
+            || states.contains(&place) && is_guessed(scalar);
+        (!wanted).then_some(scalar.name.to_owned())
+    };
+    let names: Vec<String> = unknowns(structure, "InitialUnknowns")
+        .filter_map(|node| surplus(&node))
+        .collect();
+    let text = format!(
+        "InitialUnknowns: {} is no output, calculated parameter, state or state derivative that is computed \
+         initially: remove it",
+        short(&names)
+    );
+    if names.is_empty() {
+        Vec::new()
+    } else {
+        vec![at(structure, &text)]
+    }
+}
+
+pub(super) fn initial_unknowns_unsorted(document: &Document<'_>) -> Vec<Hit> {
+    let unsorted = structure(document).and_then(|node| unsorted(node, "InitialUnknowns"));
+    if initial_unknowns(document).is_empty() {
+        unsorted.into_iter().collect()
+    } else {
+        Vec::new()
+    }
+}
+
+/// Nothing is forbidden about it, but a study has to look elsewhere.
+pub(super) fn no_outputs(document: &Document<'_>) -> Vec<Hit> {
+    if document.known().any(is_output) {
+        return Vec::new();
+    }
+    let text = "no outputs: simulate records the local variables, and criteria may use them";
+    vec![Hit::of(super::document::NAME, text.to_owned())]
+}
+
+/// What dependencies are on, and of which kind.
+pub(super) fn dependencies(document: &Document<'_>) -> Vec<Hit> {
+    let Some(structure) = structure(document) else {
+        return Vec::new();
+    };
+    let lists = ["Outputs", "Derivatives", "InitialUnknowns"];
+    let wrong = |name: &'static str| {
+        unknowns(structure, name).filter_map(move |unknown| {
+            let text = dependencies_of(unknown, &document.scalars)?;
+            Some(at(unknown, &format!("{name}: {text}")))
+        })
+    };
+    lists.into_iter().flat_map(wrong).collect()
 }
 
 fn unknowns<'a>(structure: Node<'a, 'a>, name: &'static str) -> impl Iterator<Item = Node<'a, 'a>> {
@@ -50,7 +174,7 @@ fn unknowns<'a>(structure: Node<'a, 'a>, name: &'static str) -> impl Iterator<It
 }
 
 /// The first unknown of a list that comes after one of a greater index.
-fn unsorted(structure: Node<'_, '_>, name: &'static str) -> Option<String> {
+fn unsorted(structure: Node<'_, '_>, name: &'static str) -> Option<Hit> {
     let index = |unknown: &Node<'_, '_>| unknown.attribute("index")?.trim().parse::<usize>().ok();
     let mut greatest = 0;
     unknowns(structure, name).find_map(|unknown| {
@@ -72,42 +196,40 @@ fn position(index: &str, scalars: &Scalars<'_>) -> Option<usize> {
 
 /// The unknowns of one list that cannot be: `unfit` says why a variable cannot be in it.
 fn list(
-    structure: Node<'_, '_>,
+    document: &Document<'_>,
     name: &'static str,
-    scalars: &Scalars<'_>,
     unfit: &dyn Fn(&Scalar<'_>) -> Option<&'static str>,
-) -> Vec<String> {
+) -> Vec<Hit> {
+    let scalars = &document.scalars;
     let mut seen = HashSet::new();
-    let mut findings = Vec::new();
-    for unknown in unknowns(structure, name) {
-        let Some(index) = unknown.attribute("index") else {
-            continue;
-        };
+    let listed = structure(document)
+        .into_iter()
+        .flat_map(|node| unknowns(node, name));
+    let wrong = listed.filter_map(|unknown| {
+        let index = unknown.attribute("index")?;
         let wrong = match position(index, scalars) {
-            None => Some(format!(
+            None => format!(
                 "is none of the {} variables: indexes count them from 1",
                 scalars.len()
-            )),
+            ),
             Some(position) if !seen.insert(position) => {
-                Some("is listed twice: remove one of them".to_owned())
+                "is listed twice: remove one of them".to_owned()
             }
-            Some(position) => scalars[position].as_ref().and_then(|scalar| {
-                let why = unfit(scalar)?;
-                Some(format!(
-                    "is {}, which {why}: correct the index or remove it",
-                    scalar.name
-                ))
-            }),
+            Some(position) => {
+                let scalar = scalars[position].as_ref()?;
+                format!(
+                    "is {}, which {}: correct the index or remove it",
+                    scalar.name,
+                    unfit(scalar)?
+                )
+            }
         };
-        let found = wrong.map(|wrong| format!("index {index} {wrong}"));
-        if let Some(found) = found.or_else(|| dependencies(unknown, scalars)) {
-            findings.push(at(unknown, &format!("{name}: {found}")));
-        }
-    }
-    findings
+        Some(at(unknown, &format!("{name}: index {index} {wrong}")))
+    });
+    wrong.collect()
 }
 
-fn dependencies(unknown: Node<'_, '_>, scalars: &Scalars<'_>) -> Option<String> {
+fn dependencies_of(unknown: Node<'_, '_>, scalars: &Scalars<'_>) -> Option<String> {
     const KINDS: [&str; 5] = ["dependent", "constant", "fixed", "tunable", "discrete"];
     let words = |name| {
         unknown
@@ -143,11 +265,13 @@ fn dependencies(unknown: Node<'_, '_>, scalars: &Scalars<'_>) -> Option<String> 
 
 /// The variables that a list must have but has not, in one finding.
 fn missing(
-    structure: Node<'_, '_>,
+    document: &Document<'_>,
     name: &'static str,
-    scalars: &Scalars<'_>,
     wanted: &dyn Fn(&Scalar<'_>) -> bool,
-) -> Vec<String> {
+) -> Vec<Hit> {
+    let (Some(structure), scalars) = (structure(document), &document.scalars[..]) else {
+        return Vec::new();
+    };
     let listed: HashSet<usize> = unknowns(structure, name)
         .filter_map(|unknown| position(unknown.attribute("index")?, scalars))
         .collect();

@@ -1,10 +1,8 @@
-//! What the variables say of causality, variability, start values and each other (FMI 2.0.4, section 2.2.7).
+//! What the variables say of causality, variability, start values and each other (FMI 2.0.5, section 2.2.7).
 
-use std::collections::HashMap;
-
-use roxmltree::Node;
-
-use super::document::{Scalar, named};
+use super::document::{Document, Scalar};
+use super::finding::Hit;
+use crate::names::{did_you_mean, nearest};
 
 const CAUSALITIES: [&str; 6] = [
     "parameter",
@@ -17,127 +15,143 @@ const CAUSALITIES: [&str; 6] = [
 
 const VARIABILITIES: [&str; 5] = ["constant", "fixed", "tunable", "discrete", "continuous"];
 
-/// All that is wrong with the variables beside their values.
-pub(super) fn broken(root: Node<'_, '_>, scalars: &[Option<Scalar<'_>>]) -> Vec<String> {
-    let types: HashMap<&str, &str> = named(root, "TypeDefinitions")
-        .flat_map(|list| named(list, "SimpleType"))
-        .filter_map(|node| {
-            let kind = node.children().find(Node::is_element)?;
-            Some((node.attribute("name")?, kind.tag_name().name()))
-        })
-        .collect();
-    let known = || scalars.iter().flatten();
-    let mut findings: Vec<String> = known()
-        .filter_map(|scalar| {
-            // The reader remarks on unknown words, and nothing follows from them.
-            if !CAUSALITIES.contains(&scalar.causality)
-                || !VARIABILITIES.contains(&scalar.variability)
-            {
-                return None;
-            }
-            kind(scalar)
-                .or_else(|| start(scalar))
-                .or_else(|| declared(scalar, &types))
-                .or_else(|| derivative(scalar, scalars))
-        })
-        .collect();
-    findings.extend(aliases(scalars));
-    if let Some(second) = known().filter(|s| s.causality == "independent").nth(1) {
-        findings.push(second.finding("a second independent variable: there can be one, the time"));
-    }
-    findings
+/// Whether the words are known. The reader remarks on others, and nothing follows from them.
+fn is_clear(scalar: &Scalar<'_>) -> bool {
+    CAUSALITIES.contains(&scalar.causality) && VARIABILITIES.contains(&scalar.variability)
 }
 
-/// The combination of causality, variability and initial (section 2.2.7, the table of allowed combinations).
-fn kind(scalar: &Scalar<'_>) -> Option<String> {
-    let &Scalar {
-        node,
-        causality,
-        variability,
-        initial,
-        ..
-    } = scalar;
-    let (variabilities, article): (&[_], _) = match causality {
-        "parameter" => (&["fixed", "tunable"], "a"),
-        "calculatedParameter" => (&["fixed", "tunable"], "a"),
+/// There can be one independent variable.
+pub(super) fn independents(document: &Document<'_>) -> Vec<Hit> {
+    let mut all = document.known().filter(|s| s.causality == "independent");
+    let second = all.nth(1);
+    let text = "a second independent variable: there can be one, the time";
+    second
+        .map(|scalar| scalar.finding(text))
+        .into_iter()
+        .collect()
+}
+
+/// The combination of causality and variability (section 2.2.7, the table of allowed combinations).
+pub(super) fn kind(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
+    let (variabilities, article): (&[_], _) = match scalar.causality {
+        _ if !is_clear(scalar) => return None,
+        "parameter" | "calculatedParameter" => (&["fixed", "tunable"], "a"),
         "input" => (&["discrete", "continuous"], "an"),
         "output" => (&["constant", "discrete", "continuous"], "an"),
         "independent" => (&["continuous"], "an"),
         _ => (&VARIABILITIES, "a"),
     };
-    if !variabilities.contains(&variability) {
-        return Some(scalar.finding(&format!(
-            "{article} {causality} cannot be {variability}: set variability to {}",
+    (!variabilities.contains(&scalar.variability)).then(|| {
+        format!(
+            "{article} {} cannot be {}: set variability to {}",
+            scalar.causality,
+            scalar.variability,
             variabilities.join(" or ")
-        )));
+        )
+    })
+}
+
+/// Only a Real is continuous, and the time is a Real.
+pub(super) fn continuous(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
+    let kind = scalar.kind();
+    if kind == "Real" {
+        return None;
     }
-    if variability == "continuous" && scalar.kind() != "Real" {
-        return Some(scalar.finding(&format!(
-            "only a Real can be continuous: set variability to discrete, or fixed for a parameter, for this {}",
-            scalar.kind()
-        )));
+    if scalar.causality == "independent" {
+        return Some(format!(
+            "the independent variable is a Real, not {kind}: change its type"
+        ));
     }
+    (scalar.variability == "continuous").then(|| {
+        format!("only a Real can be continuous: set variability to discrete, or fixed for a parameter, for this {kind}")
+    })
+}
+
+/// What `initial` may be (section 2.2.7, the table of allowed combinations).
+pub(super) fn initial(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
+    let Scalar {
+        node,
+        causality,
+        variability,
+        initial,
+        ..
+    } = *scalar;
     let initials: &[_] = match (causality, variability) {
+        _ if !is_clear(scalar) => return None,
         ("input" | "independent", _) => &[],
         ("parameter", _) | (_, "constant") => &["exact"],
         ("calculatedParameter", _) | ("local", "fixed" | "tunable") => &["calculated", "approx"],
         _ => &["exact", "approx", "calculated"],
     };
-    if node.has_attribute("initial") && !initials.contains(&initial) {
-        let remedy = match initials {
-            [] => "remove it".to_owned(),
-            some => format!("set it to {}", some.join(" or ")),
-        };
-        return Some(scalar.finding(&format!(
-            "initial=\"{initial}\" is not allowed for causality {causality} and variability {variability}: {remedy}"
-        )));
+    if !node.has_attribute("initial") || initials.contains(&initial) || initials.len() == 3 {
+        return None;
     }
-    None
+    let remedy = match initials {
+        [] => "remove it".to_owned(),
+        some => format!("set it to {}", some.join(" or ")),
+    };
+    Some(format!(
+        "initial=\"{initial}\" is not allowed for causality {causality} and variability {variability}: {remedy}"
+    ))
 }
 
-/// Start values that must be there, or must not.
-fn start(scalar: &Scalar<'_>) -> Option<String> {
-    let reason = match (scalar.causality, scalar.initial) {
+/// Start values that must be there.
+pub(super) fn startless(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
+    let reason = needs_start(scalar)?;
+    (scalar.start().is_none() && is_clear(scalar))
+        .then(|| format!("no start value, which {reason} needs: add start"))
+}
+
+/// Start values that must not be there.
+pub(super) fn started(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
+    if scalar.start().is_none() || needs_start(scalar).is_some() || !is_clear(scalar) {
+        return None;
+    }
+    let what = match scalar.causality {
+        "independent" => "the independent variable",
+        _ => "a variable with initial=\"calculated\", which is the default here,",
+    };
+    Some(format!(
+        "{what} cannot have a start value: remove start, or set initial to exact or approx"
+    ))
+}
+
+/// Why a variable needs a start value.
+fn needs_start(scalar: &Scalar<'_>) -> Option<String> {
+    Some(match (scalar.causality, scalar.initial) {
         ("input", _) => "every input".to_owned(),
         ("parameter", _) => "every parameter".to_owned(),
         (_, "exact") if scalar.variability == "constant" => "every constant".to_owned(),
         (_, initial @ ("exact" | "approx")) => format!("initial=\"{initial}\""),
-        _ => String::new(),
-    };
-    match (scalar.start(), reason.as_str()) {
-        (None, reason) if !reason.is_empty() => {
-            Some(scalar.finding(&format!("no start value, which {reason} needs: add start")))
-        }
-        (Some(_), "") => {
-            let what = match scalar.causality {
-                "independent" => "the independent variable",
-                _ => "a variable with initial=\"calculated\", which is the default here,",
-            };
-            Some(scalar.finding(&format!(
-                "{what} cannot have a start value: remove start, or set initial to exact or approx"
-            )))
-        }
-        _ => None,
-    }
+        _ => return None,
+    })
 }
 
-fn declared(scalar: &Scalar<'_>, types: &HashMap<&str, &str>) -> Option<String> {
+/// Types that are declared nowhere.
+pub(super) fn undeclared(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let name = scalar.typed.attribute("declaredType")?;
-    let own = scalar.kind();
-    match types.get(name) {
-        None => Some(scalar.finding(&format!(
+    let known = || document.types.keys().copied();
+    (!document.types.contains_key(name)).then(|| {
+        format!(
             "declaredType \"{name}\" is not defined: add it to TypeDefinitions or remove it{}",
-            crate::names::did_you_mean(crate::names::nearest(name, types.keys().copied()))
-        ))),
-        Some(kind) if *kind != own => Some(scalar.finding(&format!(
-            "declaredType \"{name}\" is a type of {kind}, but the variable is {own}: use a type of {own}"
-        ))),
-        Some(_) => None,
-    }
+            did_you_mean(nearest(name, known()))
+        )
+    })
+}
+
+/// Types of another kind.
+pub(super) fn mistyped(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+    let own = scalar.kind();
+    let kind = document.declared(scalar)?.tag_name().name();
+    let name = scalar.typed.attribute("declaredType")?;
+    (kind != own).then(|| {
+        format!("declaredType \"{name}\" is a type of {kind}, but the variable is {own}: use a type of {own}")
+    })
 }
 
 /// `derivative` is the index of the continuous Real of which this is the derivative.
-fn derivative(scalar: &Scalar<'_>, scalars: &[Option<Scalar<'_>>]) -> Option<String> {
+pub(super) fn derivative(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+    let scalars = &document.scalars;
     let text = scalar.typed.attribute("derivative")?;
     let index = text.trim().parse::<usize>().ok();
     let state = index.and_then(|index| scalars.get(index.checked_sub(1)?)?.as_ref());
@@ -149,60 +163,71 @@ fn derivative(scalar: &Scalar<'_>, scalars: &[Option<Scalar<'_>>]) -> Option<Str
         }
         Some(_) => return None,
     };
-    Some(scalar.finding(&format!(
+    Some(format!(
         "derivative=\"{text}\" {wrong}: give the index of the state"
-    )))
+    ))
 }
 
-/// Variables of one base type with the same value reference are one variable of several names (alias
-/// variables): only one of them can be set, and have a start value; they agree in unit and constancy.
-fn aliases(scalars: &[Option<Scalar<'_>>]) -> Vec<String> {
-    let mut first: HashMap<(&str, &str), &Scalar<'_>> = HashMap::new();
-    let mut findings = Vec::new();
-    for scalar in scalars.iter().flatten() {
-        let Some(reference) = scalar.node.attribute("valueReference") else {
-            continue;
-        };
-        let Some(other) = first.get(&(scalar.kind(), reference)) else {
-            first.insert((scalar.kind(), reference), scalar);
-            continue;
-        };
-        if let Some(wrong) = clash(other, scalar) {
-            findings.push(scalar.finding(&format!(
-                "valueReference {reference} is {}'s, too, {wrong}: give one of them a valueReference of its own",
-                other.name
-            )));
-        }
-        // The one that can be set stands for all.
-        if settable(scalar) {
-            first.insert((scalar.kind(), reference), scalar);
-        }
-    }
-    findings
-}
-
-fn settable(scalar: &Scalar<'_>) -> bool {
-    matches!(scalar.causality, "parameter" | "input")
-}
-
-fn clash(one: &Scalar<'_>, other: &Scalar<'_>) -> Option<&'static str> {
+/// Variables of one base type with the same value reference are one variable of several names: only one of them can be
+/// set, and have a start value; they agree in constancy.
+pub(super) fn alias(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+    let (other, reference) = other_name(scalar, document)?;
     let constant = |scalar: &Scalar<'_>| scalar.variability == "constant";
-    let unit = |scalar: &Scalar<'_>| scalar.typed.attribute("unit").map(str::to_owned);
-    if one.name == other.name {
-        // The reader remarks on the second of a name.
-        return None;
-    }
-    if settable(one) && settable(other) {
-        Some("and both can be set")
-    } else if constant(one) != constant(other) {
-        Some("but only one of them is constant")
-    } else if constant(one) {
-        (one.start() != other.start()).then_some("but their values differ")
-    } else if one.start().is_some() && other.start().is_some() {
-        Some("and both have a start value")
-    } else if unit(one) != unit(other) && unit(one).is_some() && unit(other).is_some() {
-        Some("but their units differ")
+    let wrong = if other.is_settable() && scalar.is_settable() {
+        "and both can be set"
+    } else if constant(other) != constant(scalar) {
+        "but only one of them is constant"
+    } else if constant(other) {
+        if same(other.start()?, scalar.start()?) {
+            return None;
+        }
+        "but their values differ"
+    } else if other.start().is_some() && scalar.start().is_some() {
+        "and both have a start value"
     } else {
-        None
+        return None;
+    };
+    Some(clash(reference, other, wrong))
+}
+
+/// They agree in their unit, too.
+pub(super) fn alias_unit(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+    let (other, reference) = other_name(scalar, document)?;
+    let [one, two] = [other, scalar].map(|scalar| document.effective(scalar, "unit"));
+    let differ = one.zip(two).is_some_and(|(one, two)| one != two);
+    differ.then(|| clash(reference, other, "but their units differ"))
+}
+
+/// One of them with a unit and another without.
+pub(super) fn alias_without_unit(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+    let (other, reference) = other_name(scalar, document)?;
+    let [one, two] = [other, scalar].map(|scalar| document.effective(scalar, "unit").is_some());
+    (one != two).then(|| clash(reference, other, "but only one of them has a unit"))
+}
+
+fn clash(reference: &str, other: &Scalar<'_>, wrong: &str) -> String {
+    format!(
+        "valueReference {reference} is {}'s, too, {wrong}: give one of them a valueReference of its own",
+        other.name
+    )
+}
+
+/// The variable of which this is another name.
+fn other_name<'d, 'a>(
+    scalar: &Scalar<'a>,
+    document: &'d Document<'a>,
+) -> Option<(&'d Scalar<'a>, &'a str)> {
+    let other = document.aliased.get(scalar.position).copied()??;
+    let other = document.scalars.get(other)?.as_ref()?;
+    // The reader remarks on the second of a name.
+    (other.name != scalar.name).then_some((other, scalar.node.attribute("valueReference")?))
+}
+
+/// Whether two values are the same, however they are written.
+fn same(one: &str, other: &str) -> bool {
+    let numbers = [one, other].map(|text| text.trim().parse::<f64>().ok());
+    match numbers {
+        [Some(one), Some(other)] => one == other,
+        _ => one == other,
     }
 }

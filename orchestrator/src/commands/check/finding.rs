@@ -1,0 +1,95 @@
+//! What a check finds, and the rules by which it does.
+
+use serde::Serialize;
+
+use super::document::{Document, Scalar};
+
+/// How much a finding matters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum Severity {
+    /// Good to know.
+    Note,
+    /// The standard does not forbid it, or it does no harm; but look at it.
+    Warning,
+    /// The standard forbids it, or a study would be wrong.
+    Error,
+}
+
+impl Severity {
+    pub(super) fn word(self) -> &'static str {
+        match self {
+            Self::Note => "note",
+            Self::Warning => "warning",
+            Self::Error => "error",
+        }
+    }
+}
+
+/// One rule.
+pub(super) struct Rule {
+    /// Its name, which stays the same from version to version.
+    pub(super) id: &'static str,
+    pub(super) severity: Severity,
+    /// Where it stands: the standard with its section, or the schema file.
+    pub(super) source: &'static str,
+    /// What it wants.
+    pub(super) wants: &'static str,
+    pub(super) find: Find,
+}
+
+/// What finds breaches of a rule.
+#[derive(Clone, Copy)]
+pub(super) enum Find {
+    /// Looks at the whole model description.
+    Document(fn(&Document<'_>) -> Vec<Hit>),
+    /// Looks at one variable. Of all such rules the first that finds something counts: others would only repeat it.
+    Variable(fn(&Scalar<'_>, &Document<'_>) -> Option<String>),
+    /// The archive or a simulation shows it while it is looked at.
+    Elsewhere,
+}
+
+/// A breach of a rule: where, and what to do about it.
+#[derive(Clone, Debug)]
+pub(super) struct Hit {
+    /// The file within the FMU.
+    pub(super) file: Option<String>,
+    pub(super) line: Option<usize>,
+    pub(super) text: String,
+}
+
+impl Hit {
+    /// One of no file.
+    pub(super) fn plain(text: String) -> Self {
+        Self {
+            file: None,
+            line: None,
+            text,
+        }
+    }
+
+    /// One of a file.
+    pub(super) fn of(file: &str, text: String) -> Self {
+        Self {
+            file: Some(file.to_owned()),
+            line: None,
+            text,
+        }
+    }
+
+    /// With the place before it.
+    pub(super) fn full(&self) -> String {
+        let Self { file, line, text } = self;
+        match (file, line) {
+            (Some(file), Some(line)) => format!("{file}, line {line}: {text}"),
+            (Some(file), None) => format!("{file}: {text}"),
+            (None, _) => text.clone(),
+        }
+    }
+}
+
+/// A breach with the rule that it breaks.
+pub(super) struct Finding {
+    pub(super) rule: &'static Rule,
+    pub(super) hit: Hit,
+}

@@ -1,0 +1,132 @@
+//! Findings as lines, as JSON, and as SARIF 2.1.0 (the OASIS format that editors and build servers read).
+
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use super::finding::{Finding, Rule, Severity};
+use super::rules::RULES;
+
+/// A line a finding, the worst first.
+pub(super) fn text(fmu: &Path, findings: &[Finding]) -> String {
+    let count = |severity| {
+        findings
+            .iter()
+            .filter(|f| f.rule.severity == severity)
+            .count()
+    };
+    let counts = [Severity::Error, Severity::Warning, Severity::Note].map(|severity| {
+        let count = count(severity);
+        let plural = if count == 1 { "" } else { "s" };
+        (count > 0).then(|| format!("{count} {}{plural}", severity.word()))
+    });
+    let counts: Vec<String> = counts.into_iter().flatten().collect();
+    let verdict = match &counts[..] {
+        [] => "nothing found".to_owned(),
+        some => some.join(", "),
+    };
+    let mut text = format!("{}: {verdict}\n", fmu.display());
+    for Finding { rule, hit } in findings {
+        let line = hit.full().split_whitespace().collect::<Vec<_>>().join(" ");
+        text += &format!("  {}: {line} [{}]\n", rule.severity.word(), rule.source);
+    }
+    text
+}
+
+/// One object with all findings.
+pub(super) fn json(fmu: &Path, findings: &[Finding]) -> String {
+    let of = |finding: &Finding| {
+        let Finding { rule, hit } = finding;
+        json!({
+            "severity": rule.severity,
+            "rule": rule.id,
+            "source": rule.source,
+            "file": hit.file,
+            "line": hit.line,
+            "message": hit.text,
+        })
+    };
+    let count = |severity| {
+        findings
+            .iter()
+            .filter(|f| f.rule.severity == severity)
+            .count()
+    };
+    pretty(&json!({
+        "fmu": fmu.display().to_string(),
+        "errors": count(Severity::Error),
+        "warnings": count(Severity::Warning),
+        "notes": count(Severity::Note),
+        "findings": findings.iter().map(of).collect::<Vec<_>>(),
+    }))
+}
+
+/// A log of one run of this program.
+pub(super) fn sarif(fmu: &Path, findings: &[Finding]) -> String {
+    let rules: Vec<Value> = RULES.iter().map(described).collect();
+    let results: Vec<Value> = findings
+        .iter()
+        .map(|finding| result(fmu, finding))
+        .collect();
+    pretty(&json!({
+        "$schema": "https://json.schemastore.org/sarif-2.1.0.json",
+        "version": "2.1.0",
+        "runs": [{
+            "tool": {"driver": {
+                "name": "orchestrator check",
+                "version": env!("CARGO_PKG_VERSION"),
+                "rules": rules,
+            }},
+            "columnKind": "unicodeCodePoints",
+            "results": results,
+        }],
+    }))
+}
+
+fn described(rule: &Rule) -> Value {
+    json!({
+        "id": rule.id,
+        "shortDescription": {"text": rule.wants},
+        "help": {"text": rule.source},
+        "defaultConfiguration": {"level": rule.severity},
+    })
+}
+
+fn result(fmu: &Path, Finding { rule, hit }: &Finding) -> Value {
+    let index = RULES.iter().position(|other| other.id == rule.id);
+    // What lies in the archive is named as below it.
+    let mut uri = encoded(&fmu.to_string_lossy().replace('\\', "/"));
+    if let Some(file) = &hit.file {
+        uri += "/";
+        uri += &encoded(file);
+    }
+    let mut place = json!({"artifactLocation": {"uri": uri}});
+    if let Some(line) = hit.line {
+        place["region"] = json!({"startLine": line});
+    }
+    json!({
+        "ruleId": rule.id,
+        "ruleIndex": index,
+        "level": rule.severity,
+        "message": {"text": hit.text},
+        "locations": [{"physicalLocation": place}],
+    })
+}
+
+/// A path as part of a URI.
+fn encoded(path: &str) -> String {
+    let mut uri = String::new();
+    for byte in path.bytes() {
+        match byte {
+            b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'/' | b'-' | b'.' | b'_' | b'~' => {
+                uri.push(char::from(byte));
+            }
+            _ => uri += &format!("%{byte:02X}"),
+        }
+    }
+    uri
+}
+
+fn pretty(value: &Value) -> String {
+    format!("{value:#}\n")
+}

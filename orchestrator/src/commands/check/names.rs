@@ -1,0 +1,84 @@
+//! Structured names of variables (FMI 2.0.5, section 2.2.9).
+
+/// The grammar of section 2.2.9. Derivatives of derivatives are taken, too, which tools nest instead of counting.
+pub(super) fn is_structured(name: &str) -> bool {
+    derivative(name) == Some("")
+}
+
+/// What follows an identifier or a derivative of one.
+fn derivative(text: &str) -> Option<&str> {
+    let Some(inner) = text.strip_prefix("der(") else {
+        return identifier(text);
+    };
+    let rest = derivative(inner)?;
+    let order = rest.strip_prefix(',').map(|order| {
+        let after = order.trim_start_matches(|c: char| c.is_ascii_digit());
+        (after.len() < order.len()).then_some(after)
+    });
+    order.unwrap_or(Some(rest))?.strip_prefix(')')
+}
+
+/// What follows an identifier: names with indices, joined by dots.
+fn identifier(text: &str) -> Option<&str> {
+    let mut rest = indices(simple(text)?)?;
+    while let Some(next) = rest.strip_prefix('.') {
+        rest = indices(simple(next)?)?;
+    }
+    Some(rest)
+}
+
+/// What follows a name, or a name in quotes.
+fn simple(text: &str) -> Option<&str> {
+    if let Some(quoted) = text.strip_prefix('\'') {
+        let mut escaped = false;
+        let end = quoted.find(|c| {
+            let closes = c == '\'' && !escaped;
+            escaped = c == '\\' && !escaped;
+            closes
+        })?;
+        return (end > 0).then(|| &quoted[end + 1..]);
+    }
+    let rest = text.trim_start_matches(|c: char| c.is_ascii_alphanumeric() || c == '_');
+    (rest.len() < text.len() && !text.starts_with(|c: char| c.is_ascii_digit())).then_some(rest)
+}
+
+/// What follows indices in brackets, where there are any.
+fn indices(text: &str) -> Option<&str> {
+    let Some(inner) = text.strip_prefix('[') else {
+        return Some(text);
+    };
+    let (list, rest) = inner.split_once(']')?;
+    let number = |word: &str| !word.is_empty() && word.bytes().all(|byte| byte.is_ascii_digit());
+    // Modelica tools write a space after the comma.
+    list.split(',')
+        .all(|word| number(word.trim()))
+        .then_some(rest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn structured_names() {
+        for name in [
+            "a",
+            "_a1.b",
+            "a[1]",
+            "a[1,2].b[3]",
+            "a[1, 2]",
+            "der(a.b)",
+            "der(a[1],2)",
+            "der(der(a.b))",
+            "'a b!'.c",
+            r"'it\'s'",
+        ] {
+            assert!(is_structured(name), "{name}");
+        }
+        for name in [
+            "", "1a", "a.", ".a", "a b", "a[]", "a[i]", "der(a", "der(a,)", "''", "'a", "a-b", "é",
+        ] {
+            assert!(!is_structured(name), "{name}");
+        }
+    }
+}

@@ -1,0 +1,192 @@
+//! Numbers that cannot be right: of the experiment, and of single variables (FMI 2.0.5, sections 2.2.3, 2.2.5, 2.2.7).
+
+use super::document::{Document, NAME, Scalar};
+use super::finding::Hit;
+use fmu_import::description::About;
+use fmu_import::description::Kind;
+
+/// What the reader remarks on, of one kind.
+fn remarks(document: &Document<'_>, about: About) -> Vec<Hit> {
+    let remarks = document
+        .read
+        .remarks
+        .iter()
+        .filter(|remark| remark.about == about);
+    let hit = |remark: &fmu_import::Remark| Hit {
+        file: Some(NAME.to_owned()),
+        line: Some(remark.line),
+        text: remark.text.clone(),
+    };
+    remarks.map(hit).collect()
+}
+
+pub(super) fn encoding(document: &Document<'_>) -> Vec<Hit> {
+    remarks(document, About::Encoding)
+}
+
+pub(super) fn unreadable(document: &Document<'_>) -> Vec<Hit> {
+    remarks(document, About::Value)
+}
+
+pub(super) fn left_out(document: &Document<'_>) -> Vec<Hit> {
+    remarks(document, About::Variable)
+}
+
+pub(super) fn names_twice(document: &Document<'_>) -> Vec<Hit> {
+    remarks(document, About::Name)
+}
+
+pub(super) fn version(document: &Document<'_>) -> Vec<Hit> {
+    let version = &document.read.fmi_version;
+    let text = format!("fmiVersion is {version}; FMI 2.0 is needed, which calls itself 2.0");
+    if version == "2.0" {
+        Vec::new()
+    } else {
+        vec![Hit::of(NAME, text)]
+    }
+}
+
+/// A finding about the experiment.
+fn experiment(text: Option<String>) -> Vec<Hit> {
+    let hit = |text| Hit::of(NAME, format!("DefaultExperiment: {text}"));
+    text.map(hit).into_iter().collect()
+}
+
+pub(super) fn step(document: &Document<'_>) -> Vec<Hit> {
+    let step = document.read.default_experiment.step;
+    let wrong = step.filter(|step| !(*step > 0.0 && step.is_finite()));
+    experiment(wrong.map(|step| format!("stepSize is {step}; it must be greater than 0")))
+}
+
+pub(super) fn tolerance(document: &Document<'_>) -> Vec<Hit> {
+    let tolerance = document.read.default_experiment.tolerance;
+    let wrong = tolerance.filter(|tolerance| !(*tolerance > 0.0 && tolerance.is_finite()));
+    experiment(
+        wrong.map(|tolerance| format!("tolerance is {tolerance}; it must be greater than 0")),
+    )
+}
+
+pub(super) fn stop(document: &Document<'_>) -> Vec<Hit> {
+    let times = document.read.default_experiment;
+    let start = times.start.unwrap_or(0.0);
+    let wrong = times
+        .stop
+        .filter(|stop| *stop <= start || !(stop - start).is_finite());
+    experiment(
+        wrong.map(|stop| format!("stopTime is {stop}; it must be later than startTime, {start}")),
+    )
+}
+
+pub(super) fn long_step(document: &Document<'_>) -> Vec<Hit> {
+    let times = document.read.default_experiment;
+    let length = times
+        .stop
+        .map(|stop| stop - times.start.unwrap_or(0.0))
+        .filter(|length| *length > 0.0);
+    let wrong = times
+        .step
+        .zip(length)
+        .filter(|(step, length)| step > length && step.is_finite());
+    experiment(wrong.map(|(step, length)| {
+        format!("stepSize is {step}, but the experiment lasts {length} s only: shorten the step")
+    }))
+}
+
+/// A number of the variable as it was read, with what its type gives.
+fn numbers(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<[Option<f64>; 3]> {
+    let kind = &document.read.variables.get(scalar.name)?.kind;
+    let (min, max) = kind.range();
+    let start = match kind {
+        Kind::Real { start, .. } => *start,
+        Kind::Integer { start, .. } => start.map(f64::from),
+        _ => None,
+    };
+    Some([start, min, max])
+}
+
+pub(super) fn range(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+    let [_, min, max] = numbers(scalar, document)?;
+    let (min, max) = min.zip(max).filter(|(min, max)| min > max)?;
+    Some(format!(
+        "min {min} is greater than max {max}: exchange or correct them"
+    ))
+}
+
+pub(super) fn start(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+    let [start, min, max] = numbers(scalar, document)?;
+    let start = start?;
+    let (bound, what) = match (min, max) {
+        (Some(min), _) if start < min => (min, "less than min"),
+        (_, Some(max)) if start > max => (max, "greater than max"),
+        _ => return None,
+    };
+    Some(format!(
+        "start {start} is {what} {bound}: correct one of them"
+    ))
+}
+
+pub(super) fn infinite(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+    let [start, ..] = numbers(scalar, document)?;
+    let start = start.filter(|start| !start.is_finite())?;
+    Some(format!("start is {start}: it must be a finite number"))
+}
+
+pub(super) fn nominal(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+    let Kind::Real { nominal, .. } = &document.read.variables.get(scalar.name)?.kind else {
+        return None;
+    };
+    let nominal = nominal.filter(|nominal| nominal.is_nan() || *nominal <= 0.0)?;
+    Some(format!(
+        "nominal is {nominal}: it must be greater than 0, as importers divide by it"
+    ))
+}
+
+/// A variable may narrow the range of its type, not widen it.
+pub(super) fn beyond_type(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+    let declared = document.declared(scalar)?;
+    let number = |text: &str| text.trim().parse::<f64>().ok();
+    let both = |name| {
+        Some((
+            number(scalar.typed.attribute(name)?)?,
+            number(declared.attribute(name)?)?,
+        ))
+    };
+    let (name, (own, of_type)) = [
+        ("min", both("min").filter(|(own, other)| own < other)),
+        ("max", both("max").filter(|(own, other)| own > other)),
+    ]
+    .into_iter()
+    .find_map(|(name, wrong)| Some((name, wrong?)))?;
+    Some(format!(
+        "{name} {own} goes beyond its type's {name} of {of_type}: narrow it"
+    ))
+}
+
+pub(super) fn item(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+    let Kind::Enumeration { start, items } = &document.read.variables.get(scalar.name)?.kind else {
+        return None;
+    };
+    let start = (*start)?;
+    let none = !items.is_empty() && items.iter().all(|(_, value)| *value != start);
+    none.then(|| format!("start {start} is none of its type's items: choose one of them"))
+}
+
+pub(super) fn unit(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+    let unit = document.effective(scalar, "unit")?;
+    let defined = document.read.units.iter().any(|(name, _)| name == unit);
+    (!defined).then(|| format!("unit \"{unit}\" is not defined: add it to UnitDefinitions"))
+}
+
+pub(super) fn display_unit(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+    let shown = document.effective(scalar, "displayUnit")?;
+    let Some(unit) = document.effective(scalar, "unit") else {
+        return Some(format!(
+            "displayUnit \"{shown}\" without a unit: add the unit"
+        ));
+    };
+    let (_, defined) = document.read.units.iter().find(|(name, _)| *name == unit)?;
+    let known = shown == unit || defined.display.iter().any(|other| other.name == shown);
+    (!known).then(|| {
+        format!("displayUnit \"{shown}\" is not defined for unit \"{unit}\": add it there")
+    })
+}

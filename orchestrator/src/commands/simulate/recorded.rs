@@ -1,0 +1,108 @@
+//! What `simulate` records, and the recordings that it feeds.
+
+use std::path::Path;
+
+use super::{Columns, CommandError};
+use crate::study::inputs::follow;
+use crate::study::plan::{find, slot_of};
+use crate::study::quantity::Scale;
+use crate::table::csv_file::{self, CsvFile};
+use crate::table::{Table, TableError};
+use crate::task::Series;
+use fmu_import::Description;
+
+/// The variables of `--record`.
+pub(super) fn columns(lists: &[String], fmu: &Description) -> Result<Columns, CommandError> {
+    let names = lists.iter().flat_map(|list| names(list));
+    let variable = |name: &str| {
+        find(fmu, name)
+            .cloned()
+            .map_err(|message| mistake("record", message))
+    };
+    Ok(Columns::of(names.map(variable).collect::<Result<_, _>>()?))
+}
+
+fn mistake(option: &'static str, message: String) -> CommandError {
+    CommandError::Option { option, message }
+}
+
+/// The names of a list. Commas within brackets belong to a name, such as `a[1,2]` or `der(x,2)`.
+fn names(list: &str) -> impl Iterator<Item = &str> {
+    let mut depth = 0_usize;
+    let parts = list.split(move |c: char| {
+        match c {
+            '[' | '(' => depth += 1,
+            ']' | ')' => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+        c == ',' && depth == 0
+    });
+    parts.map(str::trim).filter(|name| !name.is_empty())
+}
+
+/// The inputs of `--input`: each column beside the time is one, as under `[inputs]` in a study.
+pub(super) fn inputs(path: &Path, fmu: &Description) -> Result<Vec<Series>, CommandError> {
+    const TIME: &str = "time";
+    let failed = |source| TableError::Read {
+        path: path.to_owned(),
+        source,
+    };
+    let mut file = CsvFile::open(path, Some(b'#')).map_err(failed)?;
+    let header = file.reader.headers().map_err(failed)?;
+    let header: Vec<String> = header
+        .iter()
+        .map(|cell| csv_file::text(cell).to_owned())
+        .collect();
+    let series = |column: &String| {
+        let wrong = |message: String| {
+            mistake(
+                "input",
+                format!("{}: column `{column}`: {message}", path.display()),
+            )
+        };
+        let (name, unit) = split(column, fmu);
+        let variable = find(fmu, name).map_err(wrong)?;
+        let slot = slot_of(variable).map_err(wrong)?;
+        let scale = Scale::new(unit, fmu, variable).map_err(wrong)?;
+        let columns = [
+            (vec![TIME.to_owned()], "the time".to_owned()),
+            (vec![column.clone()], format!("the input {name}")),
+        ];
+        let table = Table::read(path, &columns)?;
+        follow(&table, slot, scale.conversion).map_err(wrong)
+    };
+    let inputs = header.iter().filter(|name| *name != TIME);
+    let inputs = inputs
+        .map(series)
+        .collect::<Result<Vec<Series>, CommandError>>()?;
+    if inputs.is_empty() {
+        let message = format!(
+            "{}: no column beside `{TIME}`: add one for each input",
+            path.display()
+        );
+        return Err(mistake("input", message));
+    }
+    Ok(inputs)
+}
+
+/// A column's variable and unit: `NAME`, or `NAME [UNIT]`.
+fn split<'a>(column: &'a str, fmu: &Description) -> (&'a str, Option<&'a str>) {
+    let parts = column
+        .strip_suffix(']')
+        .and_then(|rest| rest.split_once(" ["));
+    match parts {
+        Some((name, unit)) if !fmu.variables.contains_key(column) => (name.trim(), Some(unit)),
+        _ => (column, None),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn commas_within_brackets_belong_to_names() {
+        let found: Vec<&str> = names("a, b[1,2].c,der(x,2) ,,d").collect();
+        assert_eq!(found, ["a", "b[1,2].c", "der(x,2)", "d"]);
+    }
+}
