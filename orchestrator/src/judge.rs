@@ -12,14 +12,14 @@ use crate::study::quantity::{Scale, Sense};
 use crate::study::{Criterion as Text, Quantity, Study, StudyError};
 use fmu_import::Description;
 
-/// What the measurement says of one quantity, in the study's unit.
+/// Measured value of one quantity with its tolerance, in the study's unit.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Criterion {
     /// Its name.
     pub name: String,
     /// The FMU's variable.
     pub variable: String,
-    /// What becomes of it over time.
+    /// Statistic that turns the signal into one number.
     pub statistic: Statistic,
     /// The unit of the numbers.
     pub unit: Option<String>,
@@ -49,7 +49,7 @@ fn accepts(nominal: f64, tolerance: f64, value: f64) -> bool {
 pub struct Variant {
     /// Its name.
     pub name: String,
-    /// What it is and why.
+    /// Its meaning, and why it is there.
     pub about: Option<String>,
     /// A tolerance for each criterion, in its unit.
     pub tolerances: Vec<f64>,

@@ -388,7 +388,7 @@ impl Runner {
     }
 }
 
-/// What interrupts a trajectory: the FMU, or who reads it.
+/// Reasons for a trajectory to end early: the FMU failed, or its reader wants no more.
 #[derive(Debug)]
 pub enum Trouble<E> {
     /// A call of the FMU failed.

@@ -1,4 +1,4 @@
-//! Where points come from: a design, or a table.
+//! Sources of points: a design, or a table.
 
 use std::path::Path;
 
@@ -80,7 +80,7 @@ impl Source {
         }
     }
 
-    /// What a point is called: counted from 1, or the table's own number.
+    /// A point's number: counted from 1, or the table's own.
     pub fn label(&self, index: u64) -> u64 {
         match self {
             Self::Design(_) => index + 1,

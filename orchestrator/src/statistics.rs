@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 pub use share::wilson;
 
-/// What becomes of a variable over time.
+/// Statistic that turns a signal over time into one number.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Statistic {
@@ -42,7 +42,7 @@ pub struct Accumulator {
 }
 
 impl Accumulator {
-    /// Nothing so far.
+    /// An accumulator without values.
     pub fn new(statistic: Statistic) -> Self {
         Self {
             statistic,
@@ -112,7 +112,7 @@ impl Accumulator {
 mod tests {
     use super::*;
 
-    /// Of so many periods of a sine in one second.
+    /// Mean and rms of a sine with this many periods in one second.
     fn of_sine(periods: f64, statistic: Statistic) -> Accumulator {
         let mut accumulator = Accumulator::new(statistic);
         for index in 0..=1000 {

@@ -1,4 +1,4 @@
-//! What is to be done for each point, in the FMU's own terms: plain data that can be sent to
+//! The simulation of a point in the FMU's own terms: plain data that can be sent to
 //! another process.
 
 mod schedule;
@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::statistics::Statistic;
 use fmu_import::{Content, Handle, Value};
 
-/// One simulation, but for the values that vary from point to point.
+/// A simulation without the values that vary from point to point.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Task {
     /// When.
@@ -22,18 +22,18 @@ pub struct Task {
     /// The inputs that change over time.
     #[serde(default)]
     pub inputs: Vec<Series>,
-    /// What is computed, in the order of the results.
+    /// Observed statistics, in the order of the results.
     pub observed: Vec<Probe>,
 }
 
 /// An input over time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Series {
-    /// Where the values go.
+    /// The input that takes the values.
     pub slot: Slot,
     /// Whether a value holds until the next one; straight lines otherwise.
     pub hold: bool,
-    /// Whether it goes on along a straight line within a step; else the FMU sees it at communication points only.
+    /// Whether the input varies linearly within a step; otherwise the FMU sees new values at communication points only.
     pub ramp: bool,
     /// When, s, growing.
     pub times: Vec<f64>,
@@ -72,7 +72,7 @@ impl Series {
 pub struct Record {
     /// The point's values.
     pub values: Vec<f64>,
-    /// What is read at every communication point.
+    /// Variables that are read at every communication point.
     pub columns: Vec<Handle>,
 }
 
@@ -96,7 +96,7 @@ pub struct Probe {
     pub name: String,
     /// How calls reach it.
     pub handle: Handle,
-    /// What becomes of it over time.
+    /// Statistic that turns the signal into one number.
     pub statistic: Statistic,
 }
 
@@ -110,7 +110,7 @@ impl Slot {
         if !value.is_finite() {
             return Err(format!("{name} = {value} is not a finite number"));
         }
-        // What counts is the number that the FMU gets.
+        // The limits apply to the number that the FMU gets, after rounding.
         let stored = match self.handle.content {
             Content::Integer => value.round(),
             Content::Real | Content::Boolean | Content::Text => value,

@@ -58,7 +58,7 @@ fn no_arrow_goes_back_up() {
     let tree = Tree::read("src".as_ref());
     let mut seen = BTreeSet::new();
     for (from, to, name) in tree.arrows() {
-        let [upper, lower] = [from, to].map(|file| arrows::module(file));
+        let [upper, lower] = [from, to].map(arrows::module);
         seen.insert(upper.clone());
         if upper != lower {
             assert!(

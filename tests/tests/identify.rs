@@ -1,4 +1,4 @@
-//! What `identify` says of studies with mistakes: file, line, column, and the remedy.
+//! Messages of `identify` for mistaken studies: file, line, column, and the remedy.
 
 use orchestrator::identify::bind::Bound;
 use orchestrator::identify::settings::Document;

@@ -95,7 +95,7 @@ pub struct Info {
     pub name: &'static str,
     /// The model's identifier: a valid C identifier, and the name of the binary in the FMU.
     pub identifier: &'static str,
-    /// One sentence.
+    /// One sentence on its meaning.
     pub description: &'static str,
     /// The model's version.
     pub version: &'static str,

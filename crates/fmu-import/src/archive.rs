@@ -67,7 +67,7 @@ pub enum ArchiveError {
     Damaged {
         /// The entry's name.
         entry: String,
-        /// What is wrong, and what to do about it.
+        /// The problem and its remedy.
         why: String,
     },
     /// There is no model description.
@@ -102,12 +102,12 @@ pub enum ArchiveError {
 }
 
 impl ArchiveError {
-    /// Whether what is wrong is in the FMU, and not in what was asked for.
+    /// Whether the fault lies in the FMU rather than in the request.
     pub fn is_a_fault(&self) -> bool {
         !matches!(self, Self::Missing | Self::Io(_) | Self::NotZip)
     }
 
-    /// What went wrong with an entry.
+    /// The problem with an entry.
     fn of_entry(entry: &str, error: ZipError) -> Self {
         use io::ErrorKind::{
             AlreadyExists, InvalidData, InvalidInput, IsADirectory, NotADirectory, UnexpectedEof,
@@ -272,7 +272,7 @@ impl Archive {
         Ok(bytes)
     }
 
-    /// What identifies the content: the whole file, or the description of a folder.
+    /// Bytes that identify the content: the whole file, or the description of a folder.
     pub(crate) fn bytes(&self) -> Result<Vec<u8>, ArchiveError> {
         Ok(match self {
             Self::Folder(path) => fs::read(path.join(DESCRIPTION))?,

@@ -53,9 +53,9 @@ impl fmt::Display for Status {
 pub struct Call {
     /// The function, such as `fmi2DoStep`.
     pub function: &'static str,
-    /// What it returned.
+    /// The status that it returned.
     pub status: Status,
-    /// What the FMU said.
+    /// The FMU's own messages.
     pub message: Option<String>,
     /// Where the FMU has ended the simulation by itself, which the standard allows: it has refused the step
     /// (`fmi2Discard`) and said that it wants no further one (`fmi2Terminated`).

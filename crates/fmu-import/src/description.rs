@@ -1,4 +1,4 @@
-//! What `modelDescription.xml` says of an FMU.
+//! The contents of `modelDescription.xml`.
 
 use std::fmt;
 
@@ -17,15 +17,15 @@ pub struct Description {
     pub model_name: String,
     /// The name of the binary.
     pub model_identifier: String,
-    /// What ties the description to the binary.
+    /// The GUID, which ties the description to the binary.
     pub guid: String,
-    /// One sentence.
+    /// One sentence on its meaning.
     pub description: Option<String>,
     /// The model's version.
     pub version: Option<String>,
     /// The tool that wrote the FMU.
     pub generation_tool: Option<String>,
-    /// What the FMU can do.
+    /// The FMU's capabilities.
     pub capabilities: Capabilities,
     /// The suggested experiment.
     pub default_experiment: DefaultExperiment,
@@ -35,7 +35,7 @@ pub struct Description {
     pub units: Units,
     /// The variables by name, in the order of the file.
     pub variables: IndexMap<String, Variable>,
-    /// What is not as the standard wants it, but does not prevent a simulation.
+    /// Violations of the standard that do not prevent a simulation.
     pub remarks: Vec<Remark>,
 }
 
@@ -75,7 +75,7 @@ impl Serialize for Remark {
     }
 }
 
-/// What an FMU says of its abilities.
+/// The capabilities that an FMU declares.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct Capabilities {
     /// The communication step may change from step to step.
@@ -153,7 +153,7 @@ pub struct Variable {
     pub line: u32,
     /// The handle by which the binary knows it.
     pub value_reference: u32,
-    /// One sentence.
+    /// One sentence on its meaning.
     pub description: Option<String>,
     /// Its part.
     pub causality: Causality,

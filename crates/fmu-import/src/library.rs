@@ -21,7 +21,7 @@ pub enum LibraryError {
     Load {
         /// The binary.
         path: PathBuf,
-        /// What the loader said.
+        /// The loader's message.
         reason: String,
     },
     /// A function is missing.

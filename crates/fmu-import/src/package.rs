@@ -22,7 +22,7 @@ pub enum FmuError {
     Archive {
         /// The FMU.
         path: PathBuf,
-        /// What is wrong.
+        /// The problem.
         source: ArchiveError,
     },
     /// `modelDescription.xml` cannot be used.
@@ -30,7 +30,7 @@ pub enum FmuError {
     Description {
         /// The FMU.
         path: PathBuf,
-        /// What is wrong.
+        /// The problem.
         source: DescriptionError,
     },
     /// The binary cannot be loaded.
@@ -38,7 +38,7 @@ pub enum FmuError {
     Library {
         /// The FMU.
         path: PathBuf,
-        /// What is wrong.
+        /// The problem.
         source: LibraryError,
     },
 }
@@ -89,12 +89,12 @@ impl Package {
         })
     }
 
-    /// Where the FMU was found.
+    /// Path of the FMU.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// What its `modelDescription.xml` says.
+    /// The contents of its `modelDescription.xml`.
     pub fn description(&self) -> &Description {
         &self.description
     }
@@ -172,7 +172,7 @@ impl Package {
         if let Some(folder) = self.archive.folder() {
             return Ok(folder.to_owned());
         }
-        // What was unpacked for workers may have been removed with their other files.
+        // The folder unpacked for workers may be gone with their other files.
         let there = |folder: &TempDir| folder.path().exists();
         if !self.unpacked.as_ref().is_some_and(there) {
             let folder = self

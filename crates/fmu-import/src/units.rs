@@ -32,7 +32,7 @@ pub struct DisplayUnit {
 /// A unit definition.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Unit {
-    /// What it is in SI base units, where that is known.
+    /// Its relation to SI base units, where that is known.
     pub base: Option<BaseUnit>,
     /// Other ways to show it.
     pub display: Vec<DisplayUnit>,
@@ -92,7 +92,7 @@ impl Conversion {
         }
     }
 
-    /// This change, and then another.
+    /// The conversion that applies this one, then another.
     pub fn then(self, next: Self) -> Self {
         Self {
             factor: self.factor * next.factor,

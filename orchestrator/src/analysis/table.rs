@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-/// One sampled parameter: its value at every point.
+/// A sampled parameter with its value at every point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameter {
     /// The variable's name.
@@ -15,7 +15,7 @@ pub struct Parameter {
     pub values: Vec<f64>,
 }
 
-/// One criterion: its value at every point, and what is acceptable.
+/// A criterion with its value at every point and its accepted interval.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Criterion {
     /// The criterion's name.
@@ -80,7 +80,7 @@ pub struct PointTable {
 pub struct Binding {
     /// Index of the criterion that binds.
     pub criterion: usize,
-    /// Its deviation in units of its tolerance.
+    /// Deviation from the measured value, in units of the tolerance.
     pub deviation: f64,
 }
 
@@ -222,7 +222,7 @@ impl PointTable {
 pub struct Ranked {
     /// Index of the point.
     pub point: usize,
-    /// Its [distance](PointTable::distance) from the measurement.
+    /// The point's [distance](PointTable::distance) from the measurement.
     pub distance: f64,
     /// The criterion that binds.
     pub binding: Binding,

@@ -18,7 +18,7 @@ pub fn truly_inside(table: &PointTable) -> Vec<f64> {
         .collect()
 }
 
-/// What one criterion did to the points.
+/// How many points one criterion accepts and rejects.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CriterionVerdict {
     /// Points that meet it.
@@ -31,14 +31,14 @@ pub struct CriterionVerdict {
     pub median_miss: Option<f64>,
 }
 
-/// What happened to the points as a whole.
+/// Counts over all points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Verdict {
     /// Points that meet all criteria.
     pub verified: Fraction,
     /// Points that were not simulated to their end; they count as not verified.
     pub failed: usize,
-    /// One a criterion.
+    /// One interval a criterion.
     pub criteria: Vec<CriterionVerdict>,
     /// Passes of all criteria of a group, by group name.
     pub groups: Vec<(String, Fraction)>,

@@ -31,7 +31,7 @@ pub struct Sensitivity {
     /// The seed
     #[arg(long, value_name = "S", default_value_t = 1)]
     pub seed: u64,
-    /// What runs it
+    /// Run settings
     #[command(flatten)]
     pub means: Means,
     /// Which part of it
@@ -63,7 +63,7 @@ pub struct Robustness {
     /// The seed
     #[arg(long, value_name = "S", default_value_t = 1)]
     pub seed: u64,
-    /// What runs it
+    /// Run settings
     #[command(flatten)]
     pub means: Means,
     /// Which part of it
@@ -100,7 +100,7 @@ pub struct Pareto {
     /// The seed of the search
     #[arg(long, value_name = "S", default_value_t = 1)]
     pub seed: u64,
-    /// What runs it
+    /// Run settings
     #[command(flatten)]
     pub means: Means,
     /// Which part of it
@@ -121,7 +121,7 @@ pub struct Synchronise {
     /// The recording: a column a signal
     #[arg(value_name = "MEASURED.csv")]
     pub measured: PathBuf,
-    /// What the columns are: names, units, accuracies, smoothing
+    /// TOML file with the columns' names, units, accuracies and smoothing
     #[arg(long, value_name = "SETTINGS.toml")]
     pub settings: PathBuf,
     /// Criteria for the amplitudes of load and torque, too

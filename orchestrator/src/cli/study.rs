@@ -19,7 +19,7 @@ pub struct Verify {
     /// The folder for the results [default: results/ and the study's name]
     #[arg(long, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// What runs it
+    /// Run settings
     #[command(flatten)]
     pub means: Means,
     /// How many points, instead of the study's number
@@ -54,7 +54,7 @@ pub struct Replay {
     pub folder: PathBuf,
     /// The point, as `points.csv` calls it
     pub point: u64,
-    /// Where the FMU is, if it has moved
+    /// Path of the FMU, if it has moved
     #[arg(long, value_name = "FMU")]
     pub fmu: Option<PathBuf>,
     /// Where to write the trajectory [default: point-N.csv in the folder]
@@ -77,7 +77,7 @@ pub struct Merge {
     /// Write points.parquet, too
     #[arg(long)]
     pub parquet: bool,
-    /// Where the FMU is, if it has moved
+    /// Path of the FMU, if it has moved
     #[arg(long, value_name = "FMU")]
     pub fmu: Option<PathBuf>,
 }
@@ -91,7 +91,7 @@ pub struct Judge {
     pub study: PathBuf,
     /// The table
     pub table: PathBuf,
-    /// Where to write points.csv and summary.json
+    /// Folder for points.csv and summary.json
     #[arg(long, value_name = "DIR")]
     pub output: Option<PathBuf>,
 }
@@ -105,7 +105,7 @@ pub struct Identify {
     /// The folder for the results [default: results/ and the study's name]
     #[arg(long, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// What runs it
+    /// Run settings
     #[command(flatten)]
     pub means: Means,
     /// How many starts are screened, instead of the study's number

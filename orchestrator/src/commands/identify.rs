@@ -118,7 +118,7 @@ fn request(options: &Identify) -> Request {
     }
 }
 
-/// What the journal belongs to.
+/// Identity of the run.
 fn header(study: &Study, package: &Package, settings: &Settings) -> Result<Header, CommandError> {
     let table = settings.cases.as_ref().map(|path| {
         let path = beside(study, path.as_ref());

@@ -96,7 +96,7 @@ pub enum CommandError {
     Option {
         /// The option.
         option: &'static str,
-        /// What is wrong.
+        /// The problem.
         message: String,
     },
 }

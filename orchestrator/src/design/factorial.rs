@@ -8,7 +8,7 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    /// A grid of so many levels an input.
+    /// A grid with this many levels for each input.
     pub(super) fn new(levels: Vec<u64>) -> Result<Self, String> {
         let grid = Self { levels };
         match grid.size() {

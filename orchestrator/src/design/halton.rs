@@ -4,7 +4,7 @@
 
 use super::random::{self, Purpose};
 
-/// So many bits are worth a digit.
+/// Bits of randomness that a digit needs.
 const BITS: f64 = 53.0;
 
 /// A scrambled sequence.

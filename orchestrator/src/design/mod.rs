@@ -1,4 +1,4 @@
-//! Which points a study simulates.
+//! Designs: the rules that place a study's points.
 //!
 //! Point `i` depends on the seed and on `i` alone: shards, workers, an interrupted run and an extension all
 //! see the same points. The points of a Latin hypercube depend on their number too, those of a full factorial
@@ -44,7 +44,7 @@ enum Rule {
     FullFactorial(Grid),
 }
 
-/// What a design needs to know of its inputs.
+/// The inputs of a design: distributions, levels, correlations.
 #[derive(Clone, Debug, Default)]
 pub struct Inputs {
     /// Their distributions.
@@ -110,7 +110,7 @@ impl Design {
         self.points
     }
 
-    /// Whether there is no point at all; there always is one.
+    /// Always false: a design has at least one point.
     pub fn is_empty(&self) -> bool {
         self.points == 0
     }

@@ -9,11 +9,11 @@
 use super::hypercube::Hypercube;
 use super::random::{self, Purpose};
 
-/// More points gain nothing: their chance pairs are spread well enough.
+/// Above this number, random pairing already spreads the points well.
 pub(super) const MOST: u64 = 4096;
-/// How many factors of the discrepancy may be computed: some tenths of a second.
+/// Budget: factors of the discrepancy that may be computed, some tenths of a second.
 const EFFORT: usize = 40_000_000;
-/// More exchanges find nothing better, even for few points.
+/// Most exchanges tried; more find nothing better, even for few points.
 const MOST_TRIALS: usize = 50_000;
 
 /// A table of slices.
@@ -168,7 +168,7 @@ impl State {
         whole - 2.0 / n * self.single + self.double / (n * n)
     }
 
-    /// What the points `a` and `b` add to the sums.
+    /// Contribution of the points `a` and `b` to the sums.
     fn part(&self, a: usize, b: usize) -> [f64; 2] {
         let others = (0..self.points).filter(|&i| i != a && i != b);
         let crossed: f64 = others.map(|i| self.two(i, a) + self.two(i, b)).sum();

@@ -2,7 +2,7 @@
 //! counter-based generator Philox4x32-10 (Salmon, Moraes, Dror, Shaw 2011, "Parallel random
 //! numbers: as easy as 1, 2, 3").
 
-/// What a number is for; different purposes never share numbers.
+/// Purpose of a random number; different purposes never share numbers.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Purpose {
     /// The coordinates of a point.

@@ -11,7 +11,7 @@ pub enum Method {
     MonteCarlo,
     /// One point in each of N equally probable slices of every parameter.
     LatinHypercube,
-    /// The same, with slices paired so that the points are spread well.
+    /// A Latin hypercube whose slices are paired so that the points spread evenly.
     OptimisedLatinHypercube,
     /// A scrambled Sobol net.
     Sobol,
@@ -36,7 +36,7 @@ pub struct Sampling {
     pub method: Method,
     /// How many.
     pub points: u64,
-    /// What distinguishes one set of random points from another.
+    /// Seed of the random numbers.
     pub seed: u64,
     /// Of a Sobol net: how many nets, scrambled independently of each other, the points belong to
     /// in turn. Their scatter says how sure the counts are.

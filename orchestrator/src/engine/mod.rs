@@ -63,7 +63,7 @@ pub struct Job {
 /// The results of a point in the FMU's units, or why there are none.
 pub type Answer = Result<Vec<f64>, Failure>;
 
-/// What happens while points run.
+/// Events of a run.
 #[derive(Debug)]
 pub enum Event {
     /// The point of this index is done, in such a process.

@@ -29,7 +29,7 @@ const LOOK: Duration = Duration::from_millis(20);
 /// How much longer than a point a guard's answer may take: it waits for children to end, and for room to fork.
 const MARGIN: Duration = Duration::from_secs(20);
 
-/// What a point may use.
+/// Limits on a point's time and memory.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
     /// The longest time that a point may take.
@@ -90,7 +90,7 @@ impl Process {
             fmu: std::path::absolute(fmu).unwrap_or_else(|_| fmu.to_owned()),
             name: name.to_owned(),
             task: task.clone(),
-            time: (limits.time < Duration::MAX).then(|| limits.time.as_secs_f64()),
+            time: (limits.time < Duration::MAX).then_some(limits.time.as_secs_f64()),
             memory: limits.memory,
             ticket: 0,
             fill: None,

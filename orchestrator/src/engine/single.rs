@@ -10,12 +10,15 @@ use crate::run::Habit;
 use crate::task::{Record, Task};
 use fmu_import::{Handle, Value};
 
+/// Takes a row of a trajectory: the time, s, and the values then.
+type Row<'a, E> = &'a mut dyn FnMut(f64, &[Value]) -> Result<(), E>;
+
 /// Where and within which limits single points are run.
 #[derive(Clone, Copy, Debug)]
 pub struct Recorder<'a> {
     /// The folder of the unpacked FMU.
     pub fmu: &'a Path,
-    /// What the user calls the FMU.
+    /// The FMU's path as the user gave it.
     pub name: &'a Path,
     /// What the point may use; the time is that between two messages of the process.
     pub limits: Limits,
@@ -120,7 +123,7 @@ impl Recorder<'_> {
         task: &Task,
         order: &[u8],
         columns: &[Handle],
-        row: &mut dyn FnMut(f64, &[Value]) -> Result<(), E>,
+        row: Row<'_, E>,
     ) -> Result<Option<Failure>, E> {
         let mut outcome = Ok(None);
         let mut process = self.process(task);

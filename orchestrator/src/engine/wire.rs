@@ -21,9 +21,9 @@ use fmu_import::{Content, Handle, Value};
 pub(super) struct Setup {
     /// The folder of the unpacked FMU.
     pub(super) fmu: PathBuf,
-    /// What the user calls the FMU.
+    /// The FMU's path as the user gave it.
     pub(super) name: PathBuf,
-    /// What is to be done for each point.
+    /// The simulation of a point.
     pub(super) task: Task,
     /// The longest time that a point may take, s; none without a limit.
     pub(super) time: Option<f64>,

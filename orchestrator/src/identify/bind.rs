@@ -15,9 +15,9 @@ use fmu_import::{Description, Variable};
 /// An identification in terms of an FMU.
 #[derive(Clone, Debug)]
 pub struct Bound {
-    /// What is to be found.
+    /// The unknown parameters.
     pub problem: Problem,
-    /// What is to be done for each simulation.
+    /// The simulation of a case.
     pub task: Task,
     /// Each case's known parameters, in the FMU's units.
     pub known: Vec<Vec<f64>>,

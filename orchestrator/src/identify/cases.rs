@@ -11,7 +11,7 @@ use crate::table::Table;
 pub(super) struct Columns {
     names: Vec<String>,
     rows: Vec<Vec<f64>>,
-    /// What the cases are called.
+    /// The cases' names.
     pub(super) labels: Vec<u64>,
 }
 

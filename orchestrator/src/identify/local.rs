@@ -175,7 +175,7 @@ fn bounded_step(linear: &Linear, places: &[f64], held: &[usize]) -> DVector<f64>
             linear.curvature[(open[i], open[j])]
         });
         let right = DVector::from_fn(open.len(), |i, _| {
-            // What the fixed unknowns' displacements contribute; the open ones' are still zero.
+            // Contribution of the unknowns at their bounds; the free ones are still zero.
             -pull[open[i]]
         });
         let Some(solution) = Cholesky::new(matrix).map(|factor| factor.solve(&right)) else {

@@ -21,7 +21,7 @@ pub enum Differences {
 
 /// The sum of squares.
 pub struct Objective<'a> {
-    /// What is to be found.
+    /// The unknown parameters.
     pub problem: &'a Problem,
     simulate: &'a dyn Simulate,
     /// How far apart simulations stand for a derivative, as a part of the distance between the bounds.

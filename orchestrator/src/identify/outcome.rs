@@ -1,4 +1,4 @@
-//! What an identification found: plain data that becomes JSON.
+//! The result of an identification: plain data that becomes JSON.
 
 use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
@@ -79,7 +79,7 @@ pub struct DirectionOutcome {
 /// A measured case.
 #[derive(Clone, Debug, Serialize)]
 pub struct CaseOutcome {
-    /// What it is called.
+    /// Name, for people.
     pub label: String,
     /// Its latent parameters.
     pub latents: Vec<LatentOutcome>,
@@ -105,9 +105,9 @@ pub struct LatentOutcome {
 pub struct Residual {
     /// The quantity.
     pub quantity: String,
-    /// What was measured.
+    /// Measured values.
     pub measured: f64,
-    /// What the model says.
+    /// The model's values.
     pub predicted: f64,
     /// The difference.
     pub difference: f64,

@@ -1,4 +1,4 @@
-//! What is to be found, and from what.
+//! The problem: unknown parameters, and the measurements that determine them.
 
 use serde::{Deserialize, Serialize};
 
@@ -13,7 +13,7 @@ pub enum Scale {
     Log,
 }
 
-/// What was known of a parameter before the measurement, beyond its bounds.
+/// Prior of a parameter: knowledge from before the measurement, beyond its bounds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Prior {
     /// The most probable value; on a logarithmic scale the median.
@@ -35,7 +35,7 @@ pub struct Free {
     pub min: f64,
     /// The largest value.
     pub max: f64,
-    /// What was known of it; within the bounds everything is equally probable otherwise.
+    /// Its prior; without one, every value within the bounds is equally probable.
     pub prior: Option<Prior>,
 }
 
@@ -170,15 +170,15 @@ pub struct Latent {
 /// A measured case.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Case {
-    /// What it is called.
+    /// Name, for people.
     pub label: String,
     /// Where its latent parameters lie, in the order of [`Problem::latents`].
     pub latents: Vec<Interval>,
-    /// What was measured, in the order of [`Problem::quantities`].
+    /// Measured values, in the order of [`Problem::quantities`].
     pub measured: Vec<Measured>,
 }
 
-/// What is to be found, and from what.
+/// The problem: unknown parameters, and the measurements that determine them.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Problem {
     /// The parameters that all cases share.

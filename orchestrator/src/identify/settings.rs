@@ -17,7 +17,7 @@ pub struct Document {
     pub identify: Option<Settings>,
 }
 
-/// What is to be found, from what, and how hard to search.
+/// Unknown parameters, measurements, and the effort of the search.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct Settings {
@@ -32,7 +32,7 @@ pub struct Settings {
     /// The most iterations of each.
     #[serde(default = "iterations")]
     pub iterations: usize,
-    /// What distinguishes one set of starts from another.
+    /// Seed of the random starts.
     #[serde(default = "seed")]
     pub seed: u64,
     /// How far apart simulations stand for a derivative, as a part of the distance between the bounds.
@@ -47,7 +47,7 @@ pub struct Settings {
     /// The parameters that each case knows to an interval only.
     #[serde(default)]
     pub latent: IndexMap<Name, LatentText>,
-    /// What was measured.
+    /// Measured values.
     #[serde(default)]
     pub measured: IndexMap<Name, MeasuredText>,
 }
@@ -144,13 +144,13 @@ pub struct Exception {
     pub about: Option<String>,
 }
 
-/// What was measured.
+/// Measured values.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct MeasuredText {
     /// The FMU's variable.
     pub variable: Spanned<String>,
-    /// What becomes of it over time.
+    /// Statistic that turns the signal into one number.
     #[serde(default)]
     pub statistic: Statistic,
     /// The column of the measured values.

@@ -1,4 +1,4 @@
-//! What an identification found, for people and for the next study.
+//! The result of an identification as text: for people, and as parameters for the next study.
 
 use std::fmt::Write;
 

@@ -51,7 +51,7 @@ fn journal(
             let (journal, finished) = Journal::resume(folder, header)?;
             return Ok((journal, Some(finished)));
         }
-        // Nothing is lost with a run that came to no point, because its FMU could not be loaded.
+        // A run whose FMU could not be loaded has no points, so nothing is lost.
         let over = |finished: Finished| finished.ended || finished.count == 0;
         if complete || Finished::read(folder).is_ok_and(over) {
             Journal::remove(folder)?;
@@ -74,7 +74,7 @@ fn scratch(folder: &Path) -> Result<TempDir, ResultsError> {
             .iter()
             .any(|prefix| name.to_string_lossy().starts_with(prefix))
         {
-            // What cannot be removed only takes up room.
+            // A file that cannot be removed only takes up room.
             let _ = fs::remove_dir_all(entry.path()).or_else(|_| fs::remove_file(entry.path()));
         }
     }

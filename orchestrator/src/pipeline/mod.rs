@@ -58,7 +58,7 @@ pub enum Halt {
     Missing {
         /// How many are missing.
         missing: u64,
-        /// Of how many.
+        /// Number of trials.
         of: u64,
     },
     /// The journal cannot be read or written.
@@ -85,7 +85,7 @@ pub enum Step {
         index: u64,
         /// Its values in the study's units, or its failure.
         outcome: Outcome,
-        /// Whether it meets all criteria.
+        /// Whether the point meets all criteria.
         verified: bool,
         /// The process in which it was computed.
         separation: Separation,

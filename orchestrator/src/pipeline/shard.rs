@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// One of several equal parts of the points: those with index `number - 1`, `number - 1 + of`, ...
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Shard {
-    /// Which part, from 1.
+    /// Number of the part, counted from 1.
     pub number: u64,
     /// How many parts there are.
     pub of: u64,

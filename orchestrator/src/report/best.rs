@@ -6,7 +6,7 @@ use crate::analysis::pareto;
 use crate::analysis::table::{PointTable, Ranked};
 use serde::Serialize;
 
-/// So many points are listed as the best ones.
+/// Number of best points in the table.
 pub(super) const BEST: usize = 12;
 
 #[derive(Serialize)]

@@ -144,7 +144,7 @@ pub(super) fn quantity(value: f64, unit: &str) -> String {
     }
 }
 
-/// One sentence on what decides the verdict.
+/// A sentence that names the criterion which decides the verdict.
 pub(super) fn decisive(table: &PointTable, counted: &Verdict) -> String {
     let binding = counted
         .criteria

@@ -53,11 +53,11 @@ impl Report {
     }
 }
 
-/// What another command has found out about these results, if it has.
+/// Findings of other commands about these results, where there are any.
 fn finding<T: DeserializeOwned>(folder: &Path, file: &str, summary: &Summary) -> Option<T> {
     #[derive(Deserialize)]
     struct Head {
-        // A finding of an older version says nothing of it.
+        // Findings of older versions do not name their origin.
         origin: Option<Origin>,
     }
     let text = std::fs::read_to_string(folder.join(file)).ok()?;
@@ -66,7 +66,7 @@ fn finding<T: DeserializeOwned>(folder: &Path, file: &str, summary: &Summary) ->
     fits.then(|| serde_json::from_str(&text).ok()).flatten()
 }
 
-/// A summary of an older version says nothing of its intervals; they are Wilson's.
+/// Summaries of older versions do not name their intervals; those are Wilson's.
 fn intervals(summary: &Summary) -> Option<Intervals> {
     let groups = summary.groups.iter();
     (!summary.interval_method.is_empty()).then(|| Intervals {

@@ -31,16 +31,16 @@ use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// All that a report tells.
+/// Contents of a report.
 #[derive(Clone, Debug, Default)]
 pub struct Report {
     /// The study's name.
     pub study: String,
-    /// What the study says of itself.
+    /// The study's own description.
     pub description: String,
     /// The model's name.
     pub model: String,
-    /// When the study was run, as people write it.
+    /// Date of the run, as people write it.
     pub date: String,
     /// What a reader has to know of how the points were computed, a sentence each.
     pub remarks: Vec<String>,
@@ -52,13 +52,13 @@ pub struct Report {
     pub readings: Vec<Reading>,
     /// The trajectory of the best point, if it was recorded.
     pub history: Vec<Series>,
-    /// Which parameter matters, where that was computed.
+    /// Sensitivity of the results to each parameter, where it was computed.
     pub sensitivity: Option<Sensitivity>,
-    /// How far the parameters may go, where that was computed.
+    /// Robustness of the verified region, where it was computed.
     pub robustness: Option<Robustness>,
-    /// What the criteria cost each other, where that was computed.
+    /// Trade-offs between criteria, where they were computed.
     pub pareto: Option<Pareto>,
-    /// What is needed to get the same result again: versions, seed, hashes.
+    /// Versions, seed and hashes: all that is needed to compute the same again.
     pub provenance: Vec<(String, String)>,
     /// The command that reproduces the result.
     pub command: String,
@@ -69,18 +69,18 @@ pub struct Report {
 /// 95 % intervals of the shares of points that pass.
 #[derive(Clone, Debug, Default)]
 pub struct Intervals {
-    /// How they were computed, for people.
+    /// Name of the method, for people.
     pub method: String,
-    /// Of the points that meet all criteria.
+    /// Interval for the points that meet all criteria.
     pub verified: [f64; 2],
-    /// One a criterion.
+    /// One interval a criterion.
     pub criteria: Vec<[f64; 2]>,
     /// One a group of criteria, by its name.
     pub groups: Vec<(String, [f64; 2])>,
 }
 
 impl Intervals {
-    /// Puts them in place of those that take the points as independent.
+    /// Replaces the intervals that assume independent points.
     fn replace_in(&self, counted: &mut Verdict) {
         let put = |share: &mut Fraction, [low, high]: [f64; 2]| {
             (share.low, share.high) = (low, high);
@@ -100,9 +100,9 @@ impl Intervals {
 /// Counts of points by another reading of the tolerances.
 #[derive(Clone, Debug, Default)]
 pub struct Reading {
-    /// What it is called.
+    /// Name, for people.
     pub name: String,
-    /// What it is and why.
+    /// Its meaning, and why it is there.
     pub about: String,
     /// Points that meet all criteria.
     pub verified: usize,

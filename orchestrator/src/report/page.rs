@@ -13,7 +13,7 @@ use minijinja::{Environment, value::Serde};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// What the template reads.
+/// Values that the template shows.
 #[derive(Serialize)]
 struct Page<'a> {
     study: &'a str,

@@ -9,13 +9,13 @@ use std::fmt::Write as _;
 /// The result's file in a folder of results.
 pub const FILE: &str = "pareto.json";
 
-/// So many pairs of criteria are drawn, those in conflict first.
+/// Most pairs of criteria that are drawn; pairs in conflict come first.
 const MOST_PLOTS: usize = 6;
 
-/// More points than these are a crowd.
+/// Above this number, marks are drawn small and without edges.
 const CROWD: usize = 300;
 
-/// What the template shows.
+/// Values that the template shows.
 #[derive(Serialize)]
 pub struct View {
     about: String,
@@ -122,7 +122,7 @@ pub fn files(result: &Pareto) -> Vec<(String, String)> {
     plots(result).into_iter().map(named).collect()
 }
 
-/// The end of an axis: where the front lies, but for the outermost twentieth, and the tolerance.
+/// End of an axis: it covers the tolerance and all of the front but its outermost twentieth.
 fn end(result: &Pareto, k: usize) -> f64 {
     let mut values: Vec<f64> = result.front.iter().map(|m| m.deviations[k]).collect();
     values.sort_by(f64::total_cmp);
@@ -149,7 +149,7 @@ fn plot(result: &Pareto, a: usize, b: usize) -> Plot {
         (x <= right && y <= top).then(|| (frame.x.at(x), frame.y.at(y)))
     };
     let (mut verified, mut others) = (String::new(), String::new());
-    // Small marks without edges, where these would hide each other.
+    // In a crowd edges would hide each other.
     let (r, class) = if result.front.len() > CROWD {
         (1.5, "plot crowd")
     } else {

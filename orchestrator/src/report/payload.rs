@@ -7,14 +7,14 @@ use base64::{Engine, engine::general_purpose::STANDARD};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// At most so many points are drawn one by one.
+/// Largest number of points that are drawn one by one.
 pub(super) const MOST_POINTS: usize = 20_000;
-/// At most so many bytes of embedded columns.
+/// Largest size of the embedded columns, bytes.
 const MOST_COLUMN_BYTES: usize = 2_000_000;
-/// At most so many bytes of embedded densities.
+/// Largest size of the embedded densities, bytes.
 const MOST_DENSITY_BYTES: usize = 1_500_000;
 
-/// What the page's script reads.
+/// Data for the page's script.
 #[derive(Serialize)]
 pub struct Payload {
     total: usize,
@@ -139,7 +139,7 @@ fn embed(table: &PointTable, ranking: &[usize], most: usize) -> Vec<usize> {
     (0..n).filter(|&i| keep[i]).collect()
 }
 
-/// Collects what the page's script reads.
+/// Collects the data for the page's script.
 pub fn payload(table: &PointTable, points: &[usize]) -> Payload {
     let columns = columns(table);
     let n = table.len();

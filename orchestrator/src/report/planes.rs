@@ -5,7 +5,7 @@ use super::payload::PlotColumn;
 use crate::analysis::table::PointTable;
 use serde::Serialize;
 
-/// So many planes of two criteria are shown at most.
+/// Largest number of planes of two criteria.
 pub(super) const PLANES: usize = 4;
 
 /// A plane of two columns.

@@ -13,7 +13,7 @@ use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-/// So much of the record's end is drawn, s.
+/// Length of the record's end that is drawn, s.
 const SHOWN: f64 = 1.0;
 
 #[derive(Serialize)]

@@ -12,7 +12,7 @@ use std::fmt::Write as _;
 /// The result's file in a folder of results.
 pub const FILE: &str = "robustness.json";
 
-/// What the template shows.
+/// Values that the template shows.
 #[derive(Serialize)]
 pub struct View {
     quality: Vec<[String; 4]>,
@@ -200,7 +200,7 @@ fn picture(result: &Robustness, map: &Map, what: &str, values: &[f64], range: [f
             LEFT + (k % CELLS) as f64 * cell,
             6.0 + SIDE - (k / CELLS + 1) as f64 * cell,
         );
-        // A hair of overlap keeps the seams closed.
+        // Neighbouring cells overlap slightly: some renderers would show seams between them.
         let _ = write!(
             paths[shade],
             "M{x:.0},{y:.0}h{0:.1}v{0:.1}h-{0:.1}z",

@@ -10,7 +10,7 @@ use std::fmt::Write as _;
 /// The result's file in a folder of results.
 pub const FILE: &str = "sensitivity.json";
 
-/// What the template shows.
+/// Values that the template shows.
 #[derive(Serialize)]
 pub struct View {
     method: String,

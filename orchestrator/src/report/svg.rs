@@ -171,7 +171,7 @@ fn rules(scheme: usize) -> String {
     const BEGIN: &str = ":root {";
     let colours = STYLE.split(BEGIN).nth(1 + scheme).unwrap_or_default();
     let colours = colours.split('}').next().unwrap_or_default();
-    // What follows the last block of colours and the bracket of its media query.
+    // The rules after the last block of colours and the bracket of its media query.
     let rules = STYLE.rsplit(BEGIN).next().unwrap_or_default();
     let rules = rules.splitn(3, '}').nth(2).unwrap_or_default().to_owned();
     let pairs = colours.split(';').filter_map(|c| c.trim().split_once(": "));

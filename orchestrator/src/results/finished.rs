@@ -10,10 +10,10 @@ use super::note::{Note, separation};
 use super::{Outcome, ResultsError};
 use crate::engine::{Conduct, Isolation, Separation};
 
-/// What a journal holds: where the line of each finished point is.
+/// Index of a journal: the position of each finished point's line.
 #[derive(Clone, Debug)]
 pub struct Finished {
-    /// What the journal belongs to.
+    /// Identity of the run.
     pub header: Header,
     path: PathBuf,
     /// A place in the file for each point, with its separation in the bits above [`SEPARATION`]; [`NOWHERE`] when it is
@@ -35,7 +35,7 @@ const NOWHERE: u64 = u64::MAX;
 /// Files are shorter than 2^62 bytes.
 const SEPARATION: u32 = 62;
 
-/// As many places as points: 8 bytes each.
+/// One position a point, 8 bytes each.
 fn places(folder: &Path, points: u64) -> Result<Vec<u64>, ResultsError> {
     let mut places = Vec::new();
     let count = usize::try_from(points).unwrap_or(usize::MAX);

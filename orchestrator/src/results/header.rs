@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::ResultsError;
 
-/// What a journal belongs to. Points of different headers must not be mixed.
+/// Identity of a run: study, FMU, seed, versions. Points of different runs must not be mixed.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Header {
     /// The version of this program.
@@ -45,7 +45,7 @@ impl Header {
         }
     }
 
-    /// What differs first, as it is in the other header and in this one.
+    /// The first difference between two headers: its name, the other's value, this one's.
     pub fn difference(&self, then: &Self) -> Option<(&'static str, String, String)> {
         let texts = |header: &Self| {
             [

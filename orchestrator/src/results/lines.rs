@@ -42,7 +42,7 @@ pub(super) fn open(folder: &Path) -> Result<(Lines, Header), ResultsError> {
 pub(super) struct Lines {
     reader: BufReader<File>,
     line: Vec<u8>,
-    /// Where the sound lines end.
+    /// Position at which the intact lines end.
     pub(super) sound: u64,
 }
 

@@ -1,4 +1,4 @@
-//! What a study leaves behind: the journal while it runs, `points.csv` and `summary.json` when
+//! The files of a study: the journal while it runs, `points.csv` and `summary.json` when
 //! it is done.
 //!
 //! The final files are a function of the study, the FMU and the journal's content alone, so they
@@ -40,7 +40,7 @@ pub enum ResultsError {
     Io {
         /// The file or folder.
         path: PathBuf,
-        /// What the system says.
+        /// The operating system's message.
         source: io::Error,
     },
     /// There is a study in the folder already.
@@ -56,18 +56,18 @@ pub enum ResultsError {
     /// There is nothing to resume or to read.
     #[error("{0} holds no study; run `verify` into it first")]
     Missing(PathBuf),
-    /// What would be resumed is something else.
+    /// The folder holds another study's run, which cannot be resumed.
     #[error(
         "{path} was made with another {what} ({then} then, {now} now); choose another --output"
     )]
     Changed {
         /// The folder.
         path: PathBuf,
-        /// What differs.
+        /// The setting that differs.
         what: &'static str,
-        /// As it was.
+        /// Its value in the earlier run.
         then: String,
-        /// As it is.
+        /// Its value now.
         now: String,
     },
     /// Points are missing.
@@ -85,12 +85,12 @@ pub enum ResultsError {
     Content {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// The problem.
         message: String,
     },
 }
 
-/// What the system says, with the remedy where there is one.
+/// The operating system's message, with a remedy where we know one.
 fn reason(error: &io::Error) -> String {
     let full = [
         io::ErrorKind::StorageFull,
@@ -115,7 +115,7 @@ impl ResultsError {
     }
 }
 
-/// What the system said, where the csv writer has wrapped it: its kind tells the remedy.
+/// The operating system's error inside the csv writer's: its kind decides which remedy we name.
 pub fn of_the_system(error: io::Error) -> io::Error {
     match error.downcast::<csv::Error>() {
         Ok(wrapped) if wrapped.is_io_error() => match wrapped.into_kind() {

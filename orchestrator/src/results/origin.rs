@@ -1,10 +1,10 @@
-//! To which results a finding belongs, so that it is not shown beside other ones.
+//! Which study, FMU and points a result came from, so that it is never shown beside other ones.
 
 use serde::{Deserialize, Serialize};
 
 use super::Summary;
 
-/// To which results a finding belongs.
+/// Which study, FMU and points a result came from.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Origin {
     /// The SHA-256 digest of the study.
@@ -25,7 +25,7 @@ pub struct Points {
 }
 
 impl Origin {
-    /// Of what is found from a study's points.
+    /// Origin of a finding that was computed from a study's points.
     pub fn of_points(summary: &Summary) -> Self {
         let from = &summary.provenance;
         Self {
@@ -40,7 +40,7 @@ impl Origin {
         }
     }
 
-    /// Whether it tells of these results, too.
+    /// Whether a finding came from these results.
     pub fn fits(&self, summary: &Summary) -> bool {
         let own = Self::of_points(summary);
         let same_points = self.points.is_none() || self.points == own.points;

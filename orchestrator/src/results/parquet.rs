@@ -16,7 +16,7 @@ use parquet::schema::types::Type;
 use super::{ResultsError, Summary, keep};
 use crate::table::parquet::one_line;
 
-/// So many rows are held at a time.
+/// Rows that are held in memory at a time.
 const GROUP: usize = 1 << 16;
 
 /// Writes `points.parquet` beside `points.csv`: the same rows, with types. It is either as before or complete.
@@ -65,7 +65,7 @@ fn other(error: csv::Error) -> ParquetError {
     ParquetError::External(Box::new(io::Error::from(error)))
 }
 
-/// What a column holds.
+/// Type of a column.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
     Count,

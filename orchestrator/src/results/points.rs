@@ -99,12 +99,12 @@ pub fn number(value: f64) -> String {
 /// Why `points.csv` cannot be read.
 #[derive(Debug, Error)]
 pub enum PointsError {
-    /// It is not a table.
+    /// The file is not a table.
     #[error("{path}: {source}")]
     Csv {
         /// The table.
         path: PathBuf,
-        /// What is wrong.
+        /// The problem.
         source: csv::Error,
     },
     /// A column is missing, or a cell is not what it should be.
@@ -112,7 +112,7 @@ pub enum PointsError {
     Content {
         /// The table.
         path: PathBuf,
-        /// What is wrong.
+        /// The problem.
         message: String,
     },
 }
@@ -120,7 +120,7 @@ pub enum PointsError {
 /// The content of `points.csv`, column by column.
 #[derive(Clone, Debug, Default)]
 pub struct Points {
-    /// What the points are called.
+    /// The points' numbers.
     pub labels: Vec<u64>,
     /// A column a parameter, in the order of [`Summary::parameters`].
     pub parameters: Vec<Vec<f64>>,

@@ -11,7 +11,7 @@ use crate::judge::Criterion;
 pub struct Summary {
     /// The study's title.
     pub title: Option<String>,
-    /// What was computed with what.
+    /// Versions, seed and hashes: all that is needed to compute the same again.
     pub provenance: Provenance,
     /// How many points there are.
     pub points: u64,
@@ -21,7 +21,7 @@ pub struct Summary {
     pub verified: u64,
     /// The share of all points that meet all criteria.
     pub verified_fraction: f64,
-    /// Its 95 % interval.
+    /// 95 % interval of the share.
     pub verified_interval: [f64; 2],
     /// How all intervals were computed.
     #[serde(default)]
@@ -51,7 +51,7 @@ pub struct Summary {
     pub run: Option<Run>,
 }
 
-/// What was computed with what.
+/// Versions, seed and hashes: all that is needed to compute the same again.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Provenance {
     /// The version of this program.
@@ -80,7 +80,7 @@ pub struct Provenance {
 /// A point without a result.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct FailedPoint {
-    /// What it is called.
+    /// Name, for people.
     pub point: u64,
     /// Why it has none, as in the `status` column of `points.csv`.
     pub status: String,
@@ -93,7 +93,7 @@ pub struct Count {
     pub passed: u64,
     /// Their share of all points.
     pub fraction: f64,
-    /// Its 95 % interval.
+    /// 95 % interval of the share.
     pub interval: [f64; 2],
 }
 
@@ -117,7 +117,7 @@ pub struct CriterionCount {
 /// The counts of another reading of the tolerances.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct VariantCount {
-    /// What it is and why.
+    /// Its meaning, and why it is there.
     pub about: Option<String>,
     /// Points that meet all criteria.
     #[serde(flatten)]
@@ -145,15 +145,15 @@ pub struct ParameterSummary {
 /// A point with its parameters and values.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct BestPoint {
-    /// What it is called.
+    /// Name, for people.
     pub point: u64,
-    /// Whether it meets all criteria.
+    /// Whether the point meets all criteria.
     pub verified: bool,
     /// The root of the sum of its squared deviations from the measurement, each relative to the accuracy.
     pub distance: f64,
-    /// Its parameters.
+    /// The point's parameters.
     pub parameters: IndexMap<String, f64>,
-    /// Its values.
+    /// The criteria's values at the point.
     pub values: IndexMap<String, f64>,
 }
 
@@ -169,7 +169,7 @@ pub struct Run {
 }
 
 impl ParameterSummary {
-    /// What the summary says of a study's parameter.
+    /// A study's parameter as the summary lists it.
     pub fn new(input: &crate::study::plan::Input) -> Self {
         let distribution = serde_json::to_value(input.distribution).ok();
         let numbers = distribution.as_ref().and_then(serde_json::Value::as_object);

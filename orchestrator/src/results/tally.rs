@@ -248,7 +248,7 @@ impl<'a> Tally<'a> {
             .map(|(class, (count, _))| (class.clone(), *count))
             .collect();
         failures.sort_unstable_keys();
-        // Of equally frequent reasons that of the first point.
+        // Ties between reasons go to the one that occurred first.
         let usual = self.failures.values().rev().max_by_key(|(count, _)| count);
         Summary {
             title,

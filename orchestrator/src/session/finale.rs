@@ -60,7 +60,7 @@ impl Verification {
         Ok(summary)
     }
 
-    /// What this study is computed with.
+    /// Versions, seed and hashes of this run.
     pub fn provenance(&self) -> Provenance {
         let Session {
             request,
@@ -89,7 +89,7 @@ impl Verification {
     }
 }
 
-/// What is known of a study without its FMU.
+/// Everything about a study that is known without its FMU.
 pub fn provenance(study: &Study) -> Provenance {
     Provenance {
         orchestrator: env!("CARGO_PKG_VERSION").to_owned(),

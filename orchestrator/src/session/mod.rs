@@ -44,7 +44,7 @@ pub enum SessionError {
 /// A study that is tied to its FMU.
 #[derive(Debug)]
 pub struct Session {
-    /// What was asked for.
+    /// The request: all options of the command.
     pub request: Request,
     /// The study.
     pub study: Study,

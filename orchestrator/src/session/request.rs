@@ -1,4 +1,4 @@
-//! What was asked for, kept beside the results so that a point can be run again and shards
+//! The request, kept beside the results so that a point can be run again and shards
 //! be joined.
 
 use std::fs;
@@ -11,7 +11,7 @@ use crate::pipeline::Shard;
 use crate::results::{ResultsError, write_atomically};
 use crate::study::Study;
 
-/// What was asked for.
+/// The request: all options of the command.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Request {
     /// The study file.

@@ -65,7 +65,7 @@ impl Verification {
         Ok(verification)
     }
 
-    /// What the journal belongs to.
+    /// Identity of the run.
     pub fn header(&self) -> &Header {
         &self.header
     }

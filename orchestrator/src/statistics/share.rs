@@ -35,7 +35,7 @@ pub fn wilson(hits: u64, total: u64) -> [f64; 2] {
 pub struct Fraction {
     /// How many.
     pub count: usize,
-    /// Of how many.
+    /// Number of trials.
     pub of: usize,
     /// Lower end of the 95 % interval, 0 to 1.
     pub low: f64,

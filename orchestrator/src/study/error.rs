@@ -1,4 +1,4 @@
-//! What is wrong with a study, and where.
+//! Errors of a study, with file, line and column.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ pub enum StudyError {
     Read {
         /// The study.
         path: PathBuf,
-        /// What the system says.
+        /// The operating system's message.
         source: io::Error,
     },
     /// Something at a place is wrong.
@@ -27,7 +27,7 @@ pub enum StudyError {
         line: usize,
         /// The column, from 1.
         column: usize,
-        /// What is wrong, and the remedy.
+        /// The problem and its remedy.
         message: String,
     },
     /// Something is missing.
@@ -35,7 +35,7 @@ pub enum StudyError {
     Whole {
         /// The study.
         path: PathBuf,
-        /// What is wrong, and the remedy.
+        /// The problem and its remedy.
         message: String,
     },
 }
@@ -66,7 +66,7 @@ impl Place<'_> {
         }
     }
 
-    /// What the TOML reader says, on one line, with a suggestion for a mistyped name.
+    /// The TOML reader's message on one line, with a suggestion for a mistyped name.
     pub(super) fn toml(&self, error: &toml::de::Error) -> StudyError {
         let message = suggest(error.message());
         match error.span() {

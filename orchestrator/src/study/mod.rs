@@ -39,20 +39,20 @@ pub type Name = Spanned<String>;
 pub struct Study {
     /// The title of the report.
     pub title: Option<String>,
-    /// What the study is and why.
+    /// Purpose of the study, for people.
     pub about: Option<String>,
     /// The FMU, relative to the study file.
     pub fmu: Spanned<PathBuf>,
     /// How long and in which steps.
     #[serde(default)]
     pub simulation: Simulation,
-    /// Which points.
+    /// The design: method, number and seed of the points.
     #[serde(default)]
     pub design: Sampling,
     /// The uncertain parameters by the names of FMU variables.
     #[serde(default)]
     pub parameters: IndexMap<Name, Parameter>,
-    /// Which of them are correlated, and how.
+    /// Correlations between parameters.
     #[serde(default)]
     pub correlations: Vec<Spanned<Pair>>,
     /// Start values that stay as they are, by the names of FMU variables.
@@ -63,7 +63,7 @@ pub struct Study {
     /// Inputs that follow a recording, by the names of FMU variables.
     #[serde(default)]
     pub inputs: IndexMap<Name, Recording>,
-    /// What the measurement says.
+    /// The criteria: measured values with their tolerances.
     #[serde(default)]
     pub criteria: IndexMap<Name, Criterion>,
     /// Other readings of the tolerances, judged beside the criteria's own.
@@ -75,7 +75,7 @@ pub struct Study {
     pub sensitivity: Option<toml::Value>,
     /// Settings of `robustness`.
     pub robustness: Option<toml::Value>,
-    /// Where the study was read from.
+    /// File from which the study was read.
     #[serde(skip)]
     path: PathBuf,
     /// The text of the file.
@@ -201,13 +201,13 @@ pub enum Setting {
     Text(String),
 }
 
-/// What the measurement says of one quantity.
+/// Measured value of one quantity with its tolerance.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct Criterion {
     /// The FMU's variable.
     pub variable: Spanned<String>,
-    /// What becomes of it over time.
+    /// Statistic that turns the signal into one number.
     #[serde(default)]
     pub statistic: Statistic,
     /// The measured value.
@@ -231,7 +231,7 @@ pub struct Criterion {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct Variant {
-    /// What it is and why.
+    /// Its meaning, and why it is there.
     pub about: Option<String>,
     /// Tolerances by the names of criteria; the others stay.
     pub tolerance: IndexMap<Name, Quantity>,
@@ -275,7 +275,7 @@ impl Study {
         toml::from_str(&self.text).map_err(|error| place.toml(&error))
     }
 
-    /// Where the study was read from.
+    /// File from which the study was read.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -303,7 +303,7 @@ impl Study {
         let mut bytes = self.text.clone().into_bytes();
         let inputs = self.inputs.values().map(|input| &input.file);
         for file in inputs.chain(&self.fixed_from) {
-            // One that cannot be read is an error elsewhere.
+            // An unreadable value is reported where it is used.
             let content = std::fs::read(self.beside(file.as_ref())).unwrap_or_default();
             bytes.extend(Sha256::digest(&content));
         }

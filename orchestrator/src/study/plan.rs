@@ -18,7 +18,7 @@ pub use super::values::{find, slot_of, value_of};
 /// A study that fits an FMU.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// What is to be done for each point, in the FMU's own terms.
+    /// The simulation of a point, in the FMU's own terms.
     pub task: Task,
     /// The parameters, in the order of the study.
     pub inputs: Vec<Input>,

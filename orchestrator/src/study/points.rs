@@ -1,4 +1,4 @@
-//! What a study says of its points beyond the parameters: how many there are, and correlations.
+//! Number of points of a study, and correlations between its parameters.
 
 use serde::Deserialize;
 use toml::Spanned;

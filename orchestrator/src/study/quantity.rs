@@ -79,7 +79,7 @@ pub struct Scale<'a> {
     fmu: Option<(&'a Description, &'a Variable)>,
 }
 
-/// What a study's number stands for.
+/// Whether a study's number is a value or a difference: temperatures convert differently.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub enum Sense {
     /// A value, such as a nominal temperature.

@@ -86,7 +86,7 @@ fn the_schema_has_exactly_the_words_that_the_reader_takes() {
     }
 }
 
-/// What is wrong with a value, by as much of JSON Schema as the schema of studies uses.
+/// Violations of a JSON Schema, for the part of JSON Schema that the study's schema uses.
 fn faults(root: &Value, schema: &Value, value: &Value, at: &str) -> Vec<String> {
     if *schema == Value::Bool(false) {
         return vec![format!("{at} has no place here")];

@@ -15,20 +15,20 @@ use fmu_import::{Description, Kind, Value, Variable};
 /// Why a parameter set cannot be used.
 #[derive(Debug, Error)]
 pub enum SsvError {
-    /// It cannot be read.
+    /// The file cannot be read.
     #[error("{path}: {source}")]
     Read {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The operating system's message.
         source: std::io::Error,
     },
-    /// It is not well-formed.
+    /// The XML is not well-formed.
     #[error("{path}: {source}")]
     Xml {
         /// The file.
         path: PathBuf,
-        /// What is wrong, and where.
+        /// The problem and its place.
         source: roxmltree::Error,
     },
     /// Something in it is wrong.
@@ -38,7 +38,7 @@ pub enum SsvError {
         path: PathBuf,
         /// The line, from 1.
         line: u32,
-        /// What is wrong.
+        /// The problem.
         message: String,
     },
 }

@@ -16,12 +16,12 @@ use parquet::ParquetFile;
 /// Why a table cannot be used.
 #[derive(Debug, Error)]
 pub enum TableError {
-    /// It cannot be read.
+    /// The file cannot be read.
     #[error("{path}: {}", reason(.source))]
     Read {
         /// The table.
         path: PathBuf,
-        /// What is wrong.
+        /// The problem.
         source: csv::Error,
     },
     /// A column is missing.
@@ -49,7 +49,7 @@ pub enum TableError {
     Parquet {
         /// The table.
         path: PathBuf,
-        /// What is wrong.
+        /// The problem.
         message: String,
     },
     /// A column or a row is there twice.
@@ -70,7 +70,7 @@ pub enum TableError {
 pub struct Table {
     /// A row's numbers, in the order of the columns asked for.
     pub rows: Vec<Vec<f64>>,
-    /// What the rows are called.
+    /// The rows' labels.
     pub labels: Vec<u64>,
 }
 
@@ -101,7 +101,7 @@ impl Table {
         Ok(table)
     }
 
-    /// The same where the rows are points, which their numbers tell apart.
+    /// Reads a table of points, whose rows are told apart by their numbers.
     ///
     /// # Errors
     /// As [`Table::read`], and when two points have the same number.
@@ -109,7 +109,7 @@ impl Table {
         Self::load(path, columns, false)?.distinct(path)
     }
 
-    /// The same for results of points: an empty cell, as of a point that failed, is not a number.
+    /// Reads a table of results: an empty cell, as of a failed point, becomes NaN.
     ///
     /// # Errors
     /// As [`Table::read_points`].
@@ -132,7 +132,7 @@ impl Table {
         }
     }
 
-    /// The same from a csv file.
+    /// Reads a csv file.
     fn read_csv(
         path: &Path,
         columns: &[(Vec<String>, String)],
@@ -188,7 +188,7 @@ impl Table {
 }
 
 impl Table {
-    /// The same from a Parquet file.
+    /// Reads a Parquet file.
     fn read_parquet(
         path: &Path,
         columns: &[(Vec<String>, String)],

@@ -15,7 +15,7 @@ pub struct Schedule {
     pub stop: f64,
     /// Communication step; the last one may be shorter.
     pub step: f64,
-    /// Where statistics begin.
+    /// Time from which statistics count, s.
     pub window_start: f64,
     /// Go there in a single step.
     pub leap: bool,

@@ -1,4 +1,4 @@
-//! Which of many points no other one dominates.
+//! The Pareto front: points that no other point dominates.
 //!
 //! Kung, Luccio & Preparata (1975), "On finding the maxima of a set of vectors", J. ACM 22, 469-476: divide and
 //! conquer over the points and over the objectives, so that a million points of which most are on the front need

@@ -10,7 +10,7 @@ pub use front::{dominates, front};
 
 use crate::analysis::table::PointTable;
 
-/// Which of some points of a study no other point of it dominates, by their deviations.
+/// The Pareto front of a study's points: no other point is closer to the measurement in every criterion.
 pub fn unbeaten(table: &PointTable, candidates: &[usize]) -> Vec<bool> {
     let deviations = |i: usize| -> Vec<f64> {
         table

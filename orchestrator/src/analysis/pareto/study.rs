@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 /// The trade-off between the criteria of a study.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Pareto {
-    /// Where the points come from, for people.
+    /// Origin of the points, for people.
     pub method: String,
     /// Points with values that the front was chosen from.
     pub points: usize,
@@ -39,7 +39,7 @@ pub struct Pareto {
 /// A point of the front, or to be compared with it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Member {
-    /// What `points.csv` calls it, where it is from there.
+    /// The point's number in `points.csv`, if it comes from there.
     pub point: Option<u64>,
     /// The parameters.
     pub parameters: Vec<f64>,
@@ -77,18 +77,18 @@ impl Member {
     }
 }
 
-/// Where the nominal design lies.
+/// The nominal design's place relative to the front.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Nominal {
     /// The design.
     pub member: Member,
-    /// So many points of the front beat it in every criterion.
+    /// Number of points on the front that beat it in every criterion.
     pub beaten_by: usize,
     /// The least distance to a point of the front, in units of the tolerances.
     pub to_front: f64,
 }
 
-/// So many unbeaten points are told one by one. Nobody reads more, and a file of a million would be unwieldy.
+/// Largest number of front points that are listed. Nobody reads more, and a file of a million would be unwieldy.
 const MOST: usize = 2_000;
 
 /// Criteria with a rank correlation at or below this are said to be in conflict.

@@ -15,7 +15,7 @@ const LEAST_SHARE: f64 = 0.005;
 /// At most so many are listed.
 const MOST_LISTED: usize = 12;
 
-/// One side of a region.
+/// One bound of a region.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Bound {
     /// Index of the parameter.
@@ -49,7 +49,7 @@ pub struct Combination {
     pub probability: f64,
     /// The criterion that is met least there.
     pub lost: String,
-    /// What the study's own points say.
+    /// Check against the study's own points.
     pub confirmed: Confirmed,
 }
 
@@ -211,7 +211,7 @@ fn corner(
 }
 
 fn finish(bounds: Vec<Bound>, stand: &Stand, cloud: &Cloud<'_>, open: &[usize]) -> Combination {
-    /// So many points tell which criterion is lost.
+    /// Points that are enough to tell which criterion is lost.
     const ENOUGH: usize = 500;
     let mut region = Combination {
         bounds,

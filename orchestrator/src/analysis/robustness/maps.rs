@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 /// Cells along each side.
 pub const CELLS: usize = 20;
-/// So many samples of the other parameters a cell.
+/// Samples of the remaining parameters for each cell of a map.
 const OTHERS: usize = 100;
 
 /// A map over two parameters.

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 pub struct Margin {
     /// The parameter.
     pub parameter: String,
-    /// Its value at the best point.
+    /// The parameter's value at the best point.
     pub value: f64,
     /// The limit below, and the criterion that is lost there; without one it is the end of the sampled range.
     pub low: (f64, Option<String>),

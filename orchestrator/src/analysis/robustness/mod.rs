@@ -36,12 +36,12 @@ pub struct Robustness {
     pub region: Option<region::Region>,
     /// The largest ellipsoid found.
     pub ellipsoid: Option<region::Ellipsoid>,
-    /// Where hardly any point is verified.
+    /// Regions in which hardly any point is verified.
     #[serde(default)]
     pub unsafe_combinations: Vec<combinations::Combination>,
-    /// One parameter at a time, from the best point.
+    /// How far each parameter alone may move from the best point.
     pub margins: Vec<margins::Margin>,
-    /// What a careful reader should know.
+    /// Caveats for the reader.
     pub warnings: Vec<String>,
 }
 
@@ -57,7 +57,7 @@ struct Part {
     /// Where the surrogate is of asinh((value - measured) / scale): true near the measurement and
     /// logarithmic far from it, where errors no longer matter; `None` where it is of the value.
     scale: Option<f64>,
-    /// In the criterion's unit, near the measurement.
+    /// Root-mean-square error near the measurement, in the criterion's unit.
     quality: Quality,
 }
 

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 pub struct Confirmed {
     /// Points inside.
     pub points: usize,
-    /// Of these, verified.
+    /// Number of these points that are verified.
     pub verified: usize,
     /// 95 % interval of the verified share.
     pub interval: [f64; 2],
@@ -23,7 +23,7 @@ impl Confirmed {
         self.interval[0] <= stated && stated <= self.interval[1]
     }
 
-    /// What the points say of a stated probability.
+    /// Check of a stated probability against points.
     pub fn on(&self, stated: f64) -> &'static str {
         if self.interval[0] > stated {
             "more than stated: the surrogates' errors make the statement cautious"
@@ -58,9 +58,9 @@ pub struct Region {
     pub share: f64,
     /// Probability of verification inside, by the surrogates.
     pub probability: f64,
-    /// What the study's own points say.
+    /// Check against the study's own points.
     pub confirmed: Confirmed,
-    /// What fresh runs say, where there are any.
+    /// Check against fresh runs, where some were made.
     #[serde(default)]
     pub fresh: Option<Confirmed>,
 }
@@ -88,17 +88,17 @@ impl Region {
 /// An ellipsoid: (x - centre)' shape (x - centre) <= 1.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Ellipsoid {
-    /// Its centre.
+    /// Centre of the ellipsoid.
     pub centre: Vec<f64>,
-    /// Its matrix, row by row.
+    /// Matrix of the ellipsoid, row by row.
     pub shape: Vec<Vec<f64>>,
     /// The part of the sampled probability that lies inside.
     pub share: f64,
     /// Probability of verification inside, by the surrogates.
     pub probability: f64,
-    /// What the study's own points say.
+    /// Check against the study's own points.
     pub confirmed: Confirmed,
-    /// What fresh runs say, where there are any.
+    /// Check against fresh runs, where some were made.
     #[serde(default)]
     pub fresh: Option<Confirmed>,
 }

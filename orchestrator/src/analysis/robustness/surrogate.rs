@@ -31,11 +31,11 @@ pub struct Surrogate {
     terms: Vec<Vec<u8>>,
     coefficients: Vec<f64>,
     degree: usize,
-    /// Its quality.
+    /// Quality of the fit.
     pub quality: Quality,
 }
 
-/// More points than this are thinned evenly before a fit.
+/// Above this number, points are thinned evenly before a fit: more would cost time and change nothing.
 const MOST_POINTS: usize = 4000;
 /// A fit has at least this many points a term.
 const POINTS_A_TERM: f64 = 2.0;

@@ -7,7 +7,7 @@ pub fn ishigami(u: &[f64]) -> f64 {
     x[0].sin() + 7.0 * x[1].sin().powi(2) + 0.1 * x[2].powi(4) * x[0].sin()
 }
 
-/// Its first-order and total indices.
+/// The function's first-order and total indices.
 pub fn ishigami_indices() -> ([f64; 3], [f64; 3]) {
     let (a, b) = (7.0f64, 0.1f64);
     let v1 = 0.5 * (1.0 + b * PI.powi(4) / 5.0).powi(2);
@@ -25,7 +25,7 @@ pub fn sobol_g(u: &[f64], a: &[f64]) -> f64 {
         .product()
 }
 
-/// Its first-order and total indices.
+/// The function's first-order and total indices.
 pub fn sobol_g_indices(a: &[f64]) -> (Vec<f64>, Vec<f64>) {
     let parts: Vec<f64> = a.iter().map(|a| 1.0 / (3.0 * (1.0 + a).powi(2))).collect();
     let all: f64 = parts.iter().map(|v| 1.0 + v).product();

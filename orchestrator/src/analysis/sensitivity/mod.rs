@@ -1,4 +1,4 @@
-//! Which parameter matters: one method a file.
+//! Sensitivity methods, one a file: which parameter matters, and how much.
 //!
 //! [`sobol`] and [`morris`] need runs of their own design; [`rank`], [`pawn`] and [`regional`]
 //! work on any points that already exist. A failed run (a value that is not finite) is left out

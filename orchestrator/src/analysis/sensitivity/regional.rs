@@ -7,7 +7,7 @@
 use crate::statistics::moments::{ks_distance, ks_probability, quantile, sorted};
 use serde::{Deserialize, Serialize};
 
-/// What one parameter has to do with pass or fail.
+/// How far one parameter decides between pass and fail.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Split {
     /// Kolmogorov-Smirnov distance between the two distributions: 0 nothing, 1 decides alone.

@@ -60,7 +60,7 @@ pub struct Indices {
     pub failed: usize,
 }
 
-/// One base point's values: A, A_B^(i), B.
+/// Model values that belong to one base point: at A, at each A_B^(i), at B.
 struct Rows<'a> {
     values: &'a [f64],
     width: usize,

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 pub struct Sensitivity {
     /// The parameters, in the order of all lists below.
     pub parameters: Vec<String>,
-    /// What was done, for people.
+    /// Description of the method and its cost, for people.
     pub method: String,
     /// Runs that it rests on.
     pub runs: usize,
@@ -43,7 +43,7 @@ pub struct Output {
 const RESAMPLES: usize = 200;
 const SLICES: usize = 10;
 
-/// All that can be told from points as they are, without any design.
+/// Everything that existing points tell, whatever their design.
 pub fn from_points(table: &PointTable, seed: u64) -> Sensitivity {
     let columns: Vec<&[f64]> = table
         .parameters

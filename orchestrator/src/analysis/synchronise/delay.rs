@@ -8,7 +8,7 @@ use super::signal::{Even, SignalError, Spline};
 use crate::analysis::sensitivity::Estimate;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-/// What was found.
+/// The delay that was found, with its uncertainty.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Delay {
     /// How much later the torque is than the load, s, with its 95 % interval.

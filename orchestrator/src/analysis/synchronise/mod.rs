@@ -19,9 +19,9 @@ use uncertainty::{Measured, from_bound};
 /// How accurate a sensor is: every error up to plus or minus this much is equally likely.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Accuracy {
-    /// In the signal's unit.
+    /// Absolute accuracy, in the signal's unit.
     Absolute(f64),
-    /// As a fraction of the value.
+    /// Relative accuracy: a fraction of the value.
     Relative(f64),
 }
 
@@ -77,7 +77,7 @@ pub struct Recording {
     pub confidence: f64,
 }
 
-/// One criterion from the record.
+/// A criterion derived from the record.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
     /// The criterion's name.
@@ -98,7 +98,7 @@ pub struct Finding {
     pub stationarity: Option<Stationarity>,
 }
 
-/// What became of a recording.
+/// Result of synchronising a recording.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Synchronised {
     /// The delay between torque and load.
@@ -127,7 +127,7 @@ pub struct Synchronised {
     pub mean_friction: Measured,
     /// The criteria: means first, then amplitudes.
     pub findings: Vec<Finding>,
-    /// What a careful reader should know.
+    /// Caveats for the reader.
     pub warnings: Vec<String>,
 }
 

@@ -8,7 +8,7 @@ use crate::statistics::moments::{mean, variance};
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
-/// What the tests say of a window.
+/// Result of the stationarity tests on a window.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Stationarity {
     /// The change over the window by the straight line through the block means, with its interval,

@@ -20,7 +20,7 @@ pub enum SettingsError {
     Io {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The operating system's message.
         source: std::io::Error,
     },
     /// The settings are no TOML, or not these settings.
@@ -36,7 +36,7 @@ pub enum SettingsError {
     Csv {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// The problem.
         source: csv::Error,
     },
     /// A column, a unit or a number does not fit.
@@ -44,7 +44,7 @@ pub enum SettingsError {
     Content {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// The problem.
         message: String,
     },
     /// The signals cannot be used.
@@ -52,7 +52,7 @@ pub enum SettingsError {
     Signal {
         /// The recording.
         path: PathBuf,
-        /// What is wrong.
+        /// The problem.
         source: SignalError,
     },
 }
