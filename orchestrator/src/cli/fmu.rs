@@ -82,7 +82,7 @@ pub struct Simulate {
     /// The variables to record, separated by commas; may be repeated [default: the outputs]
     #[arg(long, value_name = "NAME,NAME")]
     pub record: Vec<String>,
-    /// Inputs over time: a table with a column `time` and a column for each input, NAME or NAME [UNIT]
+    /// Inputs over time: a table with a column `time` and a column for each input, `NAME` or `NAME [UNIT]`
     #[arg(long, value_name = "FILE.csv")]
     pub input: Option<PathBuf>,
     /// Where to write the trajectory; - is standard output, as without this option

@@ -3,8 +3,8 @@
 //! Points are handed to workers in batches; a worker is anything that can run a batch. Results come back to the
 //! calling thread in whatever order they finish.
 //!
-//! Where points run, from the outside in: this process has [`Slot`](slot)s, each with its [guards](process); a
-//! [guard] is a process of its own whose children run the FMU ([servant]). How far points may share a process is
+//! Where points run, from the outside in: this process has slots, each with its [guards](process); a
+//! [guard] is a process of its own whose children run the FMU. How far points may share a process is
 //! what the slots find out together ([policy]).
 
 mod batch;
