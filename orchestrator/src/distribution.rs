@@ -157,7 +157,9 @@ impl Distribution {
                 max,
             } => {
                 let [low, high] = self.cut();
-                let value = mean + deviation * normal_quantile(low + u * (high - low));
+                // Rounding must not reach 1, whose quantile is infinite.
+                let u = (low + u * (high - low)).min(1.0 - f64::EPSILON / 2.0);
+                let value = mean + deviation * normal_quantile(u);
                 value
                     .max(min.unwrap_or(f64::NEG_INFINITY))
                     .min(max.unwrap_or(f64::INFINITY))
@@ -269,13 +271,88 @@ mod tests {
 
     #[test]
     fn wrong_numbers_are_named() {
-        let flat = Distribution::Normal {
+        let (min, max) = (1.0, 3.0);
+        let normal = |deviation| Distribution::Normal {
             mean: 0.0,
-            deviation: 0.0,
+            deviation,
         };
-        assert!(flat.check().unwrap_err().contains("deviation 0"));
-        let crossed = Distribution::Uniform { min: 2.0, max: 1.0 };
-        assert!(crossed.check().unwrap_err().contains("min 2"));
+        let cut = |min, max| Distribution::TruncatedNormal {
+            mean: 0.0,
+            deviation: 1.0,
+            min,
+            max,
+        };
+        let triangular = |mode| Distribution::Triangular { min, mode, max };
+        let lognormal = |mean, deviation| Distribution::Lognormal { mean, deviation };
+        for (wrong, named) in [
+            (normal(0.0), "deviation 0 "),
+            (normal(f64::INFINITY), "deviation inf "),
+            (normal(f64::NAN), "deviation NaN "),
+            (cut(Some(2.0), Some(2.0)), "min 2 must be less than max 2"),
+            (cut(Some(8.0), None), "almost nothing is left"),
+            (Distribution::Uniform { min: 2.0, max: 1.0 }, "min 2 "),
+            (triangular(0.9), "mode 0.9 must lie between min 1 and max 3"),
+            (triangular(3.1), "mode 3.1 "),
+            (lognormal(0.0, 1.0), "mean 0 of a lognormal"),
+            (lognormal(1.0, -1.0), "deviation -1 "),
+        ] {
+            let error = wrong.check().unwrap_err();
+            assert!(error.contains(named), "{error}");
+        }
+        for right in [
+            normal(1.0),
+            cut(None, None),
+            cut(Some(6.0), None),
+            triangular(min),
+            triangular(max),
+            lognormal(1.0, 2.0),
+            Distribution::Fixed { value: 0.0 },
+        ] {
+            assert_eq!(right.check(), Ok(()), "{right:?}");
+        }
+    }
+
+    #[test]
+    fn quantiles_are_those_of_closed_forms() {
+        let [_, truncated, uniform, triangular, lognormal] = all();
+        let fixed = Distribution::Fixed { value: 7.0 };
+        let both = Distribution::TruncatedNormal {
+            mean: 2.0,
+            deviation: 0.5,
+            min: Some(1.0),
+            max: Some(2.5),
+        };
+        for (distribution, u, expected) in [
+            (uniform, 0.25, 0.0),
+            (triangular, 0.0625, 0.5),
+            (triangular, 0.75, 4.0 - 3_f64.sqrt()),
+            (lognormal, 0.5, 2.0 / 1.0625_f64.sqrt()),
+            (fixed, 0.1, 7.0),
+            // A share of 0.1587 is cut away below; the normal score of 0.5793 is 0.2002.
+            (truncated, 0.5, 2.0 + 0.5 * 0.200_174),
+            // 0.0228 is cut away below and 0.1587 above; the score of 0.4321 is -0.1711.
+            (both, 0.5, 2.0 - 0.5 * 0.171_164),
+        ] {
+            let found = distribution.quantile(u);
+            assert!((found - expected).abs() < 1e-5, "{distribution:?}: {found}");
+        }
+        assert_eq!(triangular.median(), triangular.quantile(0.5));
+        assert!(triangular.varies() && !fixed.varies());
+    }
+
+    #[test]
+    fn a_score_gives_the_quantile_of_the_probability_below_it() {
+        for distribution in all() {
+            let found = distribution.at_score(1.0);
+            let expected = distribution.quantile(0.841_344_746_068_543);
+            assert!((found - expected).abs() < 1e-9, "{distribution:?}: {found}");
+            // Scores at which the probability is 0 or 1 in floating point.
+            let [low, high] = [-60.0, 60.0].map(|score| distribution.at_score(score));
+            assert!(
+                low < high && low.is_finite() && high.is_finite(),
+                "{distribution:?}: {low} {high}"
+            );
+        }
     }
 
     proptest! {

@@ -315,9 +315,45 @@ mod tests {
     }
 
     #[test]
+    fn the_limits_belong_to_what_is_accepted() {
+        let judge = judge(&STUDY.replace("0.75 %", "0.5 degC")).unwrap();
+        let [t, f] = [&judge.criteria[0], &judge.criteria[1]];
+        assert!(t.accepts(81.5) && t.accepts(82.5) && f.accepts(697.5) && f.accepts(802.5));
+        assert!(!t.accepts(81.49) && !t.accepts(82.51) && !t.accepts(f64::NAN));
+        let variant = |t: f64| judge.variant_verdict(&judge.variants[0], Some(&[t, 750.0]));
+        assert_eq!(variant(82.75).passed, [true, true]);
+        assert_eq!(variant(82.76).passed, [false, true]);
+    }
+
+    #[test]
+    fn a_percentage_of_a_negative_value_is_positive() {
+        let judge = judge(&STUDY.replace("nominal = 82", "nominal = -82")).unwrap();
+        assert!((judge.criteria[0].tolerance - 0.615).abs() < 1e-12);
+    }
+
+    #[test]
+    fn criteria_of_a_group_are_counted_together() {
+        let text = STUDY.replace("unit = \"N\"", "unit = \"N\"\ngroup = \"temperature\"");
+        let group = |members: &[usize]| vec![("temperature".to_owned(), members.to_vec())];
+        assert_eq!(judge(STUDY).unwrap().groups, group(&[0]));
+        assert_eq!(judge(&text).unwrap().groups, group(&[0, 1]));
+    }
+
+    #[test]
     fn a_failed_point_is_not_verified() {
         let judge = judge(STUDY).unwrap();
         assert_eq!(judge.verdict(None).passed, [false, false]);
+        assert_eq!(judge.verdict(Some(&[82.0])).passed, [true, false]);
+        let variant = &judge.variants[0];
+        assert_eq!(judge.variant_verdict(variant, None).passed, [false, false]);
+        assert!(!Verdict::default().verified());
+    }
+
+    #[test]
+    fn a_distance_adds_the_squares_of_the_deviations() {
+        let judge = judge(STUDY).unwrap();
+        let distance = judge.distance(&[82.615, 645.0]);
+        assert!((distance - 5_f64.sqrt()).abs() < 1e-9, "{distance}");
     }
 
     #[test]
@@ -350,8 +386,17 @@ mod tests {
             judge(&wrong).unwrap_err(),
             "s.toml:3:19: T: the tolerance -1 degC must be a positive, finite number"
         );
-        let wrong = STUDY.replace("\"7 %\"", "\"inf %\"");
-        assert!(judge(&wrong).is_err());
+        for tolerance in ["1e308 %", "0 %", "0 N", "-7 %"] {
+            let error = judge(&STUDY.replace("7 %", tolerance)).unwrap_err();
+            assert!(
+                error.contains("F: the tolerance") && error.ends_with("positive, finite number"),
+                "{error}"
+            );
+        }
+        for tolerance in ["0 %", "-7 %"] {
+            let nothing = STUDY.replace("750 N", "0 N").replace("7 %", tolerance);
+            assert!(judge(&nothing).unwrap_err().contains("must be a positive"));
+        }
         let wrong = STUDY.replace("nominal = 82", "nominal = nan");
         assert_eq!(
             judge(&wrong).unwrap_err(),

@@ -29,8 +29,11 @@ SWITCHES = """--headless=new --no-sandbox --disable-gpu --no-first-run --disable
 
 
 def report(folder, points):
-    command = ["cargo", "run", "-q", "-p", "orchestrator", "--example", "report_demo", "--", str(points), str(folder)]
-    subprocess.run(command, cwd=ROOT, check=True, env={**os.environ, "CARGO_TERM_COLOR": "never"})
+    # With the features of the whole workspace, as `cargo test` built it: for one package cargo would build all anew.
+    build = ["cargo", "build", "--quiet", "--locked", "--workspace", "--example", "report_demo"]
+    subprocess.run(build, cwd=ROOT, check=True, env={**os.environ, "CARGO_TERM_COLOR": "never"})
+    program = ROOT / os.environ.get("CARGO_TARGET_DIR", "target") / "debug/examples/report_demo"
+    subprocess.run([program, str(points), str(folder)], cwd=ROOT, check=True)
     return folder / "report.html"
 
 

@@ -137,4 +137,56 @@ mod tests {
         assert!((p[0] - 0.9545).abs() < 1e-4 && (p[1] - 0.5).abs() < 1e-4);
         assert!(p[2] < 1e-9 && p[3] == 0.0);
     }
+
+    /// A criterion of 10 ± 2, in a group or in none.
+    fn ten(name: &str, group: Option<&str>, values: [f64; 6]) -> Criterion {
+        Criterion {
+            name: name.into(),
+            source: String::new(),
+            unit: String::new(),
+            nominal: 10.0,
+            lower: 8.0,
+            upper: 12.0,
+            group: group.map(String::from),
+            ok: values.map(|v| (8.0..=12.0).contains(&v)).to_vec(),
+            values: values.to_vec(),
+        }
+    }
+
+    #[test]
+    fn points_are_counted_by_what_they_meet_and_what_fails_them() {
+        const LOST: f64 = f64::NAN;
+        let table = PointTable {
+            ids: (1..=6).collect(),
+            criteria: vec![
+                ten("a", Some("both"), [10.0, 13.0, 14.0, LOST, 10.0, 15.0]),
+                ten("b", Some("both"), [10.0, 10.0, 16.0, LOST, 10.0, 10.0]),
+                ten("c", None, [10.0, 10.0, 10.0, LOST, 5.0, 10.0]),
+            ],
+            verified: vec![true, false, false, false, false, false],
+            status: ["ok", "ok", "ok", "crash", "ok", "ok"]
+                .map(Into::into)
+                .to_vec(),
+            ..PointTable::default()
+        };
+        let of_six = |count| Fraction::wilson(count, 6);
+        let criterion = |passes, binds, only_failure, median_miss| CriterionVerdict {
+            passes: of_six(passes),
+            binds,
+            only_failure,
+            median_miss: Some(median_miss),
+        };
+        let expected = Verdict {
+            verified: of_six(1),
+            failed: 1,
+            // Where all deviations are equal, the first criterion binds.
+            criteria: vec![
+                criterion(2, 3, 2, 2.0),
+                criterion(4, 1, 0, 3.0),
+                criterion(4, 1, 1, 2.5),
+            ],
+            groups: vec![("both".to_owned(), of_six(2))],
+        };
+        assert_eq!(verdict(&table), expected);
+    }
 }
