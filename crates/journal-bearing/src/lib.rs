@@ -3,7 +3,7 @@
 //! Two models of the film between a turning journal and its bush:
 //! - [`reynolds`]: the two-dimensional Reynolds equation, transient, with mass-conserving cavitation, roughness, form error,
 //!   tilt, and oils whose viscosity and density depend on pressure;
-//! - [`mobility`]: Booker's mobility method on a map computed with [`reynolds`]; a look-up takes about 0.1 us.
+//! - [`mobility`]: Booker's mobility method on a map computed with [`reynolds`]; a look-up takes about 0.13 us.
 //!
 //! [`contact`] of asperities, [`profile`]s of surfaces that are not round and the oil's [`rheology`] go with them. All
 //! quantities are in SI units. Vectors are those of [`nalgebra`], which is re-exported.

@@ -1,4 +1,4 @@
-//! The journal in its film: what the stand tells a film model, and what the model answers.
+//! The journal in its film: the questions of the stand to a film model, and its answers.
 //!
 //! Film models are of two kinds. For most, the journal's velocity follows from the instant alone; the stand integrates it
 //! together with the temperatures. A [`TransientFilm`] remembers how its oil is distributed; it takes steps of its own and
@@ -53,7 +53,7 @@ pub struct Setup<'a> {
     pub experiment: &'a Experiment<'a>,
 }
 
-/// What acts on the film at one instant. The bush stands still.
+/// Load, position, oil and speed at one instant. The bush is at rest.
 #[derive(Clone, Copy, Debug)]
 pub struct Situation {
     /// Load along x, N.
@@ -93,7 +93,7 @@ pub trait JournalFilm: Sized {
         None
     }
 
-    /// The same, to take steps.
+    /// The film as one that takes steps of its own, ready to take them.
     fn transient_mut(&mut self) -> Option<&mut dyn TransientFilm> {
         None
     }

@@ -13,7 +13,7 @@ const SHORT: f64 = -2.0;
 
 /// A [`MobilityMap`] prepared for every `B/D`: its slices and their slopes over `ln(B/D)`.
 ///
-/// Preparing takes a few milliseconds; a clone shares the prepared numbers.
+/// Prepare a map once; clones share the prepared numbers.
 ///
 /// # Examples
 /// ```

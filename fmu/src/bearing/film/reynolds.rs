@@ -28,7 +28,7 @@ pub struct ReynoldsJournal {
     /// The contact of a round, aligned journal; follows from the bearing's parameters.
     #[serde(skip)]
     contact: Arc<ContactTable>,
-    /// What [`keep`](TransientFilm::keep) remembers.
+    /// State and motion that [`keep`](TransientFilm::keep) remembers.
     #[serde(skip)]
     kept: Option<Box<(FilmState, Motion)>>,
 }

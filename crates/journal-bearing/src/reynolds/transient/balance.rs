@@ -46,7 +46,7 @@ pub struct Balance {
     over: Vec<f64>,
     /// Flux out of each cell through the open ends.
     out: Vec<f64>,
-    /// What each cell's balance is off by, as a flux out of the cell.
+    /// Error of each cell's balance, as a flux out of the cell.
     pub residual: Vec<f64>,
 }
 

@@ -4,7 +4,7 @@ use nalgebra::Vector2;
 
 use crate::reynolds::settings::Drive;
 
-/// What the film's balances need to know of a stage.
+/// The stage as the film's balances see it.
 #[derive(Clone, Copy, Debug)]
 pub struct Stage<'a> {
     /// Duration, s.
@@ -19,7 +19,7 @@ pub struct Stage<'a> {
     pub side: f64,
 }
 
-/// What the journal's balance of forces needs to know of a stage.
+/// The stage as the journal's balance of forces sees it.
 #[derive(Clone, Copy)]
 pub struct Task<'a> {
     /// Eccentricity ratio at the stage's start.
