@@ -1,6 +1,8 @@
 //! Single points in a process of their own: what the FMU does to it is one clear failure.
 
+use std::cell::Cell;
 use std::path::Path;
+use std::time::{Duration, Instant};
 
 use super::process::{Gone, Limits, Process};
 use super::wire::{End, Reader, Trouble, Way};
@@ -125,13 +127,20 @@ impl Recorder<'_> {
         columns: &[Handle],
         row: Row<'_, E>,
     ) -> Result<Option<Failure>, E> {
+        // Whoever watches hears how the FMU ends after all has been computed, but does not wait for ever.
+        const FAREWELL: Duration = Duration::from_secs(2);
         let mut outcome = Ok(None);
+        let done: Cell<Option<Instant>> = Cell::new(None);
+        let enough = || done.get().is_some_and(|done| done.elapsed() > FAREWELL);
         let mut process = self.process(task);
-        let ended = process.order(order, &|| false, &mut |payload| {
+        let ended = process.order(order, &enough, &mut |payload| {
             let mut reader = Reader(payload);
             match reader.end() {
                 Some(End::Not) => {}
-                Some(End::Done) => return false,
+                Some(End::Done) => {
+                    done.set(Some(Instant::now()));
+                    return self.echo;
+                }
                 Some(End::Failed(failure)) => {
                     outcome = Ok(Some(failure));
                     return false;
@@ -152,6 +161,7 @@ impl Recorder<'_> {
         });
         match ended {
             Ok(()) => outcome,
+            Err(_) if done.get().is_some() => outcome,
             Err(Gone::Lost(failure)) => Ok(Some(failure)),
             Err(gone) => Err(EngineError::from(gone).into()),
         }

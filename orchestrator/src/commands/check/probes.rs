@@ -9,6 +9,7 @@ use super::child::{self, Outcome};
 use super::finding::Hit;
 use super::probe::{Life, Run, Setup};
 use super::structure::short;
+use crate::results::points::number as written;
 use crate::task::Schedule;
 use fmu_import::{Causality, Content, Description, Handle, Kind, Value, Variability, Variable};
 
@@ -326,9 +327,8 @@ impl<'a> Probes<'a> {
                 let same =
                     first == second || matches!(numbers, [Some(one), Some(two)] if one == two);
                 if !same {
-                    let shown = |value: Option<f64>| {
-                        value.map_or("another text".to_owned(), |v| v.to_string())
-                    };
+                    let shown =
+                        |value: Option<f64>| value.map_or("another text".to_owned(), written);
                     let [first, second] = numbers.map(shown);
                     let (name, time) = (&variable.name, one.times[row]);
                     return Some(format!("{name} is {second} instead of {first} at {time} s"));
