@@ -8,8 +8,8 @@
 //!                                                └───── oil ◄─ temperatures ◄─┘
 //! ```
 //!
-//! The drive's angle follows in closed form. The unknowns of the time integration are the journal's
-//! eccentricity-ratio vector and the four temperatures.
+//! The unknowns of the time integration are the journal's eccentricity-ratio vector and the four temperatures. The shaft
+//! angle is not one of them: it follows from the speed in closed form.
 
 mod inputs;
 mod march;
@@ -27,12 +27,12 @@ use serde::{Deserialize, Serialize};
 
 pub use inputs::{Input, Inputs};
 
-/// How the stand is integrated over time.
+/// The parameters of the time integration.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Solver {
     /// Relative tolerance per internal step, 1.
     pub tolerance: f64,
-    /// Leap over whole turns in communication steps much longer than a turn.
+    /// Whether communication steps much longer than a turn leap over whole turns.
     pub multirate: bool,
 }
 
@@ -79,14 +79,14 @@ pub struct Stand {
     pub solver: Solver,
     /// The inputs.
     pub inputs: Inputs,
-    /// The oil law of `oil`, which may come from a file that is read only once.
+    /// The coefficients of the oil's laws. They are kept as they may come from a file, which is read only at the start.
     fluid: Properties,
-    /// Its viscosity where the film is.
+    /// The oil's viscosity around the film's temperature.
     #[serde(skip)]
     nearby: Nearby,
     state: State,
     readings: Readings,
-    /// The readings' rates, as they were last asked for.
+    /// The outputs' time derivatives, as [`differentiate`](Model::differentiate) last computed them.
     #[serde(skip)]
     rates: Readings,
 }
@@ -94,16 +94,16 @@ pub struct Stand {
 /// The unknowns: eccentricity ratio along x and y, temperatures of film, bush, shaft and oil.
 type Unknowns = [f64; 6];
 
-/// The change of each unknown that a relative tolerance of one allows: the whole clearance, 100 K.
+/// The error of each unknown that a relative tolerance of one allows: the whole clearance, 100 K.
 const SCALES: Unknowns = [1.0, 1.0, 100.0, 100.0, 100.0, 100.0];
 
-/// The log category of what the stand does.
+/// The log category for the set-up and the steps.
 const EVENTS: &str = "logEvents";
 
-/// The internal step to try first, s.
+/// The first internal step to try, s.
 const FIRST_STEP: f64 = 1e-4;
 
-/// What drive, load mechanism and bearing tell each other at one instant.
+/// The signals between drive, load mechanism and bearing at one instant.
 struct Instant {
     speed: f64,
     angle: f64,
@@ -133,7 +133,7 @@ impl Stand {
             ahead.resolve(AHEAD).ok()?;
             Some(ahead.read(0.0, &unknowns(&ahead.state)))
         };
-        // A transient film's flows are means over its last step, so that only steps of the same length compare.
+        // A transient film's flows depend on the length of its last step, so two steps of the same length are compared.
         let begin = if self.film.is_transient() {
             later()?
         } else {
@@ -171,8 +171,8 @@ impl Stand {
         }
     }
 
-    /// Of the same, only what moves the unknowns: the rate of the eccentricity-ratio vector, 1/s, and the flows as far as
-    /// the temperatures depend on them.
+    /// The part of [`instant`](Self::instant) that the unknowns' rates need: the rate of the eccentricity-ratio vector,
+    /// 1/s, and the flows as far as the temperatures depend on them.
     fn drift(&self, tau: f64, eccentricity: [f64; 2], viscosity: f64) -> ([f64; 2], Flows) {
         let (speed, _, load) = self.driven(tau);
         let felt = self.thermal.fresh_oil != 0.0 && !self.thermal.isothermal;
@@ -185,7 +185,7 @@ impl Stand {
         self.film.drift(&self.bearing, &at, felt)
     }
 
-    /// Shaft speed (rad/s) and angle (rad) and the load on the bearing (N), `tau` seconds into the step.
+    /// Shaft speed (rad/s), shaft angle (rad) and load on the bearing (N), `tau` seconds into the step.
     fn driven(&self, tau: f64) -> (f64, f64, f64) {
         let command = self.command();
         let speed = self.drive.speed(&command, tau);
@@ -194,7 +194,7 @@ impl Stand {
         (speed, angle, load)
     }
 
-    /// The lower half of Fig. 3: the heat that friction makes, and where it goes. K/s.
+    /// The lower half of Fig. 3: rates of the temperatures from friction heat and heat transfer, K/s.
     fn thermal_rates(&self, tau: f64, temperatures: &Temperatures, flows: &Flows) -> Temperatures {
         let oil = &self.fluid;
         let film = temperatures.film;
@@ -203,7 +203,7 @@ impl Stand {
             viscous: flows.viscous,
             boundary: flows.boundary,
             side_flow: match flows.side_flow {
-                // None, or none that is felt.
+                // No side flow, or one that was not computed because the temperatures do not depend on it.
                 0.0 => 0.0,
                 flow => flow * oil.density(film) * oil.heat_capacity(film),
             },
@@ -223,7 +223,7 @@ impl Stand {
         [v[0], v[1], t.film, t.bush, t.shaft, t.oil]
     }
 
-    /// What the sensors show, `tau` seconds into the step.
+    /// The sensors' readings, `tau` seconds into the step.
     fn read(&self, tau: f64, y: &Unknowns) -> Readings {
         let temperatures = temperatures(y);
         let viscosity = self.fluid.viscosity(temperatures.film);

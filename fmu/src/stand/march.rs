@@ -1,4 +1,4 @@
-//! How time passes in the stand: turn by turn, or in leaps over whole turns.
+//! Communication steps: turn by turn, or with a leap over whole turns.
 
 use super::stuck::Stuck;
 use super::{EVENTS, Inputs, SCALES, Stand, State, Unknowns, temperatures, unknowns};
@@ -8,30 +8,30 @@ use crate::solver::{Budget, DormandPrince};
 use crate::thermal::Temperatures;
 use fmu_export::model::Log;
 
-/// Fewer turns than this are resolved, each.
+/// Shorter communication steps, in turns, are resolved turn by turn.
 const FEWEST_TURNS: f64 = 12.0;
-/// The turns that are resolved at the end of a leap.
+/// Turns that are resolved after a leap.
 const TURNS_AT_THE_END: usize = 1;
-/// The journal is near its orbit when a turn moves it by less than this part of the clearance.
+/// The journal is near its orbit if a turn moves it by less than this share of the clearance.
 const SETTLED: f64 = 1e-2;
-/// After so many turns it leaps from wherever it is: what is left of its way to the orbit is little heat.
+/// After so many turns it leaps even if it is not near its orbit, as the rest of its approach adds little heat.
 const MOST_SETTLING_TURNS: usize = 1;
-/// The error allowed in the turns before a leap, over the solver's: all that is left of them is a little heat.
+/// Factor on the solver's tolerance in the turns before a leap, of which only their heat matters later.
 const SETTLING_SLACK: f64 = 1000.0;
-/// The same of those after it, which begin less exactly than that.
+/// Factor on the solver's tolerance in the turns after a leap, whose start is not known any better.
 const LANDING_SLACK: f64 = 10.0;
-/// Slack is given up to this relative tolerance.
+/// Factors loosen the tolerance up to this value.
 const LOOSEST: f64 = 1e-3;
 /// Least number of steps of a transient film in a turn: load and speed vary linearly within one.
 const FILM_STEPS_PER_TURN: f64 = 100.0;
 /// The longest step of a transient film, s.
 const LONGEST_FILM_STEP: f64 = 2e-3;
-/// Internal steps that may be taken before any time has passed: a rig takes some tens to leave a start.
+/// Internal steps that may be taken before any time has passed. The rig takes some tens to get going.
 const STEPS_AT_ONCE: usize = 30_000;
-/// Further ones per second and per turn: a rig takes some 60 a turn.
+/// Further internal steps per second and per turn. The rig takes some 60 a turn.
 const STEPS_PER_SECOND: f64 = 1e6;
 const STEPS_PER_TURN: f64 = 1e3;
-/// In all, in one communication step: some minutes of work.
+/// Internal steps in one communication step at most: some minutes of work.
 const MOST_STEPS: f64 = 5e7;
 /// Most steps of a transient film in one communication step: some hours.
 const MOST_FILM_STEPS: f64 = 1e7;
@@ -47,7 +47,7 @@ impl Stand {
         self.resolve_within(1.0, span)
     }
 
-    /// The same with so many times the solver's tolerance.
+    /// Lets `span` seconds pass at `slack` times the solver's tolerance.
     fn resolve_within(&mut self, slack: f64, span: f64) -> Result<(), Stuck> {
         let slack = slack.min(LOOSEST / self.solver.tolerance).max(1.0);
         if self.film.is_transient() {
@@ -71,13 +71,13 @@ impl Stand {
             y = anew.map_err(|_| self.explain(failure, &y, 0..6))?;
         }
         self.nearby = oil;
-        // The step goes as the fifth root of the error.
+        // The step size is proportional to the fifth root of the allowed error.
         self.state.next_step = next_step * slack.powf(-0.2);
         self.arrive(span, [y[0], y[1]], temperatures(&y));
         Ok(())
     }
 
-    /// The same with a transient film: in steps in which film and temperatures go one after the other.
+    /// Lets `span` seconds pass with a transient film: in each step first the film advances, then the temperatures.
     fn resolve_transient(&mut self, span: f64) -> Result<(), Stuck> {
         let longest = LONGEST_FILM_STEP.min(self.period() / FILM_STEPS_PER_TURN);
         let steps = (span / longest).ceil().max(1.0);
@@ -131,7 +131,7 @@ impl Stand {
         Ok(unpack(&t))
     }
 
-    /// Moves time, angle and inputs on by `span` seconds, to given unknowns.
+    /// Ends a part of the step: takes the unknowns over, and moves time, angle and inputs on by `span` seconds.
     fn arrive(&mut self, span: f64, eccentricity: [f64; 2], temperatures: Temperatures) {
         self.state.angle += self.drive.turned(&self.command(), span);
         self.state.time += span;
@@ -191,7 +191,7 @@ impl Stand {
         self.resolve_within(slack, span - (self.state.time - before.time))
     }
 
-    /// Whether speed and load repeat themselves every turn throughout a step, and there are enough turns.
+    /// Whether a step can leap: speed and load must repeat every turn, and the step must have enough turns.
     pub(super) fn can_leap(&self, span: f64) -> bool {
         let Inputs {
             speed,

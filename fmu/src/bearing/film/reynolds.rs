@@ -30,7 +30,18 @@ pub struct ReynoldsJournal {
     contact: Arc<ContactTable>,
     /// State and motion that [`keep`](TransientFilm::keep) remembers.
     #[serde(skip)]
-    kept: Option<Box<(FilmState, Motion)>>,
+    kept: Kept,
+}
+
+/// The state that [`keep`](TransientFilm::keep) remembers. It matters within one step only, so that clones go without it:
+/// a host may save a state before every step.
+#[derive(Debug, Default)]
+struct Kept(Option<Box<(FilmState, Motion)>>);
+
+impl Clone for Kept {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
 }
 
 impl JournalFilm for ReynoldsJournal {
@@ -70,7 +81,7 @@ impl JournalFilm for ReynoldsJournal {
             motion,
             plain,
             contact: Arc::default(),
-            kept: None,
+            kept: Kept::default(),
         };
         film.prepare(bearing)?;
         Ok(film)
@@ -159,7 +170,7 @@ impl TransientFilm for ReynoldsJournal {
     }
 
     fn keep(&mut self) {
-        match &mut self.kept {
+        match &mut self.kept.0 {
             Some(kept) => {
                 self.film.copy_state_to(&mut kept.0);
                 kept.1 = self.motion;
@@ -170,7 +181,7 @@ impl TransientFilm for ReynoldsJournal {
 
     fn take_back(&mut self) {
         // The state is this film's own, so that it fits.
-        if let Some(kept) = &self.kept
+        if let Some(kept) = &self.kept.0
             && Arc::make_mut(&mut self.film).restore(&kept.0).is_ok()
         {
             self.motion = kept.1;
