@@ -1,110 +1,108 @@
 //! Statistics of a signal over time, and of counts.
+//!
+//! A new statistic of a signal is a file beside [`mean`] with a type that implements [`Collect`], its `mod` line, and its
+//! line in `statistics!` below. The name in a study and the JSON Schema follow from that line.
 
+mod amplitude;
+mod collect;
+mod last;
+mod max;
+mod mean;
+mod min;
 pub mod moments;
+mod rms;
 pub mod share;
 
 use serde::{Deserialize, Serialize};
 
+use collect::Collect;
+
 pub use share::wilson;
 
-/// Statistic that turns a signal over time into one number.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Statistic {
-    /// The value at the stop time.
-    #[default]
-    Final,
-    /// The mean over time.
-    Mean,
-    /// The smallest value.
-    Min,
-    /// The largest value.
-    Max,
-    /// The root of the mean square over time.
-    Rms,
-    /// Half the distance from the smallest to the largest value.
-    Amplitude,
+/// Makes the choice of the statistics from lines of name, type and meaning.
+macro_rules! statistics {
+    ($($statistic:ident = $collector:ty, $meaning:literal;)*) => {
+        /// What becomes of a variable over time.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+        #[serde(rename_all = "kebab-case")]
+        pub enum Statistic {
+            $(#[doc = $meaning] $statistic,)*
+        }
+
+        impl Statistic {
+            /// All of them; the first one is the usual one.
+            pub const ALL: &[Self] = &[$(Self::$statistic),*];
+
+            /// What it is called in a sentence, such as "mean" in "mean of the load".
+            pub fn label(self) -> &'static str {
+                match self {
+                    $(Self::$statistic => <$collector>::LABEL,)*
+                }
+            }
+
+            /// Whether it is a difference of two values, which has no offset when units convert.
+            pub fn is_difference(self) -> bool {
+                match self {
+                    $(Self::$statistic => <$collector>::DIFFERENCE,)*
+                }
+            }
+        }
+
+        /// Collects what a statistic of a signal needs, value by value, in constant memory.
+        #[derive(Clone, Copy, Debug)]
+        pub struct Accumulator(Collector);
+
+        #[derive(Clone, Copy, Debug)]
+        enum Collector {
+            $($statistic($collector),)*
+        }
+
+        impl Accumulator {
+            /// Nothing so far.
+            pub fn new(statistic: Statistic) -> Self {
+                Self(match statistic {
+                    $(Statistic::$statistic => Collector::$statistic(Default::default()),)*
+                })
+            }
+
+            /// Takes values one after another, each with the time since the one before.
+            #[inline]
+            pub fn add_all(&mut self, values: impl Iterator<Item = (f64, f64)>) {
+                match &mut self.0 {
+                    $(Collector::$statistic(collector) => collector.add_all(values),)*
+                }
+            }
+
+            /// The statistic of the values so far, of which there must be one, `span` being the time from the
+            /// first to the last.
+            pub fn result(&self, span: f64) -> f64 {
+                match &self.0 {
+                    $(Collector::$statistic(collector) => collector.result(span),)*
+                }
+            }
+        }
+    };
 }
 
-/// Collects what a statistic of a signal needs, value by value, in constant memory.
-///
-/// Means are integrals over time by the trapezoidal rule, divided by the time: over whole periods
-/// of a periodic signal that is exact to all orders.
-#[derive(Clone, Copy, Debug)]
-pub struct Accumulator {
-    statistic: Statistic,
-    /// The last value, or its square where squares are integrated.
-    last: f64,
-    /// Twice the integral.
-    integral: f64,
-    min: f64,
-    max: f64,
+statistics! {
+    Final = last::Last, "The value at the stop time.";
+    Mean = mean::Mean, "The mean over time.";
+    Min = min::Min, "The smallest value.";
+    Max = max::Max, "The largest value.";
+    Rms = rms::Rms, "The root of the mean square over time.";
+    Amplitude = amplitude::Amplitude, "Half the distance from the smallest to the largest value.";
+}
+
+impl Default for Statistic {
+    fn default() -> Self {
+        Self::ALL[0]
+    }
 }
 
 impl Accumulator {
-    /// An accumulator without values.
-    pub fn new(statistic: Statistic) -> Self {
-        Self {
-            statistic,
-            last: 0.0,
-            integral: 0.0,
-            min: f64::INFINITY,
-            max: f64::NEG_INFINITY,
-        }
-    }
-
     /// Takes a value, `elapsed` after the one before; the first one after zero.
     pub fn add(&mut self, elapsed: f64, value: f64) {
         self.add_all(std::iter::once((elapsed, value)));
-    }
-
-    /// Takes values one after another, each with the time since the one before.
-    #[inline]
-    pub fn add_all(&mut self, values: impl Iterator<Item = (f64, f64)>) {
-        match self.statistic {
-            Statistic::Mean => self.integrate(values),
-            Statistic::Rms => self.integrate(values.map(|(elapsed, v)| (elapsed, v * v))),
-            _ => values.for_each(|(_, value)| self.bound(value)),
-        }
-    }
-
-    #[inline]
-    fn integrate(&mut self, values: impl Iterator<Item = (f64, f64)>) {
-        let (mut integral, mut last) = (self.integral, self.last);
-        for (elapsed, value) in values {
-            integral += elapsed * (last + value);
-            last = value;
-        }
-        (self.integral, self.last) = (integral, last);
-    }
-
-    fn bound(&mut self, value: f64) {
-        self.last = value;
-        // A value that is not a number must not get lost.
-        if value < self.min || value.is_nan() {
-            self.min = value;
-        }
-        if value > self.max || value.is_nan() {
-            self.max = value;
-        }
-    }
-
-    /// The statistic of the values so far, of which there must be one, `span` being the time from the
-    /// first to the last.
-    pub fn result(&self, span: f64) -> f64 {
-        let mean = if span > 0.0 {
-            0.5 * self.integral / span
-        } else {
-            self.last
-        };
-        match self.statistic {
-            Statistic::Final => self.last,
-            Statistic::Mean => mean,
-            Statistic::Min => self.min,
-            Statistic::Max => self.max,
-            Statistic::Rms => mean.sqrt(),
-            Statistic::Amplitude => 0.5 * (self.max - self.min),
-        }
     }
 }
 

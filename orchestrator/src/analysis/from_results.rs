@@ -3,7 +3,6 @@
 use super::table::{Criterion, Parameter, PointTable};
 use crate::judge::{Judge, Verdict};
 use crate::results::{Outcome, Points, PointsError, ResultsError, Summary};
-use crate::statistics::Statistic;
 use crate::study::plan::Input;
 use indexmap::IndexMap;
 use std::path::Path;
@@ -60,7 +59,7 @@ pub fn table(summary: &Summary, points: Points) -> PointTable {
             let c = &count.criterion;
             Criterion {
                 name: c.name.clone(),
-                source: format!("{} of {}", statistic(c.statistic), c.variable),
+                source: format!("{} of {}", c.statistic.label(), c.variable),
                 unit: c.unit.clone().unwrap_or_default(),
                 nominal: c.nominal,
                 lower: c.nominal - c.tolerance,
@@ -76,17 +75,6 @@ pub fn table(summary: &Summary, points: Points) -> PointTable {
         ids: points.labels,
         verified: points.verified,
         status: points.status,
-    }
-}
-
-fn statistic(statistic: Statistic) -> &'static str {
-    match statistic {
-        Statistic::Final => "final value",
-        Statistic::Mean => "mean",
-        Statistic::Min => "least",
-        Statistic::Max => "greatest",
-        Statistic::Rms => "rms",
-        Statistic::Amplitude => "amplitude",
     }
 }
 
@@ -124,7 +112,7 @@ pub fn from_runs(
     });
     let criteria = judge.criteria.iter().enumerate().map(|(j, c)| Criterion {
         name: c.name.clone(),
-        source: format!("{} of {}", statistic(c.statistic), c.variable),
+        source: format!("{} of {}", c.statistic.label(), c.variable),
         unit: c.unit.clone().unwrap_or_default(),
         nominal: c.nominal,
         lower: c.nominal - c.tolerance,

@@ -93,13 +93,13 @@ fn check(options: &Verify, verification: &Verification) -> Result<(), CommandErr
         })
     };
     if options.until.is_some() && !verification.is_extensible() {
-        let message = "a Latin hypercube or a full factorial needs all its points; use sobol, halton or \
-            monte-carlo";
-        return refuse("until", message);
+        let with = Method::named(Method::is_extensible);
+        let message = format!("this design needs all its points; use {with}");
+        return refuse("until", &message);
     }
     let method = verification.session.study.design.method;
-    if options.points.is_some() && method == Method::FullFactorial {
-        let message = "a full factorial has as many points as the levels make; change `levels`";
+    if options.points.is_some() && method.is_by_levels() {
+        let message = "the design has as many points as the levels make; change `levels`";
         return refuse("points", message);
     }
     Ok(())

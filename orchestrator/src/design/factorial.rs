@@ -1,15 +1,53 @@
 //! Full factorial designs: every combination of the levels of all inputs. The levels of an input are the
 //! middles of equally probable slices, so that every point stands for the same probability.
 
+use super::rule::{Inputs, Method, Rule};
+use super::sampling::Sampling;
+
 /// A grid.
 #[derive(Clone, Debug)]
 pub(super) struct Grid {
     levels: Vec<u64>,
 }
 
+impl Method for Grid {
+    const BY_LEVELS: bool = true;
+
+    fn new(_: &Sampling, inputs: &Inputs) -> Result<Self, String> {
+        if inputs.correlation.is_some() {
+            return Err(
+                "a full factorial combines all levels and knows no correlations".to_owned(),
+            );
+        }
+        let levels = inputs.distributions.iter().zip(&inputs.levels);
+        let levels = levels
+            .filter(|(input, _)| input.varies())
+            .map(|(_, levels)| {
+                let missing = "a full factorial needs `levels` for every parameter that varies";
+                levels.filter(|&levels| levels > 0).ok_or(missing)
+            });
+        Self::of(levels.collect::<Result<_, _>>()?)
+    }
+}
+
+impl Rule for Grid {
+    /// The last input changes fastest.
+    #[allow(clippy::cast_precision_loss)]
+    fn uniform(&self, index: u64, dimension: u32) -> f64 {
+        let place = dimension as usize;
+        let faster: u64 = self.levels[place + 1..].iter().product();
+        let level = index / faster % self.levels[place];
+        (level as f64 + 0.5) / self.levels[place] as f64
+    }
+
+    fn points(&self) -> Option<u64> {
+        self.size()
+    }
+}
+
 impl Grid {
-    /// A grid with this many levels for each input.
-    pub(super) fn new(levels: Vec<u64>) -> Result<Self, String> {
+    /// A grid of so many levels an input.
+    fn of(levels: Vec<u64>) -> Result<Self, String> {
         let grid = Self { levels };
         match grid.size() {
             Some(_) => Ok(grid),
@@ -22,20 +60,6 @@ impl Grid {
             .iter()
             .try_fold(1_u64, |size, &levels| size.checked_mul(levels))
     }
-
-    /// How many points there are.
-    pub(super) fn len(&self) -> u64 {
-        self.size().unwrap_or(u64::MAX)
-    }
-
-    /// The coordinate of a point; the last input changes fastest.
-    #[allow(clippy::cast_precision_loss)]
-    pub(super) fn uniform(&self, index: u64, dimension: u32) -> f64 {
-        let place = dimension as usize;
-        let faster: u64 = self.levels[place + 1..].iter().product();
-        let level = index / faster % self.levels[place];
-        (level as f64 + 0.5) / self.levels[place] as f64
-    }
 }
 
 #[cfg(test)]
@@ -44,8 +68,8 @@ mod tests {
 
     #[test]
     fn every_combination_comes_once_and_in_order() {
-        let grid = Grid::new(vec![2, 1, 3]).unwrap();
-        let points: Vec<[f64; 3]> = (0..grid.len())
+        let grid = Grid::of(vec![2, 1, 3]).unwrap();
+        let points: Vec<[f64; 3]> = (0..grid.points().unwrap())
             .map(|index| [0, 1, 2].map(|dimension| grid.uniform(index, dimension)))
             .collect();
         let [low, middle, high] = [1.0, 3.0, 5.0].map(|sixth| sixth / 6.0);
@@ -55,6 +79,6 @@ mod tests {
 
     #[test]
     fn absurd_grids_are_refused() {
-        assert!(Grid::new(vec![1000; 10]).is_err());
+        assert!(Grid::of(vec![1000; 10]).is_err());
     }
 }

@@ -3,6 +3,8 @@
 //! plain sequences are all but useless in large bases, permuted ones are uniformly distributed.
 
 use super::random::{self, Purpose};
+use super::rule::{Inputs, Method, Rule};
+use super::sampling::Sampling;
 
 /// Bits of randomness that a digit needs.
 const BITS: f64 = 53.0;
@@ -22,25 +24,17 @@ struct Radix {
     permutations: Vec<Vec<u16>>,
 }
 
-impl Sequence {
-    pub(super) fn new(seed: u64, dimensions: usize) -> Result<Self, String> {
-        let primes = primes().take(dimensions);
-        let inputs: Vec<Radix> = primes
-            .zip(0..)
-            .map(|(base, dimension)| Radix::new(seed, base, dimension))
-            .collect();
-        if inputs.len() < dimensions {
-            let most = inputs.len();
-            return Err(format!(
-                "a Halton sequence has at most {most} inputs, not {dimensions}"
-            ));
-        }
-        Ok(Self { seed, inputs })
-    }
+impl Method for Sequence {
+    const EXTENSIBLE: bool = true;
 
-    /// The coordinate of a point.
+    fn new(sampling: &Sampling, inputs: &Inputs) -> Result<Self, String> {
+        Self::of(sampling.seed, inputs.dimensions())
+    }
+}
+
+impl Rule for Sequence {
     #[allow(clippy::cast_precision_loss)]
-    pub(super) fn uniform(&self, index: u64, dimension: u32) -> f64 {
+    fn uniform(&self, index: u64, dimension: u32) -> f64 {
         let Radix { base, permutations } = &self.inputs[dimension as usize];
         let (mut rest, mut value, mut scale) = (index, 0.0, 1.0);
         for permutation in permutations {
@@ -53,6 +47,23 @@ impl Sequence {
         // The digits beyond are random; rounding must not reach 1.
         let jitter = random::uniform(self.seed, Purpose::Jitter, index, dimension);
         (value + scale * jitter).min(1.0 - f64::EPSILON / 2.0)
+    }
+}
+
+impl Sequence {
+    fn of(seed: u64, dimensions: usize) -> Result<Self, String> {
+        let primes = primes().take(dimensions);
+        let inputs: Vec<Radix> = primes
+            .zip(0..)
+            .map(|(base, dimension)| Radix::new(seed, base, dimension))
+            .collect();
+        if inputs.len() < dimensions {
+            let most = inputs.len();
+            return Err(format!(
+                "a Halton sequence has at most {most} inputs, not {dimensions}"
+            ));
+        }
+        Ok(Self { seed, inputs })
     }
 }
 
@@ -103,7 +114,7 @@ mod tests {
     )]
     fn every_run_of_points_fills_the_slices() {
         // Of any b^k points in a row that begin at a multiple, each slice of width b^-k holds one.
-        let sequence = Sequence::new(5, 4).unwrap();
+        let sequence = Sequence::of(5, 4).unwrap();
         for (dimension, base) in [(0, 2_u64), (1, 3), (2, 5), (3, 7)] {
             let count = base.pow(3);
             for start in [0, 4 * count] {
@@ -121,7 +132,7 @@ mod tests {
     fn high_bases_do_not_run_in_step() {
         // The plain sequence has a correlation of almost 1 between the bases 67 and 71.
         const N: u32 = 60;
-        let sequence = Sequence::new(1, 20).unwrap();
+        let sequence = Sequence::of(1, 20).unwrap();
         let pairs = (0..N).map(|i| [18, 19].map(|d| sequence.uniform(i.into(), d) - 0.5));
         let [mut xy, mut xx, mut yy] = [0.0; 3];
         for [x, y] in pairs {
@@ -134,7 +145,7 @@ mod tests {
 
     #[test]
     fn too_many_inputs_are_refused() {
-        let error = Sequence::new(1, 2000).unwrap_err();
+        let error = Sequence::of(1, 2000).unwrap_err();
         assert!(error.contains("at most 1028 inputs"), "{error}");
     }
 }

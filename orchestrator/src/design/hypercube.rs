@@ -5,6 +5,8 @@
 //! (a Feistel network with cycle walking: Black, Rogaway 2002), so that no table of N is kept.
 
 use super::random::{self, Purpose, mix};
+use super::rule::{Inputs, Method, Rule};
+use super::sampling::Sampling;
 
 /// A rule for N points.
 #[derive(Clone, Debug)]
@@ -15,20 +17,28 @@ pub(super) struct Hypercube {
     half: u32,
 }
 
-impl Hypercube {
-    pub(super) fn new(seed: u64, points: u64) -> Self {
-        let bits = u64::BITS - points.saturating_sub(1).leading_zeros();
-        let half = bits.div_ceil(2).max(1);
-        Self { seed, points, half }
+impl Method for Hypercube {
+    fn new(sampling: &Sampling, _: &Inputs) -> Result<Self, String> {
+        Ok(Self::of(sampling.seed, sampling.points))
     }
+}
 
-    /// The coordinate of a point.
+impl Rule for Hypercube {
     #[allow(clippy::cast_precision_loss)]
-    pub(super) fn uniform(&self, index: u64, dimension: u32) -> f64 {
+    fn uniform(&self, index: u64, dimension: u32) -> f64 {
         let slice = self.slice(index, dimension);
         let within = random::uniform(self.seed, Purpose::Jitter, index, dimension);
         // Rounding must not reach 1.
         ((slice as f64 + within) / self.points as f64).min(1.0 - f64::EPSILON / 2.0)
+    }
+}
+
+impl Hypercube {
+    /// A rule for so many points.
+    pub(super) fn of(seed: u64, points: u64) -> Self {
+        let bits = u64::BITS - points.saturating_sub(1).leading_zeros();
+        let half = bits.div_ceil(2).max(1);
+        Self { seed, points, half }
     }
 
     /// The slice of a point: a permutation of 0..N.
@@ -67,7 +77,7 @@ mod tests {
     )]
     fn every_slice_holds_one_point() {
         for points in [1, 2, 3, 50, 1000, 4097] {
-            let hypercube = Hypercube::new(3, points);
+            let hypercube = Hypercube::of(3, points);
             for dimension in 0..3 {
                 let mut seen = vec![false; points as usize];
                 for index in 0..points {

@@ -8,62 +8,31 @@ pub mod correlation;
 mod factorial;
 mod halton;
 mod hypercube;
-#[cfg(test)]
-mod lasting_tests;
+mod methods;
 mod optimised;
 mod random;
-pub mod sampling;
+pub mod rule;
+mod sampling;
 mod sobol;
+
+use std::sync::Arc;
 
 use crate::distribution::Distribution;
 
 use correlation::Correlation;
-use factorial::Grid;
-use halton::Sequence;
-use hypercube::Hypercube;
-use optimised::Spread;
-use sobol::Nets;
+use rule::Rule;
 
-pub use sampling::{Method, Sampling};
+pub use methods::Method;
+pub use rule::Inputs;
+pub use sampling::Sampling;
 
 /// A rule that gives every index its point.
 #[derive(Clone, Debug)]
 pub struct Design {
-    rule: Rule,
-    seed: u64,
+    rule: Arc<dyn Rule>,
     points: u64,
     inputs: Vec<Distribution>,
     correlation: Option<Correlation>,
-}
-
-#[derive(Clone, Debug)]
-enum Rule {
-    MonteCarlo,
-    LatinHypercube(Hypercube),
-    OptimisedLatinHypercube(Spread),
-    Sobol(Nets),
-    Halton(Sequence),
-    FullFactorial(Grid),
-}
-
-/// The inputs of a design: distributions, levels, correlations.
-#[derive(Clone, Debug, Default)]
-pub struct Inputs {
-    /// Their distributions.
-    pub distributions: Vec<Distribution>,
-    /// Their levels in a full factorial; those of an input that does not vary do not count.
-    pub levels: Vec<Option<u64>>,
-    /// How they are correlated, if they are.
-    pub correlation: Option<Correlation>,
-}
-
-impl From<Vec<Distribution>> for Inputs {
-    fn from(distributions: Vec<Distribution>) -> Self {
-        Self {
-            distributions,
-            ..Self::default()
-        }
-    }
 }
 
 impl Design {
@@ -79,29 +48,14 @@ impl Design {
         if sampling.replicates == 0 {
             return Err("replicates must be at least 1".to_owned());
         }
-        if sampling.replicates > 1 && sampling.method != Method::Sobol {
-            return Err("replicates need method = \"sobol\"; remove them".to_owned());
+        if sampling.replicates > 1 && !sampling.method.has_replicates() {
+            let with = Method::named(Method::has_replicates);
+            return Err(format!("replicates need method = {with}; remove them"));
         }
-        let Sampling { points, seed, .. } = *sampling;
-        let varies = |input: &&Distribution| input.varies();
-        let dimensions = inputs.distributions.iter().filter(varies).count();
-        let rule = match sampling.method {
-            Method::MonteCarlo => Rule::MonteCarlo,
-            Method::LatinHypercube => Rule::LatinHypercube(Hypercube::new(seed, points)),
-            Method::OptimisedLatinHypercube => {
-                Rule::OptimisedLatinHypercube(Spread::new(seed, dimensions, points)?)
-            }
-            Method::Sobol => Rule::Sobol(Nets::new(sampling, dimensions)?),
-            Method::Halton => Rule::Halton(Sequence::new(seed, dimensions)?),
-            Method::FullFactorial => Rule::FullFactorial(inputs.grid()?),
-        };
+        let rule = sampling.method.rule(sampling, &inputs)?;
         Ok(Self {
-            points: match &rule {
-                Rule::FullFactorial(grid) => grid.len(),
-                _ => points,
-            },
+            points: rule.points().unwrap_or(sampling.points),
             rule,
-            seed,
             inputs: inputs.distributions,
             correlation: inputs.correlation,
         })
@@ -125,7 +79,7 @@ impl Design {
                 return 0.5;
             }
             dimension += 1;
-            self.uniform(index, dimension - 1)
+            self.rule.uniform(index, dimension - 1)
         };
         let places = self.inputs.iter().map(place);
         match &self.correlation {
@@ -135,39 +89,6 @@ impl Design {
                 .collect(),
             Some(correlation) => correlation.values(&places.collect::<Vec<_>>(), &self.inputs),
         }
-    }
-
-    /// A number in (0, 1).
-    fn uniform(&self, index: u64, dimension: u32) -> f64 {
-        match &self.rule {
-            Rule::MonteCarlo => {
-                random::uniform(self.seed, random::Purpose::Point, index, dimension)
-            }
-            Rule::LatinHypercube(hypercube) => hypercube.uniform(index, dimension),
-            Rule::OptimisedLatinHypercube(spread) => spread.uniform(index, dimension),
-            Rule::Sobol(nets) => nets.uniform(index, dimension),
-            Rule::Halton(sequence) => sequence.uniform(index, dimension),
-            Rule::FullFactorial(grid) => grid.uniform(index, dimension),
-        }
-    }
-}
-
-impl Inputs {
-    /// The grid of a full factorial.
-    fn grid(&self) -> Result<Grid, String> {
-        if self.correlation.is_some() {
-            return Err(
-                "a full factorial combines all levels and knows no correlations".to_owned(),
-            );
-        }
-        let levels = self.distributions.iter().zip(&self.levels);
-        let levels = levels
-            .filter(|(input, _)| input.varies())
-            .map(|(_, levels)| {
-                let missing = "a full factorial needs `levels` for every parameter that varies";
-                levels.filter(|&levels| levels > 0).ok_or(missing)
-            });
-        Grid::new(levels.collect::<Result<_, _>>()?)
     }
 }
 

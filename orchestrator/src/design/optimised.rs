@@ -8,6 +8,8 @@
 
 use super::hypercube::Hypercube;
 use super::random::{self, Purpose};
+use super::rule::{Inputs, Method, Rule};
+use super::sampling::Sampling;
 
 /// Above this number, random pairing already spreads the points well.
 pub(super) const MOST: u64 = 4096;
@@ -25,15 +27,31 @@ pub(super) struct Spread {
     slices: Vec<Vec<u32>>,
 }
 
+impl Method for Spread {
+    fn new(sampling: &Sampling, inputs: &Inputs) -> Result<Self, String> {
+        Self::of(sampling.seed, inputs.dimensions(), sampling.points)
+    }
+}
+
+impl Rule for Spread {
+    #[allow(clippy::cast_precision_loss)]
+    fn uniform(&self, index: u64, dimension: u32) -> f64 {
+        let place = usize::try_from(index).unwrap_or(0) % self.points;
+        let slice = self.slices[dimension as usize][place];
+        let within = random::uniform(self.seed, Purpose::Jitter, index, dimension);
+        ((f64::from(slice) + within) / self.points as f64).min(1.0 - f64::EPSILON / 2.0)
+    }
+}
+
 impl Spread {
-    pub(super) fn new(seed: u64, dimensions: usize, points: u64) -> Result<Self, String> {
+    fn of(seed: u64, dimensions: usize, points: u64) -> Result<Self, String> {
         if points > MOST {
             return Err(format!(
                 "an optimised Latin hypercube has at most {MOST} points; more are spread well \
                  enough by method = \"latin-hypercube\" or \"sobol\""
             ));
         }
-        let start = Hypercube::new(seed, points);
+        let start = Hypercube::of(seed, points);
         // At most MOST, checked above.
         let slice = |index, dimension| u32::try_from(start.slice(index, dimension)).unwrap_or(0);
         let slices = (0..)
@@ -45,15 +63,6 @@ impl Spread {
             slices: slices.collect(),
         };
         Ok(spread.improved())
-    }
-
-    /// The coordinate of a point.
-    #[allow(clippy::cast_precision_loss)]
-    pub(super) fn uniform(&self, index: u64, dimension: u32) -> f64 {
-        let place = usize::try_from(index).unwrap_or(0) % self.points;
-        let slice = self.slices[dimension as usize][place];
-        let within = random::uniform(self.seed, Purpose::Jitter, index, dimension);
-        ((f64::from(slice) + within) / self.points as f64).min(1.0 - f64::EPSILON / 2.0)
     }
 
     /// The best pairing that was found.
@@ -209,8 +218,8 @@ mod tests {
     #[test]
     fn the_spread_is_better_and_still_a_hypercube() {
         for (points, dimensions) in [(20, 4), (50, 3), (333, 6)] {
-            let spread = Spread::new(3, dimensions, points).unwrap();
-            let plain = Hypercube::new(3, points);
+            let spread = Spread::of(3, dimensions, points).unwrap();
+            let plain = Hypercube::of(3, points);
             let slice = |i, d| u32::try_from(plain.slice(i, d)).unwrap();
             let column = |d| (0..points).map(|i| slice(i, d)).collect();
             let start: Vec<Vec<u32>> = (0..).take(dimensions).map(column).collect();
@@ -226,7 +235,7 @@ mod tests {
 
     #[test]
     fn updates_do_not_drift() {
-        let start = Spread::new(1, 3, 40).unwrap();
+        let start = Spread::of(1, 3, 40).unwrap();
         let mut state = State::new(&start.slices);
         for k in 0..1000 {
             state.exchange(k % 3, k % 40, (7 * k + 1) % 40);
@@ -237,7 +246,7 @@ mod tests {
 
     #[test]
     fn too_many_points_are_refused_with_the_remedy() {
-        let error = Spread::new(1, 2, 5000).unwrap_err();
+        let error = Spread::of(1, 2, 5000).unwrap_err();
         assert!(error.contains("4096") && error.contains("sobol"), "{error}");
     }
 }

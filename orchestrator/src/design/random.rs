@@ -2,7 +2,31 @@
 //! counter-based generator Philox4x32-10 (Salmon, Moraes, Dror, Shaw 2011, "Parallel random
 //! numbers: as easy as 1, 2, 3").
 
-/// Purpose of a random number; different purposes never share numbers.
+use super::rule::{Inputs, Method, Rule};
+use super::sampling::Sampling;
+
+/// Independent points.
+#[derive(Debug)]
+pub(super) struct Points {
+    seed: u64,
+}
+
+impl Method for Points {
+    const EXTENSIBLE: bool = true;
+
+    fn new(sampling: &Sampling, _: &Inputs) -> Result<Self, String> {
+        let seed = sampling.seed;
+        Ok(Self { seed })
+    }
+}
+
+impl Rule for Points {
+    fn uniform(&self, index: u64, dimension: u32) -> f64 {
+        uniform(self.seed, Purpose::Point, index, dimension)
+    }
+}
+
+/// What a number is for; different purposes never share numbers.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Purpose {
     /// The coordinates of a point.

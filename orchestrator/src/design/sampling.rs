@@ -1,32 +1,8 @@
 //! What a study says of its points: the method, how many, the seed.
 
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 
-/// How points are chosen.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Method {
-    /// Independent random points.
-    #[default]
-    MonteCarlo,
-    /// One point in each of N equally probable slices of every parameter.
-    LatinHypercube,
-    /// A Latin hypercube whose slices are paired so that the points spread evenly.
-    OptimisedLatinHypercube,
-    /// A scrambled Sobol net.
-    Sobol,
-    /// A scrambled Halton sequence.
-    Halton,
-    /// Every combination of the parameters' levels.
-    FullFactorial,
-}
-
-impl Method {
-    /// Whether the first points stay the same when there are more: then fewer may be enough.
-    pub fn is_extensible(self) -> bool {
-        matches!(self, Self::MonteCarlo | Self::Sobol | Self::Halton)
-    }
-}
+use super::methods::Method;
 
 /// Which points are simulated: the section `[design]` of a study.
 #[derive(Clone, Copy, Debug, Deserialize)]

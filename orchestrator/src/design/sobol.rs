@@ -5,6 +5,7 @@
 use ::sobol::params::JoeKuoD6;
 
 use super::random::{self, Purpose, mix};
+use super::rule::{Inputs, Method, Rule};
 use super::sampling::Sampling;
 
 const BITS: u32 = 32;
@@ -19,8 +20,28 @@ pub(super) struct Nets {
     directions: Vec<[u32; BITS as usize]>,
 }
 
+impl Method for Nets {
+    const EXTENSIBLE: bool = true;
+    const REPLICATES: bool = true;
+
+    fn new(sampling: &Sampling, inputs: &Inputs) -> Result<Self, String> {
+        Self::of(sampling, inputs.dimensions())
+    }
+}
+
+impl Rule for Nets {
+    fn uniform(&self, index: u64, dimension: u32) -> f64 {
+        let (replicate, place) = (index % self.replicates, index / self.replicates);
+        let plain = plain(place, &self.directions[dimension as usize]);
+        let digits = scramble(plain, self.key(replicate, dimension));
+        // The digits beyond the net's are random, as scrambling to infinity makes them.
+        let rest = random::bits(self.seed, Purpose::Jitter, index, dimension);
+        random::to_unit(u64::from(digits) << BITS | rest >> BITS)
+    }
+}
+
 impl Nets {
-    pub(super) fn new(sampling: &Sampling, dimensions: usize) -> Result<Self, String> {
+    fn of(sampling: &Sampling, dimensions: usize) -> Result<Self, String> {
         if sampling.points / sampling.replicates > 1 << BITS {
             return Err(format!("a Sobol net has at most 2^{BITS} points"));
         }
@@ -42,16 +63,6 @@ impl Nets {
             replicates: sampling.replicates,
             directions,
         })
-    }
-
-    /// The coordinate of a point.
-    pub(super) fn uniform(&self, index: u64, dimension: u32) -> f64 {
-        let (replicate, place) = (index % self.replicates, index / self.replicates);
-        let plain = plain(place, &self.directions[dimension as usize]);
-        let digits = scramble(plain, self.key(replicate, dimension));
-        // The digits beyond the net's are random, as scrambling to infinity makes them.
-        let rest = random::bits(self.seed, Purpose::Jitter, index, dimension);
-        random::to_unit(u64::from(digits) << BITS | rest >> BITS)
     }
 
     /// Where the scrambling hash of an input starts.
@@ -112,7 +123,6 @@ fn scramble(digits: u32, key: u64) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::design::Method;
 
     #[test]
     fn the_plain_net_starts_as_published() {
@@ -127,12 +137,12 @@ mod tests {
 
     fn nets(points: u64, replicates: u64, dimensions: usize) -> Result<Nets, String> {
         let sampling = Sampling {
-            method: Method::Sobol,
+            method: crate::design::Method::Sobol,
             points,
             seed: 11,
             replicates,
         };
-        Nets::new(&sampling, dimensions)
+        Nets::of(&sampling, dimensions)
     }
 
     #[test]

@@ -4,7 +4,6 @@ use super::cases::Columns;
 use super::error::BindError;
 use super::problem::{Case, Free, Interval, Latent, Measured, Prior, Problem, Quantity, Scale};
 use super::settings::{Exception, FreeText, LatentText, MeasuredText, Settings};
-use crate::statistics::Statistic;
 use crate::study::plan::{Plan, find, slot_of};
 use crate::study::quantity::{Scale as UnitScale, Sense};
 use crate::study::{Name, Quantity as Text, Study, StudyError};
@@ -243,9 +242,10 @@ impl Binder<'_> {
                 unit: scale.unit.clone(),
             });
             let back = scale.conversion.inverse();
-            bound.outputs.push(match text.statistic {
-                Statistic::Amplitude => back.of_differences(),
-                _ => back,
+            bound.outputs.push(if text.statistic.is_difference() {
+                back.of_differences()
+            } else {
+                back
             });
             bound.task.observed.push(probe);
         }

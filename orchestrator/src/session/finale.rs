@@ -70,8 +70,6 @@ impl Verification {
         } = &self.session;
         let fmu = package.description();
         let header = self.header();
-        let method = serde_json::to_value(study.design.method).ok();
-        let method = method.and_then(|name| name.as_str().map(str::to_owned));
         let given = header.table.is_some();
         Provenance {
             study: name(request.own_study()),
@@ -79,9 +77,11 @@ impl Verification {
             fmu_version: fmu.version.clone(),
             fmu_guid: Some(fmu.guid.clone()),
             fmu_sha256: Some(header.fmu.clone()),
-            method: method
-                .filter(|_| !given)
-                .unwrap_or_else(|| "table".to_owned()),
+            method: if given {
+                "table".to_owned()
+            } else {
+                study.design.method.name()
+            },
             seed: (!given).then_some(header.seed),
             replicates: Some(study.design.replicates).filter(|&n| !given && n > 1),
             ..provenance(study)

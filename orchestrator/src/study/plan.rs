@@ -8,7 +8,6 @@ use super::{Name, Parameter, Setting, Study, StudyError, inputs, points, ssv};
 use crate::design::correlation::Correlation;
 use crate::design::{self, Design, Sampling};
 use crate::distribution::Distribution;
-use crate::statistics::Statistic;
 use crate::task::{Probe, Schedule, Slot, Task};
 use fmu_import::units::Conversion;
 use fmu_import::{Description, Value, Variable};
@@ -124,9 +123,10 @@ impl Plan {
             .iter_mut()
             .zip(self.outputs.iter().zip(&self.task.observed))
         {
-            *value = match probe.statistic {
-                Statistic::Amplitude => conversion.difference(*value),
-                _ => conversion.value(*value),
+            *value = if probe.statistic.is_difference() {
+                conversion.difference(*value)
+            } else {
+                conversion.value(*value)
             };
         }
     }

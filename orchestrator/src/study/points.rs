@@ -4,7 +4,6 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::{Pair, Shape, Study, StudyError};
-use crate::design::Method;
 use crate::design::correlation::Correlation;
 use crate::names::{did_you_mean, nearest};
 
@@ -20,8 +19,8 @@ pub(super) fn check(study: &Study) -> Result<(), StudyError> {
         points: Option<Spanned<u64>>,
     }
     match study.section::<Text>()?.design.points {
-        Some(points) if study.design.method == Method::FullFactorial => {
-            let message = "a full factorial has as many points as the levels make; remove `points`";
+        Some(points) if study.design.method.is_by_levels() => {
+            let message = "the design has as many points as the levels make; remove `points`";
             Err(study.error_at(&points, message))
         }
         _ => Ok(()),

@@ -1,0 +1,95 @@
+//! The designs: the one place that knows them all.
+//!
+//! A new design is a file beside [`super::halton`] with a type that implements [`super::rule::Method`], its `mod` line
+//! in `design/mod.rs`, and its line below. The name in a study, the JSON Schema and all checks follow from that line.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::rule::{self, Inputs, Rule};
+use super::sampling::Sampling;
+use super::{factorial, halton, hypercube, optimised, random, sobol};
+
+/// Makes the choice of the designs from lines of name, type and meaning.
+macro_rules! methods {
+    ($($method:ident = $rule:ty, $meaning:literal;)*) => {
+        /// How points are chosen.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+        #[serde(rename_all = "kebab-case")]
+        pub enum Method {
+            $(#[doc = $meaning] $method,)*
+        }
+
+        impl Method {
+            /// All of them; the first one is the usual one.
+            pub const ALL: &[Self] = &[$(Self::$method),*];
+
+            /// Whether the first points stay the same when there are more: then fewer may be enough.
+            pub fn is_extensible(self) -> bool {
+                match self {
+                    $(Self::$method => <$rule as rule::Method>::EXTENSIBLE,)*
+                }
+            }
+
+            /// Whether the levels of the parameters say how many points there are, and not the study's number.
+            pub fn is_by_levels(self) -> bool {
+                match self {
+                    $(Self::$method => <$rule as rule::Method>::BY_LEVELS,)*
+                }
+            }
+
+            /// Whether the points can belong in turn to independent randomisations.
+            pub fn has_replicates(self) -> bool {
+                match self {
+                    $(Self::$method => <$rule as rule::Method>::REPLICATES,)*
+                }
+            }
+
+            /// The rule for the points of a study.
+            pub(super) fn rule(self, sampling: &Sampling, inputs: &Inputs) -> Result<Arc<dyn Rule>, String> {
+                Ok(match self {
+                    $(Self::$method => Arc::new(<$rule as rule::Method>::new(sampling, inputs)?),)*
+                })
+            }
+        }
+    };
+}
+
+methods! {
+    MonteCarlo = random::Points, "Independent random points.";
+    LatinHypercube = hypercube::Hypercube, "One point in each of N equally probable slices of every parameter.";
+    OptimisedLatinHypercube = optimised::Spread, "The same, with slices paired so that the points are spread well.";
+    Sobol = sobol::Nets, "A scrambled Sobol net.";
+    Halton = halton::Sequence, "A scrambled Halton sequence.";
+    FullFactorial = factorial::Grid, "Every combination of the parameters' levels.";
+}
+
+impl Method {
+    /// Its name in a study.
+    pub fn name(self) -> String {
+        let name = serde_json::to_value(self).ok();
+        let name = name.as_ref().and_then(serde_json::Value::as_str);
+        name.unwrap_or_default().to_owned()
+    }
+
+    /// The names of those that have a property, for a sentence: `a, b or c`.
+    pub fn named(has: impl Fn(Self) -> bool) -> String {
+        let names: Vec<String> = Self::ALL
+            .iter()
+            .filter(|method| has(**method))
+            .map(|method| method.name())
+            .collect();
+        match names.split_last() {
+            Some((last, [])) => last.clone(),
+            Some((last, others)) => format!("{} or {last}", others.join(", ")),
+            None => String::new(),
+        }
+    }
+}
+
+impl Default for Method {
+    fn default() -> Self {
+        Self::ALL[0]
+    }
+}

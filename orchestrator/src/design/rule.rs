@@ -1,0 +1,64 @@
+//! What a design is: a rule that gives every point its place.
+
+use std::fmt::Debug;
+
+use super::correlation::Correlation;
+use super::sampling::Sampling;
+use crate::distribution::Distribution;
+
+/// A rule that gives every point a place in the unit cube.
+pub trait Rule: Debug + Send + Sync {
+    /// The coordinate of a point in (0, 1).
+    fn uniform(&self, index: u64, dimension: u32) -> f64;
+
+    /// How many points there are, where the rule itself says so.
+    fn points(&self) -> Option<u64> {
+        None
+    }
+}
+
+/// A rule as it is registered.
+pub trait Method: Rule + Sized + 'static {
+    /// Whether the first points stay the same when there are more: then fewer may be enough.
+    const EXTENSIBLE: bool = false;
+
+    /// Whether the levels of the parameters say how many points there are, and not the study's number.
+    const BY_LEVELS: bool = false;
+
+    /// Whether the points can belong in turn to independent randomisations.
+    const REPLICATES: bool = false;
+
+    /// The rule for the points of a study.
+    ///
+    /// # Errors
+    /// When it cannot serve so many inputs or points.
+    fn new(sampling: &Sampling, inputs: &Inputs) -> Result<Self, String>;
+}
+
+/// What a design needs to know of its inputs.
+#[derive(Clone, Debug, Default)]
+pub struct Inputs {
+    /// Their distributions.
+    pub distributions: Vec<Distribution>,
+    /// Their levels in a full factorial; those of an input that does not vary do not count.
+    pub levels: Vec<Option<u64>>,
+    /// How they are correlated, if they are.
+    pub correlation: Option<Correlation>,
+}
+
+impl Inputs {
+    /// How many of them vary.
+    pub fn dimensions(&self) -> usize {
+        let varies = |input: &&Distribution| input.varies();
+        self.distributions.iter().filter(varies).count()
+    }
+}
+
+impl From<Vec<Distribution>> for Inputs {
+    fn from(distributions: Vec<Distribution>) -> Self {
+        Self {
+            distributions,
+            ..Self::default()
+        }
+    }
+}

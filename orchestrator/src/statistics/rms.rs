@@ -1,0 +1,22 @@
+//! The root of the mean square over time.
+
+use super::collect::Collect;
+use super::mean::Mean;
+
+/// The mean of the squares.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Rms(Mean);
+
+impl Collect for Rms {
+    const LABEL: &'static str = "rms";
+
+    #[inline]
+    fn add_all(&mut self, values: impl Iterator<Item = (f64, f64)>) {
+        let squares = values.map(|(elapsed, value)| (elapsed, value * value));
+        self.0.add_all(squares);
+    }
+
+    fn result(&self, span: f64) -> f64 {
+        self.0.result(span).sqrt()
+    }
+}
