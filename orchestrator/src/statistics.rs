@@ -22,7 +22,7 @@ pub use share::wilson;
 /// Makes the choice of the statistics from lines of name, type and meaning.
 macro_rules! statistics {
     ($($statistic:ident = $collector:ty, $meaning:literal;)*) => {
-        /// What becomes of a variable over time.
+        /// Statistic that turns a signal over time into one number.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
         #[serde(rename_all = "kebab-case")]
         pub enum Statistic {
@@ -58,7 +58,7 @@ macro_rules! statistics {
         }
 
         impl Accumulator {
-            /// Nothing so far.
+            /// An accumulator without values.
             pub fn new(statistic: Statistic) -> Self {
                 Self(match statistic {
                     $(Statistic::$statistic => Collector::$statistic(Default::default()),)*

@@ -46,7 +46,7 @@ impl Rule for Grid {
 }
 
 impl Grid {
-    /// A grid of so many levels an input.
+    /// A grid with this many levels for each input.
     fn of(levels: Vec<u64>) -> Result<Self, String> {
         let grid = Self { levels };
         match grid.size() {

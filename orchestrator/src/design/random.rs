@@ -26,7 +26,7 @@ impl Rule for Points {
     }
 }
 
-/// What a number is for; different purposes never share numbers.
+/// Purpose of a random number; different purposes never share numbers.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Purpose {
     /// The coordinates of a point.

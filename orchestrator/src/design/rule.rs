@@ -35,7 +35,7 @@ pub trait Method: Rule + Sized + 'static {
     fn new(sampling: &Sampling, inputs: &Inputs) -> Result<Self, String>;
 }
 
-/// What a design needs to know of its inputs.
+/// The inputs of a design: distributions, levels, correlations.
 #[derive(Clone, Debug, Default)]
 pub struct Inputs {
     /// Their distributions.
