@@ -54,10 +54,12 @@ fn verify(bench: &Bench, folder: &str, options: &[&str]) -> support::Said {
     bench.run(&[&["verify", "study.toml", "--output", folder], options].concat())
 }
 
-/// The final files of a folder, without how long it took.
+/// The final files of a folder, without how they were computed and how long it took.
 fn files(bench: &Bench, folder: &str) -> (String, String, String) {
     let mut summary = bench.summary(folder);
-    summary["run"].take();
+    for how in ["run", "isolation", "audits", "audit_mismatches"] {
+        summary[how].take();
+    }
     (
         bench.read(&format!("{folder}/points.csv")),
         summary.to_string(),

@@ -61,6 +61,14 @@ pub struct Conduct {
 }
 
 impl Conduct {
+    /// Nothing was computed yet.
+    pub const NONE: Self = Self {
+        isolation: Isolation::Fresh,
+        audits: 0,
+        audit_mismatches: 0,
+        reproducible: true,
+    };
+
     /// How all points were computed, of which some were computed so and others otherwise.
     pub fn and(self, other: Self) -> Self {
         Self {
@@ -94,8 +102,8 @@ impl Conduct {
         }
         if self.audit_mismatches > 0 {
             remarks.push(format!(
-                "{} of {} audited points had other results in a process that had computed points before than \
-                 alone; all points were computed again, each alone",
+                "{} of {} audited points had other results than alone in a new process; all points were computed \
+                 again, each alone",
                 self.audit_mismatches, self.audits
             ));
         }
@@ -158,14 +166,51 @@ const DEAR: f64 = 1.0;
 /// What reuse must be expected to save, s.
 const WORTH: f64 = 2.0;
 /// How much of the time audits may take.
-const SHARE: f64 = 0.02;
-/// The first audit may take this part of the time so far.
-const FIRST_SHARE: f64 = 0.1;
+pub(super) const SHARE: f64 = 0.02;
+/// So many audits a worker are made in any case, and so many of its last points, where one takes less than
+/// [`SHORT`] or this part of the time so far.
+const FEW: u32 = 5;
+const LAST: u32 = 3;
+const SHORT: f64 = 0.05;
+const SHORT_SHARE: f64 = 0.02;
 /// How long a licence is waited for while no other point gets one.
 const LICENCE: Duration = Duration::from_secs(600);
 
 /// A point with its results, computed alone.
 pub(super) type Proof = (Job, Vec<f64>);
+
+/// What a worker has spent on points of one kind, and on their audits.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Spent {
+    /// Time for the points, s.
+    pub(super) computed: f64,
+    /// Time for audits, s.
+    pub(super) audited: f64,
+    /// How many there were.
+    pub(super) audits: u32,
+}
+
+impl Spent {
+    /// How many of some points that were just computed are to be audited, where one audit takes `one` seconds;
+    /// `last`: there will be no further points.
+    pub(super) fn audits(&self, one: f64, last: bool) -> u32 {
+        let share = (SHARE * self.computed - self.audited) / one.max(1e-6);
+        let usual = if share > 0.0 { share as u32 } else { 0 };
+        let cheap = one < SHORT || one < SHORT_SHARE * self.computed;
+        let least = match (cheap, last) {
+            (false, _) => 0,
+            (true, true) => LAST,
+            (true, false) => u32::from(self.audits < FEW),
+        };
+        usual.max(least)
+    }
+
+    /// Notes an audit.
+    pub(super) fn note(&mut self, took: f64) {
+        self.audited += took;
+        self.audits += 1;
+    }
+}
 
 /// What is known of an FMU's need for processes of its own.
 #[derive(Debug)]
@@ -192,6 +237,8 @@ struct State {
     mismatches: u64,
     /// How long a point takes alone, s: the latest ones count most.
     time: Option<f64>,
+    /// How long a point takes in a new process, s.
+    time_of_new: f64,
     dear: bool,
     /// Whether the FMU has ever been loaded.
     loaded: bool,
@@ -230,6 +277,7 @@ impl Policy {
                 audits: 0,
                 mismatches: 0,
                 time: None,
+                time_of_new: 0.0,
                 dear: tool,
                 loaded: false,
                 instance: None,
@@ -314,6 +362,9 @@ impl Policy {
         took: Option<f64>,
     ) {
         let mut state = self.state();
+        if let (Separation::New, Some(took)) = (separation, took) {
+            state.time_of_new = took;
+        }
         if let (true, Some(took)) = (state.alone == Some(separation), took) {
             const WEIGHT: f64 = 0.2;
             let before = state.time.unwrap_or(took);
@@ -359,6 +410,11 @@ impl Policy {
         state.proof.clone()
     }
 
+    /// How long a point takes in a new process, s.
+    pub(super) fn time_of_new(&self) -> f64 {
+        self.state().time_of_new
+    }
+
     /// How long a point takes alone, s.
     pub(super) fn mean_time(&self) -> f64 {
         self.state().mean()
@@ -378,10 +434,9 @@ impl Policy {
         self.state().reused = true;
     }
 
-    /// Whether there is time for an audit, given how long this worker has computed and audited, s.
-    pub(super) fn allows_audit(&self, computed: f64, audited: f64, one: f64) -> bool {
-        let first = audited == 0.0 && one < FIRST_SHARE * computed;
-        self.wish == Isolation::Audited && (first || audited + one < SHARE * computed)
+    /// Whether points of used processes are audited.
+    pub(super) fn audits(&self) -> bool {
+        self.wish == Isolation::Audited
     }
 
     /// Notes an audit.

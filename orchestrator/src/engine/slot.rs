@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use rand::RngExt;
 
-use super::policy::{Plan, Policy, Probed, Separation};
+use super::policy::{Plan, Policy, Probed, SHARE, Separation, Spent};
 use super::process::{Gone, Limits, Process};
 use super::wire::{Reply, Trouble, Way};
 use super::{EngineError, Event, Job, Post, Worker};
@@ -30,8 +30,8 @@ pub(super) struct Slot {
     forking: Process,
     /// The guard of the process that runs many points.
     using: Process,
-    /// How long this worker has computed in used processes, and audited, s.
-    spent: (f64, f64),
+    /// What this worker has spent on used processes and on forks.
+    spent: [Spent; 2],
 }
 
 /// What came of a point that was run alone.
@@ -54,7 +54,7 @@ impl Slot {
             limits,
             forking: guard(),
             using: guard(),
-            spent: (0.0, 0.0),
+            spent: [Spent::default(); 2],
         }
     }
 
@@ -140,6 +140,27 @@ impl Slot {
             self.explain(job, separation, &second, post)?;
         }
         Ok((second, Separation::New))
+    }
+
+    /// A point alone, with its answer.
+    fn run_alone(
+        &mut self,
+        job: &Job,
+        separation: Separation,
+        post: &mut Post<'_>,
+    ) -> Result<(), Gone> {
+        let begun = Instant::now();
+        let (found, separation) = self.alone(job, separation, post)?;
+        let forked = match &found {
+            Ok(values) if separation == Separation::Forked => Some(values.clone()),
+            _ => None,
+        };
+        post.answer(job.index, found, separation);
+        self.spent[1].computed += begun.elapsed().as_secs_f64();
+        match forked {
+            Some(values) => self.audit_fork(job, &values, post),
+            None => Ok(()),
+        }
     }
 
     /// A point failed in a process of this separation, but not in a new one: either that matters, or new ones differ.
@@ -301,7 +322,7 @@ impl Slot {
             }
             Err(gone) => return Err(gone),
         }
-        self.spent.0 += begun.elapsed().as_secs_f64();
+        self.spent[0].computed += begun.elapsed().as_secs_f64();
         for (job, used) in failed {
             self.again(job, &used, post)?;
         }
@@ -310,7 +331,7 @@ impl Slot {
 
     /// A point that failed in a used process, alone.
     fn again(&mut self, job: &Job, used: &Found, post: &mut Post<'_>) -> Result<(), Gone> {
-        let separation = self.alone_separation();
+        let separation = self.policy.alone();
         let (found, separation) = match used {
             // It has had its second try with this one.
             Err(Trouble::Lost(Failure::Timeout)) => (
@@ -327,26 +348,26 @@ impl Slot {
         Ok(())
     }
 
-    fn alone_separation(&self) -> Separation {
-        self.policy.alone()
-    }
-
     /// Computes some of the points again alone, as far as there is time.
     fn audit(&mut self, done: &[(&Job, Vec<f64>)], post: &mut Post<'_>) -> Result<(), Gone> {
+        if !self.policy.audits() || done.is_empty() {
+            return Ok(());
+        }
+        let last = post.left == Some(0);
+        let count = self.spent[0].audits(self.policy.mean_time(), last);
         let mut random = rand::rng();
-        for _ in 0..done.len() {
-            let (computed, audited) = self.spent;
-            if !self
-                .policy
-                .allows_audit(computed, audited, self.policy.mean_time())
-            {
-                break;
-            }
+        for number in 0..count {
             let begun = Instant::now();
-            let (job, values) = &done[random.random_range(0..done.len())];
-            let separation = self.alone_separation();
+            // What accumulates shows in the very last point of all.
+            let place = if last && number == 0 {
+                done.len() - 1
+            } else {
+                random.random_range(0..done.len())
+            };
+            let (job, values) = &done[place];
+            let separation = self.policy.alone();
             let (found, _) = self.alone(job, separation, post)?;
-            self.spent.1 += begun.elapsed().as_secs_f64();
+            self.spent[0].note(begun.elapsed().as_secs_f64());
             let agreed = is_same(&Ok(values.clone()), &found);
             // A process that was ended from outside tells nothing about the FMU.
             if !agreed && !speaks_of_the_fmu(&found) {
@@ -356,6 +377,22 @@ impl Slot {
             if !agreed {
                 return self.judge(job, &found, post);
             }
+        }
+        Ok(())
+    }
+
+    /// Computes a point that a fork has computed again in a new process, now and then.
+    fn audit_fork(&mut self, job: &Job, values: &[f64], post: &mut Post<'_>) -> Result<(), Gone> {
+        let one = self.policy.time_of_new();
+        if SHARE * self.spent[1].computed < self.spent[1].audited + one {
+            return Ok(());
+        }
+        let begun = Instant::now();
+        let new = self.licensed(job, Separation::New, None, post)?.answer;
+        self.spent[1].note(begun.elapsed().as_secs_f64());
+        if speaks_of_the_fmu(&new) && !is_same(&Ok(values.to_vec()), &new) {
+            self.policy.audited(false);
+            self.explain(job, Separation::Forked, &new, post)?;
         }
         Ok(())
     }
@@ -381,12 +418,7 @@ impl Worker for Slot {
             let plan = self.policy.plan(post.left.map(|left| left + jobs.len()));
             let done = match plan {
                 Plan::Probe => self.probe(job, post),
-                Plan::Alone(separation) => {
-                    self.alone(job, separation, post)
-                        .map(|(found, separation)| {
-                            post.answer(job.index, found, separation);
-                        })
-                }
+                Plan::Alone(separation) => self.run_alone(job, separation, post),
                 Plan::Trial => {
                     let tried = self.trial(post);
                     if tried.is_err() {

@@ -18,7 +18,9 @@ use std::time::{Duration, Instant};
 use thiserror::Error;
 
 use crate::engine::crew::Crew;
-use crate::engine::{self, Answer, Conduct, EngineError, Event, Job, Separation, Worker};
+use crate::engine::{
+    self, Answer, Conduct, EngineError, Event, Isolation, Job, Separation, Worker,
+};
 use crate::results::finished::Finished;
 use crate::results::note::Note;
 use crate::results::{Journal, Outcome, ResultsError};
@@ -215,6 +217,11 @@ impl<'a> Pipeline<'a> {
         earlier: &dyn Fn(Separation) -> Vec<u64>,
         mut receive: impl FnMut(Step) -> ControlFlow<()>,
     ) -> Result<(), Halt> {
+        // Points that share processes without audits are known from the beginning, even if the run is killed.
+        let conduct = self.crew.map(|crew| crew.conduct().isolation);
+        if let Some(Isolation::InProcess | Isolation::Reuse) = conduct {
+            self.note_conduct()?;
+        }
         let mut workers = std::mem::take(&mut self.workers);
         let result = engine::run(&mut workers, open, job, earlier, stop::flag(), |event| {
             Ok::<_, Halt>(match self.take(event)? {
@@ -245,6 +252,7 @@ impl<'a> Pipeline<'a> {
             }
             Event::Void(separation) => {
                 self.journal.note(&Note::Void(separation))?;
+                self.note_conduct()?;
                 self.computed[separation as usize..].fill(0);
                 let finished = self.finished.as_ref();
                 self.before -= finished.map_or(0, |finished| finished.of(separation).len() as u64);
@@ -271,7 +279,7 @@ impl<'a> Pipeline<'a> {
 
     /// Notes how the points since the last such note were computed.
     fn note_conduct(&mut self) -> Result<(), ResultsError> {
-        let Some(crew) = self.crew.filter(|_| self.computed() > 0) else {
+        let Some(crew) = self.crew else {
             return Ok(());
         };
         let conduct = crew.conduct();

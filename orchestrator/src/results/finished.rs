@@ -19,8 +19,8 @@ pub struct Finished {
     /// A place in the file for each point, with its separation in the bits above [`SEPARATION`]; [`NOWHERE`] when it is
     /// not finished.
     places: Vec<u64>,
-    /// How the points were computed, where that is noted.
-    pub conduct: Option<Conduct>,
+    /// How the points were computed, as far as that is noted.
+    noted: Option<Conduct>,
     /// How many points are finished.
     pub count: u64,
     /// What tells the sets of points from others, by the index of their first point.
@@ -63,7 +63,7 @@ impl Finished {
             sets: HashMap::new(),
             ended: false,
             sound: lines.sound,
-            conduct: None,
+            noted: None,
         };
         loop {
             let place = lines.sound;
@@ -98,7 +98,7 @@ impl Finished {
     fn heed(&mut self, note: Note) {
         match note {
             Note::Conduct(new) => {
-                self.conduct = Some(self.conduct.map_or(new, |old| old.and(new)));
+                self.noted = Some(self.noted.map_or(new, |old| old.and(new)));
             }
             Note::Void(separation) => {
                 for slot in &mut self.places {
@@ -107,11 +107,21 @@ impl Finished {
                         self.count -= 1;
                     }
                 }
-                if let Some(conduct) = &mut self.conduct {
-                    conduct.isolation = Isolation::Fresh;
-                }
             }
         }
+    }
+
+    /// How the points were computed.
+    pub fn conduct(&self) -> Conduct {
+        let mut conduct = self.noted.unwrap_or(Conduct::NONE);
+        let used = |slot: &u64| *slot != NOWHERE && *slot >> SEPARATION == Separation::Used as u64;
+        conduct.isolation = if self.places.iter().any(used) {
+            // A run that was killed may not have noted it.
+            conduct.isolation.max(Isolation::Audited)
+        } else {
+            Isolation::Fresh
+        };
+        conduct
     }
 
     /// Whether a line at this place is that of a finished point, and not of one that was computed again.

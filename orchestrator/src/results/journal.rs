@@ -222,9 +222,7 @@ pub fn copy(folder: &Path, into: &mut Journal) -> Result<(), ResultsError> {
             into.flush_when_full()?;
         }
     }
-    if let Some(conduct) = finished.conduct {
-        into.note(&Note::Conduct(conduct))?;
-    }
+    into.note(&Note::Conduct(finished.conduct()))?;
     into.flush()
 }
 

@@ -1,7 +1,7 @@
 //! Tests of the journal: what was written comes back, damage is cut off.
 
 use super::*;
-use crate::engine::Separation;
+use crate::engine::{Conduct, Isolation, Separation};
 use crate::failure::Failure;
 
 fn header() -> Header {
@@ -84,4 +84,55 @@ fn a_changed_study_is_refused_with_what_differs() {
     );
     let error = Journal::create(folder.path(), &header()).unwrap_err();
     assert!(matches!(error, ResultsError::Begun(_)));
+}
+
+#[test]
+fn what_does_not_count_is_open_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut journal = Journal::create(folder.path(), &header()).unwrap();
+    let ways = [Separation::New, Separation::Forked, Separation::Used];
+    for (index, way) in (0..).zip(ways) {
+        journal.append(index, &Ok(vec![1.0]), way).unwrap();
+    }
+    let audited = Conduct {
+        isolation: Isolation::Audited,
+        audits: 7,
+        audit_mismatches: 0,
+        reproducible: true,
+    };
+    journal.note(&Note::Conduct(audited)).unwrap();
+    journal.flush().unwrap();
+    let finished = Finished::read(folder.path()).unwrap();
+    assert_eq!(finished.conduct(), audited);
+    assert_eq!(finished.of(Separation::Forked), [1, 2]);
+    let wrong = Conduct {
+        audits: 1,
+        audit_mismatches: 1,
+        ..audited
+    };
+    journal.note(&Note::Void(Separation::Used)).unwrap();
+    journal.note(&Note::Conduct(wrong)).unwrap();
+    journal.flush().unwrap();
+    let finished = Finished::read(folder.path()).unwrap();
+    assert_eq!(
+        [0, 1, 2].map(|index| finished.has(index)),
+        [true, true, false]
+    );
+    assert_eq!(finished.count, 2);
+    let conduct = finished.conduct();
+    assert_eq!(conduct.isolation, Isolation::Fresh);
+    assert_eq!((conduct.audits, conduct.audit_mismatches), (8, 1));
+    // Computed again, and joined with others.
+    journal
+        .append(2, &Ok(vec![2.0]), Separation::Forked)
+        .unwrap();
+    journal.flush().unwrap();
+    drop(journal);
+    let other = tempfile::tempdir().unwrap();
+    let mut joined = Journal::create(other.path(), &header()).unwrap();
+    copy(folder.path(), &mut joined).unwrap();
+    let finished = Finished::read(other.path()).unwrap();
+    assert_eq!((finished.count, finished.conduct()), (3, conduct));
+    let value = finished.outcomes().unwrap().get(2).unwrap();
+    assert_eq!(value, Some(Ok(vec![2.0])));
 }

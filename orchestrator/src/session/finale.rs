@@ -54,7 +54,7 @@ impl Verification {
             .map(ParameterSummary::new)
             .collect();
         let mut summary = tally.summary(session.study.title.clone(), provenance, parameters);
-        summary.conduct = finished.conduct;
+        summary.conduct = Some(finished.conduct());
         summary.run = run;
         files.finish(&summary)?;
         Ok(summary)

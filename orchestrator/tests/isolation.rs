@@ -1,0 +1,108 @@
+//! Points share processes only where that is proven, and every result is what the FMU gives alone.
+#![allow(clippy::unwrap_used)]
+
+mod support;
+
+use support::{Bench, Said, model};
+
+const STUDY: &str = r#"
+fmu = "lag.fmu"
+[simulation]
+stop = 1
+step = 0.1
+[design]
+points = 2500
+[parameters."lag.rate"]
+distribution = "uniform"
+min = 0.5
+max = 2
+[criteria.Y]
+variable = "lag.y"
+nominal = 0.6
+tolerance = 0.2
+"#;
+
+/// An FMU whose start takes so long that reuse pays.
+fn bench(macros: &[&str]) -> Bench {
+    let bench = Bench::empty();
+    bench.fmu(
+        "lag.fmu",
+        &[&["SLOW_START"], macros].concat(),
+        &model("", ""),
+    );
+    bench.write("study.toml", STUDY);
+    bench
+}
+
+fn verify(bench: &Bench, folder: &str, options: &[&str]) -> Said {
+    let said = bench.run(
+        &[
+            &["verify", "study.toml", "--jobs", "2", "--output", folder],
+            options,
+        ]
+        .concat(),
+    );
+    assert_eq!(said.code, 0, "{}{}", said.out, said.err);
+    said
+}
+
+#[test]
+fn reuse_is_audited() {
+    let bench = bench(&[]);
+    let said = verify(&bench, "shared", &[]);
+    let summary = bench.summary("shared");
+    assert_eq!(summary["isolation"], "audited");
+    assert!(summary["audits"].as_u64().unwrap() > 0);
+    assert_eq!(summary["audit_mismatches"], 0);
+    assert!(
+        said.out.starts_with("points shared processes; "),
+        "{}",
+        said.out
+    );
+    assert!(bench.read("shared/report.html").contains("1-(1-f)^"));
+    verify(&bench, "fresh", &["--isolation", "fresh"]);
+    assert_eq!(bench.summary("fresh")["isolation"], "fresh");
+    assert_eq!(
+        bench.read("shared/points.csv"),
+        bench.read("fresh/points.csv")
+    );
+}
+
+#[test]
+fn reuse_that_errs_later_is_found_and_undone() {
+    let right = bench(&[]);
+    verify(&right, "out", &["--isolation", "fresh"]);
+    // Later than any trial.
+    let drifting = bench(&["DRIFT=100"]);
+    let said = verify(&drifting, "out", &[]);
+    let summary = drifting.summary("out");
+    assert_eq!(summary["isolation"], "fresh");
+    assert!(summary["audit_mismatches"].as_u64().unwrap() > 0);
+    assert_eq!(summary["reproducible"], true);
+    assert!(
+        said.out
+            .contains("all points were computed again, each alone"),
+        "{}",
+        said.out
+    );
+    assert_eq!(
+        drifting.read("out/points.csv"),
+        right.read("out/points.csv")
+    );
+    // Whoever wants that gets it.
+    verify(&drifting, "reuse", &["--isolation", "reuse"]);
+    assert_eq!(drifting.summary("reuse")["isolation"], "reuse");
+    assert_ne!(
+        drifting.read("reuse/points.csv"),
+        right.read("out/points.csv")
+    );
+}
+
+#[test]
+fn a_trial_finds_what_errs_at_once() {
+    let bench = bench(&["DRIFT=1"]);
+    verify(&bench, "out", &[]);
+    let summary = bench.summary("out");
+    assert_eq!(summary["isolation"], "fresh");
+    assert_eq!(summary["audits"], 0);
+}
