@@ -70,7 +70,7 @@ LIFE = [
     waiting("loops_in_second_instantiate", OK),
     Model("fails_to_terminate"),
     Model("ends_early", results="own"),
-    Model("warns", said="warning"),
+    Model("warns"),
     Model("says_version_one"),
     Model("needs_a_tool", attributes='needsExecutionTool="true"'),
     Model("has_no_outputs", outputs=False),
@@ -130,7 +130,8 @@ DESCRIPTORS = [
 ]
 SURROUNDINGS = [
     Model("changes_surroundings"),
-    Model("changes_floating_point", results="own"),
+    # In another rounding mode the importer's own times round otherwise, so the point has no result to compare with.
+    Model("changes_floating_point", results="any"),
     any_end("sets_limits", waits=True),
     waiting("gives_up_system_calls", "crashed", "timeout", "exited"),
     Model("reads_the_clock", reproducible=False),
