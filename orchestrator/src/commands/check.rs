@@ -9,6 +9,7 @@ mod document;
 mod files;
 mod finding;
 mod formats;
+mod hit;
 mod names;
 mod probe;
 mod probes;
@@ -26,8 +27,9 @@ use super::{CommandError, output};
 use crate::cli::{Check, Format};
 use crate::results::ResultsError;
 use document::Document;
-use finding::{Find, Finding, Hit, Severity};
+use finding::{Find, Finding, Severity};
 use fmu_import::{ArchiveError, FmuError, Package, needed};
+use hit::Hit;
 use probes::Probes;
 
 pub(super) fn run(options: &Check) -> Result<ExitCode, CommandError> {

@@ -3,8 +3,7 @@
 //! plain sequences are all but useless in large bases, permuted ones are uniformly distributed.
 
 use super::random::{self, Purpose};
-use super::rule::{Inputs, Method, Rule};
-use super::sampling::Sampling;
+use super::rule::{Inputs, Method, Numbers, Rule};
 
 /// Bits of randomness that a digit needs.
 const BITS: f64 = 53.0;
@@ -27,8 +26,8 @@ struct Radix {
 impl Method for Sequence {
     const EXTENSIBLE: bool = true;
 
-    fn new(sampling: &Sampling, inputs: &Inputs) -> Result<Self, String> {
-        Self::of(sampling.seed, inputs.dimensions())
+    fn new(numbers: &Numbers, inputs: &Inputs) -> Result<Self, String> {
+        Self::of(numbers.seed, inputs.dimensions())
     }
 }
 

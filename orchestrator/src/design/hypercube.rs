@@ -5,8 +5,7 @@
 //! (a Feistel network with cycle walking: Black, Rogaway 2002), so that no table of N is kept.
 
 use super::random::{self, Purpose, mix};
-use super::rule::{Inputs, Method, Rule};
-use super::sampling::Sampling;
+use super::rule::{Inputs, Method, Numbers, Rule};
 
 /// A rule for N points.
 #[derive(Clone, Debug)]
@@ -18,8 +17,8 @@ pub(super) struct Hypercube {
 }
 
 impl Method for Hypercube {
-    fn new(sampling: &Sampling, _: &Inputs) -> Result<Self, String> {
-        Ok(Self::of(sampling.seed, sampling.points))
+    fn new(numbers: &Numbers, _: &Inputs) -> Result<Self, String> {
+        Ok(Self::of(numbers.seed, numbers.points))
     }
 }
 

@@ -52,7 +52,7 @@ impl Design {
             let with = Method::named(Method::has_replicates);
             return Err(format!("replicates need method = {with}; remove them"));
         }
-        let rule = sampling.method.rule(sampling, &inputs)?;
+        let rule = sampling.method.rule(&sampling.numbers(), &inputs)?;
         Ok(Self {
             points: rule.points().unwrap_or(sampling.points),
             rule,

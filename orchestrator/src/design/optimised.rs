@@ -8,8 +8,7 @@
 
 use super::hypercube::Hypercube;
 use super::random::{self, Purpose};
-use super::rule::{Inputs, Method, Rule};
-use super::sampling::Sampling;
+use super::rule::{Inputs, Method, Numbers, Rule};
 
 /// Above this number, random pairing already spreads the points well.
 pub(super) const MOST: u64 = 4096;
@@ -28,8 +27,8 @@ pub(super) struct Spread {
 }
 
 impl Method for Spread {
-    fn new(sampling: &Sampling, inputs: &Inputs) -> Result<Self, String> {
-        Self::of(sampling.seed, inputs.dimensions(), sampling.points)
+    fn new(numbers: &Numbers, inputs: &Inputs) -> Result<Self, String> {
+        Self::of(numbers.seed, inputs.dimensions(), numbers.points)
     }
 }
 

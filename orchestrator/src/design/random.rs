@@ -2,8 +2,7 @@
 //! counter-based generator Philox4x32-10 (Salmon, Moraes, Dror, Shaw 2011, "Parallel random
 //! numbers: as easy as 1, 2, 3").
 
-use super::rule::{Inputs, Method, Rule};
-use super::sampling::Sampling;
+use super::rule::{Inputs, Method, Numbers, Rule};
 
 /// Independent points.
 #[derive(Debug)]
@@ -14,8 +13,8 @@ pub(super) struct Points {
 impl Method for Points {
     const EXTENSIBLE: bool = true;
 
-    fn new(sampling: &Sampling, _: &Inputs) -> Result<Self, String> {
-        let seed = sampling.seed;
+    fn new(numbers: &Numbers, _: &Inputs) -> Result<Self, String> {
+        let seed = numbers.seed;
         Ok(Self { seed })
     }
 }

@@ -3,7 +3,6 @@
 use std::fmt::Debug;
 
 use super::correlation::Correlation;
-use super::sampling::Sampling;
 use crate::distribution::Distribution;
 
 /// A rule that gives every point a place in the unit cube.
@@ -15,6 +14,17 @@ pub trait Rule: Debug + Send + Sync {
     fn points(&self) -> Option<u64> {
         None
     }
+}
+
+/// The numbers that a design is made from.
+#[derive(Clone, Copy, Debug)]
+pub struct Numbers {
+    /// Number of points.
+    pub points: u64,
+    /// Seed of the random numbers.
+    pub seed: u64,
+    /// Independent randomisations to which the points belong in turn.
+    pub replicates: u64,
 }
 
 /// A rule as it is registered.
@@ -32,7 +42,7 @@ pub trait Method: Rule + Sized + 'static {
     ///
     /// # Errors
     /// When it cannot serve so many inputs or points.
-    fn new(sampling: &Sampling, inputs: &Inputs) -> Result<Self, String>;
+    fn new(numbers: &Numbers, inputs: &Inputs) -> Result<Self, String>;
 }
 
 /// The inputs of a design: distributions, levels, correlations.

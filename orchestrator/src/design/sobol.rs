@@ -5,8 +5,7 @@
 use ::sobol::params::JoeKuoD6;
 
 use super::random::{self, Purpose, mix};
-use super::rule::{Inputs, Method, Rule};
-use super::sampling::Sampling;
+use super::rule::{Inputs, Method, Numbers, Rule};
 
 const BITS: u32 = 32;
 
@@ -24,8 +23,8 @@ impl Method for Nets {
     const EXTENSIBLE: bool = true;
     const REPLICATES: bool = true;
 
-    fn new(sampling: &Sampling, inputs: &Inputs) -> Result<Self, String> {
-        Self::of(sampling, inputs.dimensions())
+    fn new(numbers: &Numbers, inputs: &Inputs) -> Result<Self, String> {
+        Self::of(numbers, inputs.dimensions())
     }
 }
 
@@ -41,8 +40,8 @@ impl Rule for Nets {
 }
 
 impl Nets {
-    fn of(sampling: &Sampling, dimensions: usize) -> Result<Self, String> {
-        if sampling.points / sampling.replicates > 1 << BITS {
+    fn of(numbers: &Numbers, dimensions: usize) -> Result<Self, String> {
+        if numbers.points / numbers.replicates > 1 << BITS {
             return Err(format!("a Sobol net has at most 2^{BITS} points"));
         }
         let parameters = JoeKuoD6::minimal();
@@ -59,8 +58,8 @@ impl Nets {
             .take(dimensions)
             .collect();
         Ok(Self {
-            seed: sampling.seed,
-            replicates: sampling.replicates,
+            seed: numbers.seed,
+            replicates: numbers.replicates,
             directions,
         })
     }
@@ -136,13 +135,12 @@ mod tests {
     }
 
     fn nets(points: u64, replicates: u64, dimensions: usize) -> Result<Nets, String> {
-        let sampling = Sampling {
-            method: crate::design::Method::Sobol,
+        let numbers = Numbers {
             points,
             seed: 11,
             replicates,
         };
-        Nets::of(&sampling, dimensions)
+        Nets::of(&numbers, dimensions)
     }
 
     #[test]

@@ -6,7 +6,7 @@ use std::collections::{HashMap, HashSet};
 use roxmltree::Node;
 
 use super::document::{Document, Scalar, at, elements, named};
-use super::finding::Hit;
+use super::hit::Hit;
 use super::names::is_structured;
 
 pub(super) fn units(document: &Document<'_>) -> Vec<Hit> {

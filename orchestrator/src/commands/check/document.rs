@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use roxmltree::Node;
 
-use super::finding::Hit;
+use super::hit::Hit;
 use fmu_import::Description;
 
 /// The name of the file.

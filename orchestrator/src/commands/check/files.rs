@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use object::{Architecture, BinaryFormat, NameOrOrdinal, Object};
 
 use super::document::NAME;
-use super::finding::Hit;
+use super::hit::Hit;
 use super::structure::short;
 use fmu_import::archive::PLATFORM;
 use fmu_import::{FmuError, Package};

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::document::{Document, Scalar};
+use super::hit::Hit;
 
 /// How much a finding matters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -47,45 +48,6 @@ pub(super) enum Find {
     Variable(fn(&Scalar<'_>, &Document<'_>) -> Option<String>),
     /// The archive or a simulation shows it while it is looked at.
     Elsewhere,
-}
-
-/// A breach of a rule: where, and what to do about it.
-#[derive(Clone, Debug)]
-pub(super) struct Hit {
-    /// The file within the FMU.
-    pub(super) file: Option<String>,
-    pub(super) line: Option<usize>,
-    pub(super) text: String,
-}
-
-impl Hit {
-    /// One of no file.
-    pub(super) fn plain(text: String) -> Self {
-        Self {
-            file: None,
-            line: None,
-            text,
-        }
-    }
-
-    /// One of a file.
-    pub(super) fn of(file: &str, text: String) -> Self {
-        Self {
-            file: Some(file.to_owned()),
-            line: None,
-            text,
-        }
-    }
-
-    /// With the place before it.
-    pub(super) fn full(&self) -> String {
-        let Self { file, line, text } = self;
-        match (file, line) {
-            (Some(file), Some(line)) => format!("{file}, line {line}: {text}"),
-            (Some(file), None) => format!("{file}: {text}"),
-            (None, _) => text.clone(),
-        }
-    }
 }
 
 /// A breach with the rule that it breaks.

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use super::child::{self, Outcome};
-use super::finding::Hit;
+use super::hit::Hit;
 use super::probe::{Life, Run, Setup};
 use super::structure::short;
 use crate::results::points::number as written;

@@ -4,7 +4,7 @@
 use roxmltree::Node;
 
 use super::document::{Document, at, elements};
-use super::finding::Hit;
+use super::hit::Hit;
 use crate::names::{did_you_mean, nearest};
 
 /// An element: its name, with its parent's where it has several; its attributes and its children. Those that must

@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use roxmltree::Node;
 
 use super::document::{Document, Scalar, at, named};
-use super::finding::Hit;
+use super::hit::Hit;
 
 type Scalars<'a> = [Option<Scalar<'a>>];
 

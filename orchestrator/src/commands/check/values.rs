@@ -1,7 +1,7 @@
 //! Numbers that cannot be right: of the experiment, and of single variables (FMI 2.0.5, sections 2.2.3, 2.2.5, 2.2.7).
 
 use super::document::{Document, NAME, Scalar};
-use super::finding::Hit;
+use super::hit::Hit;
 use fmu_import::description::About;
 use fmu_import::description::Kind;
 

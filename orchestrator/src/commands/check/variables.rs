@@ -1,7 +1,7 @@
 //! What the variables say of causality, variability, start values and each other (FMI 2.0.5, section 2.2.7).
 
 use super::document::{Document, Scalar};
-use super::finding::Hit;
+use super::hit::Hit;
 use crate::names::{did_you_mean, nearest};
 
 const CAUSALITIES: [&str; 6] = [

@@ -1,0 +1,40 @@
+//! The place and the text of a finding.
+
+/// A breach of a rule: where, and what to do about it.
+#[derive(Clone, Debug)]
+pub(super) struct Hit {
+    /// The file within the FMU.
+    pub(super) file: Option<String>,
+    pub(super) line: Option<usize>,
+    pub(super) text: String,
+}
+
+impl Hit {
+    /// One of no file.
+    pub(super) fn plain(text: String) -> Self {
+        Self {
+            file: None,
+            line: None,
+            text,
+        }
+    }
+
+    /// One of a file.
+    pub(super) fn of(file: &str, text: String) -> Self {
+        Self {
+            file: Some(file.to_owned()),
+            line: None,
+            text,
+        }
+    }
+
+    /// With the place before it.
+    pub(super) fn full(&self) -> String {
+        let Self { file, line, text } = self;
+        match (file, line) {
+            (Some(file), Some(line)) => format!("{file}, line {line}: {text}"),
+            (Some(file), None) => format!("{file}: {text}"),
+            (None, _) => text.clone(),
+        }
+    }
+}
