@@ -151,7 +151,7 @@ impl Analysis {
         let text = fs::read_to_string(path).unwrap_or_default();
         let points = text.lines().filter(|line| {
             let words: Vec<&str> = line.split(' ').take(3).collect();
-            matches!(words[..], [_, _, "ok" | "failed"])
+            matches!(words[..], [_, _, "ok" | "forked" | "used" | "failed"])
         });
         points.count() as u64
     }

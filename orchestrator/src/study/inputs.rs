@@ -44,7 +44,7 @@ pub(super) fn series(
         ];
         let table = Table::read(&path, &columns);
         let table = table.map_err(|error| study.error_at(&recording.file, error.to_string()))?;
-        let mut series = follow(&table, slot, scale.conversion)
+        let mut series = follow(&table, &columns[0].0[0], slot, scale.conversion)
             .map_err(|message| named(format!("{}: {message}", path.display())))?;
         series.hold = recording.hold;
         series.ramp = recording.ramp;
@@ -53,20 +53,27 @@ pub(super) fn series(
     study.inputs.iter().map(bind).collect()
 }
 
-/// An input that follows a table of times and values, along straight lines.
+/// An input that follows a table of times and values, along straight lines; `time_column` names the times in messages.
 ///
 /// # Errors
 /// When the times do not grow, or the FMU does not allow a value.
-pub(crate) fn follow(table: &Table, slot: Slot, conversion: Conversion) -> Result<Series, String> {
+pub(crate) fn follow(
+    table: &Table,
+    time_column: &str,
+    slot: Slot,
+    conversion: Conversion,
+) -> Result<Series, String> {
     let [mut times, mut values] = [Vec::new(), Vec::new()];
     for row in &table.rows {
         let (time, value) = (row[0], conversion.value(row[1]));
         let after = times.last().is_none_or(|&last| time >= last);
         if !(time.is_finite() && after) {
-            return Err(format!("time = {time} is not later than the time before"));
+            return Err(format!(
+                "{time_column} = {time} is not later than the time before"
+            ));
         }
         slot.check(value)
-            .map_err(|message| format!("time = {time}: {message}"))?;
+            .map_err(|message| format!("{time_column} = {time}: {message}"))?;
         times.push(time);
         values.push(value);
     }

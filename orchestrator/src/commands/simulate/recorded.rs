@@ -69,7 +69,7 @@ pub(super) fn inputs(path: &Path, fmu: &Description) -> Result<Vec<Series>, Comm
             (vec![column.clone()], format!("the input {name}")),
         ];
         let table = Table::read(path, &columns)?;
-        follow(&table, slot, scale.conversion).map_err(wrong)
+        follow(&table, "time", slot, scale.conversion).map_err(wrong)
     };
     let inputs = header.iter().filter(|name| *name != TIME);
     let inputs = inputs
