@@ -1,6 +1,6 @@
 //! Statistics of a signal over time, and of counts.
 //!
-//! A new statistic of a signal is a file beside [`mean`] with a type that implements [`Collect`], its `mod` line, and its
+//! A new statistic of a signal is a file beside `mean` with a type that implements `Collect`, its `mod` line, and its
 //! line in `statistics!` below. The name in a study and the JSON Schema follow from that line.
 
 mod amplitude;
