@@ -143,6 +143,49 @@ fn findings_of_another_study_are_not_shown() {
 }
 
 #[test]
+fn a_study_says_what_the_command_line_leaves_open() {
+    let bench = bench();
+    let runs = |section: &str, more: &[&str]| {
+        bench.write("study.toml", &format!("{STUDY}{section}"));
+        let own = ["sensitivity", "study.toml", "--output", "s"];
+        let said = bench.run(&[&own[..], more].concat());
+        assert_eq!(said.code, 0, "{}", said.err);
+        let result = json(&bench, "s/sensitivity.json");
+        (
+            result["method"].as_str().unwrap().to_owned(),
+            result["runs"].as_u64().unwrap(),
+        )
+    };
+    let screening = "[sensitivity]\nmethod = \"morris\"\nsize = 6\n";
+    let (method, count) = runs(screening, &[]);
+    assert_eq!((method.as_str(), count), ("Morris screening, 18 runs", 18));
+    assert_eq!(runs(screening, &["--size", "4"]).1, 12);
+    // The study's size is that of its own method.
+    assert_eq!(runs(screening, &["--base", "16"]).1, 64);
+    assert_eq!(runs("[sensitivity]\nsize = 16\n", &[]).1, 64);
+
+    let level = |section: &str, more: &[&str]| {
+        bench.write("study.toml", &format!("{STUDY}{section}"));
+        assert_eq!(
+            bench.run(&["verify", "study.toml", "--output", "out"]).code,
+            0
+        );
+        let own = ["robustness", "study.toml", "--from", "out"];
+        let said = bench.run(&[&own[..], more].concat());
+        assert_eq!(said.code, 0, "{}", said.err);
+        json(&bench, "out/robustness.json")["level"]
+            .as_f64()
+            .unwrap()
+    };
+    assert_eq!(level("[robustness]\nlevel = 0.75\n", &[]), 0.75);
+    assert_eq!(
+        level("[robustness]\nlevel = 0.75\n", &["--level", "0.6"]),
+        0.6
+    );
+    assert_eq!(level("", &[]), 0.9);
+}
+
+#[test]
 fn too_few_runs_are_refused() {
     let bench = bench();
     for (option, number) in [("--base", "1"), ("--morris", "0"), ("--morris", "1")] {
@@ -333,6 +376,7 @@ time = { column = "t", unit = "ms" }
 load = { column = "F", variable = "sensor.loadForce", unit = "kN", accuracy = "1 %", group = "power" }
 torque = { column = "M", variable = "sensor.frictionTorque", unit = "N.m", accuracy = 0.01 }
 speed = { value = 300, unit = "rpm", accuracy = "2.5 rpm" }
+power = { variable = "sensor.frictionPower" }
 signals.T_oil = { column = "T", variable = "sensor.oilTemperature", unit = "degC", accuracy = "0.5 degC" }
 "#;
 
@@ -373,6 +417,12 @@ fn synchronise_writes_criteria() {
     assert!(page.contains("Torque 12.3 ms later than the load"));
     assert!(page.contains("Savitzky-Golay, order 3 over 21 samples"));
     assert!(page.contains("[criteria.F_N]") && page.contains("F_N: means of blocks"));
+    // The name of the power's variable is the FMU's, not the program's.
+    let without = SETTINGS.replace("power = { variable = \"sensor.frictionPower\" }\n", "");
+    bench.write("settings.toml", &without);
+    let said = bench.run(&["synchronise", "measured.csv", "--settings", "settings.toml"]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    assert!(!said.out.contains("[criteria.P_fr]") && said.out.contains("power = {"));
 }
 
 #[test]

@@ -155,6 +155,7 @@ fn the_best_point_is_a_parameter_set_with_its_provenance() {
     );
     let summary = bench.summary("out");
     let set = bench.read("out/best.ssv");
+    let set: String = set.lines().map(str::trim).collect();
     for part in [
         "name=\"lag.rate\"><ssv:Real value=\"2.5e0\" unit=\"1/s\"/>",
         "value=\"Warn\"",

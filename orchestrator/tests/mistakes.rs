@@ -259,6 +259,46 @@ fn typing_errors_in_a_study() {
 }
 
 #[test]
+fn no_key_of_a_study_is_unread() {
+    // Whichever command reads the study: line, column, and the nearest key.
+    for (section, message) in [
+        ("[sensitivity]\nbsae = 3", "unknown field `bsae`"),
+        ("[sensitivity]\nsize = \"many\"", "expected a whole number"),
+        ("[robustness]\nlevle = 0.8", "did you mean `level`?"),
+        ("[identify]\nstrats = 3", "did you mean `starts`?"),
+        (
+            "[identify.free.\"lag.rate\"]\nmin = 1\nmax = 2\nscael = \"log\"",
+            "did you mean `scale`?",
+        ),
+    ] {
+        let place = format!("study.toml:{}:", 19 + section.lines().count());
+        verify("tolerance = 0.02", &format!("tolerance = 0.02\n{section}"))
+            .is_mistake(&[&place, message]);
+    }
+}
+
+#[test]
+fn values_for_single_commands() {
+    let bench = Bench::new();
+    let say = |section: &str, command: &[&str]| {
+        bench.write("study.toml", &format!("{STUDY}{section}\n"));
+        bench.run(command)
+    };
+    let sensitivity = ["sensitivity", "study.toml"];
+    say("[sensitivity]\nmethod = \"moris\"", &sensitivity).is_mistake(&[
+        "study.toml:20:10",
+        "`moris`",
+        "sobol, morris",
+    ]);
+    say("[sensitivity]\nestimator = \"sobol\"", &sensitivity)
+        .is_mistake(&["study.toml:20:13", "`jansen` and `saltelli`"]);
+    say("", &["sensitivity", "study.toml", "--method", "moris"])
+        .is_mistake(&["--method", "sobol, morris"]);
+    say("[robustness]\nlevel = 2", &["robustness", "study.toml"])
+        .is_mistake(&["study.toml:20:9", "level must lie between 0 and 1"]);
+}
+
+#[test]
 fn no_criteria() {
     let (before, _) = STUDY.split_once("[criteria").unwrap();
     let bench = Bench::new();

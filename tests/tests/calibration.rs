@@ -6,8 +6,8 @@ use fmu_export::model::{Experiment, Model};
 use orchestrator::identify::bind::Bound;
 use orchestrator::identify::local::{Limits, Minimum, minimise};
 use orchestrator::identify::objective::{Differences, Objective};
-use orchestrator::identify::settings::{Document, Settings};
 use orchestrator::judge::Judge;
+use orchestrator::study::Identification;
 use orchestrator::study::Study;
 use orchestrator::study::plan::Plan;
 use plain_bearing_stand::stand::Stand;
@@ -17,8 +17,8 @@ fn study(name: &str) -> Study {
     Study::read(&file(&format!("studies/{name}.toml"))).unwrap()
 }
 
-fn settings(study: &Study) -> Settings {
-    study.section::<Document>().unwrap().identify.unwrap()
+fn settings(study: &Study) -> Identification {
+    study.identify.clone().unwrap()
 }
 
 /// The places of the free parameters at the values that a stand has.

@@ -1,7 +1,6 @@
 //! Messages of `identify` for mistaken studies: file, line, column, and the remedy.
 
 use orchestrator::identify::bind::Bound;
-use orchestrator::identify::settings::Document;
 use orchestrator::study::Study;
 use stand_tests::{file, package};
 
@@ -25,10 +24,7 @@ fn bind(text: &str) -> Result<Bound, String> {
     let path = file("studies/s.toml");
     let shorten = |error: String| error.replace(&path.display().to_string(), "s.toml");
     let study = Study::parse(&path, text.to_owned()).map_err(|error| shorten(error.to_string()))?;
-    let document = study
-        .section::<Document>()
-        .map_err(|error| shorten(error.to_string()))?;
-    let settings = document.identify.ok_or("no section")?;
+    let settings = study.identify.clone().ok_or("no section")?;
     Bound::new(&study, &settings, package().description()).map_err(|e| shorten(e.to_string()))
 }
 

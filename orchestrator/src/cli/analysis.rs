@@ -17,20 +17,26 @@ pub struct Sensitivity {
     /// The study
     pub study: PathBuf,
     /// Use the points of a finished study instead of new runs
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["morris", "fmu", "jobs", "resume", "shard"])]
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["method", "size", "base", "morris", "fmu", "jobs", "resume", "shard"])]
     pub from: Option<PathBuf>,
-    /// Base points of the Sobol indices; the runs are this many times the parameters and two more
-    #[arg(long, value_name = "N", default_value_t = 256)]
-    pub base: u64,
-    /// How first-order indices are estimated
-    #[arg(long, value_enum, default_value_t)]
-    pub estimator: FirstOrder,
-    /// Morris screening with so many trajectories instead of Sobol indices
-    #[arg(long, value_name = "R", conflicts_with = "base")]
-    pub morris: Option<usize>,
-    /// The seed
-    #[arg(long, value_name = "S", default_value_t = 1)]
-    pub seed: u64,
+    /// The method: sobol, or morris [default: the study's, or sobol]
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["base", "morris"])]
+    pub method: Option<String>,
+    /// The size of its design [default: the study's, or the method's usual one]
+    #[arg(long, value_name = "N", conflicts_with_all = ["base", "morris"])]
+    pub size: Option<u64>,
+    /// Sobol indices from so many base points; the runs are this many times the parameters and two more
+    #[arg(long, value_name = "N", conflicts_with = "morris")]
+    pub base: Option<u64>,
+    /// Morris screening with so many trajectories
+    #[arg(long, value_name = "R")]
+    pub morris: Option<u64>,
+    /// How first-order Sobol indices are estimated [default: the study's, or jansen]
+    #[arg(long, value_enum)]
+    pub estimator: Option<FirstOrder>,
+    /// The seed [default: the study's, or 1]
+    #[arg(long, value_name = "S")]
+    pub seed: Option<u64>,
     /// Run settings
     #[command(flatten)]
     pub means: Means,
@@ -54,15 +60,15 @@ pub struct Robustness {
     /// The folder of the finished study [default: results/ and the study's name]
     #[arg(long, value_name = "DIR")]
     pub from: Option<PathBuf>,
-    /// The verification probability that box and ellipsoid must hold
-    #[arg(long, value_name = "P", default_value_t = 0.9)]
-    pub level: f64,
-    /// Confirm box and ellipsoid by so many new runs in each
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    pub confirm: usize,
-    /// The seed
-    #[arg(long, value_name = "S", default_value_t = 1)]
-    pub seed: u64,
+    /// The verification probability that box and ellipsoid must hold [default: the study's, or 0.9]
+    #[arg(long, value_name = "P")]
+    pub level: Option<f64>,
+    /// Confirm box and ellipsoid by so many new runs in each [default: the study's, or 0]
+    #[arg(long, value_name = "N")]
+    pub confirm: Option<usize>,
+    /// The seed [default: the study's, or 1]
+    #[arg(long, value_name = "S")]
+    pub seed: Option<u64>,
     /// Run settings
     #[command(flatten)]
     pub means: Means,

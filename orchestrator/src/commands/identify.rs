@@ -18,12 +18,12 @@ use crate::identify::objective::Objective;
 use crate::identify::outcome::Outcome;
 use crate::identify::posterior::Posterior;
 use crate::identify::search::{self, Progress, SearchError, search};
-use crate::identify::settings::{Document, Settings};
 use crate::identify::text;
 use crate::pipeline::Pipeline;
 use crate::pipeline::folder::RunFolder;
 use crate::results::{Header, ResultsError, write_atomically};
 use crate::session::{Asking, Request};
+use crate::study::Identification;
 use crate::study::Study;
 use crate::table::csv_file::{CsvFile, cell, reason};
 use fmu_import::{Package, digest};
@@ -94,8 +94,8 @@ pub(super) fn run(options: &Identify) -> Result<ExitCode, CommandError> {
 }
 
 /// What the study says, unless the command line says otherwise.
-fn settings(options: &Identify, study: &Study) -> Result<Settings, CommandError> {
-    let mut settings = study.section::<Document>()?.identify.ok_or_else(|| {
+fn settings(options: &Identify, study: &Study) -> Result<Identification, CommandError> {
+    let mut settings = study.identify.clone().ok_or_else(|| {
         study.error("identify needs a section [identify]; `orchestrator identify --help` shows one")
     })?;
     settings.starts = options.starts.unwrap_or(settings.starts);
@@ -119,7 +119,11 @@ fn request(options: &Identify) -> Request {
 }
 
 /// Identity of the run.
-fn header(study: &Study, package: &Package, settings: &Settings) -> Result<Header, CommandError> {
+fn header(
+    study: &Study,
+    package: &Package,
+    settings: &Identification,
+) -> Result<Header, CommandError> {
     let table = settings.cases.as_ref().map(|path| {
         let path = beside(study, path.as_ref());
         std::fs::read(&path).map_err(ResultsError::io(&path))
@@ -140,7 +144,7 @@ fn header(study: &Study, package: &Package, settings: &Settings) -> Result<Heade
 fn find(
     options: &Identify,
     study: &Study,
-    settings: &Settings,
+    settings: &Identification,
     bound: &Bound,
     pipeline: &mut Pipeline<'_>,
 ) -> Result<Outcome, CommandError> {
@@ -183,7 +187,7 @@ fn so_far(progress: &Progress, searches: usize) -> String {
 }
 
 /// Starts from a scrambled Sobol net between the bounds.
-fn starts(study: &Study, settings: &Settings) -> Result<Vec<Vec<f64>>, CommandError> {
+fn starts(study: &Study, settings: &Identification) -> Result<Vec<Vec<f64>>, CommandError> {
     let place = Distribution::Uniform { min: 0.0, max: 1.0 };
     let design = Sampling {
         method: Method::Sobol,
@@ -216,7 +220,7 @@ fn write(folder: &Path, study: &Study, outcome: &Outcome) -> Result<(), CommandE
 fn write_cases(
     folder: &Path,
     study: &Study,
-    settings: &Settings,
+    settings: &Identification,
     outcome: &Outcome,
 ) -> Result<(), CommandError> {
     let Some(path) = &settings.cases else {

@@ -5,7 +5,6 @@ mod best;
 mod check;
 mod completion;
 mod cost;
-mod cube;
 mod finding;
 mod identify;
 mod init;

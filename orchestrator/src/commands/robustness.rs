@@ -7,13 +7,14 @@ use std::process::ExitCode;
 
 use serde::{Deserialize, Serialize};
 
+use super::CommandError;
 use super::asking::{self, Analysis, PointSet};
 use super::finding::{self, Finding};
-use super::{CommandError, cube};
 use crate::analysis::robustness::region::Confirmed;
 use crate::analysis::robustness::{Robustness, region, robustness, rows};
 use crate::analysis::table::PointTable;
 use crate::cli;
+use crate::design::cube;
 use crate::pipeline::Pipeline;
 use crate::report::format::{number, percent};
 use crate::report::robustness as page;
@@ -27,29 +28,28 @@ pub(super) const NAME: &str = "robustness";
 
 pub(super) fn run(options: &cli::Robustness) -> Result<ExitCode, CommandError> {
     let cli::Robustness {
-        study,
+        study: path,
         means,
         parts,
         output,
         ..
     } = options;
     let from = options.from.clone();
-    let from = from.unwrap_or_else(|| finding::folder_of(study));
-    if !(options.level > 0.0 && options.level < 1.0) {
-        return Err(option("level", "must lie between 0 and 1"));
-    }
+    let from = from.unwrap_or_else(|| finding::folder_of(path));
+    let study = Study::read(path)?;
+    let said = &study.robustness;
     let analysis = Stated {
         from: std::path::absolute(&from).unwrap_or_else(|_| from.clone()),
-        level: options.level,
-        confirm: options.confirm,
-        seed: options.seed,
+        level: level(options, &study)?,
+        confirm: options.confirm.or(said.confirm).unwrap_or(0),
+        seed: options.seed.or(said.seed).unwrap_or(1),
     };
-    let session = asking::open(study, means, parts, &analysis);
+    let session = asking::open(path, means, parts, &analysis);
     let own = parts
         .shard
-        .map(|_| asking::folder(None, study, parts, Some(NAME)));
+        .map(|_| asking::folder(None, path, parts, Some(NAME)));
     let folder = output.clone().or(own).unwrap_or(from);
-    if options.confirm > 0 {
+    if analysis.confirm > 0 {
         return asking::run(session?, &analysis, means, parts, &folder);
     }
     if parts.shard.is_some() || parts.resume {
@@ -59,10 +59,25 @@ pub(super) fn run(options: &cli::Robustness) -> Result<ExitCode, CommandError> {
     // Without the FMU there are no new runs, but all else can be told.
     let session = session.ok();
     let plan = session.as_ref().map(|session| &session.plan);
-    let (origin, points, cloud) = analysis.known(&Study::read(study)?, plan)?;
+    let (origin, points, cloud) = analysis.known(&study, plan)?;
     let result = analysis.stated(&points, &cloud)?;
     let text = text(&result);
     Finding::new(&result, origin, text, page::FILE)?.tell(&folder)
+}
+
+/// The probability that box and ellipsoid must hold.
+fn level(options: &cli::Robustness, study: &Study) -> Result<f64, CommandError> {
+    const MESSAGE: &str = "must lie between 0 and 1";
+    let inside = |level: f64| level > 0.0 && level < 1.0;
+    match (options.level, &study.robustness.level) {
+        (Some(level), _) if !inside(level) => Err(option("level", MESSAGE)),
+        (Some(level), _) => Ok(level),
+        (None, Some(level)) if !inside(*level.as_ref()) => {
+            Err(study.error_at(level, format!("level {MESSAGE}")).into())
+        }
+        (None, Some(level)) => Ok(*level.as_ref()),
+        (None, None) => Ok(0.9),
+    }
 }
 
 fn option(option: &'static str, message: &str) -> CommandError {
@@ -161,8 +176,7 @@ fn cloud(
     let own = || table.parameters.iter().map(|p| &p.name);
     match plan {
         Some(plan) if plan.inputs.iter().map(|i| &i.name).eq(own()) => {
-            let cube =
-                cube::points(plan.varied().len(), SIZE, seed, 1).map_err(|m| option("seed", &m))?;
+            let cube = cube(plan.varied().len(), SIZE, seed, 1).map_err(|m| option("seed", &m))?;
             Ok(cube.iter().map(|u| plan.from_cube(u)).collect())
         }
         _ => Ok(region::cloud(&rows(table), seed)),

@@ -3,17 +3,18 @@
 use std::path::Path;
 use std::process::ExitCode;
 
+use clap::ValueEnum;
 use serde::{Deserialize, Serialize};
 
+use super::CommandError;
 use super::asking::{self, Analysis, PointSet};
 use super::finding::{self, Finding};
-use super::{CommandError, cube};
 use crate::analysis::from_results;
+use crate::analysis::sensitivity::Estimate;
+use crate::analysis::sensitivity::method::{self, Settled};
+use crate::analysis::sensitivity::methods::{RUNS, named};
 use crate::analysis::sensitivity::sobol::FirstOrder;
-use crate::analysis::sensitivity::study::{
-    Output, Sensitivity, from_morris, from_points, from_sobol,
-};
-use crate::analysis::sensitivity::{morris, sobol};
+use crate::analysis::sensitivity::study::{Output, Sensitivity, from_points, from_runs};
 use crate::analysis::table::PointTable;
 use crate::cli;
 use crate::pipeline::Pipeline;
@@ -29,15 +30,17 @@ pub(super) const NAME: &str = "sensitivity";
 
 pub(super) fn run(options: &cli::Sensitivity) -> Result<ExitCode, CommandError> {
     let cli::Sensitivity {
-        study,
+        study: path,
         means,
         parts,
         output,
         ..
     } = options;
+    let study = Study::read(path)?;
+    let analysis = Runs::new(options, &study)?;
     if let Some(folder) = &options.from {
-        let (summary, table) = finding::points_of(folder, &Study::read(study)?)?;
-        let result = from_points(&table, options.seed);
+        let (summary, table) = finding::points_of(folder, &study)?;
+        let result = from_points(&table, analysis.seed);
         let text = text(&result);
         let finding = Finding::new(
             &result,
@@ -47,31 +50,84 @@ pub(super) fn run(options: &cli::Sensitivity) -> Result<ExitCode, CommandError> 
         )?;
         return finding.tell(output.as_ref().unwrap_or(folder));
     }
-    let analysis = Runs {
-        base: options.base,
-        morris: options.morris,
-        estimator: options.estimator,
-        seed: options.seed,
-    };
-    let session = asking::open(study, means, parts, &analysis)?;
-    let folder = asking::folder(output.as_deref(), study, parts, Some(NAME));
+    let session = asking::open(path, means, parts, &analysis)?;
+    let folder = asking::folder(output.as_deref(), path, parts, Some(NAME));
     asking::run(session, &analysis, means, parts, &folder)
 }
 
 /// An analysis by runs of its own.
 #[derive(Debug, Serialize, Deserialize)]
 struct Runs {
-    /// Base points of the Sobol indices.
-    base: u64,
-    /// Trajectories of a screening, instead of Sobol indices.
-    morris: Option<usize>,
-    /// How first-order indices are estimated.
+    method: String,
+    size: u64,
     estimator: FirstOrder,
     seed: u64,
 }
 
 pub(super) fn kept(options: serde_json::Value) -> serde_json::Result<Box<dyn Analysis>> {
     Ok(Box::new(serde_json::from_value::<Runs>(options)?))
+}
+
+impl Runs {
+    /// What the options say, or else the study, or else what is usual.
+    fn new(options: &cli::Sensitivity, study: &Study) -> Result<Self, CommandError> {
+        let said = &study.sensitivity;
+        let estimator = said.estimator.as_ref().map(|name| {
+            FirstOrder::from_str(name.as_ref(), false)
+                .map_err(|_| study.error_at(name, "the estimators are `jansen` and `saltelli`"))
+        });
+        let method = said.method.as_ref().map(|name| {
+            let known = named(name.as_ref());
+            known.map_err(|message| study.error_at(name, message))
+        });
+        let (in_study, asked) = (method.transpose()?, options.method_and_size()?);
+        let usual = in_study.unwrap_or(RUNS[0]);
+        let (method, size) = match asked {
+            // The study's size is that of its own method.
+            (Some(method), size) if method.name() != usual.name() => (method, size),
+            (_, size) => (usual, size.or(said.size)),
+        };
+        Ok(Self {
+            method: method.name().to_owned(),
+            size: size.unwrap_or(method.usual_size()),
+            estimator: match options.estimator {
+                Some(estimator) => estimator,
+                None => estimator.transpose()?.unwrap_or_default(),
+            },
+            seed: options.seed.or(said.seed).unwrap_or(1),
+        })
+    }
+
+    fn method(&self) -> Result<&'static dyn method::Runs, CommandError> {
+        named(&self.method).map_err(|message| option("method", message))
+    }
+
+    fn settled(&self) -> Settled {
+        Settled {
+            size: self.size,
+            estimator: self.estimator,
+            seed: self.seed,
+        }
+    }
+}
+
+impl cli::Sensitivity {
+    /// What the command line says of the method and its size.
+    fn method_and_size(
+        &self,
+    ) -> Result<(Option<&'static dyn method::Runs>, Option<u64>), CommandError> {
+        let chosen = match (&self.method, self.base, self.morris) {
+            (Some(name), ..) => (Some(name.as_str()), self.size),
+            (None, Some(base), _) => (Some("sobol"), Some(base)),
+            (None, None, Some(trajectories)) => (Some("morris"), Some(trajectories)),
+            (None, None, None) => (None, self.size),
+        };
+        let method = chosen.0.map(named).transpose();
+        Ok((
+            method.map_err(|message| option("method", message))?,
+            chosen.1,
+        ))
+    }
 }
 
 impl Analysis for Runs {
@@ -84,29 +140,17 @@ impl Analysis for Runs {
     }
 
     fn points(&self, session: &Session) -> Result<PointSet, CommandError> {
-        let dimensions = session.plan.varied().len() as u64;
-        let (points, method) = match self.morris {
-            Some(trajectories) => {
-                at_least_two("morris", trajectories as u64)?;
-                let points = trajectories as u64 * (dimensions + 1);
-                (
-                    points,
-                    format!("Morris screening by {trajectories} trajectories"),
-                )
-            }
-            None => {
-                at_least_two("base", self.base)?;
-                let points = self.base * (dimensions + 2);
-                (
-                    points,
-                    format!("Sobol indices from {} base points", self.base),
-                )
-            }
-        };
+        let method = self.method()?;
+        // One run tells nothing of how sure it is.
+        if self.size < 2 {
+            let message = format!("{} is too few; at least 2 are needed", self.size);
+            return Err(option(method.option(), message));
+        }
+        let parameters = session.plan.varied().len() as u64;
         Ok(PointSet {
             seed: self.seed,
-            points: Some(points),
-            method,
+            points: Some(method.runs(parameters, self.size)),
+            method: method.title(self.size),
             table: None,
         })
     }
@@ -117,58 +161,17 @@ impl Analysis for Runs {
         pipeline: &mut Pipeline<'_>,
         folder: &Path,
     ) -> Result<Finding, CommandError> {
-        let result = match self.morris {
-            Some(trajectories) => self.screen(session, pipeline, trajectories, folder)?,
-            None => self.indices(session, pipeline, folder)?,
-        };
+        let method = self.method()?;
+        let parameters = session.plan.varied().len();
+        let design = method
+            .design(parameters, &self.settled())
+            .map_err(|message| option(method.option(), message))?;
+        let rows = simulate(session, pipeline, &design)?;
+        keep_runs(folder, &rows)?;
+        let result = from_runs(method, &design, &rows, &self.settled());
         let origin = asking::origin(session)?;
         Finding::new(&result, origin, text(&result), sensitivity::FILE)
     }
-}
-
-impl Runs {
-    fn indices(
-        &self,
-        session: &Session,
-        pipeline: &mut Pipeline<'_>,
-        folder: &Path,
-    ) -> Result<Sensitivity, CommandError> {
-        let replicates = sobol::replicates(self.base);
-        let dimensions = 2 * session.plan.varied().len();
-        let pairs = cube::points(dimensions, self.base, self.seed, replicates)
-            .map_err(|message| option("base", message))?;
-        let rows = simulate(session, pipeline, &sobol::design(&pairs))?;
-        keep_runs(folder, &rows)?;
-        Ok(from_sobol(&rows, self.estimator, replicates, self.seed))
-    }
-
-    fn screen(
-        &self,
-        session: &Session,
-        pipeline: &mut Pipeline<'_>,
-        trajectories: usize,
-        folder: &Path,
-    ) -> Result<Sensitivity, CommandError> {
-        const LEVELS: usize = 4;
-        // The ends of a distribution may reach far; the grid covers its middle 98 %.
-        let cube = morris::design(session.plan.varied().len(), trajectories, LEVELS, self.seed);
-        let middle: Vec<Vec<f64>> = cube
-            .iter()
-            .map(|row| row.iter().map(|u| 0.01 + 0.98 * u).collect())
-            .collect();
-        let rows = simulate(session, pipeline, &middle)?;
-        keep_runs(folder, &rows)?;
-        Ok(from_morris(&cube, &rows, self.seed))
-    }
-}
-
-/// One run tells nothing of how sure it is.
-fn at_least_two(name: &'static str, number: u64) -> Result<(), CommandError> {
-    if number >= 2 {
-        return Ok(());
-    }
-    let message = format!("{number} is too few; at least 2 are needed");
-    Err(option(name, message))
 }
 
 fn option(option: &'static str, message: String) -> CommandError {
@@ -249,40 +252,20 @@ fn text(result: &Sensitivity) -> String {
 
 fn rows(parameters: &[String], output: &Output) -> String {
     let width = parameters.iter().map(String::len).max().unwrap_or(0);
-    let interval = |e: &crate::analysis::sensitivity::Estimate| {
-        format!(
+    let interval = |e: &Estimate| match e.low.is_nan() {
+        true => number(e.value, 3),
+        false => format!(
             "{:>8} [{}, {}]",
             number(e.value, 3),
             number(e.low, 3),
             number(e.high, 3)
-        )
+        ),
     };
+    let shown = output.shown();
     let row = |(k, name): (usize, &String)| {
-        let mut line = format!("  {name:width$}");
-        if let Some(s) = &output.sobol {
-            line += &format!(
-                "  first {}  total {}",
-                interval(&s.first[k]),
-                interval(&s.total[k])
-            );
-        }
-        if let Some(effects) = &output.morris {
-            line += &format!(
-                "  mu* {}  sigma {}",
-                interval(&effects[k].mu_star),
-                number(effects[k].sigma, 3)
-            );
-        }
-        if let (None, None, Some(p)) = (&output.sobol, &output.morris, &output.pawn) {
-            line += &format!("  PAWN {}", interval(&p.median[k]));
-        }
-        if let (None, Some(partial)) = (
-            &output.morris,
-            output.ranks.as_ref().and_then(|r| r.partial.get(k)),
-        ) {
-            line += &format!("  PRCC {}", interval(partial));
-        }
-        line + "\n"
+        let measures = shown.iter();
+        let cells = measures.map(|m| format!("  {} {}", m.name, interval(&m.estimates[k])));
+        format!("  {name:width$}{}\n", cells.collect::<String>())
     };
     parameters.iter().enumerate().map(row).collect()
 }

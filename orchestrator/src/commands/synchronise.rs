@@ -14,6 +14,9 @@ use settings::Settings;
 
 pub use settings::SettingsError;
 
+const NO_POWER: &str = "\n# No criterion on the friction power (torque times speed): for one, name the variable of the FMU\n\
+    # in the settings, power = { variable = \"...\" }.\n";
+
 pub(super) fn run(options: &cli::Synchronise) -> Result<ExitCode, CommandError> {
     let settings = Settings::read(&options.settings)?;
     let recorded = settings.recording(&options.settings, &options.measured)?;
@@ -23,7 +26,10 @@ pub(super) fn run(options: &cli::Synchronise) -> Result<ExitCode, CommandError> 
     })?;
     let folder = &options.output;
     std::fs::create_dir_all(folder).map_err(ResultsError::io(folder))?;
-    let text = criteria::to_toml(&result, options.amplitudes);
+    let mut text = criteria::to_toml(&result, options.amplitudes);
+    if recorded.power.is_none() {
+        text += NO_POWER;
+    }
     save(&folder.join("criteria.toml"), &text)?;
     save(&folder.join("synchronised.csv"), &table(&result))?;
     let title = options.measured.file_name().unwrap_or_default();

@@ -92,6 +92,27 @@ impl Design {
     }
 }
 
+/// Points in the unit cube that belong to independently scrambled Sobol nets in turn.
+///
+/// # Errors
+/// When there is no such net of so many dimensions or points.
+pub fn cube(
+    dimensions: usize,
+    points: u64,
+    seed: u64,
+    replicates: u64,
+) -> Result<Vec<Vec<f64>>, String> {
+    let sampling = Sampling {
+        method: Method::Sobol,
+        points,
+        seed,
+        replicates,
+    };
+    let unit = Distribution::Uniform { min: 0.0, max: 1.0 };
+    let design = Design::new(&sampling, vec![unit; dimensions])?;
+    Ok((0..points).map(|index| design.point(index)).collect())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

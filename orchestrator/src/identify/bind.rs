@@ -2,8 +2,10 @@
 
 use super::cases::Columns;
 use super::error::BindError;
-use super::problem::{Case, Free, Interval, Latent, Measured, Prior, Problem, Quantity, Scale};
-use super::settings::{Exception, FreeText, LatentText, MeasuredText, Settings};
+use super::problem::{Case, Free, Interval, Latent, Measured, Prior, Problem, Quantity};
+use crate::study::identification::{
+    Exception, FreeText, Identification, LatentText, MeasuredText, Scale,
+};
 use crate::study::plan::{Plan, find, slot_of};
 use crate::study::quantity::{Scale as UnitScale, Sense};
 use crate::study::{Name, Quantity as Text, Study, StudyError};
@@ -31,7 +33,11 @@ impl Bound {
     ///
     /// # Errors
     /// When a name, a unit, a number or a column does not fit.
-    pub fn new(study: &Study, settings: &Settings, fmu: &Description) -> Result<Self, BindError> {
+    pub fn new(
+        study: &Study,
+        settings: &Identification,
+        fmu: &Description,
+    ) -> Result<Self, BindError> {
         Binder {
             study,
             settings,
@@ -50,7 +56,7 @@ struct Input<'a> {
 
 struct Binder<'a> {
     study: &'a Study,
-    settings: &'a Settings,
+    settings: &'a Identification,
     fmu: &'a Description,
     table: Columns,
 }

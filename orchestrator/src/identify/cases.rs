@@ -3,7 +3,7 @@
 use toml::Spanned;
 
 use super::error::BindError;
-use super::settings::Settings;
+use crate::study::Identification;
 use crate::study::{Name, Study};
 use crate::table::Table;
 
@@ -16,7 +16,7 @@ pub(super) struct Columns {
 }
 
 impl Columns {
-    pub(super) fn read(study: &Study, settings: &Settings) -> Result<Self, BindError> {
+    pub(super) fn read(study: &Study, settings: &Identification) -> Result<Self, BindError> {
         let known = settings
             .known
             .iter()

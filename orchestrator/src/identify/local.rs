@@ -201,8 +201,9 @@ fn bounded_step(linear: &Linear, places: &[f64], held: &[usize]) -> DVector<f64>
 
 #[cfg(test)]
 mod tests {
-    use super::super::problem::{Case, Free, Measured, Problem, Quantity, Scale};
+    use super::super::problem::{Case, Free, Measured, Problem, Quantity};
     use super::*;
+    use crate::study::identification::Scale;
 
     fn problem(bounds: &[(f64, f64)], measured: &[f64]) -> Problem {
         let free = bounds.iter().enumerate().map(|(index, &(min, max))| Free {

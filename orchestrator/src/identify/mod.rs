@@ -8,7 +8,7 @@
 //!
 //! These know nothing of FMUs: a model is anything that implements [`problem::Simulate`].
 //!
-//! - [`settings`] is the section `[identify]` of a study, [`bind`] ties it to an FMU and a table,
+//! - [`bind`] ties the section `[identify]` of a study to an FMU and a table,
 //!   [`model`] asks the FMU for predictions;
 //! - [`outcome`] is the result for programs and for people.
 
@@ -24,5 +24,4 @@ pub mod problem;
 #[cfg(test)]
 mod recovery_tests;
 pub mod search;
-pub mod settings;
 pub mod text;

@@ -5,8 +5,9 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::local::{End, Minimum};
 use super::posterior::{Direction, Posterior, UNDETERMINED};
-use super::problem::{Problem, Scale};
+use super::problem::Problem;
 use super::search::Progress;
+use crate::study::identification::Scale;
 
 /// The standard deviations to both sides that hold 95 % of a Gaussian.
 const NINETY_FIVE: f64 = 1.959_964;

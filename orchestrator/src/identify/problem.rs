@@ -1,17 +1,8 @@
 //! The problem: unknown parameters, and the measurements that determine them.
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
-/// How a parameter is measured out between its bounds.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Scale {
-    /// Equal differences count equally.
-    #[default]
-    Linear,
-    /// Equal ratios count equally: for quantities known only by their order of magnitude.
-    Log,
-}
+use crate::study::identification::Scale;
 
 /// Prior of a parameter: knowledge from before the measurement, beyond its bounds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

@@ -9,9 +9,10 @@ use super::objective::Objective;
 use super::posterior::Posterior;
 use super::problem::{
     Case, Free, Interval, Latent, Measured, NoPrediction, Prediction, Problem, Quantity, Query,
-    Scale, Simulate,
+    Simulate,
 };
 use super::search::{SearchError, Settings, search};
+use crate::study::identification::Scale;
 
 /// Independent standard normal numbers by the splitmix64 sequence (Steele, Lea, Flood 2014).
 struct Noise(u64);

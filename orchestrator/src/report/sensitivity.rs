@@ -2,6 +2,7 @@
 
 use super::format::{escape, number};
 use crate::analysis::sensitivity::Estimate;
+use crate::analysis::sensitivity::method::Measure;
 use crate::analysis::sensitivity::study::{Output, Sensitivity};
 use crate::analysis::table::PointTable;
 use serde::Serialize;
@@ -25,13 +26,6 @@ struct OutputView {
     note: String,
     heads: Vec<String>,
     rows: Vec<(String, Vec<String>)>,
-}
-
-/// One kind of bar.
-struct Measure<'a> {
-    name: &'static str,
-    class: &'static str,
-    estimates: &'a [Estimate],
 }
 
 /// Prepares a result for the template; `table` knows the parameters' units.
@@ -78,62 +72,29 @@ pub fn plots(result: &Sensitivity) -> Vec<(String, String)> {
 }
 
 fn output(parameters: &[String], output: &Output) -> OutputView {
-    let effects: Vec<Estimate> = output.morris.iter().flatten().map(|e| e.mu_star).collect();
-    let mut shown: Vec<Measure<'_>> = Vec::new();
-    let mut limit = None;
-    if let Some(s) = &output.sobol {
-        shown.push(Measure {
-            name: "total",
-            class: "in",
-            estimates: &s.total,
-        });
-        shown.push(Measure {
-            name: "first order",
-            class: "all",
-            estimates: &s.first,
-        });
-    } else if !effects.is_empty() {
-        shown.push(Measure {
-            name: "mu*",
-            class: "in",
-            estimates: &effects,
-        });
-    } else if let Some(p) = &output.pawn {
-        shown.push(Measure {
-            name: "PAWN",
-            class: "in",
-            estimates: &p.median,
-        });
-        limit = Some(p.threshold);
-    }
-    let partial = output
-        .ranks
-        .as_ref()
-        .map_or(&[] as &[Estimate], |r| &r.partial);
-    let mut columns: Vec<(&str, &[Estimate])> =
-        shown.iter().map(|m| (m.name, m.estimates)).collect();
-    if partial.len() == parameters.len() {
-        columns.push(("PRCC", partial));
-    }
+    let shown = output.shown();
     let rows = parameters.iter().enumerate().map(|(k, name)| {
         (
             name.clone(),
-            columns.iter().map(|(_, e)| interval(&e[k])).collect(),
+            shown.iter().map(|m| interval(&m.estimates[k])).collect(),
         )
     });
     OutputView {
         name: output.name.clone(),
-        svg: bars(&output.name, parameters, &shown, limit),
+        svg: bars(&output.name, parameters, &shown),
         note: match &output.dominant {
             Some(name) => format!("{name} matters most."),
             None => "The intervals overlap: no parameter can be called the most important.".into(),
         },
-        heads: columns.iter().map(|(name, _)| (*name).to_owned()).collect(),
+        heads: shown.iter().map(|m| m.name.to_owned()).collect(),
         rows: rows.collect(),
     }
 }
 
 fn interval(e: &Estimate) -> String {
+    if e.low.is_nan() {
+        return number(e.value, 3);
+    }
     format!(
         "{} ({} … {})",
         number(e.value, 3),
@@ -143,12 +104,10 @@ fn interval(e: &Estimate) -> String {
 }
 
 /// Horizontal bars with whiskers, the most important parameter on top.
-fn bars(
-    output: &str,
-    parameters: &[String],
-    measures: &[Measure<'_>],
-    limit: Option<f64>,
-) -> String {
+fn bars(output: &str, parameters: &[String], shown: &[Measure]) -> String {
+    /// The look of the first bar, the second, and all others.
+    const CLASSES: [&str; 3] = ["in", "all", "all"];
+    let measures: Vec<&Measure> = shown.iter().filter(|measure| measure.drawn).collect();
     let Some(first) = measures.first() else {
         return String::new();
     };
@@ -161,7 +120,7 @@ fn bars(
     let finite = |v: f64| if v.is_finite() { v } else { 0.0 };
     let most = measures
         .iter()
-        .flat_map(|m| m.estimates)
+        .flat_map(|m| &m.estimates)
         .map(|e| finite(e.high))
         .fold(1e-12, f64::max);
     let (left, width, band) = (170.0, 560.0, 16.0 * measures.len() as f64 + 12.0);
@@ -192,7 +151,7 @@ fn bars(
             let _ = write!(
                 out,
                 "<path class=\"bar solid {}\" d=\"M{left},{y:.1}H{:.1}v11H{left}z\"/><path class=\"whisker\" d=\"M{low:.1},{c:.1}H{high:.1}M{low:.1},{:.1}v6M{high:.1},{:.1}v6\"/>",
-                measure.class,
+                CLASSES[m.min(2)],
                 at(e.value),
                 y + 2.5,
                 y + 2.5,
@@ -202,7 +161,7 @@ fn bars(
             );
         }
     }
-    if let Some(limit) = limit {
+    if let Some(limit) = first.chance {
         let _ = write!(
             out,
             "<path class=\"limit\" d=\"M{x:.1},4V{:.1}\"/>",

@@ -11,6 +11,22 @@ pub fn variance(values: &[f64], freedom: usize) -> f64 {
     values.iter().map(|v| (v - m).powi(2)).sum::<f64>() / (values.len() as f64 - freedom as f64)
 }
 
+/// Pearson's correlation coefficient; 0 where one of the columns is constant.
+pub fn pearson(a: &[f64], b: &[f64]) -> f64 {
+    let (ma, mb) = (mean(a), mean(b));
+    let (mut aa, mut bb, mut ab) = (0.0, 0.0, 0.0);
+    for (x, y) in a.iter().zip(b) {
+        aa += (x - ma).powi(2);
+        bb += (y - mb).powi(2);
+        ab += (x - ma) * (y - mb);
+    }
+    if aa > 0.0 && bb > 0.0 {
+        ab / (aa * bb).sqrt()
+    } else {
+        0.0
+    }
+}
+
 /// Ranks from 1; equal values share the mean of theirs.
 pub fn ranks(values: &[f64]) -> Vec<f64> {
     let mut order: Vec<usize> = (0..values.len()).collect();

@@ -3,12 +3,14 @@
 //! [`Study`] is the content of the TOML file, [`plan`] ties it to an FMU.
 
 mod error;
+pub mod identification;
 pub(crate) mod inputs;
 pub mod plan;
 mod points;
 pub mod quantity;
 #[cfg(test)]
 mod schema_tests;
+mod sections;
 mod shape;
 pub mod ssv;
 #[cfg(test)]
@@ -23,7 +25,9 @@ use sha2::{Digest, Sha256};
 use toml::Spanned;
 
 pub use error::StudyError;
+pub use identification::Identification;
 pub use quantity::Quantity;
+pub use sections::{RobustnessText, SensitivityText};
 
 use crate::design::Sampling;
 use crate::statistics::Statistic;
@@ -69,12 +73,14 @@ pub struct Study {
     /// Other readings of the tolerances, judged beside the criteria's own.
     #[serde(default)]
     pub variants: IndexMap<String, Variant>,
-    /// Settings of `identify`.
-    pub identify: Option<toml::Value>,
-    /// Settings of `sensitivity`.
-    pub sensitivity: Option<toml::Value>,
-    /// Settings of `robustness`.
-    pub robustness: Option<toml::Value>,
+    /// What `identify` finds, from what, and how hard it searches.
+    pub identify: Option<Identification>,
+    /// What `sensitivity` does unless its options say otherwise.
+    #[serde(default)]
+    pub sensitivity: SensitivityText,
+    /// What `robustness` does unless its options say otherwise.
+    #[serde(default)]
+    pub robustness: RobustnessText,
     /// File from which the study was read.
     #[serde(skip)]
     path: PathBuf,

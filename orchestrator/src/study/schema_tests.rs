@@ -7,7 +7,6 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use super::Study;
-use crate::identify::settings::Document;
 
 fn studies() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../studies")
@@ -20,10 +19,7 @@ fn schema() -> Value {
 
 /// The names that the reader would have taken instead of `unheard-of`, as its error tells them.
 fn expected(text: &str) -> BTreeSet<String> {
-    let error = match toml::from_str::<Study>(text) {
-        Err(error) => error,
-        Ok(_) => toml::from_str::<Document>(text).unwrap_err(),
-    };
+    let error = toml::from_str::<Study>(text).unwrap_err();
     let mut names = error.message().split('`').skip(1).step_by(2);
     assert_eq!(names.next(), Some("unheard-of"), "{error}");
     names.map(str::to_owned).collect()
@@ -56,6 +52,8 @@ fn the_schema_has_exactly_the_keys_that_the_reader_takes() {
         ("latent", "[identify.latent.x]\n"),
         ("exception", "[[identify.latent.x.except]]\n"),
         ("measured", "[identify.measured.x]\n"),
+        ("sensitivity", "[sensitivity]\n"),
+        ("robustness", "[robustness]\n"),
     ];
     for (name, section) in places {
         let text = format!("fmu = \"a.fmu\"\n{section}unheard-of = 1\n");
@@ -84,6 +82,18 @@ fn the_schema_has_exactly_the_words_that_the_reader_takes() {
         let text = format!("fmu = \"a.fmu\"\n{place} = \"unheard-of\"\n");
         assert_eq!(words, expected(&text), "{place}");
     }
+}
+
+#[test]
+fn the_schema_names_the_registered_methods() {
+    let defs = &schema()["$defs"];
+    let words = |schema: &Value| -> Vec<String> {
+        let words = schema["enum"].as_array().unwrap().iter();
+        words.map(|word| word.as_str().unwrap().into()).collect()
+    };
+    let methods = &defs["sensitivity"]["properties"]["method"];
+    let registered = crate::analysis::sensitivity::methods::RUNS;
+    assert_eq!(words(methods), registered.map(|method| method.name()));
 }
 
 /// Violations of a JSON Schema, for the part of JSON Schema that the study's schema uses.

@@ -1,7 +1,8 @@
 //! SSP parameter sets (System Structure Parameter Values, SSP 1.0): start values that other tools read and
 //! write, and their provenance (Simulation Resource Meta Data of SSP Traceability 1.0).
 
-use std::fmt::Write as _;
+mod write;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -10,7 +11,9 @@ use thiserror::Error;
 
 use super::Setting;
 use super::values::{find, value_of};
-use fmu_import::{Description, Kind, Value, Variable};
+use fmu_import::{Description, Value};
+
+pub use write::{provenance, write};
 
 /// Why a parameter set cannot be used.
 #[derive(Debug, Error)]
@@ -57,7 +60,6 @@ struct Entry {
 }
 
 const NAMESPACE: &str = "http://ssp-standard.org/SSP1/SystemStructureParameterValues";
-const COMMON: &str = "http://ssp-standard.org/SSP1/SystemStructureCommon";
 const TYPES: [&str; 5] = ["Real", "Integer", "Boolean", "Enumeration", "String"];
 
 /// Reads a parameter set.
@@ -160,122 +162,10 @@ impl ParameterSet {
     }
 }
 
-/// A parameter set with these values, in the FMU's units.
-pub fn write(name: &str, fmu: &Description, values: &[(&Variable, Value)]) -> String {
-    let mut text = format!(
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<ssv:ParameterSet xmlns:ssv=\"{NAMESPACE}\" \
-         xmlns:ssc=\"{COMMON}\" version=\"1.0\" name=\"{}\">\n  <ssv:Parameters>\n",
-        escaped(name)
-    );
-    // Writing to a String cannot fail.
-    for (variable, value) in values {
-        let content = match (value, &variable.kind) {
-            (Value::Real(value), _) => {
-                let unit = variable.unit().map(escaped);
-                let unit = unit.map_or_else(String::new, |unit| format!(" unit=\"{unit}\""));
-                format!("<ssv:Real value=\"{value:e}\"{unit}/>")
-            }
-            (Value::Integer(value), Kind::Enumeration { items, .. }) => {
-                let item = items.iter().find(|(_, number)| number == value);
-                let item = item.map_or_else(|| value.to_string(), |(name, _)| escaped(name));
-                format!("<ssv:Enumeration value=\"{item}\"/>")
-            }
-            (Value::Integer(value), _) => format!("<ssv:Integer value=\"{value}\"/>"),
-            (Value::Boolean(value), _) => format!("<ssv:Boolean value=\"{value}\"/>"),
-            (Value::String(value), _) => format!("<ssv:String value=\"{}\"/>", escaped(value)),
-        };
-        let name = escaped(&variable.name);
-        let _ = writeln!(
-            text,
-            "    <ssv:Parameter name=\"{name}\">{content}</ssv:Parameter>"
-        );
-    }
-    text.push_str("  </ssv:Parameters>\n");
-    text.push_str(&units(fmu, values));
-    text.push_str("</ssv:ParameterSet>\n");
-    text
-}
-
-/// The definitions of the units that occur.
-fn units(fmu: &Description, values: &[(&Variable, Value)]) -> String {
-    let used = |name: &str| {
-        values
-            .iter()
-            .any(|(variable, _)| variable.unit() == Some(name))
-    };
-    let mut text = String::new();
-    for (name, unit) in fmu.units.iter().filter(|(name, _)| used(name)) {
-        let base = unit.base.map_or_else(String::new, |base| {
-            let names = ["kg", "m", "s", "A", "K", "mol", "cd", "rad"];
-            let exponents = names
-                .iter()
-                .zip(base.exponents)
-                .filter(|(_, exponent)| *exponent != 0);
-            let mut text: String = exponents
-                .map(|(name, e)| format!(" {name}=\"{e}\""))
-                .collect();
-            if base.factor != 1.0 {
-                let _ = write!(text, " factor=\"{:e}\"", base.factor);
-            }
-            if base.offset != 0.0 {
-                let _ = write!(text, " offset=\"{:e}\"", base.offset);
-            }
-            text
-        });
-        let name = escaped(name);
-        let _ = writeln!(
-            text,
-            "    <ssc:Unit name=\"{name}\"><ssc:BaseUnit{base}/></ssc:Unit>"
-        );
-    }
-    if text.is_empty() {
-        return text;
-    }
-    format!("  <ssv:Units>\n{text}  </ssv:Units>\n")
-}
-
-/// Where a file comes from, as resource meta data.
-pub fn provenance(name: &str, data: &str, entries: &[(&str, String)]) -> String {
-    let mut text = format!(
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<srmd:SimulationResourceMetaData \
-         xmlns:srmd=\"http://ssp-standard.org/SSPTraceability1/SimulationResourceMetaData\" \
-         xmlns:stc=\"http://ssp-standard.org/SSPTraceability1/SSPTraceabilityCommon\" \
-         version=\"1.0.0\" name=\"{}\" data=\"{}\">\n  <stc:Classification \
-         type=\"orchestrator.verification\">\n",
-        escaped(name),
-        escaped(data)
-    );
-    for (keyword, value) in entries {
-        let value = escaped(value);
-        let entry = format!("<stc:ClassificationEntry keyword=\"{keyword}\">{value}");
-        let _ = writeln!(text, "    {entry}</stc:ClassificationEntry>");
-    }
-    text.push_str("  </stc:Classification>\n</srmd:SimulationResourceMetaData>\n");
-    text
-}
-
-fn escaped(text: &str) -> String {
-    let mut escaped = String::with_capacity(text.len());
-    for character in text.chars() {
-        match character {
-            '&' => escaped.push_str("&amp;"),
-            '<' => escaped.push_str("&lt;"),
-            '>' => escaped.push_str("&gt;"),
-            '"' => escaped.push_str("&quot;"),
-            '\n' | '\t' | '\r' => {
-                let _ = write!(escaped, "&#{};", character as u32);
-            }
-            // XML has no way to write the others.
-            other if other < ' ' => escaped.push(' '),
-            other => escaped.push(other),
-        }
-    }
-    escaped
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use fmu_import::{Kind, Variable};
     use proptest::prelude::*;
 
     fn set(body: &str) -> Result<ParameterSet, SsvError> {
@@ -320,7 +210,7 @@ mod tests {
                 kind: Kind::String { start: None },
             };
             let values = [(&variable, Value::String(text.clone()))];
-            let written = write("s", &Description::default(), &values);
+            let written = write("s", &Description::default(), &values).unwrap();
             let read = parse(Path::new("p.ssv"), &written).unwrap();
             prop_assert_eq!(&read.entries[0].name, &name);
             prop_assert_eq!(&read.entries[0].setting, &Setting::Text(text));

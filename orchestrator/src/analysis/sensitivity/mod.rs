@@ -5,6 +5,8 @@
 //! together with what it is compared with, and counted; it never spoils an index without a word.
 
 pub mod functions;
+pub mod method;
+pub mod methods;
 pub mod morris;
 pub mod pawn;
 pub mod rank;

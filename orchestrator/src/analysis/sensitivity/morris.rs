@@ -6,11 +6,80 @@
 //! Environmental Modelling & Software 22, 1509-1518.
 
 use super::Estimate;
+use super::method::{Measure, Runs, Settled, Told, read};
 use crate::statistics::moments::{mean, variance};
 use crate::statistics::share::Z95;
 use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use serde::{Deserialize, Serialize};
+use serde_json::json;
+
+/// Levels of the grid.
+const LEVELS: usize = 4;
+/// Resamples of the intervals.
+const RESAMPLES: usize = 200;
+
+/// Morris screening by runs of its own.
+#[derive(Clone, Copy, Debug)]
+pub struct Morris;
+
+impl Runs for Morris {
+    fn name(&self) -> &'static str {
+        "morris"
+    }
+
+    fn option(&self) -> &'static str {
+        "morris"
+    }
+
+    fn title(&self, size: u64) -> String {
+        format!("Morris screening by {size} trajectories")
+    }
+
+    fn usual_size(&self) -> u64 {
+        20
+    }
+
+    fn runs(&self, parameters: u64, size: u64) -> u64 {
+        size * (parameters + 1)
+    }
+
+    /// The ends of a distribution may reach far; the grid covers its middle 98 %.
+    fn design(&self, parameters: usize, settled: &Settled) -> Result<Vec<Vec<f64>>, String> {
+        let trajectories = usize::try_from(settled.size).map_err(|error| error.to_string())?;
+        let cube = design(parameters, trajectories, LEVELS, settled.seed);
+        let middle = |row: &Vec<f64>| row.iter().map(|u| 0.01 + 0.98 * u).collect();
+        Ok(cube.iter().map(middle).collect())
+    }
+
+    fn plain_sample(&self, _: usize, _: usize) -> Vec<usize> {
+        Vec::new()
+    }
+
+    fn done(&self, _: usize, runs: usize, _: &Settled) -> String {
+        format!("Morris screening, {runs} runs")
+    }
+
+    fn tell(&self, rows: &[Vec<f64>], values: &[f64], settled: &Settled) -> Told {
+        // The effects are those of a parameter's whole range, which the grid of the design is.
+        let parameters = rows.first().map_or(0, Vec::len);
+        let trajectories = rows.len() / (parameters + 1);
+        let cube = design(parameters, trajectories, LEVELS, settled.seed);
+        let effects = effects(&cube, values, RESAMPLES, settled.seed);
+        Told::from_iter([("morris".to_owned(), json!(effects))])
+    }
+
+    fn shown(&self, told: &Told) -> Vec<Measure> {
+        let effects: Option<Vec<Effect>> = read(told, "morris");
+        effects.map_or_else(Vec::new, |effects| {
+            let alone = |value| Estimate::around(value, f64::NAN);
+            vec![
+                Measure::drawn("mu*", effects.iter().map(|e| e.mu_star).collect()),
+                Measure::listed("sigma", effects.iter().map(|e| alone(e.sigma)).collect()),
+            ]
+        })
+    }
+}
 
 /// Trajectories in the unit cube: each has `parameters + 1` points, and one parameter changes a step,
 /// by delta = levels / (2 (levels - 1)) on a grid of that many levels (an even number).

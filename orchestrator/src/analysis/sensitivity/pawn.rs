@@ -5,10 +5,37 @@
 //! sample", Environmental Modelling & Software 108, 197-207.
 
 use super::Estimate;
+use super::method::{Measure, Told, View, read};
 use crate::statistics::moments::{ks_distance, mean, quantile, sorted};
 use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use serde::{Deserialize, Serialize};
+use serde_json::json;
+
+/// Slices of a parameter's range.
+const SLICES: usize = 10;
+/// Resamples of the intervals.
+const RESAMPLES: usize = 200;
+
+/// PAWN indices of any points.
+#[derive(Clone, Copy, Debug)]
+pub struct Slices;
+
+impl View for Slices {
+    fn tell(&self, columns: &[&[f64]], values: &[f64], seed: u64) -> Told {
+        let found = pawn(columns, values, SLICES, RESAMPLES, seed);
+        Told::from_iter([("pawn".to_owned(), json!(found))])
+    }
+
+    fn shown(&self, told: &Told) -> Vec<Measure> {
+        let found: Option<Pawn> = read(told, "pawn");
+        let measure = found.map(|found| Measure {
+            chance: Some(found.threshold),
+            ..Measure::drawn("PAWN", found.median)
+        });
+        measure.into_iter().collect()
+    }
+}
 
 /// Influence of every parameter on one output.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -6,10 +6,31 @@
 //! in systems biology", J. Theoretical Biology 254, 178-196. Intervals: Fisher's z.
 
 use super::Estimate;
-use crate::statistics::moments::{mean, ranks};
+use super::method::{Measure, Told, View, read};
+use crate::statistics::moments::{pearson, ranks};
 use crate::statistics::share::Z95;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
+use serde_json::json;
+
+/// Rank correlations of any points.
+#[derive(Clone, Copy, Debug)]
+pub struct Ranks;
+
+impl View for Ranks {
+    fn tell(&self, columns: &[&[f64]], values: &[f64], _: u64) -> Told {
+        let found = correlations(columns, values);
+        Told::from_iter([("ranks".to_owned(), json!(found))])
+    }
+
+    fn shown(&self, told: &Told) -> Vec<Measure> {
+        let found: Option<Correlations> = read(told, "ranks");
+        let partial = found.map(|found| found.partial);
+        let measure = partial.filter(|partial| !partial.is_empty());
+        let measure = measure.map(|partial| Measure::listed("PRCC", partial));
+        measure.into_iter().collect()
+    }
+}
 
 /// Rank correlations of every parameter with one output.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -87,21 +108,6 @@ fn fisher(r: f64, freedom: f64) -> Estimate {
         value: r,
         low: (z - half).tanh(),
         high: (z + half).tanh(),
-    }
-}
-
-fn pearson(a: &[f64], b: &[f64]) -> f64 {
-    let (ma, mb) = (mean(a), mean(b));
-    let (mut aa, mut bb, mut ab) = (0.0, 0.0, 0.0);
-    for (x, y) in a.iter().zip(b) {
-        aa += (x - ma).powi(2);
-        bb += (y - mb).powi(2);
-        ab += (x - ma) * (y - mb);
-    }
-    if aa > 0.0 && bb > 0.0 {
-        ab / (aa * bb).sqrt()
-    } else {
-        0.0
     }
 }
 

@@ -6,12 +6,15 @@
 //! parameter i the sample A_B^(i), which is A with column i from B.
 
 use super::Estimate;
+use super::method::{Measure, Runs, Settled, Told, read};
 use crate::statistics::moments::mean;
 use serde::{Deserialize, Serialize};
+use serde_json::json;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// The estimator of the first-order index.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
 pub enum FirstOrder {
     /// V - mean((f_B - f_AB)^2) / 2: Jansen (1999), "Analysis of variance designs for model output",
     /// Computer Physics Communications 117, 35-43. Surer where the index is large, and where the
@@ -21,6 +24,78 @@ pub enum FirstOrder {
     /// mean(f_B (f_AB - f_A)): Saltelli et al. (2010), table 2 (b). Surer for a parameter without
     /// influence, of which it is exactly 0.
     Saltelli,
+}
+
+/// Sobol indices by runs of their own.
+#[derive(Clone, Copy, Debug)]
+pub struct Sobol;
+
+impl Runs for Sobol {
+    fn name(&self) -> &'static str {
+        "sobol"
+    }
+
+    fn option(&self) -> &'static str {
+        "base"
+    }
+
+    fn title(&self, size: u64) -> String {
+        format!("Sobol indices from {size} base points")
+    }
+
+    fn usual_size(&self) -> u64 {
+        256
+    }
+
+    fn runs(&self, parameters: u64, size: u64) -> u64 {
+        size * (parameters + 2)
+    }
+
+    fn design(&self, parameters: usize, settled: &Settled) -> Result<Vec<Vec<f64>>, String> {
+        let replicates = replicates(settled.size);
+        let pairs = crate::design::cube(2 * parameters, settled.size, settled.seed, replicates)?;
+        Ok(design(&pairs))
+    }
+
+    /// The rows of A and B.
+    fn plain_sample(&self, parameters: usize, rows: usize) -> Vec<usize> {
+        let width = parameters + 2;
+        (0..rows)
+            .filter(|k| k % width == 0 || k % width == width - 1)
+            .collect()
+    }
+
+    fn done(&self, parameters: usize, runs: usize, settled: &Settled) -> String {
+        format!(
+            "Sobol indices from {} base points in {} randomisations ({runs} runs); rank correlations and PAWN of their plain sample",
+            runs / (parameters + 2),
+            replicates(settled.size),
+        )
+    }
+
+    fn tell(&self, design: &[Vec<f64>], values: &[f64], settled: &Settled) -> Told {
+        let parameters = design.first().map_or(0, Vec::len);
+        let replicates = replicates(settled.size);
+        let found = indices(values, parameters, settled.estimator, replicates);
+        let growing = convergence(values, parameters, settled.estimator, replicates);
+        let totals = |s: Indices| s.total.iter().map(|e| e.value).collect::<Vec<f64>>();
+        let growing: Vec<_> = growing.into_iter().map(|(n, s)| (n, totals(s))).collect();
+        let [sobol, convergence] = [json!(found), json!(growing)];
+        Told::from_iter([
+            ("sobol".to_owned(), sobol),
+            ("convergence".to_owned(), convergence),
+        ])
+    }
+
+    fn shown(&self, told: &Told) -> Vec<Measure> {
+        let found: Option<Indices> = read(told, "sobol");
+        found.map_or_else(Vec::new, |found| {
+            vec![
+                Measure::drawn("total", found.total),
+                Measure::drawn("first order", found.first),
+            ]
+        })
+    }
 }
 
 /// The rows of the design in the unit cube, in the order A, A_B^(1) .. A_B^(d), B for every pair.

@@ -1,6 +1,9 @@
 //! The sensitivity of all outputs of a study in one result: of every criterion, and of "is verified".
 
-use super::{Estimate, dominant, morris, pawn, rank, regional, sobol};
+use super::method::{Measure, Runs, Settled, Told};
+use super::methods::{RUNS, VIEWS};
+use super::sobol::FirstOrder;
+use super::{dominant, regional};
 use crate::analysis::table::PointTable;
 use serde::{Deserialize, Serialize};
 
@@ -26,22 +29,38 @@ pub struct Sensitivity {
 pub struct Output {
     /// The output's name.
     pub name: String,
-    /// Sobol indices, where there are runs of their design.
-    pub sobol: Option<sobol::Indices>,
-    /// Total indices by growing parts of the design: base points and indices.
-    pub convergence: Vec<(usize, Vec<f64>)>,
-    /// Elementary effects, where there are runs of their design.
-    pub morris: Option<Vec<morris::Effect>>,
-    /// Rank correlations.
-    pub ranks: Option<rank::Correlations>,
-    /// PAWN indices.
-    pub pawn: Option<pawn::Pawn>,
+    /// What the methods tell, by their keys; null where one was not used or cannot tell.
+    #[serde(flatten)]
+    pub told: Told,
     /// The parameter that matters most, where the intervals allow to say so.
     pub dominant: Option<String>,
 }
 
-const RESAMPLES: usize = 200;
-const SLICES: usize = 10;
+impl Output {
+    /// What is shown of it: what is drawn of one method first, and then what only stands in the table.
+    pub fn shown(&self) -> Vec<Measure> {
+        let runs = RUNS.iter().map(|method| method.shown(&self.told));
+        let views = VIEWS.iter().map(|view| view.shown(&self.told));
+        let mut principal: Option<usize> = None;
+        let mut shown = Vec::new();
+        for (number, measures) in runs.chain(views).enumerate() {
+            for measure in measures {
+                if !measure.drawn || *principal.get_or_insert(number) == number {
+                    shown.push(measure);
+                }
+            }
+        }
+        // Stable: what is drawn keeps its order.
+        shown.sort_by_key(|measure| !measure.drawn);
+        shown
+    }
+}
+
+/// The parameter of which the first measure is surely the largest.
+fn most_important(shown: &[Measure], parameters: &[String]) -> Option<String> {
+    let first = shown.iter().find(|measure| measure.drawn)?;
+    Some(parameters[dominant(&first.estimates)?].clone())
+}
 
 /// Everything that existing points tell, whatever their design.
 pub fn from_points(table: &PointTable, seed: u64) -> Sensitivity {
@@ -51,92 +70,62 @@ pub fn from_points(table: &PointTable, seed: u64) -> Sensitivity {
         .map(|p| p.values.as_slice())
         .collect();
     let completed: Vec<bool> = (0..table.len()).map(|i| table.completed(i)).collect();
-    let outputs = outputs(table)
-        .into_iter()
-        .map(|(name, values)| {
-            let ranks = rank::correlations(&columns, &values);
-            let pawn = pawn::pawn(&columns, &values, SLICES, RESAMPLES, seed);
-            let by_pawn = pawn.as_ref().and_then(|p| dominant(&p.median));
-            Output {
-                dominant: by_pawn.map(|i| table.parameters[i].name.clone()),
-                name,
-                ranks,
-                pawn,
-                ..Output::default()
-            }
-        })
-        .collect();
+    let parameters: Vec<String> = table.parameters.iter().map(|p| p.name.clone()).collect();
+    let output = |(name, values): (String, Vec<f64>)| {
+        let views = VIEWS.iter().map(|view| view.tell(&columns, &values, seed));
+        let mut output = Output {
+            name,
+            told: unused(seed),
+            dominant: None,
+        };
+        output.told.extend(views.flatten());
+        output.dominant = most_important(&output.shown(), &parameters);
+        output
+    };
     Sensitivity {
-        parameters: table.parameters.iter().map(|p| p.name.clone()).collect(),
+        outputs: outputs(table).into_iter().map(output).collect(),
         method: "Rank correlations and PAWN of existing points".into(),
         runs: table.len(),
-        failed: completed.iter().filter(|c| !**c).count(),
-        outputs,
+        failed: failed(table),
         verdict: regional::split(&columns, &table.verified, &completed).unwrap_or_default(),
+        parameters,
     }
 }
 
-/// Sobol indices from the rows of [`sobol::design`], and everything that points as they are tell:
-/// that from the rows of A and B, which are a plain sample. The base points belong to `replicates`
-/// independent randomisations in turn.
-pub fn from_sobol(
+/// The keys of the methods that were not used, without values.
+fn unused(seed: u64) -> Told {
+    let settled = Settled {
+        size: 0,
+        estimator: FirstOrder::default(),
+        seed,
+    };
+    let keys = RUNS.iter().map(|method| method.tell(&[], &[], &settled));
+    keys.flatten().collect()
+}
+
+/// What the rows of a design tell, and everything that its plain sample tells.
+pub fn from_runs(
+    method: &dyn Runs,
+    design: &[Vec<f64>],
     rows: &PointTable,
-    estimator: sobol::FirstOrder,
-    replicates: u64,
-    seed: u64,
+    settled: &Settled,
 ) -> Sensitivity {
-    let d = rows.parameters.len();
-    let width = d + 2;
-    let plain: Vec<usize> = (0..rows.len())
-        .filter(|k| k % width == 0 || k % width == width - 1)
-        .collect();
-    let mut result = from_points(&rows.subset(&plain), seed);
+    let parameters = rows.parameters.len();
+    let plain = method.plain_sample(parameters, rows.len());
+    let mut result = from_points(&rows.subset(&plain), settled.seed);
     for (output, (_, values)) in result.outputs.iter_mut().zip(outputs(rows)) {
-        output.sobol = sobol::indices(&values, d, estimator, replicates);
-        output.convergence = sobol::convergence(&values, d, estimator, replicates)
-            .into_iter()
-            .map(|(n, s)| (n, s.total.iter().map(|e| e.value).collect()))
-            .collect();
-        let total = output
-            .sobol
-            .as_ref()
-            .map_or(&[] as &[Estimate], |s| &s.total);
-        output.dominant = dominant(total).map(|i| rows.parameters[i].name.clone());
+        let told = method.tell(design, &values, settled);
+        output.dominant = most_important(&method.shown(&told), &result.parameters);
+        output.told.extend(told);
     }
     result.runs = rows.len();
-    result.failed = (0..rows.len()).filter(|&k| !rows.completed(k)).count();
-    result.method = format!(
-        "Sobol indices from {} base points in {replicates} randomisations ({} runs); rank correlations and PAWN of their plain sample",
-        rows.len() / width,
-        rows.len()
-    );
+    result.failed = failed(rows);
+    result.method = method.done(parameters, rows.len(), settled);
     result
 }
 
-/// Elementary effects from the rows of [`morris::design`] in the unit cube.
-pub fn from_morris(cube: &[Vec<f64>], rows: &PointTable, seed: u64) -> Sensitivity {
-    let outputs = outputs(rows)
-        .into_iter()
-        .map(|(name, values)| {
-            let effects = morris::effects(cube, &values, RESAMPLES, seed);
-            let sizes: Vec<Estimate> = effects.iter().flatten().map(|e| e.mu_star).collect();
-            let dominant = dominant(&sizes).map(|i| rows.parameters[i].name.clone());
-            Output {
-                name,
-                morris: effects,
-                dominant,
-                ..Output::default()
-            }
-        })
-        .collect();
-    Sensitivity {
-        parameters: rows.parameters.iter().map(|p| p.name.clone()).collect(),
-        method: format!("Morris screening, {} runs", rows.len()),
-        runs: rows.len(),
-        failed: (0..rows.len()).filter(|&k| !rows.completed(k)).count(),
-        outputs,
-        verdict: vec![],
-    }
+fn failed(table: &PointTable) -> usize {
+    (0..table.len()).filter(|&k| !table.completed(k)).count()
 }
 
 /// The criteria's values, and 1 or 0 for verified or not; not a number for failed runs.

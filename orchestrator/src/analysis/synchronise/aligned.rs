@@ -124,15 +124,18 @@ impl Aligned {
                 recording.torque.accuracy.standard(v)
             }),
         ];
-        let power_channel = Channel {
-            name: "P_fr".into(),
-            variable: "sensor.frictionPower".into(),
-            unit: "W".into(),
-            ..recording.torque.clone()
-        };
-        findings.push(self.mean(&power_channel, &power, recording, |v| {
-            of_product(v, &[parts.1, parts.2])
-        }));
+        if let Some(derived) = &recording.power {
+            let channel = Channel {
+                name: derived.name.clone(),
+                variable: derived.variable.clone(),
+                unit: "W".into(),
+                group: derived.group.clone(),
+                ..recording.torque.clone()
+            };
+            findings.push(self.mean(&channel, &power, recording, |v| {
+                of_product(v, &[parts.1, parts.2])
+            }));
+        }
         for channel in &recording.others {
             let values = even(channel)?.values;
             findings.push(self.mean(channel, &values, recording, |v| {

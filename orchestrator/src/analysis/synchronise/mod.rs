@@ -40,7 +40,7 @@ impl Accuracy {
 pub struct Channel {
     /// The criterion's name.
     pub name: String,
-    /// The FMU variable that it is compared with.
+    /// The FMU variable that it is compared with; empty for a signal that becomes no criterion.
     pub variable: String,
     /// The unit of the values.
     pub unit: String,
@@ -48,6 +48,17 @@ pub struct Channel {
     pub values: Vec<f64>,
     /// The sensor's accuracy.
     pub accuracy: Accuracy,
+    /// The group of criteria that it is counted with.
+    pub group: Option<String>,
+}
+
+/// What a quantity that follows from several signals is compared with.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Derived {
+    /// The criterion's name.
+    pub name: String,
+    /// The FMU variable that it is compared with.
+    pub variable: String,
     /// The group of criteria that it is counted with.
     pub group: Option<String>,
 }
@@ -63,6 +74,8 @@ pub struct Recording {
     pub torque: Channel,
     /// The shaft's speed, rad/s.
     pub speed: Channel,
+    /// The friction power, torque times speed, where that becomes a criterion.
+    pub power: Option<Derived>,
     /// Further signals of which the mean becomes a criterion, such as temperatures.
     pub others: Vec<Channel>,
     /// Diameter of the bearing, m.

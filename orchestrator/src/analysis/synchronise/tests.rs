@@ -58,6 +58,11 @@ fn recording(creep: f64) -> Recording {
             Accuracy::Relative(0.005),
             vec![TAU * 5.0; 30_000],
         ),
+        power: Some(Derived {
+            name: "P_fr".to_owned(),
+            variable: "sensor.frictionPower".to_owned(),
+            group: None,
+        }),
         others: vec![channel(
             "T_oil",
             "sensor.oilTemperature",

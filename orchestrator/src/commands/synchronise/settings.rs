@@ -7,7 +7,7 @@ use thiserror::Error;
 
 use crate::analysis::synchronise::signal::SignalError;
 use crate::analysis::synchronise::smooth::Smoothing;
-use crate::analysis::synchronise::{Accuracy, Channel, Recording};
+use crate::analysis::synchronise::{Accuracy, Channel, Derived, Recording};
 use crate::names::{did_you_mean, nearest};
 use crate::study::Quantity;
 use crate::table::csv_file::{CsvFile, reason};
@@ -69,6 +69,8 @@ pub(super) struct Settings {
     torque: Signal,
     /// The shaft's speed: a column or a number.
     speed: Speed,
+    /// The friction power, torque times speed, where that becomes a criterion.
+    power: Option<Power>,
     /// Diameter of the bearing.
     diameter: Quantity,
     /// Further signals by the criteria's names.
@@ -110,6 +112,14 @@ struct Speed {
     value: Option<f64>,
     unit: String,
     accuracy: Quantity,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Power {
+    name: Option<String>,
+    variable: String,
+    group: Option<String>,
 }
 
 /// Passes the turn's tenth harmonic at 300 rpm.
@@ -191,12 +201,17 @@ impl Settings {
             torque: signal(&self.torque, "M", TORQUE, Some("N.m"))?,
             speed: Channel {
                 name: "speed".to_owned(),
-                variable: "drive.speed".to_owned(),
+                variable: String::new(),
                 unit: "rad/s".to_owned(),
                 values: speed,
                 accuracy: accuracy(&self.speed.accuracy, &self.speed.unit, turns).map_err(wrong)?,
                 group: None,
             },
+            power: self.power.as_ref().map(|power| Derived {
+                name: power.name.clone().unwrap_or_else(|| "P_fr".to_owned()),
+                variable: power.variable.clone(),
+                group: power.group.clone(),
+            }),
             others: others.collect::<Result<_, _>>()?,
             diameter: quantity(&self.diameter, LENGTH, "m")?,
             window: self.window,

@@ -3,24 +3,27 @@
 use std::path::PathBuf;
 
 use indexmap::IndexMap;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
-use super::problem::Scale;
+use super::{Name, Quantity};
 use crate::statistics::Statistic;
-use crate::study::{Name, Quantity};
 
-/// A study, as far as `identify` has words of its own in it.
-#[derive(Clone, Debug, Deserialize)]
-pub struct Document {
-    /// The section.
-    pub identify: Option<Settings>,
+/// How a parameter is measured out between its bounds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Scale {
+    /// Equal differences count equally.
+    #[default]
+    Linear,
+    /// Equal ratios count equally: for quantities known only by their order of magnitude.
+    Log,
 }
 
 /// Unknown parameters, measurements, and the effort of the search.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
-pub struct Settings {
+pub struct Identification {
     /// The table whose rows are the measured cases, relative to the study; one case otherwise.
     pub cases: Option<Spanned<PathBuf>>,
     /// Starts that are screened.
