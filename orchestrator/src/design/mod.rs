@@ -8,6 +8,8 @@ pub mod correlation;
 mod factorial;
 mod halton;
 mod hypercube;
+#[cfg(test)]
+mod lasting_tests;
 mod methods;
 mod optimised;
 mod random;
