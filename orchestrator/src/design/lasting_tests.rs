@@ -168,3 +168,26 @@ fn the_points_of_a_seed_never_change() {
         assert_eq!(found, expected, "{method:?}");
     }
 }
+
+/// The slices of the last of four inputs in an optimised Latin hypercube of 60 points: so many points that the effort
+/// limits the search.
+const SLICES: [u64; 60] = [
+    29, 52, 20, 21, 8, 16, 45, 51, 54, 57, 38, 24, 37, 23, 25, 15, 7, 31, 30, 44, 26, 12, 32, 56,
+    2, 28, 39, 47, 10, 50, 13, 48, 14, 35, 49, 11, 42, 3, 33, 9, 6, 22, 58, 5, 0, 27, 40, 43, 41,
+    59, 19, 1, 55, 46, 17, 34, 36, 53, 4, 18,
+];
+
+#[test]
+fn a_long_search_for_a_spread_never_ends_elsewhere() {
+    let sampling = Sampling {
+        method: Method::OptimisedLatinHypercube,
+        points: 60,
+        seed: 7,
+        replicates: 1,
+    };
+    let design = Design::new(&sampling, vec![UNIT; 4]).unwrap();
+    let slice = |index| (60.0 * design.point(index)[3]).floor();
+    for (index, expected) in (0..).zip(SLICES) {
+        assert_eq!(slice(index), expected as f64, "point {index}");
+    }
+}

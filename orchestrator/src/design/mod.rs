@@ -8,6 +8,8 @@ pub mod correlation;
 mod factorial;
 mod halton;
 mod hypercube;
+#[cfg(test)]
+mod lasting_tests;
 mod methods;
 mod optimised;
 mod random;
@@ -236,6 +238,54 @@ mod tests {
                     .all(|p| p[2] == 3.0 && (0.0..=1.0).contains(&p[3]))
             );
         }
+    }
+
+    #[test]
+    fn numbers_that_make_no_design_are_refused() {
+        let sampling = |method, points, replicates| Sampling {
+            method,
+            points,
+            seed: 1,
+            replicates,
+        };
+        let unit = Distribution::Uniform { min: 0.0, max: 1.0 };
+        for (refused, reason) in [
+            (sampling(Method::Sobol, 0, 1), "points"),
+            (sampling(Method::Sobol, 8, 0), "replicates must"),
+            (sampling(Method::Halton, 8, 2), "replicates need"),
+        ] {
+            let error = Design::new(&refused, vec![unit]).unwrap_err();
+            assert!(error.contains(reason), "{error}");
+        }
+        let design = Design::new(&sampling(Method::Sobol, 8, 2), vec![unit]).unwrap();
+        assert_eq!((design.len(), design.is_empty()), (8, false));
+    }
+
+    #[test]
+    fn inputs_that_do_not_vary_need_no_design() {
+        let fixed = Distribution::Fixed { value: 3.0 };
+        for method in METHODS {
+            let sampling = Sampling {
+                method,
+                points: 8,
+                ..Sampling::default()
+            };
+            let design = Design::new(&sampling, vec![fixed; 2]).unwrap();
+            assert_eq!(design.point(7), [3.0, 3.0], "{method:?}");
+        }
+    }
+
+    #[test]
+    fn random_points_can_be_extended_and_others_cannot() {
+        let extensible = |method: Method| method.is_extensible();
+        let own = [Method::MonteCarlo, Method::Sobol, Method::Halton];
+        assert!(own.into_iter().all(extensible));
+        let whole = [
+            Method::LatinHypercube,
+            Method::OptimisedLatinHypercube,
+            Method::FullFactorial,
+        ];
+        assert!(!whole.into_iter().any(extensible));
     }
 
     #[test]

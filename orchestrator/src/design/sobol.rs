@@ -175,6 +175,14 @@ mod tests {
 
     #[test]
     fn too_many_inputs_are_refused() {
+        assert!(nets(10, 1, 100).is_ok());
         assert!(nets(10, 1, 101).unwrap_err().contains("at most 100"));
+    }
+
+    #[test]
+    fn too_many_points_are_refused() {
+        assert!(nets(1 << 32, 1, 1).is_ok() && nets(3 << 32, 3, 1).is_ok());
+        let error = nets((1 << 32) + 1, 1, 1).unwrap_err();
+        assert!(error.contains("2^32 points"), "{error}");
     }
 }
