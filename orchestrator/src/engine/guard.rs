@@ -360,6 +360,11 @@ impl Guard {
             }
         }
         child.part(&mut self.keeper, GRACE);
+        if self.setup.echo {
+            let mut end = Vec::new();
+            put_end(&End::Done, &mut end);
+            self.output.put(&end)?;
+        }
         Ok(())
     }
 

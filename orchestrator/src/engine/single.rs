@@ -127,7 +127,8 @@ impl Recorder<'_> {
         columns: &[Handle],
         row: Row<'_, E>,
     ) -> Result<Option<Failure>, E> {
-        // Whoever watches hears how the FMU ends after all has been computed, but does not wait for ever.
+        // Whoever watches hears how the FMU ends after all has been computed, but does not wait for ever. The guard says
+        // a second time that it is done when the FMU has ended.
         const FAREWELL: Duration = Duration::from_secs(2);
         let mut outcome = Ok(None);
         let done: Cell<Option<Instant>> = Cell::new(None);
@@ -138,8 +139,8 @@ impl Recorder<'_> {
             match reader.end() {
                 Some(End::Not) => {}
                 Some(End::Done) => {
-                    done.set(Some(Instant::now()));
-                    return self.echo;
+                    let ended = done.replace(Some(Instant::now())).is_some();
+                    return self.echo && !ended;
                 }
                 Some(End::Failed(failure)) => {
                     outcome = Ok(Some(failure));

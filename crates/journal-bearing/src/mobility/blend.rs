@@ -1,15 +1,54 @@
 //! Interpolation over `B/D`: a slice between two tabulated ones, made row by row.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
-use super::table::{CHANNELS, MOBILITY, Node, Tabulated, VALUE};
+use super::spline::{End, Spline};
+use super::table::{CHANNELS, MOBILITY, Node, SplinesOverS, Tabulated, VALUE};
 
 /// The map's slices and their slopes over `ln(B/D)`: what every blend is made from.
 #[derive(Clone, Debug)]
 pub struct Sources {
     pub slices: Vec<Tabulated>,
-    /// Per slice, the slope of each node per slice spacing, from the spline over all slices.
-    pub slopes: Vec<Vec<Node>>,
+    over_s: SplinesOverS,
+    over_width: Spline,
+    /// One per row. A journal visits few of them, and a process may live for one simulation only, so each is made on
+    /// first use.
+    rows: Vec<OnceLock<SourceRow>>,
+}
+
+/// The nodes of one row in all slices.
+#[derive(Clone, Debug)]
+struct SourceRow {
+    /// By slice, then `s`.
+    nodes: Vec<Node>,
+    /// The slope of each node per slice spacing, from the spline over all slices.
+    slopes: Vec<Node>,
+}
+
+impl Sources {
+    /// Sources from slices that have the same lattice.
+    pub fn new(slices: Vec<Tabulated>) -> Self {
+        let lattice = slices[0].lattice;
+        Self {
+            over_s: SplinesOverS::new(lattice.ss),
+            over_width: Spline::new(slices.len(), [End::Free; 2]),
+            rows: vec![OnceLock::new(); lattice.last_u as usize + 1],
+            slices,
+        }
+    }
+
+    fn row(&self, i: usize) -> &SourceRow {
+        self.rows[i].get_or_init(|| {
+            let rows = self.slices.iter().map(|slice| slice.row(i, &self.over_s));
+            let nodes: Vec<Node> = rows.flatten().collect();
+            let mut slopes = vec![Node::default(); nodes.len()];
+            let many = self.slices[0].lattice.ss * 4 * CHANNELS;
+            let values = nodes.as_flattened().as_flattened();
+            let over_width = slopes.as_flattened_mut().as_flattened_mut();
+            self.over_width.slopes_of_many(many, values, over_width);
+            SourceRow { nodes, slopes }
+        })
+    }
 }
 
 /// A slice at any `B/D` as a weighted sum of two neighbouring tabulated slices and their slopes.
@@ -27,15 +66,17 @@ pub struct Blend {
 impl Blend {
     /// The nodes of row `i`: one `u`, all `s`.
     pub fn row(&self, i: usize) -> Box<[Node]> {
-        let (sources, cell) = (&*self.sources, self.cell);
-        let row = sources.slices[cell].lattice.row(i);
-        let near = &sources.slices[cell].nodes[row.clone()];
-        let far = &sources.slices[cell + 1].nodes[row.clone()];
-        let near_slope = &sources.slopes[cell][row.clone()];
-        let far_slope = &sources.slopes[cell + 1][row];
-        let sources = near.iter().zip(far).zip(near_slope.iter().zip(far_slope));
+        let ss = self.sources.slices[0].lattice.ss;
+        let source = self.sources.row(i);
+        let slice = |k: usize| k * ss..(k + 1) * ss;
+        let (near, far) = (slice(self.cell), slice(self.cell + 1));
+        let nodes = source.nodes[near.clone()]
+            .iter()
+            .zip(&source.nodes[far.clone()]);
+        let slopes = source.slopes[near].iter().zip(&source.slopes[far]);
         let [a, b, c, d] = self.weights;
-        sources
+        nodes
+            .zip(slopes)
             .map(|((near, far), (near_slope, far_slope))| {
                 let mut node = Node::default();
                 for kind in 0..4 {

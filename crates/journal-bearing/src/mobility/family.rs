@@ -5,13 +5,12 @@ use std::sync::Arc;
 use super::blend::{Blend, Sources};
 use super::map::MobilityMap;
 use super::slice::MobilitySlice;
-use super::spline::{End, Spline, hermite};
-use super::table::{CHANNELS, Node};
+use super::spline::hermite;
 
 /// The mobility of a short bearing goes with this power of `B/D`.
 const SHORT: f64 = -2.0;
 
-/// A [`MobilityMap`] prepared for every `B/D`: its slices and their slopes over `ln(B/D)`.
+/// A [`MobilityMap`] prepared for every `B/D`: its slices, and their slopes over `ln(B/D)` where they are needed.
 ///
 /// Prepare a map once; clones share the prepared numbers.
 ///
@@ -38,31 +37,10 @@ pub struct SliceFamily {
 impl SliceFamily {
     /// Prepares a map.
     pub fn new(map: &MobilityMap) -> Self {
-        let slices = map.slices();
-        let (count, nodes) = (slices.len(), slices[0].nodes.len());
-        let spline = Spline::new(count, [End::Free; 2]);
-        let mut over_width = vec![vec![Node::default(); nodes]; count];
-        let (mut line, mut slope) = (vec![0.0; count], vec![0.0; count]);
-        for node in 0..nodes {
-            for kind in 0..4 {
-                for channel in 0..CHANNELS {
-                    for (value, slice) in line.iter_mut().zip(&slices) {
-                        *value = slice.nodes[node][kind][channel];
-                    }
-                    spline.slopes(&line, &mut slope);
-                    for (nodes, slope) in over_width.iter_mut().zip(&slope) {
-                        nodes[node][kind][channel] = *slope;
-                    }
-                }
-            }
-        }
         Self {
             first: map.width(0).ln(),
             spacing: (map.width(1) / map.width(0)).ln(),
-            sources: Arc::new(Sources {
-                slices,
-                slopes: over_width,
-            }),
+            sources: Arc::new(Sources::new(map.slices())),
         }
     }
 
@@ -102,6 +80,7 @@ impl SliceFamily {
 
 #[cfg(test)]
 mod tests {
+    use super::super::table::SplinesOverS;
     use super::*;
 
     #[test]
@@ -111,7 +90,7 @@ mod tests {
         for (k, slice) in map.slices().iter().enumerate() {
             let made = family.slice(map.width(k));
             for i in [0, 7, 40] {
-                let tabulated = &slice.nodes[slice.lattice.row(i)];
+                let tabulated = slice.row(i, &SplinesOverS::new(slice.lattice.ss));
                 for (a, b) in made.row(i).iter().flatten().zip(tabulated.iter().flatten()) {
                     for (a, b) in a.iter().zip(b) {
                         assert!((a - b).abs() < 1e-9 * b.abs().max(1.0), "{a} {b}");

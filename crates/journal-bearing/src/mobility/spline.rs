@@ -63,18 +63,41 @@ impl Spline {
 
     /// Computes the slopes at the nodes, per node spacing.
     pub fn slopes(&self, values: &[f64], slopes: &mut [f64]) {
-        let (n, pivots) = (self.upper.len(), &self.pivots[..]);
-        let (values, slopes) = (&values[..n], &mut slopes[..n]);
-        slopes[0] = pivots[0] * self.ends[0].right([values[0], values[1], values[2], values[3]]);
+        self.slopes_of_many(1, values, slopes);
+    }
+
+    /// Computes the slopes of `many` functions at once; the values of all functions at one node stand side by side.
+    /// The inner loops run over the functions, so that the processor works on several of them at a time.
+    pub fn slopes_of_many(&self, many: usize, values: &[f64], slopes: &mut [f64]) {
+        let n = self.upper.len();
+        let (values, slopes) = (&values[..n * many], &mut slopes[..n * many]);
+        let node = |i: usize| &values[i * many..(i + 1) * many];
+        let end =
+            |end: End, nodes: [usize; 4], lane: usize| end.right(nodes.map(|i| node(i)[lane]));
+        for (lane, slope) in slopes[..many].iter_mut().enumerate() {
+            *slope = self.pivots[0] * end(self.ends[0], [0, 1, 2, 3], lane);
+        }
         for i in 1..n - 1 {
-            slopes[i] = pivots[i] * (3.0 * (values[i + 1] - values[i - 1]) - slopes[i - 1]);
+            let (done, rest) = slopes.split_at_mut(i * many);
+            let before = &done[(i - 1) * many..];
+            let around = node(i + 1).iter().zip(node(i - 1));
+            for ((slope, before), (right, left)) in rest.iter_mut().zip(before).zip(around) {
+                *slope = self.pivots[i] * (3.0 * (right - left) - before);
+            }
         }
         // The second end is the first one mirrored: slopes change their sign.
-        let mirrored = [values[n - 1], values[n - 2], values[n - 3], values[n - 4]];
+        let mirrored = [n - 1, n - 2, n - 3, n - 4];
         let [_, left] = self.ends[1].row();
-        slopes[n - 1] = pivots[n - 1] * (-self.ends[1].right(mirrored) - left * slopes[n - 2]);
+        let (done, last) = slopes.split_at_mut((n - 1) * many);
+        for (lane, (slope, before)) in last.iter_mut().zip(&done[(n - 2) * many..]).enumerate() {
+            let right = end(self.ends[1], mirrored, lane);
+            *slope = self.pivots[n - 1] * (-right - left * before);
+        }
         for i in (0..n - 1).rev() {
-            slopes[i] -= self.upper[i] * slopes[i + 1];
+            let (rest, after) = slopes.split_at_mut((i + 1) * many);
+            for (slope, after) in rest[i * many..].iter_mut().zip(&after[..many]) {
+                *slope -= self.upper[i] * after;
+            }
         }
     }
 }

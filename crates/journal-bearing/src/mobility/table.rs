@@ -31,48 +31,22 @@ pub struct Lattice {
     pub per_u: f64,
 }
 
-impl Lattice {
-    /// The range of the nodes of row `i`: one `u`, all `s`.
-    pub fn row(&self, i: usize) -> std::ops::Range<usize> {
-        i * self.ss..(i + 1) * self.ss
-    }
-}
-
-/// The quantities over `u` and `s` at one of the map's `B/D`.
+/// The quantities over `u` and `s` at one of the map's `B/D`; the nodes of a row are made when they are asked for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tabulated {
     pub lattice: Lattice,
-    /// By `u`, then `s`.
-    pub nodes: Vec<Node>,
+    /// By `u`, then `s`, then channel.
+    values: Vec<f64>,
+    /// Their slopes over `u`, per node spacing.
+    over_u: Vec<f64>,
 }
 
 impl Tabulated {
     /// Makes the table from `us * ss` node values, ordered by `u`, then `s`, then channel; `u` ends at `last_u`.
     pub fn new(values: &[f32], us: usize, ss: usize, last_u: f64) -> Self {
-        let mut nodes = vec![Node::default(); us * ss];
-        let free = Spline::new(us, [End::Free; 2]);
-        for (channel, symmetry) in SYMMETRY.into_iter().enumerate() {
-            let values: Vec<f64> = values
-                .iter()
-                .skip(channel)
-                .step_by(CHANNELS)
-                .map(|&value| f64::from(value))
-                .collect();
-            let over_u = slopes_over_u(&values, &free, us, ss);
-            let spline = Spline::new(ss, [symmetry; 2]);
-            let (mut over_s, mut twist) = (vec![0.0; ss], vec![0.0; ss]);
-            for i in 0..us {
-                let row = i * ss..(i + 1) * ss;
-                spline.slopes(&values[row.clone()], &mut over_s);
-                spline.slopes(&over_u[row.clone()], &mut twist);
-                for (j, at) in row.enumerate() {
-                    let node = [values[at], over_u[at], over_s[j], twist[j]];
-                    for (kind, value) in nodes[at].iter_mut().zip(node) {
-                        kind[channel] = value;
-                    }
-                }
-            }
-        }
+        let values: Vec<f64> = values.iter().map(|&value| f64::from(value)).collect();
+        let mut over_u = vec![0.0; values.len()];
+        Spline::new(us, [End::Free; 2]).slopes_of_many(ss * CHANNELS, &values, &mut over_u);
         let last = (us - 1) as f64;
         let lattice = Lattice {
             ss,
@@ -80,22 +54,45 @@ impl Tabulated {
             last_s: (ss - 1) as f64,
             per_u: last / last_u,
         };
-        Self { lattice, nodes }
+        Self {
+            lattice,
+            values,
+            over_u,
+        }
+    }
+
+    /// The nodes of row `i`: one `u`, all `s`. `along` has the splines over `s`.
+    pub fn row(&self, i: usize, along: &SplinesOverS) -> Vec<Node> {
+        let ss = self.lattice.ss;
+        let row = i * ss * CHANNELS..(i + 1) * ss * CHANNELS;
+        let mut nodes = vec![Node::default(); ss];
+        let (mut line, mut slopes) = (vec![0.0; ss], vec![0.0; ss]);
+        for (kind, all) in [&self.values[row.clone()], &self.over_u[row]]
+            .into_iter()
+            .enumerate()
+        {
+            for (channel, spline) in along.0.iter().enumerate() {
+                for (value, at) in line.iter_mut().zip(all.chunks_exact(CHANNELS)) {
+                    *value = at[channel];
+                }
+                spline.slopes(&line, &mut slopes);
+                for (node, (value, slope)) in nodes.iter_mut().zip(line.iter().zip(&slopes)) {
+                    node[kind][channel] = *value;
+                    node[2 + kind][channel] = *slope;
+                }
+            }
+        }
+        nodes
     }
 }
 
-/// Slopes over `u`, per node spacing, of values ordered by `u`, then `s`.
-fn slopes_over_u(values: &[f64], spline: &Spline, us: usize, ss: usize) -> Vec<f64> {
-    let mut result = vec![0.0; us * ss];
-    let (mut line, mut slope) = (vec![0.0; us], vec![0.0; us]);
-    for j in 0..ss {
-        for i in 0..us {
-            line[i] = values[i * ss + j];
-        }
-        spline.slopes(&line, &mut slope);
-        for i in 0..us {
-            result[i * ss + j] = slope[i];
-        }
+/// The splines over `s`, one a quantity.
+#[derive(Clone, Debug)]
+pub struct SplinesOverS([Spline; CHANNELS]);
+
+impl SplinesOverS {
+    /// For rows of `ss` nodes.
+    pub fn new(ss: usize) -> Self {
+        Self(SYMMETRY.map(|symmetry| Spline::new(ss, [symmetry; 2])))
     }
-    result
 }
