@@ -211,7 +211,7 @@ def rust_rows(references):
 
 
 def own_rows(references):
-    program = ROOT / os.environ.get("CARGO_TARGET_DIR", "target") / "release" / "orchestrator"
+    program = ROOT / os.environ.get("CARGO_TARGET_DIR", "target") / os.environ.get("PROFILE", "debug") / "orchestrator"
     if not program.exists():
         return []
     row = Row("orchestrator simulate (ours)")

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 ROOT = Path(__file__).resolve().parent.parent.parent
-PROGRAM = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release" / "orchestrator"
+# What `cargo test` has built: its checks for overflow are on, and nothing has to be compiled a second time.
+PROGRAM = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / os.environ.get("PROFILE", "debug") / "orchestrator"
 TABLE3 = ROOT / "studies" / "paper" / "table3_solutions.csv"
 
 

@@ -2,24 +2,21 @@
 
 import csv
 import json
-import os
 import subprocess
-from pathlib import Path
 
 import numpy as np
 import openturns as ot
 import pytest
 from SALib.analyze import morris, pawn, sobol
+from test_acceptance import PROGRAM, ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
 STUDY = ROOT / "studies" / "paper-table3.toml"
 PARAMETERS, BASE = 7, 128
 CRITERIA = ["T_oil", "T_bearing", "F_N", "P_fr"]
 
 
 def orchestrator(*arguments):
-    program = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release" / "orchestrator"
-    subprocess.run([program, *map(str, arguments)], cwd=ROOT, check=True, capture_output=True)
+    subprocess.run([PROGRAM, *map(str, arguments)], cwd=ROOT, check=True, capture_output=True)
 
 
 def results(folder):

@@ -11,6 +11,7 @@ import time
 from pathlib import Path
 
 import pytest
+from test_acceptance import PROGRAM
 
 selenium = pytest.importorskip("selenium")
 from selenium import webdriver  # noqa: E402
@@ -172,8 +173,7 @@ def test_the_page_of_a_recording(browser, tmp_path):
     rows = (f"{t},{force(t)},{0.00059 * force(t - 0.016)}" for t in (k / 1000 for k in range(12_000)))
     (tmp_path / "measured.csv").write_text("t,F,M\n" + "\n".join(rows) + "\n")
     (tmp_path / "settings.toml").write_text(SETTINGS)
-    program = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release" / "orchestrator"
-    command = [program, "synchronise", "measured.csv", "--settings", "settings.toml", "--output", "out"]
+    command = [PROGRAM, "synchronise", "measured.csv", "--settings", "settings.toml", "--output", "out"]
     subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
     browser.get((tmp_path / "out" / "report.html").as_uri())
     assert browser.get_log("browser") == []
