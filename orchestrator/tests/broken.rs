@@ -6,24 +6,34 @@ mod support;
 
 use support::{Bench, Said, model};
 
-/// What was broken: the change in the model description, and a word of what is found, after its severity where that is
-/// no error.
+/// What was broken: the change in the model description, and what is found, as [`amiss`] has it.
 const DESCRIPTIONS: &str = include_str!("fixtures/broken.txt");
 
-/// What is not as it should be: one line beside the verdict, with these words and of this severity, `error` unless they
-/// begin with another one.
-fn amiss(bench: &Bench, name: &str, words: &str) -> Option<String> {
-    let (severity, code, words) = match words.split_once(": ") {
-        Some(("warning", words)) => ("warning", 0, words),
-        Some(("note", words)) => ("note", 0, words),
-        _ => ("error", 1, words),
+/// The same for binaries, broken by a macro of `lag.c`.
+const BINARIES: &str = include_str!("fixtures/broken-binaries.txt");
+
+/// All cases, with those of this file: every rule stands there.
+const CASES: [&str; 3] = [DESCRIPTIONS, BINARIES, include_str!("broken.rs")];
+
+/// What is not as it should be: one finding, of this rule and with these words. `found` is `RULE: WORDS`; a severity
+/// other than `error` stands before the rule.
+fn amiss(bench: &Bench, name: &str, found: &str) -> Option<String> {
+    let (rule, words) = found.split_once(": ").unwrap();
+    let (severity, rule) = rule.split_once(' ').unwrap_or(("error", rule));
+    let said = bench.run(&["check", "broken.fmu", "--patience", "1", "--format", "json"]);
+    let Said { out, err, code } = &said;
+    let report: serde_json::Value = serde_json::from_str(out).unwrap_or_default();
+    let [finding] = report["findings"].as_array().map_or(&[][..], Vec::as_slice) else {
+        return Some(format!(
+            "{name}: not one finding `{found}` alone in: {out}{err}"
+        ));
     };
-    let said = bench.run(&["check", "broken.fmu", "--patience", "1"]);
-    let Said { out, err, .. } = &said;
-    let line = out.lines().nth(1).unwrap_or_default();
-    let right = line.starts_with(&format!("  {severity}: ")) && line.ends_with(']');
-    let right = right && said.code == code && out.lines().count() == 2 && line.contains(words);
-    (!right).then(|| format!("{name}: no {severity} `{words}` alone in: {out}{err}"))
+    let place = [&finding["file"], &finding["message"]].map(|part| part.as_str().unwrap_or(""));
+    let right = finding["rule"] == rule
+        && finding["severity"] == severity
+        && *code == i32::from(severity == "error")
+        && place.join(": ").contains(words);
+    (!right).then(|| format!("{name}: no `{found}` in: {finding}{err}"))
 }
 
 fn none(amiss: &[String]) {
@@ -35,6 +45,30 @@ fn a_good_fmu_has_nothing() {
     let bench = Bench::new();
     let said = bench.run(&["check", "lag.fmu"]);
     assert_eq!((said.code, said.out.trim()), (0, "lag.fmu: nothing found"));
+}
+
+/// A new rule comes with a fault that it finds.
+#[test]
+fn every_rule_has_a_case() {
+    let bench = Bench::new();
+    let said = bench.run(&["check", "lag.fmu", "--format", "sarif"]);
+    let report: serde_json::Value = serde_json::from_str(&said.out).unwrap();
+    let rules = report["runs"][0]["tool"]["driver"]["rules"]
+        .as_array()
+        .unwrap();
+    let without: Vec<&str> = rules
+        .iter()
+        .map(|rule| rule["id"].as_str().unwrap())
+        .filter(|rule| {
+            let found = [format!("\"{rule}: "), format!(" {rule}: ")];
+            let stands = |text: &&str| found.iter().any(|found| text.contains(found));
+            !CASES.iter().any(stands)
+        })
+        .collect();
+    assert!(
+        rules.len() > 80 && without.is_empty(),
+        "no case for {without:?}"
+    );
 }
 
 #[test]
@@ -64,100 +98,14 @@ fn every_broken_description_is_found() {
 #[test]
 fn every_broken_binary_is_found() {
     let bench = Bench::empty();
-    let description = model("guid", "guid");
     let mut wrong = Vec::new();
-    for (name, macros, words) in [
-        (
-            "a missing function",
-            "fmi2DoStep=anotherName",
-            "lag.so: the binary does not export fmi2DoStep",
-        ),
-        ("a crash", "FAULT=CRASH", "SIGSEGV"),
-        ("an abort", "FAULT=ABORT", "SIGABRT: lag: assertion failed"),
-        ("an end", "FAULT=EXIT", "with code 3"),
-        ("a hang", "FAULT=HANG", "timeout"),
-        ("an error", "FAULT=FAIL", "the spring broke"),
-        ("no number", "FAULT=NOT_A_NUMBER", "lag.y"),
-        (
-            "a state that survives",
-            "BROKEN_RESET",
-            "after fmi2Reset, lag.y",
-        ),
-        ("no reset", "FAILING_RESET", "fmi2Reset"),
-        (
-            "a parameter that survives",
-            "KEEPS_RATE",
-            "after a simulation with changed parameters and fmi2Reset, lag.rate is 1.01",
-        ),
-        (
-            "an end that fails",
-            "FAILING_TERMINATE",
-            "the simulation is whole, but: fmi2Error",
-        ),
-        (
-            "a double free",
-            "DOUBLE_FREE",
-            "fmi2FreeInstance failed after a whole simulation: SIGABRT",
-        ),
-        (
-            "unwritten memory",
-            "UNWRITTEN",
-            "memory that it never wrote",
-        ),
-        (
-            "the time of day",
-            "CLOCK",
-            "warning: two simulations of the same differ",
-        ),
-        (
-            "a count in the library",
-            "COUNTING",
-            "in a second instance after the first was freed, lag.y",
-        ),
-        (
-            "a second instance refused",
-            "ALONE",
-            "with two instances at once",
-        ),
-        ("one state for all", "GLOBAL", "with two instances at once"),
-        (
-            "an early end",
-            "FAULT=END",
-            "note: ends the simulation by itself, at 0.05 s",
-        ),
-        (
-            "a warning",
-            "FAULT=WARN",
-            "warning: fmi2Warning: 1; the first: fmi2DoStep: take care",
-        ),
-        ("a step for ever", "FAULT=PEND", "fmi2Pending"),
-        (
-            "another version",
-            "VERSION=\"1.0\"",
-            "warning: fmi2GetVersion returns \"1.0\"",
-        ),
-        (
-            "a foreign environment",
-            "STRAY",
-            "warning: the logger is called with an environment",
-        ),
-    ] {
-        // What the description says of the fault is not what is looked for.
-        let fault = macros
-            .strip_prefix("FAULT=")
-            .is_some_and(|name| ["END", "WARN", "NOT_A_NUMBER"].contains(&name));
-        let number = match macros {
-            "FAULT=END" => "13",
-            "FAULT=WARN" => "12",
-            _ => "9",
+    for line in BINARIES.lines().skip(1) {
+        let cells: Vec<&str> = line.split(" | ").collect();
+        let [name, fault, from, to, found] = cells[..] else {
+            panic!("{line}: not five cells");
         };
-        let told = description.replace(
-            "declaredType=\"Fault\" start=\"0\"",
-            &format!("declaredType=\"Fault\" start=\"{number}\""),
-        );
-        let description = if fault { &told } else { &description };
-        bench.fmu("broken.fmu", &[macros], description);
-        wrong.extend(amiss(&bench, name, words));
+        bench.fmu("broken.fmu", &[fault], &model(from, to));
+        wrong.extend(amiss(&bench, name, found));
     }
     none(&wrong);
 }
@@ -199,6 +147,17 @@ fn missing_libraries_are_found_beside_a_missing_function() {
         out.contains("does not export fmi2DoStep") && out.contains("needs libabsent.so"),
         "{out}"
     );
+    compile(&[&[source], &link[..]].concat());
+    let binary = std::fs::read(bench.path("lag.so")).unwrap();
+    bench.zip(
+        "broken.fmu",
+        &[
+            ("modelDescription.xml", description.as_bytes()),
+            ("binaries/linux64/lag.so", &binary),
+        ],
+    );
+    let found = "binary-libraries: lag.so: it needs libabsent.so";
+    none(&Vec::from_iter(amiss(&bench, "a missing library", found)));
 }
 
 /// What looks strange and is allowed: no error, and exit code 0.
@@ -223,6 +182,13 @@ fn legal_things_are_no_errors() {
             text.replace(
                 "declaredType=\"Fault\" start=\"0\"",
                 "declaredType=\"Fault\" start=\"-0\"",
+            ),
+        ),
+        (
+            "Model Exchange after Co-Simulation",
+            text.replace(
+                "<UnitDefinitions>",
+                "<ModelExchange modelIdentifier=\"lag\"/><UnitDefinitions>",
             ),
         ),
         ("zero twice", text.replace("</ModelVariables>", constants)),
@@ -298,7 +264,7 @@ fn a_prefix_is_found() {
     let macros: Vec<&str> = macros.iter().map(String::as_str).collect();
     let bench = Bench::empty();
     bench.fmu("broken.fmu", &macros, &model("guid", "guid"));
-    let words = "exports lag_fmi2DoStep instead of fmi2DoStep";
+    let words = "binary-functions: exports lag_fmi2DoStep instead of fmi2DoStep";
     none(&Vec::from_iter(amiss(&bench, "a prefix", words)));
 }
 
@@ -317,45 +283,50 @@ fn every_broken_archive_is_found() {
             "no binary",
             "resources/none",
             b"",
-            "no binary for this platform",
+            "binary-there: no binary for this platform",
         ),
         (
             "no folder of a platform",
             "binaries/lag.so",
             &good,
-            "no binary for this platform",
+            "binary-there: no binary for this platform",
         ),
         (
             "another machine",
             place,
             &arm,
-            "lag.so: a binary for Aarch64",
+            "binary-machine: lag.so: a binary for Aarch64",
         ),
-        ("another width", place, &narrow, "lag.so: "),
+        ("another width", place, &narrow, "binary-readable: lag.so: "),
         (
             "no library",
             place,
             b"not a library",
-            "lag.so: no shared library",
+            "binary-readable: lag.so: no shared library",
         ),
-        ("half a library", place, &good[..good.len() / 2], "lag.so: "),
+        (
+            "half a library",
+            place,
+            &good[..good.len() / 2],
+            "binary-readable: lag.so: ",
+        ),
         (
             "another name",
             "binaries/linux64/leg.so",
             &good,
-            "call it lag.so",
+            "binary-name: call it lag.so",
         ),
         (
             "a folder in upper case",
             "Binaries/Linux64/lag.so",
             &good,
-            "Binaries/Linux64/lag.so: the folder's name is binaries/linux64/",
+            "binary-folder: Binaries/Linux64/lag.so: the folder's name is binaries/linux64/",
         ),
         (
             "a way out",
             "../outside.txt",
             b"",
-            "../outside.txt: the path leads outside",
+            "archive-path: ../outside.txt: the path leads outside",
         ),
     ];
     let mut wrong = Vec::new();
@@ -374,7 +345,7 @@ fn every_broken_archive_is_found() {
         ("binaries/linux32/lag.so", &good),
     ];
     bench.zip("broken.fmu", &entries);
-    let words = "linux32/lag.so: a binary for X86_64";
+    let words = "binary-machine: linux32/lag.so: a binary for X86_64";
     wrong.extend(amiss(&bench, "another platform", words));
     let whole = description.split("<ModelStructure>").next().unwrap();
     let cut = format!("{whole}</fmiModelDescription>");
@@ -382,13 +353,32 @@ fn every_broken_archive_is_found() {
         "broken.fmu",
         &[("modelDescription.xml", cut.as_bytes()), (place, &good)],
     );
-    let words = "needs the element `ModelStructure`";
+    let words = "schema-element-missing: needs the element `ModelStructure`";
     wrong.extend(amiss(&bench, "no structure", words));
+    let entries: [(&str, &[u8]); 3] = [
+        ("modelDescription.xml", description.as_bytes()),
+        (place, &good),
+        ("binaries/darwin64/LAG.dylib", b""),
+    ];
+    bench.zip("broken.fmu", &entries);
+    let found = "binary-name: darwin64/LAG.dylib: the binary is named otherwise";
+    wrong.extend(amiss(&bench, "another name beside it", found));
+    let identifier = model("modelIdentifier=\"lag\"", "modelIdentifier=\"la-g\"");
+    let entries: [(&str, &[u8]); 2] = [
+        ("modelDescription.xml", identifier.as_bytes()),
+        ("binaries/linux64/la-g.so", &good),
+    ];
+    bench.zip("broken.fmu", &entries);
+    let found = "model-identifier: `la-g` is no C identifier";
+    wrong.extend(amiss(&bench, "no identifier", found));
     bench.zip(
         "broken.fmu",
         &[("lag/modelDescription.xml", description.as_bytes())],
     );
-    let (name, words) = ("a folder around it", "belongs to the top of the archive");
+    let (name, words) = (
+        "a folder around it",
+        "archive-readable: belongs to the top of the archive",
+    );
     wrong.extend(amiss(&bench, name, words));
     none(&wrong);
 }
@@ -423,43 +413,53 @@ fn every_broken_document_is_found() {
         "<f:fmiModelDescription xmlns:f=\"f\"",
     )
     .replace("</fmi", "</f:fmi");
+    let (before, rest) = description.split_once("<ModelStructure>").unwrap();
+    let after = rest.split_once("</ModelStructure>").unwrap().1;
+    let without = format!("{before}<ModelStructure/>{after}")
+        .replace("causality=\"output\"", "causality=\"local\"");
     let mut wrong = Vec::new();
     for (name, entry, content, words) in [
         (
             "upper case",
             "ModelDescription.xml",
             description.as_bytes(),
-            "call it modelDescription.xml",
+            "archive-readable: call it modelDescription.xml",
         ),
         (
             "another encoding",
             "modelDescription.xml",
             &latin,
-            "line 2: not UTF-8",
+            "xml-encoding: not UTF-8",
         ),
         (
             "two bytes a character",
             "modelDescription.xml",
             &wide,
-            "the bytes are UTF-16, but the file is declared as UTF-8",
+            "xml-encoding: the bytes are UTF-16, but the file is declared as UTF-8",
         ),
         (
             "a state that is computed initially, but not listed",
             "modelDescription.xml",
             stateful.as_bytes(),
-            "warning: does not list x (index 12), der(x) (index 13) in InitialUnknowns",
+            "warning initial-unknowns-complete: does not list x (index 12), der(x) (index 13) in InitialUnknowns",
         ),
         (
             "a namespace",
             "modelDescription.xml",
             spaced.as_bytes(),
-            "the namespace \"f\"",
+            "schema-namespace: the namespace \"f\"",
+        ),
+        (
+            "no outputs",
+            "modelDescription.xml",
+            without.as_bytes(),
+            "note outputs-none: no outputs",
         ),
         (
             "names out of the convention",
             "modelDescription.xml",
             structured.replace("lag.y", "lag y").as_bytes(),
-            "lag y: no structured name",
+            "structured-name: lag y: no structured name",
         ),
     ] {
         bench.zip("broken.fmu", &[(entry, content), (place, &binary)]);
@@ -468,15 +468,17 @@ fn every_broken_document_is_found() {
     none(&wrong);
 }
 
-/// Damage in the zip itself: a bit in a compressed file, its mark as encrypted, its method.
+/// Damage in the zip itself: a bit in a compressed file, its mark as encrypted, its method, an entry's name.
 #[test]
 fn every_damaged_archive_is_found() {
     let bench = Bench::empty();
     let description = model("guid", "guid");
     let binary = bench.binary(&[]);
-    let files: [(&str, &[u8]); 2] = [
+    let files: [(&str, &[u8]); 4] = [
         ("modelDescription.xml", description.as_bytes()),
         ("binaries/linux64/lag.so", &binary),
+        ("resources/one", b""),
+        ("resources/two", b""),
     ];
     bench.zip("broken.fmu", &files);
     let path = bench.path("broken.fmu");
@@ -489,17 +491,31 @@ fn every_damaged_archive_is_found() {
             .map(move |at| at + flags)
             .collect::<Vec<_>>()
     };
+    let names: Vec<usize> = (0..good.len() - 13)
+        .filter(|at| good[*at..].starts_with(b"resources/two"))
+        .map(|at| at + 10)
+        .collect();
     let flags = [heads(*b"PK\x01\x02", 8), heads(*b"PK\x03\x04", 6)].concat();
     let mut wrong = Vec::new();
     for (name, words) in [
-        ("a flipped bit", "damaged ("),
-        ("encrypted", "modelDescription.xml: encrypted"),
-        ("another method", "deflate"),
+        ("a flipped bit", "archive-readable: damaged ("),
+        (
+            "encrypted",
+            "archive-readable: modelDescription.xml: encrypted",
+        ),
+        ("another method", "archive-readable: deflate"),
+        (
+            "two entries of a name",
+            "warning archive-entry-unique: resources/one: remove one",
+        ),
     ] {
         let mut bytes = good.clone();
         match name {
             "a flipped bit" => bytes[200] ^= 0x10,
             "encrypted" => flags.iter().for_each(|at| bytes[*at] |= 1),
+            "two entries of a name" => names
+                .iter()
+                .for_each(|at| bytes[*at..at + 3].copy_from_slice(b"one")),
             _ => flags.iter().for_each(|at| bytes[at + 2] = 14),
         }
         std::fs::write(&path, &bytes).unwrap();

@@ -1,9 +1,10 @@
 """Other people's FMUs: 100 points of each by `orchestrator verify`, undisturbed and killed and resumed, against fmpy with
 a fresh process for every point. Prints a Markdown table; the exit code is 1 when a result is wrong or lost.
 
-    scripts/foreign FOLDER [--only PART] [--points N] [--keep DIR]
+    scripts/foreign FOLDER [--only PART] [--points N] [--keep DIR] [--table FILE]
 
-FOLDER holds .fmu files. `--keep` is a folder in which fmpy's results stay for the next time."""
+FOLDER holds .fmu files. In the folder of `--keep`, fmpy's results stay for the next time, and the rows of this very
+program: a run that was interrupted goes on where it was. `--table` writes a page with the table."""
 
 import argparse
 import csv
@@ -11,50 +12,79 @@ import hashlib
 import json
 import os
 import random
+import re
 import signal
 import subprocess
 import sys
 import tempfile
-from dataclasses import dataclass, field
+from collections import Counter
+from dataclasses import asdict, dataclass, field
+from datetime import datetime, timezone
 from pathlib import Path
 
 import fmpy
 
 import fresh_points
+import supervised
 from supervised import PROGRAM, Study
 
 MOST_VARIED, MOST_OBSERVED, MOST_STEPS = 4, 12, 200
 SPREAD = 0.05
 # How many points fmpy runs in new processes, too: importing it takes long.
 FEW = 5
-CHECK_TIMEOUT, POINT_TIMEOUT = 300, 30.0
+CHECK_TIMEOUT, VERIFY_TIMEOUT, POINT_TIMEOUT = 300, 1500.0, 30.0
 # Fills fresh memory with this byte, so that what depends on unwritten memory gives other results.
 FILL = {"MALLOC_PERTURB_": "165"}
 
 
+PAGE = """# Other people's FMUs
+
+{date}, orchestrator {version}: `{command}` over {count} FMUs from public repositories (the name before `--` is the repository's). Each one was
+verified over {points} points by two workers, a second time with the supervisor killed by SIGKILL on the way and the study resumed, and
+simulated by fmpy with a fresh process for every point. A point is *equal* when all its outputs agree bit for bit, or when
+both give no result; it is *lost* when fmpy has a result and the orchestrator has none. *Reproducible* says whether fmpy
+gives the same in new processes and with fresh memory filled otherwise, and what the orchestrator says of it. `check` counts
+errors, warnings and notes. The FMUs are not part of this repository; `scripts/foreign` fetches nothing.
+
+{summary}
+
+"""
+
+COLUMNS = ["FMU", "made by", "equal", "different", "lost", "killed and resumed", "reproducible: fmpy, orchestrator",
+           "isolation", "check: errors, warnings, notes", "remarks"]
+
+
 @dataclass
 class Row:
-    """What was found out about one FMU; the fields are the columns of the table."""
+    """What was found out about one FMU."""
     name: str
     tool: str = ""
     check: str = ""
-    varied: int = 0
     equal: str = ""
     different: str = ""
     lost: str = ""
     resumed: str = ""
     reproducible: str = ""
-    remark: str = ""
+    isolation: str = ""
+    remarks: list = field(default_factory=list)
     wrong: list = field(default_factory=list)
 
     def line(self):
-        cells = [self.name, self.tool, self.check, self.varied, self.equal, self.different, self.lost, self.resumed,
-                 self.reproducible, "; ".join([*self.wrong, self.remark]).strip("; ")]
-        return "| " + " | ".join(str(cell).replace("|", "/").replace("\n", " ") for cell in cells) + " |"
+        return cells([self.name, self.tool, self.equal, self.different, self.lost, self.resumed, self.reproducible,
+                      self.isolation, self.check, "; ".join([*self.wrong, *self.remarks])])
 
 
-HEAD = """| FMU | made by | check | varied | points equal to fmpy | different | lost | killed and resumed | reproducible: fmpy, orchestrator | remarks |
-|---|---|---|---|---|---|---|---|---|---|"""
+def cells(row):
+    return "| " + " | ".join(plain(str(cell)) for cell in row) + " |"
+
+
+def plain(text):
+    """A cell: one line, without the folders of this machine."""
+    text = re.sub(r"(/[\w.~-]+){2,}/(?=[\w.~-])", "", text)
+    return text.replace("|", "/").replace("\n", " ")
+
+
+HEAD = cells(COLUMNS) + "\n|" + "---|" * len(COLUMNS)
 
 
 def schedule(description):
@@ -115,7 +145,7 @@ def study(fmu, description, inputs, outputs, count, folder):
         text += f"[parameters.{json.dumps(variable.name)}]\ndistribution = 'uniform'\nmin = {low!r}\nmax = {high!r}\n"
         text += f"column = 'p{index}'\n"
     for index, variable in enumerate(outputs):
-        text += f"[criteria.c{index}]\nvariable = {json.dumps(variable.name)}\nnominal = 0\ntolerance = 1e9\n"
+        text += f"[criteria.criterion-{index}]\nvariable = {json.dumps(variable.name)}\nnominal = 0\ntolerance = 1e9\n"
     (folder / "study.toml").write_text(text)
     numbers = random.Random(1)
     points = [{v.name: numbers.uniform(*span(v)) for v in inputs} for _ in range(count)]
@@ -136,32 +166,41 @@ def reference(fmu, description, points, outputs, keep, server):
         return json.loads(file.read_text())
     job["fmu"] = str(fmu)
     results = server.run(job)
+    known = {"results": results, "reproducible": None}
     if all("failure" in result for result in results):
-        return {"results": results, "reproducible": None}
+        # A library that is missing may be installed until the next time.
+        return known if "load" in results[0]["failure"] else kept(known, file)
     few = {**job, "points": points[:FEW]}
     again = fresh_points.run(few, workers=2) + fresh_points.run(few, workers=2, environment=FILL)
     pairs = [(one["values"], other["values"]) for one, other in zip(results[:FEW] * 2, again)
              if "values" in one and "values" in other]
-    known = {"results": results, "reproducible": all(one == other for one, other in pairs)}
+    known["reproducible"] = all(one == other for one, other in pairs)
+    return kept(known, file)
+
+
+def kept(known, file):
     if file:
         file.write_text(json.dumps(known))
     return known
 
 
-def check(fmu, row, simulates):
-    """The pre-flight, which must find no error in what fmpy simulates."""
+def check(fmu, row):
+    """The pre-flight: how much it finds, and the first error."""
     try:
-        done = subprocess.run([PROGRAM, "check", fmu], capture_output=True, text=True, timeout=CHECK_TIMEOUT,
-                              errors="replace")
+        done = subprocess.run([PROGRAM, "check", fmu, "--format", "json"], capture_output=True, text=True,
+                              timeout=CHECK_TIMEOUT, errors="replace")
+        found = json.loads(done.stdout)
     except subprocess.TimeoutExpired:
-        row.check = "does not end"
         row.wrong.append("check does not end")
         return
-    findings = [line.strip() for line in done.stdout.splitlines() if line.strip()][1:]
-    row.check = f"exit {done.returncode}, {len(findings)} found"
-    if simulates and done.returncode != 0:
-        text = (findings or [done.stderr.strip()])[0]
-        row.wrong.append(f"check: {text[:160]}")
+    except ValueError:
+        row.wrong.append(f"check: exit code {done.returncode}: {done.stderr.strip()[-160:]}")
+        return
+    row.check = f"{found['errors']}, {found['warnings']}, {found['notes']}"
+    errors = [finding for finding in found["findings"] if finding["severity"] == "error"]
+    row.remarks += [f"{error['rule']}: {error['message'][:160]}" for error in errors[:1]]
+    if (done.returncode == 1) != bool(errors):
+        row.wrong.append(f"check: exit code {done.returncode}")
 
 
 def compare(outcome, known, outputs, row):
@@ -182,7 +221,7 @@ def compare(outcome, known, outputs, row):
             different += [point] if fine else []
         elif not fine:
             lost.append((point, "no row" if mine is None else mine["status"]))
-        elif [float(mine[f"c{index}"]).hex() for index in range(len(outputs))] == expected["values"]:
+        elif [float(mine[f"criterion-{index}"]).hex() for index in range(len(outputs))] == expected["values"]:
             equal += 1
         else:
             different.append(point)
@@ -196,7 +235,7 @@ def simulate(fmu, description, outputs, row, server):
            "step": step}
     expected = server.run(job)[0]
     if "failure" in expected:
-        row.remark += f"; fmpy cannot run it: {expected['failure'][:120]}"
+        row.remarks.append(f"fmpy cannot run it: {expected['failure'][:120]}")
         return
     command = [PROGRAM, "simulate", fmu, "--start", repr(start), "--stop", repr(stop), "--step", repr(step)]
     try:
@@ -211,7 +250,7 @@ def simulate(fmu, description, outputs, row, server):
         row.wrong.append(f"simulate: exit code {done.returncode}, {values} instead of {expected['values']}: "
                          f"{done.stderr.strip()[:120]}")
     else:
-        row.remark += "; simulated once, equal to fmpy"
+        row.remarks.append("simulated once, equal to fmpy")
 
 
 def examine(fmu, count, keep, folder, server):
@@ -221,23 +260,24 @@ def examine(fmu, count, keep, folder, server):
         inputs = varied(description)
         outputs = observed(description)
     except Exception as error:
-        check(fmu, row, simulates=False)
-        row.remark = f"fmpy cannot read it: {str(error)[:120]}"
+        check(fmu, row)
+        row.remarks.append(f"fmpy cannot read it: {str(error)[:120]}")
         return row
-    row.tool, row.varied = description.generationTool or "", len(inputs)
-    known, failures = None, ["nothing to vary"]
+    row.tool = description.generationTool or ""
     if inputs and outputs:
         points = study(fmu, description, inputs, outputs, count, folder)
         known = reference(fmu, description, points, outputs, keep, server)
         failures = [result["failure"] for result in known["results"] if "failure" in result]
         if failures:
-            row.remark = f"fmpy cannot run {len(failures)} points: {failures[0][:120]}"
-    if known and len(failures) < len(points):
-        verify(fmu, row, known, outputs, folder)
-    else:
-        row.remark = row.remark or "nothing to vary" if outputs else "nothing to observe"
+            row.remarks.append(f"fmpy cannot run {len(failures)} points: {failures[0][:120]}")
+        if len(failures) < len(points):
+            verify(fmu, row, known, outputs, folder)
+    elif outputs:
+        row.remarks.append("nothing to vary")
         simulate(fmu, description, outputs, row, server)
-    check(fmu, row, simulates="cannot run" not in row.remark)
+    else:
+        row.remarks.append("nothing to observe")
+    check(fmu, row)
     return row
 
 
@@ -246,6 +286,7 @@ def verify(fmu, row, known, outputs, folder):
     whole = Study(folder, "whole", command, {}).run()
     first = compare(whole, known, outputs, row)
     label = whole.summary.get("reproducible")
+    row.isolation = whole.summary.get("isolation", "")
     row.reproducible = f"{'yes' if known['reproducible'] else 'no'}, {({True: 'yes', False: 'no'}).get(label, 'not said')}"
     if first is None:
         return
@@ -270,30 +311,61 @@ def verify(fmu, row, known, outputs, folder):
         row.wrong.append(f"resumed: {len(again[1])} different, {len(again[2])} lost")
 
 
+def examined(fmu, count, keep, server):
+    """A row: the one that is kept, or a new one."""
+    parts = [fmu.read_bytes(), fmu.name.encode(), Path(PROGRAM).read_bytes(), str(count).encode()]
+    digest = hashlib.sha256(b"".join(hashlib.sha256(part).digest() for part in parts)).hexdigest()
+    file = keep / f"row-{digest}.json" if keep else None
+    if file and file.is_file():
+        return Row(**json.loads(file.read_text()))
+    with tempfile.TemporaryDirectory(prefix="foreign-") as folder:
+        row = examine(fmu, count, keep, Path(folder), server)
+    if file:
+        file.write_text(json.dumps(asdict(row)))
+    return row
+
+
+def summary(found, count):
+    run = [row for row in found if row.equal != ""]
+    how = Counter(row.resumed for row in run)
+    return (f"{len(found)} FMUs, {len(run)} run over {count} points: {sum(row.equal for row in run)} points equal to fmpy "
+            f"bit for bit, {sum(row.different for row in run)} different, {sum(row.lost for row in run)} lost; after a "
+            f"kill: {', '.join(f'{how[key]} {key}' for key in sorted(how))}; "
+            f"{sum(bool(row.wrong) for row in found)} FMUs with something wrong.")
+
+
+def page(found, options):
+    version = subprocess.run([PROGRAM, "--version"], capture_output=True, text=True, check=True).stdout.split()[-1]
+    head = PAGE.format(date=datetime.now(timezone.utc).date(), version=version, count=len(found), points=options.points,
+                       command=f"scripts/foreign FOLDER --table {options.table.name}",
+                       summary=summary(found, options.points))
+    rows = sorted(found, key=lambda row: row.name.lower())
+    return head + "\n".join([HEAD, *(row.line() for row in rows)]) + "\n"
+
+
 def main():
     arguments = argparse.ArgumentParser(prog="scripts/foreign", description=__doc__.split("\n\n")[0])
     arguments.add_argument("folder", type=Path)
     arguments.add_argument("--only", default="", metavar="PART", help="only FMUs with this in their names")
     arguments.add_argument("--points", type=int, default=100, metavar="N")
-    arguments.add_argument("--keep", type=Path, metavar="DIR", help="where fmpy's results stay for the next time")
+    arguments.add_argument("--keep", type=Path, metavar="DIR", help="where results stay for the next time")
+    arguments.add_argument("--table", type=Path, metavar="FILE", help="a page with the table")
     options = arguments.parse_args()
     fmus = sorted(fmu for fmu in options.folder.absolute().glob("**/*.fmu") if options.only in fmu.name)
     if options.keep:
         options.keep.mkdir(parents=True, exist_ok=True)
+    supervised.DEADLINE = VERIFY_TIMEOUT
     print(HEAD, flush=True)
     found, server = [], fresh_points.Server()
     for fmu in fmus:
-        with tempfile.TemporaryDirectory(prefix="foreign-") as folder:
-            row = examine(fmu, options.points, options.keep, Path(folder), server)
+        row = examined(fmu, options.points, options.keep, server)
         print(row.line(), flush=True)
         found.append(row)
     server.close()
-    wrong = [row for row in found if row.wrong]
-    run = [row for row in found if row.equal != ""]
-    print(f"\n{len(found)} FMUs, {len(run)} run over {options.points} points: {sum(row.equal for row in run)} points "
-          f"equal to fmpy bit for bit, {sum(row.different for row in run)} different, "
-          f"{sum(row.lost for row in run)} lost; {len(wrong)} FMUs with something wrong.")
-    return 1 if wrong or not found else 0
+    print("\n" + summary(found, options.points))
+    if options.table:
+        options.table.write_text(page(found, options))
+    return 1 if any(row.wrong for row in found) or not found else 0
 
 
 if __name__ == "__main__":

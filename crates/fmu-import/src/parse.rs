@@ -186,11 +186,13 @@ impl Reader {
         let text = node.attribute(name)?.trim();
         let value = text.parse().ok();
         if value.is_none() {
-            self.remark(
-                node,
-                About::Value,
-                &format!("{name}=\"{text}\" is not a number"),
-            );
+            // A number that cannot be read here is none of 32 bits.
+            let what = match text.parse::<f64>() {
+                Ok(_) => "a whole number of 32 bits",
+                Err(_) => "a number",
+            };
+            let text = format!("{name}=\"{text}\" is not {what}");
+            self.remark(node, About::Value, &text);
         }
         value
     }

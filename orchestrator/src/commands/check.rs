@@ -3,9 +3,13 @@
 //! What the model description says and the archive holds, by the [`rules`]; then short simulations, each in a process of
 //! its own ([`probes`]).
 
+mod aliases;
 mod child;
+mod compare;
 mod definitions;
+mod dependencies;
 mod document;
+mod experiment;
 mod files;
 mod finding;
 mod formats;
@@ -15,6 +19,7 @@ mod probe;
 mod probes;
 mod rules;
 mod schema;
+mod shown;
 mod structure;
 mod values;
 mod variables;
@@ -107,7 +112,12 @@ impl Findings {
             Err(FmuError::Archive { source, .. }) => {
                 // Where something is wrong with this machine's binary, it has been said.
                 if !files.fatal {
-                    self.add("binary-there", Hit::plain(source.to_string()));
+                    let rule = match source {
+                        ArchiveError::NoBinary(_) => "binary-there",
+                        ArchiveError::Unsafe(_) => "archive-path",
+                        _ => "archive-readable",
+                    };
+                    self.add(rule, Hit::plain(source.to_string()));
                 }
                 return Ok(());
             }
@@ -123,7 +133,7 @@ impl Findings {
         let patience = Duration::try_from_secs_f64(patience).unwrap_or(Duration::MAX);
         let failed = ResultsError::io(folder.path());
         let probes = Probes::new(package.description(), &unpacked, folder.path(), patience);
-        let found = probes.and_then(|probes| probes.findings(described_well));
+        let found = probes.and_then(|mut probes| probes.findings(described_well));
         for (rule, hit) in found.map_err(failed)? {
             self.add(rule, hit);
         }

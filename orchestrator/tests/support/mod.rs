@@ -121,10 +121,13 @@ impl Said {
     }
 }
 
-/// The model description with a part replaced.
+/// The model description with a part replaced, or several, which stand between `&&` then.
 pub fn model(from: &str, to: &str) -> String {
-    assert!(MODEL.contains(from));
-    MODEL.replace(from, to)
+    let parts = from.split(" && ").zip(to.split(" && "));
+    parts.fold(MODEL.to_owned(), |text, (from, to)| {
+        assert!(text.contains(from), "no `{from}` in the description");
+        text.replace(from, to)
+    })
 }
 
 /// The path of a file of the repository.

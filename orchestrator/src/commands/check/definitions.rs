@@ -1,5 +1,5 @@
-//! What the definitions say before any variable does: names that come twice, factors of nothing, the date, and how
-//! variables are named (FMI 2.0.5, sections 2.2.1 to 2.2.4, 2.2.6 and 2.2.9).
+//! What the definitions say before any variable does: names that come twice, factors of nothing, the date, and what
+//! is for Model Exchange only (FMI 2.0.5, sections 2.2.1 to 2.2.4, 2.2.6 and 2.2.7).
 
 use std::collections::{HashMap, HashSet};
 
@@ -7,7 +7,6 @@ use roxmltree::Node;
 
 use super::document::{Document, Scalar, at, elements, named};
 use super::hit::Hit;
-use super::names::is_structured;
 
 pub(super) fn units(document: &Document<'_>) -> Vec<Hit> {
     twice(document.all("UnitDefinitions", "Unit"), "name")
@@ -184,6 +183,14 @@ fn is_date(text: &str) -> bool {
                 })
     };
     const SECONDS: &str = "0000-00-00T00:00:00";
+    /// Where month, day, hour, minute and second are, and from where to where they go.
+    const FIELDS: [(usize, u8, u8); 5] = [
+        (5, 1, 12),
+        (8, 1, 31),
+        (11, 0, 24),
+        (14, 0, 59),
+        (17, 0, 59),
+    ];
     let (Some(seconds), Some(rest)) = (text.get(..SECONDS.len()), text.get(SECONDS.len()..)) else {
         return false;
     };
@@ -191,43 +198,14 @@ fn is_date(text: &str) -> bool {
         Some(fraction) => fraction.trim_start_matches(|c: char| c.is_ascii_digit()),
         None => rest,
     };
-    like(seconds, SECONDS) && (["", "Z"].contains(&zone) || like(zone, "+00:00"))
-}
-
-/// The first name that the naming convention does not allow.
-pub(super) fn convention(document: &Document<'_>) -> Vec<Hit> {
-    let convention = document.root.attribute("variableNamingConvention");
-    if convention != Some("structured") {
-        return Vec::new();
-    }
-    let strange =
-        |scalar: &&Scalar<'_>| scalar.node.has_attribute("name") && !is_structured(scalar.name);
-    let strange: Vec<&Scalar<'_>> = document.known().filter(strange).collect();
-    let more = match strange.len() {
-        0 | 1 => String::new(),
-        count => format!(" ({} more are none, either)", count - 1),
-    };
-    let text = format!(
-        "no structured name{more}: use names as `a.b[1].c`, quoted where they hold other characters, or set \
-         variableNamingConvention to flat"
-    );
-    strange
-        .first()
-        .map(|first| first.finding(&text))
-        .into_iter()
-        .collect()
-}
-
-/// A naming convention that is none.
-pub(super) fn conventions(document: &Document<'_>) -> Vec<Hit> {
-    let convention = document.root.attribute("variableNamingConvention");
-    let other = convention.filter(|word| !["flat", "structured"].contains(word));
-    let text =
-        |word: &str| format!("variableNamingConvention is \"{word}\": it is flat or structured");
-    other
-        .map(|word| at(document.root, &text(word)))
-        .into_iter()
-        .collect()
+    like(seconds, SECONDS)
+        && (["", "Z"].contains(&zone) || like(zone, "+00:00"))
+        && FIELDS.iter().all(|(place, least, most)| {
+            let field = seconds
+                .get(*place..place + 2)
+                .and_then(|text| text.parse().ok());
+            field.is_some_and(|field: u8| (*least..=*most).contains(&field))
+        })
 }
 
 /// Attributes that only FMUs for Model Exchange may have.
@@ -281,6 +259,8 @@ mod tests {
             "2009-12-08 14:33:22",
             "2009-12-08T14:33:22X",
             "08.12.2009 14:33:22",
+            "2009-13-08T14:33:22Z",
+            "2009-12-08T14:63:22Z",
         ] {
             assert!(!is_date(text), "{text}");
         }

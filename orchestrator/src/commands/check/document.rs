@@ -18,8 +18,20 @@ pub(super) struct Document<'a> {
     /// The element of each type definition, `Real` for instance, by its name.
     pub(super) types: HashMap<&'a str, Node<'a, 'a>>,
     pub(super) read: &'a Description,
-    /// For the variables in their order, the first that has the same value reference and type.
-    pub(super) aliased: Vec<Option<usize>>,
+    /// For the variables in their order, those before them that have the same value reference and base type.
+    pub(super) aliases: Vec<Option<Aliases>>,
+}
+
+/// Of variables that are one under several names, the first of each sort.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Aliases {
+    pub(super) first: usize,
+    pub(super) settable: Option<usize>,
+    pub(super) independent: Option<usize>,
+    /// With a start value.
+    pub(super) started: Option<usize>,
+    /// With a unit.
+    pub(super) united: Option<usize>,
 }
 
 impl<'a> Document<'a> {
@@ -33,13 +45,46 @@ impl<'a> Document<'a> {
             .flat_map(|list| named(list, "SimpleType"))
             .filter_map(|node| Some((node.attribute("name")?, elements(node).next()?)))
             .collect();
-        Self {
-            aliased: aliased(&scalars),
+        let mut document = Self {
             root,
             scalars,
             types,
             read,
-        }
+            aliases: Vec::new(),
+        };
+        document.aliases = document.aliases();
+        document
+    }
+
+    fn aliases(&self) -> Vec<Option<Aliases>> {
+        let mut groups: HashMap<(&'a str, &'a str), Aliases> = HashMap::new();
+        let earlier = |scalar: &Option<Scalar<'a>>| {
+            let scalar = scalar.as_ref()?;
+            let key = (
+                scalar.base(),
+                scalar.node.attribute("valueReference")?.trim(),
+            );
+            let before = groups.get(&key).copied();
+            let group = groups.entry(key).or_insert(Aliases {
+                first: scalar.position,
+                settable: None,
+                independent: None,
+                started: None,
+                united: None,
+            });
+            for (first, is) in [
+                (&mut group.settable, scalar.is_settable()),
+                (&mut group.independent, scalar.causality == "independent"),
+                (&mut group.started, scalar.start().is_some()),
+                (&mut group.united, self.effective(scalar, "unit").is_some()),
+            ] {
+                if first.is_none() && is {
+                    *first = Some(scalar.position);
+                }
+            }
+            before
+        };
+        self.scalars.iter().map(earlier).collect()
     }
 
     /// The variables that can be read.
@@ -67,22 +112,6 @@ impl<'a> Document<'a> {
         let own = scalar.typed.attribute(name);
         own.or_else(|| self.declared(scalar)?.attribute(name))
     }
-}
-
-/// For each variable the first of the same type and value reference that stands for all of them: the one that can be
-/// set, where there is one.
-fn aliased<'a>(scalars: &[Option<Scalar<'a>>]) -> Vec<Option<usize>> {
-    let mut first: HashMap<(&'a str, &'a str), usize> = HashMap::new();
-    let other = |(position, scalar): (usize, &Option<Scalar<'a>>)| {
-        let scalar = (*scalar)?;
-        let key = (scalar.kind(), scalar.node.attribute("valueReference")?);
-        let before = first.get(&key).copied();
-        if before.is_none() || scalar.is_settable() {
-            first.insert(key, position);
-        }
-        before
-    };
-    scalars.iter().enumerate().map(other).collect()
 }
 
 /// A finding at an element.
@@ -157,6 +186,14 @@ impl<'a> Scalar<'a> {
     /// `Real`, `Integer`, `Boolean`, `String` or `Enumeration`.
     pub(super) fn kind(&self) -> &'a str {
         self.typed.tag_name().name()
+    }
+
+    /// The type of the calls that reach it: enumerations are integers to them.
+    fn base(&self) -> &'a str {
+        match self.kind() {
+            "Enumeration" => "Integer",
+            kind => kind,
+        }
     }
 
     pub(super) fn start(&self) -> Option<&'a str> {

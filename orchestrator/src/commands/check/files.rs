@@ -5,14 +5,14 @@ use std::collections::HashSet;
 use object::{Architecture, BinaryFormat, NameOrOrdinal, Object};
 
 use super::document::NAME;
-use super::hit::Hit;
+use super::hit::{Breach, Hit};
 use super::structure::short;
 use fmu_import::archive::PLATFORM;
 use fmu_import::{FmuError, Package};
 
 /// What is wrong with the files, and whether this machine's binary is among it.
 pub(super) struct Found {
-    pub(super) findings: Vec<(&'static str, Hit)>,
+    pub(super) findings: Vec<Breach>,
     pub(super) fatal: bool,
 }
 
@@ -117,7 +117,9 @@ pub(super) fn broken(package: &mut Package) -> Result<Found, FmuError> {
     for platform in PLATFORMS {
         let wrong = of_platform(package, &entries, &identifier, platform)?;
         found.fatal |= wrong.is_some() && platform.0 == PLATFORM;
-        found.findings.extend(wrong);
+        if let Some(breach) = wrong {
+            add(&mut found.findings, breach, platform.0);
+        }
     }
     let twice = package.entries_twice();
     if !twice.is_empty() {
@@ -132,13 +134,21 @@ pub(super) fn broken(package: &mut Package) -> Result<Found, FmuError> {
     Ok(found)
 }
 
+/// Adds a breach, or the platform to the one of the same rule: a wrong name is wrong on all platforms.
+fn add(findings: &mut Vec<Breach>, (rule, hit): Breach, platform: &str) {
+    match findings.iter_mut().find(|(known, _)| *known == rule) {
+        Some((_, known)) => known.text += &format!("; the same for {platform}"),
+        None => findings.push((rule, hit)),
+    }
+}
+
 /// What is wrong with the binary of a platform.
 fn of_platform(
     package: &mut Package,
     entries: &[String],
     identifier: &str,
     (platform, extension, format, machine): (&str, &str, BinaryFormat, Architecture),
-) -> Result<Option<(&'static str, Hit)>, FmuError> {
+) -> Result<Option<Breach>, FmuError> {
     let folder = format!("binaries/{platform}/");
     let binaries: Vec<&str> = entries
         .iter()
@@ -146,8 +156,13 @@ fn of_platform(
         .filter(|file| !file.contains('/') && file.ends_with(&format!(".{extension}")))
         .collect();
     let wanted = format!("{identifier}.{extension}");
-    if binaries.contains(&wanted.as_str()) {
-        let name = format!("{folder}{wanted}");
+    // Windows does not tell upper from lower case.
+    let alike = |file: &&&str| match format {
+        BinaryFormat::Pe => file.eq_ignore_ascii_case(&wanted),
+        _ => **file == wanted,
+    };
+    if let Some(file) = binaries.iter().find(alike) {
+        let name = format!("{folder}{file}");
         return match package.bytes_of(&name) {
             Ok(bytes) => {
                 Ok(binary(&bytes, format, machine)

@@ -1,5 +1,8 @@
 //! The place and the text of a finding.
 
+/// A breach of the rule of this name.
+pub(super) type Breach = (&'static str, Hit);
+
 /// A breach of a rule: where, and what to do about it.
 #[derive(Clone, Debug)]
 pub(super) struct Hit {

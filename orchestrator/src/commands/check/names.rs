@@ -1,7 +1,67 @@
-//! Structured names of variables (FMI 2.0.5, section 2.2.9).
+//! Names of variables (FMI 2.0.5, section 2.2.9).
+
+use super::document::{Document, Scalar, at};
+use super::hit::Hit;
+
+/// A naming convention that is none.
+pub(super) fn convention(document: &Document<'_>) -> Vec<Hit> {
+    let convention = document.root.attribute("variableNamingConvention");
+    let other = convention.filter(|word| !["flat", "structured"].contains(word));
+    let text =
+        |word: &str| format!("variableNamingConvention is \"{word}\": it is flat or structured");
+    other
+        .map(|word| at(document.root, &text(word)))
+        .into_iter()
+        .collect()
+}
+
+/// Names of which nothing can be made: empty ones, and such with line breaks or tabs.
+pub(super) fn legal(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
+    if scalar.name.is_empty() {
+        return Some("an empty name: give the variable a name".to_owned());
+    }
+    let broken = scalar.name.contains(['\n', '\r', '\t']);
+    broken.then(|| "a line break or a tab in the name: remove it".to_owned())
+}
+
+/// Derivatives, by their structured names, that are no Reals.
+pub(super) fn of_real(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+    let structured = document.root.attribute("variableNamingConvention") == Some("structured");
+    let derivative = structured && scalar.name.starts_with("der(") && scalar.kind() != "Real";
+    derivative.then(|| {
+        format!(
+            "the name is the one of a derivative, which is a Real, not {}: rename it",
+            scalar.kind()
+        )
+    })
+}
+
+/// The first name that the naming convention does not allow.
+pub(super) fn structured(document: &Document<'_>) -> Vec<Hit> {
+    let convention = document.root.attribute("variableNamingConvention");
+    if convention != Some("structured") {
+        return Vec::new();
+    }
+    let strange =
+        |scalar: &&Scalar<'_>| scalar.node.has_attribute("name") && !is_structured(scalar.name);
+    let strange: Vec<&Scalar<'_>> = document.known().filter(strange).collect();
+    let more = match strange.len() {
+        0 | 1 => String::new(),
+        count => format!(" ({} more are none, either)", count - 1),
+    };
+    let text = format!(
+        "no structured name{more}: use names as `a.b[1].c`, quoted where they hold other characters, or set \
+         variableNamingConvention to flat"
+    );
+    strange
+        .first()
+        .map(|first| first.finding(&text))
+        .into_iter()
+        .collect()
+}
 
 /// The grammar of section 2.2.9. Derivatives of derivatives are taken, too, which tools nest instead of counting.
-pub(super) fn is_structured(name: &str) -> bool {
+fn is_structured(name: &str) -> bool {
     derivative(name) == Some("")
 }
 

@@ -13,7 +13,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use crate::task::Schedule;
-use fmu_import::{Call, Handle, Instance, Library, Package, Value};
+use fmu_import::{Call, Handle, Instance, Library, Package, Status, Value};
 
 /// The hidden command that runs a probe.
 pub(super) const COMMAND: &str = "probe";
@@ -72,6 +72,8 @@ pub(super) struct Run {
     pub(super) first_warning: Option<String>,
     /// Why it failed, and why it could not be terminated.
     pub(super) failure: Option<String>,
+    /// Whether that was a step which it refused (`fmi2Discard`).
+    pub(super) refused: bool,
     pub(super) unfinished: Option<String>,
 }
 
@@ -299,6 +301,7 @@ impl Probe<'_> {
                     outcome = Ok(());
                 }
                 let outcome = outcome.and_then(|()| note(instance, &self.setup.columns, at, run));
+                run.refused = matches!(&outcome, Err(call) if call.status == Status::Discard);
                 run.failure = outcome.err().map(|call| call.to_string());
                 live.open = run.failure.is_none() && run.ended.is_none();
             }

@@ -6,15 +6,11 @@ use std::path::Path;
 use std::time::Duration;
 
 use super::child::{self, Outcome};
-use super::hit::Hit;
+use super::compare::{difference, largest_change};
+use super::hit::{Breach, Hit};
 use super::probe::{Life, Run, Setup};
-use super::structure::short;
-use crate::results::points::number as written;
-use crate::task::Schedule;
-use fmu_import::{Causality, Content, Description, Handle, Kind, Value, Variability, Variable};
-
-/// A breach of the rule of this name.
-type Found = (&'static str, Hit);
+use super::{experiment, shown};
+use fmu_import::{Description, Variable};
 
 /// What glibc fills memory with, to see whether the FMU reads what it never wrote.
 const FILLS: [u8; 2] = [0x55, 0xaa];
@@ -35,13 +31,13 @@ impl<'a> Probes<'a> {
         scratch: &Path,
         patience: Duration,
     ) -> io::Result<Self> {
-        let columns = columns(fmu);
+        let columns = experiment::columns(fmu);
         let setup = Setup {
             fmu: std::path::absolute(unpacked)?,
             life: Life::Alone,
-            schedule: schedule(fmu),
+            schedule: experiment::schedule(fmu),
             columns: columns.iter().map(|variable| variable.handle()).collect(),
-            changed: changed(fmu),
+            changed: experiment::changed(fmu),
             supervisor: std::process::id(),
             stage: scratch.join("probe.stage"),
             result: scratch.join("probe.json"),
@@ -63,9 +59,10 @@ impl<'a> Probes<'a> {
     }
 
     /// All that the probes find. `described_well` says that the start values of the description count.
-    pub(super) fn findings(&self, described_well: bool) -> io::Result<Vec<Found>> {
-        let alone = self.run(Life::Alone, None)?;
-        let mut found = self.remarks(&alone);
+    pub(super) fn findings(&mut self, described_well: bool) -> io::Result<Vec<Breach>> {
+        let (alone, refused) = self.alone()?;
+        let mut found = shown::remarks(self.fmu, alone.report.as_ref());
+        found.extend(refused);
         let whole = match sound(&alone, 1) {
             Ok(runs) => &runs[0],
             Err(mut text) => {
@@ -80,7 +77,7 @@ impl<'a> Probes<'a> {
                 return Ok(found);
             }
         };
-        found.extend(self.shown(whole, described_well));
+        found.extend(shown::values(&self.columns, whole, described_well));
         if let Some(fate) = &alone.fate {
             let text = format!("{} failed after a whole simulation: {fate}", alone.stage);
             found.push(("life-ends", Hit::plain(text)));
@@ -104,122 +101,39 @@ impl<'a> Probes<'a> {
         Ok(found)
     }
 
-    /// What the first simulation says beside its values.
-    fn remarks(&self, alone: &Outcome) -> Vec<Found> {
-        let mut found = Vec::new();
-        let mut tell = |rule, text: String| found.push((rule, Hit::plain(text)));
-        if self.fmu.capabilities.needs_execution_tool {
-            tell(
-                "execution-tool",
-                "it needs the tool that wrote it (needsExecutionTool)".to_owned(),
-            );
+    /// One simulation. A step that the FMU refuses and does not suggest itself is replaced by another, with a note.
+    fn alone(&mut self) -> io::Result<(Outcome, Option<Breach>)> {
+        const STEPS: [f64; 5] = [1.0, 0.1, 0.01, 0.001, 0.0001];
+        let first = self.run(Life::Alone, None)?;
+        if !refused(&first) || self.fmu.default_experiment.step.is_some() {
+            return Ok((first, None));
         }
-        let Some(report) = &alone.report else {
-            return found;
-        };
-        for (rule, function, usual, own) in [
-            ("binary-version", "fmi2GetVersion", "2.0", &report.version),
-            (
-                "binary-types",
-                "fmi2GetTypesPlatform",
-                "default",
-                &report.types_platform,
-            ),
-        ] {
-            if let Some(other) = own.as_deref().filter(|own| *own != usual) {
-                tell(
-                    rule,
-                    format!(
-                        "{function} returns \"{other}\", not \"{usual}\": build it with the standard's headers"
-                    ),
+        let usual = self.setup.schedule;
+        for step in STEPS {
+            self.setup.schedule = experiment::with_step(usual, step);
+            let outcome = self.run(Life::Alone, None)?;
+            if sound(&outcome, 1).is_ok() {
+                let text = format!(
+                    "it refuses the communication step of {} s and suggests none (stepSize); with {step} s it runs: \
+                     simulate it with that",
+                    usual.step
                 );
+                return Ok((outcome, Some(("step-suggested", Hit::plain(text)))));
             }
         }
-        if report.strays > 0 {
-            let text = "the logger is called with an environment that is not the one of fmi2Instantiate: pass \
-                        componentEnvironment on";
-            tell("logger-environment", text.to_owned());
-        }
-        for run in &report.runs {
-            if run.warnings > 0 {
-                let first = run.first_warning.as_deref().unwrap_or_default();
-                tell(
-                    "warnings",
-                    format!(
-                        "calls that returned fmi2Warning: {}; the first: {first}",
-                        run.warnings
-                    ),
-                );
-            }
-            if let Some(time) = run.ended {
-                tell(
-                    "early-end",
-                    format!("it ends the simulation by itself, at {time} s (fmi2Terminated)"),
-                );
-            }
-        }
-        found
-    }
-
-    /// Values that cannot be right.
-    fn shown(&self, run: &Run, described_well: bool) -> Vec<Found> {
-        let (mut found, mut infinite) = (Vec::new(), Vec::new());
-        for (place, variable) in self.columns.iter().enumerate() {
-            let values = run
-                .rows
-                .iter()
-                .filter_map(|row| number(row[place], variable));
-            if variable.causality == Causality::Parameter {
-                continue;
-            }
-            // Before the first step, some are not known yet.
-            if let Some(value) = values.clone().skip(1).find(|value| !value.is_finite()) {
-                infinite.push(format!("{} is {value}", variable.name));
-            }
-            found.extend(beyond(variable, values));
-        }
-        if !infinite.is_empty() {
-            let text = format!(
-                "{} in a simulation: no criterion can use it",
-                short(&infinite)
-            );
-            found.push(("output-finite", Hit::plain(text)));
-        }
-        if described_well {
-            found.extend(self.other_starts(run));
-        }
-        found
-    }
-
-    /// Parameters that the binary starts with another value than the description says.
-    fn other_starts(&self, run: &Run) -> Option<Found> {
-        const ROUNDING: f64 = 1e-6;
-        let first = run.rows.first()?;
-        let parameters = self.columns.iter().zip(first);
-        let others: Vec<String> = parameters
-            .filter(|(variable, _)| variable.causality == Causality::Parameter)
-            .filter_map(|(variable, bits)| {
-                let (start, value) = (variable.kind.start()?, number(*bits, variable)?);
-                let differs = (value - start).abs() > ROUNDING * start.abs().max(value.abs());
-                let Variable { name, line, .. } = variable;
-                differs.then(|| {
-                    format!("{name} (line {line}): start is {start}, but the binary's is {value}")
-                })
-            })
-            .collect();
-        let text = || format!("{}: correct the description or the binary", short(&others));
-        (!others.is_empty()).then(|| ("start-agrees", Hit::of(super::document::NAME, text())))
+        self.setup.schedule = usual;
+        Ok((first, None))
     }
 
     /// Whether the values depend on memory that was never written, or on nothing that can be named.
-    fn memory(&self, whole: &Run) -> io::Result<Option<Found>> {
+    fn memory(&self, whole: &Run) -> io::Result<Option<Breach>> {
         let [filled, again, other] =
             [FILLS[0], FILLS[0], FILLS[1]].map(|fill| self.run(Life::Alone, Some(fill)));
         let (filled, again, other) = (filled?, again?, other?);
         let all = [&filled, &again, &other].map(|outcome| sound(outcome, 1).map(|runs| &runs[0]));
         let [filled, again, other] = &all;
         let differ = |one: &Result<&Run, String>, two: &Result<&Run, String>| match (one, two) {
-            (Ok(one), Ok(two)) => self.difference(one, two),
+            (Ok(one), Ok(two)) => difference(&self.columns, one, two),
             (Ok(_), Err(text)) | (Err(text), Ok(_)) => Some(text.clone()),
             (Err(_), Err(_)) => None,
         };
@@ -240,150 +154,92 @@ impl<'a> Probes<'a> {
     }
 
     /// Whether other lives give the same values.
-    fn lives(&self, whole: &Run) -> io::Result<Vec<Found>> {
+    fn lives(&self, whole: &Run) -> io::Result<Vec<Breach>> {
         let once = self
             .fmu
             .capabilities
             .can_be_instantiated_only_once_per_process;
         let mut found = Vec::new();
-        let reset = self.life(Life::Reset, "life-reset", "after fmi2Reset", whole)?;
+        let reset = self.life(Life::Reset, whole)?;
         if reset.is_none() && !self.setup.changed.is_empty() {
-            let what = "after a simulation with changed parameters and fmi2Reset";
-            // What fails with other parameters says nothing of the reset.
-            let changed = self.run(Life::Changed, None)?;
-            let first_fine =
-                matches!(sound(&changed, 2), Ok([first, _]) if first.failure.is_none());
-            if first_fine {
-                found.extend(self.judged(&changed, "life-reset", what, whole));
-            }
+            found.extend(self.life(Life::Changed, whole)?);
         }
         found.extend(reset);
         if once {
             return Ok(found);
         }
-        let in_turn = "in a second instance after the first was freed";
-        let in_turn = self.life(Life::InTurn, "life-again", in_turn, whole)?;
+        let in_turn = self.life(Life::InTurn, whole)?;
         if in_turn.is_none() {
-            let at_once =
-                "with two instances at once (canBeInstantiatedOnlyOncePerProcess is not set)";
-            found.extend(self.life(Life::Together, "life-instances", at_once, whole)?);
+            found.extend(self.life(Life::Together, whole)?);
         }
         found.extend(in_turn);
         Ok(found)
     }
 
-    fn life(
-        &self,
-        life: Life,
-        rule: &'static str,
-        what: &str,
-        whole: &Run,
-    ) -> io::Result<Option<Found>> {
-        Ok(self.judged(&self.run(life, None)?, rule, what, whole))
-    }
-
-    /// The first difference of two runs in one process from one alone.
-    fn judged(
-        &self,
-        outcome: &Outcome,
-        rule: &'static str,
-        what: &str,
-        whole: &Run,
-    ) -> Option<Found> {
-        let text = match sound(outcome, 2) {
-            Err(text) => Some(text),
-            Ok(runs) => {
-                // The first run with changed parameters differs because it shall.
-                let changed = what.contains("changed");
-                let mut compared = runs.iter().skip(usize::from(changed));
-                compared
-                    .find_map(|run| self.difference(whole, run))
-                    .or_else(|| {
-                        outcome
-                            .fate
-                            .as_ref()
-                            .map(|fate| format!("{}: {fate}", outcome.stage))
-                    })
-                    .or_else(|| {
-                        let unfinished = runs.iter().find_map(|run| run.unfinished.clone());
-                        unfinished.filter(|_| whole.unfinished.is_none())
-                    })
-            }
+    /// What is wrong with two runs in one process, where one alone was `whole`.
+    fn life(&self, life: Life, whole: &Run) -> io::Result<Option<Breach>> {
+        let (rule, what) = match life {
+            Life::Reset => ("life-reset", "after fmi2Reset"),
+            Life::Changed => (
+                "life-reset",
+                "after a simulation with changed parameters and fmi2Reset",
+            ),
+            Life::InTurn => (
+                "life-again",
+                "in a second instance after the first was freed",
+            ),
+            Life::Together => (
+                "life-instances",
+                "with two instances at once (canBeInstantiatedOnlyOncePerProcess is not set)",
+            ),
+            // These are one run.
+            Life::Alone | Life::Halved => return Ok(None),
         };
-        text.map(|text| {
-            (
-                rule,
-                Hit::plain(format!("{what}, {text}: it must be as alone")),
-            )
-        })
-    }
-
-    /// Where two runs differ first. Zero is zero with either sign.
-    fn difference(&self, one: &Run, other: &Run) -> Option<String> {
-        for (row, (first, second)) in one.rows.iter().zip(&other.rows).enumerate() {
-            for (place, variable) in self.columns.iter().enumerate() {
-                let (first, second) = (first[place], second[place]);
-                let numbers = [first, second].map(|bits| number(bits, variable));
-                let same =
-                    first == second || matches!(numbers, [Some(one), Some(two)] if one == two);
-                if !same {
-                    let shown =
-                        |value: Option<f64>| value.map_or("another text".to_owned(), written);
-                    let [first, second] = numbers.map(shown);
-                    let (name, time) = (&variable.name, one.times[row]);
-                    return Some(format!("{name} is {second} instead of {first} at {time} s"));
-                }
-            }
-        }
-        let [first, second] = [one, other].map(|run| run.times.last().copied().unwrap_or(f64::NAN));
-        (first.to_bits() != second.to_bits())
-            .then(|| format!("it ends at {second} s instead of {first} s"))
+        let outcome = self.run(life, None)?;
+        let runs = match sound(&outcome, 2) {
+            // With changed parameters it may fail, and that says nothing of the reset.
+            Err(_) if life == Life::Changed && !first_is_whole(&outcome) => return Ok(None),
+            Err(text) => return Ok(Some(unlike(rule, what, &text))),
+            // With changed parameters the first run must differ.
+            Ok(runs) if life == Life::Changed => &runs[1..],
+            Ok(runs) => runs,
+        };
+        let fate = || Some(format!("{}: {}", outcome.stage, outcome.fate.as_ref()?));
+        let unfinished = || {
+            let text = runs.iter().find_map(|run| run.unfinished.clone());
+            text.filter(|_| whole.unfinished.is_none())
+        };
+        let text = runs
+            .iter()
+            .find_map(|run| difference(&self.columns, whole, run))
+            .or_else(fate)
+            .or_else(unfinished);
+        Ok(text.map(|text| unlike(rule, what, &text)))
     }
 
     /// How much half the step changes. It may: a note.
-    fn halved(&self, whole: &Run) -> io::Result<Option<Found>> {
+    fn halved(&self, whole: &Run) -> io::Result<Option<Breach>> {
         const MUCH: f64 = 0.01;
         // Where it ends depends on the step that it refuses.
         if whole.ended.is_some() {
             return Ok(None);
         }
         let outcome = self.run(Life::Halved, None)?;
-        let runs = match sound(&outcome, 1) {
-            Ok(runs) => runs,
-            Err(text) => {
-                let text = format!("with half the communication step, {text}");
-                return Ok(Some(("step-size", Hit::plain(text))));
+        let text = match sound(&outcome, 1) {
+            Err(text) => Some(format!("with half the communication step, {text}")),
+            Ok(runs) => {
+                let most = largest_change(&self.columns, whole, &runs[0]);
+                let most = most.filter(|(share, _)| *share > MUCH);
+                most.map(|(share, name)| {
+                    let step = self.setup.schedule.step;
+                    format!(
+                        "with half the communication step of {step} s, {name} changes by {:.2} % of its size",
+                        100.0 * share
+                    )
+                })
             }
         };
-        let last = whole.rows.last().zip(runs[0].rows.last());
-        let ends = whole.times.last() == runs[0].times.last();
-        let Some((one, other)) = last.filter(|_| ends) else {
-            return Ok(None);
-        };
-        let share = |(place, variable): (usize, &&'a Variable)| {
-            let over_time = whole
-                .rows
-                .iter()
-                .filter_map(|row| number(row[place], variable));
-            let scale = over_time.fold(0.0, |largest: f64, value| largest.max(value.abs()));
-            let change = (number(one[place], variable)? - number(other[place], variable)?).abs();
-            let real = variable.kind.content() == Content::Real && scale > 0.0;
-            real.then_some((change / scale, &variable.name))
-        };
-        let most = self
-            .columns
-            .iter()
-            .enumerate()
-            .filter_map(share)
-            .max_by(|a, b| a.0.total_cmp(&b.0));
-        Ok(most.filter(|(share, _)| *share > MUCH).map(|(share, name)| {
-            let step = self.setup.schedule.step;
-            let text = format!(
-                "with half the communication step of {step} s, {name} changes by {:.2} % of its size",
-                100.0 * share
-            );
-            ("step-size", Hit::plain(text))
-        }))
+        Ok(text.map(|text| ("step-size", Hit::plain(text))))
     }
 
     /// A message without the folder into which the FMU was unpacked.
@@ -414,95 +270,28 @@ fn sound(outcome: &Outcome, count: usize) -> Result<&[Run], String> {
     Ok(&report.runs)
 }
 
-/// A value as a number; a text is none.
-fn number(bits: u64, variable: &Variable) -> Option<f64> {
-    Some(match variable.kind.content() {
-        Content::Real => f64::from_bits(bits),
-        #[allow(clippy::cast_possible_truncation)]
-        Content::Integer => f64::from((bits as u32).cast_signed()),
-        Content::Boolean => f64::from(u8::from(bits != 0)),
-        Content::Text => return None,
-    })
+/// Whether the first of two runs is there and came to its end.
+fn first_is_whole(outcome: &Outcome) -> bool {
+    let first = outcome
+        .report
+        .as_ref()
+        .and_then(|report| report.runs.first());
+    first.is_some_and(|run| run.failure.is_none())
 }
 
-/// A variable that leaves the range that the FMU declares for it.
-fn beyond(variable: &Variable, values: impl Iterator<Item = f64> + Clone) -> Option<Found> {
-    let (min, max) = variable.kind.range();
-    // A range that is none is a finding of its own.
-    if min.zip(max).is_some_and(|(min, max)| min > max) {
-        return None;
-    }
-    let below = min.and_then(|min| Some((values.clone().find(|value| *value < min)?, min, "min")));
-    let beyond = below.or_else(|| {
-        max.and_then(|max| Some((values.clone().find(|value| *value > max)?, max, "max")))
-    });
-    let (value, bound, name) = beyond?;
-    let text = format!(
-        "{}: {value} in a simulation, beyond its {name} of {bound}: correct the range or the model",
-        variable.name
-    );
-    Some(("output-range", Hit::plain(text)))
+/// A life that is not as one alone.
+fn unlike(rule: &'static str, what: &str, text: &str) -> Breach {
+    (
+        rule,
+        Hit::plain(format!("{what}, {text}: it must be as alone")),
+    )
 }
 
-/// All outputs and parameters; without outputs, local variables.
-fn columns(fmu: &Description) -> Vec<&Variable> {
-    const LOCALS: usize = 100;
-    let mut columns: Vec<&Variable> = fmu.with(Causality::Output).collect();
-    if columns.is_empty() {
-        let varying = |variable: &&Variable| variable.variability != Variability::Constant;
-        columns = fmu
-            .with(Causality::Local)
-            .filter(varying)
-            .take(LOCALS)
-            .collect();
-    }
-    let numbers = fmu
-        .with(Causality::Parameter)
-        .filter(|variable| variable.number_handle().is_some());
-    columns.extend(numbers);
-    columns
-}
-
-/// A few steps of the suggested experiment, or of another where that is of no use.
-fn schedule(fmu: &Description) -> Schedule {
-    const STEPS: f64 = 10.0;
-    let mut schedule = Schedule::suggested(fmu);
-    let passes = schedule.stop > schedule.start;
-    if !passes {
-        schedule.stop = schedule.start + 1.0;
-    }
-    if !(schedule.step > 0.0 && schedule.step.is_finite()) {
-        schedule.step = (schedule.stop - schedule.start) / 500.0;
-    }
-    schedule.stop = schedule.stop.min(schedule.start + STEPS * schedule.step);
-    schedule.tolerance = schedule.tolerance.filter(|tolerance| *tolerance > 0.0);
-    schedule
-}
-
-/// Other values of real parameters: a little more than the start, within the range.
-fn changed(fmu: &Description) -> Vec<(u32, Value)> {
-    const MORE: f64 = 1.01;
-    let parameters = fmu
-        .with(Causality::Parameter)
-        .filter(|variable| variable.is_settable());
-    let other = |variable: &Variable| {
-        let Kind::Real {
-            start: Some(start),
-            min,
-            max,
-            ..
-        } = variable.kind
-        else {
-            return None;
-        };
-        let value = [start * MORE, start / MORE].into_iter().find(|value| {
-            value.is_finite()
-                && *value != start
-                && min.is_none_or(|min| *value >= min)
-                && max.is_none_or(|max| *value <= max)
-        })?;
-        let Handle { reference, .. } = variable.handle();
-        Some((reference, Value::Real(value)))
-    };
-    parameters.filter_map(other).collect()
+/// Whether a simulation ended with a step that the FMU refused.
+fn refused(outcome: &Outcome) -> bool {
+    let first = outcome
+        .report
+        .as_ref()
+        .and_then(|report| report.runs.first());
+    first.is_some_and(|run| run.refused)
 }

@@ -3,7 +3,7 @@
 use super::finding::Find::{Document, Elsewhere, Variable};
 use super::finding::Severity::{Error, Note, Warning};
 use super::finding::{Find, Rule, Severity};
-use super::{definitions, schema, structure, values, variables};
+use super::{aliases, definitions, dependencies, names, schema, structure, values, variables};
 
 const fn rule(
     id: &'static str,
@@ -43,6 +43,7 @@ pub(super) static RULES: &[Rule] = &[
     rule("schema-attribute-missing", Error, MODEL, "all required attributes", Document(schema::missing_attributes)),
     rule("schema-element", Error, MODEL, "only elements of FMI 2.0", Document(schema::unknown_elements)),
     rule("schema-element-missing", Error, MODEL, "all required elements", Document(schema::missing_elements)),
+    rule("schema-text", Error, MODEL, "no text between elements", Document(schema::text)),
     rule("schema-order", Error, MODEL, "elements in the schema's order, single ones once", Document(schema::order)),
     rule("schema-empty-list", Error, MODEL, "a list that is there holds something", Document(schema::empty_lists)),
     rule("schema-type-missing", Error, TYPE, "a SimpleType says of which type it is", Document(schema::typeless)),
@@ -52,8 +53,8 @@ pub(super) static RULES: &[Rule] = &[
     // The definitions.
     rule("version", Error, "FMI 2.0.5, 2.2.1", "fmiVersion is 2.0", Document(values::version)),
     rule("date", Error, "FMI 2.0.5, 2.2.1", "generationDateAndTime is an xs:dateTime", Document(definitions::date)),
-    rule("naming-convention", Error, "FMI 2.0.5, 2.2.1", "variableNamingConvention is flat or structured", Document(definitions::conventions)),
-    rule("structured-name", Error, "FMI 2.0.5, 2.2.9", "structured names follow the grammar", Document(definitions::convention)),
+    rule("naming-convention", Error, "FMI 2.0.5, 2.2.1", "variableNamingConvention is flat or structured", Document(names::convention)),
+    rule("structured-name", Error, "FMI 2.0.5, 2.2.9", "structured names follow the grammar", Document(names::structured)),
     rule("unit-unique", Error, "FMI 2.0.5, 2.2.2", "units have names of their own", Document(definitions::units)),
     rule("display-unit-unique", Error, "FMI 2.0.5, 2.2.2", "display units of a unit have names of their own", Document(definitions::display_units)),
     rule("unit-factor", Error, "FMI 2.0.5, 2.2.2", "a factor is not zero", Document(definitions::factors)),
@@ -73,6 +74,7 @@ pub(super) static RULES: &[Rule] = &[
     // Variables.
     rule("variable-name-unique", Error, "FMI 2.0.5, 2.2.7", "variables have names of their own", Document(values::names_twice)),
     rule("independent-single", Error, "FMI 2.0.5, 2.2.7", "one independent variable", Document(variables::independents)),
+    rule("name-legal", Error, "FMI 2.0.5, 2.2.9", "a name is not empty, without line breaks and tabs", Variable(names::legal)),
     rule("variability", Error, "FMI 2.0.5, 2.2.7", "causality and variability go together", Variable(variables::kind)),
     rule("continuous-real", Error, "FMI 2.0.5, 2.2.7", "only a Real is continuous", Variable(variables::continuous)),
     rule("initial", Error, "FMI 2.0.5, 2.2.7", "initial goes with causality and variability", Variable(variables::initial)),
@@ -80,29 +82,37 @@ pub(super) static RULES: &[Rule] = &[
     rule("start-forbidden", Error, "FMI 2.0.5, 2.2.7", "calculated ones and the time have no start value", Variable(variables::started)),
     rule("type-declared", Error, "FMI 2.0.5, 2.2.7", "declaredType is defined", Variable(variables::undeclared)),
     rule("type-fits", Error, "FMI 2.0.5, 2.2.7", "declaredType is of the variable's type", Variable(variables::mistyped)),
+    rule("derivative-name", Error, "FMI 2.0.5, 2.2.9", "a structured name der(...) is the one of a Real", Variable(names::of_real)),
     rule("derivative", Error, "FMI 2.0.5, 2.2.7", "derivative is the index of a continuous Real", Variable(variables::derivative)),
     rule("range", Error, "FMI 2.0.5, 2.2.7", "max is not less than min", Variable(values::range)),
     rule("start-in-range", Error, "FMI 2.0.5, 2.2.7", "start lies between min and max", Variable(values::start)),
     rule("start-finite", Error, "FMI 2.0.5, 2.2.7", "start is a finite number", Variable(values::infinite)),
     rule("start-item", Error, "FMI 2.0.5, 2.2.7", "start is an item of the type", Variable(values::item)),
     rule("nominal-positive", Error, "FMI 2.0.5, 2.2.7", "nominal is greater than 0", Variable(values::nominal)),
-    rule("range-of-type", Warning, "FMI 2.0.5, 2.2.7", "a variable's range lies within its type's", Variable(values::beyond_type)),
     rule("unit-defined", Error, "FMI 2.0.5, 2.2.7", "unit is defined", Variable(values::unit)),
-    rule("display-unit-defined", Error, "FMI 2.0.5, 2.2.7", "displayUnit is defined for the unit", Variable(values::display_unit)),
-    rule("alias", Error, "FMI 2.0.5, 2.2.7", "of several names one can be set and has a start value; all are constant or none is", Variable(variables::alias)),
-    rule("alias-unit", Error, "FMI 2.0.5, 2.2.7", "several names have one unit", Variable(variables::alias_unit)),
-    rule("alias-unit-missing", Warning, "FMI 2.0.5, 2.2.7", "several names all have a unit or none has", Variable(variables::alias_without_unit)),
+    rule("display-unit-alone", Error, "FMI 2.0.5, 2.2.3", "displayUnit has a unit", Variable(values::display_unit_alone)),
+    rule("alias", Error, "FMI 2.0.5, 2.2.7", "of several names one can be set and has a start value; all are constant or none is", Variable(aliases::alias)),
+    rule("alias-unit", Error, "FMI 2.0.5, 2.2.7", "several names have one unit", Variable(aliases::unit)),
+    rule("variability-given", Warning, "FMI 2.0.5, 2.2.7", "what is no Real has a variability, as the default is continuous", Variable(variables::variability_missing)),
+    rule("range-of-type", Warning, "FMI 2.0.5, 2.2.7", "a variable's range lies within its type's", Variable(values::beyond_type)),
+    rule("display-unit-defined", Warning, "FMI 2.0.5, 2.2.3", "displayUnit is defined for the unit, as it is ignored otherwise", Variable(values::display_unit)),
+    rule("alias-unit-missing", Warning, "FMI 2.0.5, 2.2.7", "several names all have a unit or none has", Variable(aliases::without_unit)),
+    rule("alias-variability", Note, "FMI 2.0.5, 2.2.7", "several names have one variability", Variable(aliases::variability)),
     // The structure.
     rule("outputs", Error, "FMI 2.0.5, 2.2.8", "Outputs lists outputs, each once", Document(structure::outputs)),
     rule("outputs-complete", Error, "FMI 2.0.5, 2.2.8", "Outputs lists every output", Document(structure::outputs_missing)),
     rule("outputs-none", Note, "FMI 2.0.5, 2.2.8", "there is something to compare with", Document(structure::no_outputs)),
-    rule("derivatives", Error, "FMI 2.0.5, 2.2.8", "Derivatives lists state derivatives, each once", Document(structure::derivatives)),
+    rule("derivatives", Error, "FMI 2.0.5, 2.2.8", "Derivatives lists derivatives of local variables and outputs, each once", Document(structure::derivatives)),
+    rule("derivatives-continuous", Warning, "FMI 2.0.5, 2.2.8", "state derivatives are continuous", Document(structure::derivatives_discrete)),
     rule("derivatives-complete", Warning, "FMI 2.0.5, 2.2.8", "Derivatives is there where states are declared", Document(structure::derivatives_missing)),
     rule("initial-unknowns", Error, "FMI 2.0.5, 2.2.8", "InitialUnknowns lists variables that are computed initially, each once", Document(structure::initial_unknowns)),
     rule("initial-unknowns-sorted", Error, "FMI 2.0.5, 2.2.8", "InitialUnknowns is sorted by index", Document(structure::initial_unknowns_unsorted)),
     rule("initial-unknowns-complete", Warning, "FMI 2.0.5, 2.2.8", "InitialUnknowns lists all outputs, calculated parameters, states and derivatives that are computed", Document(structure::initial_unknowns_missing)),
     rule("initial-unknowns-surplus", Warning, "FMI 2.0.5, 2.2.8", "InitialUnknowns lists nothing else", Document(structure::initial_unknowns_surplus)),
-    rule("dependencies", Error, "FMI 2.0.5, 2.2.8", "dependencies are on variables, with a kind each where kinds are given", Document(structure::dependencies)),
+    rule("dependencies", Error, "FMI 2.0.5, 2.2.8", "dependencies are on variables, with a kind each where kinds are given", Document(dependencies::dependencies)),
+    rule("dependencies-sorted", Error, "FMI 2.0.5, 2.2.8", "dependencies are sorted by index, each once", Document(dependencies::unsorted)),
+    rule("dependencies-known", Warning, "FMI 2.0.5, 2.2.8", "dependencies are on inputs, states and what else is known", Document(dependencies::unknown)),
+    rule("dependencies-factor", Warning, "FMI 2.0.5, 2.2.8", "only a Real depends on something by a factor", Document(dependencies::factors)),
     // The archive.
     rule("archive-path", Error, "FMI 2.0.5, 2.3", "paths are relative, with forward slashes", Elsewhere),
     rule("archive-entry-unique", Warning, "FMI 2.0.5, 2.3", "entries have names of their own", Elsewhere),
@@ -120,6 +130,7 @@ pub(super) static RULES: &[Rule] = &[
     rule("binary-version", Warning, "FMI 2.0.5, 2.1.4", "fmi2GetVersion returns 2.0", Elsewhere),
     rule("binary-types", Warning, "FMI 2.0.5, 2.1.4", "fmi2GetTypesPlatform returns default", Elsewhere),
     rule("simulation-runs", Error, "FMI 2.0.5, 4.2.4", "a simulation with the start values runs", Elsewhere),
+    rule("step-suggested", Note, "FMI 2.0.5, 2.2.5", "an FMU that refuses steps suggests one that it takes", Elsewhere),
     rule("output-finite", Error, "a study would be wrong", "outputs are finite numbers", Elsewhere),
     rule("output-range", Warning, "FMI 2.0.5, 2.2.3", "outputs keep to their range", Elsewhere),
     rule("start-agrees", Error, "FMI 2.0.5, 2.2.7", "the binary starts with the start values of the description", Elsewhere),

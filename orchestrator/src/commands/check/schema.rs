@@ -89,7 +89,7 @@ const ELEMENTS: [Element; 32] = [
     ),
     ("Annotations", "", "Tool"),
     // Anything may be in it.
-    ("Tool", "name", "*"),
+    ("Tool", "name!", "*"),
     ("ModelStructure", "", "Outputs Derivatives InitialUnknowns"),
     ("Unknown", "index! dependencies dependenciesKind", ""),
 ];
@@ -119,6 +119,9 @@ const MANY_WITHIN: [&str; 10] = [
     "InitialUnknowns",
 ];
 
+/// Elements of which a variable or a type has one.
+const TYPES: [&str; 5] = ["Real", "Integer", "Boolean", "String", "Enumeration"];
+
 /// Elements of which there may be many beside each other.
 const MANY: [&str; 9] = [
     "File",
@@ -142,12 +145,18 @@ pub(super) fn namespace(document: &Document<'_>) -> Vec<Hit> {
     space.map(hit).into_iter().collect()
 }
 
+/// The namespace of attributes that every document may have, to name its schema.
+const INSTANCE: &str = "http://www.w3.org/2001/XMLSchema-instance";
+
 /// Attributes that are none of FMI 2.0.
 pub(super) fn unknown_attributes(document: &Document<'_>) -> Vec<Hit> {
     visit(document, |node, (_, attributes, _), hits| {
-        let own = node.attributes().filter(|a| a.namespace().is_none());
-        for attribute in own.map(|attribute| attribute.name()) {
-            if known(attributes).all(|known| known != attribute) {
+        let own = node
+            .attributes()
+            .filter(|a| a.namespace() != Some(INSTANCE));
+        for attribute in own {
+            let (foreign, attribute) = (attribute.namespace().is_some(), attribute.name());
+            if foreign || known(attributes).all(|known| known != attribute) {
                 let meant = did_you_mean(nearest(attribute, known(attributes)));
                 let name = node.tag_name().name();
                 let text =
@@ -174,9 +183,11 @@ pub(super) fn missing_attributes(document: &Document<'_>) -> Vec<Hit> {
 /// Elements that are none of FMI 2.0.
 pub(super) fn unknown_elements(document: &Document<'_>) -> Vec<Hit> {
     visit(document, |node, (_, _, children), hits| {
-        for child in elements(node) {
+        for child in node.children().filter(Node::is_element) {
             let inner = child.tag_name().name();
-            if children != "*" && known(children).all(|known| known != inner) {
+            let foreign = child.tag_name().namespace().is_some();
+            let strange = foreign || known(children).all(|known| known != inner);
+            if children != "*" && strange {
                 let meant = did_you_mean(nearest(inner, known(children)));
                 let text = format!(
                     "`{}` has no element `{inner}` in FMI 2.0: remove it, or put it into an annotation{meant}",
@@ -186,6 +197,34 @@ pub(super) fn unknown_elements(document: &Document<'_>) -> Vec<Hit> {
             }
         }
     })
+}
+
+/// Text between elements.
+pub(super) fn text(document: &Document<'_>) -> Vec<Hit> {
+    visit(document, |node, (_, _, children), hits| {
+        let texts = node.children().filter(Node::is_text);
+        let stray = texts
+            .filter_map(|text| Some(text.text()?.trim()))
+            .find(|text| !text.is_empty());
+        if let Some(stray) = stray.filter(|_| children != "*") {
+            let text = format!(
+                "the text `{}` in `{}`: remove it",
+                start_of(stray),
+                node.tag_name().name()
+            );
+            hits.push(at(node, &text));
+        }
+    })
+}
+
+/// The first characters of a text.
+fn start_of(text: &str) -> String {
+    const FEW: usize = 20;
+    let mut start: String = text.chars().take(FEW).collect();
+    if text.chars().nth(FEW).is_some() {
+        start += "...";
+    }
+    start
 }
 
 /// Elements that must be there.
@@ -245,8 +284,11 @@ pub(super) fn typeless(document: &Document<'_>) -> Vec<Hit> {
 
 /// Values that are not of their attribute's type, where nobody else reads them.
 pub(super) fn values(document: &Document<'_>) -> Vec<Hit> {
-    let mut wrong = visit(document, |node, (_, attributes, _), hits| {
-        for (names, is, what) in TYPED {
+    let mut wrong = visit(document, |node, (element, attributes, _), hits| {
+        let typed = TYPED.iter().filter(|(elements, ..)| {
+            elements.is_empty() || elements.split(' ').any(|one| one == element)
+        });
+        for (_, names, is, what) in typed {
             for name in names
                 .split(' ')
                 .filter(|name| known(attributes).any(|own| own == *name))
@@ -263,28 +305,44 @@ pub(super) fn values(document: &Document<'_>) -> Vec<Hit> {
     wrong
 }
 
-/// Attributes, whether a text is one of their values, and what it is else.
-type Typed = (&'static str, fn(&str) -> bool, &'static str);
+/// The elements, or none for all; attributes; whether a text is one of their values, and what it is else.
+type Typed = (&'static str, &'static str, fn(&str) -> bool, &'static str);
 
 /// Attributes that the reader does not use.
-const TYPED: [Typed; 4] = [
+const TYPED: [Typed; 6] = [
     (
+        "SimpleType/Real",
+        "min max nominal",
+        |text| text.parse::<f64>().is_ok(),
+        "not a number",
+    ),
+    (
+        "SimpleType/Integer ScalarVariable/Enumeration",
+        "min max",
+        |text| text.parse::<i32>().is_ok(),
+        "not a whole number",
+    ),
+    (
+        "",
         "canNotUseMemoryManagementFunctions providesDirectionalDerivative completedIntegratorStepNotNeeded unbounded \
          reinit canHandleMultipleSetPerTimeInstant",
         |text| ["true", "false", "1", "0"].contains(&text),
         "neither true nor false",
     ),
     (
+        "",
         "maxOutputDerivativeOrder numberOfEventIndicators",
         |text| text.parse::<u32>().is_ok(),
         "not a whole number from 0 on",
     ),
     (
+        "",
         "value",
         |text| text.parse::<i32>().is_ok(),
         "not a whole number",
     ),
     (
+        "",
         "initial",
         |text| ["exact", "approx", "calculated"].contains(&text),
         "none of exact, approx and calculated",
@@ -328,6 +386,13 @@ fn disordered(node: Node<'_, '_>, order: &[&str]) -> Option<Hit> {
         let name = child.tag_name().name();
         let place = order.iter().position(|known| *known == name)?;
         let wrong = match last {
+            Some(before) if TYPES.contains(&name) && TYPES.contains(&order[before]) => {
+                format!("a second type `{name}`: leave the right one only")
+            }
+            // The schema leaves the order of these two open.
+            Some(before) if (name, order[before]) == ("ModelExchange", "CoSimulation") => {
+                return None;
+            }
             Some(before) if place < before => {
                 format!("`{name}` after `{}`: put it before that", order[before])
             }

@@ -7,10 +7,11 @@ use roxmltree::Node;
 use super::document::{Document, Scalar, at, named};
 use super::hit::Hit;
 
-type Scalars<'a> = [Option<Scalar<'a>>];
+/// The variables in their order, which the lists count.
+pub(super) type Scalars<'a> = [Option<Scalar<'a>>];
 
 /// The element itself. Without it the schema's rules have said so.
-fn structure<'a>(document: &Document<'a>) -> Option<Node<'a, 'a>> {
+pub(super) fn structure<'a>(document: &Document<'a>) -> Option<Node<'a, 'a>> {
     named(document.root, "ModelStructure").next()
 }
 
@@ -42,8 +43,24 @@ pub(super) fn outputs_missing(document: &Document<'_>) -> Vec<Hit> {
 
 pub(super) fn derivatives(document: &Document<'_>) -> Vec<Hit> {
     list(document, "Derivatives", &|scalar| {
-        let derivative = scalar.typed.has_attribute("derivative");
-        (!derivative).then_some("has no attribute derivative")
+        if !scalar.typed.has_attribute("derivative") {
+            return Some("has no attribute derivative");
+        }
+        let state = state_of(scalar, &document.scalars);
+        let state = state.and_then(|place| document.scalars[place].as_ref());
+        let local = state.is_none_or(|state| ["local", "output"].contains(&state.causality));
+        (!local).then_some("is the derivative of a variable that is neither local nor an output")
+    })
+}
+
+/// State derivatives that do not change continuously.
+pub(super) fn derivatives_discrete(document: &Document<'_>) -> Vec<Hit> {
+    if !derivatives(document).is_empty() {
+        return Vec::new();
+    }
+    list(document, "Derivatives", &|scalar| {
+        let continuous = scalar.variability == "continuous";
+        (!continuous).then_some("is not continuous")
     })
 }
 
@@ -53,10 +70,15 @@ pub(super) fn derivatives_missing(document: &Document<'_>) -> Vec<Hit> {
         return Vec::new();
     }
     missing(document, "Derivatives", &|scalar| {
-        let state = scalar.typed.attribute("derivative");
-        let state = state.and_then(|index| position(index, &document.scalars));
+        let state = state_of(scalar, &document.scalars);
         let state = state.and_then(|place| document.scalars[place].as_ref());
-        state.is_some_and(|state| state.kind() == "Real") && !scalar.is_settable()
+        // A state that cannot be is a finding of its own.
+        let possible = |state: &Scalar<'_>| {
+            state.kind() == "Real"
+                && state.variability == "continuous"
+                && state.position != scalar.position
+        };
+        state.is_some_and(possible) && !scalar.is_settable()
     })
 }
 
@@ -77,7 +99,7 @@ pub(super) fn initial_unknowns_missing(document: &Document<'_>) -> Vec<Hit> {
     if !initial_unknowns(document).is_empty() {
         return Vec::new();
     }
-    let states = states(document);
+    let states = states_and_derivatives(document);
     missing(document, "InitialUnknowns", &|scalar| {
         let computed = is_output(scalar) || states.contains(&scalar.position);
         scalar.causality == "calculatedParameter" || computed && is_guessed(scalar)
@@ -85,22 +107,31 @@ pub(super) fn initial_unknowns_missing(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// The positions of the states and their derivatives, as `Derivatives` lists them.
-fn states(document: &Document<'_>) -> HashSet<usize> {
-    let mut positions = HashSet::new();
+fn states_and_derivatives(document: &Document<'_>) -> HashSet<usize> {
     let listed = structure(document)
         .into_iter()
         .flat_map(|node| unknowns(node, "Derivatives"));
-    for unknown in listed {
-        let derivative = unknown
-            .attribute("index")
-            .and_then(|index| position(index, &document.scalars));
-        let scalar = derivative.and_then(|place| document.scalars[place].as_ref());
-        let state = scalar
-            .and_then(|scalar| position(scalar.typed.attribute("derivative")?, &document.scalars));
-        positions.extend(derivative);
-        positions.extend(state);
-    }
-    positions
+    let derivatives = listed
+        .filter_map(|unknown| position(unknown.attribute("index")?, &document.scalars))
+        .collect();
+    &states(document) | &derivatives
+}
+
+/// The positions of the states: the variables of which `Derivatives` lists the derivatives.
+pub(super) fn states(document: &Document<'_>) -> HashSet<usize> {
+    let listed = structure(document)
+        .into_iter()
+        .flat_map(|node| unknowns(node, "Derivatives"));
+    let state = |unknown: Node<'_, '_>| {
+        let derivative = position(unknown.attribute("index")?, &document.scalars)?;
+        state_of(document.scalars[derivative].as_ref()?, &document.scalars)
+    };
+    listed.filter_map(state).collect()
+}
+
+/// The position of the variable of which this one is the derivative.
+fn state_of(scalar: &Scalar<'_>, scalars: &Scalars<'_>) -> Option<usize> {
+    position(scalar.typed.attribute("derivative")?, scalars)
 }
 
 /// Entries that the list is not made for.
@@ -111,7 +142,7 @@ pub(super) fn initial_unknowns_surplus(document: &Document<'_>) -> Vec<Hit> {
     if !initial_unknowns(document).is_empty() {
         return Vec::new();
     }
-    let states = states(document);
+    let states = states_and_derivatives(document);
     let surplus = |unknown: &Node<'_, '_>| {
         let place = position(unknown.attribute("index")?, &document.scalars)?;
         let scalar = document.scalars[place].as_ref()?;
@@ -154,22 +185,11 @@ pub(super) fn no_outputs(document: &Document<'_>) -> Vec<Hit> {
     vec![Hit::of(super::document::NAME, text.to_owned())]
 }
 
-/// What dependencies are on, and of which kind.
-pub(super) fn dependencies(document: &Document<'_>) -> Vec<Hit> {
-    let Some(structure) = structure(document) else {
-        return Vec::new();
-    };
-    let lists = ["Outputs", "Derivatives", "InitialUnknowns"];
-    let wrong = |name: &'static str| {
-        unknowns(structure, name).filter_map(move |unknown| {
-            let text = dependencies_of(unknown, &document.scalars)?;
-            Some(at(unknown, &format!("{name}: {text}")))
-        })
-    };
-    lists.into_iter().flat_map(wrong).collect()
-}
-
-fn unknowns<'a>(structure: Node<'a, 'a>, name: &'static str) -> impl Iterator<Item = Node<'a, 'a>> {
+/// The unknowns of one list.
+pub(super) fn unknowns<'a>(
+    structure: Node<'a, 'a>,
+    name: &'static str,
+) -> impl Iterator<Item = Node<'a, 'a>> {
     named(structure, name).flat_map(|list| named(list, "Unknown"))
 }
 
@@ -189,7 +209,7 @@ fn unsorted(structure: Node<'_, '_>, name: &'static str) -> Option<Hit> {
 }
 
 /// The position of the variable of an index.
-fn position(index: &str, scalars: &Scalars<'_>) -> Option<usize> {
+pub(super) fn position(index: &str, scalars: &Scalars<'_>) -> Option<usize> {
     let position = index.trim().parse::<usize>().ok()?.checked_sub(1)?;
     (position < scalars.len()).then_some(position)
 }
@@ -229,40 +249,6 @@ fn list(
     wrong.collect()
 }
 
-fn dependencies_of(unknown: Node<'_, '_>, scalars: &Scalars<'_>) -> Option<String> {
-    const KINDS: [&str; 5] = ["dependent", "constant", "fixed", "tunable", "discrete"];
-    let words = |name| {
-        unknown
-            .attribute(name)
-            .map(|text| text.split_whitespace().collect::<Vec<_>>())
-    };
-    let (on, kinds) = (words("dependencies"), words("dependenciesKind"));
-    let strange = on
-        .iter()
-        .flatten()
-        .find(|index| position(index, scalars).is_none());
-    if let Some(index) = strange {
-        return Some(format!(
-            "a dependency on index {index}, which is none of the {} variables: indexes count them from 1",
-            scalars.len()
-        ));
-    }
-    let kinds = kinds?;
-    if let Some(kind) = kinds.iter().find(|kind| !KINDS.contains(*kind)) {
-        return Some(format!(
-            "dependenciesKind {kind} is none of {}",
-            KINDS.join(", ")
-        ));
-    }
-    let count = on.map_or(0, |on| on.len());
-    (count != kinds.len()).then(|| {
-        format!(
-            "{count} dependencies, but {} dependenciesKind: give one for each",
-            kinds.len()
-        )
-    })
-}
-
 /// The variables that a list must have but has not, in one finding.
 fn missing(
     document: &Document<'_>,
@@ -272,6 +258,10 @@ fn missing(
     let (Some(structure), scalars) = (structure(document), &document.scalars[..]) else {
         return Vec::new();
     };
+    // What an entry without an index means, nobody knows.
+    if unknowns(structure, name).any(|unknown| !unknown.has_attribute("index")) {
+        return Vec::new();
+    }
     let listed: HashSet<usize> = unknowns(structure, name)
         .filter_map(|unknown| position(unknown.attribute("index")?, scalars))
         .collect();

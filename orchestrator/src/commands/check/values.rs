@@ -96,12 +96,15 @@ pub(super) fn long_step(document: &Document<'_>) -> Vec<Hit> {
 fn numbers(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<[Option<f64>; 3]> {
     let kind = &document.read.variables.get(scalar.name)?.kind;
     let (min, max) = kind.range();
-    let start = match kind {
-        Kind::Real { start, .. } => *start,
-        Kind::Integer { start, .. } => start.map(f64::from),
-        _ => None,
-    };
-    Some([start, min, max])
+    match kind {
+        Kind::Real { start, .. } => Some([*start, min, max]),
+        Kind::Integer { start, .. } => Some([start.map(f64::from), min, max]),
+        Kind::Enumeration { start, .. } => {
+            let bound = |name| scalar.typed.attribute(name)?.trim().parse().ok();
+            Some([start.map(f64::from), bound("min"), bound("max")])
+        }
+        Kind::Boolean { .. } | Kind::String { .. } => None,
+    }
 }
 
 pub(super) fn range(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
@@ -177,13 +180,17 @@ pub(super) fn unit(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<Strin
     (!defined).then(|| format!("unit \"{unit}\" is not defined: add it to UnitDefinitions"))
 }
 
+/// A display unit says nothing without a unit.
+pub(super) fn display_unit_alone(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+    let shown = document.effective(scalar, "displayUnit")?;
+    let alone = document.effective(scalar, "unit").is_none();
+    alone.then(|| format!("displayUnit \"{shown}\" without a unit: add the unit"))
+}
+
+/// An undefined display unit is ignored, as the standard says.
 pub(super) fn display_unit(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let shown = document.effective(scalar, "displayUnit")?;
-    let Some(unit) = document.effective(scalar, "unit") else {
-        return Some(format!(
-            "displayUnit \"{shown}\" without a unit: add the unit"
-        ));
-    };
+    let unit = document.effective(scalar, "unit")?;
     let (_, defined) = document.read.units.iter().find(|(name, _)| *name == unit)?;
     let known = shown == unit || defined.display.iter().any(|other| other.name == shown);
     (!known).then(|| {

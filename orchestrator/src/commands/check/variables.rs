@@ -67,6 +67,15 @@ pub(super) fn continuous(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String
     })
 }
 
+/// The default is continuous, which only a Real can be; tools mean discrete.
+pub(super) fn variability_missing(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
+    let kind = scalar.kind();
+    let missing = kind != "Real" && !scalar.node.has_attribute("variability");
+    missing.then(|| {
+        format!("no variability, and the default, continuous, is for a Real only: set it to discrete for this {kind}")
+    })
+}
+
 /// What `initial` may be (section 2.2.7, the table of allowed combinations).
 pub(super) fn initial(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
     let Scalar {
@@ -166,68 +175,4 @@ pub(super) fn derivative(scalar: &Scalar<'_>, document: &Document<'_>) -> Option
     Some(format!(
         "derivative=\"{text}\" {wrong}: give the index of the state"
     ))
-}
-
-/// Variables of one base type with the same value reference are one variable of several names: only one of them can be
-/// set, and have a start value; they agree in constancy.
-pub(super) fn alias(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
-    let (other, reference) = other_name(scalar, document)?;
-    let constant = |scalar: &Scalar<'_>| scalar.variability == "constant";
-    let wrong = if other.is_settable() && scalar.is_settable() {
-        "and both can be set"
-    } else if constant(other) != constant(scalar) {
-        "but only one of them is constant"
-    } else if constant(other) {
-        if same(other.start()?, scalar.start()?) {
-            return None;
-        }
-        "but their values differ"
-    } else if other.start().is_some() && scalar.start().is_some() {
-        "and both have a start value"
-    } else {
-        return None;
-    };
-    Some(clash(reference, other, wrong))
-}
-
-/// They agree in their unit, too.
-pub(super) fn alias_unit(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
-    let (other, reference) = other_name(scalar, document)?;
-    let [one, two] = [other, scalar].map(|scalar| document.effective(scalar, "unit"));
-    let differ = one.zip(two).is_some_and(|(one, two)| one != two);
-    differ.then(|| clash(reference, other, "but their units differ"))
-}
-
-/// One of them with a unit and another without.
-pub(super) fn alias_without_unit(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
-    let (other, reference) = other_name(scalar, document)?;
-    let [one, two] = [other, scalar].map(|scalar| document.effective(scalar, "unit").is_some());
-    (one != two).then(|| clash(reference, other, "but only one of them has a unit"))
-}
-
-fn clash(reference: &str, other: &Scalar<'_>, wrong: &str) -> String {
-    format!(
-        "valueReference {reference} is {}'s, too, {wrong}: give one of them a valueReference of its own",
-        other.name
-    )
-}
-
-/// The variable of which this is another name.
-fn other_name<'d, 'a>(
-    scalar: &Scalar<'a>,
-    document: &'d Document<'a>,
-) -> Option<(&'d Scalar<'a>, &'a str)> {
-    let other = document.aliased.get(scalar.position).copied()??;
-    let other = document.scalars.get(other)?.as_ref()?;
-    // The reader remarks on the second of a name.
-    (other.name != scalar.name).then_some((other, scalar.node.attribute("valueReference")?))
-}
-
-/// Whether two values are the same, however they are written.
-fn same(one: &str, other: &str) -> bool {
-    let numbers = [one, other].map(|text| text.trim().parse::<f64>().ok());
-    match numbers {
-        [Some(one), Some(other)] => one == other,
-        _ => one == other,
-    }
 }
