@@ -1,4 +1,4 @@
-/* What the C hosts of these scripts share: the callbacks of FMI 2.0, a logger, and a way to give up. */
+/* Shared by the C hosts of these scripts: the callbacks of FMI 2.0, a logger, and a way to give up. */
 #ifndef HOSTING_H
 #define HOSTING_H
 

@@ -1,4 +1,4 @@
-//! What calls of the stand's C functions cost beside its steps: `cargo bench -p plain-bearing-stand --bench calls`.
+//! Cost of calls to the stand's C functions other than steps: `cargo bench -p plain-bearing-stand --bench calls`.
 
 use std::ffi::c_int;
 use std::hint::black_box;

@@ -34,7 +34,7 @@ pub enum NoLeap {
     Integration(#[from] Failure),
 }
 
-/// What a leap needs to know: the journal within a turn, and the temperatures' balance.
+/// A model on two time scales, as a leap needs it: the journal within a turn, and the heat balance over many turns.
 pub trait TwoScales {
     /// Duration of a turn, s.
     fn period(&self) -> f64;

@@ -138,7 +138,7 @@ fn what_makes_a_step_impossible_is_named() {
     }
 }
 
-/// What settles within nanoseconds only follows the rest, in implicit steps.
+/// A part of the model that settles within nanoseconds only follows the rest; implicit steps need not resolve it.
 #[test]
 fn stiffness_alone_refuses_no_step() {
     let usual = run(&[], &[0.1]).unwrap().readings().film_temperature;

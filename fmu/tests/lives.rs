@@ -128,7 +128,7 @@ fn is_sane(readings: &Readings, least: f64, most: f64) -> Result<(), TestCaseErr
     Ok(())
 }
 
-/// What shaft and load put in, less what the asperities store, is dissipated; nothing comes from nowhere.
+/// Energy balance: work of shaft and load, less the energy stored in the asperities, equals the dissipation.
 fn energy_is_closed(stand: &Stand) -> Result<(), TestCaseError> {
     let Readings {
         load_force: load,
@@ -232,7 +232,7 @@ fn live(life: &Life, film: FilmModel) -> Result<Outcome, TestCaseError> {
 
 /// Seeds of the ordinary run, which is the same every time. A seed that fails in a long run joins them.
 const SEEDS: [u64; 1] = [1];
-/// So many of ten thousand lives of the mobility film may be refused a step: it is one in some 600,000.
+/// Refused steps allowed in ten thousand lives of the mobility film. The measured rate is about one life in 600,000.
 const MOST_REFUSED: usize = 1;
 
 /// Lives that random numbers from this seed choose.
@@ -284,14 +284,14 @@ fn sixty_lives_with_the_reynolds_film() {
     }
 }
 
-/// Of the seed that `PROPTEST_RNG_SEED` gives: `scripts/test --long` draws one.
+/// The seed comes from `PROPTEST_RNG_SEED`, which `scripts/test --long` draws.
 #[test]
 #[ignore = "takes minutes: scripts/test --long"]
 fn a_hundred_thousand_lives_with_the_mobility_method() {
     with_the_mobility_method(ProptestConfig::default().rng_seed, 100_000);
 }
 
-/// Of the seed that `PROPTEST_RNG_SEED` gives: `scripts/test --long` draws one.
+/// The seed comes from `PROPTEST_RNG_SEED`, which `scripts/test --long` draws.
 #[test]
 #[ignore = "takes minutes: scripts/test --long"]
 fn a_thousand_lives_with_the_reynolds_film() {

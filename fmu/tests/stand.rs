@@ -255,7 +255,7 @@ fn rates_are_those_of_the_outputs() {
     }
 }
 
-/// What a host that looks for loops between coupled FMUs relies on, at the start and later.
+/// Hosts look for algebraic loops between coupled FMUs by these dependencies, at the start and later.
 #[test]
 fn outputs_follow_at_once_only_the_inputs_that_they_name() {
     for (film, time) in [

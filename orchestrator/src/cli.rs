@@ -18,7 +18,7 @@ pub use study::{Identify, Judge, Merge, Replay, Report, Verify};
 #[derive(Debug, Parser)]
 #[command(version, about, max_term_width = 100, after_help = EXIT)]
 pub struct Cli {
-    /// What to do.
+    /// The command.
     #[command(subcommand)]
     pub command: Command,
 }
@@ -26,7 +26,7 @@ pub struct Cli {
 const EXIT: &str = "Exit codes: 0 done (verify, judge: at least one point meets all criteria), \
     1 not verified, 2 a mistake in what was asked for.";
 
-/// What to do.
+/// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Says what an FMU is: variables, units, capabilities, platforms
@@ -55,7 +55,7 @@ pub enum Command {
     /// Simulates once for `check`
     #[command(hide = true)]
     Probe {
-        /// What to do
+        /// File that describes the simulation
         setup: PathBuf,
     },
     /// Writes the page of a finished study again

@@ -26,8 +26,6 @@ pub struct Runner {
     reuse: Reuse,
     /// Whether a reused instance has been compared with a fresh one.
     trusted: bool,
-    /// Whether a reset that fails is a failure.
-    candid: bool,
     /// Whether the last point failed because the FMU refused an instance.
     refused: bool,
     /// When the last instance was made.
@@ -51,8 +49,6 @@ pub enum Habit {
     Reset,
     /// An instance for each point.
     Renew,
-    /// One instance, of which a failing reset is the next point's failure: for those who want to see what it does.
-    Candid,
 }
 
 /// How a used instance gets ready for the next point.
@@ -93,7 +89,6 @@ impl Runner {
             reuse: Reuse::Reset,
             // Where there can be one instance only, there is none to compare with.
             trusted: library.is_for_one_instance(),
-            candid: false,
             refused: false,
             ready: None,
             library,
@@ -113,7 +108,6 @@ impl Runner {
     /// The same, but instances are used again in a way that others compare with fresh processes.
     pub fn with_habit(mut self, habit: Habit) -> Self {
         self.trusted = true;
-        self.candid = habit == Habit::Candid;
         if habit == Habit::Renew {
             self.reuse = Reuse::Never;
         }
@@ -299,10 +293,6 @@ impl Runner {
             let Held {
                 instance, first, ..
             } = &mut used;
-            if self.candid {
-                instance.reset().map_err(|call| Failure::from_call(&call))?;
-                return Ok(used);
-            }
             let (ready, otherwise) = match (self.reuse, first) {
                 (Reuse::Reset, _) => (instance.reset().is_ok(), Reuse::Restore),
                 (Reuse::Restore, Some(first)) => (instance.restore(first).is_ok(), Reuse::Never),

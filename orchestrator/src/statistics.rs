@@ -33,7 +33,7 @@ macro_rules! statistics {
             /// All of them; the first one is the usual one.
             pub const ALL: &[Self] = &[$(Self::$statistic),*];
 
-            /// What it is called in a sentence, such as "mean" in "mean of the load".
+            /// Its name in a sentence, such as "mean" in "mean of the load".
             pub fn label(self) -> &'static str {
                 match self {
                     $(Self::$statistic => <$collector>::LABEL,)*

@@ -118,7 +118,7 @@ fn findings_of_another_study_are_not_shown() {
     // Other points of the same study: what was found from the old ones is gone from the page.
     bench.run(&["verify", "study.toml", "--output", "out", "--seed", "9"]);
     assert!(!shown());
-    // What runs of its own say of a study holds for all of its points, but not for another study.
+    // Results from runs of its own hold for all points of the study, but not for another study.
     let runs = [
         "sensitivity",
         "study.toml",

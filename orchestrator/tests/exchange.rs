@@ -1,4 +1,4 @@
-//! What comes from files of others and goes into them: recordings of inputs, SSP parameter sets.
+//! Exchange of files with other tools: recordings of inputs, SSP parameter sets.
 #![allow(clippy::unwrap_used)]
 
 mod support;

@@ -130,7 +130,7 @@ impl Analysis {
         bench.run(&self.arguments(folder, more))
     }
 
-    /// What the analysis leaves for people and programs.
+    /// The contents of the analysis's result files.
     fn results(&self, bench: &Bench, folder: &str) -> Vec<String> {
         let files = self.files.iter();
         files
@@ -138,7 +138,7 @@ impl Analysis {
             .collect()
     }
 
-    /// The results of an undisturbed run, and what it says.
+    /// The results of an undisturbed run, and its standard output.
     fn undisturbed(&self, bench: &Bench) -> (Vec<String>, String) {
         let said = self.run(bench, "whole", &[]);
         assert_eq!(said.code, 0, "{}", said.err);
@@ -281,7 +281,7 @@ fn shards_join_to_the_same_results() {
         merge(&folders[1..], "joined").is_mistake(&["are in none of the shards 1/3, 2/3"]);
         let mut said = merge(&folders, "joined");
         if said.code == 2 {
-            // What is stated did not hold, and is confirmed once more by points that no shard could know of.
+            // A statement did not hold. It is confirmed again by new points, which no shard could know of.
             said.is_mistake(&["robustness STUDY ... --output joined --resume"]);
             said = analysis.run(&bench, "joined", &["--resume"]);
         }

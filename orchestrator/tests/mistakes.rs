@@ -99,7 +99,7 @@ fn no_binary_for_this_platform() {
     bench
         .run(&["simulate", "windows.fmu"])
         .is_mistake(&["windows.fmu", "platform", "win64"]);
-    // What it is can be said all the same.
+    // `inspect` needs no binary for this machine.
     assert_eq!(bench.run(&["inspect", "windows.fmu"]).code, 0);
 }
 
@@ -350,7 +350,7 @@ fn tables_of_other_programs() {
         said.contains("all criteria: verified                     1"),
         "{said}"
     );
-    // What failed elsewhere has failed here, too.
+    // A point that failed in the other program counts as failed here, too.
     let said = judge("point,Y\n1,0.85\n2,\n3,nan\n");
     assert!(
         said.starts_with("3 points, 2 of them failed (not finite: 2)"),

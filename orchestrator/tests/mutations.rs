@@ -225,7 +225,7 @@ fn bench() -> Bench {
     bench
 }
 
-/// What is mutated, and what reads it.
+/// A kind of file to mutate, and its reader.
 type Kind<'a> = (&'a str, Box<dyn Fn(&Path) -> Attempt + 'a>);
 
 fn kinds(bench: &Bench) -> Vec<Kind<'_>> {

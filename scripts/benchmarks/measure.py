@@ -10,12 +10,12 @@ from pathlib import Path
 
 
 class Trouble(Exception):
-    """What keeps a part from being measured."""
+    """The reason why a part cannot be measured."""
 
 
 @dataclass
 class Cost:
-    """What a command took, with its child processes."""
+    """Time and memory of a command, with its child processes."""
 
     cpu: float
     wall: float

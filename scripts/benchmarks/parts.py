@@ -243,7 +243,7 @@ def scaling(scale, progress):
 
 
 def at_scale(sizes):
-    """What is asked of a million points, at the largest size that was run."""
+    """The goals for a million points, checked at the largest size that was run."""
     most = max(size.points for size in sizes)
     rows = []
     for one in (size for size in sizes if size.points == most):

@@ -1,4 +1,4 @@
-"""What is measured: the orchestrator, the minimal loop, the direct calls, other importers."""
+"""The subjects of measurement: the orchestrator, the minimal loop, the direct calls, other importers."""
 
 import os
 import re
@@ -102,7 +102,7 @@ def direct(step, steps, runs):
 
 
 def bound(steps):
-    """What the film's step costs, and what its arithmetic would."""
+    """Time of a film step, and the least time that its arithmetic would need."""
     return cost([TARGET / "examples" / "bound", steps]).text
 
 

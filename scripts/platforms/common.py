@@ -1,4 +1,4 @@
-"""What the packaging steps share."""
+"""Code that the packaging steps share."""
 
 import os
 import platform as this
@@ -27,7 +27,7 @@ class Failure(Exception):
 
 @dataclass
 class Row:
-    """What becomes of a platform."""
+    """Whether a platform goes into the FMU, and if not, why."""
 
     platform: str
     file: Path | None = None

@@ -10,7 +10,7 @@ GLIBC = (2, 17)
 LIBRARIES = {
     "elf": {"libc.so.6", "libm.so.6", "libdl.so.2", "libpthread.so.0", "librt.so.1",
             "ld-linux-x86-64.so.2", "ld-linux-aarch64.so.1"},
-    # What every Windows has.
+    # Libraries that every Windows has.
     "dll": re.compile(r"(kernel32|ntdll|msvcrt|ucrtbase|userenv|ws2_32|bcrypt(primitives)?|advapi32"
                       r"|api-ms-win-[\w-]+)\.dll", re.IGNORECASE),
 }

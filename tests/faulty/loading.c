@@ -47,7 +47,7 @@ BEHAVES(needs_the_thread_of_its_loading) {
     return OK;
 }
 
-/* A file is opened while the binary is loaded; forks of the loaded process share the place in it. */
+/* Opens a file while the binary is loaded; forks of the loaded process share its read position. */
 BEHAVES(reads_the_file_of_its_loading) {
     static int file;
     int number = 0;

@@ -20,7 +20,7 @@ BEHAVES(logs_to_environment_two) {
     return OK;
 }
 
-/* As many FMUs do: their own instance in place of the importer's environment. */
+/* Passes its own instance instead of the importer's environment, as many FMUs do. */
 BEHAVES(logs_to_itself) {
     if (steps(moment)) log_with(model, model);
     return OK;

@@ -24,7 +24,7 @@ typedef struct {
     const Callbacks *callbacks;
     double rate, y, sum, spoil; /* Both outputs are wrong by `spoil`. */
     int fault, steps;
-    int ended;   /* What fmi2GetBooleanStatus(fmi2Terminated) says. */
+    int ended;   /* The answer of fmi2GetBooleanStatus(fmi2Terminated). */
     int pending; /* How often fmi2GetStatus still says fmi2Pending. */
     double left; /* The only thing that fmi2Reset leaves as it is. */
 } Model;
@@ -33,7 +33,7 @@ typedef struct {
  * anything but OK refuses the instance. The model is NULL at LOAD and UNLOAD. */
 #define BEHAVES(name) int name(Moment moment, Model *model)
 
-/* What fmi2GetVersion returns; may be changed at LOAD. */
+/* The answer of fmi2GetVersion; may be changed at LOAD. */
 extern const char *version;
 
 /* Sends a message to the importer's logger. */

@@ -50,7 +50,7 @@ BEHAVES(divides_by_zero) {
     return moment == HIT ? one / zero : OK;
 }
 
-/* What lets the kernel end a worker with its supervisor is taken back. */
+/* Takes back the setting by which the kernel ends a worker together with its supervisor. */
 BEHAVES(refuses_to_die_with_its_parent) {
     if (moment != HIT) return OK;
     prctl(PR_SET_PDEATHSIG, 0);

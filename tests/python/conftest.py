@@ -1,4 +1,4 @@
-"""What the tests of the packaged FMU share."""
+"""Fixtures for the tests of the packaged FMU."""
 
 import contextlib
 from pathlib import Path

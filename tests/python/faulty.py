@@ -154,7 +154,7 @@ LOADING = [
     Model("crashes_with_its_thread"),
 ]
 MODELS = MEMORY + LIFE + LOGGER + PROCESSES + SIGNALS + DESCRIPTORS + SURROUNDINGS + LOADING
-# Those that are no function of their own in tests/faulty.
+# Models without a function of their own in tests/faulty.
 PLAIN = {"needs_a_tool", "has_no_outputs"}
 
 DESCRIPTION = """<?xml version="1.0" encoding="UTF-8"?>

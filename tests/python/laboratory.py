@@ -95,7 +95,7 @@ class Laboratory:
         return self.own.server
 
     def fresh(self, fmu, hit=(), points=POINTS):
-        """What every point gives, alone in a fresh process, by fmpy."""
+        """Reference values: fmpy runs every point alone in a fresh process."""
         server = self.server()
 
         def run(numbers):
@@ -148,7 +148,7 @@ def is_right(case, point, row):
 
 
 def complaints(case, outcome):
-    """What is wrong with the result of a run."""
+    """The faults in the result of a run."""
     if outcome.code != 0:
         end = "it did not end" if outcome.code is None else f"exit code {outcome.code}"
         return [f"{end}: {outcome.said[-400:]}"]

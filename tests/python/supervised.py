@@ -18,7 +18,7 @@ GRACE = 10.0
 
 @dataclass
 class Outcome:
-    """What a run came to."""
+    """Exit code and output of a run."""
     code: int | None  # None: it had to be ended at the deadline
     said: str
     strays: list = field(default_factory=list)

@@ -1,4 +1,4 @@
-"""What the project promises, from outside: fmpy and the command line on the packaged FMU."""
+"""The project's promises, tested from outside: fmpy and the command line on the packaged FMU."""
 
 import csv
 import math

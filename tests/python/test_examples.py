@@ -60,7 +60,7 @@ def test_two_bearings_share_a_shaft():
     result = example.run(example.pack(), stop=0.2)
     first, second = result["first.sensor.loadForce"], result["second.sensor.loadForce"]
     assert len(result) >= 200 and np.ptp(first) > 20
-    # What one stand tells, the other hears at the next communication point.
+    # An output of one stand reaches the other one at the next communication point.
     assert second[2:] == pytest.approx(first[1:-1], rel=1e-12)
     # The wider bearing runs more centrally.
     assert (result["second.bearing.eccentricityRatio"][50:] < result["first.bearing.eccentricityRatio"][50:]).all()

@@ -130,7 +130,7 @@ def test_what_cannot_be_loaded_is_said_at_once(laboratory, tmp_path, name):
 
 
 def test_a_function_that_no_library_has_is_named(laboratory, tmp_path):
-    """Loaders may look for it at once, or when it is called; other points never call it."""
+    """Loaders resolve the missing function while loading or at its first call; most points never call it."""
     fmu = laboratory.workshop.fmu("missing", laboratory.workshop.binary("calls_a_missing_function", missing=True))
     outcome = study(tmp_path, fmu, {9}).run()
     assert "function_of_a_library" in outcome.said + str(outcome.points.get(9))

@@ -8,7 +8,7 @@ import zipfile
 import pytest
 from conftest import ROOT
 
-# What lies in /usr/lib/llvm-14/lib, and whether bindgen can work with it.
+# Contents of /usr/lib/llvm-14/lib, and whether bindgen can work with them.
 CLANGS = [
     ([], False),
     (["libclang-cpp.so.14", "libclang-cpp.so"], False),

@@ -1,4 +1,4 @@
-"""What lies in the FMU beside the binary and the model description."""
+"""Tests of the FMU's files other than the binary and the model description."""
 
 import hashlib
 import subprocess

@@ -1,4 +1,4 @@
-//! What the boundary costs a call: `cargo bench -p fmu-export --bench boundary`.
+//! Cost of the boundary per call: `cargo bench -p fmu-export --bench boundary`.
 //!
 //! The functions are called through pointers, as a host calls them that has loaded the FMU. The empty model does
 //! nothing in a step, so that its times are the boundary's own; the lag shows what hardly any work adds.

@@ -87,7 +87,7 @@ pub trait Model: Clone + Default + Serialize + DeserializeOwned + Send + Sync + 
     }
 }
 
-/// What a model is called, where it comes from, and how it is simulated by default. Write
+/// A model's name, its origin, and its default simulation. Write
 /// `Info { name: "...", ..fmu_export::info!() }`.
 #[derive(Clone, Copy, Debug)]
 pub struct Info {
@@ -145,7 +145,7 @@ macro_rules! info {
     };
 }
 
-/// What the host says about the simulation before it starts. By default it starts at zero, and nothing else is known.
+/// The simulation as the host announces it before the start. By default it starts at zero, and nothing else is known.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Experiment<'a> {
     /// The time at which the simulation starts, s.

@@ -71,7 +71,7 @@ pub struct End {
     pub at: f64,
 }
 
-/// What calls said beside that they were done.
+/// Warnings of calls that succeeded.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Warnings {
     /// How many calls returned `fmi2Warning` since the instance was created or reset.

@@ -44,13 +44,13 @@ pub struct Description {
 pub struct Remark {
     /// The line in `modelDescription.xml`, from 1.
     pub line: usize,
-    /// What it concerns.
+    /// The part of the description that it concerns.
     pub about: About,
-    /// What is wrong, and what became of it.
+    /// The fault, and how the reader went on.
     pub text: String,
 }
 
-/// What a [`Remark`] concerns.
+/// The part of the description that a [`Remark`] concerns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum About {
     /// The bytes of the file.

@@ -54,7 +54,7 @@ static SEATS: Mutex<Seats> = Mutex::new(Seats {
     free: VecDeque::new(),
 });
 
-/// What a lock protects stays sound when a thread that held it has panicked.
+/// Takes a lock even after a thread panicked while it held it: no update of the protected data can be left half done.
 fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

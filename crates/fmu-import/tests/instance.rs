@@ -109,7 +109,7 @@ fn a_dead_instance_takes_no_state() {
     assert!(matches!(instance.forget(state), Err(StateError::Dead)));
 }
 
-/// What a step from 0 to 1 becomes with a whim of `counter.c`.
+/// Steps from 0 to 1 with one of the faults that `counter.c` can be told to have.
 fn whimsical(whim: i32) -> (Instance, Result<(), Call>) {
     let (_folder, mut package) = counter();
     let mut instance = started(&package.load().unwrap());

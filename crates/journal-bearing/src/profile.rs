@@ -53,7 +53,7 @@ pub enum ProfileError {
         file: String,
         /// The line, from 1.
         line: usize,
-        /// What is wrong with it, and what is expected.
+        /// The fault, and the expected content.
         reason: String,
     },
 }

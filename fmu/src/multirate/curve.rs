@@ -10,7 +10,7 @@ use nalgebra::{Matrix2, SMatrix, Vector2};
 pub(super) struct Curve<'a, M> {
     model: &'a M,
     tolerance: f64,
-    /// By the logarithm of the viscosity.
+    /// Pairs of ln(viscosity) and orbit, in ascending order.
     nodes: Vec<(f64, Orbit)>,
     /// Where the last one was found.
     latest: f64,
@@ -48,7 +48,7 @@ const CURVE_ERROR: f64 = 500.0;
 /// The last term of a place on the polynomial that will do.
 const POLYNOMIAL_PLACE: f64 = 1e3;
 
-/// What an orbit is wanted for, which says how closely a turn must come back to its beginning.
+/// The use of an orbit. It decides how closely a turn must come back to its beginning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Aim {
     /// For its heat, which feels the place the less the wider the film.
@@ -102,7 +102,7 @@ impl<'a, M: TwoScales> Curve<'a, M> {
             step: model.period() / FIRST_STEPS,
             left: MOST_STEPS,
         };
-        // What the resolved turn tells of the slope.
+        // The resolved turn gives a better slope.
         let turn = curve.turn(viscosity, end)?;
         let step = end - Vector2::from(from.before);
         if step.norm() > curve.noise() {

@@ -51,12 +51,12 @@ pub(super) struct Piece {
     pub(super) gap: usize,
     /// How many nodes it passes through.
     pub(super) count: usize,
-    /// Those nodes, those at the gap first.
+    /// Places of these nodes, the ones next to the gap first.
     pub(super) x: [f64; 4],
     /// The divided differences.
     coefficients: [SVector<f64, 5>; 4],
     pub(super) nearest: Orbit,
-    /// Of the nearest one.
+    /// Weights of viscous and boundary friction in the heat of the nearest orbit.
     weights: [f64; 2],
 }
 
@@ -100,7 +100,7 @@ impl Piece {
         }
     }
 
-    /// By how much of the whole heat, or of the side flow, a small difference of orbits changes them.
+    /// Relative change of the heat or of the side flow, whichever is larger, by a small difference of orbits.
     pub(super) fn weigh(&self, difference: &SVector<f64, 5>) -> f64 {
         let [viscous, boundary] = self.weights;
         let of_heat = difference[2] * viscous + difference[3] * boundary;

@@ -151,7 +151,7 @@ impl<const N: usize> DormandPrince<N> {
     }
 }
 
-/// What is integrated along the way, without a say in the solution.
+/// Integrals computed along the way, which do not feed back into the solution.
 #[derive(Clone, Copy, Debug)]
 pub struct Quadrature<const Q: usize> {
     /// The error allowed in each integral per step.
@@ -295,7 +295,7 @@ mod tests {
         (ends, work.unwrap(), step)
     }
 
-    /// How much longer a step is than the one before, after Hairer & Wanner.
+    /// Growth of the step by the control of Hairer & Wanner.
     fn growth(error: f64, error_before: f64) -> f64 {
         0.9 * error.powf(-0.7 / 5.0) * error_before.powf(0.4 / 5.0)
     }

@@ -65,7 +65,7 @@ pub struct Budget {
 }
 
 impl Budget {
-    /// So many steps, whatever time they take the solution on.
+    /// A fixed number of steps, however far they get.
     pub const fn of(steps: usize) -> Self {
         Self {
             at_once: steps,
@@ -104,7 +104,7 @@ pub struct Work {
     pub rejected: usize,
 }
 
-/// The largest of the errors, each over what is allowed; what is not a number is larger than any.
+/// The largest error relative to its tolerance. NaN counts as larger than any number.
 fn worst(errors: impl Iterator<Item = f64>) -> f64 {
     errors.map(f64::abs).fold(
         0.0,

@@ -1,4 +1,4 @@
-//! What the host does next: a function of the standard with arguments as they should be, or not.
+//! The host's next action: a call of one of the standard's functions, with valid or invalid arguments.
 
 use std::ffi::c_int;
 use std::ptr::{null, null_mut};
@@ -15,7 +15,7 @@ use crate::values::*;
 /// The most instances and saved states at once.
 pub const MOST: usize = 4;
 
-/// What is done to a host with one of its instances.
+/// An action of a host with one of its instances.
 type Act = fn(&mut Host, Component);
 
 /// The acts, each with how often it comes.
@@ -49,7 +49,7 @@ const ACTS: &[(usize, Act)] = &[
     (2, life),
 ];
 
-/// Does one thing.
+/// Performs one random action.
 pub fn act(host: &mut Host) {
     let sum: usize = ACTS.iter().map(|(weight, _)| weight).sum();
     let mut left = host.random.below(sum);

@@ -20,7 +20,7 @@ const LONG: Duration = Duration::from_secs(1);
 /// How often each function was called and how it ended: OK, warning, discard, error.
 type Tally = BTreeMap<&'static str, [u64; 4]>;
 
-/// What the logger reaches through the environment pointer.
+/// The data behind the logger's environment pointer.
 #[derive(Default)]
 struct Log {
     messages: Cell<u64>,
@@ -229,7 +229,7 @@ impl Host {
         }
     }
 
-    /// What holds forged numbers hands them on, when an instance is copied to a state or back.
+    /// Forged numbers travel along when an instance is copied into a state or back.
     pub fn copied(&mut self, from: *mut c_void, to: *mut c_void) {
         if self.forged.contains(&from) {
             self.forged.insert(to);

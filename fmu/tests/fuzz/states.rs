@@ -82,7 +82,7 @@ fn free(host: &mut Host, component: Component) {
     assert!(status == Status::Ok && state.is_null());
 }
 
-/// What is no saved state.
+/// Bytes that are no saved state.
 fn strange(host: &mut Host, component: Component) {
     static OTHER: [u64; 64] = [0; 64];
     let own = host.instances.first().copied().unwrap_or(null_mut());

@@ -20,7 +20,7 @@ pub struct Parameter {
 pub struct Criterion {
     /// The criterion's name.
     pub name: String,
-    /// What it is computed from, for people, such as "mean of sensor.loadForce"; empty when unknown.
+    /// Its source, for people, such as "mean of sensor.loadForce"; empty when unknown.
     pub source: String,
     /// The unit of `values` and of the three numbers below; empty when dimensionless.
     pub unit: String,

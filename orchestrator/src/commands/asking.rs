@@ -40,7 +40,7 @@ pub(super) trait Analysis {
     ) -> Result<Finding, CommandError>;
 }
 
-/// What tells the points of an analysis from others of the same study and FMU.
+/// Identity of an analysis's points, besides study and FMU: seed, number, method.
 pub(super) struct PointSet {
     pub(super) seed: u64,
     /// How many there are, where that is known beforehand.
@@ -99,7 +99,7 @@ pub(super) fn open(
     Ok(session)
 }
 
-/// What the journal of an analysis belongs to.
+/// The journal's header: which study, FMU and analysis its points belong to.
 pub(super) fn header(session: &Session, analysis: &dyn Analysis) -> Result<Header, CommandError> {
     let set = analysis.points(session)?;
     Ok(Header {
@@ -153,7 +153,7 @@ pub(super) fn run(
     }
 }
 
-/// To what belongs what an analysis finds by runs of its own.
+/// Which study and FMU the results of an analysis with runs of its own came from.
 pub(super) fn origin(session: &Session) -> Result<Origin, CommandError> {
     Ok(Origin {
         study_sha256: session.study.digest(),

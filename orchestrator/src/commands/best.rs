@@ -20,7 +20,7 @@ pub(super) fn write(
 ) -> Result<(), CommandError> {
     let Some(best) = &summary.best_point else {
         for file in [SET, PROVENANCE] {
-            // Of an earlier run, if there is one.
+            // An earlier run may have left one.
             let _ = std::fs::remove_file(folder.join(file));
         }
         return Ok(());
@@ -58,7 +58,7 @@ fn variable<'a>(fmu: &'a Description, reference: u32, value: &Value) -> Option<&
     })
 }
 
-/// What is needed to get the same point again.
+/// Everything needed to compute the same point again.
 fn entries(summary: &Summary, point: u64, set: &str) -> Vec<(&'static str, String)> {
     let from = &summary.provenance;
     let known = [

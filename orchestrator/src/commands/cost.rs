@@ -1,4 +1,4 @@
-//! What a study would cost: some points are run, and the others are taken to last as long.
+//! Estimates the time of a study: runs some points and assumes that the others take as long.
 
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};

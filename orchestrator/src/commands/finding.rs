@@ -1,4 +1,4 @@
-//! What a command has found out about a study: into its folder, onto its page, to the terminal.
+//! Delivers the result of an analysis: to its file, to the page of the study, to the terminal.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -39,7 +39,7 @@ pub(super) fn points_of(
     Ok((summary, table))
 }
 
-/// What tells the points of a finished study from others.
+/// A digest that identifies the points of a finished study.
 pub(super) fn digest_of(folder: &Path) -> Result<String, CommandError> {
     let path = folder.join("points.csv");
     let bytes = std::fs::read(&path).map_err(|error| match error.kind() {
@@ -49,9 +49,9 @@ pub(super) fn digest_of(folder: &Path) -> Result<String, CommandError> {
     Ok(digest(&bytes))
 }
 
-/// What an analysis has found out.
+/// The result of an analysis.
 pub(super) struct Finding {
-    /// To which study, FMU and points it belongs.
+    /// Which study, FMU and points it came from.
     pub(super) origin: Origin,
     /// The same for people.
     pub(super) text: String,
@@ -69,7 +69,7 @@ struct Told<'a> {
 }
 
 impl Finding {
-    /// What was found, which becomes the content of `file`.
+    /// A result that becomes the content of `file`.
     pub(super) fn new(
         result: &impl Serialize,
         origin: Origin,

@@ -93,7 +93,7 @@ pub(super) fn run(options: &Identify) -> Result<ExitCode, CommandError> {
     })
 }
 
-/// What the study says, unless the command line says otherwise.
+/// The study's settings, overridden by the command line.
 fn settings(options: &Identify, study: &Study) -> Result<Identification, CommandError> {
     let mut settings = study.identify.clone().ok_or_else(|| {
         study.error("identify needs a section [identify]; `orchestrator identify --help` shows one")
@@ -103,7 +103,7 @@ fn settings(options: &Identify, study: &Study) -> Result<Identification, Command
     Ok(settings)
 }
 
-/// What is kept beside the journal.
+/// The request to keep beside the journal, for `--resume`.
 fn request(options: &Identify) -> Request {
     let Identify { starts, seed, .. } = options;
     Request {

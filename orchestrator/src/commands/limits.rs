@@ -1,4 +1,4 @@
-//! What a point may use, as the command line says.
+//! Limits of time and memory for a point, from the command line.
 
 use std::fs;
 use std::time::Duration;

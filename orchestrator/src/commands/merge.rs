@@ -73,7 +73,7 @@ fn join_verification(
 ) -> Result<ExitCode, CommandError> {
     let mut verification = Verification::open(request)?;
     let named = check(folders, verification.header())?;
-    // What an incomplete merge has begun, this one goes on with.
+    // Continue a merge that was interrupted.
     let begun = !options.output.join("summary.json").exists();
     let taken = verify::open(&verification, &options.output, begun)?;
     fill(taken, folders)?;
@@ -101,7 +101,7 @@ fn join_analysis(
     let header = asking::header(&session, &*analysis)?;
     let named = check(folders, &header)?;
     let state = options.output.join(analysis.name());
-    // What an incomplete merge has begun, this one goes on with.
+    // Continue a merge that was interrupted.
     fill(RunFolder::open(&state, &header, true, false)?, folders)?;
     session.request.write(&state, &session.study)?;
     let RunFolder {

@@ -18,7 +18,7 @@ use crate::study::plan::Plan;
 use crate::task::{Schedule, Task};
 use fmu_import::{Content, Handle, Package, Value};
 
-/// What the best point's trajectory may use: the point itself has come to its end before.
+/// Limits for the best point's trajectory. They may be short: the point itself has finished before.
 const LIMITS: Limits = Limits {
     time: Duration::from_secs(60),
     memory: 16 << 30,

@@ -87,7 +87,7 @@ fn option(option: &'static str, message: &str) -> CommandError {
     }
 }
 
-/// What is stated from the points of a finished study, and perhaps confirmed by new runs.
+/// Statements from the points of a finished study, confirmed by new runs if wanted.
 #[derive(Debug, Serialize, Deserialize)]
 struct Stated {
     /// The folder of the finished study.
@@ -183,7 +183,7 @@ fn cloud(
     }
 }
 
-/// What runs of the model say of a stated probability.
+/// How runs of the model compare with a stated probability, in words.
 fn evidence(stated: f64, own: Confirmed, fresh: Option<Confirmed>) -> String {
     let mut out = format!(
         "  of the study's own points {} lie inside, {} verified\n",

@@ -69,7 +69,7 @@ pub(super) fn kept(options: serde_json::Value) -> serde_json::Result<Box<dyn Ana
 }
 
 impl Runs {
-    /// What the options say, or else the study, or else what is usual.
+    /// The settings from the options, else from the study, else the defaults.
     fn new(options: &cli::Sensitivity, study: &Study) -> Result<Self, CommandError> {
         let said = &study.sensitivity;
         let estimator = said.estimator.as_ref().map(|name| {
@@ -112,7 +112,7 @@ impl Runs {
 }
 
 impl cli::Sensitivity {
-    /// What the command line says of the method and its size.
+    /// Method and size from the command line.
     fn method_and_size(
         &self,
     ) -> Result<(Option<&'static dyn method::Runs>, Option<u64>), CommandError> {

@@ -32,7 +32,7 @@ pub(super) fn run(options: &Simulate) -> Result<ExitCode, CommandError> {
         Some(path) => ssv::read(path)?.settings(path, fmu)?,
         None => Vec::new(),
     };
-    // What is said on the command line counts more than a file.
+    // The command line overrides the file.
     let own = |(reference, value): &(u32, Value)| {
         !set.iter()
             .any(|(other, new)| other == reference && new.content() == value.content())
@@ -165,7 +165,7 @@ fn cell(value: &Value) -> String {
     }
 }
 
-/// What interrupts the writing of a trajectory.
+/// Why the writing of a trajectory stopped.
 #[derive(Debug)]
 pub(super) enum TrajectoryError {
     Simulation(Failure),
@@ -255,7 +255,7 @@ impl Isolated {
             csv.write_record(&last)?;
             Ok(())
         });
-        // What came before a failure is kept.
+        // Rows before the failure are kept.
         let flushed = csv.flush().map_err(TrajectoryError::Write);
         recorded.and(flushed).map(|()| last)
     }

@@ -5,7 +5,7 @@ use statrs::function::beta::beta_reg;
 
 use super::interval::student;
 
-/// What can be said of a model.
+/// The decision about a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Decision {

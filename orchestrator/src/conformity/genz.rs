@@ -196,7 +196,7 @@ mod tests {
         (0..size).map(row).collect()
     }
 
-    /// Of equal positive correlations the numbers are independent given a common part: one integral.
+    /// Reference for equal positive correlations: given a common part the numbers are independent; one integral is left.
     #[test]
     fn equal_correlations_agree_with_the_integral_over_the_common_part() {
         let lower = [-1.0, -2.0, -0.3, -1.5, -3.0, -2.0];
@@ -223,7 +223,7 @@ mod tests {
         }
     }
 
-    /// Of the octant the probability is 1/8 + the sum of the arcsines / (4 pi) (Sheppard 1899).
+    /// The probability of the octant is 1/8 + the sum of the arcsines / (4 pi) (Sheppard 1899).
     #[test]
     fn octants_have_their_known_probability() {
         let [a, b, c] = [0.4, -0.3, 0.6_f64];

@@ -2,7 +2,7 @@
 
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
-/// What an interval needs of a sample of numbers from 0 to 1.
+/// Sums over a sample of numbers from 0 to 1, from which intervals are computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Moments {
     /// How many.
@@ -42,7 +42,7 @@ impl Moments {
         self.sum / (self.count.max(1) as f64)
     }
 
-    /// Of what 1 lacks to each number.
+    /// The moments of 1 - x, for all x of the sample.
     pub fn complement(&self) -> Self {
         let n = self.count as f64;
         Self {
@@ -77,7 +77,7 @@ impl Moments {
 /// The interval of the mean of a sample, or of several samples of about equal size that are
 /// independent of each other, while the numbers within each need not be (randomised designs).
 ///
-/// Of one sample: Wilson's score interval (1927) at the effective number of trials. Of several:
+/// One sample: Wilson's score interval (1927) at the effective number of trials. Several:
 /// Student's interval about the mean of their means, as long as enough numbers differ from 0 and
 /// from 1 to let these means scatter; otherwise the samples count as one.
 pub fn of_mean(parts: &[Moments], confidence: f64) -> [f64; 2] {
@@ -98,7 +98,7 @@ fn scatters(numbers: Moments, samples: usize) -> bool {
 /// The interval of the mean of the numbers of a random part of the sample, such as the accepted
 /// points.
 ///
-/// Of one sample: given how many there are, they are a sample of their own. Of several: Student's
+/// One sample: given how many there are, they are a sample of their own. Several: Student's
 /// interval of a ratio of means by its linearisation (Cochran 1977, "Sampling Techniques", 6.4).
 pub fn of_part(parts: &[Moments], confidence: f64) -> [f64; 2] {
     const FEW: u64 = 4;

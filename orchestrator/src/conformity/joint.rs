@@ -6,7 +6,7 @@ use super::normal::{between, between_both};
 /// Standard normal errors with given correlations.
 #[derive(Clone, Debug, Default)]
 pub struct JointNormal {
-    /// Errors that are others once more, or their opposites: which, of which, and the sign.
+    /// Errors with correlation +1 or -1 to another one: index, index of the other one, sign.
     twins: Vec<(usize, usize, f64)>,
     /// Errors that depend on each other, directly or through others.
     blocks: Vec<Block>,
@@ -19,7 +19,7 @@ struct Block {
 }
 
 impl JointNormal {
-    /// So many errors, correlated in the given pairs and independent otherwise.
+    /// A number of errors, correlated in the given pairs and independent otherwise.
     ///
     /// # Errors
     /// When a coefficient is not from -1 to 1, or when the correlations contradict each other.

@@ -1,4 +1,4 @@
-//! What a measurement says of the criteria, and what that says of one point.
+//! Measured values with their uncertainties, and the probability that one point conforms.
 
 use serde::{Deserialize, Serialize};
 
@@ -65,7 +65,7 @@ impl Measured {
     }
 }
 
-/// What the measurement says of the model values of one point.
+/// The model values of one point, judged against the measurement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Conformity {
     /// For each criterion.

@@ -173,7 +173,7 @@ mod tests {
         }
     }
 
-    /// Of the quadrant the probability is 1/4 + asin(correlation) / (2 pi) (Sheppard 1899).
+    /// The probability of the quadrant is 1/4 + asin(correlation) / (2 pi) (Sheppard 1899).
     #[test]
     fn quadrants_have_sheppards_probability() {
         const FREE: f64 = f64::INFINITY;

@@ -13,9 +13,9 @@ use super::measured::{Assessed, Conformity, Measurement};
 /// How far the acceptance interval is drawn in from the tolerance interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Guard {
-    /// By so many expanded uncertainties of each criterion; 0 is simple acceptance.
+    /// By this multiple of each criterion's expanded uncertainty; 0 is simple acceptance.
     Given(f64),
-    /// By as few as keep the probability that an accepted point does not conform at or below this.
+    /// By the smallest multiple that keeps the probability of an accepted point not to conform at or below `risk`.
     Limiting {
         /// The largest probability.
         risk: f64,
@@ -41,16 +41,16 @@ impl Guard {
     }
 }
 
-/// What global risks a decision rule has, and their 95 % intervals from the sample of points.
+/// The global risks of a decision rule, with their 95 % intervals from the sample of points.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Risk {
     /// R_C, that a point is accepted and does not conform.
     pub consumer: f64,
     /// R_P, that a point is rejected and conforms.
     pub producer: f64,
-    /// That a point conforms.
+    /// The probability that a point conforms.
     pub conformance_probability: f64,
-    /// That an accepted point does not conform; none where no point is accepted.
+    /// The probability that an accepted point does not conform; none where no point is accepted.
     pub not_conforming_given_accepted: Option<f64>,
     /// Their intervals.
     pub intervals: RiskIntervals,
@@ -66,7 +66,7 @@ pub struct RiskIntervals {
     pub not_conforming_given_accepted: [f64; 2],
 }
 
-/// What can be said of all points.
+/// Result over all points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Statement {
     /// The guard band in expanded uncertainties; none where none limits the risk as wanted, and
@@ -78,9 +78,9 @@ pub struct Statement {
     pub accepted_by_sample: Vec<u64>,
     /// How many points are expected to conform.
     pub expected_conforming: Option<f64>,
-    /// Of each criterion alone, where its uncertainty is known.
+    /// Risks of each criterion alone, where its uncertainty is known.
     pub criteria: Vec<Option<Risk>>,
-    /// Of all criteria together, where all uncertainties are known.
+    /// Risks of all criteria together, where all uncertainties are known.
     pub all: Option<Risk>,
 }
 
@@ -128,7 +128,7 @@ impl RiskTally {
         self.all.add(self.guard, sample, assessed);
     }
 
-    /// What can be said of the points so far.
+    /// The result over the points so far.
     pub fn statement(&self) -> Statement {
         let (guard, from) = match self.guard {
             Guard::Given(factor) => (Some(factor), 0),

@@ -1,4 +1,4 @@
-//! What a design is: a rule that gives every point its place.
+//! The interface of a design: a rule that gives every point its place.
 
 use std::fmt::Debug;
 

@@ -1,4 +1,4 @@
-//! What a study says of its points: the method, how many, the seed.
+//! The `[design]` section of a study: method, number of points, seed.
 
 use serde::Deserialize;
 

@@ -8,7 +8,6 @@ use super::process::{Gone, Limits, Process};
 use super::wire::{End, Reader, Trouble, Way};
 use super::{Answer, EngineError, Job};
 use crate::failure::Failure;
-use crate::run::Habit;
 use crate::task::{Record, Task};
 use fmu_import::{Handle, Value};
 
@@ -38,44 +37,27 @@ impl Recorder<'_> {
     /// # Errors
     /// When no process can be started, or the FMU cannot be loaded.
     pub fn run(&self, task: &Task, job: &Job) -> Result<Answer, EngineError> {
-        let mut answer = None;
-        for _ in 0..2 {
-            let answers = self.answers(task, Way::New, std::slice::from_ref(job))?;
-            answer = answers.into_iter().next();
-            if let Some(Ok(_)) = answer {
-                break;
-            }
+        let first = self.answer(task, job)?;
+        match first {
+            Ok(_) => Ok(first),
+            Err(_) => self.answer(task, job),
         }
-        answer.ok_or_else(|| EngineError::Lost("it gave no answer".to_owned()))
     }
 
-    /// Runs points one after another on one instance in one process, in which a failing `fmi2Reset` is the next
-    /// point's failure: to see what the FMU does.
-    ///
-    /// # Errors
-    /// When no process can be started, or the FMU cannot be loaded.
-    pub fn run_reset(&self, task: &Task, jobs: &[Job]) -> Result<Vec<Answer>, EngineError> {
-        self.answers(task, Way::Used(Habit::Candid), jobs)
-    }
-
-    fn answers(&self, task: &Task, way: Way, jobs: &[Job]) -> Result<Vec<Answer>, EngineError> {
-        let mut answers = Vec::new();
-        let mut unloadable = None;
-        let mut take = |answer: Result<Vec<f64>, Trouble>| match answer {
-            Ok(values) => answers.push(Ok(values)),
-            Err(Trouble::Unloadable(reason)) => unloadable = Some(reason),
-            Err(trouble) => answers.push(Err(trouble.failure())),
-        };
+    fn answer(&self, task: &Task, job: &Job) -> Result<Answer, EngineError> {
+        let mut answer = None;
         let mut process = self.process(task);
-        let run = process.run(way, jobs, &|| false, &mut |reply| take(reply.answer));
-        match (unloadable, run) {
-            (Some(reason), _) => Err(EngineError::Start(reason)),
-            (None, Ok(())) => Ok(answers),
-            (None, Err(Gone::Lost(failure))) => {
-                answers.push(Err(failure));
-                Ok(answers)
-            }
-            (None, Err(gone)) => Err(gone.into()),
+        let jobs = std::slice::from_ref(job);
+        let run = process.run(Way::New, jobs, &|| false, &mut |reply| {
+            answer = Some(reply.answer);
+        });
+        match (answer, run) {
+            (Some(Err(Trouble::Unloadable(reason))), _) => Err(EngineError::Start(reason)),
+            // An FMU that breaks its process at the end costs no answer.
+            (Some(answer), Ok(()) | Err(Gone::Lost(_))) => Ok(answer.map_err(Trouble::failure)),
+            (None, Err(Gone::Lost(failure))) => Ok(Err(failure)),
+            (None, Ok(())) => Err(EngineError::Lost("it gave no answer".to_owned())),
+            (_, Err(gone)) => Err(gone.into()),
         }
     }
 

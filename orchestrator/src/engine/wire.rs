@@ -50,12 +50,11 @@ pub(super) enum Way {
     Recorded,
 }
 
-const WAYS: [Way; 6] = [
+const WAYS: [Way; 5] = [
     Way::New,
     Way::Forked,
     Way::Used(Habit::Reset),
     Way::Used(Habit::Renew),
-    Way::Used(Habit::Candid),
     Way::Recorded,
 ];
 

@@ -230,7 +230,7 @@ pub struct Query {
     pub latents: Vec<f64>,
 }
 
-/// What would be measured in the order of [`Problem::quantities`], or why there is no prediction.
+/// Predicted measurements in the order of [`Problem::quantities`], or why there are none.
 pub type Prediction = Result<Vec<f64>, String>;
 
 /// Why a search cannot go on.

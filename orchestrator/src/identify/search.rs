@@ -89,7 +89,7 @@ impl From<NoPrediction> for SearchError {
     }
 }
 
-/// So many simulations are asked for at a time when starts are screened.
+/// How many simulations are requested at a time while starts are screened.
 const TOGETHER: usize = 64;
 
 /// Searches from starts (free parameters as places), and tells how far it has got.

@@ -42,7 +42,7 @@ pub struct Report {
     pub model: String,
     /// Date of the run, as people write it.
     pub date: String,
-    /// What a reader has to know of how the points were computed, a sentence each.
+    /// Remarks on how the points were computed, one sentence each.
     pub remarks: Vec<String>,
     /// The points.
     pub table: PointTable,

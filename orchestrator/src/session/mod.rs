@@ -81,7 +81,7 @@ impl Session {
         })
     }
 
-    /// What the journal of a run belongs to: this study and FMU, and so many points by this seed.
+    /// The journal's header: this study and FMU, the number of points and the seed.
     ///
     /// # Errors
     /// When the FMU cannot be read any more.

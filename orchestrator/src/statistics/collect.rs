@@ -1,15 +1,15 @@
-//! What a statistic of a signal is.
+//! The interface of a statistic of a signal.
 
 /// Collects what a statistic of a signal needs, value by value, in constant memory.
 pub(super) trait Collect: Default {
-    /// What the statistic is called in a sentence.
+    /// The statistic's name in a sentence.
     const LABEL: &'static str;
 
     /// Whether it is a difference of two values, which has no offset when units convert.
     const DIFFERENCE: bool = false;
 
-    /// Takes values one after another, each with the time since the one before; the first one after zero. A value
-    /// that is not a number must not get lost.
+    /// Takes values one after another, each with the time since the one before (zero for the first one). A NaN must
+    /// show in the result.
     fn add_all(&mut self, values: impl Iterator<Item = (f64, f64)>);
 
     /// The statistic of the values so far, of which there must be one, over `span` seconds.

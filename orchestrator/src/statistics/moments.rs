@@ -1,4 +1,4 @@
-//! Of plain samples: moments, ranks, correlation, quantiles, the Kolmogorov-Smirnov distance.
+//! Statistics of plain samples: moments, ranks, correlation, quantiles, the Kolmogorov-Smirnov distance.
 
 /// The mean; not a number of nothing.
 pub fn mean(values: &[f64]) -> f64 {

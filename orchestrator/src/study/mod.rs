@@ -73,12 +73,12 @@ pub struct Study {
     /// Other readings of the tolerances, judged beside the criteria's own.
     #[serde(default)]
     pub variants: IndexMap<String, Variant>,
-    /// What `identify` finds, from what, and how hard it searches.
+    /// The section `[identify]`: unknowns, measurements, effort of the search.
     pub identify: Option<Identification>,
-    /// What `sensitivity` does unless its options say otherwise.
+    /// The section `[sensitivity]`: defaults for the options of that command.
     #[serde(default)]
     pub sensitivity: SensitivityText,
-    /// What `robustness` does unless its options say otherwise.
+    /// The section `[robustness]`: defaults for the options of that command.
     #[serde(default)]
     pub robustness: RobustnessText,
     /// File from which the study was read.
@@ -108,7 +108,7 @@ pub struct Simulation {
     pub warm_up: Option<f64>,
     /// Statistics take this long at the end, s.
     pub window: Option<f64>,
-    /// Reach the first time that statistics look at in a single communication step.
+    /// Cover the time before the window of the statistics in a single communication step.
     #[serde(default)]
     pub leap: bool,
 }

@@ -1,9 +1,9 @@
-//! What a study says for single commands, where their options leave it open.
+//! Sections of a study with defaults for the options of single commands.
 
 use serde::Deserialize;
 use toml::Spanned;
 
-/// What `sensitivity` does unless its options say otherwise.
+/// The section `[sensitivity]`: defaults for the options of that command.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct SensitivityText {
@@ -17,7 +17,7 @@ pub struct SensitivityText {
     pub seed: Option<u64>,
 }
 
-/// What `robustness` does unless its options say otherwise.
+/// The section `[robustness]`: defaults for the options of that command.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct RobustnessText {

@@ -46,7 +46,7 @@ fn number(separator: u8, cell: &str) -> Option<f64> {
     plain.or_else(|| point().and_then(|cell| cell.parse().ok()))
 }
 
-/// What separates the names in the first line that is neither blank nor a comment.
+/// The separator in the first line that is neither blank nor a comment.
 fn separator(file: &mut impl BufRead, comment: Option<u8>) -> io::Result<u8> {
     let mut line = Vec::new();
     while file.read_until(b'\n', &mut line)? > 0 {
@@ -63,7 +63,7 @@ fn separator(file: &mut impl BufRead, comment: Option<u8>) -> io::Result<u8> {
         let count = counts.iter_mut().find(|(own, _)| *own == byte && !quoted);
         count.into_iter().for_each(|(_, count)| *count += 1);
     }
-    // Of equals the last one: names hold commas more often than semicolons.
+    // A tie goes to the last one: names hold commas more often than semicolons.
     let most = counts.iter().max_by_key(|(_, count)| *count);
     Ok(most.map_or(b',', |&(byte, count)| if count > 0 { byte } else { b',' }))
 }

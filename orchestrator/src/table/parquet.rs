@@ -47,7 +47,7 @@ impl ParquetFile {
     }
 }
 
-/// What is wrong, on one line.
+/// The error's message on one line.
 pub fn one_line(error: &ParquetError) -> String {
     let text = error.to_string();
     text.split_whitespace().collect::<Vec<_>>().join(" ")

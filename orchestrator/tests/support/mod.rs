@@ -1,4 +1,4 @@
-//! What the tests of the command line share: an FMU of their own, and a way to run commands.
+//! Shared by the tests of the command line: an FMU of their own, and a way to run commands.
 #![allow(dead_code, clippy::unwrap_used)]
 
 use std::fs::{self, File};
@@ -14,7 +14,7 @@ pub struct Bench {
     folder: TempDir,
 }
 
-/// What a command said.
+/// Output and exit code of a command.
 pub struct Said {
     pub code: i32,
     pub out: String,

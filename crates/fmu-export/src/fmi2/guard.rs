@@ -31,7 +31,7 @@ const fn hash(text: &str) -> u64 {
     hash
 }
 
-/// What an `fmi2Component` points to.
+/// The target of an `fmi2Component` pointer.
 #[repr(C)]
 pub struct Handle<M> {
     magic: AtomicU64,

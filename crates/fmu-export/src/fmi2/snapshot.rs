@@ -18,7 +18,7 @@ const MARK: &[u8; 8] = b"FMUSTATE";
 const VERSION: u16 = 2;
 const HEADER: usize = 8 + 2 + 16 + 8 + 4;
 
-/// What an `fmi2FMUstate` points to.
+/// The target of an `fmi2FMUstate` pointer.
 #[repr(C)]
 pub struct Saved<M> {
     magic: AtomicU64,

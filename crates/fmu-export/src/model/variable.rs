@@ -98,7 +98,7 @@ pub struct Item {
     pub name: &'static str,
     /// The item's value.
     pub value: i32,
-    /// What it means.
+    /// Its meaning, for people.
     pub description: &'static str,
 }
 
@@ -107,7 +107,7 @@ pub struct Item {
 pub struct Enumeration {
     /// The type's name.
     pub name: &'static str,
-    /// What it is.
+    /// Its meaning, for people.
     pub description: &'static str,
     /// Its items.
     pub items: &'static [Item],

@@ -17,7 +17,7 @@ Options:
 
 Example: cargo run -- --output dist/Tank.fmu";
 
-/// What the packer is asked to do.
+/// The packer's command line.
 #[derive(Debug, PartialEq)]
 pub(super) struct Arguments {
     pub(super) output: Option<PathBuf>,

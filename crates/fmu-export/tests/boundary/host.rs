@@ -70,7 +70,7 @@ impl Host {
         host
     }
 
-    /// What `fmi2Instantiate` makes of these arguments.
+    /// Calls `fmi2Instantiate` with these arguments.
     pub fn with(name: &CStr, guid: &CStr, kind: i32, resources: &CStr) -> Self {
         let mut messages = Box::new(Vec::<Message>::new());
         // SAFETY: the same calling convention for both, see `Fixed`. Miri refuses such a call.

@@ -29,10 +29,10 @@ pub fn kill_group(leader: libc::pid_t) {
     }
 }
 
-/// Ends and reaps all children of this process, with all that becomes its child by that.
-/// Gives up after a second: what the kernel holds (a dead network disk) cannot be ended by anyone.
+/// Ends and reaps all children of this process, and the grandchildren that it inherits by that.
+/// Gives up after a second: nobody can end a process that waits in the kernel (for a dead network disk).
 ///
-/// Only for a process that wants no child to live, and waits for none elsewhere.
+/// Only for a process that needs none of its children any more, and waits for none elsewhere.
 pub fn end_all() {
     let deadline = Instant::now() + Duration::from_secs(1);
     loop {

@@ -61,7 +61,7 @@ impl LookUp<'_> {
 #[derive(Clone, Copy, Debug)]
 struct Place {
     near: [usize; 2],
-    /// By corner, then by the numbers of a [`Node`].
+    /// First index: corner; second index: number within a [`Node`].
     weights: [[f64; 4]; 4],
 }
 

@@ -41,7 +41,7 @@ pub fn front(objectives: &[Vec<f64>]) -> Vec<usize> {
 struct Points<'a>(Vec<&'a [f64]>);
 
 impl Points<'_> {
-    /// Those of a range that no other of the range dominates.
+    /// The points of a range that no other point of the range dominates.
     fn front(&self, range: std::ops::Range<usize>) -> Vec<usize> {
         if range.len() <= FEW {
             let mut kept: Vec<usize> = Vec::new();
@@ -60,7 +60,7 @@ impl Points<'_> {
         kept
     }
 
-    /// Those of `candidates` that are beaten by none of `others`, where these are known to be no worse in the
+    /// The `candidates` that none of `others` dominates, where `others` are known to be no worse in the
     /// objectives after `last` (and in the first).
     fn unbeaten(&self, others: &[usize], candidates: Vec<usize>, last: usize) -> Vec<usize> {
         if others.is_empty() || candidates.is_empty() {

@@ -97,9 +97,9 @@ pub const CONFLICT: f64 = -0.3;
 /// How two criteria go together along the front.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Conflict {
-    /// The one.
+    /// Index of the first criterion.
     pub a: usize,
-    /// The other.
+    /// Index of the second criterion.
     pub b: usize,
     /// Spearman's rank correlation of their deviations.
     pub correlation: f64,

@@ -1,17 +1,17 @@
-//! What a sensitivity method is.
+//! The interface of a sensitivity method.
 
 use serde_json::{Map, Value};
 
 use super::Estimate;
 use super::sobol::FirstOrder;
 
-/// What a method found about one output, by the keys of `sensitivity.json`.
+/// Results of a method for one output, under their keys in `sensitivity.json`.
 pub type Told = Map<String, Value>;
 
 /// How much is run, and how it is analysed.
 #[derive(Clone, Copy, Debug)]
 pub struct Settled {
-    /// The size of the design: what is counted is the method's to say.
+    /// The size of the design. The method says what it counts: base points, trajectories.
     pub size: u64,
     /// How first-order Sobol indices are estimated.
     pub estimator: FirstOrder,
@@ -35,7 +35,7 @@ pub trait Runs: Sync {
     /// The size where none is asked for.
     fn usual_size(&self) -> u64;
 
-    /// How many runs that makes for so many parameters.
+    /// How many runs this size needs for this number of parameters.
     fn runs(&self, parameters: u64, size: u64) -> u64;
 
     /// The points to be run, in the unit cube of the parameters.
@@ -44,26 +44,27 @@ pub trait Runs: Sync {
     /// When there is no design of this size for so many parameters.
     fn design(&self, parameters: usize, settled: &Settled) -> Result<Vec<Vec<f64>>, String>;
 
-    /// Which of so many rows of the design are a plain sample of the parameters, of which the methods for any points
-    /// tell something, too; empty where none are.
+    /// The rows of the design that are a plain sample of the parameters, for the methods for any points. Empty where
+    /// there are none.
     fn plain_sample(&self, parameters: usize, rows: usize) -> Vec<usize>;
 
-    /// What was done, in words, after so many runs.
+    /// Method and cost in words, after `runs` runs.
     fn done(&self, parameters: usize, runs: usize, settled: &Settled) -> String;
 
-    /// What the values of one output tell, in the order of the design; all keys of the method, whatever the values.
+    /// Analyses the values of one output, in the order of the design. Returns all keys of the method, whatever the
+    /// values.
     fn tell(&self, design: &[Vec<f64>], values: &[f64], settled: &Settled) -> Told;
 
-    /// What is shown of that, the measure of importance first.
+    /// The measures to show to people, the one that tells importance first.
     fn shown(&self, told: &Told) -> Vec<Measure>;
 }
 
 /// A method for any points.
 pub trait View: Sync {
-    /// What the values of one output tell, given the columns of the parameters.
+    /// Analyses the values of one output, given the columns of the parameters.
     fn tell(&self, columns: &[&[f64]], values: &[f64], seed: u64) -> Told;
 
-    /// What is shown of that.
+    /// The measures to show to people.
     fn shown(&self, told: &Told) -> Vec<Measure>;
 }
 
@@ -76,7 +77,7 @@ pub struct Measure {
     pub estimates: Vec<Estimate>,
     /// Whether it is drawn as bars, and so tells importance.
     pub drawn: bool,
-    /// What chance alone may reach.
+    /// The value that a parameter without influence may reach by chance.
     pub chance: Option<f64>,
 }
 
@@ -100,7 +101,7 @@ impl Measure {
     }
 }
 
-/// What stands under a key, if anything does.
+/// The result under a key, if there is one.
 pub(super) fn read<T: serde::de::DeserializeOwned>(told: &Told, key: &str) -> Option<T> {
     serde_json::from_value(told.get(key)?.clone()).ok()
 }

@@ -2,7 +2,7 @@
 //!
 //! [`sobol`] and [`morris`] need runs of their own design; [`rank`], [`pawn`] and [`regional`]
 //! work on any points that already exist. A failed run (a value that is not finite) is left out
-//! together with what it is compared with, and counted; it never spoils an index without a word.
+//! together with the runs it would be compared with, and the result says how many there were.
 
 pub mod functions;
 pub mod method;

@@ -1,5 +1,5 @@
-//! What decides pass or fail: the distance between a parameter's distribution over the points that
-//! pass and over those that do not.
+//! Regional sensitivity: how much a parameter decides between pass and fail, as the distance between its distribution
+//! over the points that pass and over the points that fail.
 //!
 //! Hornberger & Spear (1981), "An approach to the preliminary analysis of environmental systems",
 //! J. Environmental Management 12, 7-18.

@@ -20,7 +20,7 @@ pub struct Sensitivity {
     pub failed: usize,
     /// The criteria, and at the end `verified`.
     pub outputs: Vec<Output>,
-    /// What decides pass or fail: distance, chance, medians. Empty where all points pass or none does.
+    /// Regional sensitivity of pass or fail, for each parameter. Empty where all points pass or none does.
     pub verdict: Vec<regional::Split>,
 }
 
@@ -29,7 +29,7 @@ pub struct Sensitivity {
 pub struct Output {
     /// The output's name.
     pub name: String,
-    /// What the methods tell, by their keys; null where one was not used or cannot tell.
+    /// The methods' results under their keys; null where a method was not used or had too few points.
     #[serde(flatten)]
     pub told: Told,
     /// The parameter that matters most, where the intervals allow to say so.
@@ -37,7 +37,7 @@ pub struct Output {
 }
 
 impl Output {
-    /// What is shown of it: what is drawn of one method first, and then what only stands in the table.
+    /// The measures to show: first those to draw, of one method only, then those that stand in the table.
     pub fn shown(&self) -> Vec<Measure> {
         let runs = RUNS.iter().map(|method| method.shown(&self.told));
         let views = VIEWS.iter().map(|view| view.shown(&self.told));
@@ -56,13 +56,13 @@ impl Output {
     }
 }
 
-/// The parameter of which the first measure is surely the largest.
+/// The parameter whose first measure is largest, where the intervals leave no doubt.
 fn most_important(shown: &[Measure], parameters: &[String]) -> Option<String> {
     let first = shown.iter().find(|measure| measure.drawn)?;
     Some(parameters[dominant(&first.estimates)?].clone())
 }
 
-/// Everything that existing points tell, whatever their design.
+/// Analyses existing points, whatever their design.
 pub fn from_points(table: &PointTable, seed: u64) -> Sensitivity {
     let columns: Vec<&[f64]> = table
         .parameters
@@ -103,7 +103,7 @@ fn unused(seed: u64) -> Told {
     keys.flatten().collect()
 }
 
-/// What the rows of a design tell, and everything that its plain sample tells.
+/// Analyses the runs of a method's own design, and its plain sample by the methods for any points.
 pub fn from_runs(
     method: &dyn Runs,
     design: &[Vec<f64>],

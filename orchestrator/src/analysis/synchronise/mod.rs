@@ -52,7 +52,7 @@ pub struct Channel {
     pub group: Option<String>,
 }
 
-/// What a quantity that follows from several signals is compared with.
+/// A criterion for a quantity that follows from several signals.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Derived {
     /// The criterion's name.

@@ -13,12 +13,12 @@ use crate::distribution::Distribution;
 use crate::pipeline::Pipeline;
 use crate::session::Session;
 
-/// So many draws are looked through for points inside a small region.
+/// The most draws to search for points inside a small region.
 const MOST_DRAWS: u64 = 4_000_000;
-/// So often the surrogates are refined where their statements do not hold.
+/// The most refinements of the surrogates, where their statements do not hold.
 const ROUNDS: u64 = 4;
 
-/// What is confirmed, and with what.
+/// Statements to confirm, and the means to do so.
 pub(super) struct Confirmation<'a, 'b> {
     pub(super) session: &'a Session,
     pub(super) pipeline: &'a mut Pipeline<'b>,
@@ -31,9 +31,9 @@ pub(super) struct Confirmation<'a, 'b> {
 
 impl Confirmation<'_, '_> {
     /// Runs independent points of the study's distributions inside the box, and as many inside the
-    /// ellipsoid, and notes what comes out. Where a statement does not hold, the surrogates learn
-    /// from these runs, and what they state then is confirmed by new ones: the points that judge a
-    /// statement have nothing to do with those that it was made of.
+    /// ellipsoid, and notes the outcome. Where a statement does not hold, the surrogates learn
+    /// from these runs, and their new statements are confirmed by new runs: points that judge a
+    /// statement must be independent of the points that it was made from.
     pub(super) fn of(&mut self, mut result: Robustness) -> Result<Robustness, CommandError> {
         let inputs = self.session.plan.inputs.iter().map(|input| &input.name);
         if !inputs.eq(self.table.parameters.iter().map(|p| &p.name)) {

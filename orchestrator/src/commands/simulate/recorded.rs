@@ -1,4 +1,4 @@
-//! What `simulate` records, and the recordings that it feeds.
+//! The variables that `simulate` records, and the recordings that it feeds to inputs.
 
 use std::path::Path;
 

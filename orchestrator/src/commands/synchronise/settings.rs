@@ -1,4 +1,4 @@
-//! What the columns of a recording are, and what is to be done with them.
+//! The settings file of `synchronise`: the columns of a recording and their treatment.
 
 use std::path::{Path, PathBuf};
 
@@ -28,7 +28,7 @@ pub enum SettingsError {
     Toml {
         /// The file.
         path: PathBuf,
-        /// What is wrong, with line and column.
+        /// The problem, with line and column.
         message: String,
     },
     /// The recording is no table.

@@ -14,7 +14,7 @@ const TOLERANCES: [f64; 2] = [1.0, 1.4];
 const UNCERTAINTIES: [f64; 2] = [0.5, 0.4];
 const POINTS: usize = 20;
 
-/// The differences between what came true and what was stated, over all studies.
+/// Differences between actual and stated risks, over all studies.
 #[derive(Default)]
 struct Differences {
     sum: f64,
@@ -164,7 +164,7 @@ fn stated_risks_come_true_in_100_000_studies() {
     check(100_000, 2);
 }
 
-/// Twice the uncertainty that is stated would be noticed.
+/// The test can fail: errors of twice the stated uncertainty show.
 #[test]
 fn risks_that_do_not_hold_are_noticed() {
     let mut random = StdRng::seed_from_u64(3);

@@ -18,8 +18,9 @@ const PATIENCE: usize = 4;
 /// The place of an internal step in its interval.
 #[derive(Clone, Copy, Debug)]
 pub struct Step {
-    /// Its start and its length, as shares of the interval.
+    /// Its start, as a share of the interval.
     pub from: f64,
+    /// Its length, as a share of the interval.
     pub share: f64,
     /// Its duration, s.
     pub duration: f64,
