@@ -1,40 +1,33 @@
 #!/usr/bin/env python3
-"""Prints what scripts/mutants left in results/mutants, and writes docs/mutation.md when all parts are there.
+"""Takes over what scripts/mutants left in results/mutants into runs.json, and writes docs/mutation.md from it.
 
-Exit code 1 when a mutant of the parts just run (the arguments) survives that equivalent.txt does not explain.
+A part that was not run now keeps its earlier row. Exit code 1 when a mutant of the parts just run (the arguments)
+survives that equivalent.txt does not explain.
 """
 
+import datetime
 import json
 import sys
-from dataclasses import dataclass, field
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 RESULTS = ROOT / "results" / "mutants"
+RUNS = HERE / "runs.json"
 PAGE = ROOT / "docs" / "mutation.md"
-PARTS = ["solver", "statistics", "verdict", "design"]
+PARTS = ["solver", "statistics", "verdict", "design", "sensitivity"]
 
 HEAD = """# Mutation testing
 
 Written by `scripts/mutants`; edits are lost. It changes the code that decides results, one operator, constant or return
 value at a time (cargo-mutants), and runs the unit tests of that code. A mutant is *caught* when a test fails or never
 ends, *unviable* when it does not compile. One that *survives* shows a test that is missing, unless it is *equivalent*:
-no input makes it behave differently. `scripts/mutation/equivalent.txt` says why.
+no input makes it behave differently. `scripts/mutation/equivalent.txt` says why. The mutants of a part come in random
+order, so those *tried* are a sample of all where a run was ended early.
 
-| part | files | mutants | caught | unviable | equivalent | survive |
-|---|---|---|---|---|---|---|
+| part | date | mutants | tried | caught | unviable | equivalent | survive |
+|---|---|---|---|---|---|---|---|
 """
-
-
-@dataclass
-class Part:
-    """The mutants of one part."""
-
-    name: str
-    files: set = field(default_factory=set)
-    counts: dict = field(default_factory=lambda: {"caught": 0, "unviable": 0, "equivalent": 0, "survive": 0})
-    survivors: list = field(default_factory=list)
 
 
 def equivalents():
@@ -60,55 +53,66 @@ def change(mutant):
 
 
 def read(name, reasons):
-    path = RESULTS / name / "mutants.out" / "outcomes.json"
-    if not path.is_file():
-        return None
-    part = Part(name)
-    for outcome in json.loads(path.read_text(encoding="utf-8"))["outcomes"]:
+    """The counts and survivors of a part that was just run."""
+    folder = RESULTS / name / "mutants.out"
+    mutants = json.loads((folder / "mutants.json").read_text(encoding="utf-8"))
+    run = {
+        "date": datetime.date.today().isoformat(),
+        "files": sorted({mutant["file"] for mutant in mutants}),
+        "mutants": len(mutants),
+        "tried": 0, "caught": 0, "unviable": 0, "equivalent": 0, "survivors": [],
+    }
+    for outcome in json.loads((folder / "outcomes.json").read_text(encoding="utf-8"))["outcomes"]:
         if outcome["scenario"] == "Baseline":
             continue
         mutant, summary = outcome["scenario"]["Mutant"], outcome["summary"]
-        part.files.add(mutant["file"])
+        run["tried"] += 1
         if summary in ("CaughtMutant", "Timeout"):
-            part.counts["caught"] += 1
+            run["caught"] += 1
         elif summary == "Unviable":
-            part.counts["unviable"] += 1
+            run["unviable"] += 1
         elif place(mutant) in reasons:
-            part.counts["equivalent"] += 1
+            run["equivalent"] += 1
         else:
-            part.counts["survive"] += 1
-            part.survivors.append(place(mutant))
-    return part
+            run["survivors"].append(place(mutant))
+    return run
 
 
-def cells(line):
-    """A row of the survivors; a bar would end a cell."""
-    file, what, code = (cell.replace("|", "\\|") for cell in line)
-    return f"`{file}` | {what} | `{code}`"
+def code(text):
+    """Code in a cell of a table: a bar would end the cell."""
+    return "`" + text.replace("|", "\\|") + "`"
 
 
-def page(parts):
+def page(runs):
     text = HEAD
-    for part in parts:
-        files = "<br>".join(f"`{file}`" for file in sorted(part.files))
-        total = sum(part.counts.values())
-        text += f"| {part.name} | {files} | {total} | " + " | ".join(map(str, part.counts.values())) + " |\n"
-    survivors = [line for part in parts for line in part.survivors]
+    for name in PARTS:
+        if name not in runs:
+            text += f"| {name} | not run yet | | | | | | |\n"
+            continue
+        run = runs[name]
+        counts = [run[key] for key in ("mutants", "tried", "caught", "unviable", "equivalent")]
+        cells = [name, run["date"], *counts, len(run["survivors"])]
+        text += "| " + " | ".join(map(str, cells)) + " |\n"
+    text += "\n## Files\n\n"
+    for name in (name for name in PARTS if name in runs):
+        text += f"- {name}: " + ", ".join(f"`{file}`" for file in runs[name]["files"]) + "\n"
+    survivors = [line for name in PARTS for line in runs.get(name, {}).get("survivors", [])]
     if survivors:
         text += "\n## Survivors\n\n| file | mutation | code |\n|---|---|---|\n"
-        text += "".join(f"| {cells(line)} |\n" for line in survivors)
+        for file, what, where in survivors:
+            text += f"| `{file}` | {what.replace('|', chr(92) + '|')} | {code(where)} |\n"
     return text
 
 
 def main():
     reasons = equivalents()
-    parts = [part for part in (read(name, reasons) for name in PARTS) if part]
-    print(page(parts))
-    if len(parts) == len(PARTS):
-        PAGE.write_text(page(parts), encoding="utf-8")
-    else:
-        print(f"docs/mutation.md is not written: only {', '.join(part.name for part in parts)} ran here")
-    alive = [line for part in parts if part.name in sys.argv[1:] for line in part.survivors]
+    runs = json.loads(RUNS.read_text(encoding="utf-8")) if RUNS.is_file() else {}
+    now = {name: read(name, reasons) for name in sys.argv[1:]}
+    runs |= now
+    RUNS.write_text(json.dumps(runs, indent=1, sort_keys=True) + "\n", encoding="utf-8")
+    PAGE.write_text(page(runs), encoding="utf-8")
+    print(page(runs))
+    alive = [line for run in now.values() for line in run["survivors"]]
     for line in alive:
         print("survives: " + " | ".join(line))
     return 1 if alive else 0

@@ -1,7 +1,7 @@
 //! The verdict with its uncertainty: how many points are verified, how sure that fraction is,
 //! and which criterion decides.
 
-use super::table::{Criterion, PointTable};
+use super::table::{CriterionColumn, PointTable};
 use crate::statistics::share::{Fraction, sure_within};
 
 /// The probability of every point to be truly verified: the measured values are uncertain
@@ -9,7 +9,7 @@ use crate::statistics::share::{Fraction, sure_within};
 /// standard uncertainty of half the tolerance (coverage factor 2, JCGM 100:2008, section 6.3), and
 /// independent of the others. Zero for failed points.
 pub fn truly_inside(table: &PointTable) -> Vec<f64> {
-    let sure = |c: &Criterion, value| sure_within(value, c.nominal, c.lower, c.upper);
+    let sure = |c: &CriterionColumn, value| sure_within(value, c.nominal, c.lower, c.upper);
     (0..table.len())
         .map(|i| {
             let all = table.criteria.iter().map(|c| sure(c, c.values[i]));
@@ -33,7 +33,7 @@ pub struct CriterionVerdict {
 
 /// Counts over all points.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Verdict {
+pub struct PassCounts {
     /// Points that meet all criteria.
     pub verified: Fraction,
     /// Points that were not simulated to their end; they count as not verified.
@@ -45,7 +45,7 @@ pub struct Verdict {
 }
 
 /// Counts a table of points.
-pub fn verdict(table: &PointTable) -> Verdict {
+pub fn verdict(table: &PointTable) -> PassCounts {
     let n = table.len();
     let count =
         |passes: &dyn Fn(usize) -> bool| Fraction::wilson((0..n).filter(|&i| passes(i)).count(), n);
@@ -68,7 +68,7 @@ pub fn verdict(table: &PointTable) -> Verdict {
     let criteria = (0..table.criteria.len())
         .map(|k| criterion_verdict(table, k, &bindings, count(&|i| table.criteria[k].ok[i])))
         .collect();
-    Verdict {
+    PassCounts {
         verified: count(&|i| table.verified[i]),
         failed: (0..n).filter(|&i| !table.completed(i)).count(),
         criteria,
@@ -117,7 +117,7 @@ mod tests {
 
     #[test]
     fn a_point_at_the_limit_is_truly_inside_half_of_the_time() {
-        let criterion = |values: Vec<f64>| Criterion {
+        let criterion = |values: Vec<f64>| CriterionColumn {
             name: "c".into(),
             source: String::new(),
             unit: String::new(),
@@ -139,8 +139,8 @@ mod tests {
     }
 
     /// A criterion of 10 ± 2, in a group or in none.
-    fn ten(name: &str, group: Option<&str>, values: [f64; 6]) -> Criterion {
-        Criterion {
+    fn ten(name: &str, group: Option<&str>, values: [f64; 6]) -> CriterionColumn {
+        CriterionColumn {
             name: name.into(),
             source: String::new(),
             unit: String::new(),
@@ -176,7 +176,7 @@ mod tests {
             only_failure,
             median_miss: Some(median_miss),
         };
-        let expected = Verdict {
+        let expected = PassCounts {
             verified: of_six(1),
             failed: 1,
             // Where all deviations are equal, the first criterion binds.

@@ -50,7 +50,7 @@ pub(super) fn digest_of(folder: &Path) -> Result<String, CommandError> {
 }
 
 /// The result of an analysis.
-pub(super) struct Finding {
+pub(super) struct AnalysisResult {
     /// Which study, FMU and points it came from.
     pub(super) origin: Origin,
     /// The same for people.
@@ -68,7 +68,7 @@ struct Told<'a> {
     finding: &'a serde_json::Value,
 }
 
-impl Finding {
+impl AnalysisResult {
     /// A result that becomes the content of `file`.
     pub(super) fn new(
         result: &impl Serialize,

@@ -7,7 +7,7 @@ use super::summary::{
     BestPoint, Count, CriterionCount, FailedPoint, ParameterSummary, Provenance, Summary,
     VariantCount,
 };
-use crate::judge::{Criterion, Judge, Variant, Verdict};
+use crate::judge::{Criterion, Judge, PointVerdict, Variant};
 use crate::statistics::share::{randomised_share, sure_within};
 
 impl Count {
@@ -78,7 +78,7 @@ impl Counts {
         }
     }
 
-    fn add(&mut self, judge: &Judge, verdict: &Verdict, replicate: usize) {
+    fn add(&mut self, judge: &Judge, verdict: &PointVerdict, replicate: usize) {
         self.verified.add(replicate, verdict.verified());
         for (count, passed) in self.criteria.iter_mut().zip(&verdict.passed) {
             count.add(replicate, *passed);
@@ -133,7 +133,7 @@ impl<'a> Tally<'a> {
     }
 
     /// Counts a point and returns the verdict on it.
-    pub fn add(&mut self, label: u64, parameters: &[f64], outcome: &Outcome) -> Verdict {
+    pub fn add(&mut self, label: u64, parameters: &[f64], outcome: &Outcome) -> PointVerdict {
         let replicate = (self.points % self.replicates as u64) as usize;
         self.points += 1;
         let values = outcome.as_deref().ok();
@@ -161,7 +161,7 @@ impl<'a> Tally<'a> {
     }
 
     /// Notes which criterion decides at a point, and how sure its verdict is.
-    fn blame(&mut self, values: &[f64], verdict: &Verdict) {
+    fn blame(&mut self, values: &[f64], verdict: &PointVerdict) {
         let criteria = || self.judge.criteria.iter().zip(values);
         let deviations: Vec<f64> = criteria()
             .map(|(c, value)| (value - c.nominal).abs() / c.tolerance)

@@ -1,6 +1,6 @@
 //! The sensitivity of all outputs of a study in one result: of every criterion, and of "is verified".
 
-use super::method::{Measure, Runs, Settled, Told};
+use super::method::{FromRuns, Measure, Settled, Told};
 use super::methods::{RUNS, VIEWS};
 use super::sobol::FirstOrder;
 use super::{dominant, regional};
@@ -105,7 +105,7 @@ fn unused(seed: u64) -> Told {
 
 /// Analyses the runs of a method's own design, and its plain sample by the methods for any points.
 pub fn from_runs(
-    method: &dyn Runs,
+    method: &dyn FromRuns,
     design: &[Vec<f64>],
     rows: &PointTable,
     settled: &Settled,
