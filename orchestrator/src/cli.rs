@@ -1,4 +1,4 @@
-//! The command line's words.
+//! The command line: commands and options, as `clap` reads them.
 
 mod analysis;
 mod fmu;
@@ -24,28 +24,28 @@ pub struct Cli {
 }
 
 const EXIT: &str = "Exit codes: 0 done (verify, judge: at least one point meets all criteria), \
-    1 not verified, 2 a mistake in what was asked for.";
+    1 not verified, 2 a mistake in the call.";
 
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Says what an FMU is: variables, units, capabilities, platforms
+    /// Shows an FMU: variables, units, capabilities, platforms
     Inspect(Inspect),
-    /// Looks at an FMU before it is used: exit code 0 when nothing was found, 1 with findings
+    /// Looks for faults in an FMU; exit code 1 when it finds an error
     Check(Check),
     /// Writes a commented starting study from an FMU's own variables
     Init(Init),
-    /// Simulates an FMU once; the first column is the time, then come the outputs
+    /// Simulates an FMU once and writes csv: the time, then the outputs
     Simulate(Simulate),
     /// Simulates a study's points and judges them against the measurement
     Verify(Verify),
-    /// Finds the parameters that make the FMU's outputs most probable, given measured values
+    /// Finds the parameters that make the measured values most probable
     Identify(Identify),
-    /// Judges outputs that already stand in a table; needs no FMU
+    /// Applies a study's criteria to outputs in a table, without an FMU
     Judge(Judge),
     /// Runs one point of a study again, with its trajectory
     Replay(Replay),
-    /// Joins shards: the same result as one run
+    /// Joins shards; the result is the same as that of one run
     Merge(Merge),
     /// Writes the completion script of a shell to standard output
     Completion(Completion),
@@ -58,15 +58,15 @@ pub enum Command {
         /// File that describes the simulation
         setup: PathBuf,
     },
-    /// Writes the page of a finished study again
+    /// Writes the report of a finished study again
     Report(Report),
-    /// Tells which parameter matters: Sobol indices, screening, or from existing points
+    /// Tells which parameter matters: Sobol indices, Morris screening, rank correlation, PAWN
     Sensitivity(Sensitivity),
-    /// Tells how far the parameters may go: maps, the largest box and ellipsoid, margins
+    /// Tells how far parameters may move: maps, largest box and ellipsoid, margins
     Robustness(Robustness),
-    /// Tells what the criteria cost each other: the front of unbeaten points, the best compromise
+    /// Shows the trade-off between criteria: Pareto front, best compromise
     Pareto(Pareto),
-    /// Aligns measured signals and derives criteria with their uncertainty
+    /// Turns measured signals into criteria with their uncertainty
     Synchronise(Synchronise),
 }
 

@@ -99,6 +99,15 @@ impl Default for Statistic {
     }
 }
 
+impl Statistic {
+    /// Its name in a study.
+    pub fn name(self) -> String {
+        let name = serde_json::to_value(self).ok();
+        let name = name.as_ref().and_then(serde_json::Value::as_str);
+        name.unwrap_or_default().to_owned()
+    }
+}
+
 impl Accumulator {
     /// Takes a value, `elapsed` after the one before; the first one after zero.
     pub fn add(&mut self, elapsed: f64, value: f64) {

@@ -109,6 +109,34 @@ value = 0.86
 accuracy = 0.01
 "#;
 
+/// The moments at which runs were stopped.
+#[derive(Debug, Default)]
+struct Struck {
+    before_the_first_point: u64,
+    between_points: u64,
+    in_the_finale: u64,
+    /// Runs that told how to go on.
+    by_message: u64,
+    /// Runs that were done before they could be stopped.
+    missed: u64,
+}
+
+impl Struck {
+    fn moments(&self) -> u64 {
+        self.before_the_first_point + self.between_points + self.in_the_finale
+    }
+
+    /// Notes one more moment, when `noted` of the points were in the journal.
+    fn note(&mut self, noted: u64, points: u64) {
+        let count = match noted {
+            0 => &mut self.before_the_first_point,
+            _ if noted < points => &mut self.between_points,
+            _ => &mut self.in_the_finale,
+        };
+        *count += 1;
+    }
+}
+
 /// A folder with a slow FMU (2 ms a point, asleep) and the points of a finished study.
 fn bench() -> Bench {
     let bench = Bench::empty();
@@ -156,32 +184,37 @@ impl Analysis {
         points.count() as u64
     }
 
-    /// Stops runs at so many moments spread over the analysis, by turns with the one and the other signal, resumes
-    /// each time, and compares the end with an undisturbed run.
+    /// Stops runs at moments spread over the analysis, alternating between the signals, resumes each time, and compares
+    /// the end with an undisturbed run. The first moment is the start, the last one is the finale, when all points are
+    /// noted and the results are not yet written.
     fn stop_and_resume(&self, moments: u64, signals: &[&str]) {
         let bench = bench();
         let (whole, text) = self.undisturbed(&bench);
         let points = self.noted(&bench, "whole");
         let mut random = StdRng::seed_from_u64(moments);
-        let (mut stopped, mut by_message) = (0, 0);
-        while stopped < moments {
+        let mut struck = Struck::default();
+        while struck.moments() < moments {
             let mut child = self.begin(&bench);
-            // In the order of the points, and at any moment of what happens between two of them.
-            let wanted = stopped * points / moments;
+            let wanted = struck.moments() * points / (moments - 1);
             while self.noted(&bench, "stopped") < wanted && child.try_wait().unwrap().is_none() {
                 sleep(Duration::from_micros(200));
             }
-            sleep(Duration::from_micros(random.random_range(0..4000)));
-            let signal = signals[stopped as usize % signals.len()];
+            if wanted < points {
+                // At any moment of what happens between two points.
+                sleep(Duration::from_micros(random.random_range(0..4000)));
+            }
+            let signal = signals[struck.moments() as usize % signals.len()];
             if child.try_wait().unwrap().is_some() {
                 // Done before it could be stopped: the other moments are those of another run.
                 assert!(self.results(&bench, "stopped") == whole);
                 fs::remove_dir_all(bench.path("stopped")).unwrap();
+                struck.missed += 1;
                 continue;
             }
-            by_message += u64::from(stop(child, signal));
-            stopped += 1;
+            struck.by_message += u64::from(stop(child, signal));
+            struck.note(self.noted(&bench, "stopped"), points);
         }
+        println!("{} {signals:?}, {points} points: {struck:?}", self.state);
         let said = self.run(&bench, "stopped", &["--resume"]);
         assert_eq!(said.code, 0, "{}", said.err);
         assert!(self.results(&bench, "stopped") == whole);
@@ -190,7 +223,7 @@ impl Analysis {
         let hidden = |entry: &fs::DirEntry| entry.file_name().to_string_lossy().starts_with('.');
         assert_eq!(left_over.unwrap().flatten().filter(hidden).count(), 0);
         if signals.contains(&"-INT") {
-            assert!(by_message > 0, "no run said how to go on");
+            assert!(struck.by_message > 0, "no run said how to go on");
         }
     }
 
@@ -246,7 +279,7 @@ fn identification_goes_on() {
 }
 
 #[test]
-#[ignore = "takes minutes: cargo test -p orchestrator --test interrupted -- --ignored"]
+#[ignore = "takes minutes: cargo test --workspace --test interrupted -- --ignored --nocapture"]
 fn twenty_moments_of_each_signal() {
     for signal in BOTH {
         for analysis in [SENSITIVITY, SCREENING, PARETO, ROBUSTNESS, IDENTIFICATION] {

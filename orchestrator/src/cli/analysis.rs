@@ -25,10 +25,10 @@ pub struct Sensitivity {
     /// The size of its design [default: the study's, or the method's usual one]
     #[arg(long, value_name = "N", conflicts_with_all = ["base", "morris"])]
     pub size: Option<u64>,
-    /// Sobol indices from so many base points; the runs are this many times the parameters and two more
+    /// Sobol indices from N base points, which needs N (p + 2) runs for p parameters
     #[arg(long, value_name = "N", conflicts_with = "morris")]
     pub base: Option<u64>,
-    /// Morris screening with so many trajectories
+    /// Morris screening with R trajectories
     #[arg(long, value_name = "R")]
     pub morris: Option<u64>,
     /// How first-order Sobol indices are estimated [default: the study's, or jansen]
@@ -40,7 +40,7 @@ pub struct Sensitivity {
     /// Run settings
     #[command(flatten)]
     pub means: Means,
-    /// Which part of it
+    /// Resuming and shards
     #[command(flatten)]
     pub parts: Parts,
     /// The folder for the results [default: results/ and the study's name, or DIR of --from]
@@ -63,7 +63,7 @@ pub struct Robustness {
     /// The verification probability that box and ellipsoid must hold [default: the study's, or 0.9]
     #[arg(long, value_name = "P")]
     pub level: Option<f64>,
-    /// Confirm box and ellipsoid by so many new runs in each [default: the study's, or 0]
+    /// Confirm box and ellipsoid by N new runs in each [default: the study's, or 0]
     #[arg(long, value_name = "N")]
     pub confirm: Option<usize>,
     /// The seed [default: the study's, or 1]
@@ -72,7 +72,7 @@ pub struct Robustness {
     /// Run settings
     #[command(flatten)]
     pub means: Means,
-    /// Which part of it
+    /// Resuming and shards
     #[command(flatten)]
     pub parts: Parts,
     /// The folder for the results [default: that of the study]
@@ -92,7 +92,7 @@ pub struct Pareto {
     /// The folder of the finished study [default: results/ and the study's name]
     #[arg(long, value_name = "DIR", conflicts_with = "generations")]
     pub from: Option<PathBuf>,
-    /// Search by new runs (NSGA-II) over so many generations, instead of using existing points
+    /// Search by new runs (NSGA-II) over G generations, instead of using existing points
     #[arg(long, value_name = "G")]
     pub generations: Option<usize>,
     /// Runs in a generation
@@ -109,7 +109,7 @@ pub struct Pareto {
     /// Run settings
     #[command(flatten)]
     pub means: Means,
-    /// Which part of it
+    /// Resuming and shards
     #[command(flatten)]
     pub parts: Parts,
     /// The folder for the results [default: that of the study]
@@ -124,13 +124,13 @@ pub struct Pareto {
     --output results/measured"
 )]
 pub struct Synchronise {
-    /// The recording: a column a signal
+    /// The recording: a table with a column for each signal
     #[arg(value_name = "MEASURED.csv")]
     pub measured: PathBuf,
     /// TOML file with the columns' names, units, accuracies and smoothing
     #[arg(long, value_name = "SETTINGS.toml")]
     pub settings: PathBuf,
-    /// Criteria for the amplitudes of load and torque, too
+    /// Also make criteria for the amplitudes of load and torque
     #[arg(long)]
     pub amplitudes: bool,
     /// The folder for the results

@@ -1,4 +1,4 @@
-//! Options of what is done with a single FMU.
+//! Options of the commands that work on a single FMU.
 
 use std::path::PathBuf;
 
@@ -10,7 +10,7 @@ use clap::{Args, ValueEnum};
 pub struct Inspect {
     /// The FMU
     pub fmu: PathBuf,
-    /// Everything, as JSON
+    /// Print everything, as JSON
     #[arg(long)]
     pub json: bool,
 }
@@ -21,13 +21,13 @@ pub struct Inspect {
 pub struct Check {
     /// The FMU
     pub fmu: PathBuf,
-    /// How the findings are written: lines, JSON, or SARIF for editors and build servers
+    /// The format of the findings: text, JSON, or SARIF for editors and build servers
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
-    /// Exit code 1 with a warning, too
+    /// Exit with 1 on warnings, too
     #[arg(long)]
     pub strict: bool,
-    /// How long each of the short simulations may take, s
+    /// Time limit for each of the short simulations, s
     #[arg(long, value_name = "SECONDS", default_value_t = 60.0)]
     pub patience: f64,
 }
@@ -85,7 +85,7 @@ pub struct Simulate {
     /// Inputs over time: a table with a column `time` and a column for each input, `NAME` or `NAME [UNIT]`
     #[arg(long, value_name = "FILE.csv")]
     pub input: Option<PathBuf>,
-    /// Where to write the trajectory; - is standard output, as without this option
+    /// The file for the trajectory; - or no option: standard output
     #[arg(long, value_name = "FILE.csv")]
     pub output: Option<PathBuf>,
 }

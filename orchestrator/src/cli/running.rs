@@ -1,4 +1,4 @@
-//! With what and where a study is run.
+//! Options for running points: processes, limits, shards, resuming.
 
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -8,7 +8,7 @@ use clap::Args;
 use crate::engine::Isolation;
 use crate::pipeline::Shard;
 
-/// How a run of points is cut up and taken up again.
+/// Shards of a run, and resuming.
 #[derive(Debug, Args)]
 pub struct Parts {
     /// Continue a run that was interrupted
@@ -19,13 +19,13 @@ pub struct Parts {
     pub shard: Option<Shard>,
 }
 
-/// With what and where a study is run, and what a point may use.
+/// Processes that run the points, and their limits.
 #[derive(Debug, Args)]
 pub struct Means {
-    /// Another FMU than the study's
+    /// The FMU, instead of the study's
     #[arg(long, value_name = "FMU")]
     pub fmu: Option<PathBuf>,
-    /// How many simulations at a time [default: the number of cores]
+    /// The number of parallel simulations [default: the number of cores]
     #[arg(long, value_name = "J", allow_negative_numbers = true)]
     pub jobs: Option<NonZeroUsize>,
     /// Run points in this process: a little faster, but a crash of the FMU ends the run

@@ -1,4 +1,4 @@
-//! Options of what is done with a study.
+//! Options of the commands that work on a study.
 
 use std::path::PathBuf;
 
@@ -31,16 +31,16 @@ pub struct Verify {
     /// Simulate the points of a table (csv or Parquet) instead of sampling
     #[arg(long, value_name = "TABLE.csv", conflicts_with_all = ["points", "seed"])]
     pub points_from: Option<PathBuf>,
-    /// Only say what would be done: points, design, criteria; and how long, by some points
+    /// Show points, design and criteria and estimate the time from a few points; run nothing else
     #[arg(long)]
     pub dry_run: bool,
-    /// Which part of it
+    /// Resuming and shards
     #[command(flatten)]
     pub parts: Parts,
     /// Write points.parquet, too
     #[arg(long)]
     pub parquet: bool,
-    /// End when the 95 % interval of the verified share is narrow enough, such as "ci 0.01"
+    /// Stop early, as soon as the 95 % interval of the verified share is this narrow, such as "ci 0.01"
     #[arg(long, value_name = "CONDITION", conflicts_with = "shard")]
     pub until: Option<Until>,
 }
@@ -52,9 +52,9 @@ pub struct Replay {
     /// The folder that `verify` has written
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
-    /// The point, as `points.csv` calls it
+    /// The point's number in `points.csv`
     pub point: u64,
-    /// Path of the FMU, if it has moved
+    /// The FMU's new path, if it has moved
     #[arg(long, value_name = "FMU")]
     pub fmu: Option<PathBuf>,
     /// Where to write the trajectory [default: point-N.csv in the folder]
@@ -77,7 +77,7 @@ pub struct Merge {
     /// Write points.parquet, too
     #[arg(long)]
     pub parquet: bool,
-    /// Path of the FMU, if it has moved
+    /// The FMU's new path, if it has moved
     #[arg(long, value_name = "FMU")]
     pub fmu: Option<PathBuf>,
 }
@@ -91,7 +91,7 @@ pub struct Judge {
     pub study: PathBuf,
     /// The table
     pub table: PathBuf,
-    /// Folder for points.csv and summary.json
+    /// The folder for points.csv and summary.json
     #[arg(long, value_name = "DIR")]
     pub output: Option<PathBuf>,
 }
@@ -117,7 +117,7 @@ pub struct Identify {
     /// End the search after this long and report the best so far
     #[arg(long, value_name = "SECONDS")]
     pub time_limit: Option<f64>,
-    /// Which part of it
+    /// Resuming and shards
     #[command(flatten)]
     pub parts: Parts,
 }
@@ -129,7 +129,7 @@ pub struct Report {
     /// The folder that `verify` has written
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
-    /// The plots as PNG files, too; they are beside the page in plots/, as SVG in any case
+    /// Write the plots as PNG, too (plots/ holds them as SVG in any case)
     #[arg(long)]
     pub png: bool,
 }

@@ -6,6 +6,7 @@ use std::process::ExitCode;
 
 use super::{CommandError, output};
 use crate::cli::Init;
+use crate::design::Method;
 use crate::results::points::number;
 use crate::results::{ResultsError, write_atomically};
 use crate::task::Schedule;
@@ -42,12 +43,13 @@ fn study(fmu: &Description, path: &Path) -> String {
         "# A starting study of {}. Remove the marks of what you need.\n\n\
          title = {:?}\nfmu = {:?}\n\n[simulation]\nstop = {} # s\nstep = {} # s\n\
          # warm-up = 1 # s that statistics leave out\n\n[design]\n\
-         method = \"sobol\" # or monte-carlo, latin-hypercube, halton, full-factorial\npoints = 64\nseed = 1",
+         method = \"sobol\" # or {}\npoints = 64\nseed = 1",
         fmu.model_name,
         fmu.model_name,
         path.display().to_string(),
         schedule.stop,
-        schedule.step
+        schedule.step,
+        Method::named(|method| method != Method::Sobol)
     );
     text.push_str("\n# Uncertain parameters\n");
     for variable in fmu.with(Causality::Parameter) {

@@ -2,6 +2,7 @@
 
 use super::figures::Series;
 use crate::analysis::table::PointTable;
+use crate::statistics::Statistic;
 use std::path::Path;
 
 /// The file: `time` in seconds, and the criteria's signals in the criteria's units.
@@ -37,10 +38,21 @@ pub fn read(folder: &Path, table: &PointTable) -> Vec<Series> {
             unit: criterion.unit.clone(),
             time: time.clone(),
             values,
-            // An amplitude has limits, but the signal itself does not.
-            accepted: (!criterion.source.starts_with("amplitude"))
+            accepted: limits_the_signal(&criterion.source)
                 .then_some([criterion.lower, criterion.upper]),
         })
     };
     columns.filter_map(series).collect()
+}
+
+/// Whether the limits of a criterion with this source are limits of the signal itself, as those of an amplitude are not.
+fn limits_the_signal(source: &str) -> bool {
+    let of = |statistic: &&Statistic| {
+        let rest = source.strip_prefix(statistic.label());
+        rest.is_some_and(|rest| rest.starts_with(" of "))
+    };
+    !Statistic::ALL
+        .iter()
+        .find(of)
+        .is_some_and(|statistic| statistic.is_difference())
 }

@@ -7,6 +7,9 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use super::Study;
+use crate::analysis::sensitivity::methods::RUNS;
+use crate::design::Method;
+use crate::statistics::Statistic;
 
 fn studies() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../studies")
@@ -84,16 +87,37 @@ fn the_schema_has_exactly_the_words_that_the_reader_takes() {
     }
 }
 
+/// The words that follow from registers, and their places in the schema.
+fn registered() -> [(&'static str, Vec<String>); 3] {
+    let designs = Method::ALL.iter().map(|method| method.name());
+    let statistics = Statistic::ALL.iter().map(|statistic| statistic.name());
+    let sensitivity = RUNS.iter().map(|method| method.name().to_owned());
+    [
+        ("/$defs/design/properties/method/enum", designs.collect()),
+        ("/$defs/statistic/enum", statistics.collect()),
+        (
+            "/$defs/sensitivity/properties/method/enum",
+            sensitivity.collect(),
+        ),
+    ]
+}
+
+/// With the environment variable `WRITE_SCHEMA` the test mends the file.
 #[test]
-fn the_schema_names_the_registered_methods() {
-    let defs = &schema()["$defs"];
-    let words = |schema: &Value| -> Vec<String> {
-        let words = schema["enum"].as_array().unwrap().iter();
-        words.map(|word| word.as_str().unwrap().into()).collect()
-    };
-    let methods = &defs["sensitivity"]["properties"]["method"];
-    let registered = crate::analysis::sensitivity::methods::RUNS;
-    assert_eq!(words(methods), registered.map(|method| method.name()));
+fn the_schema_names_what_is_registered() {
+    let mut schema = schema();
+    for (place, words) in registered() {
+        *schema.pointer_mut(place).unwrap() = words.into();
+    }
+    let text = serde_json::to_string_pretty(&schema).unwrap() + "\n";
+    let path = studies().join("study.schema.json");
+    if std::env::var_os("WRITE_SCHEMA").is_some() {
+        fs::write(&path, &text).unwrap();
+    }
+    assert!(
+        fs::read_to_string(&path).unwrap() == text,
+        "run `WRITE_SCHEMA=1 cargo test -p orchestrator --lib schema`"
+    );
 }
 
 /// Violations of a JSON Schema, for the part of JSON Schema that the study's schema uses.

@@ -17,8 +17,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use super::guard::{Handle, enter};
 use super::instance::{Instance, Request};
 use super::phase;
-use super::raw::{lossy, text, values};
-use super::refusal::Outcome;
+use super::raw::{lossy, texts, values};
 use super::types::{Boolean, CallbackFunctions, Component, FALSE, Real, Status, Text};
 use crate::model::Model;
 
@@ -138,16 +137,5 @@ pub unsafe fn cancel_step<M: Model>(component: Component) -> Status {
         enter(component, &phase::CANCEL_STEP, |_: &mut Instance<M>| {
             Ok(Status::Ok)
         })
-    }
-}
-
-/// `n` texts.
-unsafe fn texts<'a>(pointer: *const Text, n: usize, name: &'static str) -> Outcome<Vec<&'a str>> {
-    // SAFETY: as the host vouches.
-    unsafe {
-        values(pointer, n, name)?
-            .iter()
-            .map(|pointer| text(*pointer, name))
-            .collect()
     }
 }

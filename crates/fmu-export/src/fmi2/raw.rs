@@ -62,6 +62,24 @@ pub unsafe fn text<'a>(pointer: Text, name: &'static str) -> Outcome<&'a str> {
     })
 }
 
+/// `n` texts.
+///
+/// # Safety
+/// As for [`values`] and [`text`].
+pub unsafe fn texts<'a>(
+    pointer: *const Text,
+    n: usize,
+    name: &'static str,
+) -> Outcome<Vec<&'a str>> {
+    // SAFETY: as the caller vouches.
+    unsafe {
+        values(pointer, n, name)?
+            .iter()
+            .map(|pointer| text(*pointer, name))
+            .collect()
+    }
+}
+
 /// A text in any encoding, with replacement characters where it is not UTF-8. `None` for NULL.
 ///
 /// # Safety

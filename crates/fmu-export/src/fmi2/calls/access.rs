@@ -1,10 +1,9 @@
 //! Values of variables, and derivatives.
 
-use super::texts;
 use crate::fmi2::guard::enter;
 use crate::fmi2::instance::Instance;
 use crate::fmi2::phase;
-use crate::fmi2::raw::{values, values_mut};
+use crate::fmi2::raw::{texts, values, values_mut};
 use crate::fmi2::types::{Boolean, Component, Integer, Real, Status, Text, ValueReference};
 use crate::model::Model;
 
