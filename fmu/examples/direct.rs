@@ -1,6 +1,6 @@
 //! The stand called from Rust, without FMI: what the FMU is compared with in `scripts/bench`.
 //!
-//! `direct STEP STEPS RUNS` makes so many runs of so many steps, each from the initial state, reads one
+//! `direct STEP STEPS RUNS` makes RUNS runs of STEPS steps, each from the initial state, reads one
 //! output after every step and prints the mean of what it has read.
 
 use std::error::Error;

@@ -171,7 +171,7 @@ fn two_hundred_kills_over_five_thousand_points() {
     kill(5000, 200);
 }
 
-/// Runs a study with files that may not grow beyond so many KiB, as on a full disk.
+/// Runs a study with a limit on the size of its files, KiB, as on a full disk.
 fn verify_in(bench: &Bench, folder: &str, kibibytes: u32) -> support::Said {
     let program = env!("CARGO_BIN_EXE_orchestrator");
     let script = format!(

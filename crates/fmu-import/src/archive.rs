@@ -321,7 +321,7 @@ impl Archive {
     }
 }
 
-/// The content of an entry, but no more than so many bytes of it.
+/// The content of an entry, up to a limit in bytes.
 fn content(zip: &mut ZipArchive<File>, entry: &str, most: u64) -> Result<Vec<u8>, ArchiveError> {
     let mut bytes = Vec::new();
     zip.by_name(entry)

@@ -28,7 +28,7 @@ pub(super) struct Curve<'a, M> {
 
 /// The distance of the second orbit in the logarithm of the viscosity.
 const PROBE: f64 = 0.06;
-/// Each further one is so many times as far from the last one as that is from the one before.
+/// Factor by which the distance between orbits grows from one to the next.
 const WIDENING: f64 = 4.0;
 /// The largest distance of two orbits.
 const FARTHEST: f64 = 0.5;
@@ -36,7 +36,7 @@ const FARTHEST: f64 = 0.5;
 const CLOSEST: f64 = 0.01;
 /// Internal steps in all turns of a leap, at the most: a leap takes some thousands.
 const MOST_STEPS: usize = 200_000;
-/// The first turn begins with the step of so many in a turn.
+/// Steps per turn with which the first turn begins.
 const FIRST_STEPS: f64 = 6.0;
 /// Error allowed in the place per step within a turn, at a relative tolerance of one.
 const PLACE_ERROR: f64 = 100.0;

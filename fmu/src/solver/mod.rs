@@ -50,8 +50,8 @@ impl Failure {
     }
 }
 
-/// How many internal steps an integration may take: so many at once, so many more with every second that has
-/// passed, and so many in all. A solution that stands still in its own time is given up early, however long
+/// How many internal steps an integration may take: a first allowance, more with every second that has passed, and a
+/// limit for all. A solution that stands still in its own time is given up early, however long
 /// the span, and so is one whose span is too long for its steps. What is counted is work: the same call ends
 /// the same way on every machine.
 #[derive(Clone, Copy, Debug, PartialEq)]

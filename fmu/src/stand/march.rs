@@ -14,7 +14,7 @@ const FEWEST_TURNS: f64 = 12.0;
 const TURNS_AT_THE_END: usize = 1;
 /// The journal is near its orbit if a turn moves it by less than this share of the clearance.
 const SETTLED: f64 = 1e-2;
-/// After so many turns it leaps even if it is not near its orbit, as the rest of its approach adds little heat.
+/// Turns after which it leaps even if it is not near its orbit, as the rest of its approach adds little heat.
 const MOST_SETTLING_TURNS: usize = 1;
 /// Factor on the solver's tolerance in the turns before a leap, of which only their heat matters later.
 const SETTLING_SLACK: f64 = 1000.0;

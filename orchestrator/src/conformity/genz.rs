@@ -6,7 +6,7 @@ use super::normal::{GaussLegendre, between, quantile_between};
 
 /// The aim for the error of a probability.
 const ACCURACY: f64 = 2e-5;
-/// Up to so many errors are integrated by nested quadrature, more of them on a lattice.
+/// The most errors that are integrated by nested quadrature; more are integrated on a lattice.
 const NESTED: usize = 4;
 /// Independent copies of the lattice; their scatter tells the error.
 const SHIFTS: u64 = 8;

@@ -52,7 +52,7 @@ impl Moments {
         }
     }
 
-    /// The same with so many zeros more that there are `count` numbers.
+    /// The same sample with zeros added until there are `count` numbers.
     pub fn among(self, count: u64) -> Self {
         Self { count, ..self }
     }

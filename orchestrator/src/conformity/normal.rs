@@ -108,7 +108,7 @@ static TWENTY: LazyLock<GaussLegendre> = LazyLock::new(|| GaussLegendre::new(20)
 pub(super) struct GaussLegendre(Vec<[f64; 2]>);
 
 impl GaussLegendre {
-    /// The rule with so many nodes: the zeros of the Legendre polynomial, by Newton's method.
+    /// The rule with this number of nodes: the zeros of the Legendre polynomial, by Newton's method.
     pub(super) fn new(nodes: usize) -> Self {
         let node = |i: usize| {
             let guess = std::f64::consts::PI * (i as f64 + 0.75) / (nodes as f64 + 0.5);

@@ -24,7 +24,7 @@ pub struct ConfidenceSequence {
 }
 
 impl ConfidenceSequence {
-    /// The interval after so many points.
+    /// The interval after a number of points.
     pub fn interval(&self, hits: u64, points: u64) -> [f64; 2] {
         let limit = -(1.0 - self.confidence).ln();
         let (k, n) = (hits as f64, points as f64);

@@ -33,7 +33,7 @@ impl Rule for Hypercube {
 }
 
 impl Hypercube {
-    /// A rule for so many points.
+    /// A rule for a number of points.
     pub(super) fn of(seed: u64, points: u64) -> Self {
         let bits = u64::BITS - points.saturating_sub(1).leading_zeros();
         let half = bits.div_ceil(2).max(1);

@@ -41,7 +41,7 @@ impl Design {
     /// A design over these inputs.
     ///
     /// # Errors
-    /// When the method cannot serve so many inputs or points.
+    /// When the method cannot serve this number of inputs or points.
     pub fn new(sampling: &Sampling, inputs: impl Into<Inputs>) -> Result<Self, String> {
         let inputs: Inputs = inputs.into();
         if sampling.points == 0 {
@@ -97,7 +97,7 @@ impl Design {
 /// Points in the unit cube that belong to independently scrambled Sobol nets in turn.
 ///
 /// # Errors
-/// When there is no such net of so many dimensions or points.
+/// When there is no such net of this number of dimensions or points.
 pub fn cube(
     dimensions: usize,
     points: u64,

@@ -41,7 +41,7 @@ pub trait Registered: Rule + Sized + 'static {
     /// The rule for the points of a study.
     ///
     /// # Errors
-    /// When it cannot serve so many inputs or points.
+    /// When it cannot serve this number of inputs or points.
     fn new(numbers: &Numbers, inputs: &Inputs) -> Result<Self, String>;
 }
 

@@ -187,7 +187,7 @@ fn a_parameter_without_effect_is_reported() {
     assert!(undetermined[0].weights[3] > 0.999, "{undetermined:?}");
 }
 
-/// A model that stops after so many predictions, and has those of an earlier search at hand.
+/// A model that stops after a number of predictions, and has those of an earlier search at hand.
 struct Remembering<'a> {
     known: &'a RefCell<Vec<(Query, Prediction)>>,
     asked: Cell<usize>,

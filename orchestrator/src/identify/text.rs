@@ -190,7 +190,7 @@ pub fn digits(number: f64) -> Digits {
     Digits(number, 6)
 }
 
-/// A number that shows so many significant digits.
+/// A number, shown with the given count of significant digits.
 pub struct Digits(f64, i32);
 
 impl std::fmt::Display for Digits {

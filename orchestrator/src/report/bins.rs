@@ -49,7 +49,7 @@ pub fn histogram<'a>(
     counts
 }
 
-/// The number of bins for so many values: the Rice rule, within what a small plot can show.
+/// The number of bins for a number of values: the Rice rule, within what a small plot can show.
 pub fn bins_for(n: usize) -> usize {
     ((2.0 * (n as f64).cbrt()) as usize).clamp(6, 48)
 }

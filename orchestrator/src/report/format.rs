@@ -1,6 +1,6 @@
 //! Numbers and text for people.
 
-/// A number with so many significant digits, without needless zeros: `0.02`, `1.5e-7`, `843.84`.
+/// A number, rounded to significant digits, without needless zeros: `0.02`, `1.5e-7`, `843.84`.
 /// Numbers that are none are written as a dash.
 pub fn number(value: f64, digits: usize) -> String {
     if value.is_nan() {

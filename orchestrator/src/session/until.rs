@@ -12,11 +12,11 @@ pub struct Until {
     width: f64,
 }
 
-/// Only every so many points are looked at, so that chance does not decide alone.
+/// The condition is checked only at multiples of this number of points, so that a chance excursion seldom ends the run.
 const ROUND: u64 = 100;
 
 impl Until {
-    /// Whether so many points are enough.
+    /// Whether the points so far are enough.
     pub fn holds(self, verified: u64, points: u64) -> bool {
         let [low, high] = wilson(verified, points);
         points > 0 && points.is_multiple_of(ROUND) && high - low <= self.width

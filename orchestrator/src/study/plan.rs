@@ -74,7 +74,7 @@ impl Plan {
     /// The points of a design over the parameters.
     ///
     /// # Errors
-    /// When the method cannot serve so many parameters or points.
+    /// When the method cannot serve this number of parameters or points.
     pub fn design(&self, design: &Sampling) -> Result<Design, String> {
         let distributions = self.inputs.iter().map(|input| input.distribution);
         let inputs = design::Inputs {

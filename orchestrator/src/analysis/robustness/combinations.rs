@@ -12,7 +12,7 @@ pub const CEILING: f64 = 0.01;
 const SLICES: usize = 40;
 /// Regions with a smaller part of the sampled space are not listed.
 const LEAST_SHARE: f64 = 0.005;
-/// At most so many are listed.
+/// The most that are listed.
 const MOST_LISTED: usize = 12;
 
 /// One bound of a region.

@@ -41,7 +41,7 @@ pub trait FromRuns: Sync {
     /// The points to be run, in the unit cube of the parameters.
     ///
     /// # Errors
-    /// When there is no design of this size for so many parameters.
+    /// When there is no design of this size for this number of parameters.
     fn design(&self, parameters: usize, settled: &Settled) -> Result<Vec<Vec<f64>>, String>;
 
     /// The rows of the design that are a plain sample of the parameters, for the methods for any points. Empty where

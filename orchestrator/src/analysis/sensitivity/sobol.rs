@@ -116,7 +116,7 @@ pub fn design(pairs: &[Vec<f64>]) -> Vec<Vec<f64>> {
     rows
 }
 
-/// How many independently scrambled nets so many base points should be taken from: as many as
+/// The number of independently scrambled nets from which the base points should come: as many as
 /// Student's quantile asks for, as long as each keeps some points.
 pub fn replicates(base: u64) -> u64 {
     (base / 8).clamp(2, 16)

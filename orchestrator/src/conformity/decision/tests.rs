@@ -68,7 +68,7 @@ fn two_randomisations() {
     assert!((high - (centre + half)).abs() < 1e-8, "{high}");
 }
 
-/// How often so many studies may decide wrongly before a binomial test at 5 % says that their
+/// The most wrong decisions in a number of studies at which a binomial test at 5 % does not yet say that their
 /// probability is above 5 %.
 fn most_wrong(studies: u64) -> u64 {
     Binomial::new(0.05, studies).unwrap().inverse_cdf(0.95)
