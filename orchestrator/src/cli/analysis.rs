@@ -19,7 +19,7 @@ pub struct Sensitivity {
     /// Use the points of a finished study instead of new runs
     #[arg(long, value_name = "DIR", conflicts_with_all = ["method", "size", "base", "morris", "fmu", "jobs", "resume", "shard"])]
     pub from: Option<PathBuf>,
-    /// The method: sobol, or morris [default: the study's, or sobol]
+    /// The method, such as sobol or morris [default: the study's, or sobol]
     #[arg(long, value_name = "NAME", conflicts_with_all = ["base", "morris"])]
     pub method: Option<String>,
     /// The size of its design [default: the study's, or the method's usual one]

@@ -3,10 +3,10 @@
 use std::fmt::Write;
 
 use super::local::End;
-use super::outcome::{FreeOutcome, Outcome};
+use super::outcome::{FreeOutcome, IdentificationOutcome};
 
 /// The free parameters as the section `[fixed]` of a study.
-pub fn fixed_section(study: &str, outcome: &Outcome) -> String {
+pub fn fixed_section(study: &str, outcome: &IdentificationOutcome) -> String {
     let mut text = format!("# The optimum of {study}.\n[fixed]\n");
     for free in &outcome.free {
         let number = digits(free.value);
@@ -19,7 +19,7 @@ pub fn fixed_section(study: &str, outcome: &Outcome) -> String {
 }
 
 /// A summary for people.
-pub fn summary(outcome: &Outcome) -> String {
+pub fn summary(outcome: &IdentificationOutcome) -> String {
     let mut text = String::new();
     parameters(&mut text, outcome);
     undetermined(&mut text, outcome);
@@ -28,7 +28,7 @@ pub fn summary(outcome: &Outcome) -> String {
     text
 }
 
-fn parameters(text: &mut String, outcome: &Outcome) {
+fn parameters(text: &mut String, outcome: &IdentificationOutcome) {
     let width = outcome
         .free
         .iter()
@@ -69,7 +69,7 @@ fn remark(free: &FreeOutcome) -> String {
     [bound, prior].into_iter().flatten().collect()
 }
 
-fn undetermined(text: &mut String, outcome: &Outcome) {
+fn undetermined(text: &mut String, outcome: &IdentificationOutcome) {
     let open: Vec<_> = outcome
         .directions
         .iter()
@@ -103,7 +103,7 @@ fn undetermined(text: &mut String, outcome: &Outcome) {
     }
 }
 
-fn residuals(text: &mut String, outcome: &Outcome) {
+fn residuals(text: &mut String, outcome: &IdentificationOutcome) {
     let _ = write!(text, "\n{:>8}", "case");
     if let Some(first) = outcome.cases.first() {
         for latent in &first.latents {
@@ -145,8 +145,8 @@ fn residuals(text: &mut String, outcome: &Outcome) {
     }
 }
 
-fn goodness(text: &mut String, outcome: &Outcome) {
-    let Outcome {
+fn goodness(text: &mut String, outcome: &IdentificationOutcome) {
+    let IdentificationOutcome {
         cost,
         degrees_of_freedom,
         search,
