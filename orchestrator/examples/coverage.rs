@@ -4,7 +4,8 @@
 use orchestrator::analysis::sensitivity::functions::{
     ishigami, ishigami_indices, sobol_g, sobol_g_indices,
 };
-use orchestrator::analysis::sensitivity::sobol::{FirstOrder, design, indices, replicates};
+use orchestrator::analysis::sensitivity::method::FirstOrder;
+use orchestrator::analysis::sensitivity::sobol::{design, indices, replicates};
 use orchestrator::design::{Design, Method, Sampling};
 use orchestrator::distribution::Distribution;
 use orchestrator::statistics::share::{Fraction, randomised_share};

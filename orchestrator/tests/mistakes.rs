@@ -271,7 +271,7 @@ fn no_key_of_a_study_is_unread() {
             "did you mean `scale`?",
         ),
     ] {
-        let place = format!("study.toml:{}:", 19 + section.lines().count());
+        let place = format!("study.toml:{}:", 18 + section.lines().count());
         verify("tolerance = 0.02", &format!("tolerance = 0.02\n{section}"))
             .is_mistake(&[&place, message]);
     }

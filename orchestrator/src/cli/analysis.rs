@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::{Means, Parts};
-use crate::analysis::sensitivity::sobol::FirstOrder;
+use crate::analysis::sensitivity::method::FirstOrder;
 
 /// Options of `sensitivity`.
 #[derive(Debug, Args)]

@@ -1,12 +1,26 @@
 //! The interface of a sensitivity method.
 
+use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use super::Estimate;
-use super::sobol::FirstOrder;
 
 /// Results of a method for one output, under their keys in `sensitivity.json`.
 pub type Told = Map<String, Value>;
+
+/// The estimator of first-order Sobol indices.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum FirstOrder {
+    /// V - mean((f_B - f_AB)^2) / 2: Jansen (1999), "Analysis of variance designs for model output",
+    /// Computer Physics Communications 117, 35-43. Surer where the index is large, and where the
+    /// output has a heavy tail.
+    #[default]
+    Jansen,
+    /// mean(f_B (f_AB - f_A)): Saltelli et al. (2010), table 2 (b). Surer for a parameter without
+    /// influence, of which it is exactly 0.
+    Saltelli,
+}
 
 /// How much is run, and how it is analysed.
 #[derive(Clone, Copy, Debug)]

@@ -6,25 +6,11 @@
 //! parameter i the sample A_B^(i), which is A with column i from B.
 
 use super::Estimate;
-use super::method::{FromRuns, Measure, Settled, Told, read};
+use super::method::{FirstOrder, FromRuns, Measure, Settled, Told, read};
 use crate::statistics::moments::mean;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 use statrs::distribution::{ContinuousCDF, StudentsT};
-
-/// The estimator of the first-order index.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
-#[serde(rename_all = "kebab-case")]
-pub enum FirstOrder {
-    /// V - mean((f_B - f_AB)^2) / 2: Jansen (1999), "Analysis of variance designs for model output",
-    /// Computer Physics Communications 117, 35-43. Surer where the index is large, and where the
-    /// output has a heavy tail.
-    #[default]
-    Jansen,
-    /// mean(f_B (f_AB - f_A)): Saltelli et al. (2010), table 2 (b). Surer for a parameter without
-    /// influence, of which it is exactly 0.
-    Saltelli,
-}
 
 /// Sobol indices by runs of their own.
 #[derive(Clone, Copy, Debug)]

@@ -1,8 +1,7 @@
 //! The sensitivity of all outputs of a study in one result: of every criterion, and of "is verified".
 
-use super::method::{FromRuns, Measure, Settled, Told};
+use super::method::{FirstOrder, FromRuns, Measure, Settled, Told};
 use super::methods::{RUNS, VIEWS};
-use super::sobol::FirstOrder;
 use super::{dominant, regional};
 use crate::analysis::table::PointTable;
 use serde::{Deserialize, Serialize};
