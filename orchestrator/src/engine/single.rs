@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use super::process::{Gone, Limits, Process};
 use super::wire::{End, Reader, Trouble, Way};
-use super::{Answer, EngineError, Job};
+use super::{Answer, EngineError, Job, Simulated};
 use crate::failure::Failure;
 use crate::run::Habit;
 use crate::task::{Record, Task};
@@ -61,8 +61,8 @@ impl Recorder<'_> {
     fn answers(&self, task: &Task, way: Way, jobs: &[Job]) -> Result<Vec<Answer>, EngineError> {
         let mut answers = Vec::new();
         let mut unloadable = None;
-        let mut take = |answer: Result<Vec<f64>, Trouble>| match answer {
-            Ok(values) => answers.push(Ok(values)),
+        let mut take = |answer: Result<Simulated, Trouble>| match answer {
+            Ok(found) => answers.push(Ok(found.values)),
             Err(Trouble::Unloadable(reason)) => unloadable = Some(reason),
             Err(trouble) => answers.push(Err(trouble.failure())),
         };
