@@ -12,6 +12,7 @@ pub mod failure;
 pub mod identify;
 pub mod judge;
 pub mod names;
+pub mod notices;
 pub mod pipeline;
 pub mod report;
 pub mod results;

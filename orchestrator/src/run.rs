@@ -11,6 +11,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use crate::failure::Failure;
+use crate::notices::Notices;
 use crate::statistics::Accumulator;
 use crate::statistics::Statistic;
 use crate::task::Task;
@@ -35,11 +36,10 @@ pub struct Runner {
     /// The numbers of the other probes that are read there.
     slow: Vec<(usize, Accumulator)>,
     results: Vec<f64>,
-    /// When the FMU ended the last simulation by itself, s.
-    ended: Option<f64>,
-    /// Of the last trajectory: its warnings, and why it could not be ended.
-    warnings: Option<Warnings>,
-    unfinished: Option<Call>,
+    /// What the FMU said in the last simulation.
+    notices: Notices,
+    /// The version of FMI that the binary says where that is an unusual one, once it was asked.
+    version: Option<Option<String>>,
 }
 
 /// How a process that runs many points goes from one to the next.
@@ -64,9 +64,15 @@ enum Reuse {
 struct Held {
     instance: Instance,
     first: Option<State>,
+    /// The warnings of its creation: every point on it has them, as it would have alone.
+    born: Warnings,
     /// Whether another point ran on it before.
     reused: bool,
 }
+
+/// The instance of a simulation that is over: it is freed with this.
+#[derive(Debug)]
+pub struct Last(#[allow(dead_code)] Option<Held>);
 
 impl Drop for Held {
     fn drop(&mut self) {
@@ -98,9 +104,8 @@ impl Runner {
                 .map(|index| (index, Accumulator::new(task.observed[index].statistic)))
                 .collect(),
             results: vec![0.0; task.observed.len()],
-            ended: None,
-            warnings: None,
-            unfinished: None,
+            notices: Notices::default(),
+            version: None,
             task,
         }
     }
@@ -125,24 +130,51 @@ impl Runner {
     }
 
     /// Simulates one point on an instance of its own, which is ended only after `tell` has got the answer:
-    /// what the FMU does at its end costs no result.
-    pub fn alone(&mut self, values: &[f64], tell: impl FnOnce(&Self, Result<&[f64], &Failure>)) {
+    /// what the FMU does at its end costs no result. The instance is freed when what is returned is dropped.
+    pub fn alone(
+        &mut self,
+        values: &[f64],
+        tell: impl FnOnce(&Self, Result<&[f64], &Failure>),
+    ) -> Last {
         let begun = self.allow(values).and_then(|()| self.prepared());
         let mut held = match begun {
             Ok(held) => held,
-            Err(failure) => return tell(self, Err(&failure)),
+            Err(failure) => {
+                tell(self, Err(&failure));
+                return Last(None);
+            }
         };
-        let simulated = self.simulate(&mut held.instance, values);
+        let simulated = self.simulate(&mut held, values);
         let failed = simulated.is_err();
         let simulated = simulated.map_err(|call| Failure::from_call(&call));
         match simulated.and_then(|()| self.finite()) {
             Ok(()) => tell(self, Ok(&self.results)),
             Err(failure) => tell(self, Err(&failure)),
         }
+        // The answer has been told; what becomes of the instance changes no result.
         if !failed {
-            // The answer has been told; what becomes of the instance changes nothing.
-            let _ = held.instance.terminate();
+            self.terminate(&mut held.instance);
+            self.note_version();
         }
+        Last(Some(held))
+    }
+
+    /// Ends a simulation; whether the FMU could.
+    fn terminate(&mut self, instance: &mut Instance) -> bool {
+        let ended = instance.terminate();
+        if let Err(call) = &ended {
+            self.notices.cannot_end(call);
+        }
+        ended.is_ok()
+    }
+
+    /// Notes the version of FMI that the binary says, where it is another than that of its description.
+    fn note_version(&mut self) {
+        let version = self.version.get_or_insert_with(|| {
+            let version = self.library.version();
+            version.filter(|version| version != "2.0")
+        });
+        self.notices.version.clone_from(version);
     }
 
     /// Refuses values that the FMU's description does not allow.
@@ -159,20 +191,14 @@ impl Runner {
         }
     }
 
-    /// When the FMU ended the last simulation by itself, s, as the standard allows (`fmi2Discard` with
-    /// `fmi2Terminated`). Its results are those until then.
-    pub fn ended(&self) -> Option<f64> {
-        self.ended
+    /// The results of the last simulation, if it succeeded.
+    pub fn results(&self) -> &[f64] {
+        &self.results
     }
 
-    /// The warnings of the last trajectory.
-    pub fn warnings(&self) -> Option<&Warnings> {
-        self.warnings.as_ref()
-    }
-
-    /// Why the last trajectory could not be ended (`fmi2Terminate`), though all of it was computed.
-    pub fn unfinished(&self) -> Option<&Call> {
-        self.unfinished.as_ref()
+    /// What the FMU said in the last simulation beside its results.
+    pub fn notices(&self) -> &Notices {
+        &self.notices
     }
 
     /// Simulates one point. The values are in the FMU's units, one for each of
@@ -192,16 +218,17 @@ impl Runner {
             outcome?;
         }
         self.finite()?;
+        self.note_version();
         Ok(&self.results)
     }
 
     /// Simulates a point on an instance, and keeps that.
     fn once(&mut self, mut held: Held, values: &[f64]) -> Result<(), Failure> {
         // An instance that failed is not used again.
-        self.simulate(&mut held.instance, values)
+        self.simulate(&mut held, values)
             .map_err(|call| Failure::from_call(&call))?;
         // The results stand, but an instance that cannot end properly is not used again.
-        if held.instance.terminate().is_ok() {
+        if self.terminate(&mut held.instance) {
             self.used = Some(held);
         }
         Ok(())
@@ -240,6 +267,7 @@ impl Runner {
     ) -> Result<(), E> {
         self.allow(values)?;
         let mut held = self.prepared()?;
+        held.instance.forget_warnings();
         let instance = &mut held.instance;
         let schedule = self.task.schedule;
         let mut ended = None;
@@ -263,10 +291,13 @@ impl Runner {
             Ok(())
         };
         let result = run();
-        self.ended = ended;
+        self.notices = Notices {
+            ended,
+            ..Notices::default()
+        };
         match result {
             Ok(()) => {
-                self.warnings = Some(instance.warnings().clone());
+                self.hear_warnings(&held);
                 self.used = Some(held);
                 Ok(())
             }
@@ -278,7 +309,7 @@ impl Runner {
     /// Ends the instance of a trajectory that went to its end.
     pub fn end(&mut self) {
         if let Some(mut held) = self.used.take() {
-            self.unfinished = held.instance.terminate().err();
+            self.terminate(&mut held.instance);
         }
     }
 
@@ -315,14 +346,29 @@ impl Runner {
             _ => None,
         };
         Ok(Held {
+            born: instance.warnings(),
             instance,
             first,
             reused: false,
         })
     }
 
-    fn simulate(&mut self, instance: &mut Instance, values: &[f64]) -> Result<(), Call> {
-        self.ended = None;
+    fn simulate(&mut self, held: &mut Held, values: &[f64]) -> Result<(), Call> {
+        self.notices = Notices::default();
+        // Those of `fmi2Reset` are none of a point alone.
+        held.instance.forget_warnings();
+        let simulated = self.simulate_on(&mut held.instance, values);
+        self.hear_warnings(held);
+        simulated
+    }
+
+    /// Notes the warnings of a simulation, after those of its instance's creation.
+    fn hear_warnings(&mut self, held: &Held) {
+        self.notices.warn(held.born.clone());
+        self.notices.warn(held.instance.warnings());
+    }
+
+    fn simulate_on(&mut self, instance: &mut Instance, values: &[f64]) -> Result<(), Call> {
         start(&self.task, instance, values)?;
         let points = self.task.schedule.points();
         if self.watched.probes.is_empty() && self.slow.is_empty() {
@@ -349,7 +395,7 @@ impl Runner {
     fn until_its_end(&mut self, steps: Result<(), Call>) -> Result<Option<End>, Call> {
         let Err(call) = steps else { return Ok(None) };
         let end = call.ended.ok_or(call)?;
-        self.ended = Some(end.at);
+        self.notices.ended = Some(end.at);
         Ok(Some(end))
     }
 

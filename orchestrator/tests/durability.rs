@@ -89,8 +89,9 @@ fn workers_and_places_do_not_matter() {
 }
 
 /// Kills a study so often at random moments, resumes it each time, and compares the final files with those
-/// of an undisturbed run. Every third time a worker is killed before its supervisor.
-fn kill(points: u32, kills: u32) {
+/// of an undisturbed run. Every third time a worker is killed before its supervisor. The killed runs may go on from a
+/// finished study of fewer points.
+fn kill(points: u32, kills: u32, finished: u32) {
     let bench = Bench::empty();
     bench.fmu("lag.fmu", &["SLOW"], &support::model("", ""));
     // About 2 ms a point, asleep: steps of 0.1 ms.
@@ -103,6 +104,18 @@ fn kill(points: u32, kills: u32) {
         command.spawn().unwrap()
     };
     assert!(run("whole", &[]).wait().unwrap().success());
+    if finished > 0 {
+        let fewer = finished.to_string();
+        let mut command = bench.command(&[
+            "verify",
+            "study.toml",
+            "--points",
+            &fewer,
+            "--output",
+            "killed",
+        ]);
+        assert!(command.output().unwrap().status.success());
+    }
     let mut random = StdRng::seed_from_u64(kills.into());
     let (mut killed, mut workers, mut completed) = (0, 0, 0);
     while killed < kills {
@@ -162,13 +175,18 @@ fn worker_of(supervisor: u32) -> Option<String> {
 
 #[test]
 fn a_study_that_was_killed_again_and_again_ends_with_the_same_files() {
-    kill(600, 12);
+    kill(600, 12, 0);
+}
+
+#[test]
+fn a_study_that_grew_and_was_killed_meanwhile_ends_with_the_same_files() {
+    kill(600, 6, 200);
 }
 
 #[test]
 #[ignore = "takes a minute: cargo test -p orchestrator --test durability -- --ignored --nocapture"]
 fn two_hundred_kills_over_five_thousand_points() {
-    kill(5000, 200);
+    kill(5000, 200, 0);
 }
 
 /// Runs a study with a limit on the size of its files, KiB, as on a full disk.
@@ -369,4 +387,63 @@ fn two_runs_do_not_write_the_same_folder() {
     child.kill().unwrap();
     child.wait().unwrap();
     second.is_mistake(&["another run"]);
+}
+
+#[test]
+fn a_finished_study_goes_on_with_more_points() {
+    let bench = bench();
+    let methods = ["sobol", "monte-carlo", "halton"];
+    for (method, isolation) in methods.into_iter().zip(["audited", "reuse", "fresh"]) {
+        bench.write("study.toml", &STUDY.replace("sobol", method));
+        let folder = |name: &str| format!("{name}-{method}");
+        let more = ["--points", "1000"];
+        assert_eq!(verify(&bench, &folder("whole"), &more).code, 0);
+        assert_eq!(verify(&bench, &folder("grown"), &[]).code, 0);
+        let grown = folder("grown");
+        let options = [&more[..], &["--resume", "--isolation", isolation]].concat();
+        let said = verify(&bench, &grown, &options);
+        assert_eq!(said.code, 0, "{}", said.err);
+        assert_eq!(bench.summary(&grown)["run"]["computed"], 400, "{method}");
+        assert!(
+            files(&bench, &grown) == files(&bench, &folder("whole")),
+            "{method}"
+        );
+        // Points that there are do not go away.
+        verify(&bench, &grown, &["--resume"])
+            .is_mistake(&["another number of points (1000 then, 600 now)"]);
+    }
+    bench.write("study.toml", &STUDY.replace("sobol", "latin-hypercube"));
+    assert_eq!(verify(&bench, "hypercube", &[]).code, 0);
+    verify(&bench, "hypercube", &["--points", "1000", "--resume"]).is_mistake(&[
+        "--points",
+        "latin-hypercube",
+        "600",
+        "monte-carlo, sobol or halton",
+    ]);
+}
+
+#[test]
+fn a_table_of_points_may_grow_at_its_end() {
+    let bench = bench();
+    let rows = |count: u32| {
+        let row = |k: u32| format!("{k},{},0.02\n", 0.5 + f64::from(k) / 100.0);
+        (1..=count).map(row).collect::<String>()
+    };
+    let head = "point,lag.rate,lag.length\n";
+    let from = ["--points-from", "table.csv"];
+    bench.write("table.csv", &format!("{head}{}", rows(30)));
+    verify(&bench, "whole", &from);
+    bench.write("table.csv", &format!("{head}{}", rows(20)));
+    verify(&bench, "grown", &from);
+    bench.write("table.csv", &format!("{head}{}", rows(30)));
+    let more = [&from[..], &["--resume"]].concat();
+    verify(&bench, "grown", &more);
+    assert_eq!(bench.summary("grown")["run"]["computed"], 10);
+    assert!(files(&bench, "grown") == files(&bench, "whole"));
+    // Another row among the first ones: another study.
+    bench.write(
+        "table.csv",
+        &format!("{head}{}", rows(31).replace("5,0.55", "5,0.56")),
+    );
+    verify(&bench, "grown", &more).is_mistake(&["another table of points"]);
 }

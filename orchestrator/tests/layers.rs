@@ -19,6 +19,7 @@ const FLOORS: [&[&str]; 13] = [
         "statistics",
         "distribution",
         "failure",
+        "notices",
         "conformity",
     ],
     &["table", "task", "design"],

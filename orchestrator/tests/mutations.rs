@@ -187,7 +187,7 @@ fn journal(folder: &Path) -> Attempt {
     let header = lines::header(folder).map_err(text)?;
     let (mut journal, _) = Journal::resume(folder, &header).map_err(text)?;
     journal
-        .append(3, &Ok(vec![1.0]), Separation::New)
+        .append(3, &Ok(vec![1.0]), Separation::New, None)
         .map_err(text)
 }
 

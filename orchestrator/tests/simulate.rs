@@ -83,7 +83,7 @@ fn an_early_end_is_a_whole_simulation() {
 fn what_a_run_says_beside_its_values_is_told() {
     let bench = Bench::new();
     let said = good(bench.run(&["simulate", "lag.fmu", "--set", "lag.fault=Warn"]));
-    let words = "calls that returned fmi2Warning: 1; the first: fmi2DoStep: take care";
+    let words = "warnings of the FMU: 1; the first: fmi2DoStep: take care";
     assert!(said.err.contains(words), "{}", said.err);
     bench.fmu(
         "endless.fmu",

@@ -96,6 +96,9 @@ def advance(slave, now, step):
 
 def simulate(job, values):
     """The outputs at the end of one simulation. The instance is left as it is: results come before its end."""
+    # Known beforehand: the FMU may change how this process rounds.
+    times = communication_points(job["start"], job["stop"], job["step"])
+    steps = [(now, then - now) for now, then in zip(times, times[1:])]
     slave = fmi2.FMU2Slave(guid=job["guid"], unzipDirectory=job["folder"], modelIdentifier=job["identifier"],
                            instanceName="point")
     slave.instantiate(callbacks=callbacks())
@@ -104,9 +107,8 @@ def simulate(job, values):
         assign(slave, job["variables"][name], value)
     slave.enterInitializationMode()
     slave.exitInitializationMode()
-    times = communication_points(job["start"], job["stop"], job["step"])
-    for now, then in zip(times, times[1:]):
-        if not advance(slave, now, then - now):
+    for now, step in steps:
+        if not advance(slave, now, step):
             break
     return [read(slave, job["variables"][name]) for name in job["outputs"]]
 

@@ -5,7 +5,7 @@ import signal
 import faulty
 import pytest
 from faulty import MODELS
-from laboratory import NO_TIMEOUT, OUTPUTS, PAUSE, Laboratory, bits, complaints, rate, study
+from laboratory import NO_TIMEOUT, OUTPUTS, PAUSE, POINTS, Laboratory, bits, complaints, rate, study
 from test_acceptance import orchestrator
 
 every_model = pytest.mark.parametrize("model", MODELS, ids=lambda model: model.name)
@@ -66,6 +66,44 @@ def test_the_summary_tells_what_the_results_are_worth(case):
         # What goes wrong in used processes is either never tried there or found out.
         if not case.model.reuse:
             assert outcome.summary["isolation"] == "fresh" or outcome.summary["audit_mismatches"] > 0
+
+
+def told(case, name):
+    for outcome in (case.whole, case.resumed):
+        yield outcome.summary[name]
+
+
+@models("warns", "healthy", "logs_to_environment_one")
+def test_warnings_are_counted(case):
+    warns = case.model.name == "warns"
+    for warnings in told(case, "warnings"):
+        assert (warnings["points"], warnings["count"]) == ((POINTS, 20 * POINTS) if warns else (0, 0))
+        assert warnings["first"] == ({"point": 1, "message": "fmi2DoStep: the oil is warm"} if warns else None)
+
+
+@models("ends_early", "healthy")
+def test_ends_that_the_fmu_chose_are_counted(case):
+    early = case.model.name == "ends_early"
+    for ends in told(case, "ended_early"):
+        assert ends["points"] == (len(case.hit) if early else 0)
+        assert ends["first"] == ({"point": 9, "message": "ended at 0.5 s"} if early else None)
+
+
+@models("fails_to_terminate", "crashes_in_free", "loops_in_terminate", "healthy")
+def test_simulations_that_cannot_be_ended_are_counted(case):
+    points = {"healthy": 0, "loops_in_terminate": len(case.hit)}.get(case.model.name, POINTS)
+    for errors in told(case, "terminate_errors"):
+        assert errors["points"] == points
+        assert "fmi2" in errors["first"]["message"] if points else errors["first"] is None
+
+
+@models("says_version_one", "needs_a_tool", "healthy")
+def test_what_concerns_the_whole_fmu_is_told_once(case):
+    version, tool = case.model.name == "says_version_one", case.model.name == "needs_a_tool"
+    for outcome in (case.whole, case.resumed):
+        assert outcome.summary["fmi_version"] == ("1.0" if version else None)
+        assert outcome.summary["needs_execution_tool"] is tool
+        assert outcome.said.count("fmi2GetVersion returns") == version
 
 
 @models("drifts", "drifts_later", "spoils_later_points", "draws_random_numbers", "reads_the_file_of_its_loading")

@@ -71,12 +71,13 @@ pub struct End {
     pub at: f64,
 }
 
-/// Warnings of calls that succeeded.
+/// The warnings of an FMU: calls that returned `fmi2Warning`, and messages logged as warnings. A call that does both
+/// counts once.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Warnings {
-    /// How many calls returned `fmi2Warning` since the instance was created or reset.
+    /// How many there were since the instance was created or reset.
     pub count: u64,
-    /// The first of them: its function, and what the FMU said.
+    /// The first one: the function where a call returned it, and the FMU's message.
     pub first: Option<String>,
 }
 

@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
 use crate::call::{Call, End, Status, Warnings};
+use crate::floating_point::{Mode, within};
 use crate::library::{Component, Functions, Library};
 use crate::logger::Log;
 use crate::value::{Content, Handle, Value};
@@ -21,8 +22,36 @@ pub struct Instance {
     pub(crate) functions: Functions,
     pub(crate) component: Component,
     pub(crate) log: Log,
-    pub(crate) warnings: Warnings,
+    warned: Warned,
+    /// The FMU's own mode, which its next call finds again.
+    pub(crate) mode: Mode,
     pub(crate) dead: bool,
+}
+
+/// A step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Step {
+    /// When it begins, s.
+    pub time: f64,
+    /// How long it is, s.
+    pub size: f64,
+}
+
+/// What returned anything but `fmi2OK`, and what it was.
+enum Halt {
+    Step(c_int),
+    Read(c_int),
+}
+
+/// Calls that returned `fmi2Warning`.
+#[derive(Debug, Default)]
+struct Warned {
+    /// How many of them logged no warning.
+    silent: u64,
+    /// How many warnings had been logged at the last of them.
+    logged: u64,
+    /// The first one: its function and the FMU's message.
+    first: Option<String>,
 }
 
 // SAFETY: FMI 2.0 ties an instance to no thread; it only forbids concurrent calls, which `&mut self`
@@ -39,8 +68,9 @@ impl Instance {
         let [name, guid, resources] =
             [name, library.guid.as_str(), library.resources.as_str()].map(c_string);
         const CO_SIMULATION: c_int = 1;
+        let mut mode = library.mode;
         // SAFETY: the strings live through the call, and the callbacks for ever.
-        let component = unsafe {
+        let component = within(&mut mode, || unsafe {
             (library.functions.instantiate)(
                 name.as_ptr(),
                 CO_SIMULATION,
@@ -50,7 +80,7 @@ impl Instance {
                 0,
                 0,
             )
-        };
+        });
         if component.is_null() {
             return Err(Call {
                 function: "fmi2Instantiate",
@@ -66,7 +96,8 @@ impl Instance {
             functions: library.functions,
             component,
             log,
-            warnings: Warnings::default(),
+            warned: Warned::default(),
+            mode,
             dead: false,
         };
         instance.log_troubles();
@@ -85,7 +116,9 @@ impl Instance {
             let pointers: Vec<*const c_char> = names.iter().map(|name| name.as_ptr()).collect();
             // SAFETY: the array holds as many valid strings as stated. What it returns does not
             // matter: without it there are fewer messages.
-            unsafe { function(self.component, 1, pointers.len(), pointers.as_ptr()) };
+            within(&mut self.mode, || unsafe {
+                function(self.component, 1, pointers.len(), pointers.as_ptr())
+            });
         }
     }
 
@@ -108,18 +141,37 @@ impl Instance {
 
     #[cold]
     fn warned(&mut self, function: &str) {
-        self.warnings.count += 1;
-        if self.warnings.first.is_none() {
-            self.warnings.first = Some(match self.log.last() {
+        let logged = self.log.warnings().count;
+        self.warned.silent += u64::from(logged == self.warned.logged);
+        self.warned.logged = logged;
+        if self.warned.first.is_none() {
+            self.warned.first = Some(match self.log.last() {
                 Some(message) => format!("{function}: {message}"),
                 None => function.to_owned(),
             });
         }
     }
 
-    /// The warnings since the instance was created or reset.
-    pub fn warnings(&self) -> &Warnings {
-        &self.warnings
+    /// The warnings since the instance was created or reset, or since they were
+    /// [forgotten](Self::forget_warnings).
+    pub fn warnings(&self) -> Warnings {
+        let logged = self.log.warnings();
+        Warnings {
+            count: logged.count + self.warned.silent,
+            first: self.warned.first.clone().or(logged.first),
+        }
+    }
+
+    /// Counts warnings from zero again.
+    pub fn forget_warnings(&mut self) {
+        self.log.forget_warnings();
+        self.warned = Warned::default();
+    }
+
+    /// Forgets what the FMU has said so far.
+    pub(crate) fn forget_messages(&mut self) {
+        self.log.clear();
+        self.warned = Warned::default();
     }
 
     /// How many messages the FMU has passed to the logger with an environment that is not its own.
@@ -159,7 +211,7 @@ impl Instance {
         tolerance: Option<f64>,
     ) -> Result<(), Call> {
         // SAFETY: the component is alive.
-        let status = unsafe {
+        let status = within(&mut self.mode, || unsafe {
             (self.functions.setup_experiment)(
                 self.component,
                 c_int::from(tolerance.is_some()),
@@ -168,7 +220,7 @@ impl Instance {
                 1,
                 stop,
             )
-        };
+        });
         self.check("fmi2SetupExperiment", status)
     }
 
@@ -178,10 +230,14 @@ impl Instance {
     /// When the FMU cannot be initialised.
     pub fn initialise(&mut self) -> Result<(), Call> {
         // SAFETY: the component is alive.
-        let status = unsafe { (self.functions.enter_initialization_mode)(self.component) };
+        let status = within(&mut self.mode, || unsafe {
+            (self.functions.enter_initialization_mode)(self.component)
+        });
         self.check("fmi2EnterInitializationMode", status)?;
         // SAFETY: the component is alive.
-        let status = unsafe { (self.functions.exit_initialization_mode)(self.component) };
+        let status = within(&mut self.mode, || unsafe {
+            (self.functions.exit_initialization_mode)(self.component)
+        });
         self.check("fmi2ExitInitializationMode", status)
     }
 
@@ -190,14 +246,90 @@ impl Instance {
     /// # Errors
     /// When the step is refused or fails, and when the FMU ends the simulation by itself: then [`Call::ended`] says
     /// when, and the instance holds its last values.
-    #[inline]
+    #[inline(never)]
     pub fn step(&mut self, time: f64, step: f64) -> Result<(), Call> {
         // SAFETY: the component is alive.
-        let status = unsafe { (self.functions.do_step)(self.component, time, step, 1) };
+        let status = within(&mut self.mode, || unsafe {
+            (self.functions.do_step)(self.component, time, step, 1)
+        });
         if status == 0 {
             return Ok(());
         }
         self.slow_step(status, time, step)
+    }
+
+    /// Lets several steps pass, one after another, and reads real variables after each: `references` names them, and
+    /// `rows` gets as many values a step. What a call costs beside the FMU's own work is paid once for all of them.
+    ///
+    /// Returns how many steps were taken and read, and why not all of them: see [`step`](Self::step) and
+    /// [`reals`](Self::reals).
+    pub fn steps(
+        &mut self,
+        steps: &[Step],
+        references: &[u32],
+        rows: &mut [f64],
+    ) -> (usize, Result<(), Call>) {
+        let width = references.len();
+        let mut done = 0;
+        while done < steps.len() {
+            let (taken, halt) =
+                self.usual_steps(&steps[done..], references, &mut rows[done * width..]);
+            done += taken;
+            let Some(halt) = halt else { break };
+            let Step { time, size } = steps[done];
+            let outcome = match halt {
+                Halt::Step(status) => {
+                    self.slow_step(status, time, size)
+                        .and_then(|()| match width {
+                            0 => Ok(()),
+                            _ => self.reals(references, &mut rows[done * width..]),
+                        })
+                }
+                Halt::Read(status) => self.check("fmi2GetReal", status),
+            };
+            if outcome.is_err() {
+                return (done, outcome);
+            }
+            done += 1;
+        }
+        (done, Ok(()))
+    }
+
+    /// Takes steps until one returns anything but `fmi2OK`.
+    #[inline(never)]
+    fn usual_steps(
+        &mut self,
+        steps: &[Step],
+        references: &[u32],
+        rows: &mut [f64],
+    ) -> (usize, Option<Halt>) {
+        let Functions {
+            do_step, get_real, ..
+        } = self.functions;
+        let (component, width) = (self.component, references.len());
+        let mut taken = 0;
+        let halt = within(&mut self.mode, || {
+            for step in steps {
+                // SAFETY: the component is alive.
+                let status = unsafe { do_step(component, step.time, step.size, 1) };
+                if status != 0 {
+                    return Some(Halt::Step(status));
+                }
+                if width > 0 {
+                    let row = &mut rows[taken * width..][..width];
+                    // SAFETY: both arrays hold `width` elements.
+                    let status = unsafe {
+                        get_real(component, references.as_ptr(), width, row.as_mut_ptr())
+                    };
+                    if status != 0 {
+                        return Some(Halt::Read(status));
+                    }
+                }
+                taken += 1;
+            }
+            None
+        });
+        (taken, halt)
     }
 
     #[cold]
@@ -230,7 +362,9 @@ impl Instance {
         };
         let mut status: c_int = 0;
         // SAFETY: the component is alive, and the status is a valid place to write to.
-        let call = unsafe { function(self.component, DO_STEP_STATUS, &raw mut status) };
+        let call = within(&mut self.mode, || unsafe {
+            function(self.component, DO_STEP_STATUS, &raw mut status)
+        });
         match self.check("fmi2GetStatus", call) {
             Ok(()) => Ok(status),
             Err(Call {
@@ -247,24 +381,27 @@ impl Instance {
     }
 
     /// Whether the FMU refused the step because it wants no further ones.
-    fn wants_to_stop(&self) -> bool {
+    fn wants_to_stop(&mut self) -> bool {
         const TERMINATED: c_int = 3;
         let mut terminated: c_int = 0;
         self.functions.get_boolean_status.is_some_and(|function| {
             // SAFETY: the component is alive, and the flag is a valid place to write to.
-            let status = unsafe { function(self.component, TERMINATED, &raw mut terminated) };
+            let status = within(&mut self.mode, || unsafe {
+                function(self.component, TERMINATED, &raw mut terminated)
+            });
             matches!(status, 0 | 1) && terminated != 0
         })
     }
 
     /// The time up to which a refused step was computed; its beginning where the FMU says nothing sensible.
-    fn reached(&self, time: f64, step: f64) -> f64 {
+    fn reached(&mut self, time: f64, step: f64) -> f64 {
         const LAST_SUCCESSFUL_TIME: c_int = 2;
         let mut reached = time;
         if let Some(function) = self.functions.get_real_status {
             // SAFETY: the component is alive, and the time is a valid place to write to.
-            let status =
-                unsafe { function(self.component, LAST_SUCCESSFUL_TIME, &raw mut reached) };
+            let status = within(&mut self.mode, || unsafe {
+                function(self.component, LAST_SUCCESSFUL_TIME, &raw mut reached)
+            });
             if !matches!(status, 0 | 1) || !(time..=time + step).contains(&reached) {
                 return time;
             }
@@ -276,11 +413,11 @@ impl Instance {
     ///
     /// # Errors
     /// When the FMU refuses.
-    #[inline]
+    #[inline(never)]
     pub fn reals(&mut self, references: &[u32], into: &mut [f64]) -> Result<(), Call> {
         let count = references.len().min(into.len());
         // SAFETY: both arrays hold `count` elements.
-        let status = unsafe {
+        let status = within(&mut self.mode, || unsafe {
             let get = self.functions.get_real;
             get(
                 self.component,
@@ -288,7 +425,7 @@ impl Instance {
                 count,
                 into.as_mut_ptr(),
             )
-        };
+        });
         self.check("fmi2GetReal", status)
     }
 
@@ -299,10 +436,10 @@ impl Instance {
     pub fn integer(&mut self, reference: u32) -> Result<i32, Call> {
         let mut value: c_int = 0;
         // SAFETY: both pointers are to one element.
-        let status = unsafe {
+        let status = within(&mut self.mode, || unsafe {
             let get = self.functions.get_integer;
             get(self.component, &raw const reference, 1, &raw mut value)
-        };
+        });
         self.check("fmi2GetInteger", status)?;
         Ok(value)
     }
@@ -314,10 +451,10 @@ impl Instance {
     pub fn boolean(&mut self, reference: u32) -> Result<bool, Call> {
         let mut value: c_int = 0;
         // SAFETY: both pointers are to one element.
-        let status = unsafe {
+        let status = within(&mut self.mode, || unsafe {
             let get = self.functions.get_boolean;
             get(self.component, &raw const reference, 1, &raw mut value)
-        };
+        });
         self.check("fmi2GetBoolean", status)?;
         Ok(value != 0)
     }
@@ -331,7 +468,9 @@ impl Instance {
         let get = get.ok_or_else(|| Self::missing("fmi2GetString"))?;
         let mut value: *const c_char = ptr::null();
         // SAFETY: both pointers are to one element.
-        let status = unsafe { get(self.component, &raw const reference, 1, &raw mut value) };
+        let status = within(&mut self.mode, || unsafe {
+            get(self.component, &raw const reference, 1, &raw mut value)
+        });
         self.check("fmi2GetString", status)?;
         if value.is_null() {
             return Ok(String::new());
@@ -368,7 +507,7 @@ impl Instance {
         let set = self.functions.set_slopes;
         let set = set.ok_or_else(|| Self::missing(FUNCTION))?;
         // SAFETY: all three pointers are to one element.
-        let status = unsafe {
+        let status = within(&mut self.mode, || unsafe {
             set(
                 self.component,
                 &raw const reference,
@@ -376,7 +515,7 @@ impl Instance {
                 &1,
                 &raw const slope,
             )
-        };
+        });
         self.check(FUNCTION, status)
     }
 
@@ -390,18 +529,24 @@ impl Instance {
         match value {
             Value::Real(value) => {
                 // SAFETY: both pointers are to one element.
-                let status = unsafe { (functions.set_real)(component, reference, 1, value) };
+                let status = within(&mut self.mode, || unsafe {
+                    (functions.set_real)(component, reference, 1, value)
+                });
                 self.check("fmi2SetReal", status)
             }
             Value::Integer(value) => {
                 // SAFETY: both pointers are to one element.
-                let status = unsafe { (functions.set_integer)(component, reference, 1, value) };
+                let status = within(&mut self.mode, || unsafe {
+                    (functions.set_integer)(component, reference, 1, value)
+                });
                 self.check("fmi2SetInteger", status)
             }
             Value::Boolean(value) => {
                 let value = c_int::from(*value);
                 // SAFETY: both pointers are to one element.
-                let status = unsafe { (functions.set_boolean)(component, reference, 1, &value) };
+                let status = within(&mut self.mode, || unsafe {
+                    (functions.set_boolean)(component, reference, 1, &value)
+                });
                 self.check("fmi2SetBoolean", status)
             }
             Value::String(value) => {
@@ -409,7 +554,9 @@ impl Instance {
                 let set = set.ok_or_else(|| Self::missing("fmi2SetString"))?;
                 let text = c_string(value);
                 // SAFETY: both pointers are to one element, the text lives through the call.
-                let status = unsafe { set(component, reference, 1, &text.as_ptr()) };
+                let status = within(&mut self.mode, || unsafe {
+                    set(component, reference, 1, &text.as_ptr())
+                });
                 self.check("fmi2SetString", status)
             }
         }
@@ -422,10 +569,11 @@ impl Instance {
     pub fn reset(&mut self) -> Result<(), Call> {
         let reset = self.functions.reset;
         let reset = reset.ok_or_else(|| Self::missing("fmi2Reset"))?;
-        self.log.clear();
-        self.warnings = Warnings::default();
+        self.forget_messages();
         // SAFETY: the component is alive.
-        let status = unsafe { reset(self.component) };
+        let status = within(&mut self.mode, || unsafe { reset(self.component) });
+        // As after its creation.
+        self.mode = self.library.mode;
         self.check("fmi2Reset", status)
     }
 
@@ -438,7 +586,7 @@ impl Instance {
             return Ok(());
         };
         // SAFETY: the component is alive.
-        let status = unsafe { terminate(self.component) };
+        let status = within(&mut self.mode, || unsafe { terminate(self.component) });
         self.check("fmi2Terminate", status)
     }
 }
@@ -447,7 +595,9 @@ impl Drop for Instance {
     fn drop(&mut self) {
         if !self.dead {
             // SAFETY: the component is alive and never used again.
-            unsafe { (self.functions.free_instance)(self.component) };
+            within(&mut self.mode, || unsafe {
+                (self.functions.free_instance)(self.component);
+            });
         }
     }
 }

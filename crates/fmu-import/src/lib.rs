@@ -5,6 +5,7 @@ pub mod call;
 mod decode;
 pub mod description;
 mod directory;
+mod floating_point;
 pub mod instance;
 #[cfg(unix)]
 pub mod isolation;
@@ -20,7 +21,7 @@ pub mod value;
 pub use archive::ArchiveError;
 pub use call::{Call, End, Status, Warnings};
 pub use description::{Causality, Description, Kind, Remark, Variability, Variable};
-pub use instance::Instance;
+pub use instance::{Instance, Step};
 pub use library::{Library, LibraryError};
 pub use package::{FmuError, Package, digest};
 pub use parse::DescriptionError;

@@ -11,6 +11,7 @@ use thiserror::Error;
 
 use crate::archive;
 use crate::description::Description;
+use crate::floating_point::{Mode, within};
 use crate::needed;
 
 /// Why a binary cannot be loaded.
@@ -105,6 +106,8 @@ pub struct Library {
     pub(crate) guid: String,
     pub(crate) resources: String,
     pub(crate) categories: Vec<String>,
+    /// The mode in which the binary's initialisers left the processor.
+    pub(crate) mode: Mode,
     name: String,
     once: bool,
 }
@@ -113,7 +116,9 @@ impl Library {
     /// Loads the binary of an unpacked FMU.
     pub(crate) fn load(folder: &Path, description: &Description) -> Result<Self, LibraryError> {
         let resources = uri(&folder.join("resources"))?;
-        let mut functions = functions(&archive::binary(folder, &description.model_identifier))?;
+        let mut mode = Mode::USUAL;
+        let binary = archive::binary(folder, &description.model_identifier);
+        let mut functions = within(&mut mode, || functions(&binary))?;
         // Some FMUs export what they cannot do.
         if !description.capabilities.can_get_and_set_fmu_state {
             functions.states = None;
@@ -137,6 +142,7 @@ impl Library {
             guid: description.guid.clone(),
             resources,
             categories,
+            mode,
             name: description.model_name.clone(),
         })
     }
@@ -153,25 +159,26 @@ impl Library {
 
     /// The version of FMI that the binary was compiled with; usually `2.0`.
     pub fn version(&self) -> Option<String> {
-        self.functions.get_version.and_then(text)
+        self.text(self.functions.get_version?)
     }
 
     /// The types that the binary was compiled with; usually `default`.
     pub fn types_platform(&self) -> Option<String> {
-        self.functions.get_types_platform.and_then(text)
+        self.text(self.functions.get_types_platform?)
     }
-}
 
-/// The text that a function without arguments returns.
-fn text(function: Text) -> Option<String> {
-    // SAFETY: FMI 2.0 lets these functions be called at any time.
-    let text = unsafe { function() };
-    if text.is_null() {
-        return None;
+    /// The text that a function without arguments returns.
+    fn text(&self, function: Text) -> Option<String> {
+        let mut mode = self.mode;
+        // SAFETY: FMI 2.0 lets these functions be called at any time.
+        let text = within(&mut mode, || unsafe { function() });
+        if text.is_null() {
+            return None;
+        }
+        // SAFETY: FMI 2.0 returns a zero-terminated string that stays where it is.
+        let text = unsafe { CStr::from_ptr(text) };
+        Some(text.to_string_lossy().into_owned())
     }
-    // SAFETY: FMI 2.0 returns a zero-terminated string that stays where it is.
-    let text = unsafe { CStr::from_ptr(text) };
-    Some(text.to_string_lossy().into_owned())
 }
 
 /// A folder as `file:///...`, percent-encoded.

@@ -11,6 +11,7 @@ use std::ptr;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use crate::call::Warnings;
 use crate::library::Callbacks;
 
 /// Messages kept; the oldest go first, so that a chatty FMU costs no memory.
@@ -18,6 +19,8 @@ const KEPT: usize = 32;
 
 /// The ticket of the first seat: unlike the small numbers that some FMUs pass as their environment.
 const FIRST: usize = 0x6d75_0001;
+
+const WARNING: i32 = 1;
 
 /// How many seats stay empty before one is taken again, so that a late message finds nobody rather than the next.
 const RESTING: usize = 32;
@@ -39,6 +42,7 @@ unsafe impl Sync for Seat {}
 #[derive(Debug, Default)]
 struct Heard {
     messages: VecDeque<(i32, String)>,
+    warnings: Warnings,
     strays: u64,
 }
 
@@ -79,6 +83,10 @@ impl Seat {
     fn hear(&self, status: i32, message: String, stray: bool) {
         let mut heard = locked(&self.heard);
         heard.strays += u64::from(stray);
+        if status == WARNING {
+            heard.warnings.count += 1;
+            heard.warnings.first.get_or_insert_with(|| message.clone());
+        }
         if heard.messages.len() == KEPT {
             heard.messages.pop_front();
         }
@@ -119,6 +127,17 @@ impl Log {
     /// Forgets all messages.
     pub(crate) fn clear(&self) {
         locked(&self.seat.heard).messages.clear();
+        self.forget_warnings();
+    }
+
+    /// The messages that were warnings.
+    pub(crate) fn warnings(&self) -> Warnings {
+        locked(&self.seat.heard).warnings.clone()
+    }
+
+    /// Counts warnings from zero again; the messages stay.
+    pub(crate) fn forget_warnings(&self) {
+        locked(&self.seat.heard).warnings = Warnings::default();
     }
 
     /// The last message of an error, or else the last message at all.
@@ -184,13 +203,20 @@ extern "C" fn fmu_import_log(
         };
         // SAFETY: `logger.c` passes its own zero-terminated buffer.
         let message = unsafe { CStr::from_ptr(message) }.to_string_lossy();
-        // Some FMUs pass every message as "OK"; then the category tells errors apart.
-        let severe = !category.is_null() && {
+        // Some FMUs pass every message as "OK"; then the category tells errors and warnings apart.
+        let status = if category.is_null() {
+            status
+        } else {
             // SAFETY: FMI 2.0 passes the category as a zero-terminated string.
             let category = unsafe { CStr::from_ptr(category) }.to_string_lossy();
-            category.contains("Error") || category.contains("Fatal")
+            if category.contains("Error") || category.contains("Fatal") {
+                status.max(3)
+            } else if category.contains("Warning") {
+                status.max(WARNING)
+            } else {
+                status
+            }
         };
-        let status = if severe { status.max(3) } else { status };
         let words: Vec<&str> = message.split_whitespace().collect();
         seat.hear(status, words.join(" "), stray);
     });
@@ -210,6 +236,7 @@ mod tests {
         let [one, other] = [Log::open(), Log::open()];
         let own = |log: &Log| log.seat.callbacks.environment;
         say(own(&one), 3, c"of\n one");
+        assert_eq!(one.warnings(), Warnings::default());
         say(own(&other), 77, c"of the other");
         assert_eq!(one.last().as_deref(), Some("of one"));
         assert_eq!(other.last().as_deref(), Some("of the other"));
@@ -228,6 +255,15 @@ mod tests {
         drop(next);
         say(ptr::without_provenance(1), 1, c"astray");
         assert_eq!(one.strays(), 1);
+        let category = c"logStatusWarning".as_ptr();
+        fmu_import_log(own(&one), ptr::null(), 0, category, c"by category".as_ptr());
+        let warnings = one.warnings();
+        assert_eq!(
+            (warnings.count, warnings.first.as_deref()),
+            (2, Some("astray"))
+        );
+        one.forget_warnings();
+        assert_eq!(one.warnings(), Warnings::default());
         // An error outlasts what comes after it; a wild status is none.
         say(own(&one), -5, c"wild");
         assert_eq!(one.last().as_deref(), Some("of one"));

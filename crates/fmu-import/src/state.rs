@@ -5,7 +5,8 @@ use std::ptr;
 
 use thiserror::Error;
 
-use crate::call::{Call, Warnings};
+use crate::call::Call;
+use crate::floating_point::{Mode, within};
 use crate::instance::Instance;
 use crate::library::Component;
 
@@ -16,6 +17,8 @@ pub struct State {
     /// The [`Instance::number`] of its instance.
     owner: u64,
     state: *mut c_void,
+    /// How the FMU calculated then.
+    mode: Mode,
     free: unsafe extern "C" fn(Component, *mut *mut c_void) -> c_int,
 }
 
@@ -43,11 +46,14 @@ impl Instance {
         let (get, _, free) = functions.states.filter(|_| !self.dead)?;
         let mut state = ptr::null_mut();
         // SAFETY: the component is alive, and the state is a valid place to write to.
-        let status = unsafe { get(self.component, &raw mut state) };
+        let status = within(&mut self.mode, || unsafe {
+            get(self.component, &raw mut state)
+        });
         self.check("fmi2GetFMUstate", status).ok()?;
         Some(State {
             owner: self.number,
             state,
+            mode: self.mode,
             free,
         })
     }
@@ -61,10 +67,12 @@ impl Instance {
         self.owns(state)?;
         let states = self.functions.states;
         let (_, set, _) = states.ok_or_else(|| Self::missing("fmi2SetFMUstate"))?;
-        self.log.clear();
-        self.warnings = Warnings::default();
+        self.forget_messages();
         // SAFETY: the component is alive, and the state is one of its own.
-        let status = unsafe { set(self.component, state.state) };
+        let status = within(&mut self.mode, || unsafe {
+            set(self.component, state.state)
+        });
+        self.mode = state.mode;
         Ok(self.check("fmi2SetFMUstate", status)?)
     }
 
@@ -75,7 +83,9 @@ impl Instance {
     pub fn forget(&mut self, mut state: State) -> Result<(), StateError> {
         self.owns(&state)?;
         // SAFETY: the component is alive, and the state is one of its own, used no more.
-        let status = unsafe { (state.free)(self.component, &raw mut state.state) };
+        let status = within(&mut self.mode, || unsafe {
+            (state.free)(self.component, &raw mut state.state)
+        });
         Ok(self.check("fmi2FreeFMUstate", status)?)
     }
 

@@ -24,6 +24,14 @@ pub enum FolderError {
 /// # Errors
 /// When there is no finished study in the folder, or one of the files is damaged.
 pub fn read(folder: &Path) -> Result<(Summary, PointTable), FolderError> {
+    read_some(folder, u64::MAX)
+}
+
+/// Reads `summary.json` and an even choice of the rows in `points.csv`, with the best ones.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_some(folder: &Path, most: u64) -> Result<(Summary, PointTable), FolderError> {
     let path = folder.join("summary.json");
     let text = std::fs::read_to_string(&path).map_err(|error| match error.kind() {
         std::io::ErrorKind::NotFound => ResultsError::Missing(folder.to_owned()),
@@ -33,7 +41,7 @@ pub fn read(folder: &Path) -> Result<(Summary, PointTable), FolderError> {
         path,
         message: error.to_string(),
     })?;
-    let points = Points::read(&folder.join("points.csv"), &summary)?;
+    let points = Points::read_some(&folder.join("points.csv"), &summary, most)?;
     let table = table(&summary, points);
     Ok((summary, table))
 }

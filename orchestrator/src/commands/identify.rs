@@ -25,7 +25,7 @@ use crate::results::{Header, ResultsError, write_atomically};
 use crate::session::{Asking, Request};
 use crate::study::Identification;
 use crate::study::Study;
-use crate::table::csv_file::{CsvFile, cell, reason};
+use crate::table::csv_file::{self, CsvFile, reason};
 use fmu_import::{Package, digest};
 
 /// The name of the command, and of the folder of its journal.
@@ -242,11 +242,12 @@ fn write_cases(
         .map(|latent| {
             header
                 .iter()
-                .position(|name| Some(name) == latent.column.as_deref())
+                .position(|name| Some(csv_file::text(name)) == latent.column.as_deref())
         })
         .collect();
     let mut writer = csv::Writer::from_writer(Vec::new());
-    let names = header.iter().map(|name| cell(name).into_owned());
+    let safe = |text: &str| csv_file::cell(csv_file::text(text)).into_owned();
+    let names = header.iter().map(safe);
     writer.write_record(names).map_err(failed)?;
     for (record, case) in reader.records().zip(&outcome.cases) {
         let mut cells: Vec<String> = record.map_err(failed)?.iter().map(str::to_owned).collect();
@@ -255,8 +256,9 @@ fn write_cases(
                 *cell = text::digits(latent.value).to_string();
             }
         }
-        let cells = cells.iter().map(|text| cell(text).into_owned());
-        writer.write_record(cells).map_err(failed)?;
+        writer
+            .write_record(cells.iter().map(|text| safe(text)))
+            .map_err(failed)?;
     }
     let bytes = writer.into_inner().unwrap_or_default();
     write_atomically(&folder.join("cases.csv"), |out| out.write_all(&bytes))?;

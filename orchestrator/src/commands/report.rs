@@ -15,6 +15,7 @@ use crate::results::{ResultsError, write_atomically};
 use crate::run::{Runner, Trouble};
 use crate::study::Study;
 use crate::study::plan::Plan;
+use crate::table::csv_file;
 use crate::task::{Schedule, Task};
 use fmu_import::{Content, Handle, Package, Value};
 
@@ -85,7 +86,7 @@ fn record(
     plan: &Plan,
     package: &mut Package,
     here: bool,
-) -> Result<String, CommandError> {
+) -> Result<Vec<u8>, CommandError> {
     let parameters: Vec<f64> = best.parameters.values().copied().collect();
     let mut values = Vec::new();
     plan.to_fmu(&parameters, &mut values);
@@ -98,30 +99,38 @@ fn record(
         .collect();
     let columns: Vec<Handle> = probes.iter().map(|&k| task.observed[k].handle).collect();
     let names: Vec<&String> = best.values.keys().collect();
-    let mut text = String::from("time");
-    probes.iter().for_each(|&k| {
-        text.push(',');
-        text.push_str(names[k]);
-    });
-    text.push('\n');
-    let mut number = zmij::Buffer::new();
-    let put = |time: f64, row: &[Value]| {
-        text.push_str(number.format(time));
-        for (value, &k) in row.iter().zip(&probes) {
-            let Value::Real(value) = value else { continue };
-            text.push(',');
-            // Seven digits are plenty for a plot.
-            text.push_str(number.format(plan.outputs[k].value(*value) as f32));
+    let names = probes.iter().map(|&k| csv_file::cell(names[k]));
+    let head: Vec<_> = std::iter::once("time".into()).chain(names).collect();
+    let mut write = |here: bool| -> Result<Vec<u8>, CommandError> {
+        let mut table = csv::Writer::from_writer(Vec::new());
+        let failed = |error: csv::Error| ResultsError::io(history::FILE.as_ref())(error.into());
+        table
+            .write_record(head.iter().map(|name| name.as_bytes()))
+            .map_err(failed)?;
+        let mut number = zmij::Buffer::new();
+        let put = |time: f64, row: &[Value]| {
+            table.write_field(number.format(time)).map_err(failed)?;
+            for (value, &k) in row.iter().zip(&probes) {
+                let Value::Real(value) = value else { continue };
+                // Seven digits are plenty for a plot.
+                let value = plan.outputs[k].value(*value) as f32;
+                table.write_field(number.format(value)).map_err(failed)?;
+            }
+            table.write_record(None::<&[u8]>).map_err(failed)?;
+            Ok::<_, CommandError>(())
+        };
+        if here {
+            record_here(package, task.clone(), &values, &columns, put)?;
+        } else {
+            record_apart(package, &task, &values, &columns, put)?;
         }
-        text.push('\n');
-        Ok::<_, CommandError>(())
+        Ok(table.into_inner().unwrap_or_default())
     };
-    if here {
-        record_here(package, task, &values, &columns, put)?;
-    } else {
-        record_apart(package, &task, &values, &columns, put)?;
+    if here && let Ok(text) = write(true) {
+        return Ok(text);
     }
-    Ok(text)
+    // What fails in this process has its second try in a fresh one.
+    write(false)
 }
 
 /// Simulates a point in this process.

@@ -6,6 +6,7 @@ use indexmap::IndexMap;
 
 use crate::engine::Conduct;
 use crate::results::Summary;
+use crate::results::asides::Asides;
 use crate::results::summary::{Count, FailedPoint};
 
 /// The summary for people: what meets which criterion.
@@ -96,8 +97,12 @@ fn reasons(failures: &IndexMap<String, u64>) -> String {
 
 /// What a reader has to know first, a line each.
 pub(super) fn remarks(summary: &Summary) -> String {
-    let remarks = summary.conduct.iter().flat_map(Conduct::remarks);
-    remarks.map(|remark| format!("{remark}\n")).collect()
+    let conduct = summary.conduct.iter().flat_map(Conduct::remarks);
+    let asides = summary.asides.iter().flat_map(Asides::remarks);
+    conduct
+        .chain(asides)
+        .map(|remark| format!("{remark}\n"))
+        .collect()
 }
 
 /// The best point for people.

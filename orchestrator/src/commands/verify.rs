@@ -1,5 +1,6 @@
 //! `verify`: simulates a study's points and judges them.
 
+use std::fs;
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::process::ExitCode;
@@ -14,7 +15,7 @@ use crate::pipeline::folder::RunFolder;
 use crate::pipeline::{Pipeline, Step};
 use crate::results::finished::Finished;
 use crate::results::summary::Run;
-use crate::results::{Tally, parquet};
+use crate::results::{Journal, ResultsError, Tally, lines, parquet};
 use crate::session::{Front, Request, Session, Until, Verification};
 
 /// With `--until`, a study has as many points as needed, but for a limit.
@@ -37,6 +38,9 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, CommandError> {
         output::print(&plan(&verification, &folder));
         output::print(&cost::of(&mut verification, &options.means, jobs)?);
         return Ok(ExitCode::SUCCESS);
+    }
+    if options.parts.resume {
+        extend(&verification, &folder)?;
     }
     // The unpacked FMU is kept in the scratch folder until the report is written.
     let RunFolder {
@@ -103,6 +107,34 @@ fn check(options: &Verify, verification: &Verification) -> Result<(), CommandErr
         return refuse("points", message);
     }
     Ok(())
+}
+
+/// Lets a run with fewer points go on with more, where these are the first ones of the longer run.
+fn extend(verification: &Verification, folder: &Path) -> Result<(), CommandError> {
+    let header = verification.header();
+    let then = match lines::header(folder) {
+        Ok(then) if verification.extends(&then)? => then,
+        // Whatever else there is, or is not, is found when the folder is taken.
+        _ => return Ok(()),
+    };
+    if verification.is_extensible() {
+        // The shorter run is complete no more.
+        let summary = folder.join("summary.json");
+        if summary.exists() {
+            fs::remove_file(&summary).map_err(ResultsError::io(&summary))?;
+        }
+        return Ok(Journal::extend(folder, header)?);
+    }
+    let method = verification.session.study.design.method.name();
+    let with = Method::named(Method::is_extensible);
+    let points = then.points.unwrap_or(0);
+    Err(CommandError::Option {
+        option: "points",
+        message: format!(
+            "the points of a {method} depend on how many they are, so the {points} that are done are none of a longer \
+             one; choose another --output, or method = {with}"
+        ),
+    })
 }
 
 /// Takes a folder for the points of a study, and keeps there what was asked for.

@@ -21,7 +21,7 @@ use crate::run::Habit;
 use crate::task::Record;
 use fmu_import::isolation::keeper::signal_name;
 use fmu_import::isolation::words::Words;
-use fmu_import::isolation::{Bounds, Child, Keeper, Loss, Place, frame, offspring};
+use fmu_import::isolation::{Bounds, Child, Keeper, Loss, Parting, Place, frame, offspring};
 use fmu_import::{FmuError, Library, Package};
 
 /// Replies are sent after this time at the latest, when the next point is done: a message a point would cost more
@@ -168,9 +168,31 @@ impl Guard {
                 _ => break,
             }
         }
-        child.part(&mut self.keeper, GRACE);
+        let parting = child.part(&mut self.keeper, GRACE);
+        self.note_parting(&parting, &mut reply)?;
         self.hear_of_licences(&mut reply);
         Ok(reply)
+    }
+
+    /// Notes what the FMU did when its simulation was ended.
+    fn note_parting(&mut self, parting: &Parting, reply: &mut Reply) -> io::Result<()> {
+        let Ok(simulated) = &mut reply.answer else {
+            return Ok(());
+        };
+        if let Some((&speech::FAREWELL, said)) =
+            parting.words.as_deref().and_then(<[u8]>::split_first)
+        {
+            simulated.notices = serde_json::from_slice(said).ok();
+        }
+        let why = match &parting.loss {
+            None => return Ok(()),
+            Some(Loss::Timeout) => "not done after 1 s".to_owned(),
+            Some(loss) => self.failure(loss)?.to_string(),
+        };
+        let notices = simulated.notices.get_or_insert_default();
+        let why = format!("{why} (fmi2Terminate or fmi2FreeInstance)");
+        notices.unfinished.get_or_insert(why);
+        Ok(())
     }
 
     /// Opens the FMU; loads it into this process where children are to have it loaded already.

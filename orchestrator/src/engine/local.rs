@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{EngineError, Event, Job, Post, Separation, Worker};
+use super::{EngineError, Event, Job, Post, Separation, Simulated, Worker};
 use crate::run::Runner;
 use crate::task::Task;
 use fmu_import::Library;
@@ -26,6 +26,7 @@ impl Worker for Local {
     fn run(&mut self, jobs: &[Job], post: &mut Post<'_>) -> Result<(), EngineError> {
         for job in jobs {
             let answer = self.runner.run(&job.values).map(<[f64]>::to_vec);
+            let answer = answer.map(|values| Simulated::new(&values, self.runner.notices()));
             post.send(Event::Answer(job.index, answer, Separation::Used));
             if post.is_over() {
                 break;

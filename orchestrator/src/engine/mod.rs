@@ -29,6 +29,7 @@ use std::time::Duration;
 use thiserror::Error;
 
 use crate::failure::Failure;
+use crate::notices::Notices;
 use batch::Batches;
 use process::Gone;
 use wire::Trouble;
@@ -63,11 +64,37 @@ pub struct Job {
 /// The results of a point in the FMU's units, or why there are none.
 pub type Answer = Result<Vec<f64>, Failure>;
 
+/// A simulated point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Simulated {
+    /// The results in the FMU's units.
+    pub values: Vec<f64>,
+    /// What the FMU said beside them, if it said anything.
+    pub notices: Option<Box<Notices>>,
+}
+
+impl From<Vec<f64>> for Simulated {
+    fn from(values: Vec<f64>) -> Self {
+        let notices = None;
+        Self { values, notices }
+    }
+}
+
+impl Simulated {
+    /// Results with what was said beside them.
+    fn new(values: &[f64], notices: &Notices) -> Self {
+        Self {
+            values: values.to_vec(),
+            notices: (!notices.is_empty()).then(|| Box::new(notices.clone())),
+        }
+    }
+}
+
 /// Events of a run.
 #[derive(Debug)]
 pub enum Event {
     /// The point of this index is done, in such a process.
-    Answer(u64, Answer, Separation),
+    Answer(u64, Result<Simulated, Failure>, Separation),
     /// Points that were computed in such processes, or less strictly separated ones, do not count any more:
     /// they will come again.
     Void(Separation),
@@ -111,7 +138,7 @@ impl<'a> Post<'a> {
         self.over || (self.stopped)()
     }
 
-    fn answer(&mut self, index: u64, found: Result<Vec<f64>, Trouble>, separation: Separation) {
+    fn answer(&mut self, index: u64, found: Result<Simulated, Trouble>, separation: Separation) {
         let answer = found.map_err(Trouble::failure);
         self.send(Event::Answer(index, answer, separation));
     }
@@ -376,7 +403,7 @@ mod tests {
                 let answer = if value < 0.0 {
                     Err(Failure::Timeout)
                 } else {
-                    Ok(vec![2.0 * value])
+                    Ok(vec![2.0 * value].into())
                 };
                 post.send(Event::Answer(job.index, answer, Separation::Used));
                 if post.is_over() {
@@ -416,7 +443,7 @@ mod tests {
             };
             seen[index as usize] += 1;
             match answer {
-                Ok(values) => assert_eq!(values[0], 2.0 * (index as f64 - 3.0)),
+                Ok(found) => assert_eq!(found.values[0], 2.0 * (index as f64 - 3.0)),
                 Err(_) => assert!(index < 3),
             }
             Ok(ControlFlow::Continue(()))
@@ -456,7 +483,7 @@ mod tests {
                 if self.0 == 1000 {
                     post.send(Event::Void(Separation::Used));
                 }
-                let answer = Ok(vec![value + job.values[0]]);
+                let answer = Ok(vec![value + job.values[0]].into());
                 post.send(Event::Answer(job.index, answer, separation));
             }
             Ok(())
@@ -473,7 +500,7 @@ mod tests {
         let stop = AtomicBool::new(false);
         run::<EngineError>(&mut workers, open, &job, &earlier, &stop, |event| {
             if let Event::Answer(index, answer, _) = event {
-                values[index as usize] = answer.unwrap()[0];
+                values[index as usize] = answer.unwrap().values[0];
             }
             Ok(ControlFlow::Continue(()))
         })

@@ -10,7 +10,7 @@ use std::os::fd::{AsRawFd, OwnedFd};
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, Command, Stdio};
-use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError, TryLockError};
 use std::time::{Duration, Instant};
 
 use super::wire::{Reader, Reply, Setup, Way, put_job};
@@ -330,10 +330,43 @@ fn mark() -> &'static str {
 }
 
 /// The guards of this process: its other children with the mark have outlived theirs.
+static GUARDS: Mutex<BTreeSet<u32>> = Mutex::new(BTreeSet::new());
+
 fn family() -> MutexGuard<'static, BTreeSet<u32>> {
-    static GUARDS: Mutex<BTreeSet<u32>> = Mutex::new(BTreeSet::new());
     // A set of numbers is sound whatever interrupted its last user.
     GUARDS.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// The same, unless another thread holds it.
+fn family_if_free() -> Option<MutexGuard<'static, BTreeSet<u32>>> {
+    match GUARDS.try_lock() {
+        Ok(guards) => Some(guards),
+        Err(TryLockError::Poisoned(poisoned)) => Some(poisoned.into_inner()),
+        Err(TryLockError::WouldBlock) => None,
+    }
+}
+
+/// Ends all guards of this process at once, with everything that they have started: for a process that is about to end
+/// itself, whatever its threads are waiting for.
+pub fn abandon_all() {
+    const PATIENCE: Duration = Duration::from_millis(100);
+    let until = Instant::now() + PATIENCE;
+    // A thread that is starting a guard holds the set for a moment.
+    let guards = loop {
+        match family_if_free() {
+            Some(guards) => break guards.clone(),
+            None if Instant::now() > until => break BTreeSet::new(),
+            None => std::thread::sleep(Duration::from_millis(1)),
+        }
+    };
+    for &guard in &guards {
+        offspring::kill_group(guard as libc::pid_t);
+    }
+    // What a guard has adopted becomes this process's own when the guard has ended: then it is looked for again.
+    let mark = format!("{MARK}={}", mark());
+    while Instant::now() < until && offspring::end_marked(&mark, |_| false) {
+        std::thread::sleep(Duration::from_millis(1));
+    }
 }
 
 /// This program, even when its file has been replaced since.

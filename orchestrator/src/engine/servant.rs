@@ -11,10 +11,11 @@ use super::wire::{
     End, Reader, Setup, Trouble, put_end, put_results, put_trouble, put_value, speech,
 };
 use crate::failure::Failure;
+use crate::notices::Notices;
 use crate::run::{Habit, Runner, Trouble as Interruption};
 use crate::task::Record;
 use fmu_import::isolation::Place;
-use fmu_import::{Library, Package, Value, Warnings};
+use fmu_import::{Library, Package, Value};
 
 /// Answers of many points are sent after this time at the latest, when the next point is done.
 const HOLD: Duration = Duration::from_millis(1);
@@ -35,14 +36,24 @@ pub(super) fn alone(
         return;
     };
     let mut runner = Runner::new(library, setup.task.clone());
-    runner.alone(&job.values, |runner, answer| {
+    let instance = runner.alone(&job.values, |runner, answer| {
         let ready = runner
             .ready()
             .map_or(0.0, |ready| (ready - begun).as_secs_f32());
         let mut said = vec![speech::REPLIES];
-        put(job.index, ready, answer, runner.was_refused(), &mut said);
+        match answer {
+            Ok(values) => put_results(job.index, ready, values, Some(runner.notices()), &mut said),
+            Err(failure) => put(job.index, ready, failure, runner.was_refused(), &mut said),
+        }
         place.send(&said);
     });
+    let notices = runner.notices();
+    if notices.unfinished.is_some() || notices.version.is_some() {
+        let mut said = vec![speech::FAREWELL];
+        said.extend(serde_json::to_vec(notices).unwrap_or_default());
+        place.send(&said);
+    }
+    drop(instance);
 }
 
 /// Runs points until there are no further ones.
@@ -65,19 +76,17 @@ pub(super) fn serve(
         while let Some(job) = jobs.job() {
             begun += 1;
             progress.set(begun);
-            let (answer, refused) = match runner.run(&job.values) {
-                Ok(values) => {
-                    put_results(job.index, 0.0, values, &mut said);
-                    (Ok(()), false)
+            match runner.run(&job.values).map(|_| ()) {
+                Ok(()) => {
+                    let (values, notices) = (runner.results(), runner.notices());
+                    put_results(job.index, 0.0, values, Some(notices), &mut said);
                 }
-                Err(failure) => (Err(failure), runner.was_refused()),
-            };
-            if let Err(failure) = answer {
-                // After fmi2Fatal nothing may be called any more: another process goes on.
-                let fatal = matches!(failure, Failure::Fatal(_));
-                put(job.index, 0.0, Err(&failure), refused, &mut said);
-                if fatal {
-                    return place.send(&said);
+                Err(failure) => {
+                    put(job.index, 0.0, &failure, runner.was_refused(), &mut said);
+                    // After fmi2Fatal nothing may be called any more: another process goes on.
+                    if let Failure::Fatal(_) = failure {
+                        return place.send(&said);
+                    }
                 }
             }
             if sent.elapsed() > HOLD {
@@ -93,26 +102,16 @@ pub(super) fn serve(
     }
 }
 
-fn put(
-    index: u64,
-    start: f32,
-    answer: Result<&[f64], &Failure>,
-    refused: bool,
-    said: &mut Vec<u8>,
-) {
-    match answer {
-        Ok(values) => put_results(index, start, values, said),
-        Err(failure) => {
-            let failure = failure.clone();
-            let trouble = if refused {
-                let licence = false;
-                Trouble::Refused { failure, licence }
-            } else {
-                Trouble::Failed(failure)
-            };
-            put_trouble(index, start, &trouble, said);
-        }
-    }
+/// Appends why a point has no results.
+fn put(index: u64, start: f32, failure: &Failure, refused: bool, said: &mut Vec<u8>) {
+    let failure = failure.clone();
+    let trouble = if refused {
+        let licence = false;
+        Trouble::Refused { failure, licence }
+    } else {
+        Trouble::Failed(failure)
+    };
+    put_trouble(index, start, &trouble, said);
 }
 
 /// Runs a point and sends its trajectory.
@@ -145,7 +144,7 @@ pub(super) fn record(
     place.send(&said);
     let end = match ended {
         Ok(()) => {
-            tell(&runner);
+            tell(runner.notices());
             End::Done
         }
         Err(failure) => End::Failed(failure),
@@ -154,23 +153,25 @@ pub(super) fn record(
     put_end(&end, &mut said);
     place.send(&said);
     runner.end();
-    if let Some(error) = runner.unfinished() {
+    if let Some(error) = &runner.notices().unfinished {
         eprintln!("note: the simulation is whole, but its end failed: {error}");
     }
 }
 
 /// Tells whoever watches what a trajectory does not show. Standard error is shown to the user.
-fn tell(runner: &Runner) {
-    if let Some(time) = runner.ended() {
+fn tell(notices: &Notices) {
+    if let Some(time) = notices.ended {
         eprintln!(
             "note: the FMU ended the simulation at {time} s (fmi2Discard with fmi2Terminated)"
         );
     }
-    let Some(Warnings { count, first }) = runner.warnings().filter(|all| all.count > 0) else {
-        return;
-    };
-    let first = first.as_deref().unwrap_or_default();
-    eprintln!("note: calls that returned fmi2Warning: {count}; the first: {first}");
+    if notices.warnings > 0 {
+        let first = notices.first_warning.as_deref().unwrap_or_default();
+        eprintln!(
+            "note: warnings of the FMU: {}; the first: {first}",
+            notices.warnings
+        );
+    }
 }
 
 /// The FMU, loaded here where the guard has not done so; the guard is told.

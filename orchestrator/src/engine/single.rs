@@ -54,7 +54,10 @@ impl Recorder<'_> {
         match (answer, run) {
             (Some(Err(Trouble::Unloadable(reason))), _) => Err(EngineError::Start(reason)),
             // An FMU that breaks its process at the end costs no answer.
-            (Some(answer), Ok(()) | Err(Gone::Lost(_))) => Ok(answer.map_err(Trouble::failure)),
+            (Some(answer), Ok(()) | Err(Gone::Lost(_))) => {
+                let answer = answer.map(|found| found.values);
+                Ok(answer.map_err(Trouble::failure))
+            }
             (None, Err(Gone::Lost(failure))) => Ok(Err(failure)),
             (None, Ok(())) => Err(EngineError::Lost("it gave no answer".to_owned())),
             (_, Err(gone)) => Err(gone.into()),

@@ -10,7 +10,7 @@ use rand::RngExt;
 use super::policy::{Plan, Policy, Probed, SHARE, Separation, Spent};
 use super::process::{Gone, Limits, Process};
 use super::wire::{Reply, Trouble, Way};
-use super::{EngineError, Event, Job, Post, Worker};
+use super::{EngineError, Event, Job, Post, Simulated, Worker};
 use crate::failure::Failure;
 use crate::run::Habit;
 use crate::task::Task;
@@ -35,7 +35,7 @@ pub(super) struct Slot {
 }
 
 /// What came of a point that was run alone.
-type Found = Result<Vec<f64>, Trouble>;
+type Found = Result<Simulated, Trouble>;
 
 impl Slot {
     pub(super) fn new(
@@ -130,9 +130,9 @@ impl Slot {
         let begun = Instant::now();
         let ready = separation == Separation::New || self.forking.is_running();
         let first = self.licensed(job, separation, None, post)?.answer;
-        if let Ok(values) = &first {
+        if let Ok(found) = &first {
             let took = ready.then(|| begun.elapsed().as_secs_f64());
-            self.policy.note(job, values, separation, took);
+            self.policy.note(job, &found.values, separation, took);
             return Ok((first, separation));
         }
         let second = self.licensed(job, Separation::New, None, post)?.answer;
@@ -152,13 +152,13 @@ impl Slot {
         let begun = Instant::now();
         let (found, separation) = self.alone(job, separation, post)?;
         let forked = match &found {
-            Ok(values) if separation == Separation::Forked => Some(values.clone()),
+            Ok(found) if separation == Separation::Forked => Some(found.clone()),
             _ => None,
         };
         post.answer(job.index, found, separation);
         self.spent[1].computed += begun.elapsed().as_secs_f64();
         match forked {
-            Some(values) => self.audit_fork(job, &values, post),
+            Some(forked) => self.audit_fork(job, forked, post),
             None => Ok(()),
         }
     }
@@ -211,9 +211,10 @@ impl Slot {
             Some(answer) => answer,
             None => self.alone(job, Separation::New, post)?.0,
         };
-        if let Ok(values) = &answer {
+        if let Ok(found) = &answer {
             let each = begun.elapsed().as_secs_f64() / 2.0;
-            self.policy.note(job, values, Separation::New, Some(each));
+            let (new, each) = (Separation::New, Some(each));
+            self.policy.note(job, &found.values, new, each);
         }
         post.answer(job.index, answer, Separation::New);
         Ok(())
@@ -273,7 +274,9 @@ impl Slot {
             let ran = self.using.run(way, &jobs, post.stopped, &mut |reply| {
                 let known = orders.get(reply.index as usize).map(|&k| &proof[k].1);
                 let own = reply.answer.as_ref().ok();
-                same &= known.zip(own).is_some_and(|(a, b)| bits(a).eq(bits(b)));
+                same &= known
+                    .zip(own)
+                    .is_some_and(|(a, b)| bits(a).eq(bits(&b.values)));
             });
             match ran {
                 Ok(()) if same => {
@@ -306,9 +309,9 @@ impl Slot {
                 return;
             };
             match reply.answer {
-                Ok(values) => {
-                    done.push((job, values.clone()));
-                    post.answer(job.index, Ok(values), Separation::Used);
+                Ok(found) => {
+                    done.push((job, found.values.clone()));
+                    post.answer(job.index, Ok(found), Separation::Used);
                 }
                 Err(trouble) => failed.push((job, Err(trouble))),
             }
@@ -368,7 +371,7 @@ impl Slot {
             let separation = self.policy.alone();
             let (found, _) = self.alone(job, separation, post)?;
             self.spent[0].note(begun.elapsed().as_secs_f64());
-            let agreed = is_same(&Ok(values.clone()), &found);
+            let agreed = is_same(&Ok(values.clone().into()), &found);
             // A process that was ended from outside tells nothing about the FMU.
             if !agreed && !speaks_of_the_fmu(&found) {
                 continue;
@@ -382,7 +385,12 @@ impl Slot {
     }
 
     /// Computes a point that a fork has computed again in a new process, now and then.
-    fn audit_fork(&mut self, job: &Job, values: &[f64], post: &mut Post<'_>) -> Result<(), Gone> {
+    fn audit_fork(
+        &mut self,
+        job: &Job,
+        forked: Simulated,
+        post: &mut Post<'_>,
+    ) -> Result<(), Gone> {
         let one = self.policy.time_of_new();
         if SHARE * self.spent[1].computed < self.spent[1].audited + one {
             return Ok(());
@@ -390,7 +398,7 @@ impl Slot {
         let begun = Instant::now();
         let new = self.licensed(job, Separation::New, None, post)?.answer;
         self.spent[1].note(begun.elapsed().as_secs_f64());
-        if speaks_of_the_fmu(&new) && !is_same(&Ok(values.to_vec()), &new) {
+        if speaks_of_the_fmu(&new) && !is_same(&Ok(forked), &new) {
             self.policy.audited(false);
             self.explain(job, Separation::Forked, &new, post)?;
         }
@@ -464,7 +472,7 @@ fn speaks_of_the_fmu(found: &Found) -> bool {
 /// addresses and times.
 fn is_same(one: &Found, other: &Found) -> bool {
     match (one, other) {
-        (Ok(one), Ok(other)) => bits(one).eq(bits(other)),
+        (Ok(one), Ok(other)) => bits(&one.values).eq(bits(&other.values)),
         (Err(one), Err(other)) => one.clone().failure().class() == other.clone().failure().class(),
         _ => false,
     }

@@ -8,10 +8,12 @@
 
 use std::path::PathBuf;
 
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use super::Job;
+use super::{Job, Simulated};
 use crate::failure::Failure;
+use crate::notices::Notices;
 use crate::run::Habit;
 use crate::task::Task;
 use fmu_import::{Content, Handle, Value};
@@ -72,7 +74,7 @@ pub(super) struct Reply {
     /// The index of the point.
     pub(super) index: u64,
     /// Its results in the FMU's units, or why there are none.
-    pub(super) answer: Result<Vec<f64>, Trouble>,
+    pub(super) answer: Result<Simulated, Trouble>,
     /// How long it took until there was an instance, s; 0 where that is not known.
     pub(super) start: f32,
     /// Whether the process that has loaded the FMU may be forked, where that has been looked at.
@@ -112,6 +114,8 @@ pub(super) mod speech {
     pub(in super::super) const REPLIES: u8 = 2;
     /// Rows of a trajectory follow.
     pub(in super::super) const ROWS: u8 = 3;
+    /// The [`Notices`](crate::notices::Notices) of the point follow, now that its simulation has been ended.
+    pub(in super::super) const FAREWELL: u8 = 4;
 }
 
 /// Whether a trajectory ends with a frame.
@@ -128,15 +132,34 @@ pub(super) fn put_job(job: &Job, into: &mut Vec<u8>) {
 }
 
 /// Appends results.
-pub(super) fn put_results(index: u64, start: f32, values: &[f64], into: &mut Vec<u8>) {
-    put_head(index, 1, start, into);
+pub(super) fn put_results(
+    index: u64,
+    start: f32,
+    values: &[f64],
+    notices: Option<&Notices>,
+    into: &mut Vec<u8>,
+) {
+    let notices = notices.filter(|notices| !notices.is_empty());
+    put_head(
+        index,
+        if notices.is_some() { NOTED } else { GOOD },
+        start,
+        into,
+    );
     put_numbers(values, into);
+    if let Some(notices) = notices {
+        put_json(notices, into);
+    }
 }
 
 /// Appends why there are none.
 pub(super) fn put_trouble(index: u64, start: f32, trouble: &Trouble, into: &mut Vec<u8>) {
-    put_head(index, 0, start, into);
-    let text = serde_json::to_vec(trouble).unwrap_or_default();
+    put_head(index, BAD, start, into);
+    put_json(trouble, into);
+}
+
+fn put_json(value: &impl Serialize, into: &mut Vec<u8>) {
+    let text = serde_json::to_vec(value).unwrap_or_default();
     put_length(text.len(), into);
     into.extend(text);
 }
@@ -145,18 +168,25 @@ pub(super) fn put_trouble(index: u64, start: f32, trouble: &Trouble, into: &mut 
 pub(super) fn put_reply(reply: &Reply, into: &mut Vec<u8>) {
     let begin = into.len();
     match &reply.answer {
-        Ok(values) => put_results(reply.index, reply.start, values, into),
+        Ok(Simulated { values, notices }) => {
+            put_results(reply.index, reply.start, values, notices.as_deref(), into);
+        }
         Err(trouble) => put_trouble(reply.index, reply.start, trouble, into),
     }
     into[begin + FORKABLE] = reply.forkable.map_or(2, u8::from);
 }
 
+/// The kinds of replies: a point without results, one with results, and one with results and notices.
+const BAD: u8 = 0;
+const GOOD: u8 = 1;
+const NOTED: u8 = 2;
+
 /// Where the byte is in a reply that says whether the process may be forked.
 const FORKABLE: usize = 9;
 
-fn put_head(index: u64, good: u8, start: f32, into: &mut Vec<u8>) {
+fn put_head(index: u64, kind: u8, start: f32, into: &mut Vec<u8>) {
     into.extend(index.to_le_bytes());
-    into.push(good);
+    into.push(kind);
     into.push(2);
     into.extend(start.to_le_bytes());
 }
@@ -218,14 +248,17 @@ impl Reader<'_> {
 
     pub(super) fn reply(&mut self) -> Option<Reply> {
         let index = u64::from_le_bytes(self.array()?);
-        let [good] = self.array()?;
+        let [kind] = self.array()?;
         let [forkable] = self.array()?;
         let start = f32::from_le_bytes(self.array()?);
-        let answer = if good == 1 {
-            Ok(self.numbers()?)
-        } else {
-            let length = self.length()?;
-            Err(serde_json::from_slice(self.bytes(length)?).ok()?)
+        let answer = match kind {
+            GOOD => Ok(self.numbers()?.into()),
+            NOTED => Ok(Simulated {
+                values: self.numbers()?,
+                notices: Some(self.json()?),
+            }),
+            BAD => Err(self.json()?),
+            _ => return None,
         };
         Some(Reply {
             index,
@@ -261,6 +294,11 @@ impl Reader<'_> {
                 Value::String(String::from_utf8_lossy(self.bytes(length)?).into_owned())
             }
         })
+    }
+
+    fn json<T: DeserializeOwned>(&mut self) -> Option<T> {
+        let length = self.length()?;
+        serde_json::from_slice(self.bytes(length)?).ok()
     }
 
     fn numbers(&mut self) -> Option<Vec<f64>> {
@@ -299,18 +337,23 @@ mod tests {
             let mut bytes = Vec::new();
             Way::Used(Habit::Renew).put(&mut bytes);
             put_job(&job, &mut bytes);
-            put_results(index, start, &job.values, &mut bytes);
+            put_results(index, start, &job.values, None, &mut bytes);
             put_reply(&lost, &mut bytes);
+            let notices = Notices { warnings: index, ended: Some(0.5), ..Notices::default() };
+            put_results(index, start, &job.values, Some(&notices), &mut bytes);
             let mut reader = Reader(&bytes);
             let bits = |values: &[f64]| values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
             prop_assert_eq!(reader.way(), Some(Way::Used(Habit::Renew)));
             prop_assert_eq!(bits(&reader.job().unwrap().values), bits(&job.values));
             let reply = reader.reply().unwrap();
             prop_assert_eq!((reply.index, reply.forkable), (index, None));
-            prop_assert_eq!(bits(&reply.answer.unwrap()), bits(&job.values));
+            prop_assert_eq!(bits(&reply.answer.unwrap().values), bits(&job.values));
             let reply = reader.reply().unwrap();
             prop_assert_eq!((reply.index, reply.forkable, reply.start.to_bits()), (index, Some(true), start.to_bits()));
             prop_assert_eq!(reply.answer, Err(trouble));
+            let noted = reader.reply().unwrap().answer.unwrap();
+            prop_assert_eq!(bits(&noted.values), bits(&job.values));
+            prop_assert_eq!(noted.notices.as_deref(), Some(&notices));
             prop_assert!(reader.0.is_empty());
         }
 

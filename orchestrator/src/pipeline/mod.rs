@@ -237,9 +237,12 @@ impl<'a> Pipeline<'a> {
     /// Notes an event in the journal.
     fn take(&mut self, event: Event) -> Result<Option<Step>, Halt> {
         Ok(match event {
-            Event::Answer(index, answer, separation) => {
-                let outcome = self.model.outcome(answer);
-                self.journal.append(index, &outcome, separation)?;
+            Event::Answer(index, mut answer, separation) => {
+                let found = answer.as_mut().ok();
+                let notices = found.and_then(|found| found.notices.take());
+                let outcome = self.model.outcome(answer.map(|found| found.values));
+                let notices = notices.as_deref();
+                self.journal.append(index, &outcome, separation, notices)?;
                 self.computed[separation as usize] += 1;
                 let verified = self.model.is_verified(&outcome);
                 self.progress.step(verified, outcome.is_err());

@@ -1,14 +1,19 @@
 //! Ctrl-C, and SIGTERM.
 
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::sync_channel;
 use std::sync::{Arc, OnceLock};
 use std::thread;
 use std::time::Duration;
+
+use crate::engine::process;
 
 /// The exit code of an interrupted command.
 pub const INTERRUPTED: u8 = 130;
 /// How long an interrupted command may take to put things in order.
 const PATIENCE: Duration = Duration::from_millis(800);
+/// How long it may take to end what it has started.
+const FAREWELL: Duration = Duration::from_millis(150);
 
 /// Set by Ctrl-C: points under way are given up, no further ones are begun. The process ends within a second,
 /// whatever its threads do; the journal is sound at any time.
@@ -32,8 +37,15 @@ pub fn flag() -> &'static AtomicBool {
     })
 }
 
-/// Ends this process at once. Guards end with their supervisor.
+/// Ends this process at once, and all that it has started.
 fn leave() {
+    // What the kernel holds (a dead network disk) cannot be ended by anyone, and must not hold us up.
+    let (done, wait) = sync_channel(1);
+    thread::spawn(move || {
+        process::abandon_all();
+        let _ = done.send(());
+    });
+    let _ = wait.recv_timeout(FAREWELL);
     eprintln!("interrupted; --resume goes on");
     // SAFETY: never returns, runs no code of this process: an FMU in it may hang in its own destructors.
     unsafe { libc::_exit(INTERRUPTED.into()) }

@@ -111,7 +111,7 @@ pub(super) fn readings(report: &Report, counted: &PassCounts) -> Vec<ReadingRow>
         criterion.map(|k| counted.criteria[k].passes.count)
     };
     let row = |reading: &super::Reading| {
-        let share = reading.verified as f64 / report.table.len().max(1) as f64;
+        let share = reading.verified as f64 / report.points().max(1) as f64;
         let [low, high] = reading.interval;
         let changed = reading
             .criteria
@@ -145,7 +145,7 @@ pub(super) fn quantity(value: f64, unit: &str) -> String {
 }
 
 /// A sentence that names the criterion which decides the verdict.
-pub(super) fn decisive(table: &PointTable, counted: &PassCounts) -> String {
+pub(super) fn decisive(table: &PointTable, counted: &PassCounts, total: usize) -> String {
     let binding = counted
         .criteria
         .iter()
@@ -156,7 +156,7 @@ pub(super) fn decisive(table: &PointTable, counted: &PassCounts) -> String {
         .iter()
         .enumerate()
         .max_by_key(|(_, c)| c.only_failure);
-    let completed = table.len() - counted.failed;
+    let completed = total - counted.failed;
     match (binding, alone) {
         (Some((b, binds)), Some((a, only))) if completed > 0 => {
             let mut text = format!(

@@ -1,11 +1,16 @@
 //! A report from the folder that `verify` leaves behind.
 
-use super::{Intervals, Reading, Report, ReportError, history, pareto, robustness, sensitivity};
+use super::format::count;
+use super::{
+    Intervals, Reading, Report, ReportError, Whole, history, pareto, robustness, sensitivity,
+};
 use crate::analysis::from_results;
 use crate::engine::Conduct;
 use crate::results::Summary;
+use crate::results::asides::Asides;
+use crate::results::choice;
 use crate::results::origin::Origin;
-use crate::results::summary::VariantCount;
+use crate::results::summary::{CriterionCount, VariantCount};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use std::path::Path;
@@ -16,7 +21,7 @@ impl Report {
     /// # Errors
     /// When there is no finished study in the folder, or one of the files is damaged.
     pub fn from_folder(folder: &Path) -> Result<Self, ReportError> {
-        let (summary, table) = from_results::read(folder)?;
+        let (summary, table) = from_results::read_some(folder, choice::MOST)?;
         let study_text = std::fs::read_to_string(folder.join("study.toml")).unwrap_or_default();
         let p = &summary.provenance;
         let seed = p
@@ -34,8 +39,9 @@ impl Report {
                     p.study, summary.points
                 ),
             },
-            remarks: summary.conduct.iter().flat_map(Conduct::remarks).collect(),
+            remarks: remarks(&summary, table.len()),
             provenance: provenance(&summary),
+            whole: whole(&summary, table.len()),
             intervals: intervals(&summary),
             readings: summary
                 .variants
@@ -53,6 +59,22 @@ impl Report {
     }
 }
 
+/// What a reader has to know of how the points were computed.
+fn remarks(summary: &Summary, shown: usize) -> Vec<String> {
+    let thinned = (summary.points > shown as u64).then(|| {
+        format!(
+            "all counts, shares and best points are those of all {} points; distributions, planes and median misses \
+             are drawn from {} of them: one of every {} by chance, and the best",
+            count(summary.points as usize),
+            count(shown),
+            summary.points.div_ceil(choice::MOST)
+        )
+    });
+    let conduct = summary.conduct.iter().flat_map(Conduct::remarks);
+    let asides = summary.asides.iter().flat_map(Asides::remarks);
+    conduct.chain(asides).chain(thinned).collect()
+}
+
 /// Findings of other commands about these results, where there are any.
 fn finding<T: DeserializeOwned>(folder: &Path, file: &str, summary: &Summary) -> Option<T> {
     #[derive(Deserialize)]
@@ -64,6 +86,25 @@ fn finding<T: DeserializeOwned>(folder: &Path, file: &str, summary: &Summary) ->
     let head: Head = serde_json::from_str(&text).ok()?;
     let fits = head.origin.is_none_or(|origin| origin.fits(summary));
     fits.then(|| serde_json::from_str(&text).ok()).flatten()
+}
+
+/// The counts of all points, where the table holds only some.
+fn whole(summary: &Summary, shown: usize) -> Option<Whole> {
+    let criterion = |count: &CriterionCount| {
+        [count.count.passed, count.binds, count.only_failure].map(|number| number as usize)
+    };
+    let groups = summary.groups.iter();
+    (summary.points > shown as u64).then(|| Whole {
+        points: summary.points as usize,
+        verified: summary.verified as usize,
+        failed: summary.failed as usize,
+        expected: summary.expected_verified,
+        criteria: summary.criteria.values().map(criterion).collect(),
+        groups: groups
+            .map(|(name, count)| (name.clone(), count.passed as usize))
+            .collect(),
+        failures: summary.failures.clone(),
+    })
 }
 
 /// Summaries of older versions do not name their intervals; those are Wilson's.

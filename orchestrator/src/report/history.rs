@@ -3,6 +3,7 @@
 use super::figures::Series;
 use crate::analysis::table::PointTable;
 use crate::statistics::Statistic;
+use crate::table::csv_file;
 use std::path::Path;
 
 /// The file: `time` in seconds, and the criteria's signals in the criteria's units.
@@ -11,23 +12,9 @@ pub const FILE: &str = "best-point.csv";
 /// Reads the trajectory of a folder: a signal a variable, with the accepted range of the criterion.
 /// Nothing where there is no such file or it does not fit.
 pub fn read(folder: &Path, table: &PointTable) -> Vec<Series> {
-    let Ok(text) = std::fs::read_to_string(folder.join(FILE)) else {
-        return vec![];
-    };
-    let mut lines = text.lines();
-    let header: Vec<&str> = lines.next().unwrap_or("").split(',').collect();
-    let mut columns = vec![Vec::new(); header.len()];
-    for line in lines {
-        let mut cells = line.split(',');
-        for (column, cell) in columns.iter_mut().zip(cells.by_ref()) {
-            column.push(cell.parse().unwrap_or(f64::NAN));
-        }
-        let last = columns.last().map_or(0, Vec::len);
-        if last != columns[0].len() || cells.next().is_some() {
-            return vec![];
-        }
-    }
-    let mut columns = header.into_iter().zip(columns);
+    let (header, columns) = columns(&folder.join(FILE)).unwrap_or_default();
+    let names = header.iter().map(csv_file::text);
+    let mut columns = names.zip(columns);
     let Some((_, time)) = columns.next() else {
         return vec![];
     };
@@ -55,4 +42,17 @@ fn limits_the_signal(source: &str) -> bool {
         .iter()
         .find(of)
         .is_some_and(|statistic| statistic.is_difference())
+}
+
+/// The names of a table, and its columns.
+fn columns(path: &Path) -> csv::Result<(csv::StringRecord, Vec<Vec<f64>>)> {
+    let mut table = csv::Reader::from_path(path)?;
+    let header = table.headers()?.clone();
+    let mut columns = vec![Vec::new(); header.len()];
+    for record in table.records() {
+        for (column, cell) in columns.iter_mut().zip(&record?) {
+            column.push(cell.parse().unwrap_or(f64::NAN));
+        }
+    }
+    Ok((header, columns))
 }

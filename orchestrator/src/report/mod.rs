@@ -26,6 +26,7 @@ use crate::analysis::table::PointTable;
 use crate::analysis::verdict::PassCounts;
 use crate::statistics::share::Fraction;
 use figures::Series;
+use indexmap::IndexMap;
 #[cfg(feature = "png")]
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
@@ -44,8 +45,10 @@ pub struct Report {
     pub date: String,
     /// Remarks on how the points were computed, one sentence each.
     pub remarks: Vec<String>,
-    /// The points.
+    /// The points, or some of them where there are very many.
     pub table: PointTable,
+    /// The counts of all points, where the table holds only some.
+    pub whole: Option<Whole>,
     /// The counts' intervals, where the points are not independent of each other.
     pub intervals: Option<Intervals>,
     /// Counts by other readings of the tolerances.
@@ -64,6 +67,43 @@ pub struct Report {
     pub command: String,
     /// The study as a file, to be kept with the result.
     pub study_text: String,
+}
+
+/// Counts of all points.
+#[derive(Clone, Debug, Default)]
+pub struct Whole {
+    /// How many points there are.
+    pub points: usize,
+    /// How many meet all criteria.
+    pub verified: usize,
+    /// How many have no result.
+    pub failed: usize,
+    /// How many are expected to be truly verified.
+    pub expected: f64,
+    /// By criterion: points that meet it, at which it deviates most, and that fail no other one.
+    pub criteria: Vec<[usize; 3]>,
+    /// Points that meet all criteria of a group, by its name.
+    pub groups: Vec<(String, usize)>,
+    /// Points without a result, by reason.
+    pub failures: IndexMap<String, u64>,
+}
+
+impl Whole {
+    /// Replaces the counts of some points.
+    fn replace_in(&self, counted: &mut PassCounts) {
+        let share = |count| Fraction::wilson(count, self.points);
+        counted.verified = share(self.verified);
+        counted.failed = self.failed;
+        for (count, [passes, binds, only]) in counted.criteria.iter_mut().zip(&self.criteria) {
+            count.passes = share(*passes);
+            (count.binds, count.only_failure) = (*binds, *only);
+        }
+        for (name, passes) in &mut counted.groups {
+            if let Some((_, count)) = self.groups.iter().find(|(own, _)| own == name) {
+                *passes = share(*count);
+            }
+        }
+    }
 }
 
 /// 95 % intervals of the shares of points that pass.
@@ -140,6 +180,12 @@ pub enum ReportError {
 }
 
 impl Report {
+    /// How many points there are, those included that the table leaves out.
+    fn points(&self) -> usize {
+        let whole = self.whole.as_ref();
+        whole.map_or(self.table.len(), |whole| whole.points)
+    }
+
     /// The page.
     pub fn html(&self) -> Result<String, ReportError> {
         page::render(self)

@@ -6,7 +6,7 @@ use super::figures;
 use super::format::{count, number, with_unit};
 use super::payload::{self, PlotColumn};
 use super::planes::{Plane, planes};
-use super::{Report, ReportError};
+use super::{Report, ReportError, Whole};
 use crate::analysis::table::PointTable;
 use crate::analysis::verdict::{truly_inside, verdict};
 use minijinja::{Environment, value::Serde};
@@ -76,11 +76,15 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
     let order: Vec<usize> = ranking.iter().map(|r| r.point).collect();
     let points = payload::embedded(table, &order, columns.len());
     let mut counted = verdict(table);
+    if let Some(whole) = &report.whole {
+        whole.replace_in(&mut counted);
+    }
     if let Some(intervals) = &report.intervals {
         intervals.replace_in(&mut counted);
     }
     let sure = truly_inside(table);
-    let data = serde_json::to_string(&payload::payload(table, &points))?;
+    let total = report.points();
+    let data = serde_json::to_string(&payload::payload(table, &points, total))?;
 
     let mut environment = Environment::new();
     environment.add_template("report.html", include_str!("assets/report.html"))?;
@@ -97,7 +101,7 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
         data: script_safe(&data),
         remarks: &report.remarks,
         verified: counted.verified.count > 0,
-        n: count(table.len()),
+        n: count(total),
         count: count(counted.verified.count),
         fraction: fraction(&counted.verified),
         failed: match counted.failed {
@@ -109,15 +113,18 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
             ),
         },
         drawn: count(points.len()),
-        sampled: points.len() < table.len(),
+        sampled: points.len() < total,
         rows: count_rows(table, &counted),
-        decisive: decisive(table, &counted),
+        decisive: decisive(table, &counted, total),
         readings: readings(report, &counted),
         interval_method: report
             .intervals
             .as_ref()
             .map_or("Wilson's score interval", |i| &i.method),
-        expected: expected(sure.iter().sum()),
+        expected: expected(match &report.whole {
+            Some(whole) => whole.expected,
+            None => sure.iter().sum(),
+        }),
         planes: planes(table, &columns, &points),
         parameters: distributions(table, &columns[..table.parameters.len()], 0),
         criteria: distributions(
@@ -128,7 +135,7 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
         best_columns: columns.iter().map(heading).collect(),
         first_criterion: table.parameters.len(),
         best: best_rows(table, &ranking, &sure),
-        failures: failures(table),
+        failures: failures(table, report.whole.as_ref()),
         histories: histories(report),
         sensitivity: report
             .sensitivity
@@ -248,24 +255,44 @@ fn histories(report: &Report) -> Vec<History> {
 }
 
 /// Reasons of failure, how often, and the first points of each.
-fn failures(table: &PointTable) -> Vec<(String, String, String)> {
+fn failures(table: &PointTable, whole: Option<&Whole>) -> Vec<(String, String, String)> {
     const LISTED: usize = 12;
-    let mut reasons: BTreeMap<&str, Vec<u64>> = BTreeMap::new();
-    for i in (0..table.len()).filter(|&i| !table.completed(i)) {
-        reasons
-            .entry(&table.status[i])
-            .or_default()
-            .push(table.ids[i]);
+    // Of some points, the classes of reasons are known with their exact counts, but not each reason.
+    let class = |status: &str| {
+        let classes = whole.into_iter().flat_map(|whole| whole.failures.keys());
+        classes
+            .into_iter()
+            .find(|class| status.starts_with(*class))
+            .cloned()
+    };
+    let mut reasons: BTreeMap<String, Vec<u64>> = BTreeMap::new();
+    if let Some(whole) = whole {
+        let none = whole
+            .failures
+            .keys()
+            .map(|class| (class.clone(), Vec::new()));
+        reasons.extend(none);
     }
+    for i in (0..table.len()).filter(|&i| !table.completed(i)) {
+        let status = &table.status[i];
+        let reason = class(status).unwrap_or_else(|| status.clone().into_owned());
+        reasons.entry(reason).or_default().push(table.ids[i]);
+    }
+    let number = |(reason, ids): &(String, Vec<u64>)| {
+        let known = whole.and_then(|whole| whole.failures.get(reason));
+        known.map_or(ids.len(), |count| *count as usize)
+    };
     let mut rows: Vec<_> = reasons.into_iter().collect();
-    rows.sort_by_key(|(_, ids)| std::cmp::Reverse(ids.len()));
+    rows.sort_by_key(|row| std::cmp::Reverse(number(row)));
     rows.into_iter()
-        .map(|(reason, ids)| {
+        .map(|row| {
+            let count_of = number(&row);
+            let (reason, ids) = row;
             let mut list: Vec<String> = ids.iter().take(LISTED).map(u64::to_string).collect();
-            if ids.len() > LISTED {
+            if count_of > list.len() {
                 list.push("…".into());
             }
-            (reason.to_owned(), count(ids.len()), list.join(", "))
+            (reason, count(count_of), list.join(", "))
         })
         .collect()
 }

@@ -139,10 +139,9 @@ fn embed(table: &PointTable, ranking: &[usize], most: usize) -> Vec<usize> {
     (0..n).filter(|&i| keep[i]).collect()
 }
 
-/// Collects the data for the page's script.
-pub fn payload(table: &PointTable, points: &[usize]) -> Payload {
+/// Collects the data for the page's script; there are `total` points, of which the table may hold only some.
+pub fn payload(table: &PointTable, points: &[usize], total: usize) -> Payload {
     let columns = columns(table);
-    let n = table.len();
     let first_criterion = table.parameters.len();
     let flags = |flag: &dyn Fn(usize) -> bool| {
         STANDARD.encode(
@@ -179,8 +178,8 @@ pub fn payload(table: &PointTable, points: &[usize]) -> Payload {
         }),
     });
     Payload {
-        total: n,
-        sampled: points.len() < n,
+        total,
+        sampled: points.len() < total,
         columns: described.collect(),
         ids: STANDARD.encode(
             points
@@ -190,7 +189,7 @@ pub fn payload(table: &PointTable, points: &[usize]) -> Payload {
         ),
         verified: flags(&|i| table.verified[i]),
         completed: flags(&|i| table.completed(i)),
-        density: (points.len() < n).then(|| densities(table, &columns)),
+        density: (points.len() < total).then(|| densities(table, &columns)),
     }
 }
 

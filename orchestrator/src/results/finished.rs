@@ -9,6 +9,7 @@ use super::lines::{Lines, open, path_in};
 use super::note::{Note, separation};
 use super::{Outcome, ResultsError};
 use crate::engine::{Conduct, Isolation, Separation};
+use crate::notices::Notices;
 
 /// Index of a journal: the position of each finished point's line.
 #[derive(Clone, Debug)]
@@ -193,6 +194,9 @@ impl Finished {
     }
 }
 
+/// An outcome, with what the FMU said beside its results if it said anything.
+pub type Noted = (Outcome, Option<Notices>);
+
 /// Reads outcomes from a journal.
 #[derive(Debug)]
 pub struct Outcomes<'a> {
@@ -206,30 +210,45 @@ impl Outcomes<'_> {
     /// # Errors
     /// When the journal cannot be read any more.
     pub fn get(&mut self, index: u64) -> Result<Option<Outcome>, ResultsError> {
+        let noted = self.get_noted(index)?;
+        Ok(noted.map(|(outcome, _)| outcome))
+    }
+
+    /// The outcome of a point, if it is finished, and what the FMU said beside its results.
+    ///
+    /// # Errors
+    /// When the journal cannot be read any more.
+    pub fn get_noted(&mut self, index: u64) -> Result<Option<Noted>, ResultsError> {
         let path = &self.finished.path;
         let Some(place) = self.finished.place(index) else {
             return Ok(None);
         };
         self.lines.seek(place).map_err(ResultsError::io(path))?;
         let line = self.lines.next_line().map_err(ResultsError::io(path))?;
-        let outcome = line.and_then(parse).ok_or_else(|| ResultsError::Content {
+        let noted = line.and_then(parse).ok_or_else(|| ResultsError::Content {
             path: path.clone(),
             message: format!("the line of point {} is damaged", index + 1),
         })?;
-        Ok(Some(outcome))
+        Ok(Some(noted))
     }
 }
 
-fn parse(line: &str) -> Option<Outcome> {
+fn parse(line: &str) -> Option<Noted> {
     let mut parts = line.splitn(3, ' ');
     let (_, word) = (parts.next()?, parts.next()?);
     let rest = parts.next().unwrap_or("");
     match word {
         word if separation(word).is_some() => {
-            let values = rest.split_ascii_whitespace().map(|text| text.parse().ok());
-            Some(Ok(values.collect::<Option<_>>()?))
+            let (values, notices) = rest.split_at(rest.find('{').unwrap_or(rest.len()));
+            let values = values.split_ascii_whitespace();
+            let values = values.map(|text| text.parse().ok());
+            let notices = match notices {
+                "" => None,
+                text => Some(serde_json::from_str(text).ok()?),
+            };
+            Some((Ok(values.collect::<Option<_>>()?), notices))
         }
-        "failed" => Some(Err(serde_json::from_str(rest).ok()?)),
+        "failed" => Some((Err(serde_json::from_str(rest).ok()?), None)),
         _ => None,
     }
 }

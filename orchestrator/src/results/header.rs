@@ -45,6 +45,15 @@ impl Header {
         }
     }
 
+    /// Whether this is the same run with more points than `then`.
+    pub fn extends(&self, then: &Self) -> bool {
+        let same = Self {
+            points: then.points,
+            ..self.clone()
+        };
+        same == *then && self.points > then.points && then.points.is_some()
+    }
+
     /// The first difference between two headers: its name, the other's value, this one's.
     pub fn difference(&self, then: &Self) -> Option<(&'static str, String, String)> {
         let texts = |header: &Self| {

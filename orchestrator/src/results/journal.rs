@@ -8,12 +8,13 @@
 //! 5d41402a {"orchestrator":...,"points":50}
 //! 7b502c3a 3 ok 4.802e1 8.155e1
 //! 1c0de5a7 5 used 4.799e1 8.161e1
+//! 2b7c9f13 6 ok 4.795e1 8.158e1 {"warnings":2,"first_warning":"the oil is warm"}
 //! 9a0b11c2 4 failed {"Error":"film rupture (fmi2DoStep)"}
 //! 0d1e2f3a note {"Void":"Used"}
 //! ```
 //!
 //! `ok`, `forked` and `used` tell in what process a point was computed ([`Separation`]): a note may say that some of
-//! these do not count any more.
+//! these do not count any more. What the FMU said beside the results stands behind them ([`Notices`]).
 //! An analysis that asks for several sets of points notes what tells each set from others, `set 0 600 5d41402a`,
 //! and at last `end`. Where a set takes the place of another one, what followed that one counts no more.
 
@@ -22,12 +23,15 @@ use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use tempfile::NamedTempFile;
+
 use super::finished::Finished;
 use super::header::Header;
-use super::lines::{open, path_in};
+use super::lines::{self, open, path_in};
 use super::note::{Note, word};
 use super::{Outcome, ResultsError};
 use crate::engine::Separation;
+use crate::notices::Notices;
 
 /// A journal that is being written.
 #[derive(Debug)]
@@ -44,6 +48,41 @@ impl Journal {
     /// # Errors
     /// When there is one already, and when the system says no.
     pub fn create(folder: &Path, header: &Header) -> Result<Self, ResultsError> {
+        let (draft, journal) = Self::draft(folder, header)?;
+        draft
+            .persist_noclobber(&journal.path)
+            .map_err(|error| match error.error.kind() {
+                io::ErrorKind::AlreadyExists => ResultsError::Begun(folder.to_owned()),
+                _ => ResultsError::io(&journal.path)(error.error),
+            })?;
+        Ok(journal)
+    }
+
+    /// Makes the journal of a folder one of a run with more points, whose first points are those that it has. It is
+    /// replaced as a whole, or stays as it is.
+    ///
+    /// # Errors
+    /// When another run writes it, and when the system says no.
+    pub fn extend(folder: &Path, header: &Header) -> Result<(), ResultsError> {
+        let path = path_in(folder);
+        let file = OpenOptions::new().append(true).open(&path);
+        let _lock = Self::new(folder, path.clone(), file.map_err(ResultsError::io(&path))?)?;
+        let (draft, mut longer) = Self::draft(folder, header)?;
+        let (mut lines, _) = open(folder)?;
+        while let Some(line) = lines.next_line().map_err(ResultsError::io(&path))? {
+            longer.line.push_str(line);
+            longer.finish_line();
+            longer.flush_when_full()?;
+        }
+        longer.sync()?;
+        let placed = draft.persist(&path);
+        placed
+            .map(drop)
+            .map_err(|error| ResultsError::io(&path)(error.error))
+    }
+
+    /// A journal with its first line, which is not yet in its place.
+    fn draft(folder: &Path, header: &Header) -> Result<(NamedTempFile, Self), ResultsError> {
         let path = path_in(folder);
         fs::create_dir_all(folder).map_err(ResultsError::io(folder))?;
         let draft = tempfile::Builder::new()
@@ -60,13 +99,7 @@ impl Journal {
         journal.line.push_str(&header);
         journal.finish_line();
         journal.flush()?;
-        draft
-            .persist_noclobber(&journal.path)
-            .map_err(|error| match error.error.kind() {
-                io::ErrorKind::AlreadyExists => ResultsError::Begun(folder.to_owned()),
-                _ => ResultsError::io(&journal.path)(error.error),
-            })?;
-        Ok(journal)
+        Ok((draft, journal))
     }
 
     /// Continues a journal; a damaged end is cut off.
@@ -74,13 +107,12 @@ impl Journal {
     /// # Errors
     /// When there is none, when it belongs to something else, and when the system says no.
     pub fn resume(folder: &Path, header: &Header) -> Result<(Self, Finished), ResultsError> {
-        let finished = Finished::read(folder)?;
-        header.check(&finished.header, folder)?;
+        header.check(&lines::header(folder)?, folder)?;
         let path = path_in(folder);
         let file = OpenOptions::new().append(true).open(&path);
         let file = file.map_err(ResultsError::io(&path))?;
         let journal = Self::new(folder, path, file)?;
-        // Read again under the lock: another run may just have ended.
+        // Read under the lock: another run may just have ended.
         let finished = Finished::read(folder)?;
         let cut = journal.file.set_len(finished.sound);
         cut.map_err(ResultsError::io(&journal.path))?;
@@ -111,6 +143,7 @@ impl Journal {
         index: u64,
         outcome: &Outcome,
         separation: Separation,
+        notices: Option<&Notices>,
     ) -> Result<(), ResultsError> {
         // Writing to a String cannot fail.
         match outcome {
@@ -118,6 +151,10 @@ impl Journal {
                 let _ = write!(self.line, "{index} {}", word(separation));
                 for value in values {
                     let _ = write!(self.line, " {value:e}");
+                }
+                if let Some(notices) = notices {
+                    let text = serde_json::to_string(notices).unwrap_or_default();
+                    let _ = write!(self.line, " {text}");
                 }
             }
             Err(failure) => {

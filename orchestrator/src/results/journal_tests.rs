@@ -27,7 +27,7 @@ fn written() -> (tempfile::TempDir, Vec<Outcome>) {
     let mut journal = Journal::create(folder.path(), &header()).unwrap();
     for (index, outcome) in [(3, 0), (0, 1), (1, 2)] {
         journal
-            .append(index, &outcomes[outcome], Separation::New)
+            .append(index, &outcomes[outcome], Separation::New, None)
             .unwrap();
     }
     journal.sync().unwrap();
@@ -63,7 +63,9 @@ fn a_damaged_end_is_cut_off_wherever_it_begins() {
             .filter(|&&byte| byte == b'\n')
             .count();
         assert_eq!(finished.count, complete as u64);
-        journal.append(4, &Ok(vec![1.0]), Separation::New).unwrap();
+        journal
+            .append(4, &Ok(vec![1.0]), Separation::New, None)
+            .unwrap();
         journal.flush().unwrap();
         let again = Finished::read(folder.path()).unwrap();
         assert_eq!(again.count, complete as u64 + 1);
@@ -92,7 +94,7 @@ fn what_does_not_count_is_open_again() {
     let mut journal = Journal::create(folder.path(), &header()).unwrap();
     let ways = [Separation::New, Separation::Forked, Separation::Used];
     for (index, way) in (0..).zip(ways) {
-        journal.append(index, &Ok(vec![1.0]), way).unwrap();
+        journal.append(index, &Ok(vec![1.0]), way, None).unwrap();
     }
     let audited = Conduct {
         isolation: Isolation::Audited,
@@ -124,7 +126,7 @@ fn what_does_not_count_is_open_again() {
     assert_eq!((conduct.audits, conduct.audit_mismatches), (8, 1));
     // Computed again, and joined with others.
     journal
-        .append(2, &Ok(vec![2.0]), Separation::Forked)
+        .append(2, &Ok(vec![2.0]), Separation::Forked, None)
         .unwrap();
     journal.flush().unwrap();
     drop(journal);
@@ -135,4 +137,32 @@ fn what_does_not_count_is_open_again() {
     assert_eq!((finished.count, finished.conduct()), (3, conduct));
     let value = finished.outcomes().unwrap().get(2).unwrap();
     assert_eq!(value, Some(Ok(vec![2.0])));
+}
+
+#[test]
+fn what_the_fmu_said_comes_back_with_the_point() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut journal = Journal::create(folder.path(), &header()).unwrap();
+    let notices = Notices {
+        warnings: 20,
+        first_warning: Some("{\"odd\" text} 1 2\n".to_owned()),
+        ended: Some(0.5),
+        ..Notices::default()
+    };
+    let points = [
+        (Ok(vec![1.0, -0.5]), Some(notices.clone())),
+        (Ok(vec![]), Some(notices)),
+        (Ok(vec![2.0, 3.0]), None),
+    ];
+    for (index, (outcome, notices)) in (0..).zip(&points) {
+        journal
+            .append(index, outcome, Separation::Used, notices.as_ref())
+            .unwrap();
+    }
+    journal.flush().unwrap();
+    let finished = Finished::read(folder.path()).unwrap();
+    let mut outcomes = finished.outcomes().unwrap();
+    for (index, expected) in (0..).zip(points) {
+        assert_eq!(outcomes.get_noted(index).unwrap(), Some(expected));
+    }
 }

@@ -14,6 +14,7 @@ use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 
 use super::{ResultsError, Summary, keep};
+use crate::table::csv_file;
 use crate::table::parquet::one_line;
 
 /// Rows that are held in memory at a time.
@@ -100,6 +101,7 @@ fn schema(header: &csv::StringRecord, kinds: &[Kind]) -> Result<Type, ParquetErr
         } else {
             Repetition::REQUIRED
         };
+        let name = csv_file::text(name);
         let builder = Type::primitive_type_builder(name, physical).with_repetition(repetition);
         let logical = (*kind == Kind::Text).then_some(LogicalType::String);
         builder.with_logical_type(logical).build().map(Arc::new)
@@ -141,7 +143,8 @@ fn write_group(
                 column.write_batch(&values, None, None)?;
             }
             ColumnWriter::ByteArrayColumnWriter(column) => {
-                let values: Vec<ByteArray> = cells.map(ByteArray::from).collect();
+                let values: Vec<ByteArray> =
+                    cells.map(csv_file::text).map(ByteArray::from).collect();
                 column.write_batch(&values, None, None)?;
             }
             _ => {}

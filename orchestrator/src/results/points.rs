@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 use super::Outcome;
+use super::choice::{Best, Even};
 use super::summary::Summary;
 use crate::judge::{Judge, PointVerdict};
 use crate::study::plan::Input;
@@ -141,6 +142,14 @@ impl Points {
     /// # Errors
     /// When it cannot be read, or does not belong to the summary.
     pub fn read(path: &Path, summary: &Summary) -> Result<Self, PointsError> {
+        Self::read_some(path, summary, u64::MAX)
+    }
+
+    /// Reads an even choice of at most about `most` points, and the best ones.
+    ///
+    /// # Errors
+    /// As [`Points::read`].
+    pub fn read_some(path: &Path, summary: &Summary, most: u64) -> Result<Self, PointsError> {
         let failed = |source| PointsError::Csv {
             path: path.to_owned(),
             source,
@@ -157,20 +166,53 @@ impl Points {
             let message = format!("{} columns, but the summary asks for {width}", header.len());
             return Err(content(message));
         }
-        let mut points = Self {
+        let empty = Self {
             parameters: vec![Vec::new(); inputs],
             values: vec![Vec::new(); criteria],
             passed: vec![Vec::new(); criteria],
             ..Self::default()
         };
-        let mut record = csv::StringRecord::new();
+        let damaged = |record: &csv::StringRecord| {
+            let line = record.position().map_or(0, csv::Position::line);
+            content(format!("line {line} is damaged"))
+        };
+        let (even, mut best) = (Even::new(summary.points, most), Best::default());
+        let (mut points, mut others) = (empty.clone(), empty);
+        let (mut record, mut rows) = (csv::StringRecord::new(), 0..);
         while reader.read_record(&mut record).map_err(failed)? {
-            points.add(&record).ok_or_else(|| {
-                let line = record.position().map_or(0, csv::Position::line);
-                content(format!("line {line} is damaged"))
-            })?;
+            let row = rows.next().unwrap_or(0);
+            if even.has(row) {
+                points.add(&record).ok_or_else(|| damaged(&record))?;
+            } else if let Some(distance) = distance(&record, summary) {
+                let verified = record.get(width - 2) == Some("true");
+                best.offer(row, verified, distance, &record);
+            }
         }
+        let mut places = Vec::new();
+        for (row, record) in best.into_rows() {
+            others.add(&record).ok_or_else(|| damaged(&record))?;
+            places.push(usize::try_from(even.before(row)).unwrap_or(usize::MAX));
+        }
+        points.insert(&places, others);
         Ok(points)
+    }
+
+    /// Inserts other points before those at `places`, which ascend.
+    fn insert(&mut self, places: &[usize], others: Self) {
+        if places.is_empty() {
+            return;
+        }
+        merge(&mut self.labels, places, others.labels);
+        let parameters = self.parameters.iter_mut().zip(others.parameters);
+        let values = self.values.iter_mut().zip(others.values);
+        for (own, others) in parameters.chain(values) {
+            merge(own, places, others);
+        }
+        for (own, others) in self.passed.iter_mut().zip(others.passed) {
+            merge(own, places, others);
+        }
+        merge(&mut self.verified, places, others.verified);
+        merge(&mut self.status, places, others.status);
     }
 
     fn add(&mut self, record: &csv::StringRecord) -> Option<()> {
@@ -194,7 +236,7 @@ impl Points {
         // A million points are hardly ever not ok: their texts would be a good part of the memory.
         self.status.push(match cells.next()? {
             "ok" => Cow::Borrowed("ok"),
-            failure => Cow::Owned(failure.to_owned()),
+            failure => Cow::Owned(csv_file::text(failure).to_owned()),
         });
         Some(())
     }
@@ -210,6 +252,33 @@ impl Points {
     }
 }
 
+/// Inserts elements before those at `places`, which ascend.
+fn merge<T>(own: &mut Vec<T>, places: &[usize], others: Vec<T>) {
+    let mut merged = Vec::with_capacity(own.len() + others.len());
+    let mut rest = own.drain(..).enumerate().peekable();
+    for (&place, other) in places.iter().zip(others) {
+        while let Some((_, element)) = rest.next_if(|(number, _)| *number < place) {
+            merged.push(element);
+        }
+        merged.push(other);
+    }
+    merged.extend(rest.map(|(_, element)| element));
+    *own = merged;
+}
+
+/// How far a row is from the measurement: the root of the sum of its squared deviations, each in units of the
+/// tolerance; nothing where the point failed.
+fn distance(record: &csv::StringRecord, summary: &Summary) -> Option<f64> {
+    let cells = record.iter().skip(1 + summary.parameters.len());
+    let mut sum = 0.0;
+    for (cell, count) in cells.zip(summary.criteria.values()) {
+        let criterion = &count.criterion;
+        let value: f64 = cell.parse().ok()?;
+        sum += ((value - criterion.nominal) / criterion.tolerance).powi(2);
+    }
+    (!sum.is_nan()).then(|| sum.sqrt())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -222,5 +291,12 @@ mod tests {
             prop_assume!(value.is_finite());
             prop_assert_eq!(number(value).parse::<f64>(), Ok(value));
         }
+    }
+
+    #[test]
+    fn elements_are_inserted_where_they_belong() {
+        let mut own = vec![1, 2, 4];
+        merge(&mut own, &[0, 2, 2, 3], vec![0, 30, 31, 5]);
+        assert_eq!(own, [0, 1, 2, 30, 31, 4, 5]);
     }
 }

@@ -3,6 +3,7 @@
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
+use super::asides::Asides;
 use crate::engine::Conduct;
 use crate::judge::Criterion;
 
@@ -47,6 +48,9 @@ pub struct Summary {
     /// How the points shared processes, and what audits of that found.
     #[serde(flatten)]
     pub conduct: Option<Conduct>,
+    /// What the FMU said beside its results.
+    #[serde(flatten)]
+    pub asides: Option<Asides>,
     /// How the computation went. All else is the same for every run of the study.
     pub run: Option<Run>,
 }

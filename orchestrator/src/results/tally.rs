@@ -272,6 +272,7 @@ impl<'a> Tally<'a> {
                 .map(|best| self.best_point(best, &parameters)),
             parameters,
             conduct: None,
+            asides: None,
             run: None,
             provenance,
         }

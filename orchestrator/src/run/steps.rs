@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::{Runner, feed, ramp};
 use crate::task::CommunicationPoints;
-use fmu_import::{Call, Instance};
+use fmu_import::{Call, Instance, Step};
 
 impl Runner {
     /// Takes some of the steps.
@@ -61,22 +61,10 @@ impl Runner {
         let mut first = steps.start;
         while first < steps.end {
             let watched = &mut self.watched;
-            let end = steps.end.min(first + watched.elapsed.len() as u64);
-            let rows = watched.values.chunks_exact_mut(watched.references.len());
-            let rows = watched.elapsed.iter_mut().zip(rows);
-            let mut done = 0;
-            let mut outcome = Ok(());
-            for (next, (elapsed, row)) in points.even_ends(first..end).zip(rows) {
-                *elapsed = next - time;
-                outcome = instance
-                    .step(time, *elapsed)
-                    .and_then(|()| instance.reals(&watched.references, row));
-                if outcome.is_err() {
-                    break;
-                }
-                time = next;
-                done += 1;
-            }
+            let end = steps.end.min(first + watched.steps.len() as u64);
+            let count = even_steps(points, first..end, &mut time, &mut watched.steps);
+            let steps = &watched.steps[..count];
+            let (done, outcome) = instance.steps(steps, &watched.references, &mut watched.values);
             // Where the FMU ends the simulation by itself, the steps before count.
             watched.take(done);
             outcome?;
@@ -99,17 +87,41 @@ impl Runner {
     }
 }
 
-/// Takes even steps without inputs: by far the most, so this loop does no more than it must.
+/// Takes even steps without inputs: by far the most, so they are handed over many at a time.
 #[inline(never)]
 fn advance_evenly(
     instance: &mut Instance,
     points: &CommunicationPoints,
     steps: Range<u64>,
 ) -> Result<(), Call> {
+    const TOGETHER: usize = 64;
+    let mut together = [Step::default(); TOGETHER];
     let mut time = points.at(steps.start);
-    for next in points.even_ends(steps) {
-        instance.step(time, next - time)?;
-        time = next;
+    let mut first = steps.start;
+    while first < steps.end {
+        let end = steps.end.min(first + TOGETHER as u64);
+        let count = even_steps(points, first..end, &mut time, &mut together);
+        instance.steps(&together[..count], &[], &mut []).1?;
+        first = end;
     }
     Ok(())
+}
+
+/// Begin and size of even steps, as many as there is room for; `time` is where the first one begins, and moves on.
+fn even_steps(
+    points: &CommunicationPoints,
+    steps: Range<u64>,
+    time: &mut f64,
+    into: &mut [Step],
+) -> usize {
+    let mut count = 0;
+    for (next, step) in points.even_ends(steps).zip(into) {
+        *step = Step {
+            time: *time,
+            size: next - *time,
+        };
+        *time = next;
+        count += 1;
+    }
+    count
 }

@@ -2,7 +2,7 @@
 
 use crate::statistics::Accumulator;
 use crate::task::Task;
-use fmu_import::{Call, Instance};
+use fmu_import::{Call, Instance, Step};
 
 /// Real variables that are read in one call.
 #[derive(Debug)]
@@ -10,8 +10,8 @@ pub(super) struct Watched {
     pub(super) references: Vec<u32>,
     /// The values of some steps, those of a step side by side.
     pub(super) values: Vec<f64>,
-    /// How long those steps took.
-    pub(super) elapsed: Vec<f64>,
+    /// Those steps.
+    pub(super) steps: Vec<Step>,
     pub(super) accumulators: Vec<Accumulator>,
     /// The numbers of the probes.
     pub(super) probes: Vec<usize>,
@@ -29,7 +29,7 @@ impl Watched {
         Self {
             references: observed().map(|probe| probe.handle.reference).collect(),
             values: vec![0.0; steps * probes.len()],
-            elapsed: vec![0.0; steps],
+            steps: vec![Step::default(); steps],
             accumulators: observed()
                 .map(|probe| Accumulator::new(probe.statistic))
                 .collect(),
@@ -41,7 +41,7 @@ impl Watched {
     pub(super) fn read(&mut self, instance: &mut Instance, elapsed: f64) -> Result<(), Call> {
         if !self.probes.is_empty() {
             instance.reals(&self.references, &mut self.values[..self.probes.len()])?;
-            self.elapsed[0] = elapsed;
+            self.steps[0].size = elapsed;
             self.take(1);
         }
         Ok(())
@@ -49,7 +49,7 @@ impl Watched {
 
     /// Adds what has been gathered from some steps to the statistics.
     pub(super) fn take(&mut self, steps: usize) {
-        let elapsed = self.elapsed[..steps].iter().copied();
+        let elapsed = self.steps[..steps].iter().map(|step| step.size);
         if let [accumulator] = &mut self.accumulators[..] {
             accumulator.add_all(elapsed.zip(self.values.iter().copied()));
             return;

@@ -8,6 +8,7 @@ use tempfile::NamedTempFile;
 
 use super::{Session, SessionError, Verification};
 use crate::judge::{Judge, PointVerdict};
+use crate::results::asides::Asides;
 use crate::results::finished::Finished;
 use crate::results::summary::{ParameterSummary, Provenance, Run, Summary};
 use crate::results::{Outcome, ResultsError, Tally, keep, points, write_atomically};
@@ -32,6 +33,14 @@ impl Verification {
         let provenance = self.provenance();
         let replicates = provenance.replicates.unwrap_or(1);
         let mut tally = Tally::of_replicates(&session.judge, replicates);
+        let mut asides = Asides {
+            needs_execution_tool: session
+                .package
+                .description()
+                .capabilities
+                .needs_execution_tool,
+            ..Asides::default()
+        };
         let mut files = FileSet::new(folder, &session.plan.inputs, &session.judge)?;
         for index in 0..self.source.len() {
             let incomplete = || ResultsError::Incomplete {
@@ -39,9 +48,12 @@ impl Verification {
                 missing: self.source.len() - finished.count,
                 points: self.source.len(),
             };
-            let outcome = outcomes.get(index)?.ok_or_else(incomplete)?;
+            let (outcome, notices) = outcomes.get_noted(index)?.ok_or_else(incomplete)?;
             let (label, parameters) = (self.source.label(index), self.source.parameters(index));
             let verdict = tally.add(label, &parameters, &outcome);
+            if let Some(notices) = notices {
+                asides.add(label, &notices);
+            }
             files.write(label, &parameters, &outcome, &verdict)?;
             if enough(&tally) {
                 break;
@@ -55,6 +67,7 @@ impl Verification {
             .collect();
         let mut summary = tally.summary(session.study.title.clone(), provenance, parameters);
         summary.conduct = Some(finished.conduct());
+        summary.asides = Some(asides);
         summary.run = run;
         files.finish(&summary)?;
         Ok(summary)

@@ -92,11 +92,74 @@ impl Verification {
         self.header.table.is_some() || self.session.study.design.method.is_extensible()
     }
 
+    /// Whether this is the same run with more points than the one that began so. A table may have grown at its end.
+    ///
+    /// # Errors
+    /// When the table cannot be read any more.
+    pub fn extends(&self, then: &Header) -> Result<bool, SessionError> {
+        let mut own = self.header.clone();
+        let path = self.session.request.points_from.as_ref();
+        if let (Some(path), Some(table)) = (path, &then.table) {
+            let bytes = fs::read(path).map_err(ResultsError::io(path))?;
+            if begins_with(&bytes, table, then.points.unwrap_or(0)) {
+                own.table.clone_from(&then.table);
+            }
+        }
+        Ok(own.extends(then))
+    }
+
     /// A point to run.
     pub fn job(&self, index: u64) -> Job {
         Job {
             index,
             values: self.session.values(&self.source.parameters(index)),
+        }
+    }
+}
+
+/// Whether the first rows of a csv table, with the lines before them, were once a whole table of this digest.
+fn begins_with(table: &[u8], digest_then: &str, rows: u64) -> bool {
+    const HEADER: u64 = 1;
+    let (mut filled, mut end) = (0, 0);
+    for line in table.split_inclusive(|&byte| byte == b'\n') {
+        let text = line.trim_ascii();
+        filled += u64::from(!text.is_empty() && !text.starts_with(b"#"));
+        end += line.len();
+        if filled > rows + HEADER {
+            break;
+        }
+        if filled == rows + HEADER {
+            // The last line may have had no end then.
+            let bare = &table[..end - line.len() + line.trim_ascii_end().len()];
+            if [&table[..end], bare]
+                .iter()
+                .any(|part| digest(part) == digest_then)
+            {
+                return true;
+            }
+        }
+    }
+    false
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_table_grows_at_its_end() {
+        let head = "# made by hand\npoint,rate\n1,2\n\n2,3";
+        let grown = format!("{head}\n# more\n3,4\n");
+        for (then, rows, expected) in [
+            (head.to_owned(), 2, true),
+            (format!("{head}\n"), 2, true),
+            (format!("{head}\n# more\n"), 2, true),
+            (head.to_owned(), 1, false),
+            (head.replace("1,2", "1,5"), 2, false),
+            (head.replace("2,3", "2,"), 2, false),
+        ] {
+            let found = begins_with(grown.as_bytes(), &digest(then.as_bytes()), rows);
+            assert_eq!(found, expected, "{then}");
         }
     }
 }

@@ -71,8 +71,7 @@ fn separator(file: &mut impl BufRead, comment: Option<u8>) -> io::Result<u8> {
 /// A text as a cell: where a spreadsheet would take it for a formula, an apostrophe before it prevents that. Numbers
 /// stay as they are.
 pub fn cell(text: &str) -> Cow<'_, str> {
-    let formula = text.starts_with(['=', '+', '-', '@', '\t', '\r']);
-    if formula && text.parse::<f64>().is_err() {
+    if is_formula(text) && text.parse::<f64>().is_err() {
         Cow::Owned(format!("'{text}"))
     } else {
         Cow::Borrowed(text)
@@ -82,9 +81,14 @@ pub fn cell(text: &str) -> Cow<'_, str> {
 /// The text that [`cell`] made a cell of.
 pub fn text(cell: &str) -> &str {
     let inner = cell.strip_prefix('\'');
-    inner
-        .filter(|inner| inner.starts_with(['=', '+', '-', '@', '\t', '\r']))
-        .unwrap_or(cell)
+    inner.filter(|inner| is_formula(inner)).unwrap_or(cell)
+}
+
+/// Whether a text begins as a formula does. One that has an apostrophe before it already gets another, so that
+/// [`text`] gives back either.
+fn is_formula(text: &str) -> bool {
+    let bare = text.trim_start_matches('\'');
+    bare.starts_with(['=', '+', '-', '@', '\t', '\r'])
 }
 
 /// Why a file cannot be read, for people.
@@ -141,6 +145,17 @@ mod tests {
         for plain in ["", "lag.y", "-1.5e3", "+2", "'quoted'", "der(x)", "a=b"] {
             assert_eq!(cell(plain), plain);
             assert_eq!(text(plain), plain);
+        }
+    }
+
+    proptest::proptest! {
+        #[test]
+        fn every_text_comes_back(plain in "['=+@\t\r-]{0,3}.{0,5}") {
+            let cell = cell(&plain);
+            let number = plain.parse::<f64>().is_ok();
+            let formula = cell.starts_with(['=', '+', '-', '@', '\t', '\r']);
+            proptest::prop_assert!(number || !formula);
+            proptest::prop_assert_eq!(text(&cell), plain.as_str());
         }
     }
 

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::os::fd::{AsRawFd, FromRawFd, OwnedFd, RawFd};
 
 use super::frame::{self, Inbox};
-use super::system::{MUTE, own_pid, usual_signals};
+use super::system::{DONE, MUTE, own_pid, usual_signals};
 
 /// A child's own end of the pipes to its keeper.
 #[derive(Debug)]
@@ -77,7 +77,7 @@ pub(super) fn be_child(
     }
     // SAFETY: writes what the FMU has printed so far, of all streams.
     unsafe { libc::fflush(std::ptr::null_mut()) };
-    end(0)
+    end(DONE)
 }
 
 /// Moves the two descriptors to high numbers, which FMUs that write into or close what they did not open seldom

@@ -13,7 +13,7 @@ pub use super::birth::Place;
 use super::birth::be_child;
 use super::frame::{self, Broken, Inbox};
 use super::offspring::{self, kill_group};
-use super::system::{MUTE, own_pid, pipe};
+use super::system::{DONE, MUTE, own_pid, pipe};
 use super::words::Words;
 
 /// How often a silent child is looked at.
@@ -130,6 +130,15 @@ pub struct Child {
     ticket: u64,
     /// Whether it has been reaped.
     gone: bool,
+}
+
+/// How a child ended that had answered.
+#[derive(Debug)]
+pub struct Parting {
+    /// The last thing that it said.
+    pub words: Option<Vec<u8>>,
+    /// Why it did not end as it should, as far as that is known.
+    pub loss: Option<Loss>,
 }
 
 /// What has become of a child.
@@ -253,17 +262,30 @@ impl Child {
     }
 
     /// Lets a child that has answered end by itself, but not longer than `grace`; then ends it.
-    pub fn part(mut self, keeper: &mut Keeper, grace: Duration) {
+    pub fn part(mut self, keeper: &mut Keeper, grace: Duration) -> Parting {
         let until = Instant::now() + grace;
+        let mut loss = Some(Loss::Timeout);
         while Instant::now() < until {
             match self.is_ready(keeper) {
-                // What it still sends is not wanted any more.
-                Ok(true) if matches!(self.answers.read(), Ok(true)) => {}
-                Ok(false) if matches!(self.state(), State::Running) => {}
-                _ => break,
+                Ok(true) if matches!(self.answers.read(), Ok(true)) => continue,
+                Ok(false) => match self.state() {
+                    State::Running => continue,
+                    State::Stopped => loss = Some(Loss::Stopped),
+                    State::Ended(_) => loss = None,
+                },
+                _ => loss = None,
             }
+            break;
         }
-        self.end();
+        let mut words = None;
+        while let Ok(Some(payload)) = self.answers.arrived() {
+            words = Some(payload);
+        }
+        let status = self.finish();
+        Parting {
+            words,
+            loss: loss.or_else(|| status.and_then(unusual)),
+        }
     }
 
     /// Ends the child with its group at once, and reaps it.
@@ -271,18 +293,31 @@ impl Child {
         self.finish();
     }
 
-    fn finish(&mut self) {
+    /// The status with which it ended.
+    fn finish(&mut self) -> Option<i32> {
         if self.gone {
-            return;
+            return None;
         }
         kill_group(self.pid);
         let mut status = 0;
         // SAFETY: `status` is valid for writing; SIGKILL ends the child, so the wait is short.
-        unsafe { libc::waitpid(self.pid, &raw mut status, 0) };
+        let reaped = unsafe { libc::waitpid(self.pid, &raw mut status, 0) };
         self.gone = true;
         // Whatever it has started and left to us.
         offspring::end_all();
+        (reaped == self.pid).then_some(status)
     }
+}
+
+/// The loss that the status of an ended child tells. One that was ending by itself when it was killed ends as it
+/// would have, so SIGKILL is our own.
+fn unusual(status: i32) -> Option<Loss> {
+    if libc::WIFSIGNALED(status) {
+        let signal = libc::WTERMSIG(status);
+        return (signal != libc::SIGKILL).then_some(Loss::Signal(signal));
+    }
+    let code = libc::WEXITSTATUS(status);
+    (![DONE, MUTE].contains(&code)).then_some(Loss::Exit(code))
 }
 
 impl Drop for Child {

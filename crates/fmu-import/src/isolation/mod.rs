@@ -13,4 +13,4 @@ mod system;
 pub mod words;
 
 pub use frame::Broken;
-pub use keeper::{Bounds, Child, Keeper, Loss, Place};
+pub use keeper::{Bounds, Child, Keeper, Loss, Parting, Place};

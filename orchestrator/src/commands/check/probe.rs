@@ -311,7 +311,7 @@ impl Probe<'_> {
 
     /// Ends a simulation that was initialised.
     fn terminate(&mut self, live: &mut Live, which: &str) -> io::Result<()> {
-        let warnings = live.instance.warnings().clone();
+        let warnings = live.instance.warnings();
         live.run.warnings = warnings.count;
         live.run.first_warning = warnings.first;
         if live.run.failure.is_none() {

@@ -10,7 +10,7 @@ use crate::analysis::synchronise::smooth::Smoothing;
 use crate::analysis::synchronise::{Accuracy, Channel, Derived, RigRecording};
 use crate::names::{did_you_mean, nearest};
 use crate::study::Quantity;
-use crate::table::csv_file::{CsvFile, reason};
+use crate::table::csv_file::{self, CsvFile, reason};
 
 /// Why a recording cannot be used.
 #[derive(Debug, Error)]
@@ -282,7 +282,8 @@ impl RecordedTable {
         let header = file.reader.headers().map_err(failed)?.clone();
         let mut columns: Vec<(String, Vec<f64>)> = header
             .iter()
-            .map(|name| (name.trim_start_matches('\u{feff}').to_owned(), Vec::new()))
+            .map(|name| name.trim_start_matches('\u{feff}'))
+            .map(|name| (csv_file::text(name).to_owned(), Vec::new()))
             .collect();
         let mut record = csv::StringRecord::new();
         while file.reader.read_record(&mut record).map_err(failed)? {

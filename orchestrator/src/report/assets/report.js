@@ -405,7 +405,9 @@
     document.getElementById("clear").addEventListener("click", () => select([]));
     document.getElementById("select-verified").addEventListener("click", () => select(Array.from(ids, (_, i) => i).filter(i => verified[i])));
     document.getElementById("download").addEventListener("click", () => {
-      const quote = t => /[",\n]/.test(t) ? `"${t.replace(/"/g, '""')}"` : t;
+      // A spreadsheet would take such a name for a formula.
+      const plain = t => /^'*[=+\-@\t\r]/.test(t) ? `'${t}` : t;
+      const quote = t => /[",\r\n]/.test(plain(t)) ? `"${plain(t).replace(/"/g, '""')}"` : plain(t);
       const lines = [["point", ...columns.map(c => c.title), "verified", "sure"].map(quote).join(",")];
       const chosen = state.selected.size ? [...state.selected] : Array.from(ids, (_, i) => i);
       chosen.forEach(i => lines.push([ids[i], ...columns.map(c => Number(c.data[i].toPrecision(7))), verified[i] === 1, Number(sure(i).toPrecision(4))].join(",")));

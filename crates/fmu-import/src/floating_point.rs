@@ -1,0 +1,193 @@
+//! How the processor rounds, and which floating-point exceptions it raises: an FMU may change that for itself only.
+//!
+//! An FMU that rounds upwards from some step on, or one that was compiled with `-ffast-math` and switches subnormal
+//! numbers off while it is loaded, would change the importer's own arithmetic: the times of the steps and the
+//! statistics. The Rust compiler assumes the usual mode, too. So the usual mode is restored after every call, and the
+//! FMU gets its own one back at its next call, as it would have found it in an importer that does nothing about it.
+
+/// The control bits of the processor's floating-point units.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Mode {
+    /// Rounding, subnormal numbers and exception masks of vector instructions, without the exceptions that have
+    /// occurred.
+    vector: u64,
+    /// The same of the older unit for 80-bit numbers, where there is one.
+    extended: u16,
+}
+
+impl Mode {
+    /// The mode in which every process starts: to nearest, with subnormal numbers, without exceptions.
+    pub(crate) const USUAL: Self = usual();
+}
+
+/// Makes a call of the FMU in its own mode `own`, and keeps there how it leaves that.
+///
+/// The caller must not be inlined into code with floating-point numbers: the compiler may move such code between the
+/// FMU's return and the moment at which the usual mode is restored.
+#[inline(always)]
+pub(crate) fn within<T>(own: &mut Mode, call: impl FnOnce() -> T) -> T {
+    if *own != Mode::USUAL {
+        return apart(own, call);
+    }
+    let result = call();
+    let now = read();
+    if now != Mode::USUAL {
+        keep(own, now);
+    }
+    result
+}
+
+#[cold]
+#[inline(never)]
+fn apart<T>(own: &mut Mode, call: impl FnOnce() -> T) -> T {
+    write(*own);
+    let result = call();
+    keep(own, read());
+    result
+}
+
+#[cold]
+#[inline(never)]
+fn keep(own: &mut Mode, now: Mode) {
+    *own = now;
+    write(Mode::USUAL);
+}
+
+#[cfg(target_arch = "x86_64")]
+const fn usual() -> Mode {
+    Mode {
+        vector: 0x1f80,
+        extended: 0x037f,
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+fn read() -> Mode {
+    // The exceptions that have occurred.
+    const OCCURRED: u32 = 0x3f;
+    let (mut vector, mut extended) = (0_u32, 0_u16);
+    // SAFETY: both instructions write a control register to a place of its size, and change nothing else.
+    unsafe {
+        std::arch::asm!(
+            "stmxcsr [{vector}]",
+            "fnstcw [{extended}]",
+            vector = in(reg) &raw mut vector,
+            extended = in(reg) &raw mut extended,
+            options(nostack, preserves_flags),
+        );
+    }
+    Mode {
+        vector: u64::from(vector & !OCCURRED),
+        extended,
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+fn write(mode: Mode) {
+    // Its upper half is empty.
+    let vector = mode.vector as u32;
+    let extended = mode.extended;
+    // SAFETY: both values were read from the registers, or are those of a new process.
+    unsafe {
+        std::arch::asm!(
+            "ldmxcsr [{vector}]",
+            "fldcw [{extended}]",
+            vector = in(reg) &raw const vector,
+            extended = in(reg) &raw const extended,
+            options(nostack, readonly, preserves_flags),
+        );
+    }
+}
+
+#[cfg(target_arch = "aarch64")]
+const fn usual() -> Mode {
+    Mode {
+        vector: 0,
+        extended: 0,
+    }
+}
+
+#[cfg(target_arch = "aarch64")]
+#[inline(always)]
+fn read() -> Mode {
+    let vector: u64;
+    // SAFETY: reads the control register; the exceptions that have occurred are in another one.
+    unsafe {
+        std::arch::asm!("mrs {}, fpcr", out(reg) vector, options(nomem, nostack, preserves_flags));
+    }
+    Mode {
+        vector,
+        extended: 0,
+    }
+}
+
+#[cfg(target_arch = "aarch64")]
+fn write(mode: Mode) {
+    // SAFETY: the value was read from the register, or is that of a new process.
+    unsafe {
+        std::arch::asm!("msr fpcr, {}", in(reg) mode.vector, options(nomem, nostack, preserves_flags));
+    }
+}
+
+#[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+const fn usual() -> Mode {
+    Mode {
+        vector: 0,
+        extended: 0,
+    }
+}
+
+#[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+fn read() -> Mode {
+    Mode::USUAL
+}
+
+#[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+fn write(_: Mode) {}
+
+#[cfg(all(test, any(target_arch = "x86_64", target_arch = "aarch64")))]
+mod tests {
+    use super::*;
+    use std::hint::black_box;
+
+    /// Rounding upwards, in the place where the processor has it.
+    fn upwards() -> Mode {
+        let mut mode = Mode::USUAL;
+        if cfg!(target_arch = "x86_64") {
+            mode.vector |= 2 << 13;
+            mode.extended |= 2 << 10;
+        } else {
+            mode.vector |= 1 << 22;
+        }
+        mode
+    }
+
+    #[inline(never)]
+    fn third() -> f64 {
+        black_box(1.0) / black_box(3.0)
+    }
+
+    #[test]
+    fn a_mode_lasts_for_the_calls_of_its_owner_only() {
+        let nearest = third();
+        let mut own = Mode::USUAL;
+        within(&mut own, || write(upwards()));
+        assert_eq!(own, upwards());
+        // Ours is as before, the next call finds the other one, and may leave it again.
+        assert_eq!(third().to_bits(), nearest.to_bits());
+        let theirs = within(&mut own, third);
+        assert!(theirs > nearest);
+        assert_eq!(own, upwards());
+        within(&mut own, || write(Mode::USUAL));
+        assert_eq!(own, Mode::USUAL);
+        assert_eq!(within(&mut own, third).to_bits(), nearest.to_bits());
+    }
+
+    #[test]
+    fn exceptions_that_have_occurred_are_no_mode() {
+        let mut own = Mode::USUAL;
+        assert!(within(&mut own, || black_box(1.0) / black_box(0.0)) > 1.0);
+        assert_eq!(own, Mode::USUAL);
+    }
+}

@@ -1,0 +1,94 @@
+//! What an FMU says in a simulation beside its results.
+
+use serde::{Deserialize, Serialize};
+
+use fmu_import::{Call, Warnings};
+
+/// What an FMU said in one simulation beside its results. None of it makes the point a failed one.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Notices {
+    /// How many warnings came from `fmi2Instantiate` to the last step.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub warnings: u64,
+    /// The first of them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub first_warning: Option<String>,
+    /// When the FMU ended the simulation by itself, s, as the standard allows (`fmi2Discard` with `fmi2Terminated`).
+    /// The results are those until then.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ended: Option<f64>,
+    /// Why the simulation could not be ended properly, though all of it was computed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unfinished: Option<String>,
+    /// What `fmi2GetVersion` returned, where that is not "2.0".
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub version: Option<String>,
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref)] // as serde calls it
+fn is_zero(count: &u64) -> bool {
+    *count == 0
+}
+
+impl Notices {
+    /// Whether the FMU said nothing.
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// Adds warnings after those that are there.
+    pub fn warn(&mut self, warnings: Warnings) {
+        self.warnings += warnings.count;
+        if self.first_warning.is_none() {
+            self.first_warning = warnings.first.as_deref().map(short);
+        }
+    }
+
+    /// Notes a call that ends a simulation, and failed.
+    pub fn cannot_end(&mut self, call: &Call) {
+        self.unfinished
+            .get_or_insert_with(|| short(&call.to_string()));
+    }
+}
+
+/// The beginning of a message: every point may have one.
+fn short(message: &str) -> String {
+    const ENOUGH: usize = 300;
+    match message.char_indices().nth(ENOUGH) {
+        Some((end, _)) => format!("{}...", &message[..end]),
+        None => message.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_warning_is_kept_and_shortened() {
+        let warning = |count, text: &str| Warnings {
+            count,
+            first: Some(text.to_owned()),
+        };
+        let mut notices = Notices::default();
+        notices.warn(Warnings::default());
+        assert!(notices.is_empty());
+        notices.warn(warning(2, &"é".repeat(1000)));
+        notices.warn(warning(3, "second"));
+        assert_eq!(notices.warnings, 5);
+        assert_eq!(notices.first_warning, Some("é".repeat(300) + "..."));
+    }
+
+    #[test]
+    fn only_what_was_said_is_written() {
+        let notices = Notices {
+            ended: Some(0.5),
+            ..Notices::default()
+        };
+        let text = serde_json::to_string(&notices).unwrap();
+        assert_eq!(text, r#"{"ended":0.5}"#);
+        assert_eq!(serde_json::from_str::<Notices>(&text).unwrap(), notices);
+        assert_eq!(serde_json::to_string(&Notices::default()).unwrap(), "{}");
+    }
+}

@@ -1,0 +1,170 @@
+//! Some rows of a long table: the best ones, and an even choice by chance of all.
+
+use std::collections::BinaryHeap;
+
+/// The most rows that a page is made of: more would only take memory, which no plot shows.
+pub const MOST: u64 = 500_000;
+
+/// The number of best rows that are kept in any case.
+const BEST: usize = 1000;
+
+/// An even choice of rows: one of each block of rows, by a chance that is the same every time. Every 20th row, say,
+/// would not do: of a Sobol sequence, such rows fill a part of the space only.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Even {
+    block: u64,
+}
+
+impl Even {
+    /// At most `most` of `rows` rows.
+    pub fn new(rows: u64, most: u64) -> Self {
+        Self {
+            block: rows.div_ceil(most.max(1)).max(1),
+        }
+    }
+
+    /// Whether it leaves out any row.
+    pub fn is_whole(self) -> bool {
+        self.block == 1
+    }
+
+    /// Whether a row is chosen.
+    pub fn has(self, row: u64) -> bool {
+        row % self.block == self.chosen_in(row / self.block)
+    }
+
+    /// How many rows before this one are chosen.
+    pub fn before(self, row: u64) -> u64 {
+        let block = row / self.block;
+        block + u64::from(self.chosen_in(block) < row % self.block)
+    }
+
+    fn chosen_in(self, block: u64) -> u64 {
+        mixed(block) % self.block
+    }
+}
+
+/// A number that looks like chance: the finaliser of SplitMix64 (Steele, Lea & Flood 2014, "Fast splittable
+/// pseudorandom number generators", OOPSLA).
+fn mixed(number: u64) -> u64 {
+    let mut z = number.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
+/// How good a row is: not verified, the distance from the measurement, its number. The least is the best.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Place(bool, f64, u64);
+
+impl Eq for Place {}
+
+impl PartialOrd for Place {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Place {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        let verdicts = self.0.cmp(&other.0);
+        let distances = || self.1.total_cmp(&other.1);
+        verdicts.then_with(distances).then(self.2.cmp(&other.2))
+    }
+}
+
+/// The best rows so far that were not chosen otherwise.
+#[derive(Debug, Default)]
+pub struct Best {
+    rows: BinaryHeap<(Place, Row)>,
+}
+
+/// A row that is held back; of two with the same place there is none.
+#[derive(Debug)]
+struct Row(csv::StringRecord);
+
+impl PartialEq for Row {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+impl Eq for Row {}
+
+impl PartialOrd for Row {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Row {
+    fn cmp(&self, _: &Self) -> std::cmp::Ordering {
+        std::cmp::Ordering::Equal
+    }
+}
+
+impl Best {
+    /// Offers a row; `distance` is how far it is from the measurement.
+    pub fn offer(&mut self, row: u64, verified: bool, distance: f64, record: &csv::StringRecord) {
+        let place = Place(!verified, distance, row);
+        if self.rows.len() == BEST {
+            if self.rows.peek().is_none_or(|(worst, _)| *worst < place) {
+                return;
+            }
+            self.rows.pop();
+        }
+        self.rows.push((place, Row(record.clone())));
+    }
+
+    /// The best rows with their numbers, in the order of the table.
+    pub fn into_rows(self) -> Vec<(u64, csv::StringRecord)> {
+        let rows = self.rows.into_iter();
+        let mut rows: Vec<_> = rows.map(|(place, Row(record))| (place.2, record)).collect();
+        rows.sort_unstable_by_key(|(row, _)| *row);
+        rows
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_even_choice_has_one_row_of_each_block() {
+        let even = Even::new(10_000_000, MOST);
+        assert!(!even.is_whole());
+        let chosen: Vec<u64> = (0..10_000_000).filter(|&row| even.has(row)).collect();
+        assert_eq!(chosen.len() as u64, MOST);
+        assert!(chosen.iter().zip(0..).all(|(row, block)| row / 20 == block));
+        for (row, before) in [(0, 0), (chosen[7], 7), (chosen[7] + 1, 8)] {
+            assert_eq!(even.before(row), before);
+        }
+        // By chance, and evenly so: 500,000 rows in 20 places, each with its share within five deviations.
+        let mut places = [0_i32; 20];
+        chosen
+            .iter()
+            .for_each(|row| places[(row % 20) as usize] += 1);
+        let all_near = places.iter().all(|count| (count - 25_000).abs() < 5 * 155);
+        assert!(all_near, "{places:?}");
+        assert!(Even::new(MOST, MOST).is_whole());
+        assert!((0..100).all(|row| Even::new(7, 100).has(row)));
+    }
+
+    #[test]
+    fn the_best_rows_are_kept() {
+        let mut best = Best::default();
+        let record = |row: u64| csv::StringRecord::from(vec![row.to_string()]);
+        for row in 0..10_000_u64 {
+            let distance = (row * 7919 % 10_000) as f64;
+            best.offer(row, row == 5000, distance, &record(row));
+        }
+        let rows = best.into_rows();
+        assert_eq!(rows.len(), BEST);
+        assert!(rows.is_sorted_by_key(|(row, _)| *row));
+        assert!(rows.iter().all(|(row, own)| *own == record(*row)));
+        // The verified one, though it is far, and the 999 nearest.
+        let far = |row: &u64| *row != 5000 && row * 7919 % 10_000 >= 999;
+        assert!(rows.iter().any(|(row, _)| *row == 5000));
+        assert!(!rows.iter().any(|(row, _)| far(row)));
+    }
+}
