@@ -69,7 +69,7 @@ impl Recorder<'_> {
         let mut process = self.process(task);
         let run = process.run(way, jobs, &|| false, &mut |reply| take(reply.answer));
         match (unloadable, run) {
-            (Some(reason), _) => Err(EngineError::Start(reason)),
+            (Some(reason), _) => Err(EngineError::Unloadable(reason)),
             (None, Ok(())) => Ok(answers),
             (None, Err(Gone::Lost(failure))) => {
                 answers.push(Err(failure));
