@@ -23,6 +23,8 @@ pub enum Failure {
     Crashed(String),
     /// The FMU ended its process; the exit code, and its last words.
     Exited(i32, String),
+    /// The FMU cannot be loaded, and why.
+    Unloadable(String),
     /// The point took too long.
     Timeout,
     /// The worker process took too much memory.
@@ -57,6 +59,7 @@ impl Failure {
             Self::NotFinite(_) => "not finite",
             Self::Crashed(_) => "crashed",
             Self::Exited(..) => "exited",
+            Self::Unloadable(_) => "not loadable",
             Self::Timeout => "timeout",
             Self::OutOfMemory => "out of memory",
         }
@@ -84,6 +87,7 @@ impl fmt::Display for Failure {
                     "{class}: the FMU ended its process with code {code}{words}"
                 )
             }
+            Self::Unloadable(text) => f.write_str(text),
             Self::Timeout | Self::OutOfMemory => f.write_str(class),
         }
     }

@@ -114,7 +114,7 @@ fn a_damaged_binary() {
     bench.zip("junk.fmu", &entries);
     bench
         .run(&["simulate", "junk.fmu"])
-        .is_mistake(&["junk.fmu", "cannot load"]);
+        .is_mistake(&["failed: junk.fmu: cannot load binaries/linux64/lag.so: file"]);
 }
 
 #[test]

@@ -15,6 +15,18 @@ fn good(said: Said) -> Said {
     said
 }
 
+/// The step is the program's own, as the description has none: whoever reads the message can set another.
+#[test]
+fn a_step_that_nobody_suggested_may_be_refused() {
+    let bench = Bench::empty();
+    bench.fmu("lag.fmu", &["REFUSES"], &model(" stepSize=\"0.01\"", ""));
+    bench.run(&["simulate", "lag.fmu"]).is_mistake(&[
+        "fmi2Discard",
+        "the step is 0.004 s, as the FMU suggests none; set another by --step",
+    ]);
+    good(bench.run(&["simulate", "lag.fmu", "--step", "0.5"]));
+}
+
 #[test]
 fn an_early_end_is_a_whole_simulation() {
     let bench = Bench::new();

@@ -18,7 +18,7 @@ use crate::needed;
 #[derive(Debug, Error)]
 pub enum LibraryError {
     /// The dynamic loader refused it.
-    #[error("cannot load {path}: {reason}")]
+    #[error("cannot load {}: {reason}", within(path))]
     Load {
         /// The binary.
         path: PathBuf,
@@ -219,10 +219,20 @@ fn functions(path: &Path) -> Result<Functions, LibraryError> {
     functions
 }
 
+/// The path of a binary within its FMU: where that was unpacked tells a reader nothing.
+fn within(path: &Path) -> String {
+    // binaries, the platform, the file.
+    const BELOW: usize = 3;
+    let parts: Vec<_> = path.components().collect();
+    let last: PathBuf = parts[parts.len().saturating_sub(BELOW)..].iter().collect();
+    last.display().to_string()
+}
+
 /// Why the loader refused: all libraries that are missing, of which it names the first only, or else its own words.
 fn reason(path: &Path, error: &libloading::Error) -> String {
     match &needed::missing(path)[..] {
-        [] => plain(error),
+        // It says the path once more.
+        [] => plain(error).replace(&format!("{}: ", path.display()), ""),
         [one] => format!("it needs {one}, which is not there: install it"),
         some => format!(
             "it needs {}, which are not there: install them",

@@ -81,6 +81,16 @@ pub enum CommandError {
     /// A single simulation failed.
     #[error("the simulation failed: {0}")]
     Simulation(#[from] Failure),
+    /// The FMU refused a step of a size that it has not suggested.
+    #[error(
+        "the simulation failed: {failure}: the step is {step} s, as the FMU suggests none; set another by --step"
+    )]
+    Step {
+        /// What the FMU said.
+        failure: Failure,
+        /// The step, s.
+        step: f64,
+    },
     /// A search found nothing.
     #[error("the search failed: {0}")]
     Search(String),

@@ -55,6 +55,9 @@ pub(super) fn run(options: &Simulate) -> Result<ExitCode, CommandError> {
         [] => Columns::usual(fmu, true),
         names => recorded::columns(names, fmu)?,
     };
+    // An FMU may refuse a step that it has not suggested.
+    let ours = options.step.is_none() && fmu.default_experiment.step.is_none();
+    let step = ours.then_some(task.schedule.step);
     let run = Isolated::new(&mut package)?;
     match options
         .output
@@ -68,7 +71,7 @@ pub(super) fn run(options: &Simulate) -> Result<ExitCode, CommandError> {
                 // A reader that has gone, such as `head`, is no error.
                 Err(TrajectoryError::Write(error)) if error.kind() == io::ErrorKind::BrokenPipe => {
                 }
-                Err(error) => return Err(error.into_command("standard output".as_ref())),
+                Err(error) => return Err(error.of_step(step, "standard output".as_ref())),
                 Ok(_) => {}
             }
         }
@@ -76,7 +79,7 @@ pub(super) fn run(options: &Simulate) -> Result<ExitCode, CommandError> {
             let file = File::create(path).map_err(ResultsError::io(path))?;
             let last = run
                 .trajectory(&task, &[], &columns, file)
-                .map_err(|error| error.into_command(path))?;
+                .map_err(|error| error.of_step(step, path))?;
             output::print(&summary(&columns, &last));
         }
     }
@@ -146,11 +149,15 @@ impl Columns {
             return Self::of(outputs);
         }
         let locals = all(Causality::Local);
-        if aloud {
-            eprintln!(
-                "note: the FMU has no outputs, so its {} local variables are recorded; --record chooses others",
-                locals.len()
-            );
+        match locals.len() {
+            _ if !aloud => {}
+            0 => eprintln!(
+                "note: the FMU has neither outputs nor local variables, so only the time is recorded; --record \
+                 chooses others"
+            ),
+            count => eprintln!(
+                "note: the FMU has no outputs, so its {count} local variables are recorded; --record chooses others"
+            ),
         }
         Self::of(locals)
     }
@@ -192,6 +199,17 @@ impl From<csv::Error> for TrajectoryError {
 }
 
 impl TrajectoryError {
+    /// The same as [`into_command`](Self::into_command), with advice where the FMU refused a step that nobody has
+    /// asked for.
+    fn of_step(self, step: Option<f64>, path: &Path) -> CommandError {
+        match (self, step) {
+            (Self::Simulation(failure @ Failure::Discard(_)), Some(step)) => {
+                CommandError::Step { failure, step }
+            }
+            (other, _) => other.into_command(path),
+        }
+    }
+
     pub(super) fn into_command(self, path: &Path) -> CommandError {
         match self {
             Self::Simulation(failure) => failure.into(),

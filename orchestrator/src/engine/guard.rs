@@ -343,7 +343,7 @@ impl Guard {
             end
         };
         if let Err(reason) = self.prepare(Way::Recorded) {
-            return self.output.put(&failed(Failure::Crashed(reason)));
+            return self.output.put(&failed(Failure::Unloadable(reason)));
         }
         let (setup, package) = (&self.setup, &mut self.package);
         let work = |place| servant::record(place, setup, package.as_mut(), record);
@@ -365,7 +365,7 @@ impl Guard {
                 Some((&speech::LOADED, _)) => {}
                 Some((&speech::UNLOADABLE, reason)) => {
                     let reason = String::from_utf8_lossy(reason).into_owned();
-                    self.output.put(&failed(Failure::Crashed(reason)))?;
+                    self.output.put(&failed(Failure::Unloadable(reason)))?;
                     break;
                 }
                 Some((&speech::ROWS, rows)) => {

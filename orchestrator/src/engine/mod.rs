@@ -42,6 +42,9 @@ pub enum EngineError {
     /// A worker cannot be started.
     #[error("cannot start a worker: {0}")]
     Start(String),
+    /// The FMU cannot be loaded.
+    #[error("{0}")]
+    Unloadable(String),
     /// A worker was lost and cannot be replaced.
     #[error("a worker was lost: {0}")]
     Lost(String),

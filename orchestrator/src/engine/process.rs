@@ -55,6 +55,8 @@ pub(super) enum Gone {
     Stopped,
     /// It could not be started.
     Start(String),
+    /// The FMU cannot be loaded.
+    Unloadable(String),
 }
 
 impl From<Gone> for EngineError {
@@ -63,6 +65,7 @@ impl From<Gone> for EngineError {
             Gone::Lost(failure) => Self::Lost(failure.to_string()),
             Gone::Stopped => Self::Lost("the run was ended".to_owned()),
             Gone::Start(reason) => Self::Start(reason),
+            Gone::Unloadable(reason) => Self::Unloadable(reason),
         }
     }
 }

@@ -52,7 +52,7 @@ impl Recorder<'_> {
             answer = Some(reply.answer);
         });
         match (answer, run) {
-            (Some(Err(Trouble::Unloadable(reason))), _) => Err(EngineError::Start(reason)),
+            (Some(Err(Trouble::Unloadable(reason))), _) => Err(EngineError::Unloadable(reason)),
             // An FMU that breaks its process at the end costs no answer.
             (Some(answer), Ok(()) | Err(Gone::Lost(_))) => {
                 let answer = answer.map(|found| found.values);

@@ -226,7 +226,7 @@ impl Slot {
         let first = self.licensed(job, Separation::New, first, post)?;
         if let (Err(Trouble::Unloadable(reason)), false) = (&first.answer, self.policy.has_loaded())
         {
-            return Err(Gone::Start(reason.clone()));
+            return Err(Gone::Unloadable(reason.clone()));
         }
         let second = self.licensed(job, Separation::New, second, post)?;
         if !is_same(&first.answer, &second.answer) {

@@ -99,7 +99,7 @@ impl Trouble {
     pub(super) fn failure(self) -> Failure {
         match self {
             Self::Failed(failure) | Self::Refused { failure, .. } | Self::Lost(failure) => failure,
-            Self::Unloadable(text) => Failure::Crashed(text),
+            Self::Unloadable(text) => Failure::Unloadable(text),
         }
     }
 }
