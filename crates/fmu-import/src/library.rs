@@ -18,7 +18,7 @@ use crate::needed;
 #[derive(Debug, Error)]
 pub enum LibraryError {
     /// The dynamic loader refused it.
-    #[error("cannot load {}: {reason}", within(path))]
+    #[error("cannot load {}: {reason}", place_in_fmu(path))]
     Load {
         /// The binary.
         path: PathBuf,
@@ -220,7 +220,7 @@ fn functions(path: &Path) -> Result<Functions, LibraryError> {
 }
 
 /// The path of a binary within its FMU: where that was unpacked tells a reader nothing.
-fn within(path: &Path) -> String {
+fn place_in_fmu(path: &Path) -> String {
     // binaries, the platform, the file.
     const BELOW: usize = 3;
     let parts: Vec<_> = path.components().collect();
