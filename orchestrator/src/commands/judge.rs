@@ -22,6 +22,7 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, CommandError> {
     let package = Package::open(&study.fmu_path()).ok();
     let fmu = package.as_ref().map(Package::description);
     let judge = Judge::new(&study, fmu)?;
+    super::warn(&judge);
     let conversions = conversions(&study, &judge, fmu)?;
     let mut rows = Table::read_results(&options.table, &columns(&study))?;
     let mut tally = Tally::new(&judge);
@@ -56,7 +57,7 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, CommandError> {
         Report::from_folder(folder)?.write(folder)?;
     }
     output::print(&table::counts(&summary));
-    Ok(verdict(summary.verified))
+    Ok(verdict(&summary))
 }
 
 /// The columns of the criteria: the study's mapping, the criterion's name, or the variable's.

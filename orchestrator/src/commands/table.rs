@@ -6,6 +6,7 @@ use indexmap::IndexMap;
 
 use crate::engine::Conduct;
 use crate::results::Summary;
+use crate::results::conclusion::Conclusion;
 use crate::results::summary::{Count, FailedPoint};
 
 /// The summary for people: what meets which criterion.
@@ -67,7 +68,57 @@ pub(super) fn counts(summary: &Summary) -> String {
         groups(&mut text, &variant.groups);
         line(&mut text, "all criteria: verified", &variant.verified);
     }
+    if let Some(conclusion) = &summary.conclusion {
+        let _ = writeln!(text, "\n{}", conclusion.verdict_words);
+        risk(&mut text, conclusion, summary);
+    }
     text
+}
+
+/// The risks of accepting, where they are known.
+fn risk(text: &mut String, conclusion: &Conclusion, summary: &Summary) {
+    let Some(risk) = &conclusion.risk else {
+        return;
+    };
+    let _ = match conclusion.guard_band {
+        None => writeln!(
+            text,
+            "no guard band keeps the risk as low as required: nothing is accepted"
+        ),
+        Some(0.0) => Ok(()),
+        Some(band) => writeln!(
+            text,
+            "guard band {band:.3} expanded uncertainties: {} points accepted",
+            conclusion.accepted
+        ),
+    };
+    let names = [
+        (
+            "consumer's risk: accepted, does not conform",
+            risk.consumer,
+            risk.intervals.consumer,
+        ),
+        (
+            "producer's risk: rejected, conforms",
+            risk.producer,
+            risk.intervals.producer,
+        ),
+    ];
+    let of_accepted = risk.not_conforming_given_accepted.map(|share| {
+        let interval = risk.intervals.not_conforming_given_accepted;
+        ("of the accepted points do not conform", share, interval)
+    });
+    for (name, share, interval) in names.into_iter().chain(of_accepted) {
+        let [low, high] = interval.map(|limit| 100.0 * limit);
+        let _ = writeln!(
+            text,
+            "{:6.2} %   {low:.2} .. {high:.2} %   {name}",
+            100.0 * share
+        );
+    }
+    if let Some(expected) = summary.expected_verified {
+        let _ = writeln!(text, "{expected:.1} of all points are expected to conform");
+    }
 }
 
 fn groups(text: &mut String, groups: &IndexMap<String, Count>) {

@@ -23,6 +23,7 @@ const MOST_POINTS: u64 = 1_000_000;
 pub(super) fn run(options: &Verify) -> Result<ExitCode, CommandError> {
     let begun = Instant::now();
     let mut verification = Verification::open(request(options))?;
+    super::warn(&verification.session.judge);
     check(options, &verification)?;
     let folder = asking::folder(
         options.output.as_deref(),
@@ -141,7 +142,7 @@ pub(super) fn conclude(
         table::best(summary),
         folder.display()
     ));
-    Ok(verdict(summary.verified))
+    Ok(verdict(summary))
 }
 
 /// A number of things.

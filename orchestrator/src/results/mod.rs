@@ -5,6 +5,7 @@
 //! are the same, byte for byte, however the points were computed; only [`Summary::run`] tells
 //! how long it took.
 
+pub mod conclusion;
 pub mod finished;
 pub mod header;
 pub mod journal;

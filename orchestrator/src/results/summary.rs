@@ -3,6 +3,8 @@
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
+use super::conclusion::Conclusion;
+use crate::conformity::risk::Risk;
 use crate::engine::Conduct;
 use crate::judge::Criterion;
 
@@ -26,9 +28,13 @@ pub struct Summary {
     /// How all intervals were computed.
     #[serde(default)]
     pub interval_method: String,
-    /// How many points truly meet all criteria, as expected from the measurement's own uncertainty.
+    /// The verdict and the risks; summaries of earlier versions have none.
+    #[serde(flatten)]
+    pub conclusion: Option<Conclusion>,
+    /// How many points conform, as expected from the measured values' uncertainties; none unless
+    /// every criterion has one.
     #[serde(default)]
-    pub expected_verified: f64,
+    pub expected_verified: Option<f64>,
     /// Counts by criterion.
     pub criteria: IndexMap<String, CriterionCount>,
     /// Counts by group of criteria: points that meet all of the group.
@@ -109,6 +115,9 @@ pub struct CriterionCount {
     /// Points that fail this criterion and no other.
     #[serde(default)]
     pub only_failure: u64,
+    /// The risks of this criterion alone, where its uncertainty is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub risk: Option<Risk>,
     /// The criterion.
     #[serde(flatten)]
     pub criterion: Criterion,

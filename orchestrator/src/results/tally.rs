@@ -3,12 +3,14 @@
 use indexmap::IndexMap;
 
 use super::Outcome;
+use super::conclusion::Conclusion;
 use super::summary::{
     BestPoint, Count, CriterionCount, FailedPoint, ParameterSummary, Provenance, Summary,
     VariantCount,
 };
-use crate::judge::{Criterion, Judge, Variant, Verdict};
-use crate::statistics::share::{randomised_share, sure_within};
+use crate::conformity::risk::RiskTally;
+use crate::judge::{Judge, Variant, Verdict};
+use crate::statistics::share::randomised_share;
 
 impl Count {
     /// The count of points that belong to randomisations of a design in turn, given that of each.
@@ -48,7 +50,7 @@ pub struct Tally<'a> {
     variants: Vec<Counts>,
     binds: Vec<u64>,
     only_failure: Vec<u64>,
-    expected_verified: f64,
+    risk: RiskTally,
     best: Option<Best>,
 }
 
@@ -127,7 +129,7 @@ impl<'a> Tally<'a> {
             variants: judge.variants.iter().map(|_| none()).collect(),
             binds: vec![0; judge.criteria.len()],
             only_failure: vec![0; judge.criteria.len()],
-            expected_verified: 0.0,
+            risk: RiskTally::new(&judge.measurement, judge.guard, replicates as u64),
             best: None,
         }
     }
@@ -138,6 +140,8 @@ impl<'a> Tally<'a> {
         self.points += 1;
         let values = outcome.as_deref().ok();
         let verdict = self.judge.verdict(values);
+        let conformity = values.map(|values| self.judge.measurement.assess(values));
+        self.risk.add(conformity.as_ref());
         self.own.add(self.judge, &verdict, replicate);
         for (counts, variant) in self.variants.iter_mut().zip(&self.judge.variants) {
             let verdict = self.judge.variant_verdict(variant, values);
@@ -160,7 +164,7 @@ impl<'a> Tally<'a> {
         verdict
     }
 
-    /// Notes which criterion decides at a point, and how sure its verdict is.
+    /// Notes which criterion decides at a point.
     fn blame(&mut self, values: &[f64], verdict: &Verdict) {
         let criteria = || self.judge.criteria.iter().zip(values);
         let deviations: Vec<f64> = criteria()
@@ -177,11 +181,6 @@ impl<'a> Tally<'a> {
         if let (Some(only), None) = (failed.next(), failed.next()) {
             self.only_failure[only] += 1;
         }
-        let sure = |(c, value): (&Criterion, &f64)| {
-            let (lower, upper) = (c.nominal - c.tolerance, c.nominal + c.tolerance);
-            sure_within(*value, c.nominal, lower, upper)
-        };
-        self.expected_verified += criteria().map(sure).product::<f64>();
     }
 
     /// Keeps the point if it is better than the best so far; of equals the first one stays.
@@ -225,6 +224,7 @@ impl<'a> Tally<'a> {
         parameters: Vec<ParameterSummary>,
     ) -> Summary {
         let (judge, points) = (self.judge, self.points);
+        let statement = self.risk.statement();
         let all = Count::new(&self.own.verified, points);
         let own = self.own.by_criterion(judge, points);
         let criteria =
@@ -238,6 +238,7 @@ impl<'a> Tally<'a> {
                         count,
                         binds: self.binds[k],
                         only_failure: self.only_failure[k],
+                        risk: statement.criteria[k].clone(),
                         criterion: criterion.clone(),
                     };
                     (name, count)
@@ -258,7 +259,8 @@ impl<'a> Tally<'a> {
             verified_fraction: all.fraction,
             verified_interval: all.interval,
             interval_method: self.interval_method(&provenance),
-            expected_verified: self.expected_verified,
+            expected_verified: statement.expected_conforming,
+            conclusion: Some(Conclusion::new(judge.rule, &statement, points)),
             criteria: criteria.collect(),
             groups: self.own.by_group(judge, points),
             variants: variants

@@ -45,6 +45,7 @@ fn the_schema_has_exactly_the_keys_that_the_reader_takes() {
         ("correlation", "[[correlations]]\n"),
         ("recording", "[inputs.x]\n"),
         ("criterion", "[criteria.x]\n"),
+        ("verdict", "[verdict]\n"),
         ("variant", "[variants.x]\n"),
         ("identify", "[identify]\n"),
         ("free", "[identify.free.x]\n"),
