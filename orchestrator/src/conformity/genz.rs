@@ -2,7 +2,8 @@
 
 use std::sync::LazyLock;
 
-use super::normal::{GaussLegendre, between, quantile_between};
+use super::normal::{GaussLegendre, between};
+use super::tabulated::Tabulated;
 
 /// The aim for the error of a probability.
 const ACCURACY: f64 = 2e-5;
@@ -10,6 +11,8 @@ const ACCURACY: f64 = 2e-5;
 const NESTED: usize = 4;
 /// Independent copies of the lattice; their scatter tells the error.
 const SHIFTS: u64 = 8;
+/// An integrand below this adds nothing.
+const NOTHING: f64 = 1e-7;
 const FIRST_POINTS: u64 = 16;
 const MOST_POINTS: u64 = 1 << 13;
 /// Where less than this is left of a variance of 1 given the others, an error follows from them.
@@ -73,28 +76,41 @@ pub(super) fn probability(correlation: &[Vec<f64>], lower: &[f64], upper: &[f64]
         factor: &factor,
         lower: pick(lower),
         upper: pick(upper),
+        normal: Tabulated::get(),
     };
     let small = order.len() <= NESTED;
     let found = if small { cube.nested() } else { cube.lattice() };
     found.clamp(least.max(0.0), most)
 }
 
-static RULES: LazyLock<[GaussLegendre; 4]> =
-    LazyLock::new(|| [10, 14, 20, 28].map(GaussLegendre::new));
+/// Shares and weights of ever finer rules.
+static RULES: LazyLock<[Vec<[f64; 2]>; 5]> = LazyLock::new(|| {
+    // The quantile is singular at 0 and 1: a smooth step takes the nodes away from there.
+    let step = |[x, weight]: [f64; 2]| [x * x * (3.0 - 2.0 * x), weight * 6.0 * x * (1.0 - x)];
+    let rule = |nodes| {
+        GaussLegendre::new(nodes)
+            .on_unit_interval()
+            .map(step)
+            .collect()
+    };
+    [6, 8, 11, 16, 24].map(rule)
+});
 
 /// The box as a unit cube.
 struct Cube<'a> {
     factor: &'a [Vec<f64>],
     lower: Vec<f64>,
     upper: Vec<f64>,
+    normal: Tabulated,
 }
 
 impl Cube<'_> {
     /// The integral by nested quadrature, with more and more nodes until two agree.
     fn nested(&self) -> f64 {
         let mut rules = RULES.iter();
-        let of = |rule: &GaussLegendre| self.inner(&mut Vec::new(), rule);
-        let mut found = rules.next().map_or(0.0, of);
+        let mut scores = Vec::with_capacity(self.lower.len());
+        let mut of = |rule: &Vec<[f64; 2]>| self.inner(&mut scores, rule, 1.0);
+        let mut found = rules.next().map_or(0.0, &mut of);
         for rule in rules {
             let finer = of(rule);
             let agreed = (finer - found).abs() < ACCURACY;
@@ -106,22 +122,27 @@ impl Cube<'_> {
         found
     }
 
-    /// The conditional probability of the remaining numbers, given the first ones.
-    fn inner(&self, scores: &mut Vec<f64>, rule: &GaussLegendre) -> f64 {
-        let [lower, upper] = self.limits(scores);
-        let probability = between(lower, upper);
-        if scores.len() + 1 == self.factor.len() || probability == 0.0 {
+    /// The conditional probability of the remaining numbers, given the first ones, which have the probability `so_far`.
+    fn inner(&self, scores: &mut Vec<f64>, rule: &[[f64; 2]], so_far: f64) -> f64 {
+        let limits = self.limits(scores);
+        let below = limits.map(|limit| self.normal.cdf(limit));
+        let probability = below[1] - below[0];
+        if scores.len() + 1 == self.factor.len() || probability * so_far < NOTHING {
             return probability;
         }
         let mut sum = 0.0;
-        for [node, weight] in rule.on_unit_interval() {
-            // The quantile is singular at 0 and 1: a smooth step takes the nodes away from there.
-            let share = node * node * (3.0 - 2.0 * node);
-            scores.push(quantile_between(lower, upper, share));
-            sum += weight * 6.0 * node * (1.0 - node) * self.inner(scores, rule);
+        for &[share, weight] in rule {
+            scores.push(self.between(limits, below, share));
+            sum += weight * self.inner(scores, rule, probability * so_far);
             scores.pop();
         }
         probability * sum
+    }
+
+    /// The quantile at `share` of the number between two limits, given the probabilities below them.
+    fn between(&self, [lower, upper]: [f64; 2], below: [f64; 2], share: f64) -> f64 {
+        let place = below[0] + share * (below[1] - below[0]);
+        self.normal.quantile(place).max(lower).min(upper)
     }
 
     /// The limits of the next number, given those before it.
@@ -163,16 +184,17 @@ impl Cube<'_> {
         let mut scores = Vec::with_capacity(self.lower.len());
         let mut product = 1.0;
         loop {
-            let [lower, upper] = self.limits(&scores);
-            product *= between(lower, upper);
+            let limits = self.limits(&scores);
+            let below = limits.map(|limit| self.normal.cdf(limit));
+            product *= below[1] - below[0];
             let done = scores.len();
-            if done + 1 == self.factor.len() || product == 0.0 {
+            if done + 1 == self.factor.len() || product < NOTHING {
                 return product;
             }
             let turn = GENERATORS[done % GENERATORS.len()] * point % points;
             let place = turn as f64 / points as f64 + shift_of(shift, done as u64);
             let tent = (2.0 * place.fract() - 1.0).abs();
-            scores.push(quantile_between(lower, upper, tent));
+            scores.push(self.between(limits, below, tent));
         }
     }
 }
@@ -220,6 +242,66 @@ mod tests {
                 let aim = if size > NESTED { 3.0 } else { 1.0 } * ACCURACY;
                 assert!(error < aim, "{size} {correlation}: {found} {expected}");
             }
+        }
+    }
+
+    /// Random correlations, weak and strong: given two of four numbers, the other two have a bivariate probability that
+    /// is known to 1e-12, and a fine rule integrates it over the first two.
+    #[test]
+    fn four_numbers_agree_with_the_integral_over_two_of_them() {
+        use crate::conformity::normal::between_both;
+        use rand::{RngExt, SeedableRng, rngs::StdRng};
+        let mut random = StdRng::seed_from_u64(1);
+        let fine = GaussLegendre::new(40);
+        let on = |[from, to]: [f64; 2]| {
+            let [from, to] = [from.max(-7.0), to.min(7.0).max(from.max(-7.0))];
+            let scale = move |[x, w]: [f64; 2]| {
+                let z = from + x * (to - from);
+                [
+                    z,
+                    w * (to - from) * (-0.5 * z * z).exp() / std::f64::consts::TAU.sqrt(),
+                ]
+            };
+            fine.on_unit_interval().map(scale).collect::<Vec<_>>()
+        };
+        for trial in 0..60 {
+            let (common, own) = (random.random_range(0.0..2.0), 0.3);
+            let directions: Vec<Vec<f64>> = (0..4)
+                .map(|_| {
+                    (0..3)
+                        .map(|_| common * random.random_range(-1.0..1.0))
+                        .collect()
+                })
+                .collect();
+            let covariance = |i: usize, j: usize| {
+                let shared: f64 = (0..3).map(|k| directions[i][k] * directions[j][k]).sum();
+                shared + if i == j { own } else { 0.0 }
+            };
+            let entry = |i, j| covariance(i, j) / f64::sqrt(covariance(i, i) * covariance(j, j));
+            let row = |i| (0..4).map(|j| entry(i, j)).collect();
+            let matrix: Vec<Vec<f64>> = (0..4).map(row).collect();
+            let lower: Vec<f64> = (0..4).map(|_| random.random_range(-3.0..0.5)).collect();
+            let upper: Vec<f64> = lower
+                .iter()
+                .map(|a| a + random.random_range(0.5..4.0))
+                .collect();
+            let l = cholesky(&matrix).unwrap();
+            let spread = l[3][2].hypot(l[3][3]);
+            let mut expected = 0.0;
+            for [x, weight_x] in on([lower[0], upper[0]]) {
+                let limit = |bound: f64| (bound - l[1][0] * x) / l[1][1];
+                for [y, weight_y] in on([limit(lower[1]), limit(upper[1])]) {
+                    let rest = |bounds: &[f64]| {
+                        let rest = |k: usize| bounds[k] - l[k][0] * x - l[k][1] * y;
+                        [rest(2) / l[2][2], rest(3) / spread]
+                    };
+                    let both = between_both(rest(&lower), rest(&upper), l[3][2] / spread);
+                    expected += weight_x * weight_y * both;
+                }
+            }
+            let found = probability(&matrix, &lower, &upper);
+            let error = (found - expected).abs();
+            assert!(error < 5e-5, "{trial}: {found} {expected}");
         }
     }
 
