@@ -271,6 +271,9 @@ unit = "N"
 share = "5 %"
 "#;
 
+    /// Changes of the study, and the place and the remedy in the message.
+    type Case<'a> = (Vec<(&'a str, String)>, &'a str, &'a str);
+
     fn judge(changes: &[(&str, &str)]) -> Result<Judge, String> {
         let mut text = STUDY.to_owned();
         for (from, to) in changes {
@@ -344,7 +347,7 @@ share = "5 %"
         };
         let correlated = |text: String| vec![("[verdict]", text + "[verdict]")];
         let twice = pair("T", "F", "0.5") + &pair("F", "T", "0.5");
-        let cases: Vec<(Vec<(&str, String)>, &str, &str)> = vec![
+        let cases: Vec<Case<'_>> = vec![
             (
                 vec![("\"t\"", "\"p\"".into())],
                 "s.toml:10:12:",

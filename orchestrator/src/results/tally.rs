@@ -5,9 +5,10 @@ use indexmap::IndexMap;
 use super::Outcome;
 use super::conclusion::Conclusion;
 use super::summary::{
-    BestPoint, Count, CriterionCount, FailedPoint, ParameterSummary, Provenance, Summary,
-    VariantCount,
+    BestPoint, Correlated, Count, CriterionCount, FailedPoint, ParameterSummary, Provenance,
+    Summary, VariantCount,
 };
+use crate::conformity::looks::Looks;
 use crate::conformity::risk::RiskTally;
 use crate::judge::{Judge, Variant, Verdict};
 use crate::statistics::share::randomised_share;
@@ -44,6 +45,7 @@ impl Shares {
 pub struct Tally<'a> {
     judge: &'a Judge,
     replicates: usize,
+    looks: Looks,
     points: u64,
     failures: IndexMap<String, (u64, FailedPoint)>,
     own: Counts,
@@ -123,6 +125,7 @@ impl<'a> Tally<'a> {
         Self {
             judge,
             replicates,
+            looks: Looks::Once,
             points: 0,
             failures: IndexMap::new(),
             own: none(),
@@ -132,6 +135,11 @@ impl<'a> Tally<'a> {
             risk: RiskTally::new(&judge.measurement, judge.guard, replicates as u64),
             best: None,
         }
+    }
+
+    /// How often the points were looked at before they were declared to be enough.
+    pub fn looked_at(self, looks: Looks) -> Self {
+        Self { looks, ..self }
     }
 
     /// Counts a point and returns the verdict on it.
@@ -253,6 +261,7 @@ impl<'a> Tally<'a> {
         let usual = self.failures.values().rev().max_by_key(|(count, _)| count);
         Summary {
             title,
+            dossier: None,
             points,
             failed: self.failed(),
             verified: all.passed,
@@ -260,7 +269,8 @@ impl<'a> Tally<'a> {
             verified_interval: all.interval,
             interval_method: self.interval_method(&provenance),
             expected_verified: statement.expected_conforming,
-            conclusion: Some(Conclusion::new(judge.rule, &statement, points)),
+            conclusion: Some(Conclusion::new(judge.rule, self.looks, &statement, points)),
+            uncertainty_correlations: correlations(judge),
             criteria: criteria.collect(),
             groups: self.own.by_group(judge, points),
             variants: variants
@@ -327,4 +337,16 @@ impl<'a> Tally<'a> {
             values: criteria.zip(best.values.iter().copied()).collect(),
         }
     }
+}
+
+/// Which measured values' errors are correlated.
+fn correlations(judge: &Judge) -> Vec<Correlated> {
+    let name = |number: usize| judge.criteria[number].name.clone();
+    let pairs = judge.measurement.correlations().iter();
+    pairs
+        .map(|&(a, b, coefficient)| Correlated {
+            between: [name(a), name(b)],
+            coefficient,
+        })
+        .collect()
 }
