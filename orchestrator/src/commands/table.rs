@@ -4,10 +4,10 @@ use std::fmt::Write;
 
 use indexmap::IndexMap;
 
+use crate::conformity::risk::Risk;
 use crate::engine::Conduct;
-use crate::results::Summary;
-use crate::results::conclusion::Conclusion;
 use crate::results::summary::{Count, FailedPoint};
+use crate::results::{Summary, words};
 
 /// The summary for people: what meets which criterion.
 pub(super) fn counts(summary: &Summary) -> String {
@@ -68,57 +68,53 @@ pub(super) fn counts(summary: &Summary) -> String {
         groups(&mut text, &variant.groups);
         line(&mut text, "all criteria: verified", &variant.verified);
     }
-    if let Some(conclusion) = &summary.conclusion {
-        let _ = writeln!(text, "\n{}", conclusion.verdict_words);
-        risk(&mut text, conclusion, summary);
+    risks(&mut text, summary);
+    text.push('\n');
+    for sentence in words::sentences(summary) {
+        let _ = writeln!(text, "{sentence}");
     }
     text
 }
 
-/// The risks of accepting, where they are known.
-fn risk(text: &mut String, conclusion: &Conclusion, summary: &Summary) {
-    let Some(risk) = &conclusion.risk else {
+/// The risks of accepting, of every criterion and of all, where they are known.
+fn risks(text: &mut String, summary: &Summary) {
+    let criteria = summary.criteria.iter();
+    let own = criteria.filter_map(|(name, entry)| Some((name.as_str(), entry.risk.as_ref()?)));
+    let conclusion = summary.conclusion.as_ref();
+    let all = conclusion.and_then(|found| Some(("all criteria", found.risk.as_ref()?)));
+    let mut rows = own.chain(all).peekable();
+    if rows.peek().is_none() {
         return;
-    };
-    let _ = match conclusion.guard_band {
-        None => writeln!(
-            text,
-            "no guard band keeps the risk as low as required: nothing is accepted"
-        ),
-        Some(0.0) => Ok(()),
-        Some(band) => writeln!(
-            text,
-            "guard band {band:.3} expanded uncertainties: {} points accepted",
-            conclusion.accepted
-        ),
-    };
-    let names = [
-        (
-            "consumer's risk: accepted, does not conform",
-            risk.consumer,
-            risk.intervals.consumer,
-        ),
-        (
-            "producer's risk: rejected, conforms",
-            risk.producer,
-            risk.intervals.producer,
-        ),
-    ];
-    let of_accepted = risk.not_conforming_given_accepted.map(|share| {
-        let interval = risk.intervals.not_conforming_given_accepted;
-        ("of the accepted points do not conform", share, interval)
-    });
-    for (name, share, interval) in names.into_iter().chain(of_accepted) {
-        let [low, high] = interval.map(|limit| 100.0 * limit);
+    }
+    let _ = writeln!(
+        text,
+        "\n{:<22}{:>24}{:>26}{:>26}",
+        "risk, 95 % interval",
+        "accepted, not conforming",
+        "rejected, conforming",
+        "not conforming / accepted"
+    );
+    for (name, risk) in rows {
+        let Risk { intervals, .. } = risk;
         let _ = writeln!(
             text,
-            "{:6.2} %   {low:.2} .. {high:.2} %   {name}",
-            100.0 * share
+            "{name:<22}{:>24}{:>26}{:>26}",
+            with_interval(Some(risk.consumer), intervals.consumer),
+            with_interval(Some(risk.producer), intervals.producer),
+            with_interval(
+                risk.not_conforming_given_accepted,
+                intervals.not_conforming_given_accepted
+            ),
         );
     }
-    if let Some(expected) = summary.expected_verified {
-        let _ = writeln!(text, "{expected:.1} of all points are expected to conform");
-    }
+}
+
+fn with_interval(share: Option<f64>, interval: [f64; 2]) -> String {
+    let [low, high] = interval.map(|limit| 100.0 * limit);
+    share.map_or_else(
+        || "-".to_owned(),
+        |share| format!("{:.2} % ({low:.1} .. {high:.1})", 100.0 * share),
+    )
 }
 
 fn groups(text: &mut String, groups: &IndexMap<String, Count>) {

@@ -7,6 +7,7 @@ pub mod figures;
 pub mod format;
 mod from_results;
 pub mod history;
+pub mod judgement;
 mod page;
 pub mod pareto;
 mod payload;
@@ -26,6 +27,7 @@ use crate::analysis::table::PointTable;
 use crate::analysis::verdict::Verdict;
 use crate::statistics::share::Fraction;
 use figures::Series;
+use judgement::Judgement;
 #[cfg(feature = "png")]
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
@@ -46,6 +48,8 @@ pub struct Report {
     pub remarks: Vec<String>,
     /// The points.
     pub table: PointTable,
+    /// The verdict and its risks.
+    pub judgement: Judgement,
     /// The counts' intervals, where the points are not independent of each other.
     pub intervals: Option<Intervals>,
     /// Counts by other readings of the tolerances.
