@@ -132,3 +132,177 @@ fn the_risk_sets_the_guard_band() {
     let given = guarded.replace("risk = \"30 %\"", &format!("guard-band = {band}"));
     assert_eq!(judge(&given, 2000).1["accepted"], summary["accepted"]);
 }
+
+/// Of this study about 40 % of the space is accepted: 1 - exp(-2 rate) between 0.817 and 0.903.
+const LAG: &str = r#"
+title = "Lag & more"
+fmu = "lag.fmu"
+[simulation]
+stop = 2
+step = 0.01
+[design]
+method = "monte-carlo"
+points = 300
+seed = 3
+[parameters."lag.rate"]
+distribution = "normal"
+mean = 1
+deviation = 0.3
+[criteria.Y]
+variable = "lag.y"
+nominal = 0.86
+tolerance = "5 %"
+uncertainty = "2 %"
+[verdict]
+share = "5 %"
+[dossier]
+responsible = "A. Engineer <test>"
+rig = "Rig 2"
+"#;
+
+fn verify(bench: &Bench, study: &str, options: &[&str]) -> (support::Said, Value) {
+    bench.write("study.toml", study);
+    let _ = std::fs::remove_dir_all(bench.path("out"));
+    let said = bench.run(&[&["verify", "study.toml", "--output", "out"], options].concat());
+    assert!(said.code != 2, "{}", said.err);
+    (said, bench.summary("out"))
+}
+
+#[test]
+fn a_study_ends_when_its_verdict_is_known() {
+    let bench = Bench::new();
+    let waiting = ["--until", "verdict", "--points", "3000"];
+    for (share, code) in [("5 %", 0), ("90 %", 1)] {
+        let study = LAG.replace("share = \"5 %\"", &format!("share = \"{share}\""));
+        let (said, summary) = verify(&bench, &study, &waiting);
+        assert_eq!(said.code, code, "{}", said.out);
+        assert!(summary["points"].as_u64().unwrap() < 100, "{summary}");
+        let method = summary["required"]["method"].as_str().unwrap();
+        assert!(method.contains("confidence sequence"), "{method}");
+        assert!(summary["required"]["points_needed"].is_null());
+    }
+    let nets = LAG.replace("monte-carlo\"", "sobol\"\nreplicates = 8");
+    assert_eq!(verify(&bench, &nets, &waiting).1["points"], 128);
+    let near = LAG.replace("\"5 %\"\n[dossier]", "\"40 %\"\n[dossier]");
+    let (said, summary) = verify(&bench, &near, &["--until", "verdict", "--points", "60"]);
+    assert_eq!(
+        (said.code, summary["points"].as_u64()),
+        (3, Some(60)),
+        "{}",
+        said.out
+    );
+    assert!(summary["required"]["points_needed"].as_u64().unwrap() > 60);
+    assert!(
+        said.out.contains("independent points decide"),
+        "{}",
+        said.out
+    );
+}
+
+#[test]
+fn a_verdict_cannot_be_waited_for_where_nothing_tells_how_points_depend() {
+    let bench = Bench::new();
+    for (from, to, words) in [
+        ("monte-carlo", "sobol", ["until", "replicates = 8"]),
+        (
+            "[verdict]\nshare = \"5 %\"\n",
+            "",
+            ["until", "add [verdict]"],
+        ),
+        (
+            "share = \"5 %\"",
+            "share = 0.05\nrisk = 0.1",
+            ["until", "guard-band"],
+        ),
+    ] {
+        bench.write("study.toml", &LAG.replace(from, to));
+        bench
+            .run(&["verify", "study.toml", "--until", "verdict"])
+            .is_mistake(&words);
+    }
+}
+
+#[test]
+fn shards_have_no_verdict_and_their_union_has() {
+    let bench = Bench::new();
+    let study = LAG.replace("\"5 %\"\n[dossier]", "\"90 %\"\n[dossier]");
+    bench.write("study.toml", &study);
+    for shard in ["1/2", "2/2"] {
+        let folder = shard.replace('/', "-");
+        let said = bench.run(&[
+            "verify",
+            "study.toml",
+            "--shard",
+            shard,
+            "--output",
+            &folder,
+        ]);
+        assert_eq!(said.code, 0, "{}", said.err);
+    }
+    let said = bench.run(&["merge", "1-2", "2-2", "--output", "out"]);
+    assert_eq!(said.code, 1, "{}{}", said.out, said.err);
+    assert_eq!(bench.summary("out")["verdict"], "not verified");
+}
+
+#[test]
+fn the_dossier_is_in_all_files() {
+    let bench = Bench::new();
+    let (_, summary) = verify(&bench, LAG, &[]);
+    assert_eq!(summary["dossier"]["rig"], "Rig 2");
+    let date = summary["run"]["date"].as_str().unwrap();
+    assert!(date.ends_with('Z') && date.len() == 20, "{date}");
+    let page = bench.read("out/report.html");
+    for part in ["A. Engineer &lt;test&gt;", "Rig 2", date, "normal, mean 1"] {
+        assert!(page.contains(part), "no {part}");
+    }
+    let resource = bench.read("out/verdict.srmd");
+    let task = bench.read("out/verdict.stmd");
+    for file in [&resource, &task] {
+        let document = roxmltree::Document::parse(file).unwrap();
+        let entries = document
+            .descendants()
+            .filter(|node| node.has_attribute("keyword"));
+        let found: std::collections::HashMap<_, _> = entries
+            .map(|node| (node.attribute("keyword").unwrap(), node.text().unwrap()))
+            .collect();
+        assert_eq!(found["verdict"], "verified");
+        assert_eq!(found["required.share"], "0.05");
+        assert_eq!(found["dossier.responsible"], "A. Engineer <test>");
+        assert_eq!(found["study.sha256"], summary["provenance"]["study_sha256"]);
+        assert!(found["parameter.lag.rate"].starts_with("normal, mean 1.0, deviation 0.3"));
+        assert!(
+            found["criterion.Y"].contains("uncertainty 0.0172 (k = 2)"),
+            "{}",
+            found["criterion.Y"]
+        );
+        assert!(found.contains_key("risk.consumer"));
+    }
+    assert!(resource.contains("data=\"summary.json\""));
+    assert!(task.contains("<stc:Drafted date=\""));
+}
+
+#[test]
+fn the_page_says_what_accepting_risks() {
+    let bench = Bench::new();
+    let (said, _) = verify(&bench, LAG, &[]);
+    let page = bench.read("out/report.html");
+    for part in [
+        "accepted points",
+        "are expected not to conform",
+        "The risk of accepting",
+        "Conforms %",
+    ] {
+        assert!(page.contains(part), "no {part}");
+    }
+    assert!(
+        said.out.contains("are expected not to conform"),
+        "{}",
+        said.out
+    );
+    let unknown = LAG.replace("uncertainty = \"2 %\"\n", "");
+    let (said, _) = verify(&bench, &unknown, &[]);
+    let page = bench.read("out/report.html");
+    assert!(page.contains("Y has no `uncertainty`, and nothing is assumed"));
+    assert!(!page.contains("The risk of accepting") && !page.contains("Conforms %"));
+    assert!(said.out.contains("Y has no `uncertainty`"), "{}", said.out);
+}

@@ -5,6 +5,7 @@ mod best;
 mod check;
 mod completion;
 mod cost;
+mod dossier;
 mod finding;
 mod identify;
 mod init;

@@ -16,6 +16,8 @@ pub mod parquet;
 pub mod points;
 pub mod summary;
 pub mod tally;
+pub mod traceability;
+pub mod words;
 
 use std::io;
 use std::path::{Path, PathBuf};

@@ -2,6 +2,7 @@
 //!
 //! [`Study`] is the content of the TOML file, [`plan`] ties it to an FMU.
 
+pub mod dossier;
 mod error;
 pub mod identification;
 pub(crate) mod inputs;
@@ -24,6 +25,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use toml::Spanned;
 
+pub use dossier::Dossier;
 pub use error::StudyError;
 pub use identification::Identification;
 pub use quantity::Quantity;
@@ -75,6 +77,8 @@ pub struct Study {
     pub uncertainty_correlations: Vec<Spanned<Pair>>,
     /// What is required of the model as a whole; without it, one point that meets all criteria.
     pub verdict: Option<Spanned<Required>>,
+    /// Who answers for the verdict, and on which test it rests.
+    pub dossier: Option<Dossier>,
     /// Other readings of the tolerances, judged beside the criteria's own.
     #[serde(default)]
     pub variants: IndexMap<String, Variant>,

@@ -46,6 +46,7 @@ fn the_schema_has_exactly_the_keys_that_the_reader_takes() {
         ("recording", "[inputs.x]\n"),
         ("criterion", "[criteria.x]\n"),
         ("verdict", "[verdict]\n"),
+        ("dossier", "[dossier]\n"),
         ("variant", "[variants.x]\n"),
         ("identify", "[identify]\n"),
         ("free", "[identify.free.x]\n"),
