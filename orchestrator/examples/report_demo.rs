@@ -3,7 +3,7 @@
 use orchestrator::analysis::pareto::study::{Member, trade_off};
 use orchestrator::analysis::robustness::{region, robustness, rows};
 use orchestrator::analysis::sensitivity::study::from_points;
-use orchestrator::analysis::table::{Criterion, Parameter, PointTable};
+use orchestrator::analysis::table::{CriterionColumn, ParameterColumn, PointTable};
 use orchestrator::conformity::measured::{Measured, Measurement, Uncertainty};
 use orchestrator::report::{Report, figures::Series, judgement::Judgement};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
@@ -94,7 +94,7 @@ fn cloud(n: usize) -> PointTable {
             .iter()
             .map(|v| (v - nominal).abs() <= tolerance)
             .collect();
-        Criterion {
+        CriterionColumn {
             name: name.into(),
             source: "final value".into(),
             unit: unit.into(),
@@ -131,7 +131,7 @@ fn cloud(n: usize) -> PointTable {
         parameters: laws
             .iter()
             .zip(&columns)
-            .map(|((name, unit, mean, sd), values)| Parameter {
+            .map(|((name, unit, mean, sd), values)| ParameterColumn {
                 name: (*name).into(),
                 unit: (*unit).into(),
                 distribution: format!("normal, {mean} ± {sd}"),

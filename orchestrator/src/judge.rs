@@ -14,7 +14,7 @@ use crate::names::did_you_mean;
 use crate::statistics::Statistic;
 use crate::study::plan::find;
 use crate::study::quantity::{Scale, Sense};
-use crate::study::{Criterion as Text, Quantity, Study, StudyError};
+use crate::study::{CriterionText, Quantity, Study, StudyError};
 use fmu_import::Description;
 
 /// Measured value of one quantity with its tolerance, in the study's unit.
@@ -93,12 +93,12 @@ pub struct Judge {
 
 /// Whether a point agrees, criterion by criterion.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Verdict {
+pub struct PointVerdict {
     /// A flag for each criterion.
     pub passed: Vec<bool>,
 }
 
-impl Verdict {
+impl PointVerdict {
     /// Whether the point agrees in everything.
     pub fn verified(&self) -> bool {
         !self.passed.is_empty() && self.passed.iter().all(|&passed| passed)
@@ -197,17 +197,17 @@ impl Judge {
     }
 
     /// Judges the values of one point; `None` is a point that failed.
-    pub fn verdict(&self, values: Option<&[f64]>) -> Verdict {
+    pub fn verdict(&self, values: Option<&[f64]>) -> PointVerdict {
         let passed = |(number, criterion): (usize, &Criterion)| {
             values.is_some_and(|values| values.get(number).is_some_and(|&v| criterion.accepts(v)))
         };
-        Verdict {
+        PointVerdict {
             passed: self.criteria.iter().enumerate().map(passed).collect(),
         }
     }
 
     /// Judges the values of one point by another reading of the tolerances.
-    pub fn variant_verdict(&self, variant: &Variant, values: Option<&[f64]>) -> Verdict {
+    pub fn variant_verdict(&self, variant: &Variant, values: Option<&[f64]>) -> PointVerdict {
         let passed = |(number, criterion): (usize, &Criterion)| {
             let tolerance = variant.tolerances[number];
             values.is_some_and(|values| {
@@ -216,7 +216,7 @@ impl Judge {
                     .is_some_and(|&v| accepts(criterion.nominal, tolerance, v))
             })
         };
-        Verdict {
+        PointVerdict {
             passed: self.criteria.iter().enumerate().map(passed).collect(),
         }
     }
@@ -264,7 +264,7 @@ fn at_name(study: &Study, name: &Spanned<String>, message: &str) -> StudyError {
     study.error_at(name, format!("{}: {message}", name.as_ref()))
 }
 
-fn criterion(name: &str, text: &Text, scale: &Scale<'_>) -> Result<Criterion, String> {
+fn criterion(name: &str, text: &CriterionText, scale: &Scale<'_>) -> Result<Criterion, String> {
     let nominal = scale.number(&text.nominal, Sense::Value)?;
     if !nominal.is_finite() {
         return Err(format!(
@@ -380,7 +380,7 @@ mod tests {
         assert_eq!(judge.verdict(Some(&[82.0])).passed, [true, false]);
         let variant = &judge.variants[0];
         assert_eq!(judge.variant_verdict(variant, None).passed, [false, false]);
-        assert!(!Verdict::default().verified());
+        assert!(!PointVerdict::default().verified());
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The table of points from what `verify` leaves behind.
 
-use super::table::{Criterion, Parameter, PointTable};
-use crate::judge::{Judge, Verdict};
+use super::table::{CriterionColumn, ParameterColumn, PointTable};
+use crate::judge::{Judge, PointVerdict};
 use crate::results::{Outcome, Points, PointsError, ResultsError, Summary};
 use crate::study::plan::Input;
 use std::path::Path;
@@ -43,7 +43,7 @@ pub fn table(summary: &Summary, points: Points) -> PointTable {
         .parameters
         .iter()
         .zip(points.parameters)
-        .map(|(p, values)| Parameter {
+        .map(|(p, values)| ParameterColumn {
             name: p.name.clone(),
             unit: p.unit.clone().unwrap_or_default(),
             distribution: p.words(),
@@ -56,7 +56,7 @@ pub fn table(summary: &Summary, points: Points) -> PointTable {
         .zip(columns)
         .map(|(count, (values, ok))| {
             let c = &count.criterion;
-            Criterion {
+            CriterionColumn {
                 name: c.name.clone(),
                 source: format!("{} of {}", c.statistic.label(), c.variable),
                 unit: c.unit.clone().unwrap_or_default(),
@@ -85,17 +85,17 @@ pub fn from_runs(
     points: &[Vec<f64>],
     outcomes: Vec<Outcome>,
 ) -> PointTable {
-    let verdicts: Vec<Verdict> = outcomes
+    let verdicts: Vec<PointVerdict> = outcomes
         .iter()
         .map(|o| judge.verdict(o.as_deref().ok()))
         .collect();
-    let parameters = varied.iter().map(|&k| Parameter {
+    let parameters = varied.iter().map(|&k| ParameterColumn {
         name: inputs[k].name.clone(),
         unit: inputs[k].unit.clone().unwrap_or_default(),
         distribution: String::new(),
         values: points.iter().map(|p| p[k]).collect(),
     });
-    let criteria = judge.criteria.iter().enumerate().map(|(j, c)| Criterion {
+    let criteria = judge.criteria.iter().enumerate().map(|(j, c)| CriterionColumn {
         name: c.name.clone(),
         source: format!("{} of {}", c.statistic.label(), c.variable),
         unit: c.unit.clone().unwrap_or_default(),
@@ -113,7 +113,7 @@ pub fn from_runs(
         ids: (1..=points.len() as u64).collect(),
         parameters: parameters.collect(),
         criteria: criteria.collect(),
-        verified: verdicts.iter().map(Verdict::verified).collect(),
+        verified: verdicts.iter().map(PointVerdict::verified).collect(),
         status: outcomes
             .iter()
             .map(|o| {

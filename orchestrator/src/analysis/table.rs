@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 /// A sampled parameter with its value at every point.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Parameter {
+pub struct ParameterColumn {
     /// The variable's name.
     pub name: String,
     /// The unit of `values`; empty when dimensionless.
@@ -17,7 +17,7 @@ pub struct Parameter {
 
 /// A criterion with its value at every point and its accepted interval.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Criterion {
+pub struct CriterionColumn {
     /// The criterion's name.
     pub name: String,
     /// What it is computed from, for people, such as "mean of sensor.loadForce"; empty when unknown.
@@ -38,7 +38,7 @@ pub struct Criterion {
     pub ok: Vec<bool>,
 }
 
-impl Criterion {
+impl CriterionColumn {
     /// How far a value is from nominal, in units of the tolerance on that side: 0 at nominal,
     /// 1 at the limit, above 1 outside. Towards an infinite limit the deviation is 0.
     /// Not a number for a value that is not a number.
@@ -66,9 +66,9 @@ pub struct PointTable {
     /// The points' numbers, as in `points.csv`.
     pub ids: Vec<u64>,
     /// The sampled parameters.
-    pub parameters: Vec<Parameter>,
+    pub parameters: Vec<ParameterColumn>,
     /// The criteria.
-    pub criteria: Vec<Criterion>,
+    pub criteria: Vec<CriterionColumn>,
     /// Whether the point meets all criteria.
     pub verified: Vec<bool>,
     /// `ok`, or why the point has no values.
@@ -104,7 +104,7 @@ impl PointTable {
             parameters: self
                 .parameters
                 .iter()
-                .map(|p| Parameter {
+                .map(|p| ParameterColumn {
                     values: numbers(&p.values),
                     ..p.clone()
                 })
@@ -112,7 +112,7 @@ impl PointTable {
             criteria: self
                 .criteria
                 .iter()
-                .map(|c| Criterion {
+                .map(|c| CriterionColumn {
                     values: numbers(&c.values),
                     ok: flags(&c.ok),
                     ..c.clone()
@@ -232,8 +232,8 @@ pub struct Ranked {
 mod tests {
     use super::*;
 
-    fn criterion(nominal: f64, lower: f64, upper: f64) -> Criterion {
-        Criterion {
+    fn criterion(nominal: f64, lower: f64, upper: f64) -> CriterionColumn {
+        CriterionColumn {
             name: "c".into(),
             source: String::new(),
             unit: String::new(),

@@ -19,7 +19,7 @@ pub struct CriterionVerdict {
 
 /// Counts over all points.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Verdict {
+pub struct PassCounts {
     /// Points that meet all criteria.
     pub verified: Fraction,
     /// Points that were not simulated to their end; they count as not verified.
@@ -31,7 +31,7 @@ pub struct Verdict {
 }
 
 /// Counts a table of points.
-pub fn verdict(table: &PointTable) -> Verdict {
+pub fn verdict(table: &PointTable) -> PassCounts {
     let n = table.len();
     let count =
         |passes: &dyn Fn(usize) -> bool| Fraction::wilson((0..n).filter(|&i| passes(i)).count(), n);
@@ -54,7 +54,7 @@ pub fn verdict(table: &PointTable) -> Verdict {
     let criteria = (0..table.criteria.len())
         .map(|k| criterion_verdict(table, k, &bindings, count(&|i| table.criteria[k].ok[i])))
         .collect();
-    Verdict {
+    PassCounts {
         verified: count(&|i| table.verified[i]),
         failed: (0..n).filter(|&i| !table.completed(i)).count(),
         criteria,
@@ -100,11 +100,11 @@ fn criterion_verdict(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::table::Criterion;
+    use crate::analysis::table::CriterionColumn;
 
     /// A criterion of 10 ± 2, in a group or in none.
-    fn ten(name: &str, group: Option<&str>, values: [f64; 6]) -> Criterion {
-        Criterion {
+    fn ten(name: &str, group: Option<&str>, values: [f64; 6]) -> CriterionColumn {
+        CriterionColumn {
             name: name.into(),
             source: String::new(),
             unit: String::new(),
@@ -140,7 +140,7 @@ mod tests {
             only_failure,
             median_miss: Some(median_miss),
         };
-        let expected = Verdict {
+        let expected = PassCounts {
             verified: of_six(1),
             failed: 1,
             // Where all deviations are equal, the first criterion binds.

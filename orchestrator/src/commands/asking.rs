@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use super::CommandError;
-use super::finding::{self, Finding};
+use super::finding::{self, AnalysisResult};
 use super::limits::place;
 use crate::cli::{Means, Parts};
 use crate::engine::crew::Crew;
@@ -37,7 +37,7 @@ pub(super) trait Analysis {
         session: &Session,
         pipeline: &mut Pipeline<'_>,
         folder: &Path,
-    ) -> Result<Finding, CommandError>;
+    ) -> Result<AnalysisResult, CommandError>;
 }
 
 /// What tells the points of an analysis from others of the same study and FMU.

@@ -50,7 +50,7 @@ pub(super) fn digest_of(folder: &Path) -> Result<String, CommandError> {
 }
 
 /// What an analysis has found out.
-pub(super) struct Finding {
+pub(super) struct AnalysisResult {
     /// To which study, FMU and points it belongs.
     pub(super) origin: Origin,
     /// The same for people.
@@ -68,7 +68,7 @@ struct Told<'a> {
     finding: &'a serde_json::Value,
 }
 
-impl Finding {
+impl AnalysisResult {
     /// What was found, which becomes the content of `file`.
     pub(super) fn new(
         result: &impl Serialize,

@@ -15,7 +15,7 @@ use crate::identify::error::BindError;
 use crate::identify::local::End;
 use crate::identify::model::FmuModel;
 use crate::identify::objective::Objective;
-use crate::identify::outcome::Outcome;
+use crate::identify::outcome::IdentificationOutcome;
 use crate::identify::posterior::Posterior;
 use crate::identify::search::{self, Progress, SearchError, search};
 use crate::identify::text;
@@ -147,9 +147,9 @@ fn find(
     settings: &Identification,
     bound: &Bound,
     pipeline: &mut Pipeline<'_>,
-) -> Result<Outcome, CommandError> {
+) -> Result<IdentificationOutcome, CommandError> {
     let starts = starts(study, settings)?;
-    let limits = search::Settings {
+    let limits = search::Effort {
         descents: settings.descents.max(1),
         iterations: settings.iterations.max(1),
         deadline: options
@@ -164,7 +164,7 @@ fn find(
     });
     let found = found.and_then(|(minimum, progress)| {
         let posterior = Posterior::at(&objective, &minimum)?;
-        Ok(Outcome::new(
+        Ok(IdentificationOutcome::new(
             &bound.problem,
             &minimum,
             &posterior,
@@ -200,7 +200,7 @@ fn starts(study: &Study, settings: &Identification) -> Result<Vec<Vec<f64>>, Com
     Ok((0..design.len()).map(|index| design.point(index)).collect())
 }
 
-fn write(folder: &Path, study: &Study, outcome: &Outcome) -> Result<(), CommandError> {
+fn write(folder: &Path, study: &Study, outcome: &IdentificationOutcome) -> Result<(), CommandError> {
     write_atomically(&folder.join("identification.json"), |out| {
         serde_json::to_writer_pretty(&mut *out, outcome)?;
         writeln!(out)
@@ -221,7 +221,7 @@ fn write_cases(
     folder: &Path,
     study: &Study,
     settings: &Identification,
-    outcome: &Outcome,
+    outcome: &IdentificationOutcome,
 ) -> Result<(), CommandError> {
     let Some(path) = &settings.cases else {
         return Ok(());

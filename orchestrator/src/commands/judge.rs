@@ -83,7 +83,7 @@ fn conversions(
     fmu: Option<&Description>,
 ) -> Result<Vec<Conversion>, CommandError> {
     let pairs = study.criteria.iter().zip(&judge.criteria);
-    let conversion = |(name, text): (&crate::study::Name, &crate::study::Criterion), unit| {
+    let conversion = |(name, text): (&crate::study::Name, &crate::study::CriterionText), unit| {
         let Some(column_unit) = text.column_unit.as_deref() else {
             return Ok(Conversion::IDENTITY);
         };

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::CommandError;
 use super::asking::{self, Analysis, PointSet};
-use super::finding::{self, Finding};
+use super::finding::{self, AnalysisResult};
 use crate::analysis::from_results;
 use crate::analysis::pareto::nsga2;
 use crate::analysis::pareto::study::{CONFLICT, Member, Pareto, trade_off};
@@ -124,14 +124,14 @@ impl Analysis for Front {
         session: &Session,
         pipeline: &mut Pipeline<'_>,
         _: &Path,
-    ) -> Result<Finding, CommandError> {
+    ) -> Result<AnalysisResult, CommandError> {
         match *self {
             Self::Search {
                 generations,
                 population,
                 seed,
             } => {
-                let settings = nsga2::Settings {
+                let settings = nsga2::Evolution {
                     population,
                     generations,
                     seed,
@@ -155,16 +155,16 @@ fn of_points(
     from: &Path,
     study: &Study,
     nominal: impl FnOnce(&PointTable) -> Result<Option<Member>, CommandError>,
-) -> Result<Finding, CommandError> {
+) -> Result<AnalysisResult, CommandError> {
     let (summary, table) = finding::points_of(from, study)?;
     let nominal = nominal(&table)?;
     let result = trade_off(&table, true, nominal, "the study's points".to_owned());
     finding(result, Origin::of_points(&summary))
 }
 
-fn finding(result: Option<Pareto>, origin: Origin) -> Result<Finding, CommandError> {
+fn finding(result: Option<Pareto>, origin: Origin) -> Result<AnalysisResult, CommandError> {
     let result = result.ok_or_else(|| CommandError::Search("no point has values".to_owned()))?;
-    Finding::new(&result, origin, text(&result), page::FILE)
+    AnalysisResult::new(&result, origin, text(&result), page::FILE)
 }
 
 /// The parameters at the medians of their distributions.
@@ -179,7 +179,7 @@ fn nominal(session: &Session, pipeline: &mut Pipeline<'_>) -> Result<Member, Com
 fn search(
     session: &Session,
     pipeline: &mut Pipeline<'_>,
-    settings: nsga2::Settings,
+    settings: nsga2::Evolution,
 ) -> Result<PointTable, CommandError> {
     let limits = vec![[0.001, 0.999]; session.plan.varied().len()];
     let (mut points, mut outcomes) = (Vec::new(), Vec::new());

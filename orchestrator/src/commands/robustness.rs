@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::CommandError;
 use super::asking::{self, Analysis, PointSet};
-use super::finding::{self, Finding};
+use super::finding::{self, AnalysisResult};
 use crate::analysis::robustness::region::Confirmed;
 use crate::analysis::robustness::{Robustness, region, robustness, rows};
 use crate::analysis::table::PointTable;
@@ -62,7 +62,7 @@ pub(super) fn run(options: &cli::Robustness) -> Result<ExitCode, CommandError> {
     let (origin, points, cloud) = analysis.known(&study, plan)?;
     let result = analysis.stated(&points, &cloud)?;
     let text = text(&result);
-    Finding::new(&result, origin, text, page::FILE)?.tell(&folder)
+    AnalysisResult::new(&result, origin, text, page::FILE)?.tell(&folder)
 }
 
 /// The probability that box and ellipsoid must hold.
@@ -149,7 +149,7 @@ impl Analysis for Stated {
         session: &Session,
         pipeline: &mut Pipeline<'_>,
         _: &Path,
-    ) -> Result<Finding, CommandError> {
+    ) -> Result<AnalysisResult, CommandError> {
         let (origin, table, cloud) = self.known(&session.study, Some(&session.plan))?;
         let stated = self.stated(&table, &cloud)?;
         let confirmed = Confirmation {
@@ -161,7 +161,7 @@ impl Analysis for Stated {
             seed: self.seed,
         }
         .of(stated)?;
-        Finding::new(&confirmed, origin, text(&confirmed), page::FILE)
+        AnalysisResult::new(&confirmed, origin, text(&confirmed), page::FILE)
     }
 }
 

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::CommandError;
 use super::asking::{self, Analysis, PointSet};
-use super::finding::{self, Finding};
+use super::finding::{self, AnalysisResult};
 use crate::analysis::from_results;
 use crate::analysis::sensitivity::Estimate;
 use crate::analysis::sensitivity::method::{self, Settled};
@@ -42,7 +42,7 @@ pub(super) fn run(options: &cli::Sensitivity) -> Result<ExitCode, CommandError> 
         let (summary, table) = finding::points_of(folder, &study)?;
         let result = from_points(&table, analysis.seed);
         let text = text(&result);
-        let finding = Finding::new(
+        let finding = AnalysisResult::new(
             &result,
             Origin::of_points(&summary),
             text,
@@ -98,7 +98,7 @@ impl Runs {
         })
     }
 
-    fn method(&self) -> Result<&'static dyn method::Runs, CommandError> {
+    fn method(&self) -> Result<&'static dyn method::FromRuns, CommandError> {
         named(&self.method).map_err(|message| option("method", message))
     }
 
@@ -115,7 +115,7 @@ impl cli::Sensitivity {
     /// What the command line says of the method and its size.
     fn method_and_size(
         &self,
-    ) -> Result<(Option<&'static dyn method::Runs>, Option<u64>), CommandError> {
+    ) -> Result<(Option<&'static dyn method::FromRuns>, Option<u64>), CommandError> {
         let chosen = match (&self.method, self.base, self.morris) {
             (Some(name), ..) => (Some(name.as_str()), self.size),
             (None, Some(base), _) => (Some("sobol"), Some(base)),
@@ -160,7 +160,7 @@ impl Analysis for Runs {
         session: &Session,
         pipeline: &mut Pipeline<'_>,
         folder: &Path,
-    ) -> Result<Finding, CommandError> {
+    ) -> Result<AnalysisResult, CommandError> {
         let method = self.method()?;
         let parameters = session.plan.varied().len();
         let design = method
@@ -170,7 +170,7 @@ impl Analysis for Runs {
         keep_runs(folder, &rows)?;
         let result = from_runs(method, &design, &rows, &self.settled());
         let origin = asking::origin(session)?;
-        Finding::new(&result, origin, text(&result), sensitivity::FILE)
+        AnalysisResult::new(&result, origin, text(&result), sensitivity::FILE)
     }
 }
 

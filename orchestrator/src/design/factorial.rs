@@ -1,7 +1,7 @@
 //! Full factorial designs: every combination of the levels of all inputs. The levels of an input are the
 //! middles of equally probable slices, so that every point stands for the same probability.
 
-use super::rule::{Inputs, Method, Numbers, Rule};
+use super::rule::{Inputs, Registered, Numbers, Rule};
 
 /// A grid.
 #[derive(Clone, Debug)]
@@ -9,7 +9,7 @@ pub(super) struct Grid {
     levels: Vec<u64>,
 }
 
-impl Method for Grid {
+impl Registered for Grid {
     const BY_LEVELS: bool = true;
 
     fn new(_: &Numbers, inputs: &Inputs) -> Result<Self, String> {

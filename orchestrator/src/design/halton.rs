@@ -3,7 +3,7 @@
 //! plain sequences are all but useless in large bases, permuted ones are uniformly distributed.
 
 use super::random::{self, Purpose};
-use super::rule::{Inputs, Method, Numbers, Rule};
+use super::rule::{Inputs, Registered, Numbers, Rule};
 
 /// Bits of randomness that a digit needs.
 const BITS: f64 = 53.0;
@@ -23,7 +23,7 @@ struct Radix {
     permutations: Vec<Vec<u16>>,
 }
 
-impl Method for Sequence {
+impl Registered for Sequence {
     const EXTENSIBLE: bool = true;
 
     fn new(numbers: &Numbers, inputs: &Inputs) -> Result<Self, String> {

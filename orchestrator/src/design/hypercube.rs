@@ -5,7 +5,7 @@
 //! (a Feistel network with cycle walking: Black, Rogaway 2002), so that no table of N is kept.
 
 use super::random::{self, Purpose, mix};
-use super::rule::{Inputs, Method, Numbers, Rule};
+use super::rule::{Inputs, Registered, Numbers, Rule};
 
 /// A rule for N points.
 #[derive(Clone, Debug)]
@@ -16,7 +16,7 @@ pub(super) struct Hypercube {
     half: u32,
 }
 
-impl Method for Hypercube {
+impl Registered for Hypercube {
     fn new(numbers: &Numbers, _: &Inputs) -> Result<Self, String> {
         Ok(Self::of(numbers.seed, numbers.points))
     }

@@ -1,6 +1,6 @@
 //! The designs: the one place that knows them all.
 //!
-//! A new design is a file beside [`super::halton`] with a type that implements [`super::rule::Method`], its `mod` line
+//! A new design is a file beside [`super::halton`] with a type that implements [`super::rule::Registered`], its `mod` line
 //! in `design/mod.rs`, and its line below. The name in a study, the JSON Schema and all checks follow from that line.
 
 use std::sync::Arc;
@@ -27,28 +27,28 @@ macro_rules! methods {
             /// Whether the first points stay the same when there are more: then fewer may be enough.
             pub fn is_extensible(self) -> bool {
                 match self {
-                    $(Self::$method => <$rule as rule::Method>::EXTENSIBLE,)*
+                    $(Self::$method => <$rule as rule::Registered>::EXTENSIBLE,)*
                 }
             }
 
             /// Whether the levels of the parameters say how many points there are, and not the study's number.
             pub fn is_by_levels(self) -> bool {
                 match self {
-                    $(Self::$method => <$rule as rule::Method>::BY_LEVELS,)*
+                    $(Self::$method => <$rule as rule::Registered>::BY_LEVELS,)*
                 }
             }
 
             /// Whether the points can belong in turn to independent randomisations.
             pub fn has_replicates(self) -> bool {
                 match self {
-                    $(Self::$method => <$rule as rule::Method>::REPLICATES,)*
+                    $(Self::$method => <$rule as rule::Registered>::REPLICATES,)*
                 }
             }
 
             /// The rule for the points of a study.
             pub(super) fn rule(self, numbers: &Numbers, inputs: &Inputs) -> Result<Arc<dyn Rule>, String> {
                 Ok(match self {
-                    $(Self::$method => Arc::new(<$rule as rule::Method>::new(numbers, inputs)?),)*
+                    $(Self::$method => Arc::new(<$rule as rule::Registered>::new(numbers, inputs)?),)*
                 })
             }
         }
@@ -56,7 +56,7 @@ macro_rules! methods {
 }
 
 methods! {
-    MonteCarlo = random::Points, "Independent random points.";
+    MonteCarlo = random::Independent, "Independent random points.";
     LatinHypercube = hypercube::Hypercube, "One point in each of N equally probable slices of every parameter.";
     OptimisedLatinHypercube = optimised::Spread, "The same, with slices paired so that the points are spread well.";
     Sobol = sobol::Nets, "A scrambled Sobol net.";

@@ -8,7 +8,7 @@
 
 use super::hypercube::Hypercube;
 use super::random::{self, Purpose};
-use super::rule::{Inputs, Method, Numbers, Rule};
+use super::rule::{Inputs, Registered, Numbers, Rule};
 
 /// Above this number, random pairing already spreads the points well.
 pub(super) const MOST: u64 = 4096;
@@ -26,7 +26,7 @@ pub(super) struct Spread {
     slices: Vec<Vec<u32>>,
 }
 
-impl Method for Spread {
+impl Registered for Spread {
     fn new(numbers: &Numbers, inputs: &Inputs) -> Result<Self, String> {
         Self::of(numbers.seed, inputs.dimensions(), numbers.points)
     }
@@ -71,7 +71,7 @@ impl Spread {
             return self;
         }
         let trials = (EFFORT / (4 * points * dimensions)).min(MOST_TRIALS);
-        let mut state = State::new(&self.slices);
+        let mut state = Discrepancy::new(&self.slices);
         let mut best = (state.discrepancy(), self.slices.clone());
         let mut threshold = 1e-2 * best.0;
         // Over all trials, the threshold falls by four orders of magnitude.
@@ -102,7 +102,7 @@ impl Spread {
 }
 
 /// The middles of the slices, measured from the centre, and what the discrepancy is made of.
-struct State {
+struct Discrepancy {
     /// Point after point, so that the factors of a pair lie together.
     x: Vec<f64>,
     dimensions: usize,
@@ -112,7 +112,7 @@ struct State {
     double: f64,
 }
 
-impl State {
+impl Discrepancy {
     #[allow(clippy::cast_precision_loss)]
     fn new(slices: &[Vec<u32>]) -> Self {
         let (dimensions, points) = (slices.len(), slices[0].len());
@@ -201,7 +201,7 @@ mod tests {
     use super::*;
 
     fn discrepancy(slices: &[Vec<u32>]) -> f64 {
-        State::new(slices).discrepancy()
+        Discrepancy::new(slices).discrepancy()
     }
 
     #[test]
@@ -235,7 +235,7 @@ mod tests {
     #[test]
     fn updates_do_not_drift() {
         let start = Spread::of(1, 3, 40).unwrap();
-        let mut state = State::new(&start.slices);
+        let mut state = Discrepancy::new(&start.slices);
         for k in 0..1000 {
             state.exchange(k % 3, k % 40, (7 * k + 1) % 40);
         }

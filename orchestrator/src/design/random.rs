@@ -2,15 +2,15 @@
 //! counter-based generator Philox4x32-10 (Salmon, Moraes, Dror, Shaw 2011, "Parallel random
 //! numbers: as easy as 1, 2, 3").
 
-use super::rule::{Inputs, Method, Numbers, Rule};
+use super::rule::{Inputs, Registered, Numbers, Rule};
 
 /// Independent points.
 #[derive(Debug)]
-pub(super) struct Points {
+pub(super) struct Independent {
     seed: u64,
 }
 
-impl Method for Points {
+impl Registered for Independent {
     const EXTENSIBLE: bool = true;
 
     fn new(numbers: &Numbers, _: &Inputs) -> Result<Self, String> {
@@ -19,7 +19,7 @@ impl Method for Points {
     }
 }
 
-impl Rule for Points {
+impl Rule for Independent {
     fn uniform(&self, index: u64, dimension: u32) -> f64 {
         uniform(self.seed, Purpose::Point, index, dimension)
     }

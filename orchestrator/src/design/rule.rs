@@ -28,7 +28,7 @@ pub struct Numbers {
 }
 
 /// A rule as it is registered.
-pub trait Method: Rule + Sized + 'static {
+pub trait Registered: Rule + Sized + 'static {
     /// Whether the first points stay the same when there are more: then fewer may be enough.
     const EXTENSIBLE: bool = false;
 

@@ -5,7 +5,7 @@
 use ::sobol::params::JoeKuoD6;
 
 use super::random::{self, Purpose, mix};
-use super::rule::{Inputs, Method, Numbers, Rule};
+use super::rule::{Inputs, Registered, Numbers, Rule};
 
 const BITS: u32 = 32;
 
@@ -19,7 +19,7 @@ pub(super) struct Nets {
     directions: Vec<[u32; BITS as usize]>,
 }
 
-impl Method for Nets {
+impl Registered for Nets {
     const EXTENSIBLE: bool = true;
     const REPLICATES: bool = true;
 

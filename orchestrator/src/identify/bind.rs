@@ -4,10 +4,10 @@ use super::cases::Columns;
 use super::error::BindError;
 use super::problem::{Case, Free, Interval, Latent, Measured, Prior, Problem, Quantity};
 use crate::study::identification::{
-    Exception, FreeText, Identification, LatentText, MeasuredText, Scale,
+    Exception, FreeText, Identification, LatentText, MeasuredText, Spacing,
 };
 use crate::study::plan::{Plan, find, slot_of};
-use crate::study::quantity::{Scale as UnitScale, Sense};
+use crate::study::quantity::{Scale, Sense};
 use crate::study::{Name, Quantity as Text, Study, StudyError};
 use crate::task::{Probe, Slot, Task};
 use fmu_import::units::Conversion;
@@ -51,7 +51,7 @@ impl Bound {
 /// A parameter of the FMU: how it is set, and its unit in the study.
 struct Input<'a> {
     slot: Slot,
-    scale: UnitScale<'a>,
+    scale: Scale<'a>,
 }
 
 struct Binder<'a> {
@@ -153,8 +153,8 @@ impl Binder<'_> {
         &'a self,
         unit: Option<&str>,
         variable: &'a Variable,
-    ) -> Result<UnitScale<'a>, String> {
-        UnitScale::new(unit, self.fmu, variable)
+    ) -> Result<Scale<'a>, String> {
+        Scale::new(unit, self.fmu, variable)
     }
 
     fn bind_known(&self, bound: &mut Bound) -> Result<(), BindError> {
@@ -258,7 +258,7 @@ impl Binder<'_> {
         Ok(())
     }
 
-    fn probe(&self, text: &MeasuredText) -> Result<(Probe, UnitScale<'_>), StudyError> {
+    fn probe(&self, text: &MeasuredText) -> Result<(Probe, Scale<'_>), StudyError> {
         let at = |message: String| self.study.error_at::<String>(&text.variable, message);
         let variable = find(self.fmu, text.variable.as_ref()).map_err(at)?;
         let handle = variable
@@ -278,7 +278,7 @@ impl Binder<'_> {
         &self,
         column: Option<&str>,
         value: Option<&Text>,
-        scale: &UnitScale<'_>,
+        scale: &Scale<'_>,
     ) -> Result<Vec<f64>, String> {
         match (column, value) {
             (Some(column), None) => Ok(self.table.column(column)),
@@ -288,7 +288,7 @@ impl Binder<'_> {
     }
 }
 
-fn free(name: &str, text: &FreeText, scale: &UnitScale<'_>) -> Result<Free, String> {
+fn free(name: &str, text: &FreeText, scale: &Scale<'_>) -> Result<Free, String> {
     let number = |quantity: &Text, sense| scale.number(quantity, sense);
     let prior = match (
         text.scale,
@@ -298,18 +298,18 @@ fn free(name: &str, text: &FreeText, scale: &UnitScale<'_>) -> Result<Free, Stri
         text.factor,
     ) {
         (_, None, None, None, None) => None,
-        (Scale::Linear, Some(mean), Some(deviation), None, None) => Some(Prior {
+        (Spacing::Linear, Some(mean), Some(deviation), None, None) => Some(Prior {
             centre: number(mean, Sense::Value)?,
             spread: number(deviation, Sense::Difference)?,
         }),
-        (Scale::Log, None, None, Some(median), Some(factor)) => Some(Prior {
+        (Spacing::Log, None, None, Some(median), Some(factor)) => Some(Prior {
             centre: number(median, Sense::Value)?,
             spread: factor,
         }),
-        (Scale::Linear, ..) => {
+        (Spacing::Linear, ..) => {
             return Err("a prior on a linear scale has `mean` and `deviation`".to_owned());
         }
-        (Scale::Log, ..) => {
+        (Spacing::Log, ..) => {
             return Err("a prior on a logarithmic scale has `median` and `factor`".to_owned());
         }
     };
@@ -329,7 +329,7 @@ fn interval(
     middle: f64,
     text: &LatentText,
     exception: Option<&Exception>,
-    scale: &UnitScale<'_>,
+    scale: &Scale<'_>,
 ) -> Result<Interval, String> {
     let distance = |side: Option<&Text>| {
         let own = exception.and_then(|e| e.within.as_ref());
@@ -348,7 +348,7 @@ fn interval(
     })
 }
 
-fn accuracy(text: &MeasuredText, value: f64, scale: &UnitScale<'_>) -> Result<f64, String> {
+fn accuracy(text: &MeasuredText, value: f64, scale: &Scale<'_>) -> Result<f64, String> {
     let accuracy = match text.accuracy.unit.as_deref() {
         Some("%") => 0.01 * text.accuracy.number * value.abs(),
         _ => scale.number(&text.accuracy, Sense::Difference)?,

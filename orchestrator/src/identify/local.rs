@@ -203,13 +203,13 @@ fn bounded_step(linear: &Linear, places: &[f64], held: &[usize]) -> DVector<f64>
 mod tests {
     use super::super::problem::{Case, Free, Measured, Problem, Quantity};
     use super::*;
-    use crate::study::identification::Scale;
+    use crate::study::identification::Spacing;
 
     fn problem(bounds: &[(f64, f64)], measured: &[f64]) -> Problem {
         let free = bounds.iter().enumerate().map(|(index, &(min, max))| Free {
             name: format!("p{index}"),
             unit: None,
-            scale: Scale::Linear,
+            scale: Spacing::Linear,
             min,
             max,
             prior: None,

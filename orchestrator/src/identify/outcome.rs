@@ -7,7 +7,7 @@ use super::local::{End, Minimum};
 use super::posterior::{Direction, Posterior, UNDETERMINED};
 use super::problem::Problem;
 use super::search::Progress;
-use crate::study::identification::Scale;
+use crate::study::identification::Spacing;
 
 /// The standard deviations to both sides that hold 95 % of a Gaussian.
 const NINETY_FIVE: f64 = 1.959_964;
@@ -17,7 +17,7 @@ const AT_BOUND: f64 = 1e-6;
 
 /// The result of an identification.
 #[derive(Clone, Debug, Serialize)]
-pub struct Outcome {
+pub struct IdentificationOutcome {
     /// Why the last search ended.
     pub end: End,
     /// The sum of the weighted squares of all misfits: data and priors.
@@ -54,7 +54,7 @@ pub struct FreeOutcome {
     /// One standard deviation: a difference, or on a logarithmic scale a factor.
     pub deviation: f64,
     /// How it was measured out.
-    pub scale: Scale,
+    pub scale: Spacing,
     /// The interval that holds it with 95 % probability, within the bounds.
     pub interval: [f64; 2],
     /// The bounds.
@@ -140,7 +140,7 @@ pub struct SearchOutcome {
     pub minima: Vec<f64>,
 }
 
-impl Outcome {
+impl IdentificationOutcome {
     /// Gathers what was found.
     pub fn new(
         problem: &Problem,

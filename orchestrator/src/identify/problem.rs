@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::study::identification::Scale;
+use crate::study::identification::Spacing;
 
 /// Prior of a parameter: knowledge from before the measurement, beyond its bounds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -21,7 +21,7 @@ pub struct Free {
     /// The unit of its numbers.
     pub unit: Option<String>,
     /// How it is measured out.
-    pub scale: Scale,
+    pub scale: Spacing,
     /// The smallest value.
     pub min: f64,
     /// The largest value.
@@ -41,24 +41,24 @@ impl Free {
             return self.max;
         }
         match self.scale {
-            Scale::Linear => self.min + place * (self.max - self.min),
-            Scale::Log => self.min * (place * self.span()).exp(),
+            Spacing::Linear => self.min + place * (self.max - self.min),
+            Spacing::Log => self.min * (place * self.span()).exp(),
         }
     }
 
     /// The place of a value between the bounds.
     pub fn place(&self, value: f64) -> f64 {
         match self.scale {
-            Scale::Linear => (value - self.min) / (self.max - self.min),
-            Scale::Log => (value / self.min).ln() / self.span(),
+            Spacing::Linear => (value - self.min) / (self.max - self.min),
+            Spacing::Log => (value / self.min).ln() / self.span(),
         }
     }
 
     /// The distance of the bounds: a difference, or the logarithm of a ratio.
     fn span(&self) -> f64 {
         match self.scale {
-            Scale::Linear => self.max - self.min,
-            Scale::Log => (self.max / self.min).ln(),
+            Spacing::Linear => self.max - self.min,
+            Spacing::Log => (self.max / self.min).ln(),
         }
     }
 
@@ -66,8 +66,8 @@ impl Free {
     pub fn prior_place(&self) -> Option<(f64, f64)> {
         let prior = self.prior?;
         let spread = match self.scale {
-            Scale::Linear => prior.spread,
-            Scale::Log => prior.spread.ln(),
+            Spacing::Linear => prior.spread,
+            Spacing::Log => prior.spread.ln(),
         };
         Some((self.place(prior.centre), spread / self.span()))
     }
@@ -75,8 +75,8 @@ impl Free {
     /// A standard deviation of the place as one of the value: a difference, or a factor above 1.
     pub fn spread(&self, deviation: f64) -> f64 {
         match self.scale {
-            Scale::Linear => deviation * self.span(),
-            Scale::Log => (deviation * self.span()).exp(),
+            Spacing::Linear => deviation * self.span(),
+            Spacing::Log => (deviation * self.span()).exp(),
         }
     }
 
@@ -91,7 +91,7 @@ impl Free {
                 "the bounds {min} and {max} must be two numbers in rising order"
             ));
         }
-        if self.scale == Scale::Log && min <= 0.0 {
+        if self.scale == Spacing::Log && min <= 0.0 {
             return Err(format!(
                 "a logarithmic scale needs a lower bound above 0, not {min}"
             ));
@@ -101,13 +101,13 @@ impl Free {
         };
         let above = |limit: f64, number: f64| number.is_finite() && number > limit;
         match self.scale {
-            Scale::Linear if !above(0.0, spread) => {
+            Spacing::Linear if !above(0.0, spread) => {
                 Err(format!("the deviation {spread} must be positive"))
             }
-            Scale::Log if !above(1.0, spread) => {
+            Spacing::Log if !above(1.0, spread) => {
                 Err(format!("the factor {spread} must be more than 1"))
             }
-            Scale::Log if !above(0.0, centre) => Err(format!(
+            Spacing::Log if !above(0.0, centre) => Err(format!(
                 "the median {centre} must be positive on a logarithmic scale"
             )),
             _ => Ok(()),

@@ -11,8 +11,8 @@ use super::problem::{
     Case, Free, Interval, Latent, Measured, NoPrediction, Prediction, Problem, Quantity, Query,
     Simulate,
 };
-use super::search::{SearchError, Settings, search};
-use crate::study::identification::Scale;
+use super::search::{SearchError, Effort, search};
+use crate::study::identification::Spacing;
 
 /// Independent standard normal numbers by the splitmix64 sequence (Steele, Lea, Flood 2014).
 struct Noise(u64);
@@ -31,7 +31,7 @@ impl Noise {
     }
 }
 
-fn free(name: &str, scale: Scale, min: f64, max: f64) -> Free {
+fn free(name: &str, scale: Spacing, min: f64, max: f64) -> Free {
     Free {
         name: name.to_owned(),
         unit: None,
@@ -69,9 +69,9 @@ fn synthetic(seed: u64) -> (Problem, Vec<f64>) {
     };
     let mut problem = Problem {
         free: vec![
-            free("scale", Scale::Log, 0.1, 100.0),
-            free("conductance", Scale::Log, 0.1, 100.0),
-            free("thinning", Scale::Linear, 0.0, 0.3),
+            free("scale", Spacing::Log, 0.1, 100.0),
+            free("conductance", Spacing::Log, 0.1, 100.0),
+            free("thinning", Spacing::Linear, 0.0, 0.3),
         ],
         latents: vec![Latent {
             name: "clearance".to_owned(),
@@ -119,7 +119,7 @@ fn starts(dimensions: usize, count: usize) -> Vec<Vec<f64>> {
 }
 
 fn identify(objective: &Objective<'_>) -> (Minimum, Posterior) {
-    let settings = Settings {
+    let settings = Effort {
         descents: 4,
         iterations: 60,
         deadline: None,
@@ -156,7 +156,7 @@ fn known_parameters_are_recovered_within_the_stated_uncertainty() {
 fn two_parameters_that_only_act_together_are_reported() {
     let (mut problem, _) = synthetic(5);
     // The film's scale is split into viscosity times area: nothing measured can tell them apart.
-    problem.free.push(free("area", Scale::Log, 0.1, 10.0));
+    problem.free.push(free("area", Spacing::Log, 0.1, 10.0));
     let split =
         |case: usize, p: &[f64], latent: &[f64]| bearing(case, &[p[0] * p[3], p[1], p[2]], latent);
     let objective = Objective::new(&problem, &split, 1e-4);
@@ -179,7 +179,7 @@ fn two_parameters_that_only_act_together_are_reported() {
 #[test]
 fn a_parameter_without_effect_is_reported() {
     let (mut problem, _) = synthetic(6);
-    problem.free.push(free("idle", Scale::Linear, 0.0, 1.0));
+    problem.free.push(free("idle", Spacing::Linear, 0.0, 1.0));
     let objective = Objective::new(&problem, &bearing, 1e-4);
     let (_, posterior) = identify(&objective);
     let undetermined: Vec<_> = posterior.undetermined().collect();
@@ -217,7 +217,7 @@ impl Simulate for Remembering<'_> {
 #[test]
 fn a_search_asks_for_the_same_points_again_and_goes_on_where_it_stopped() {
     let (problem, _) = synthetic(7);
-    let settings = Settings {
+    let settings = Effort {
         descents: 3,
         iterations: 60,
         deadline: None,

@@ -14,7 +14,7 @@ use super::problem::NoPrediction;
 
 /// How much to search.
 #[derive(Clone, Copy, Debug)]
-pub struct Settings {
+pub struct Effort {
     /// How many of the screened starts are followed down to a minimum.
     pub descents: usize,
     /// The most iterations of each.
@@ -99,7 +99,7 @@ const TOGETHER: usize = 64;
 pub fn search(
     objective: &Objective<'_>,
     starts: &[Vec<f64>],
-    settings: &Settings,
+    settings: &Effort,
     observe: &dyn Fn(&Progress),
 ) -> Result<(Minimum, Progress), SearchError> {
     let in_time = || {

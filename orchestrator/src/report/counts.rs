@@ -3,7 +3,7 @@
 use super::Report;
 use super::format::{count, number, percent};
 use crate::analysis::table::PointTable;
-use crate::analysis::verdict::Verdict;
+use crate::analysis::verdict::PassCounts;
 use crate::statistics::share::Fraction;
 use serde::Serialize;
 
@@ -52,7 +52,7 @@ pub(super) fn fraction(f: &Fraction) -> FractionText {
     }
 }
 
-pub(super) fn count_rows(table: &PointTable, counted: &Verdict) -> Vec<CountRow> {
+pub(super) fn count_rows(table: &PointTable, counted: &PassCounts) -> Vec<CountRow> {
     let row = |name: &str, kind, f: &Fraction| CountRow {
         name: name.to_owned(),
         kind,
@@ -105,7 +105,7 @@ pub(super) fn count_rows(table: &PointTable, counted: &Verdict) -> Vec<CountRow>
     rows
 }
 
-pub(super) fn readings(report: &Report, counted: &Verdict) -> Vec<ReadingRow> {
+pub(super) fn readings(report: &Report, counted: &PassCounts) -> Vec<ReadingRow> {
     let own = |name: &str| {
         let criterion = report.table.criteria.iter().position(|c| c.name == name);
         criterion.map(|k| counted.criteria[k].passes.count)
@@ -145,7 +145,7 @@ pub(super) fn quantity(value: f64, unit: &str) -> String {
 }
 
 /// A sentence that names the criterion which decides the verdict.
-pub(super) fn decisive(table: &PointTable, counted: &Verdict) -> String {
+pub(super) fn decisive(table: &PointTable, counted: &PassCounts) -> String {
     let binding = counted
         .criteria
         .iter()

@@ -4,7 +4,7 @@
 use super::bins::{bins_for, density, histogram, levels};
 use super::format::with_unit;
 use super::payload::PlotColumn;
-use super::svg::{Frame, Scale};
+use super::svg::{Frame, Axis};
 use crate::analysis::table::PointTable;
 use std::fmt::Write as _;
 
@@ -176,13 +176,13 @@ pub fn distribution(table: &PointTable, c: &PlotColumn<'_>) -> String {
     let frame = Frame {
         width: 300.0,
         height: 190.0,
-        x: Scale {
+        x: Axis {
             low: c.range[0],
             high: c.range[1],
             from: 12.0,
             to: 288.0,
         },
-        y: Scale {
+        y: Axis {
             low: 0.0,
             high: 1.08,
             from: 142.0,

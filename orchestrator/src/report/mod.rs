@@ -24,7 +24,7 @@ use crate::analysis::pareto::study::Pareto;
 use crate::analysis::robustness::Robustness;
 use crate::analysis::sensitivity::study::Sensitivity;
 use crate::analysis::table::PointTable;
-use crate::analysis::verdict::Verdict;
+use crate::analysis::verdict::PassCounts;
 use crate::statistics::share::Fraction;
 use figures::Series;
 use judgement::Judgement;
@@ -85,7 +85,7 @@ pub struct Intervals {
 
 impl Intervals {
     /// Replaces the intervals that assume independent points.
-    fn replace_in(&self, counted: &mut Verdict) {
+    fn replace_in(&self, counted: &mut PassCounts) {
         let put = |share: &mut Fraction, [low, high]: [f64; 2]| {
             (share.low, share.high) = (low, high);
         };

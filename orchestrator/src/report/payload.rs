@@ -20,7 +20,7 @@ pub struct Payload {
     total: usize,
     /// Whether only some of the points are embedded.
     sampled: bool,
-    columns: Vec<Column>,
+    columns: Vec<EmbeddedColumn>,
     /// Point numbers, 32-bit.
     ids: String,
     /// A byte a point: meets all criteria.
@@ -33,7 +33,7 @@ pub struct Payload {
 }
 
 #[derive(Serialize)]
-struct Column {
+struct EmbeddedColumn {
     name: String,
     unit: String,
     range: [f64; 2],
@@ -161,7 +161,7 @@ pub fn payload(table: &PointTable, points: &[usize], conformance: Option<&[f64]>
             .flat_map(|&i| (values[i] as f32).to_le_bytes());
         STANDARD.encode(bytes.collect::<Vec<_>>())
     };
-    let described = columns.iter().enumerate().map(|(k, c)| Column {
+    let described = columns.iter().enumerate().map(|(k, c)| EmbeddedColumn {
         name: c.name.to_owned(),
         unit: c.unit.to_owned(),
         range: c.range,

@@ -6,7 +6,7 @@ use super::figures::envelope;
 use super::format::number;
 use super::svg::Frame;
 use super::{ReportError, write_file};
-use crate::analysis::synchronise::{Finding, Recording, Synchronised, criteria};
+use crate::analysis::synchronise::{DerivedCriterion, RigRecording, Synchronised, criteria};
 use crate::statistics::moments::mean;
 use minijinja::{Environment, value::Serde};
 use serde::Serialize;
@@ -69,7 +69,7 @@ struct Trace<'a> {
 /// # Errors
 /// When a file cannot be written.
 pub fn write(
-    recording: &Recording,
+    recording: &RigRecording,
     result: &Synchronised,
     title: &str,
     amplitudes: bool,
@@ -95,11 +95,11 @@ pub fn write(
     Ok(path)
 }
 
-fn page(recording: &Recording, result: &Synchronised, title: &str, amplitudes: bool) -> Page {
+fn page(recording: &RigRecording, result: &Synchronised, title: &str, amplitudes: bool) -> Page {
     let delay = &result.delay;
     let milliseconds = |s: f64| number(1e3 * s, 4);
     let per_cent = |part: f64| number(100.0 * part, 3);
-    let shown = |f: &&Finding| amplitudes || f.statistic != "amplitude";
+    let shown = |f: &&DerivedCriterion| amplitudes || f.statistic != "amplitude";
     let ends = [result.time.first(), result.time.last()].map(|t| t.copied().unwrap_or(0.0));
     let steady = result.findings.iter().filter(|f| !f.blocks.is_empty());
     Page {
@@ -143,7 +143,7 @@ fn page(recording: &Recording, result: &Synchronised, title: &str, amplitudes: b
     }
 }
 
-fn row(finding: &Finding) -> Row {
+fn row(finding: &DerivedCriterion) -> Row {
     let m = &finding.measured;
     let unit = &finding.unit;
     let change = |s: &crate::analysis::synchronise::stationarity::Stationarity| {
@@ -273,7 +273,7 @@ fn search(result: &Synchronised) -> Option<Figure> {
 }
 
 /// The means of blocks with the straight line through them.
-fn wander(finding: &Finding, result: &Synchronised) -> Option<Figure> {
+fn wander(finding: &DerivedCriterion, result: &Synchronised) -> Option<Figure> {
     let start = result.time.first().copied()?;
     let middle = |k: usize| start + (k as f64 + 0.5) * result.block;
     let time: Vec<f64> = (0..finding.blocks.len()).map(middle).collect();

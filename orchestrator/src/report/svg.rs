@@ -9,7 +9,7 @@ pub const STYLE: &str = include_str!("assets/plot.css");
 
 /// A linear map from values to pixels.
 #[derive(Clone, Copy, Debug)]
-pub struct Scale {
+pub struct Axis {
     /// The value at `from`.
     pub low: f64,
     /// The value at `to`.
@@ -20,7 +20,7 @@ pub struct Scale {
     pub to: f64,
 }
 
-impl Scale {
+impl Axis {
     /// The pixel of a value.
     pub fn at(&self, value: f64) -> f64 {
         self.from + (value - self.low) / (self.high - self.low) * (self.to - self.from)
@@ -62,9 +62,9 @@ pub struct Frame {
     /// Height of the whole picture.
     pub height: f64,
     /// The horizontal axis.
-    pub x: Scale,
+    pub x: Axis,
     /// The vertical axis.
-    pub y: Scale,
+    pub y: Axis,
 }
 
 impl Frame {
@@ -73,13 +73,13 @@ impl Frame {
         Self {
             width,
             height,
-            x: Scale {
+            x: Axis {
                 low: x[0],
                 high: x[1],
                 from: 64.0,
                 to: width - 14.0,
             },
-            y: Scale {
+            y: Axis {
                 low: y[0],
                 high: y[1],
                 from: height - 48.0,

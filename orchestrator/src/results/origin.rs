@@ -12,12 +12,12 @@ pub struct Origin {
     /// The SHA-256 digest of the FMU, where there is one.
     pub fmu_sha256: Option<String>,
     /// The points that it was found from; none where it comes from runs of its own.
-    pub points: Option<Points>,
+    pub points: Option<SampledPoints>,
 }
 
 /// The points of a finished study.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Points {
+pub struct SampledPoints {
     method: String,
     seed: Option<u64>,
     points: u64,
@@ -31,7 +31,7 @@ impl Origin {
         Self {
             study_sha256: from.study_sha256.clone(),
             fmu_sha256: from.fmu_sha256.clone(),
-            points: Some(Points {
+            points: Some(SampledPoints {
                 method: from.method.clone(),
                 seed: from.seed,
                 points: summary.points,

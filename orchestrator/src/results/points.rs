@@ -8,7 +8,7 @@ use thiserror::Error;
 
 use super::Outcome;
 use super::summary::Summary;
-use crate::judge::{Judge, Verdict};
+use crate::judge::{Judge, PointVerdict};
 use crate::study::plan::Input;
 use crate::table::csv_file;
 
@@ -51,7 +51,7 @@ impl<W: Write> Writer<W> {
         label: u64,
         parameters: &[f64],
         outcome: &Outcome,
-        verdict: &Verdict,
+        verdict: &PointVerdict,
     ) -> io::Result<()> {
         let record = &mut self.record;
         record.clear();

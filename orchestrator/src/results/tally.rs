@@ -10,7 +10,7 @@ use super::summary::{
 };
 use crate::conformity::looks::Looks;
 use crate::conformity::risk::RiskTally;
-use crate::judge::{Judge, Variant, Verdict};
+use crate::judge::{Judge, Variant, PointVerdict};
 use crate::statistics::share::randomised_share;
 
 impl Count {
@@ -82,7 +82,7 @@ impl Counts {
         }
     }
 
-    fn add(&mut self, judge: &Judge, verdict: &Verdict, replicate: usize) {
+    fn add(&mut self, judge: &Judge, verdict: &PointVerdict, replicate: usize) {
         self.verified.add(replicate, verdict.verified());
         for (count, passed) in self.criteria.iter_mut().zip(&verdict.passed) {
             count.add(replicate, *passed);
@@ -143,7 +143,7 @@ impl<'a> Tally<'a> {
     }
 
     /// Counts a point and returns the verdict on it.
-    pub fn add(&mut self, label: u64, parameters: &[f64], outcome: &Outcome) -> Verdict {
+    pub fn add(&mut self, label: u64, parameters: &[f64], outcome: &Outcome) -> PointVerdict {
         let replicate = (self.points % self.replicates as u64) as usize;
         self.points += 1;
         let values = outcome.as_deref().ok();
@@ -173,7 +173,7 @@ impl<'a> Tally<'a> {
     }
 
     /// Notes which criterion decides at a point.
-    fn blame(&mut self, values: &[f64], verdict: &Verdict) {
+    fn blame(&mut self, values: &[f64], verdict: &PointVerdict) {
         let criteria = || self.judge.criteria.iter().zip(values);
         let deviations: Vec<f64> = criteria()
             .map(|(c, value)| (value - c.nominal).abs() / c.tolerance)

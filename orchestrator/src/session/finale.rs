@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
 use super::{Ending, Front, Session, SessionError, Verification};
-use crate::judge::{Judge, Verdict};
+use crate::judge::{Judge, PointVerdict};
 use crate::results::finished::Finished;
 use crate::results::summary::{ParameterSummary, Provenance, Run, Summary};
 use crate::results::{Outcome, ResultsError, Tally, keep, points, write_atomically};
@@ -150,7 +150,7 @@ impl FileSet {
         label: u64,
         parameters: &[f64],
         outcome: &Outcome,
-        verdict: &Verdict,
+        verdict: &PointVerdict,
     ) -> Result<(), ResultsError> {
         let written = self.points.write(label, parameters, outcome, verdict);
         written.map_err(ResultsError::io(&self.folder))

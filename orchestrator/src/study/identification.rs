@@ -12,7 +12,7 @@ use crate::statistics::Statistic;
 /// How a parameter is measured out between its bounds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Scale {
+pub enum Spacing {
     /// Equal differences count equally.
     #[default]
     Linear,
@@ -85,7 +85,7 @@ pub struct FreeText {
     pub max: Quantity,
     /// How it is measured out between them.
     #[serde(default)]
-    pub scale: Scale,
+    pub scale: Spacing,
     /// The most probable value before the measurement, on a linear scale.
     pub mean: Option<Quantity>,
     /// Its standard deviation.

@@ -2,7 +2,7 @@
 
 use super::quantity::Scale;
 use super::values::{find, slot_of};
-use super::{Name, Recording, Study, StudyError};
+use super::{Name, RecordingText, Study, StudyError};
 use crate::table::Table;
 use crate::task::{Schedule, Series, Slot};
 use fmu_import::units::Conversion;
@@ -14,7 +14,7 @@ pub(super) fn series(
     fmu: &Description,
     schedule: &Schedule,
 ) -> Result<Vec<Series>, StudyError> {
-    let bind = |(name, recording): (&Name, &Recording)| {
+    let bind = |(name, recording): (&Name, &RecordingText)| {
         let wrong = |message: String| study.error_at(name, message);
         let key = name.as_ref().as_str();
         let named = |message: String| wrong(format!("{key}: {message}"));
@@ -87,7 +87,7 @@ pub(crate) fn follow(
 }
 
 /// Whether an input can vary within a step.
-fn can_ramp(recording: &Recording, fmu: &Description, slot: &Slot) -> Result<(), String> {
+fn can_ramp(recording: &RecordingText, fmu: &Description, slot: &Slot) -> Result<(), String> {
     let why = if recording.hold {
         "hold keeps the value between rows"
     } else if slot.handle.content != Content::Real {

@@ -57,7 +57,7 @@ pub struct Study {
     pub design: Sampling,
     /// The uncertain parameters by the names of FMU variables.
     #[serde(default)]
-    pub parameters: IndexMap<Name, Parameter>,
+    pub parameters: IndexMap<Name, ParameterText>,
     /// Correlations between parameters.
     #[serde(default)]
     pub correlations: Vec<Spanned<Pair>>,
@@ -68,10 +68,10 @@ pub struct Study {
     pub fixed_from: Option<Spanned<PathBuf>>,
     /// Inputs that follow a recording, by the names of FMU variables.
     #[serde(default)]
-    pub inputs: IndexMap<Name, Recording>,
+    pub inputs: IndexMap<Name, RecordingText>,
     /// The criteria: measured values with their tolerances.
     #[serde(default)]
-    pub criteria: IndexMap<Name, Criterion>,
+    pub criteria: IndexMap<Name, CriterionText>,
     /// Which measured values' errors are correlated, and how.
     #[serde(default)]
     pub uncertainty_correlations: Vec<Spanned<Pair>>,
@@ -81,7 +81,7 @@ pub struct Study {
     pub dossier: Option<Dossier>,
     /// Other readings of the tolerances, judged beside the criteria's own.
     #[serde(default)]
-    pub variants: IndexMap<String, Variant>,
+    pub variants: IndexMap<String, VariantText>,
     /// What `identify` finds, from what, and how hard it searches.
     pub identify: Option<Identification>,
     /// What `sensitivity` does unless its options say otherwise.
@@ -143,7 +143,7 @@ pub enum Shape {
 /// An uncertain parameter.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
-pub struct Parameter {
+pub struct ParameterText {
     /// The distribution.
     pub distribution: Shape,
     /// The mean.
@@ -171,7 +171,7 @@ pub struct Parameter {
 /// An input over time, from a table.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
-pub struct Recording {
+pub struct RecordingText {
     /// The table, relative to the study file.
     pub file: Spanned<PathBuf>,
     /// Its column; the input's own name otherwise.
@@ -219,7 +219,7 @@ pub enum Setting {
 /// Measured value of one quantity with its tolerance.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
-pub struct Criterion {
+pub struct CriterionText {
     /// The FMU's variable.
     pub variable: Spanned<String>,
     /// Statistic that turns the signal into one number.
@@ -263,7 +263,7 @@ pub struct Required {
 /// Another reading of the tolerances.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
-pub struct Variant {
+pub struct VariantText {
     /// Its meaning, and why it is there.
     pub about: Option<String>,
     /// Tolerances by the names of criteria; the others stay.

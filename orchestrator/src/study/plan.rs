@@ -4,7 +4,7 @@ use serde::Serialize;
 use toml::Spanned;
 
 use super::quantity::Scale;
-use super::{Name, Parameter, Setting, Study, StudyError, inputs, points, ssv};
+use super::{Name, ParameterText, Setting, Study, StudyError, inputs, points, ssv};
 use crate::design::correlation::Correlation;
 use crate::design::{self, Design, Sampling};
 use crate::distribution::Distribution;
@@ -144,7 +144,7 @@ impl Binder<'_> {
     }
 
     fn parameters(&self) -> Result<(Vec<Input>, Vec<Slot>), StudyError> {
-        let bind = |(name, parameter): (&Name, &Parameter)| {
+        let bind = |(name, parameter): (&Name, &ParameterText)| {
             let variable = self.variable(name)?;
             let at = |message: String| self.study.error_at(name, message);
             let name = name.as_ref().clone();
@@ -159,7 +159,7 @@ impl Binder<'_> {
     fn parameter(
         &self,
         variable: &Variable,
-        parameter: &Parameter,
+        parameter: &ParameterText,
         slot: &Slot,
     ) -> Result<Input, String> {
         let unit = parameter.unit.as_deref().or(parameter.first_unit());
@@ -177,7 +177,7 @@ impl Binder<'_> {
 
     fn criteria(&self) -> Result<(Vec<Conversion>, Vec<Probe>), StudyError> {
         let criteria = self.study.criteria.values();
-        let bind = |criterion: &super::Criterion| {
+        let bind = |criterion: &super::CriterionText| {
             let variable = self.variable(&criterion.variable)?;
             let at = |message| self.study.error_at(&criterion.variable, message);
             let handle = variable

@@ -12,10 +12,10 @@ pub(super) fn check(study: &Study) -> Result<(), StudyError> {
     #[derive(Deserialize)]
     struct Text {
         #[serde(default)]
-        design: Points,
+        design: Count,
     }
     #[derive(Default, Deserialize)]
-    struct Points {
+    struct Count {
         points: Option<Spanned<u64>>,
     }
     varies(study)?;

@@ -1,10 +1,10 @@
 //! The distribution of a parameter, from the numbers that the study gives.
 
 use super::quantity::{Quantity, Scale, Sense};
-use super::{Parameter, Shape};
+use super::{ParameterText, Shape};
 use crate::distribution::Distribution;
 
-impl Parameter {
+impl ParameterText {
     /// The unit of its first number that has one.
     pub(super) fn first_unit(&self) -> Option<&str> {
         let numbers = [&self.mean, &self.value, &self.min, &self.mode, &self.max];

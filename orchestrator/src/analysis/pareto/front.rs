@@ -31,16 +31,16 @@ pub fn front(objectives: &[Vec<f64>]) -> Vec<usize> {
         .chunk_by(|&a, &b| objectives[a] == objectives[b])
         .collect();
     let points = groups.iter().map(|g| objectives[g[0]].as_slice());
-    let kept = Points(points.collect()).front(0..groups.len());
+    let kept = Ordered(points.collect()).front(0..groups.len());
     let mut front: Vec<usize> = kept.into_iter().flat_map(|g| groups[g]).copied().collect();
     front.sort_unstable();
     front
 }
 
 /// Different points in lexicographic order: one can only be dominated by one before it.
-struct Points<'a>(Vec<&'a [f64]>);
+struct Ordered<'a>(Vec<&'a [f64]>);
 
-impl Points<'_> {
+impl Ordered<'_> {
     /// Those of a range that no other of the range dominates.
     fn front(&self, range: std::ops::Range<usize>) -> Vec<usize> {
         if range.len() <= FEW {

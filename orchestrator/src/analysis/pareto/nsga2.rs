@@ -7,7 +7,7 @@ use rand::{RngExt, SeedableRng, rngs::StdRng};
 
 /// How the search runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Settings {
+pub struct Evolution {
     /// Points in a generation.
     pub population: usize,
     /// Generations.
@@ -38,7 +38,7 @@ const CROSSOVER_PROBABILITY: f64 = 0.9;
 /// When `objectives` fails.
 pub fn minimise<E>(
     limits: &[[f64; 2]],
-    settings: Settings,
+    settings: Evolution,
     mut objectives: impl FnMut(&[Vec<f64>]) -> Result<Vec<Vec<f64>>, E>,
 ) -> Result<Vec<Solution>, E> {
     let mut random = StdRng::seed_from_u64(settings.seed);
@@ -237,7 +237,7 @@ mod tests {
 
     /// Mean distance from the exact front's points to the nearest that was found.
     fn miss(kind: u8) -> f64 {
-        let settings = Settings {
+        let settings = Evolution {
             population: 100,
             generations: 250,
             seed: 3,
@@ -268,7 +268,7 @@ mod tests {
 
     #[test]
     fn failed_evaluations_do_not_survive() {
-        let settings = Settings {
+        let settings = Evolution {
             population: 20,
             generations: 20,
             seed: 1,

@@ -2,7 +2,7 @@
 //! nominal design lies.
 
 use super::{dominates, front};
-use crate::analysis::table::{Criterion, PointTable};
+use crate::analysis::table::{CriterionColumn, PointTable};
 use crate::statistics::moments::{mean, ranks};
 use serde::{Deserialize, Serialize};
 
@@ -105,7 +105,7 @@ pub struct Conflict {
     pub correlation: f64,
 }
 
-fn deviations(criteria: &[Criterion], values: &[f64]) -> Vec<f64> {
+fn deviations(criteria: &[CriterionColumn], values: &[f64]) -> Vec<f64> {
     let pairs = criteria.iter().zip(values);
     pairs.map(|(c, value)| c.deviation(*value)).collect()
 }
@@ -226,11 +226,11 @@ fn correlation(a: &[f64], b: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::table::Parameter;
+    use crate::analysis::table::ParameterColumn;
 
     /// Two criteria that pull a single parameter to 0 and to 1, with tolerances of 1 and 0.5.
     fn table(x: &[f64]) -> PointTable {
-        let criterion = |nominal: f64, room: f64| Criterion {
+        let criterion = |nominal: f64, room: f64| CriterionColumn {
             name: format!("c{nominal}"),
             source: String::new(),
             unit: String::new(),
@@ -243,7 +243,7 @@ mod tests {
         };
         PointTable {
             ids: (1..=x.len() as u64).collect(),
-            parameters: vec![Parameter {
+            parameters: vec![ParameterColumn {
                 name: "x".into(),
                 unit: "m".into(),
                 distribution: String::new(),

@@ -10,7 +10,7 @@ pub mod margins;
 pub mod region;
 pub mod surrogate;
 
-use crate::analysis::table::{Criterion, PointTable};
+use crate::analysis::table::{CriterionColumn, PointTable};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, Normal};
@@ -52,7 +52,7 @@ pub struct Stand {
 
 /// One criterion's surrogate.
 struct Part {
-    criterion: Criterion,
+    criterion: CriterionColumn,
     surrogate: Surrogate,
     /// Where the surrogate is of asinh((value - measured) / scale): true near the measurement and
     /// logarithmic far from it, where errors no longer matter; `None` where it is of the value.
@@ -63,8 +63,8 @@ struct Part {
 
 impl Part {
     /// Fits the value and its transform, and keeps what errs less near the measurement.
-    fn fit(criterion: &Criterion, inputs: &[Vec<f64>]) -> Option<Self> {
-        let bare = || Criterion {
+    fn fit(criterion: &CriterionColumn, inputs: &[Vec<f64>]) -> Option<Self> {
+        let bare = || CriterionColumn {
             values: vec![],
             ok: vec![],
             ..criterion.clone()

@@ -1,5 +1,5 @@
 use super::*;
-use crate::analysis::table::Parameter;
+use crate::analysis::table::ParameterColumn;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 
 /// Two criteria of three parameters, the third without influence.
@@ -23,7 +23,7 @@ fn table(n: usize) -> PointTable {
     let points = sample(n, 1);
     let criterion = |k: usize| {
         let values: Vec<f64> = points.iter().map(|x| model(x)[k]).collect();
-        Criterion {
+        CriterionColumn {
             name: format!("c{k}"),
             source: String::new(),
             unit: String::new(),
@@ -35,7 +35,7 @@ fn table(n: usize) -> PointTable {
             values,
         }
     };
-    let column = |k: usize| Parameter {
+    let column = |k: usize| ParameterColumn {
         name: format!("p{k}"),
         unit: String::new(),
         distribution: String::new(),

@@ -20,7 +20,7 @@ pub struct Settled {
 }
 
 /// A method that needs runs of its own design.
-pub trait Runs: Sync {
+pub trait FromRuns: Sync {
     /// Its name in a study and on the command line.
     fn name(&self) -> &'static str;
 
@@ -59,7 +59,7 @@ pub trait Runs: Sync {
 }
 
 /// A method for any points.
-pub trait View: Sync {
+pub trait FromPoints: Sync {
     /// What the values of one output tell, given the columns of the parameters.
     fn tell(&self, columns: &[&[f64]], values: &[f64], seed: u64) -> Told;
 

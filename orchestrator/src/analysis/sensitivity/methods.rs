@@ -1,22 +1,22 @@
 //! The sensitivity methods: the one place that knows them all.
 //!
-//! A new method is a file beside [`super::morris`] with a type that implements [`Runs`] or [`View`], its `mod` line in
+//! A new method is a file beside [`super::morris`] with a type that implements [`FromRuns`] or [`FromPoints`], its `mod` line in
 //! `sensitivity/mod.rs`, and its line below. The command, the terminal and the page show what it tells.
 
-use super::method::{Runs, View};
+use super::method::{FromRuns, FromPoints};
 use super::{morris, pawn, rank, sobol};
 
 /// Methods that need runs of their own; the first one is the usual one.
-pub const RUNS: [&dyn Runs; 2] = [&sobol::Sobol, &morris::Morris];
+pub const RUNS: [&dyn FromRuns; 2] = [&sobol::Sobol, &morris::Morris];
 
 /// Methods for any points.
-pub const VIEWS: [&dyn View; 2] = [&rank::Ranks, &pawn::Slices];
+pub const VIEWS: [&dyn FromPoints; 2] = [&rank::Ranks, &pawn::Slices];
 
 /// The method of this name.
 ///
 /// # Errors
 /// Lists the names that there are.
-pub fn named(name: &str) -> Result<&'static dyn Runs, String> {
+pub fn named(name: &str) -> Result<&'static dyn FromRuns, String> {
     let known = RUNS.iter().find(|method| method.name() == name);
     known.copied().ok_or_else(|| {
         let names: Vec<&str> = RUNS.iter().map(|method| method.name()).collect();

@@ -6,7 +6,7 @@
 //! Environmental Modelling & Software 22, 1509-1518.
 
 use super::Estimate;
-use super::method::{Measure, Runs, Settled, Told, read};
+use super::method::{Measure, FromRuns, Settled, Told, read};
 use crate::statistics::moments::{mean, variance};
 use crate::statistics::share::Z95;
 use rand::seq::SliceRandom;
@@ -23,7 +23,7 @@ const RESAMPLES: usize = 200;
 #[derive(Clone, Copy, Debug)]
 pub struct Morris;
 
-impl Runs for Morris {
+impl FromRuns for Morris {
     fn name(&self) -> &'static str {
         "morris"
     }

@@ -5,7 +5,7 @@
 //! sample", Environmental Modelling & Software 108, 197-207.
 
 use super::Estimate;
-use super::method::{Measure, Told, View, read};
+use super::method::{Measure, Told, FromPoints, read};
 use crate::statistics::moments::{ks_distance, mean, quantile, sorted};
 use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
@@ -21,7 +21,7 @@ const RESAMPLES: usize = 200;
 #[derive(Clone, Copy, Debug)]
 pub struct Slices;
 
-impl View for Slices {
+impl FromPoints for Slices {
     fn tell(&self, columns: &[&[f64]], values: &[f64], seed: u64) -> Told {
         let found = pawn(columns, values, SLICES, RESAMPLES, seed);
         Told::from_iter([("pawn".to_owned(), json!(found))])

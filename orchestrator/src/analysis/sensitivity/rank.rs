@@ -6,7 +6,7 @@
 //! in systems biology", J. Theoretical Biology 254, 178-196. Intervals: Fisher's z.
 
 use super::Estimate;
-use super::method::{Measure, Told, View, read};
+use super::method::{Measure, Told, FromPoints, read};
 use crate::statistics::moments::{pearson, ranks};
 use crate::statistics::share::Z95;
 use nalgebra::DMatrix;
@@ -17,7 +17,7 @@ use serde_json::json;
 #[derive(Clone, Copy, Debug)]
 pub struct Ranks;
 
-impl View for Ranks {
+impl FromPoints for Ranks {
     fn tell(&self, columns: &[&[f64]], values: &[f64], _: u64) -> Told {
         let found = correlations(columns, values);
         Told::from_iter([("ranks".to_owned(), json!(found))])

@@ -6,7 +6,7 @@
 //! parameter i the sample A_B^(i), which is A with column i from B.
 
 use super::Estimate;
-use super::method::{Measure, Runs, Settled, Told, read};
+use super::method::{Measure, FromRuns, Settled, Told, read};
 use crate::statistics::moments::mean;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -30,7 +30,7 @@ pub enum FirstOrder {
 #[derive(Clone, Copy, Debug)]
 pub struct Sobol;
 
-impl Runs for Sobol {
+impl FromRuns for Sobol {
     fn name(&self) -> &'static str {
         "sobol"
     }

@@ -1,6 +1,6 @@
 //! The sensitivity of all outputs of a study in one result: of every criterion, and of "is verified".
 
-use super::method::{Measure, Runs, Settled, Told};
+use super::method::{Measure, FromRuns, Settled, Told};
 use super::methods::{RUNS, VIEWS};
 use super::sobol::FirstOrder;
 use super::{dominant, regional};
@@ -105,7 +105,7 @@ fn unused(seed: u64) -> Told {
 
 /// What the rows of a design tell, and everything that its plain sample tells.
 pub fn from_runs(
-    method: &dyn Runs,
+    method: &dyn FromRuns,
     design: &[Vec<f64>],
     rows: &PointTable,
     settled: &Settled,

@@ -3,8 +3,8 @@
 use super::delay::Delay;
 use super::signal::{Even, SignalError, Spline};
 use super::stationarity::{self, block_means, uncertainty_of_mean};
-use super::uncertainty::{Measured, from_bound, of_product};
-use super::{Accuracy, Channel, Finding, Recording, Synchronised};
+use super::uncertainty::{MeasuredValue, from_bound, of_product};
+use super::{Accuracy, Channel, DerivedCriterion, RigRecording, Synchronised};
 use crate::statistics::moments::mean;
 
 /// The aligned signals over their common time.
@@ -26,7 +26,7 @@ pub(super) struct Aligned {
 
 impl Aligned {
     pub(super) fn new(
-        recording: &Recording,
+        recording: &RigRecording,
         (load_raw, torque_raw): (Even, Even),
         load: &Even,
         late: &Spline,
@@ -86,7 +86,7 @@ impl Aligned {
 
     pub(super) fn finish(
         self,
-        recording: &Recording,
+        recording: &RigRecording,
         even: impl Fn(&Channel) -> Result<Even, SignalError>,
     ) -> Result<Synchronised, SignalError> {
         let half = recording.diameter / 2.0;
@@ -173,20 +173,20 @@ impl Aligned {
         &self,
         channel: &Channel,
         values: &[f64],
-        recording: &Recording,
+        recording: &RigRecording,
         sensor: impl Fn(f64) -> f64,
-    ) -> Finding {
+    ) -> DerivedCriterion {
         // Whole turns only: a part of one would shift the mean.
         let whole = &values[..values.len() / self.turn * self.turn];
         let blocks = block_means(whole, self.block);
         let value = mean(whole);
-        Finding {
+        DerivedCriterion {
             name: channel.name.clone(),
             variable: channel.variable.clone(),
             statistic: "mean",
             unit: channel.unit.clone(),
             group: channel.group.clone(),
-            measured: Measured {
+            measured: MeasuredValue {
                 value,
                 scatter: uncertainty_of_mean(&blocks),
                 sensor: sensor(value),
@@ -197,7 +197,7 @@ impl Aligned {
     }
 
     /// Half the distance between least and greatest value of a turn, over all turns.
-    fn amplitude(&self, channel: &Channel, values: &[f64]) -> Finding {
+    fn amplitude(&self, channel: &Channel, values: &[f64]) -> DerivedCriterion {
         let span = if self.turn > 1 {
             self.turn
         } else {
@@ -220,13 +220,13 @@ impl Aligned {
             Accuracy::Relative(part) => part,
             Accuracy::Absolute(bound) => bound / mean(values).abs(),
         };
-        Finding {
+        DerivedCriterion {
             name: format!("{}_amplitude", channel.name),
             variable: channel.variable.clone(),
             statistic: "amplitude",
             unit: channel.unit.clone(),
             group: channel.group.clone(),
-            measured: Measured {
+            measured: MeasuredValue {
                 value,
                 scatter: uncertainty_of_mean(&halves),
                 sensor: from_bound(gain * value),
@@ -236,7 +236,7 @@ impl Aligned {
         }
     }
 
-    fn warnings(&self, findings: &[Finding]) -> Vec<String> {
+    fn warnings(&self, findings: &[DerivedCriterion]) -> Vec<String> {
         let mut warnings = Vec::new();
         if self.delay.at_edge {
             warnings.push("the least variance lies at the edge of the searched delays: it is no minimum; allow a longer delay".into());

@@ -1,6 +1,6 @@
 //! The criteria as text for a study.
 
-use super::{Finding, Synchronised};
+use super::{DerivedCriterion, Synchronised};
 use std::fmt::Write as _;
 
 /// The `[criteria]` of a study, with the uncertainty budget as comments. The tolerance is the
@@ -35,7 +35,7 @@ pub fn to_toml(result: &Synchronised, amplitudes: bool) -> String {
     out
 }
 
-fn criterion(finding: &Finding) -> String {
+fn criterion(finding: &DerivedCriterion) -> String {
     let m = &finding.measured;
     let tolerance = m.expanded();
     let mut out = format!("\n[criteria.{}]\n", finding.name);

@@ -14,7 +14,7 @@ use delay::Delay;
 use signal::{Even, SignalError, Spline};
 use smooth::Smoothing;
 use stationarity::Stationarity;
-use uncertainty::{Measured, from_bound};
+use uncertainty::{MeasuredValue, from_bound};
 
 /// How accurate a sensor is: every error up to plus or minus this much is equally likely.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,7 +65,7 @@ pub struct Derived {
 
 /// A recording and what to do with it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Recording {
+pub struct RigRecording {
     /// Times of the samples, s.
     pub time: Vec<f64>,
     /// The load on the bearing, N.
@@ -92,7 +92,7 @@ pub struct Recording {
 
 /// A criterion derived from the record.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Finding {
+pub struct DerivedCriterion {
     /// The criterion's name.
     pub name: String,
     /// The FMU variable.
@@ -104,7 +104,7 @@ pub struct Finding {
     /// The group of criteria.
     pub group: Option<String>,
     /// The value with its uncertainty.
-    pub measured: Measured,
+    pub measured: MeasuredValue,
     /// Means of blocks of whole turns, evenly over the window; empty for an amplitude.
     pub blocks: Vec<f64>,
     /// The tests of the block means; `None` where the window is too short for them.
@@ -137,9 +137,9 @@ pub struct Synchronised {
     /// The duration of a block of the tests of stationarity, s.
     pub block: f64,
     /// The friction coefficient as a measured quantity.
-    pub mean_friction: Measured,
+    pub mean_friction: MeasuredValue,
     /// The criteria: means first, then amplitudes.
-    pub findings: Vec<Finding>,
+    pub findings: Vec<DerivedCriterion>,
     /// Caveats for the reader.
     pub warnings: Vec<String>,
 }
@@ -148,7 +148,7 @@ pub struct Synchronised {
 const LONGEST_GAP: f64 = 10.0;
 
 /// Aligns a recording and derives the criteria.
-pub fn synchronise(recording: &Recording) -> Result<Synchronised, SignalError> {
+pub fn synchronise(recording: &RigRecording) -> Result<Synchronised, SignalError> {
     check(recording)?;
     let kept = window(recording);
     let time: Vec<f64> = kept.iter().map(|&k| recording.time[k]).collect();
@@ -184,7 +184,7 @@ pub fn synchronise(recording: &Recording) -> Result<Synchronised, SignalError> {
         .finish(recording, |c| Ok(even(&spline(c)?)))
 }
 
-fn check(recording: &Recording) -> Result<(), SignalError> {
+fn check(recording: &RigRecording) -> Result<(), SignalError> {
     let wrong = |text: String| Err(SignalError::Setting(text));
     if !(recording.diameter.is_finite() && recording.diameter > 0.0) {
         return wrong(format!(
@@ -220,7 +220,7 @@ fn check(recording: &Recording) -> Result<(), SignalError> {
     }
 }
 
-fn window(recording: &Recording) -> Vec<usize> {
+fn window(recording: &RigRecording) -> Vec<usize> {
     let [from, to] = recording
         .window
         .unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);

@@ -22,7 +22,7 @@ fn channel(
 
 /// 30 s at 300 rpm with the torque 16 ms late and a friction coefficient of 0.0472; `creep` K of
 /// the oil over the record.
-fn recording(creep: f64) -> Recording {
+fn recording(creep: f64) -> RigRecording {
     let mut random = StdRng::seed_from_u64(11);
     let mut noise = || random.sample::<f64, _>(StandardNormal);
     let time: Vec<f64> = (0..30_000).map(|k| f64::from(k) * 1e-3).collect();
@@ -36,7 +36,7 @@ fn recording(creep: f64) -> Recording {
         .iter()
         .map(|t| 48.0 + creep * (t / 30.0 - 0.5) + 0.1 * noise())
         .collect();
-    Recording {
+    RigRecording {
         load: channel(
             "F_N",
             "sensor.loadForce",

@@ -5,7 +5,7 @@ use serde::Serialize;
 
 /// A measured quantity with its uncertainty budget.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Measured {
+pub struct MeasuredValue {
     /// The value.
     pub value: f64,
     /// Standard uncertainty from scatter.
@@ -14,7 +14,7 @@ pub struct Measured {
     pub sensor: f64,
 }
 
-impl Measured {
+impl MeasuredValue {
     /// Combined standard uncertainty: independent contributions add as squares (equation 10).
     pub fn combined(&self) -> f64 {
         self.scatter.hypot(self.sensor)
@@ -44,7 +44,7 @@ mod tests {
 
     #[test]
     fn contributions_add_as_squares() {
-        let m = Measured {
+        let m = MeasuredValue {
             value: 10.0,
             scatter: 0.3,
             sensor: 0.4,

@@ -7,7 +7,7 @@ use thiserror::Error;
 
 use crate::analysis::synchronise::signal::SignalError;
 use crate::analysis::synchronise::smooth::Smoothing;
-use crate::analysis::synchronise::{Accuracy, Channel, Derived, Recording};
+use crate::analysis::synchronise::{Accuracy, Channel, Derived, RigRecording};
 use crate::names::{did_you_mean, nearest};
 use crate::study::Quantity;
 use crate::table::csv_file::{CsvFile, reason};
@@ -62,7 +62,7 @@ pub enum SettingsError {
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub(super) struct Settings {
     /// The column of the time.
-    time: Column,
+    time: TimeColumn,
     /// The load on the bearing.
     load: Signal,
     /// The friction torque.
@@ -89,7 +89,7 @@ pub(super) struct Settings {
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Column {
+struct TimeColumn {
     column: String,
     unit: Option<String>,
 }
@@ -152,8 +152,8 @@ impl Settings {
         &self,
         own: &Path,
         measured: &Path,
-    ) -> Result<Recording, SettingsError> {
-        let table = Table::read(measured)?;
+    ) -> Result<RigRecording, SettingsError> {
+        let table = RecordedTable::read(measured)?;
         let wrong = |message: String| SettingsError::Content {
             path: own.to_owned(),
             message,
@@ -196,7 +196,7 @@ impl Settings {
                 .map(|factor| q.number * factor)
                 .map_err(wrong)
         };
-        Ok(Recording {
+        Ok(RigRecording {
             load: signal(&self.load, "F_N", FORCE, Some("N"))?,
             torque: signal(&self.torque, "M", TORQUE, Some("N.m"))?,
             speed: Channel {
@@ -267,12 +267,12 @@ fn accuracy(quantity: &Quantity, unit: &str, factor: f64) -> Result<Accuracy, St
 }
 
 /// A recording's columns by name.
-struct Table {
+struct RecordedTable {
     path: PathBuf,
     columns: Vec<(String, Vec<f64>)>,
 }
 
-impl Table {
+impl RecordedTable {
     fn read(path: &Path) -> Result<Self, SettingsError> {
         let failed = |source| SettingsError::Csv {
             path: path.to_owned(),
