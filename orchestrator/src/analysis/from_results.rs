@@ -95,20 +95,24 @@ pub fn from_runs(
         distribution: String::new(),
         values: points.iter().map(|p| p[k]).collect(),
     });
-    let criteria = judge.criteria.iter().enumerate().map(|(j, c)| CriterionColumn {
-        name: c.name.clone(),
-        source: format!("{} of {}", c.statistic.label(), c.variable),
-        unit: c.unit.clone().unwrap_or_default(),
-        nominal: c.nominal,
-        lower: c.nominal - c.tolerance,
-        upper: c.nominal + c.tolerance,
-        group: c.group.clone(),
-        values: outcomes
-            .iter()
-            .map(|o| o.as_ref().map_or(f64::NAN, |values| values[j]))
-            .collect(),
-        ok: verdicts.iter().map(|v| v.passed[j]).collect(),
-    });
+    let criteria = judge
+        .criteria
+        .iter()
+        .enumerate()
+        .map(|(j, c)| CriterionColumn {
+            name: c.name.clone(),
+            source: format!("{} of {}", c.statistic.label(), c.variable),
+            unit: c.unit.clone().unwrap_or_default(),
+            nominal: c.nominal,
+            lower: c.nominal - c.tolerance,
+            upper: c.nominal + c.tolerance,
+            group: c.group.clone(),
+            values: outcomes
+                .iter()
+                .map(|o| o.as_ref().map_or(f64::NAN, |values| values[j]))
+                .collect(),
+            ok: verdicts.iter().map(|v| v.passed[j]).collect(),
+        });
     PointTable {
         ids: (1..=points.len() as u64).collect(),
         parameters: parameters.collect(),

@@ -200,7 +200,11 @@ fn starts(study: &Study, settings: &Identification) -> Result<Vec<Vec<f64>>, Com
     Ok((0..design.len()).map(|index| design.point(index)).collect())
 }
 
-fn write(folder: &Path, study: &Study, outcome: &IdentificationOutcome) -> Result<(), CommandError> {
+fn write(
+    folder: &Path,
+    study: &Study,
+    outcome: &IdentificationOutcome,
+) -> Result<(), CommandError> {
     write_atomically(&folder.join("identification.json"), |out| {
         serde_json::to_writer_pretty(&mut *out, outcome)?;
         writeln!(out)

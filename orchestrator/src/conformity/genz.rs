@@ -271,10 +271,7 @@ mod tests {
             let [from, to] = [from.max(-7.0), to.min(7.0).max(from.max(-7.0))];
             let scale = move |[x, w]: [f64; 2]| {
                 let z = from + x * (to - from);
-                [
-                    z,
-                    w * (to - from) * (-0.5 * z * z).exp() / TAU.sqrt(),
-                ]
+                [z, w * (to - from) * (-0.5 * z * z).exp() / TAU.sqrt()]
             };
             fine.on_unit_interval().map(scale).collect::<Vec<_>>()
         };

@@ -1,7 +1,7 @@
 //! Full factorial designs: every combination of the levels of all inputs. The levels of an input are the
 //! middles of equally probable slices, so that every point stands for the same probability.
 
-use super::rule::{Inputs, Registered, Numbers, Rule};
+use super::rule::{Inputs, Numbers, Registered, Rule};
 
 /// A grid.
 #[derive(Clone, Debug)]

@@ -3,7 +3,7 @@
 //! plain sequences are all but useless in large bases, permuted ones are uniformly distributed.
 
 use super::random::{self, Purpose};
-use super::rule::{Inputs, Registered, Numbers, Rule};
+use super::rule::{Inputs, Numbers, Registered, Rule};
 
 /// Bits of randomness that a digit needs.
 const BITS: f64 = 53.0;

@@ -5,7 +5,7 @@
 //! (a Feistel network with cycle walking: Black, Rogaway 2002), so that no table of N is kept.
 
 use super::random::{self, Purpose, mix};
-use super::rule::{Inputs, Registered, Numbers, Rule};
+use super::rule::{Inputs, Numbers, Registered, Rule};
 
 /// A rule for N points.
 #[derive(Clone, Debug)]

@@ -8,7 +8,7 @@
 
 use super::hypercube::Hypercube;
 use super::random::{self, Purpose};
-use super::rule::{Inputs, Registered, Numbers, Rule};
+use super::rule::{Inputs, Numbers, Registered, Rule};
 
 /// Above this number, random pairing already spreads the points well.
 pub(super) const MOST: u64 = 4096;

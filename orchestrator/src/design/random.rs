@@ -2,7 +2,7 @@
 //! counter-based generator Philox4x32-10 (Salmon, Moraes, Dror, Shaw 2011, "Parallel random
 //! numbers: as easy as 1, 2, 3").
 
-use super::rule::{Inputs, Registered, Numbers, Rule};
+use super::rule::{Inputs, Numbers, Registered, Rule};
 
 /// Independent points.
 #[derive(Debug)]

@@ -5,7 +5,7 @@
 use ::sobol::params::JoeKuoD6;
 
 use super::random::{self, Purpose, mix};
-use super::rule::{Inputs, Registered, Numbers, Rule};
+use super::rule::{Inputs, Numbers, Registered, Rule};
 
 const BITS: u32 = 32;
 

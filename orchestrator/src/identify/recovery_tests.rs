@@ -11,7 +11,7 @@ use super::problem::{
     Case, Free, Interval, Latent, Measured, NoPrediction, Prediction, Problem, Quantity, Query,
     Simulate,
 };
-use super::search::{SearchError, Effort, search};
+use super::search::{Effort, SearchError, search};
 use crate::study::identification::Spacing;
 
 /// Independent standard normal numbers by the splitmix64 sequence (Steele, Lea, Flood 2014).

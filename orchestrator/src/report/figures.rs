@@ -4,7 +4,7 @@
 use super::bins::{bins_for, density, histogram, levels};
 use super::format::with_unit;
 use super::payload::PlotColumn;
-use super::svg::{Frame, Axis};
+use super::svg::{Axis, Frame};
 use crate::analysis::table::PointTable;
 use std::fmt::Write as _;
 

@@ -10,7 +10,7 @@ use super::summary::{
 };
 use crate::conformity::looks::Looks;
 use crate::conformity::risk::RiskTally;
-use crate::judge::{Judge, Variant, PointVerdict};
+use crate::judge::{Judge, PointVerdict, Variant};
 use crate::statistics::share::randomised_share;
 
 impl Count {

@@ -3,7 +3,7 @@
 //! A new method is a file beside [`super::morris`] with a type that implements [`FromRuns`] or [`FromPoints`], its `mod` line in
 //! `sensitivity/mod.rs`, and its line below. The command, the terminal and the page show what it tells.
 
-use super::method::{FromRuns, FromPoints};
+use super::method::{FromPoints, FromRuns};
 use super::{morris, pawn, rank, sobol};
 
 /// Methods that need runs of their own; the first one is the usual one.

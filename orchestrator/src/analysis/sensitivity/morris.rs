@@ -6,7 +6,7 @@
 //! Environmental Modelling & Software 22, 1509-1518.
 
 use super::Estimate;
-use super::method::{Measure, FromRuns, Settled, Told, read};
+use super::method::{FromRuns, Measure, Settled, Told, read};
 use crate::statistics::moments::{mean, variance};
 use crate::statistics::share::Z95;
 use rand::seq::SliceRandom;

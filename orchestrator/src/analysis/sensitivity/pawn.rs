@@ -5,7 +5,7 @@
 //! sample", Environmental Modelling & Software 108, 197-207.
 
 use super::Estimate;
-use super::method::{Measure, Told, FromPoints, read};
+use super::method::{FromPoints, Measure, Told, read};
 use crate::statistics::moments::{ks_distance, mean, quantile, sorted};
 use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng, rngs::StdRng};

@@ -6,7 +6,7 @@
 //! in systems biology", J. Theoretical Biology 254, 178-196. Intervals: Fisher's z.
 
 use super::Estimate;
-use super::method::{Measure, Told, FromPoints, read};
+use super::method::{FromPoints, Measure, Told, read};
 use crate::statistics::moments::{pearson, ranks};
 use crate::statistics::share::Z95;
 use nalgebra::DMatrix;

@@ -6,7 +6,7 @@
 //! parameter i the sample A_B^(i), which is A with column i from B.
 
 use super::Estimate;
-use super::method::{Measure, FromRuns, Settled, Told, read};
+use super::method::{FromRuns, Measure, Settled, Told, read};
 use crate::statistics::moments::mean;
 use serde::{Deserialize, Serialize};
 use serde_json::json;

@@ -1,6 +1,6 @@
 //! The sensitivity of all outputs of a study in one result: of every criterion, and of "is verified".
 
-use super::method::{Measure, FromRuns, Settled, Told};
+use super::method::{FromRuns, Measure, Settled, Told};
 use super::methods::{RUNS, VIEWS};
 use super::sobol::FirstOrder;
 use super::{dominant, regional};
