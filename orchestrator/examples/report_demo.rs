@@ -4,7 +4,8 @@ use orchestrator::analysis::pareto::study::{Member, trade_off};
 use orchestrator::analysis::robustness::{region, robustness, rows};
 use orchestrator::analysis::sensitivity::study::from_points;
 use orchestrator::analysis::table::{CriterionColumn, ParameterColumn, PointTable};
-use orchestrator::report::{Report, figures::Series};
+use orchestrator::conformity::measured::{Measured, Measurement, Uncertainty};
+use orchestrator::report::{Report, figures::Series, judgement::Judgement};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rand_distr::StandardNormal;
 use std::path::Path;
@@ -22,6 +23,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         description: "An invented cloud with the shape of the paper's: a smooth law for load and power, temperatures that follow the power.".into(),
         model: "PlainBearingStand".into(),
         date: "2026-01-01".into(),
+        judgement: Judgement { measurement: measurement(&table)?, ..Judgement::default() },
         table,
         history: history(),
         provenance: vec![("Seed".into(), "1".into()), ("Points".into(), n.to_string()), ("FMU SHA-256".into(), "0f".repeat(32))],
@@ -31,6 +33,23 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     println!("{}", report.write(Path::new(&folder))?.display());
     Ok(())
+}
+
+/// Expanded uncertainties of half the tolerances.
+fn measurement(table: &PointTable) -> Result<Measurement, String> {
+    let criteria = table.criteria.iter().map(|c| {
+        let tolerance = c.upper - c.nominal;
+        let uncertainty = Uncertainty {
+            expanded: 0.5 * tolerance,
+            coverage: 2.0,
+        };
+        Measured {
+            nominal: c.nominal,
+            tolerance,
+            uncertainty: Some(uncertainty),
+        }
+    });
+    Measurement::new(criteria.collect(), &[])
 }
 
 fn cloud(n: usize) -> PointTable {

@@ -1,10 +1,15 @@
 //! Which points agree with the measurement.
 
+mod requirements;
+
 use std::collections::HashSet;
 
 use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
+use crate::conformity::decision::Rule;
+use crate::conformity::measured::{Measured, Measurement, Uncertainty};
+use crate::conformity::risk::Guard;
 use crate::names::did_you_mean;
 use crate::statistics::Statistic;
 use crate::study::plan::find;
@@ -29,11 +34,23 @@ pub struct Criterion {
     pub tolerance: f64,
     /// The accuracy as the study states it.
     pub stated_tolerance: String,
+    /// The uncertainty of the measured value, where the study states it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub uncertainty: Option<Uncertainty>,
     /// The group in which it is counted.
     pub group: Option<String>,
 }
 
 impl Criterion {
+    /// The measured value with its tolerance and uncertainty.
+    pub fn measured(&self) -> Measured {
+        Measured {
+            nominal: self.nominal,
+            tolerance: self.tolerance,
+            uncertainty: self.uncertainty,
+        }
+    }
+
     /// Whether a value agrees with the measurement; the limits themselves do.
     pub fn accepts(&self, value: f64) -> bool {
         accepts(self.nominal, self.tolerance, value)
@@ -64,6 +81,14 @@ pub struct Judge {
     pub groups: Vec<(String, Vec<usize>)>,
     /// Other readings of the tolerances.
     pub variants: Vec<Variant>,
+    /// The measured values with the joint distribution of their errors.
+    pub measurement: Measurement,
+    /// What is required of the model as a whole, if anything but one point that meets all criteria.
+    pub rule: Option<Rule>,
+    /// How far the acceptance intervals are drawn in.
+    pub guard: Guard,
+    /// What the user should know although the study can be used, each with its place.
+    pub warnings: Vec<String>,
 }
 
 /// Whether a point agrees, criterion by criterion.
@@ -97,23 +122,31 @@ impl Judge {
             criteria: Vec::new(),
             groups: Vec::new(),
             variants: Vec::new(),
+            measurement: Measurement::default(),
+            rule: None,
+            guard: Guard::Given(0.0),
+            warnings: Vec::new(),
         };
         let mut scales = Vec::new();
         for (name, text) in &study.criteria {
             let variable = fmu.map(|fmu| find(fmu, text.variable.as_ref())).transpose();
             let variable = variable.map_err(|message| study.error_at(&text.variable, message))?;
+            requirements::check_variable(study, text, variable)?;
             let scale = match (fmu, variable) {
                 (Some(fmu), Some(variable)) => Scale::new(text.unit.as_deref(), fmu, variable)
                     .map_err(|message| at_name(study, name, &message))?,
                 _ => Scale::alone(text.unit.as_deref()),
             };
-            let criterion = criterion(name.as_ref(), text, &scale)
+            let mut criterion = criterion(name.as_ref(), text, &scale)
                 .map_err(|message| at_name(study, name, &message))?;
+            criterion.uncertainty =
+                requirements::uncertainty(study, name, text, criterion.nominal, &scale)?;
             judge.add_to_group(criterion.group.as_deref());
             judge.criteria.push(criterion);
             scales.push(scale);
         }
         judge.add_variants(study, &scales)?;
+        judge.add_requirements(study)?;
         Ok(judge)
     }
 
@@ -247,6 +280,7 @@ fn criterion(name: &str, text: &CriterionText, scale: &Scale<'_>) -> Result<Crit
         nominal,
         tolerance: tolerance(&text.tolerance, nominal, scale)?,
         stated_tolerance: text.tolerance.to_string(),
+        uncertainty: None,
         group: text.group.clone(),
     })
 }

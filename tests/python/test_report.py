@@ -139,18 +139,18 @@ def test_every_plot_has_a_name_for_screen_readers(browser, small):
     assert nameless == 0
 
 
-def test_a_point_says_how_sure_it_is(browser, small):
+def test_a_point_says_how_probably_it_conforms(browser, small):
     plot = opened(browser, small)
     row = browser.find_element(By.CSS_SELECTOR, "#best tbody tr[data-id]")
-    sure = float(row.find_elements(By.TAG_NAME, "td")[3].get_attribute("textContent"))
+    conforms = float(row.find_elements(By.TAG_NAME, "td")[3].get_attribute("textContent"))
     browser.execute_script("arguments[0].click()", row)
     settle(browser)
     cell = browser.find_element(By.CSS_SELECTOR, "#selection-table tbody td").text
-    assert float(cell.split()[0]) == pytest.approx(sure, abs=0.06)
+    assert float(cell.split()[0]) == pytest.approx(conforms, abs=0.06)
     x, y = verified_mark(browser, plot)
     ActionChains(browser).move_to_element_with_offset(plot, round(x), round(y)).perform()
     settle(browser)
-    assert "truly inside with a probability of" in browser.find_element(By.ID, "tip").text
+    assert "conforms with a probability of" in browser.find_element(By.ID, "tip").text
 
 
 def test_trade_offs_are_drawn(browser, small):

@@ -4,7 +4,6 @@ use super::table::{CriterionColumn, ParameterColumn, PointTable};
 use crate::judge::{Judge, PointVerdict};
 use crate::results::{Outcome, Points, PointsError, ResultsError, Summary};
 use crate::study::plan::Input;
-use indexmap::IndexMap;
 use std::path::Path;
 use thiserror::Error;
 
@@ -55,7 +54,7 @@ pub fn table(summary: &Summary, points: Points) -> PointTable {
         .map(|(p, values)| ParameterColumn {
             name: p.name.clone(),
             unit: p.unit.clone().unwrap_or_default(),
-            distribution: distribution(&p.distribution),
+            distribution: p.words(),
             values,
         });
     let columns = points.values.into_iter().zip(points.passed);
@@ -84,20 +83,6 @@ pub fn table(summary: &Summary, points: Points) -> PointTable {
         verified: points.verified,
         status: points.status,
     }
-}
-
-/// The distribution as words: its name and its numbers.
-fn distribution(fields: &IndexMap<String, serde_json::Value>) -> String {
-    let word = |(key, value): (&String, &serde_json::Value)| match value {
-        serde_json::Value::String(text) => Some(text.clone()),
-        serde_json::Value::Null => None,
-        other => Some(format!("{key} {other}")),
-    };
-    fields
-        .iter()
-        .filter_map(word)
-        .collect::<Vec<_>>()
-        .join(", ")
 }
 
 /// The table of runs that an analysis made itself: the parameters that vary, and the criteria.

@@ -1,22 +1,8 @@
 //! The verdict with its uncertainty: how many points are verified, how sure that fraction is,
 //! and which criterion decides.
 
-use super::table::{CriterionColumn, PointTable};
-use crate::statistics::share::{Fraction, sure_within};
-
-/// The probability of every point to be truly verified: the measured values are uncertain
-/// themselves. The true value of each criterion is taken as normal about the measured one with a
-/// standard uncertainty of half the tolerance (coverage factor 2, JCGM 100:2008, section 6.3), and
-/// independent of the others. Zero for failed points.
-pub fn truly_inside(table: &PointTable) -> Vec<f64> {
-    let sure = |c: &CriterionColumn, value| sure_within(value, c.nominal, c.lower, c.upper);
-    (0..table.len())
-        .map(|i| {
-            let all = table.criteria.iter().map(|c| sure(c, c.values[i]));
-            all.product()
-        })
-        .collect()
-}
+use super::table::PointTable;
+use crate::statistics::share::Fraction;
 
 /// How many points one criterion accepts and rejects.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -114,29 +100,7 @@ fn criterion_verdict(
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_point_at_the_limit_is_truly_inside_half_of_the_time() {
-        let criterion = |values: Vec<f64>| CriterionColumn {
-            name: "c".into(),
-            source: String::new(),
-            unit: String::new(),
-            nominal: 10.0,
-            lower: 8.0,
-            upper: 12.0,
-            group: None,
-            ok: vec![true; values.len()],
-            values,
-        };
-        let table = PointTable {
-            ids: vec![1, 2, 3, 4],
-            criteria: vec![criterion(vec![10.0, 12.0, 20.0, f64::NAN])],
-            ..PointTable::default()
-        };
-        let p = truly_inside(&table);
-        assert!((p[0] - 0.9545).abs() < 1e-4 && (p[1] - 0.5).abs() < 1e-4);
-        assert!(p[2] < 1e-9 && p[3] == 0.0);
-    }
+    use crate::analysis::table::CriterionColumn;
 
     /// A criterion of 10 ± 2, in a group or in none.
     fn ten(name: &str, group: Option<&str>, values: [f64; 6]) -> CriterionColumn {

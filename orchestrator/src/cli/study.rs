@@ -40,7 +40,8 @@ pub struct Verify {
     /// Write points.parquet, too
     #[arg(long)]
     pub parquet: bool,
-    /// Stop early, as soon as the 95 % interval of the verified share is this narrow, such as "ci 0.01"
+    /// End when the 95 % interval of the verified share is narrow enough, such as "ci 0.01", or with "verdict" when
+    /// the rule under [verdict] decides; up to --points, or a million
     #[arg(long, value_name = "CONDITION", conflicts_with = "shard")]
     pub until: Option<Until>,
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::CommandError;
-use crate::results::{ResultsError, Summary, write_atomically};
+use crate::results::{ResultsError, Summary, traceability, write_atomically};
 use crate::study::plan::Plan;
 use crate::study::ssv;
 use fmu_import::{Description, Value, Variable, digest};
@@ -42,7 +42,7 @@ pub(super) fn write(
     let name = format!("{title}: point {}", best.point);
     let set = ssv::write(&name, fmu, &named.collect::<Vec<_>>());
     let set = set.map_err(ResultsError::io(&folder.join(SET)))?;
-    let provenance = ssv::provenance(&name, SET, &entries(summary, best.point, &set));
+    let provenance = traceability::resource(&name, SET, &entries(summary, best.point, &set));
     let provenance = provenance.map_err(ResultsError::io(&folder.join(PROVENANCE)))?;
     for (file, text) in [(SET, set), (PROVENANCE, provenance)] {
         write_atomically(&folder.join(file), |out| out.write_all(text.as_bytes()))?;
@@ -59,24 +59,9 @@ fn variable<'a>(fmu: &'a Description, reference: u32, value: &Value) -> Option<&
 }
 
 /// Everything needed to compute the same point again.
-fn entries(summary: &Summary, point: u64, set: &str) -> Vec<(&'static str, String)> {
-    let from = &summary.provenance;
-    let known = [
-        ("orchestrator.version", Some(from.orchestrator.clone())),
-        ("study", Some(from.study.clone())),
-        ("study.sha256", Some(from.study_sha256.clone())),
-        ("fmu", from.fmu.clone()),
-        ("fmu.version", from.fmu_version.clone()),
-        ("fmu.guid", from.fmu_guid.clone()),
-        ("fmu.sha256", from.fmu_sha256.clone()),
-        ("design", Some(from.method.clone())),
-        ("seed", from.seed.map(|seed| seed.to_string())),
-        ("points", Some(summary.points.to_string())),
-        ("point", Some(point.to_string())),
-        ("data.sha256", Some(digest(set.as_bytes()))),
-    ];
-    let known = known.into_iter();
-    known
-        .filter_map(|(keyword, value)| Some((keyword, value?)))
-        .collect()
+fn entries(summary: &Summary, point: u64, set: &str) -> Vec<traceability::Entry> {
+    let mut entries = traceability::origin(summary);
+    entries.push(("point".to_owned(), point.to_string()));
+    entries.push(("data.sha256".to_owned(), digest(set.as_bytes())));
+    entries
 }

@@ -1,14 +1,15 @@
 //! `judge`: applies a study's criteria to outputs that already stand in a table.
 
 use std::process::ExitCode;
+use std::time::Instant;
 
-use super::{CommandError, output, report, table, verdict};
+use super::{CommandError, dossier, output, report, table, verdict};
 use crate::cli;
 use crate::failure::Failure;
 use crate::judge::Judge;
 use crate::report::Report;
 use crate::results::Tally;
-use crate::results::summary::Provenance;
+use crate::results::summary::{Provenance, Run};
 use crate::session::{FileSet, provenance};
 use crate::study::Study;
 use crate::study::quantity::Scale;
@@ -17,11 +18,13 @@ use fmu_import::units::Conversion;
 use fmu_import::{Description, Package};
 
 pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, CommandError> {
+    let begun = Instant::now();
     let study = Study::read(&options.study)?;
     // The FMU only helps to convert units; without it the table must be in the study's.
     let package = Package::open(&study.fmu_path()).ok();
     let fmu = package.as_ref().map(Package::description);
     let judge = Judge::new(&study, fmu)?;
+    super::warn(&judge);
     let conversions = conversions(&study, &judge, fmu)?;
     let mut rows = Table::read_results(&options.table, &columns(&study))?;
     let mut tally = Tally::new(&judge);
@@ -47,16 +50,19 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, CommandError> {
         method: "table".to_owned(),
         ..provenance(&study)
     };
-    let summary = tally.summary(study.title.clone(), provenance, Vec::new());
+    let mut summary = tally.summary(study.title.clone(), provenance, Vec::new());
+    summary.dossier = study.dossier.clone();
+    summary.run = Some(Run::since(begun, 0, 0));
     if let Some(files) = files {
         files.finish(&summary)?;
     }
     if let Some(folder) = &options.output {
         report::keep_study(folder, &study)?;
+        dossier::write(folder, &summary)?;
         Report::from_folder(folder)?.write(folder)?;
     }
     output::print(&table::counts(&summary));
-    Ok(verdict(summary.verified))
+    Ok(verdict(&summary))
 }
 
 /// The columns of the criteria: the study's mapping, the criterion's name, or the variable's.

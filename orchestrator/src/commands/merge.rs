@@ -2,12 +2,14 @@
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::time::Instant;
 
 use super::asking::{self, Analysis};
 use super::{CommandError, pareto, robustness, sensitivity, verify};
 use crate::cli::Merge;
 use crate::pipeline::folder::RunFolder;
 use crate::pipeline::{Halt, Pipeline};
+use crate::results::summary::Run;
 use crate::results::{Header, ResultsError, journal, lines, parquet};
 use crate::session::{Asking, Request, Session, SessionError, Verification};
 
@@ -71,13 +73,15 @@ fn join_verification(
     folders: &[PathBuf],
     request: Request,
 ) -> Result<ExitCode, CommandError> {
+    let start = Instant::now();
     let mut verification = Verification::open(request)?;
     let named = check(folders, verification.header())?;
     // Continue a merge that was interrupted.
     let begun = !options.output.join("summary.json").exists();
     let taken = verify::open(&verification, &options.output, begun)?;
     fill(taken, folders)?;
-    let summary = verification.conclude(&options.output, None, |_| false);
+    let run = Run::since(start, 0, 0);
+    let summary = verification.conclude(&options.output, Some(run), None);
     let summary = summary.map_err(|error| match error {
         SessionError::Results(ResultsError::Incomplete {
             missing, points, ..

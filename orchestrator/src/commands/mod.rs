@@ -5,6 +5,7 @@ mod best;
 mod check;
 mod completion;
 mod cost;
+mod dossier;
 mod finding;
 mod identify;
 mod init;
@@ -30,12 +31,14 @@ use thiserror::Error;
 
 use crate::analysis::from_results::FolderError;
 use crate::cli::{Cli, Command, Means, Parts};
+use crate::conformity::decision::Decision;
 use crate::engine::{EngineError, Isolation, guard};
 use crate::failure::Failure;
+use crate::judge::Judge;
 use crate::pipeline::Halt;
 use crate::pipeline::stop::INTERRUPTED;
 use crate::report::ReportError;
-use crate::results::ResultsError;
+use crate::results::{ResultsError, Summary};
 use crate::session::SessionError;
 use crate::study::StudyError;
 use crate::study::ssv::SsvError;
@@ -179,11 +182,20 @@ fn proven<T>(
     }
 }
 
-/// 0 when at least one point meets all criteria, 1 when none does.
-fn verdict(verified: u64) -> ExitCode {
-    if verified > 0 {
-        ExitCode::SUCCESS
-    } else {
-        ExitCode::FAILURE
+/// 0 when the model is verified, 1 when it is not, 3 when the points do not tell.
+fn verdict(summary: &Summary) -> ExitCode {
+    const INCONCLUSIVE: u8 = 3;
+    let verdict = summary.conclusion.as_ref().map(|found| found.verdict);
+    match verdict {
+        Some(Decision::Inconclusive) => ExitCode::from(INCONCLUSIVE),
+        Some(Decision::Verified) => ExitCode::SUCCESS,
+        Some(Decision::NotVerified) | None => ExitCode::FAILURE,
+    }
+}
+
+/// Says what the user should know of a study that can be used all the same.
+fn warn(judge: &Judge) {
+    for warning in &judge.warnings {
+        eprintln!("warning: {warning}");
     }
 }

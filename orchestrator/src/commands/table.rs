@@ -4,10 +4,11 @@ use std::fmt::Write;
 
 use indexmap::IndexMap;
 
+use crate::conformity::risk::Risk;
 use crate::engine::Conduct;
-use crate::results::Summary;
 use crate::results::asides::Asides;
 use crate::results::summary::{Count, FailedPoint};
+use crate::results::{Summary, words};
 
 /// The summary for people: what meets which criterion.
 pub(super) fn counts(summary: &Summary) -> String {
@@ -68,7 +69,53 @@ pub(super) fn counts(summary: &Summary) -> String {
         groups(&mut text, &variant.groups);
         line(&mut text, "all criteria: verified", &variant.verified);
     }
+    risks(&mut text, summary);
+    text.push('\n');
+    for sentence in words::sentences(summary) {
+        let _ = writeln!(text, "{sentence}");
+    }
     text
+}
+
+/// The risks of accepting, of every criterion and of all, where they are known.
+fn risks(text: &mut String, summary: &Summary) {
+    let criteria = summary.criteria.iter();
+    let own = criteria.filter_map(|(name, entry)| Some((name.as_str(), entry.risk.as_ref()?)));
+    let conclusion = summary.conclusion.as_ref();
+    let all = conclusion.and_then(|found| Some(("all criteria", found.risk.as_ref()?)));
+    let mut rows = own.chain(all).peekable();
+    if rows.peek().is_none() {
+        return;
+    }
+    let _ = writeln!(
+        text,
+        "\n{:<22}{:>24}{:>26}{:>26}",
+        "risk, 95 % interval",
+        "accepted, not conforming",
+        "rejected, conforming",
+        "not conforming / accepted"
+    );
+    for (name, risk) in rows {
+        let Risk { intervals, .. } = risk;
+        let _ = writeln!(
+            text,
+            "{name:<22}{:>24}{:>26}{:>26}",
+            with_interval(Some(risk.consumer), intervals.consumer),
+            with_interval(Some(risk.producer), intervals.producer),
+            with_interval(
+                risk.not_conforming_given_accepted,
+                intervals.not_conforming_given_accepted
+            ),
+        );
+    }
+}
+
+fn with_interval(share: Option<f64>, interval: [f64; 2]) -> String {
+    let [low, high] = interval.map(|limit| 100.0 * limit);
+    share.map_or_else(
+        || "-".to_owned(),
+        |share| format!("{:.2} % ({low:.1} .. {high:.1})", 100.0 * share),
+    )
 }
 
 fn groups(text: &mut String, groups: &IndexMap<String, Count>) {

@@ -7,16 +7,15 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use super::limits::place;
-use super::{CommandError, asking, best, cost, output, report, table, verdict};
+use super::{CommandError, asking, best, cost, dossier, output, report, table, verdict};
 use crate::cli::Verify;
 use crate::design::Method;
 use crate::engine::crew::Crew;
 use crate::pipeline::folder::RunFolder;
 use crate::pipeline::{Pipeline, Step};
-use crate::results::finished::Finished;
 use crate::results::summary::Run;
-use crate::results::{Journal, ResultsError, Tally, lines, parquet};
-use crate::session::{Front, Request, Session, Until, Verification};
+use crate::results::{Journal, ResultsError, lines, parquet};
+use crate::session::{Ending, Front, Request, Session, Verification};
 
 /// With `--until`, a study has as many points as needed, but for a limit.
 const MOST_POINTS: u64 = 1_000_000;
@@ -24,7 +23,8 @@ const MOST_POINTS: u64 = 1_000_000;
 pub(super) fn run(options: &Verify) -> Result<ExitCode, CommandError> {
     let begun = Instant::now();
     let mut verification = Verification::open(request(options))?;
-    check(options, &verification)?;
+    super::warn(&verification.session.judge);
+    let ending = check(options, &verification)?;
     let folder = asking::folder(
         options.output.as_deref(),
         &options.study,
@@ -60,7 +60,7 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, CommandError> {
         shard,
         all,
     );
-    let enough = compute(&verification, &mut pipeline, options.until)?;
+    let enough = compute(&verification, &mut pipeline, ending.as_ref())?;
     let (done, computed, interrupted) =
         (pipeline.done(), pipeline.computed(), pipeline.interrupted());
     pipeline.pause()?;
@@ -74,13 +74,8 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, CommandError> {
         ));
         return Ok(ExitCode::SUCCESS);
     }
-    let run = Run {
-        wall_seconds: begun.elapsed().as_secs_f64(),
-        computed,
-        jobs,
-    };
-    let enough = |tally: &Tally<'_>| options.until.is_some_and(|until| until.is_met(tally));
-    let summary = verification.conclude(&folder, Some(run), enough)?;
+    let run = Run::since(begun, computed, jobs);
+    let summary = verification.conclude(&folder, Some(run), ending.as_ref())?;
     if options.parquet {
         parquet::convert(&folder, &summary)?;
     }
@@ -88,25 +83,18 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, CommandError> {
     conclude(session, &folder, &summary, options.means.in_process)
 }
 
-/// Refuses options that the study's design cannot follow.
-fn check(options: &Verify, verification: &Verification) -> Result<(), CommandError> {
-    let refuse = |option, message: &str| {
-        Err(CommandError::Option {
-            option,
-            message: message.to_owned(),
-        })
-    };
-    if options.until.is_some() && !verification.is_extensible() {
-        let with = Method::named(Method::is_extensible);
-        let message = format!("this design needs all its points; use {with}");
-        return refuse("until", &message);
-    }
+/// When the study may end before its last point. Refuses options that the study's design cannot follow.
+fn check(options: &Verify, verification: &Verification) -> Result<Option<Ending>, CommandError> {
+    let refuse = |option, message| CommandError::Option { option, message };
     let method = verification.session.study.design.method;
     if options.points.is_some() && method.is_by_levels() {
         let message = "the design has as many points as the levels make; change `levels`";
-        return refuse("points", message);
+        return Err(refuse("points", message.to_owned()));
     }
-    Ok(())
+    let ending = options.until.map(|until| verification.ending(until));
+    ending
+        .transpose()
+        .map_err(|message| refuse("until", message))
 }
 
 /// Lets a run with fewer points go on with more, where these are the first ones of the longer run.
@@ -165,6 +153,7 @@ pub(super) fn conclude(
         ..
     } = session;
     best::write(folder, plan, package.description(), summary)?;
+    dossier::write(folder, summary)?;
     report::complete(folder, study, plan, package, summary, trusted)?;
     output::print(&format!(
         "{}{}{}\nresults in {}\n",
@@ -173,7 +162,7 @@ pub(super) fn conclude(
         table::best(summary),
         folder.display()
     ));
-    Ok(verdict(summary.verified))
+    Ok(verdict(summary))
 }
 
 /// A number of things.
@@ -226,12 +215,18 @@ fn request(options: &Verify) -> Request {
 fn compute(
     verification: &Verification,
     pipeline: &mut Pipeline<'_>,
-    until: Option<Until>,
+    ending: Option<&Ending>,
 ) -> Result<bool, CommandError> {
-    let mut front = Front::default();
+    let mut front = ending.map(|ending| (ending, Front::new(ending)));
+    let judge = &verification.session.judge;
     let mut enough = false;
-    if let (Some(until), Some(finished)) = (until, pipeline.finished()) {
-        enough = is_known(verification, &finished, until, &mut front)?;
+    if let (Some((ending, front)), Some(finished)) = (&mut front, pipeline.finished()) {
+        let mut outcomes = finished.outcomes()?;
+        for index in (0..verification.source.len()).take_while(|&index| finished.has(index)) {
+            if let Some(outcome) = outcomes.get(index)? {
+                enough |= front.add(index, ending.counts(judge, &outcome));
+            }
+        }
     }
     if enough {
         return Ok(true);
@@ -241,14 +236,8 @@ fn compute(
     let open = verification.indexes().filter(unfinished);
     let job = |index| verification.job(index);
     pipeline.compute(open, &job, |step| {
-        if let (
-            Some(until),
-            Step::Outcome {
-                index, verified, ..
-            },
-        ) = (until, step)
-        {
-            enough |= front.add(index, verified, until);
+        if let (Some((ending, front)), Step::Outcome { index, outcome, .. }) = (&mut front, step) {
+            enough |= front.add(index, ending.counts(judge, &outcome));
         }
         if enough {
             ControlFlow::Break(())
@@ -256,23 +245,5 @@ fn compute(
             ControlFlow::Continue(())
         }
     })?;
-    Ok(enough)
-}
-
-/// Whether the points that are finished are enough.
-fn is_known(
-    verification: &Verification,
-    finished: &Finished,
-    until: Until,
-    front: &mut Front,
-) -> Result<bool, CommandError> {
-    let mut outcomes = finished.outcomes()?;
-    let mut enough = false;
-    for index in (0..verification.source.len()).take_while(|&index| finished.has(index)) {
-        let outcome = outcomes.get(index)?;
-        let values = outcome.as_ref().and_then(|outcome| outcome.as_deref().ok());
-        let verified = verification.session.judge.verdict(values).verified();
-        enough |= front.add(index, verified, until);
-    }
     Ok(enough)
 }

@@ -1,7 +1,7 @@
 //! Whether the share of the sampled space that meets all criteria is as large as required.
 
 use serde::{Deserialize, Serialize};
-use statrs::function::beta::beta_reg;
+use statrs::function::beta::{beta_reg, ln_beta};
 
 use super::interval::student;
 
@@ -88,6 +88,19 @@ pub fn randomised(counts: &[u64], points: u64, confidence: f64) -> [f64; 2] {
         .map(|(k, &count)| count as f64 / size(k) as f64);
     let shares: Vec<f64> = shares.collect();
     student(total as f64 / points as f64, &shares, confidence)
+}
+
+/// The probability that another sample of as many independent points would come to the other verdict by the one-point
+/// rule: without an accepted point where this one has some, with one where this one has none.
+///
+/// What the points tell of the share of accepted points is taken with Jeffreys' weights, so that the number of
+/// accepted points of the other sample is beta-binomial (Johnson, Kemp and Kotz 2005, "Univariate Discrete
+/// Distributions", 6.2.2).
+pub fn other_verdict(accepted: u64, points: u64) -> f64 {
+    let [hits, misses, again] = [accepted, points - accepted, points].map(|n| n as f64);
+    let none =
+        (ln_beta(hits + 0.5, misses + 0.5 + again) - ln_beta(hits + 0.5, misses + 0.5)).exp();
+    if accepted > 0 { none } else { 1.0 - none }
 }
 
 /// How many counts differ from the most frequent one.

@@ -33,14 +33,14 @@ pub struct Measured {
 
 impl Measured {
     /// How far a model value is within the tolerance, in expanded uncertainties: a guard band of
-    /// that many would just let it pass. Negative outside of the tolerance interval; infinite where no
-    /// uncertainty is known, since then there is nothing to guard against.
+    /// that many would just let it pass. Negative outside of the tolerance interval and for a value that is not a
+    /// number; infinite where no uncertainty is known, since then there is nothing to guard against.
     pub fn margin(&self, value: f64) -> f64 {
         let rest = self.tolerance - (value - self.nominal).abs();
         match self.uncertainty {
-            Some(uncertainty) => rest / uncertainty.expanded,
+            Some(uncertainty) if !rest.is_nan() => rest / uncertainty.expanded,
             None if rest >= 0.0 => f64::INFINITY,
-            None => f64::NEG_INFINITY,
+            _ => f64::NEG_INFINITY,
         }
     }
 
@@ -88,6 +88,7 @@ pub struct Assessed {
 #[derive(Clone, Debug, Default)]
 pub struct Measurement {
     criteria: Vec<Measured>,
+    correlations: Vec<(usize, usize, f64)>,
     errors: JointNormal,
 }
 
@@ -98,12 +99,30 @@ impl Measurement {
     /// When the correlations contradict each other.
     pub fn new(criteria: Vec<Measured>, pairs: &[(usize, usize, f64)]) -> Result<Self, String> {
         let errors = JointNormal::new(criteria.len(), pairs)?;
-        Ok(Self { criteria, errors })
+        let correlations = pairs.to_vec();
+        Ok(Self {
+            criteria,
+            correlations,
+            errors,
+        })
     }
 
     /// The criteria.
     pub fn criteria(&self) -> &[Measured] {
         &self.criteria
+    }
+
+    /// The criteria whose errors are correlated, by their numbers, with the coefficients.
+    pub fn correlations(&self) -> &[(usize, usize, f64)] {
+        &self.correlations
+    }
+
+    /// The least [margin](Measured::margin) of a point's model values; minus infinity where one is not a
+    /// number.
+    pub fn margin(&self, values: &[f64]) -> f64 {
+        let pairs = self.criteria.iter().zip(values);
+        let margins = pairs.map(|(criterion, &value)| criterion.margin(value));
+        margins.fold(f64::INFINITY, f64::min)
     }
 
     /// Whether every criterion has an uncertainty, so that joint probabilities are known.
@@ -133,9 +152,8 @@ impl Measurement {
                 .unzip();
             self.errors.probability(&lower, &upper)
         });
-        let margins = criteria.iter().map(|c| c.margin);
         let all = Assessed {
-            margin: margins.fold(f64::INFINITY, f64::min),
+            margin: self.margin(values),
             probability: joint,
         };
         Conformity { criteria, all }
@@ -209,6 +227,20 @@ mod tests {
         );
         assert_eq!(unknown.compatible(750.0), None);
         assert_eq!(unknown.capability(), None);
+    }
+
+    #[test]
+    fn values_that_are_not_numbers_are_never_within() {
+        let sure = measured(82.0, 1.0, 0.5);
+        let unknown = Measured {
+            uncertainty: None,
+            ..sure
+        };
+        let measurement = Measurement::new(vec![sure, unknown], &[]).unwrap();
+        for values in [[f64::NAN, 82.0], [82.0, f64::NAN], [f64::INFINITY, 82.0]] {
+            assert_eq!(measurement.margin(&values), f64::NEG_INFINITY, "{values:?}");
+        }
+        assert_eq!(measurement.margin(&[81.5, 82.0]), 1.0);
     }
 
     #[test]

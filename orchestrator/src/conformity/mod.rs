@@ -8,9 +8,11 @@
 pub mod decision;
 pub mod interval;
 pub mod joint;
+pub mod looks;
 pub mod measured;
 pub mod normal;
 pub mod risk;
 pub mod sequence;
 
 mod genz;
+mod tabulated;

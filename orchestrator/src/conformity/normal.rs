@@ -3,8 +3,6 @@
 use std::f64::consts::{FRAC_PI_2, SQRT_2, TAU};
 use std::sync::LazyLock;
 
-use statrs::function::erf::erfc_inv;
-
 /// The probability that a standard normal number is below `z`.
 pub fn cdf(z: f64) -> f64 {
     0.5 * libm::erfc(-z / SQRT_2)
@@ -21,16 +19,6 @@ pub fn between(lower: f64, upper: f64) -> f64 {
     } else {
         cdf(upper) - cdf(lower)
     }
-}
-
-/// The quantile at `share` of a standard normal number that is known to lie between two limits.
-pub(super) fn quantile_between(lower: f64, upper: f64, share: f64) -> f64 {
-    if lower > 0.0 {
-        return -quantile_between(-upper, -lower, 1.0 - share);
-    }
-    let below = cdf(lower) + share * between(lower, upper);
-    let quantile = -SQRT_2 * erfc_inv(2.0 * below);
-    quantile.clamp(lower, upper)
 }
 
 /// The probability that both of two standard normal numbers with this correlation lie between
@@ -157,20 +145,6 @@ mod tests {
         assert_eq!(between(f64::NEG_INFINITY, f64::INFINITY), 1.0);
         assert_eq!(between(1.0, 1.0), 0.0);
         assert_eq!(between(1.0, -1.0), 0.0);
-    }
-
-    #[test]
-    fn quantiles_divide_the_probability() {
-        for [lower, upper] in [[-1.0, 2.0], [3.0, 9.0], [-9.0, -3.0], [-0.5, f64::INFINITY]] {
-            for share in [1e-6, 0.3, 0.5, 0.9] {
-                let z = quantile_between(lower, upper, share);
-                let ratio = between(lower, z) / between(lower, upper);
-                assert!(
-                    (ratio - share).abs() < 1e-9,
-                    "{lower} {upper} {share}: {ratio}"
-                );
-            }
-        }
     }
 
     /// The probability of the quadrant is 1/4 + asin(correlation) / (2 pi) (Sheppard 1899).

@@ -40,6 +40,11 @@ impl ConfidenceSequence {
         };
         [low, high]
     }
+
+    /// Whether a share lies outside of the interval after so many points.
+    pub fn excludes(&self, share: f64, hits: u64, points: u64) -> bool {
+        log_ratio(hits as f64, points as f64, share) >= -(1.0 - self.confidence).ln()
+    }
 }
 
 /// After about how many points a rule would decide, if the share stays what it is; none where the

@@ -25,7 +25,8 @@ pub(super) struct BestRow {
     distance: String,
     deviation: String,
     binding: String,
-    sure: String,
+    /// The conformance probability in per cent, where it is known.
+    conforms: Option<String>,
     pareto: bool,
     cells: Vec<Cell>,
 }
@@ -36,7 +37,11 @@ pub(super) fn heading<'a>(c: &PlotColumn<'a>) -> (&'a str, &'a str, &'a str) {
     (path, name, c.unit)
 }
 
-pub(super) fn best_rows(table: &PointTable, ranking: &[Ranked], sure: &[f64]) -> Vec<BestRow> {
+pub(super) fn best_rows(
+    table: &PointTable,
+    ranking: &[Ranked],
+    conformance: Option<&[f64]>,
+) -> Vec<BestRow> {
     let shown: Vec<usize> = ranking.iter().take(BEST).map(|r| r.point).collect();
     let unbeaten = pareto::unbeaten(table, &shown);
     ranking
@@ -76,7 +81,7 @@ pub(super) fn best_rows(table: &PointTable, ranking: &[Ranked], sure: &[f64]) ->
                 distance: number(distance, 3),
                 deviation: number(binding.deviation, 2),
                 binding: table.criteria[binding.criterion].name.clone(),
-                sure: percent(sure[i]),
+                conforms: conformance.map(|p| percent(p[i])),
                 pareto: beaten_by_none,
                 cells: parameters.chain(criteria).collect(),
             }

@@ -1,16 +1,18 @@
 //! A report from the folder that `verify` leaves behind.
 
 use super::format::count;
+use super::judgement::Judgement;
 use super::{
     Intervals, Reading, Report, ReportError, Whole, history, pareto, robustness, sensitivity,
 };
-use crate::analysis::from_results;
+use crate::analysis::from_results::{self, FolderError};
 use crate::engine::Conduct;
-use crate::results::Summary;
 use crate::results::asides::Asides;
 use crate::results::choice;
 use crate::results::origin::Origin;
 use crate::results::summary::{CriterionCount, VariantCount};
+use crate::results::words::capitalised;
+use crate::results::{ResultsError, Summary};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use std::path::Path;
@@ -31,6 +33,7 @@ impl Report {
         Ok(Self {
             study: summary.title.clone().unwrap_or_else(|| p.study.clone()),
             model: p.fmu.clone().unwrap_or_default(),
+            date: summary.run.iter().map(|run| run.date.clone()).collect(),
             command: match (&p.fmu, p.method.as_str()) {
                 (None, _) => format!("orchestrator judge {} TABLE.csv", p.study),
                 (_, "table") => format!("orchestrator verify {} --points-from TABLE.csv", p.study),
@@ -40,6 +43,7 @@ impl Report {
                 ),
             },
             remarks: remarks(&summary, table.len()),
+            judgement: judgement(folder, &summary)?,
             provenance: provenance(&summary),
             whole: whole(&summary, table.len()),
             intervals: intervals(&summary),
@@ -107,6 +111,14 @@ fn whole(summary: &Summary, shown: usize) -> Option<Whole> {
     })
 }
 
+fn judgement(folder: &Path, summary: &Summary) -> Result<Judgement, FolderError> {
+    let damaged = |message| ResultsError::Content {
+        path: folder.join("summary.json"),
+        message,
+    };
+    Ok(Judgement::new(summary).map_err(damaged)?)
+}
+
 /// Summaries of older versions do not name their intervals; those are Wilson's.
 fn intervals(summary: &Summary) -> Option<Intervals> {
     let groups = summary.groups.iter();
@@ -146,12 +158,15 @@ fn provenance(summary: &Summary) -> Vec<(String, String)> {
             summary
                 .run
                 .as_ref()
+                .filter(|run| run.computed > 0)
                 .map(|run| format!("{:.1} s with {} at a time", run.wall_seconds, run.jobs)),
         ),
     ];
-    rows.into_iter()
-        .filter_map(|(name, value)| Some((name.to_owned(), value?)))
-        .collect()
+    let rows = rows.into_iter();
+    let rows = rows.filter_map(|(name, value)| Some((name.to_owned(), value?)));
+    let stated = summary.dossier.iter().flat_map(|dossier| dossier.stated());
+    let stated = stated.map(|(key, text)| (capitalised(key), text.to_owned()));
+    stated.chain(rows).collect()
 }
 
 fn reading(name: &str, variant: &VariantCount) -> Reading {

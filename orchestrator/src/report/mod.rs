@@ -7,6 +7,7 @@ pub mod figures;
 pub mod format;
 mod from_results;
 pub mod history;
+pub mod judgement;
 mod page;
 pub mod pareto;
 mod payload;
@@ -27,6 +28,7 @@ use crate::analysis::verdict::PassCounts;
 use crate::statistics::share::Fraction;
 use figures::Series;
 use indexmap::IndexMap;
+use judgement::Judgement;
 #[cfg(feature = "png")]
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
@@ -49,6 +51,8 @@ pub struct Report {
     pub table: PointTable,
     /// The counts of all points, where the table holds only some.
     pub whole: Option<Whole>,
+    /// The verdict and its risks.
+    pub judgement: Judgement,
     /// The counts' intervals, where the points are not independent of each other.
     pub intervals: Option<Intervals>,
     /// Counts by other readings of the tolerances.
@@ -78,8 +82,8 @@ pub struct Whole {
     pub verified: usize,
     /// How many have no result.
     pub failed: usize,
-    /// How many are expected to be truly verified.
-    pub expected: f64,
+    /// How many are expected to conform, where every criterion has an uncertainty.
+    pub expected: Option<f64>,
     /// By criterion: points that meet it, at which it deviates most, and that fail no other one.
     pub criteria: Vec<[usize; 3]>,
     /// Points that meet all criteria of a group, by its name.

@@ -4,11 +4,14 @@ use super::best::{BestRow, best_rows, heading};
 use super::counts::{CountRow, FractionText, ReadingRow, count_rows, decisive, fraction, readings};
 use super::figures;
 use super::format::{count, number, with_unit};
+use super::judgement::RiskRow;
 use super::payload::{self, PlotColumn};
 use super::planes::{Plane, planes};
 use super::{Report, ReportError, Whole};
 use crate::analysis::table::PointTable;
-use crate::analysis::verdict::{truly_inside, verdict};
+use crate::analysis::verdict::{PassCounts, verdict};
+use crate::conformity::decision::Decision;
+use crate::results::words::capitalised;
 use minijinja::{Environment, value::Serde};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -24,7 +27,10 @@ struct Page<'a> {
     script: &'static str,
     data: String,
     remarks: &'a [String],
-    verified: bool,
+    title: String,
+    kind: &'static str,
+    sentences: &'a [String],
+    by_share: bool,
     n: String,
     count: String,
     fraction: FractionText,
@@ -35,7 +41,8 @@ struct Page<'a> {
     decisive: String,
     readings: Vec<ReadingRow>,
     interval_method: &'a str,
-    expected: String,
+    expected: Option<String>,
+    risks: Vec<RiskRow>,
     planes: Vec<Plane>,
     parameters: Vec<Small>,
     criteria: Vec<Small>,
@@ -48,6 +55,7 @@ struct Page<'a> {
     robustness: Option<super::robustness::View>,
     pareto: Option<super::pareto::View>,
     provenance: &'a [(String, String)],
+    sampled_from: Vec<(&'a str, &'a str)>,
     command: &'a str,
     study_text: &'a str,
 }
@@ -82,9 +90,11 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
     if let Some(intervals) = &report.intervals {
         intervals.replace_in(&mut counted);
     }
-    let sure = truly_inside(table);
+    let conformance = report.judgement.conformance(table);
     let total = report.points();
-    let data = serde_json::to_string(&payload::payload(table, &points, total))?;
+    let data = payload::payload(table, &points, total, conformance.as_deref());
+    let data = serde_json::to_string(&data)?;
+    let decision = decision(report, &counted);
 
     let mut environment = Environment::new();
     environment.add_template("report.html", include_str!("assets/report.html"))?;
@@ -100,7 +110,14 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
         script: include_str!("assets/report.js"),
         data: script_safe(&data),
         remarks: &report.remarks,
-        verified: counted.verified.count > 0,
+        title: capitalised(&decision.to_string()),
+        kind: match decision {
+            Decision::Verified => "yes",
+            Decision::NotVerified => "no",
+            Decision::Inconclusive => "open",
+        },
+        sentences: &report.judgement.sentences,
+        by_share: report.judgement.by_share,
         n: count(total),
         count: count(counted.verified.count),
         fraction: fraction(&counted.verified),
@@ -121,10 +138,12 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
             .intervals
             .as_ref()
             .map_or("Wilson's score interval", |i| &i.method),
-        expected: expected(match &report.whole {
+        expected: match &report.whole {
             Some(whole) => whole.expected,
-            None => sure.iter().sum(),
-        }),
+            None => conformance.as_ref().map(|p| p.iter().sum()),
+        }
+        .map(expected),
+        risks: report.judgement.rows(table),
         planes: planes(table, &columns, &points),
         parameters: distributions(table, &columns[..table.parameters.len()], 0),
         criteria: distributions(
@@ -134,7 +153,7 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
         ),
         best_columns: columns.iter().map(heading).collect(),
         first_criterion: table.parameters.len(),
-        best: best_rows(table, &ranking, &sure),
+        best: best_rows(table, &ranking, conformance.as_deref()),
         failures: failures(table, report.whole.as_ref()),
         histories: histories(report),
         sensitivity: report
@@ -144,6 +163,7 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
         robustness: report.robustness.as_ref().map(super::robustness::view),
         pareto: report.pareto.as_ref().map(super::pareto::view),
         provenance: &report.provenance,
+        sampled_from: sampled_from(table),
         command: &report.command,
         study_text: &report.study_text,
     };
@@ -151,6 +171,17 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
         .get_template("report.html")?
         .render(Serde(&page))?;
     Ok(html)
+}
+
+/// The verdict; of results that state none, by the one-point rule.
+fn decision(report: &Report, counted: &PassCounts) -> Decision {
+    let any = counted.verified.count > 0;
+    let one_point = if any {
+        Decision::Verified
+    } else {
+        Decision::NotVerified
+    };
+    report.judgement.decision.unwrap_or(one_point)
 }
 
 /// The plots that are written as files: name and picture.
@@ -252,6 +283,15 @@ fn histories(report: &Report) -> Vec<History> {
         })
     };
     report.history.iter().filter_map(history).collect()
+}
+
+/// The parameters with the distributions that they were sampled from, where these are known.
+fn sampled_from(table: &PointTable) -> Vec<(&str, &str)> {
+    let named = table.parameters.iter();
+    named
+        .map(|parameter| (parameter.name.as_str(), parameter.distribution.as_str()))
+        .filter(|(_, distribution)| !distribution.is_empty())
+        .collect()
 }
 
 /// Reasons of failure, how often, and the first points of each.

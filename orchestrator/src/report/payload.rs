@@ -27,6 +27,8 @@ pub struct Payload {
     verified: String,
     /// A byte a point: simulated to its end.
     completed: String,
+    /// The conformance probabilities, 32-bit floats, where they are known.
+    conformance: Option<String>,
     density: Option<Density>,
 }
 
@@ -140,7 +142,13 @@ fn embed(table: &PointTable, ranking: &[usize], most: usize) -> Vec<usize> {
 }
 
 /// Collects the data for the page's script; there are `total` points, of which the table may hold only some.
-pub fn payload(table: &PointTable, points: &[usize], total: usize) -> Payload {
+/// `conformance` is the conformance probability of every point, where it is known.
+pub fn payload(
+    table: &PointTable,
+    points: &[usize],
+    total: usize,
+    conformance: Option<&[f64]>,
+) -> Payload {
     let columns = columns(table);
     let first_criterion = table.parameters.len();
     let flags = |flag: &dyn Fn(usize) -> bool| {
@@ -151,6 +159,12 @@ pub fn payload(table: &PointTable, points: &[usize], total: usize) -> Payload {
                 .collect::<Vec<_>>(),
         )
     };
+    let floats = |values: &[f64]| {
+        let bytes = points
+            .iter()
+            .flat_map(|&i| (values[i] as f32).to_le_bytes());
+        STANDARD.encode(bytes.collect::<Vec<_>>())
+    };
     let described = columns.iter().enumerate().map(|(k, c)| EmbeddedColumn {
         name: c.name.to_owned(),
         unit: c.unit.to_owned(),
@@ -160,12 +174,7 @@ pub fn payload(table: &PointTable, points: &[usize], total: usize) -> Payload {
             .iter()
             .filter(|v| v.is_finite() && !(c.range[0]..=c.range[1]).contains(v))
             .count(),
-        data: STANDARD.encode(
-            points
-                .iter()
-                .flat_map(|&i| (c.values[i] as f32).to_le_bytes())
-                .collect::<Vec<_>>(),
-        ),
+        data: floats(c.values),
         criterion: k.checked_sub(first_criterion).map(|j| {
             let criterion = &table.criteria[j];
             let finite = |limit: f64| limit.is_finite().then_some(limit);
@@ -189,6 +198,7 @@ pub fn payload(table: &PointTable, points: &[usize], total: usize) -> Payload {
         ),
         verified: flags(&|i| table.verified[i]),
         completed: flags(&|i| table.completed(i)),
+        conformance: conformance.map(floats),
         density: (points.len() < total).then(|| densities(table, &columns)),
     }
 }

@@ -7,6 +7,7 @@
 
 pub mod asides;
 pub mod choice;
+pub mod conclusion;
 pub mod finished;
 pub mod header;
 pub mod journal;
@@ -17,6 +18,8 @@ pub mod parquet;
 pub mod points;
 pub mod summary;
 pub mod tally;
+pub mod traceability;
+pub mod words;
 
 use std::io;
 use std::path::{Path, PathBuf};

@@ -1,17 +1,27 @@
 //! `summary.json`.
 
+use std::time::Instant;
+
+use chrono::{SecondsFormat, Utc};
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
 use super::asides::Asides;
+use super::conclusion::Conclusion;
+use crate::conformity::measured::Measurement;
+use crate::conformity::risk::Risk;
 use crate::engine::Conduct;
 use crate::judge::Criterion;
+use crate::study::Dossier;
 
 /// The content of `summary.json`.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Summary {
     /// The study's title.
     pub title: Option<String>,
+    /// Who answers for the verdict, and on which test it rests, where the study says it.
+    #[serde(default)]
+    pub dossier: Option<Dossier>,
     /// Versions, seed and hashes: all that is needed to compute the same again.
     pub provenance: Provenance,
     /// How many points there are.
@@ -27,9 +37,16 @@ pub struct Summary {
     /// How all intervals were computed.
     #[serde(default)]
     pub interval_method: String,
-    /// How many points truly meet all criteria, as expected from the measurement's own uncertainty.
+    /// The verdict and the risks; summaries of earlier versions have none.
+    #[serde(flatten)]
+    pub conclusion: Option<Conclusion>,
+    /// How many points conform, as expected from the measured values' uncertainties; none unless
+    /// every criterion has one.
     #[serde(default)]
-    pub expected_verified: f64,
+    pub expected_verified: Option<f64>,
+    /// Which measured values' errors are correlated.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub uncertainty_correlations: Vec<Correlated>,
     /// Counts by criterion.
     pub criteria: IndexMap<String, CriterionCount>,
     /// Counts by group of criteria: points that meet all of the group.
@@ -81,6 +98,37 @@ pub struct Provenance {
     pub replicates: Option<u64>,
 }
 
+/// Two criteria whose measured values have correlated errors.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Correlated {
+    /// Their names.
+    pub between: [String; 2],
+    /// The correlation coefficient.
+    pub coefficient: f64,
+}
+
+impl Summary {
+    /// The measured values with the joint distribution of their errors.
+    ///
+    /// # Errors
+    /// When the correlations contradict each other or name criteria that are not there.
+    pub fn measurement(&self) -> Result<Measurement, String> {
+        let number = |name: &String| {
+            let found = self.criteria.get_index_of(name);
+            found.ok_or_else(|| format!("there is no criterion `{name}`"))
+        };
+        let pair = |entry: &Correlated| {
+            let [a, b] = &entry.between;
+            Ok::<_, String>((number(a)?, number(b)?, entry.coefficient))
+        };
+        let pairs = self.uncertainty_correlations.iter().map(pair);
+        let pairs: Vec<(usize, usize, f64)> = pairs.collect::<Result<_, _>>()?;
+        let criteria = self.criteria.values();
+        let criteria = criteria.map(|count| count.criterion.measured()).collect();
+        Measurement::new(criteria, &pairs)
+    }
+}
+
 /// A point without a result.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct FailedPoint {
@@ -113,6 +161,9 @@ pub struct CriterionCount {
     /// Points that fail this criterion and no other.
     #[serde(default)]
     pub only_failure: u64,
+    /// The risks of this criterion alone, where its uncertainty is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub risk: Option<Risk>,
     /// The criterion.
     #[serde(flatten)]
     pub criterion: Criterion,
@@ -164,6 +215,9 @@ pub struct BestPoint {
 /// How the computation went.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Run {
+    /// When it was done, in the form of ISO 8601 with the time zone.
+    #[serde(default)]
+    pub date: String,
     /// Wall time of this run, s.
     pub wall_seconds: f64,
     /// Points computed in this run; the others were there before.
@@ -172,7 +226,33 @@ pub struct Run {
     pub jobs: usize,
 }
 
+impl Run {
+    /// The run of a program that computed so many points since it began, so many at a time.
+    pub fn since(begun: Instant, computed: u64, jobs: usize) -> Self {
+        Self {
+            date: Utc::now().to_rfc3339_opts(SecondsFormat::Secs, true),
+            wall_seconds: begun.elapsed().as_secs_f64(),
+            computed,
+            jobs,
+        }
+    }
+}
+
 impl ParameterSummary {
+    /// The distribution as words: its name, its numbers and their unit.
+    pub fn words(&self) -> String {
+        let word = |(key, value): (&String, &serde_json::Value)| match value {
+            serde_json::Value::String(text) => Some(text.clone()),
+            serde_json::Value::Null => None,
+            other => Some(format!("{key} {other}")),
+        };
+        let words: Vec<String> = self.distribution.iter().filter_map(word).collect();
+        match &self.unit {
+            Some(unit) => format!("{} {unit}", words.join(", ")),
+            None => words.join(", "),
+        }
+    }
+
     /// A study's parameter as the summary lists it.
     pub fn new(input: &crate::study::plan::Input) -> Self {
         let distribution = serde_json::to_value(input.distribution).ok();

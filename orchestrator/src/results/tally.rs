@@ -3,12 +3,15 @@
 use indexmap::IndexMap;
 
 use super::Outcome;
+use super::conclusion::Conclusion;
 use super::summary::{
-    BestPoint, Count, CriterionCount, FailedPoint, ParameterSummary, Provenance, Summary,
-    VariantCount,
+    BestPoint, Correlated, Count, CriterionCount, FailedPoint, ParameterSummary, Provenance,
+    Summary, VariantCount,
 };
-use crate::judge::{Criterion, Judge, PointVerdict, Variant};
-use crate::statistics::share::{randomised_share, sure_within};
+use crate::conformity::looks::Looks;
+use crate::conformity::risk::RiskTally;
+use crate::judge::{Judge, PointVerdict, Variant};
+use crate::statistics::share::randomised_share;
 
 impl Count {
     /// The count of points that belong to randomisations of a design in turn, given that of each.
@@ -42,13 +45,14 @@ impl Shares {
 pub struct Tally<'a> {
     judge: &'a Judge,
     replicates: usize,
+    looks: Looks,
     points: u64,
     failures: IndexMap<String, (u64, FailedPoint)>,
     own: Counts,
     variants: Vec<Counts>,
     binds: Vec<u64>,
     only_failure: Vec<u64>,
-    expected_verified: f64,
+    risk: RiskTally,
     best: Option<Best>,
 }
 
@@ -121,15 +125,21 @@ impl<'a> Tally<'a> {
         Self {
             judge,
             replicates,
+            looks: Looks::Once,
             points: 0,
             failures: IndexMap::new(),
             own: none(),
             variants: judge.variants.iter().map(|_| none()).collect(),
             binds: vec![0; judge.criteria.len()],
             only_failure: vec![0; judge.criteria.len()],
-            expected_verified: 0.0,
+            risk: RiskTally::new(&judge.measurement, judge.guard, replicates as u64),
             best: None,
         }
+    }
+
+    /// How often the points were looked at before they were declared to be enough.
+    pub fn looked_at(self, looks: Looks) -> Self {
+        Self { looks, ..self }
     }
 
     /// Counts a point and returns the verdict on it.
@@ -138,6 +148,8 @@ impl<'a> Tally<'a> {
         self.points += 1;
         let values = outcome.as_deref().ok();
         let verdict = self.judge.verdict(values);
+        let conformity = values.map(|values| self.judge.measurement.assess(values));
+        self.risk.add(conformity.as_ref());
         self.own.add(self.judge, &verdict, replicate);
         for (counts, variant) in self.variants.iter_mut().zip(&self.judge.variants) {
             let verdict = self.judge.variant_verdict(variant, values);
@@ -160,7 +172,7 @@ impl<'a> Tally<'a> {
         verdict
     }
 
-    /// Notes which criterion decides at a point, and how sure its verdict is.
+    /// Notes which criterion decides at a point.
     fn blame(&mut self, values: &[f64], verdict: &PointVerdict) {
         let criteria = || self.judge.criteria.iter().zip(values);
         let deviations: Vec<f64> = criteria()
@@ -177,11 +189,6 @@ impl<'a> Tally<'a> {
         if let (Some(only), None) = (failed.next(), failed.next()) {
             self.only_failure[only] += 1;
         }
-        let sure = |(c, value): (&Criterion, &f64)| {
-            let (lower, upper) = (c.nominal - c.tolerance, c.nominal + c.tolerance);
-            sure_within(*value, c.nominal, lower, upper)
-        };
-        self.expected_verified += criteria().map(sure).product::<f64>();
     }
 
     /// Keeps the point if it is better than the best so far; of equals the first one stays.
@@ -225,6 +232,7 @@ impl<'a> Tally<'a> {
         parameters: Vec<ParameterSummary>,
     ) -> Summary {
         let (judge, points) = (self.judge, self.points);
+        let statement = self.risk.statement();
         let all = Count::new(&self.own.verified, points);
         let own = self.own.by_criterion(judge, points);
         let criteria =
@@ -238,6 +246,7 @@ impl<'a> Tally<'a> {
                         count,
                         binds: self.binds[k],
                         only_failure: self.only_failure[k],
+                        risk: statement.criteria[k].clone(),
                         criterion: criterion.clone(),
                     };
                     (name, count)
@@ -252,13 +261,16 @@ impl<'a> Tally<'a> {
         let usual = self.failures.values().rev().max_by_key(|(count, _)| count);
         Summary {
             title,
+            dossier: None,
             points,
             failed: self.failed(),
             verified: all.passed,
             verified_fraction: all.fraction,
             verified_interval: all.interval,
             interval_method: self.interval_method(&provenance),
-            expected_verified: self.expected_verified,
+            expected_verified: statement.expected_conforming,
+            conclusion: Some(Conclusion::new(judge.rule, self.looks, &statement, points)),
+            uncertainty_correlations: correlations(judge),
             criteria: criteria.collect(),
             groups: self.own.by_group(judge, points),
             variants: variants
@@ -326,4 +338,16 @@ impl<'a> Tally<'a> {
             values: criteria.zip(best.values.iter().copied()).collect(),
         }
     }
+}
+
+/// Which measured values' errors are correlated.
+fn correlations(judge: &Judge) -> Vec<Correlated> {
+    let name = |number: usize| judge.criteria[number].name.clone();
+    let pairs = judge.measurement.correlations().iter();
+    pairs
+        .map(|&(a, b, coefficient)| Correlated {
+            between: [name(a), name(b)],
+            coefficient,
+        })
+        .collect()
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
 
-use super::{Session, SessionError, Verification};
+use super::{Ending, Front, Session, SessionError, Verification};
 use crate::judge::{Judge, PointVerdict};
 use crate::results::asides::Asides;
 use crate::results::finished::Finished;
@@ -16,8 +16,8 @@ use crate::study::Study;
 use crate::study::plan::Input;
 
 impl Verification {
-    /// Writes `points.csv` and `summary.json` from the journal, in the order of the points;
-    /// ends where `enough` says so after a point.
+    /// Writes `points.csv` and `summary.json` from the journal, in the order of the points, up to the last one or to
+    /// where the study may end.
     ///
     /// # Errors
     /// When points are missing, and when the system says no.
@@ -25,14 +25,16 @@ impl Verification {
         &self,
         folder: &Path,
         run: Option<Run>,
-        enough: impl Fn(&Tally<'_>) -> bool,
+        ending: Option<&Ending>,
     ) -> Result<Summary, SessionError> {
         let session = &self.session;
         let finished = Finished::read(folder)?;
         let mut outcomes = finished.outcomes()?;
         let provenance = self.provenance();
         let replicates = provenance.replicates.unwrap_or(1);
-        let mut tally = Tally::of_replicates(&session.judge, replicates);
+        let looks = ending.map(Ending::looks).unwrap_or_default();
+        let mut tally = Tally::of_replicates(&session.judge, replicates).looked_at(looks);
+        let mut front = ending.map(Front::new);
         let mut asides = Asides {
             needs_execution_tool: session
                 .package
@@ -55,7 +57,10 @@ impl Verification {
                 asides.add(label, &notices);
             }
             files.write(label, &parameters, &outcome, &verdict)?;
-            if enough(&tally) {
+            let enough = ending.zip(front.as_mut()).is_some_and(|(ending, front)| {
+                front.add(index, ending.counts(&session.judge, &outcome))
+            });
+            if enough {
                 break;
             }
         }
@@ -68,6 +73,7 @@ impl Verification {
         let mut summary = tally.summary(session.study.title.clone(), provenance, parameters);
         summary.conduct = Some(finished.conduct());
         summary.asides = Some(asides);
+        summary.dossier = session.study.dossier.clone();
         summary.run = run;
         files.finish(&summary)?;
         Ok(summary)

@@ -18,7 +18,7 @@ use fmu_import::{FmuError, Package};
 
 pub use finale::{FileSet, provenance};
 pub use request::{Asking, Request};
-pub use until::{Front, Until};
+pub use until::{Ending, Front, Until};
 pub use verification::Verification;
 
 /// Why a study cannot be run.

@@ -1,74 +1,182 @@
-//! `--until "ci 0.01"`: as many points as the verified share needs to be known well enough.
+//! `--until "ci 0.01"` and `--until verdict`: as many points as are needed.
 
 use std::str::FromStr;
 
-use crate::results::Tally;
+use crate::conformity::decision::{Decision, Rule};
+use crate::conformity::looks::Looks;
+use crate::conformity::risk::Guard;
+use crate::design::Method;
+use crate::judge::Judge;
+use crate::results::Outcome;
 use crate::statistics::wilson;
 
-/// When a study may end before its last point.
-#[derive(Clone, Copy, Debug)]
-pub struct Until {
-    /// The width of the 95 % interval of the verified share.
-    width: f64,
-}
-
-/// The condition is checked only at multiples of this number of points, so that a chance excursion seldom ends the run.
-const ROUND: u64 = 100;
-
-impl Until {
-    /// Whether the points so far are enough.
-    pub fn holds(self, verified: u64, points: u64) -> bool {
-        let [low, high] = wilson(verified, points);
-        points > 0 && points.is_multiple_of(ROUND) && high - low <= self.width
-    }
-
-    /// Whether the points counted so far are enough.
-    pub fn is_met(self, tally: &Tally<'_>) -> bool {
-        self.holds(tally.verified(), tally.points())
-    }
+/// What a study waits for, as the option says it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Until {
+    /// A 95 % interval of the verified share that is no wider than this.
+    Width(f64),
+    /// A verdict other than inconclusive.
+    Verdict,
 }
 
 impl FromStr for Until {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
+        let text = text.trim();
+        if text == "verdict" {
+            return Ok(Self::Verdict);
+        }
         let width = text
-            .trim()
             .strip_prefix("ci")
             .and_then(|width| width.trim().parse().ok());
         match width {
-            Some(width) if width > 0.0 && width < 1.0 => Ok(Self { width }),
+            Some(width) if width > 0.0 && width < 1.0 => Ok(Self::Width(width)),
             _ => Err(format!(
-                "`{text}` is not a width of the interval such as \"ci 0.01\""
+                "`{text}` is neither `verdict` nor a width of the interval such as \"ci 0.01\""
             )),
         }
     }
 }
 
+/// When a study may end before its last point.
+#[derive(Clone, Debug)]
+pub struct Ending {
+    condition: Condition,
+    guard: Guard,
+    samples: usize,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Condition {
+    Width(f64),
+    Verdict(Rule, Looks),
+}
+
+/// With a width, only every so many points are looked at, so that chance does not decide alone.
+const ROUND: u64 = 100;
+
+impl Ending {
+    /// What an option means for a study whose points come from a design with so many replicates, or from a table.
+    ///
+    /// # Errors
+    /// When the points allow no such ending; says what to do.
+    pub fn new(until: Until, judge: &Judge, design: Option<(Method, u64)>) -> Result<Self, String> {
+        if design.is_some_and(|(method, _)| !method.is_extensible()) {
+            let with = Method::named(Method::is_extensible);
+            return Err(format!("this design needs all its points; use {with}"));
+        }
+        let condition = match until {
+            Until::Width(width) => Condition::Width(width),
+            Until::Verdict => {
+                let rule = judge.rule.ok_or(
+                    "there is no verdict to wait for: add [verdict] with the required share",
+                )?;
+                if let Guard::Limiting { .. } = judge.guard {
+                    return Err("`risk` finds the guard band from all points, so that accepted points \
+                                change while they come in; give `guard-band` under [verdict] instead, \
+                                such as a run with a fixed number of points has found it"
+                        .to_owned());
+                }
+                Condition::Verdict(rule, looks(design)?)
+            }
+        };
+        Ok(Self {
+            condition,
+            guard: judge.guard,
+            samples: design.map_or(1, |(_, replicates)| replicates.max(1) as usize),
+        })
+    }
+
+    /// How the verdict has to be found: one that was waited for has an interval of its own.
+    pub fn looks(&self) -> Looks {
+        match self.condition {
+            Condition::Width(_) => Looks::Once,
+            Condition::Verdict(_, looks) => looks,
+        }
+    }
+
+    /// Whether a point counts for the share that is waited for.
+    pub fn counts(&self, judge: &Judge, outcome: &Outcome) -> bool {
+        let values = outcome.as_deref().ok();
+        match (self.condition, self.guard) {
+            (Condition::Verdict(..), Guard::Given(band)) => {
+                values.is_some_and(|values| judge.measurement.margin(values) >= band)
+            }
+            _ => judge.verdict(values).verified(),
+        }
+    }
+
+    fn holds(&self, counts: &[u64], points: u64) -> bool {
+        match self.condition {
+            Condition::Width(width) => {
+                let [low, high] = wilson(counts.iter().sum(), points);
+                points > 0 && points.is_multiple_of(ROUND) && high - low <= width
+            }
+            Condition::Verdict(rule, looks) => {
+                looks.is_due(self.samples, points)
+                    && looks.decide(rule, counts, points) != Decision::Inconclusive
+            }
+        }
+    }
+}
+
+/// How points of a design may be looked at while they come in.
+fn looks(design: Option<(Method, u64)>) -> Result<Looks, String> {
+    const LEAST: u64 = Looks::LEAST_SAMPLES;
+    match design {
+        Some((Method::MonteCarlo, _)) => Ok(Looks::EveryPoint),
+        Some((_, replicates)) if replicates >= LEAST => Ok(Looks::Doublings),
+        Some((method, _)) => Err(format!(
+            "the points of this design depend on each other, and while they come in nothing tells how much; use \
+             method = \"monte-carlo\"{}",
+            if method.has_replicates() {
+                format!(" or replicates = {LEAST} or more")
+            } else {
+                format!(", or sobol with replicates = {LEAST} or more")
+            }
+        )),
+        None => {
+            Err("the points of a table need not be random in their order; sample them".to_owned())
+        }
+    }
+}
+
 /// Follows the points in their order, although they finish in another one.
-#[derive(Debug, Default)]
-pub struct Front {
-    /// Whether each point is verified; `None` while it is not finished.
+#[derive(Debug)]
+pub struct Front<'a> {
+    ending: &'a Ending,
+    /// Whether each point counts; `None` while it is not finished.
     seen: Vec<Option<bool>>,
-    verified: u64,
+    counts: Vec<u64>,
     /// The points before this one are finished and counted.
     front: usize,
 }
 
-impl Front {
+impl<'a> Front<'a> {
+    /// No points yet.
+    pub fn new(ending: &'a Ending) -> Self {
+        Self {
+            ending,
+            seen: Vec::new(),
+            counts: vec![0; ending.samples],
+            front: 0,
+        }
+    }
+
     /// Notes a finished point; says whether the points up to some index are enough.
-    pub fn add(&mut self, index: u64, verified: bool, until: Until) -> bool {
+    pub fn add(&mut self, index: u64, counts: bool) -> bool {
         let Ok(index) = usize::try_from(index) else {
             return false;
         };
         if index >= self.seen.len() {
             self.seen.resize(index + 1, None);
         }
-        self.seen[index] = Some(verified);
-        while let Some(Some(verified)) = self.seen.get(self.front) {
-            self.verified += u64::from(*verified);
+        self.seen[index] = Some(counts);
+        while let Some(Some(counts)) = self.seen.get(self.front) {
+            self.counts[self.front % self.ending.samples] += u64::from(*counts);
             self.front += 1;
-            if until.holds(self.verified, self.front as u64) {
+            if self.ending.holds(&self.counts, self.front as u64) {
                 return true;
             }
         }
@@ -77,33 +185,6 @@ impl Front {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_order_in_which_points_finish_does_not_matter() {
-        let until: Until = "ci 0.2".parse().unwrap();
-        let ends = |order: &mut dyn Iterator<Item = u64>| {
-            let mut front = Front::default();
-            for index in order {
-                if front.add(index, index % 3 == 0, until) {
-                    break;
-                }
-            }
-            front.front
-        };
-        let forward = ends(&mut (0..10_000));
-        let swapped = ends(&mut (0..10_000).map(|index| index ^ 7));
-        assert_eq!(forward, swapped);
-        assert_eq!(forward % 100, 0);
-        let [low, high] = wilson(forward.div_ceil(3) as u64, forward as u64);
-        assert!(high - low <= 0.2);
-    }
-
-    #[test]
-    fn wrong_widths_are_refused() {
-        for wrong in ["0.01", "ci", "ci 0", "ci 2", "ci x"] {
-            assert!(wrong.parse::<Until>().is_err());
-        }
-    }
-}
+mod rates_tests;
+#[cfg(test)]
+mod tests;

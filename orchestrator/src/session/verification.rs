@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::{Request, Session, SessionError};
+use super::{Ending, Request, Session, SessionError, Until};
 use crate::engine::Job;
 use crate::pipeline::{Model, Shard};
 use crate::results::{Header, ResultsError, lines};
@@ -87,7 +87,17 @@ impl Verification {
         self.shard().count(self.source.len())
     }
 
-    /// How many points may be enough already: a Latin hypercube needs all of its points.
+    /// When the study may end before its last point.
+    ///
+    /// # Errors
+    /// When its points allow no such ending; says what to do.
+    pub fn ending(&self, until: Until) -> Result<Ending, String> {
+        let Session { study, judge, .. } = &self.session;
+        let design = (study.design.method, study.design.replicates);
+        Ending::new(until, judge, self.header.table.is_none().then_some(design))
+    }
+
+    /// Whether the first points of a longer run are those of a shorter one: those of a Latin hypercube are not.
     pub fn is_extensible(&self) -> bool {
         self.header.table.is_some() || self.session.study.design.method.is_extensible()
     }

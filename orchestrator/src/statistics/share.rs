@@ -1,6 +1,6 @@
 //! Counted shares with their uncertainty.
 
-use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
+use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::moments::variance;
 
@@ -91,20 +91,6 @@ pub fn randomised_share(counts: &[u64], points: u64) -> [f64; 2] {
     let half = student.inverse_cdf(0.975) * (variance(&shares, 1) / n as f64).sqrt();
     let share = wilson.value();
     [(share - half).max(0.0), (share + half).min(1.0)]
-}
-
-/// The probability that the true value lies between two limits, when the measured one is normal about
-/// `nominal` with a standard uncertainty of half the nearer limit's distance. 0 for a value that is not finite.
-pub fn sure_within(value: f64, nominal: f64, lower: f64, upper: f64) -> f64 {
-    if !value.is_finite() {
-        return 0.0;
-    }
-    let uncertainty = (nominal - lower).min(upper - nominal) / 2.0;
-    if !uncertainty.is_finite() || uncertainty <= 0.0 {
-        return f64::from(u8::from(value >= lower && value <= upper));
-    }
-    let normal = Normal::standard();
-    normal.cdf((upper - value) / uncertainty) - normal.cdf((lower - value) / uncertainty)
 }
 
 #[cfg(test)]
@@ -199,28 +185,6 @@ mod tests {
     fn a_fraction_of_nothing_is_zero() {
         assert_eq!(Fraction::wilson(0, 0).value(), 0.0);
         assert_eq!(Fraction::wilson(3, 4).value(), 0.75);
-    }
-
-    /// Normal distribution: 0.9545 within two standard deviations, 0.8413 below one, 0.00135 below minus three.
-    #[test]
-    fn the_nearer_limit_gives_the_uncertainty() {
-        let close = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-6, "{found}");
-        close(sure_within(10.0, 10.0, 8.0, 12.0), 0.954500);
-        close(sure_within(11.0, 10.0, 8.0, 12.0), 0.841345 - 0.001350);
-        close(sure_within(10.0, 10.0, 8.0, 16.0), 0.977250);
-        close(sure_within(10.0, 10.0, 4.0, 12.0), 0.977250);
-    }
-
-    #[test]
-    fn without_uncertainty_a_value_is_inside_or_not() {
-        assert_eq!(sure_within(1.0, 1.0, 1.0, 3.0), 1.0);
-        assert_eq!(sure_within(3.0, 1.0, 1.0, 3.0), 1.0);
-        assert_eq!(sure_within(0.9, 1.0, 1.0, 3.0), 0.0);
-        assert_eq!(sure_within(3.1, 1.0, 1.0, 3.0), 0.0);
-        let everywhere = [f64::NEG_INFINITY, f64::INFINITY];
-        assert_eq!(sure_within(7.0, 1.0, everywhere[0], everywhere[1]), 1.0);
-        assert_eq!(sure_within(f64::NAN, 1.0, 0.0, 2.0), 0.0);
-        assert_eq!(sure_within(f64::INFINITY, 1.0, 0.0, f64::INFINITY), 0.0);
     }
 
     #[test]

@@ -2,6 +2,7 @@
 //!
 //! [`Study`] is the content of the TOML file, [`plan`] ties it to an FMU.
 
+pub mod dossier;
 mod error;
 pub mod identification;
 pub(crate) mod inputs;
@@ -24,6 +25,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use toml::Spanned;
 
+pub use dossier::Dossier;
 pub use error::StudyError;
 pub use identification::Identification;
 pub use quantity::Quantity;
@@ -70,6 +72,13 @@ pub struct Study {
     /// The criteria: measured values with their tolerances.
     #[serde(default)]
     pub criteria: IndexMap<Name, CriterionText>,
+    /// Which measured values' errors are correlated, and how.
+    #[serde(default)]
+    pub uncertainty_correlations: Vec<Spanned<Pair>>,
+    /// The section `[verdict]`: the share that is required of the model; without it, one point that meets all criteria.
+    pub verdict: Option<Spanned<Required>>,
+    /// Who answers for the verdict, and on which test it rests.
+    pub dossier: Option<Dossier>,
     /// Other readings of the tolerances, judged beside the criteria's own.
     #[serde(default)]
     pub variants: IndexMap<String, VariantText>,
@@ -181,7 +190,7 @@ pub struct RecordingText {
     pub about: Option<String>,
 }
 
-/// Two correlated parameters.
+/// Two correlated parameters, or criteria with correlated errors of the measured values.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct Pair {
@@ -221,6 +230,10 @@ pub struct CriterionText {
     /// The accuracy to both sides: `0.5 degC`, or `0.75 %` of the nominal value in the
     /// criterion's unit.
     pub tolerance: Quantity,
+    /// The expanded uncertainty of the measured value, given like the tolerance.
+    pub uncertainty: Option<Spanned<Quantity>>,
+    /// How many standard uncertainties that is; 2 otherwise.
+    pub coverage: Option<Spanned<f64>>,
     /// The unit of the numbers, and of the column in `points.csv`.
     pub unit: Option<String>,
     /// The group in which it is counted.
@@ -231,6 +244,20 @@ pub struct CriterionText {
     pub column_unit: Option<String>,
     /// A remark for people.
     pub about: Option<String>,
+}
+
+/// What is required of the model as a whole.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct Required {
+    /// The share of the sampled space that must meet all criteria: `5 %`, or `0.05`.
+    pub share: Spanned<Quantity>,
+    /// How sure that must be; 0.95 otherwise.
+    pub confidence: Option<Spanned<f64>>,
+    /// The largest probability that an accepted point does not conform; sets the guard band.
+    pub risk: Option<Spanned<Quantity>>,
+    /// The guard band of every criterion, in expanded uncertainties.
+    pub guard_band: Option<Spanned<f64>>,
 }
 
 /// Another reading of the tolerances.

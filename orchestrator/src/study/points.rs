@@ -18,6 +18,7 @@ pub(super) fn check(study: &Study) -> Result<(), StudyError> {
     struct Count {
         points: Option<Spanned<u64>>,
     }
+    varies(study)?;
     match study.section::<Text>()?.design.points {
         Some(points) if study.design.method.is_by_levels() => {
             let message = "the design has as many points as the levels make; remove `points`";
@@ -25,6 +26,20 @@ pub(super) fn check(study: &Study) -> Result<(), StudyError> {
         }
         _ => Ok(()),
     }
+}
+
+/// Points that are all the same would make a share of them look certain.
+fn varies(study: &Study) -> Result<(), StudyError> {
+    let mut parameters = study.parameters.iter();
+    if parameters.any(|(_, parameter)| parameter.distribution != Shape::Fixed) {
+        return Ok(());
+    }
+    let message = "no parameter varies: all points would be the same; give at least one under \
+                   [parameters] a distribution other than `fixed`";
+    Err(match study.parameters.keys().next() {
+        Some(name) => study.error_at(name, message),
+        None => study.error_at(&study.fmu, message),
+    })
 }
 
 /// The correlations of a study's parameters.

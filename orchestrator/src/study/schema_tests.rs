@@ -48,6 +48,8 @@ fn the_schema_has_exactly_the_keys_that_the_reader_takes() {
         ("correlation", "[[correlations]]\n"),
         ("recording", "[inputs.x]\n"),
         ("criterion", "[criteria.x]\n"),
+        ("verdict", "[verdict]\n"),
+        ("dossier", "[dossier]\n"),
         ("variant", "[variants.x]\n"),
         ("identify", "[identify]\n"),
         ("free", "[identify.free.x]\n"),

@@ -1,5 +1,5 @@
 //! SSP parameter sets (System Structure Parameter Values, SSP 1.0): start values that other tools read and
-//! write, and their provenance (Simulation Resource Meta Data of SSP Traceability 1.0).
+//! write.
 
 mod write;
 
@@ -13,7 +13,8 @@ use super::Setting;
 use super::values::{find, value_of};
 use fmu_import::{Description, Value};
 
-pub use write::{provenance, write};
+pub use write::write;
+pub(crate) use write::{Xml, document, printable};
 
 /// Why a parameter set cannot be used.
 #[derive(Debug, Error)]

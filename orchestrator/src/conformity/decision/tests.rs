@@ -201,3 +201,34 @@ fn randomised_designs_hardly_ever_decide_wrongly() {
         }
     }
 }
+
+/// Closed forms for many points: by Jeffreys' weights another sample has a point with the probability 1 - 2^-1/2 where
+/// this one has none, and none with 2^-3/2 where this one has one.
+#[test]
+fn another_sample_may_come_to_the_other_verdict() {
+    assert!((other_verdict(0, 1_000_000) - (1.0 - 0.5_f64.sqrt())).abs() < 1e-5);
+    assert!((other_verdict(1, 1_000_000) - 0.5_f64.powf(1.5)).abs() < 1e-5);
+    // One of one point: B(3/2, 3/2) / B(3/2, 1/2) is (pi / 8) / (pi / 2).
+    assert!((other_verdict(1, 1) - 0.25).abs() < 1e-12);
+    assert!(other_verdict(11, 50) < 1e-3);
+}
+
+/// Over all shares that are equally probable by Jeffreys' weights, the stated probabilities come true.
+#[test]
+fn other_verdicts_are_as_frequent_as_stated() {
+    const POINTS: u64 = 30;
+    let mut random = StdRng::seed_from_u64(9);
+    let (mut stated, mut other) = (0.0, 0.0);
+    for _ in 0..20_000 {
+        // Sine squares of even angles have Jeffreys' distribution.
+        let angle = random.random::<f64>() * std::f64::consts::FRAC_PI_2;
+        let share = angle.sin().powi(2);
+        let [first, second] = [(); 2].map(|()| hits(&mut random, share, POINTS));
+        stated += other_verdict(first, POINTS);
+        other += f64::from(u8::from((first > 0) != (second > 0)));
+    }
+    assert!(
+        (stated - other).abs() < 4.0 * f64::sqrt(stated),
+        "{stated} {other}"
+    );
+}

@@ -98,28 +98,8 @@
   };
   document.addEventListener("keydown", e => { if (e.key === "Escape") { hover(-1); hideTip(); select([]); } });
 
-  // ---- how sure a verdict is ---------------------------------------------------------------------
-  // The measured values are uncertain themselves: standard uncertainty half the tolerance. The normal
-  // distribution after Abramowitz & Stegun (1964), equation 26.2.17.
-  const normal = z => {
-    const t = 1 / (1 + .2316419 * Math.abs(z));
-    const tail = Math.exp(-z * z / 2) / Math.sqrt(2 * Math.PI)
-      * t * (.319381530 + t * (-.356563782 + t * (1.781477937 + t * (-1.821255978 + t * 1.330274429))));
-    return z > 0 ? 1 - tail : tail;
-  };
-  const sure = i => {
-    if (!completed[i]) return 0;
-    let all = 1;
-    for (const c of columns.filter(c => c.ok)) {
-      const { nominal, lower, upper } = c.criterion;
-      const u = Math.min(lower === null ? Infinity : nominal - lower, upper === null ? Infinity : upper - nominal) / 2;
-      if (!(u > 0 && Number.isFinite(u))) { all *= c.ok[i]; continue; }
-      const above = upper === null ? 1 : normal((upper - c.data[i]) / u);
-      const below = lower === null ? 0 : normal((lower - c.data[i]) / u);
-      all *= above - below;
-    }
-    return all;
-  };
+  // ---- how probably a point conforms; unknown without the uncertainties of the measured values ------------------
+  const conformance = data.conformance === null ? null : new Float32Array(bytes(data.conformance).buffer);
   const percent = p => `${number(100 * p, 3)} %`;
 
   // ---- the description of one point ----------------------------------------------------------
@@ -130,7 +110,7 @@
     const failing = columns.filter(c => c.ok && !c.ok[i]).map(c => c.name);
     const head = make("strong", `Point ${ids[i]}`, tip);
     head.after(make("span", verified[i] ? " meets all criteria" : ` fails ${failing.join(", ")}`));
-    make("p", `truly inside with a probability of ${percent(sure(i))}`, tip).className = "quiet";
+    if (conformance) make("p", `conforms with a probability of ${percent(conformance[i])}`, tip).className = "quiet";
     const table = make("table", undefined, tip);
     let before = null;
     for (const c of columns) {
@@ -408,9 +388,9 @@
       // A spreadsheet would take such a name for a formula.
       const plain = t => /^'*[=+\-@\t\r]/.test(t) ? `'${t}` : t;
       const quote = t => /[",\r\n]/.test(plain(t)) ? `"${plain(t).replace(/"/g, '""')}"` : plain(t);
-      const lines = [["point", ...columns.map(c => c.title), "verified", "sure"].map(quote).join(",")];
+      const lines = [["point", ...columns.map(c => c.title), "verified", ...(conformance ? ["conformance"] : [])].map(quote).join(",")];
       const chosen = state.selected.size ? [...state.selected] : Array.from(ids, (_, i) => i);
-      chosen.forEach(i => lines.push([ids[i], ...columns.map(c => Number(c.data[i].toPrecision(7))), verified[i] === 1, Number(sure(i).toPrecision(4))].join(",")));
+      chosen.forEach(i => lines.push([ids[i], ...columns.map(c => Number(c.data[i].toPrecision(7))), verified[i] === 1, ...(conformance ? [Number(conformance[i].toPrecision(4))] : [])].join(",")));
       const link = make("a");
       link.href = URL.createObjectURL(new Blob([lines.join("\n") + "\n"], { type: "text/csv" }));
       link.download = "selected-points.csv";
@@ -430,14 +410,14 @@
       if (!chosen.length) return;
       const table = make("table", undefined, holder), head = make("tr", undefined, make("thead", undefined, table));
       make("th", "Point", head).scope = "col";
-      make("th", "Sure", head).scope = "col";
+      if (conformance) make("th", "Conforms", head).scope = "col";
       for (const c of columns) heading(c, make("th", undefined, head));
       const body = make("tbody", undefined, table);
       for (const i of chosen.slice(0, LISTED)) {
         const row = make("tr", undefined, body);
         row.dataset.id = ids[i];
         make("th", `${ids[i]}${verified[i] ? " ✓" : ""}`, row).scope = "row";
-        make("td", percent(sure(i)), row).className = "num";
+        if (conformance) make("td", percent(conformance[i]), row).className = "num";
         for (const c of columns) make("td", number(c.data[i]), row).className = c.ok && !c.ok[i] ? "num bad" : "num";
       }
     });

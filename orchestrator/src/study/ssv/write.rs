@@ -1,20 +1,19 @@
-//! Parameter sets and their provenance as XML.
+//! Parameter sets as XML.
 
 use std::borrow::Cow;
 use std::io;
 
 use quick_xml::Writer;
-use quick_xml::events::{BytesDecl, BytesText, Event};
+use quick_xml::events::{BytesDecl, Event};
 
 use super::NAMESPACE;
 use fmu_import::units::Unit;
 use fmu_import::{Description, Kind, Value, Variable};
 
 const COMMON: &str = "http://ssp-standard.org/SSP1/SystemStructureCommon";
-const META_DATA: &str = "http://ssp-standard.org/SSPTraceability1/SimulationResourceMetaData";
-const TRACEABILITY: &str = "http://ssp-standard.org/SSPTraceability1/SSPTraceabilityCommon";
 
-type Xml = Writer<Vec<u8>>;
+/// A document that is being written.
+pub(crate) type Xml = Writer<Vec<u8>>;
 
 /// A parameter set with these values, in the FMU's units.
 ///
@@ -41,7 +40,8 @@ pub fn write(name: &str, fmu: &Description, values: &[(&Variable, Value)]) -> io
     })
 }
 
-fn document(content: impl FnOnce(&mut Xml) -> io::Result<()>) -> io::Result<String> {
+/// An XML document with this content.
+pub(crate) fn document(content: impl FnOnce(&mut Xml) -> io::Result<()>) -> io::Result<String> {
     let mut xml = Writer::new_with_indent(Vec::new(), b' ', 2);
     let declaration = BytesDecl::new("1.0", Some("UTF-8"), None);
     xml.write_event(Event::Decl(declaration))?;
@@ -115,41 +115,8 @@ fn unit(xml: &mut Xml, name: &str, unit: &Unit) -> io::Result<()> {
     Ok(())
 }
 
-/// Where a file comes from, as resource meta data.
-///
-/// # Errors
-/// Never: memory takes whatever is written.
-pub fn provenance(name: &str, data: &str, entries: &[(&str, String)]) -> io::Result<String> {
-    document(|xml| {
-        let (name, data) = (printable(name), printable(data));
-        let root = xml.create_element("srmd:SimulationResourceMetaData");
-        let root = root.with_attributes([
-            ("xmlns:srmd", META_DATA),
-            ("xmlns:stc", TRACEABILITY),
-            ("version", "1.0.0"),
-            ("name", &name),
-            ("data", &data),
-        ]);
-        root.write_inner_content(|xml| {
-            let classification = xml.create_element("stc:Classification");
-            let classification =
-                classification.with_attribute(("type", "orchestrator.verification"));
-            classification.write_inner_content(|xml| {
-                entries.iter().try_for_each(|(keyword, value)| {
-                    let entry = xml.create_element("stc:ClassificationEntry");
-                    let entry = entry.with_attribute(("keyword", *keyword));
-                    let value = printable(value);
-                    entry.write_text_content(BytesText::new(&value)).map(drop)
-                })
-            })?;
-            Ok(())
-        })?;
-        Ok(())
-    })
-}
-
 /// A text without the control characters that XML has no way to write.
-fn printable(text: &str) -> Cow<'_, str> {
+pub(crate) fn printable(text: &str) -> Cow<'_, str> {
     let foreign = |c: char| c < ' ' && !['\n', '\t', '\r'].contains(&c);
     if text.contains(foreign) {
         Cow::Owned(text.replace(foreign, " "))

@@ -1,0 +1,431 @@
+//! What a study requires of the model as a whole, and how uncertain its measured values are.
+
+use toml::Spanned;
+
+use super::{Criterion, Judge, at_name, tolerance};
+use crate::conformity::decision::Rule;
+use crate::conformity::measured::{Measurement, Uncertainty};
+use crate::conformity::risk::Guard;
+use crate::study::quantity::Scale;
+use crate::study::{CriterionText, Name, Pair, Quantity, Required, Study, StudyError};
+use fmu_import::{Causality, Variable};
+
+/// Refuses a criterion on what the study sets itself: it would only judge the sampling.
+pub(super) fn check_variable(
+    study: &Study,
+    text: &CriterionText,
+    variable: Option<&Variable>,
+) -> Result<(), StudyError> {
+    let name = text.variable.as_ref().as_str();
+    let kind = match variable.map(|variable| variable.causality) {
+        Some(Causality::Input) => "an input",
+        Some(Causality::Parameter) => "a parameter",
+        Some(Causality::Independent) => "the time",
+        Some(_) => return Ok(()),
+        None if study.parameters.contains_key(name) || study.fixed.contains_key(name) => {
+            "a parameter"
+        }
+        None if study.inputs.contains_key(name) => "an input",
+        None => return Ok(()),
+    };
+    let message = format!(
+        "{name} is {kind} of the model, not a result of it: a criterion on it judges the study's own \
+         setting; remove the criterion or name an output"
+    );
+    Err(study.error_at(&text.variable, message))
+}
+
+/// The uncertainty of a criterion's measured value, in the criterion's unit.
+pub(super) fn uncertainty(
+    study: &Study,
+    name: &Name,
+    text: &CriterionText,
+    nominal: f64,
+    scale: &Scale<'_>,
+) -> Result<Option<Uncertainty>, StudyError> {
+    const USUAL: f64 = 2.0;
+    let Some(stated) = &text.uncertainty else {
+        return match &text.coverage {
+            Some(coverage) => {
+                let message = "coverage says how many standard uncertainties `uncertainty` is; add \
+                               `uncertainty` or remove it";
+                Err(study.error_at(coverage, message))
+            }
+            None => Ok(None),
+        };
+    };
+    let at = |message: String| {
+        let message = message.replace("the tolerance", "the uncertainty");
+        study.error_at(stated, format!("{}: {message}", name.as_ref()))
+    };
+    let coverage = text.coverage.as_ref().map_or(USUAL, |k| *k.as_ref());
+    if !(coverage > 0.0 && coverage.is_finite()) {
+        let message = format!("the coverage factor {coverage} must be a positive, finite number");
+        return Err(at_name(study, name, &message));
+    }
+    let expanded = tolerance(stated.as_ref(), nominal, scale).map_err(at)?;
+    Ok(Some(Uncertainty { expanded, coverage }))
+}
+
+impl Judge {
+    /// Reads what is required of the model as a whole, once the criteria are known.
+    pub(super) fn add_requirements(&mut self, study: &Study) -> Result<(), StudyError> {
+        self.measurement = self.correlated(study)?;
+        if let Some(required) = &study.verdict {
+            self.rule = Some(rule(study, required.as_ref())?);
+            self.guard = self.guard_band(study, required)?;
+        }
+        if self.guard == Guard::Given(0.0) {
+            self.warn_of_uncertainties(study);
+        }
+        Ok(())
+    }
+
+    fn correlated(&self, study: &Study) -> Result<Measurement, StudyError> {
+        let mut pairs: Vec<(usize, usize, f64)> = Vec::new();
+        for entry in &study.uncertainty_correlations {
+            let Pair {
+                between,
+                coefficient,
+                ..
+            } = entry.as_ref();
+            let [a, b] = between.each_ref().map(|name| self.uncertain(study, name));
+            let (a, b) = (a?, b?);
+            let known = |&(x, y, _): &(usize, usize, f64)| (x, y) == (a, b) || (y, x) == (a, b);
+            let wrong = if a == b {
+                "an error is not correlated with itself; name two criteria"
+            } else if !(-1.0..=1.0).contains(coefficient) {
+                "the coefficient must be a number from -1 to 1"
+            } else if pairs.iter().any(known) {
+                "the correlation of these two stands above already; keep one"
+            } else {
+                pairs.push((a, b, *coefficient));
+                continue;
+            };
+            return Err(study.error_at(entry, wrong));
+        }
+        let criteria = self.criteria.iter().map(Criterion::measured).collect();
+        Measurement::new(criteria, &pairs).map_err(|message| {
+            match study.uncertainty_correlations.first() {
+                Some(first) => study.error_at(first, message),
+                None => study.error(message),
+            }
+        })
+    }
+
+    /// The number of a criterion that has an uncertainty.
+    fn uncertain(&self, study: &Study, name: &Name) -> Result<usize, StudyError> {
+        let number = self.number_of(name).map_err(|m| study.error_at(name, m))?;
+        if self.criteria[number].uncertainty.is_none() {
+            let message = format!(
+                "{} has no `uncertainty` that could be correlated; add it under [criteria.{0}]",
+                name.as_ref()
+            );
+            return Err(study.error_at(name, message));
+        }
+        Ok(number)
+    }
+
+    fn guard_band(&self, study: &Study, required: &Spanned<Required>) -> Result<Guard, StudyError> {
+        let Required {
+            risk, guard_band, ..
+        } = required.as_ref();
+        match (risk, guard_band) {
+            (Some(_), Some(band)) => {
+                let message = "risk sets the guard band itself; keep `risk` or `guard-band`";
+                Err(study.error_at(band, message))
+            }
+            (Some(risk), None) => {
+                self.all_uncertain(study, risk, "risk")?;
+                let risk = between_0_and_1(study, risk, "the risk")?;
+                Ok(Guard::Limiting { risk })
+            }
+            (None, Some(band)) => {
+                self.all_uncertain(study, band, "a guard band")?;
+                let factor = *band.as_ref();
+                if factor >= 0.0 && factor.is_finite() {
+                    return Ok(Guard::Given(factor));
+                }
+                let message = format!(
+                    "the guard band {factor} must be a number of expanded uncertainties, 0 or more"
+                );
+                Err(study.error_at(band, message))
+            }
+            (None, None) => Ok(Guard::Given(0.0)),
+        }
+    }
+
+    fn all_uncertain<T>(
+        &self,
+        study: &Study,
+        at: &Spanned<T>,
+        what: &str,
+    ) -> Result<(), StudyError> {
+        let mut criteria = self.criteria.iter();
+        let Some(without) = criteria.find(|criterion| criterion.uncertainty.is_none()) else {
+            return Ok(());
+        };
+        let message = format!(
+            "{what} needs the uncertainty of every measured value; add `uncertainty` under \
+             [criteria.{}]",
+            without.name
+        );
+        Err(study.error_at(at, message))
+    }
+
+    /// Where the measurement is worse than what it shall tell, acceptance means little.
+    fn warn_of_uncertainties(&mut self, study: &Study) {
+        for (criterion, text) in self.criteria.iter().zip(study.criteria.values()) {
+            let (Some(uncertainty), Some(stated)) = (criterion.uncertainty, &text.uncertainty)
+            else {
+                continue;
+            };
+            if uncertainty.expanded > criterion.tolerance {
+                let message = format!(
+                    "{}: the uncertainty {} exceeds the tolerance {}, so that accepted points often \
+                     do not conform; add `risk` under [verdict], measure better or widen the \
+                     tolerance",
+                    criterion.name,
+                    stated.as_ref(),
+                    criterion.stated_tolerance
+                );
+                let warning = study.error_at(stated, message);
+                self.warnings.push(warning.to_string());
+            }
+        }
+    }
+}
+
+fn rule(study: &Study, required: &Required) -> Result<Rule, StudyError> {
+    const USUAL: f64 = 0.95;
+    let confidence = match &required.confidence {
+        None => USUAL,
+        Some(confidence) => {
+            let number = Quantity::from(*confidence.as_ref());
+            share(&number)
+                .filter(|&confidence| confidence >= 0.5)
+                .ok_or_else(|| {
+                    let message =
+                        format!("the confidence {number} must be at least 0.5 and below 1");
+                    study.error_at(confidence, message)
+                })?
+        }
+    };
+    Ok(Rule {
+        share: between_0_and_1(study, &required.share, "the share")?,
+        confidence,
+    })
+}
+
+fn between_0_and_1(
+    study: &Study,
+    quantity: &Spanned<Quantity>,
+    what: &str,
+) -> Result<f64, StudyError> {
+    share(quantity.as_ref()).ok_or_else(|| {
+        let message = format!(
+            "{what} {} must be more than 0 % and less than 100 %, such as \"5 %\" or 0.05",
+            quantity.as_ref()
+        );
+        study.error_at(quantity, message)
+    })
+}
+
+/// A share, in percent or not, that is neither nothing nor everything.
+fn share(quantity: &Quantity) -> Option<f64> {
+    let share = match quantity.unit.as_deref() {
+        None => quantity.number,
+        Some("%") => quantity.number / 100.0,
+        Some(_) => return None,
+    };
+    (share > 0.0 && share < 1.0).then_some(share)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    const STUDY: &str = r#"
+fmu = "a.fmu"
+[parameters.p]
+distribution = "uniform"
+min = 0
+max = 1
+[fixed]
+q = 1
+[criteria.T]
+variable = "t"
+nominal = 82
+tolerance = "0.75 %"
+uncertainty = "0.3 degC"
+unit = "degC"
+[criteria.F]
+variable = "f"
+nominal = 750
+tolerance = "7 %"
+uncertainty = "2 %"
+coverage = 3
+unit = "N"
+[verdict]
+share = "5 %"
+"#;
+
+    /// Changes of the study, and the place and the remedy in the message.
+    type Case<'a> = (Vec<(&'a str, String)>, &'a str, &'a str);
+
+    fn judge(changes: &[(&str, &str)]) -> Result<Judge, String> {
+        let mut text = STUDY.to_owned();
+        for (from, to) in changes {
+            assert!(text.contains(from), "{from}");
+            text = text.replacen(from, to, 1);
+        }
+        let study = Study::parse(Path::new("s.toml"), text).map_err(|error| error.to_string())?;
+        Judge::new(&study, None).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn uncertainties_are_read_like_tolerances() {
+        let judge = judge(&[]).unwrap();
+        let of = |k: usize| judge.criteria[k].uncertainty.unwrap();
+        assert!((of(0).standard() - 0.15).abs() < 1e-12);
+        assert!((of(1).standard() - 5.0).abs() < 1e-12);
+        let rule = judge.rule.unwrap();
+        assert_eq!((rule.share, rule.confidence), (0.05, 0.95));
+        assert_eq!(judge.guard, Guard::Given(0.0));
+        assert_eq!(judge.warnings, [""; 0]);
+    }
+
+    #[test]
+    fn guard_bands_are_given_or_found() {
+        let with = |key: &str| judge(&[("share = \"5 %\"", &format!("share = 0.05\n{key}"))]);
+        assert_eq!(
+            with("risk = \"5 %\"").unwrap().guard,
+            Guard::Limiting { risk: 0.05 }
+        );
+        assert_eq!(with("guard-band = 0.5").unwrap().guard, Guard::Given(0.5));
+        assert!(
+            with("guard-band = 0.5\nrisk = 0.1")
+                .unwrap_err()
+                .contains("keep")
+        );
+    }
+
+    #[test]
+    fn correlated_errors_make_joint_probabilities() {
+        let text =
+            "[[uncertainty-correlations]]\nbetween = [\"T\", \"F\"]\ncoefficient = 1\n[verdict]";
+        let (one, two) = (judge(&[]).unwrap(), judge(&[("[verdict]", text)]).unwrap());
+        let p = |judge: &Judge| {
+            judge
+                .measurement
+                .assess(&[82.3, 795.0])
+                .all
+                .probability
+                .unwrap()
+        };
+        assert!(p(&two) > p(&one) + 1e-4);
+    }
+
+    #[test]
+    fn an_uncertainty_above_the_tolerance_is_warned_of_where_nothing_guards() {
+        let wide = ("\"0.3 degC\"", "\"0.7 degC\"");
+        let warnings = judge(&[wide]).unwrap().warnings;
+        assert_eq!(warnings.len(), 1);
+        assert!(
+            warnings[0].starts_with("s.toml:13:15: T: the uncertainty 0.7 degC"),
+            "{warnings:?}"
+        );
+        let guarded = ("share = \"5 %\"", "share = 0.05\nrisk = 0.1");
+        assert_eq!(judge(&[wide, guarded]).unwrap().warnings, [""; 0]);
+    }
+
+    #[test]
+    fn mistakes_have_their_place_and_remedy() {
+        let pair = |a: &str, b: &str, r: &str| {
+            format!("[[uncertainty-correlations]]\nbetween = [{a:?}, {b:?}]\ncoefficient = {r}\n")
+        };
+        let correlated = |text: String| vec![("[verdict]", text + "[verdict]")];
+        let twice = pair("T", "F", "0.5") + &pair("F", "T", "0.5");
+        let cases: Vec<Case<'_>> = vec![
+            (
+                vec![("\"t\"", "\"p\"".into())],
+                "s.toml:10:12:",
+                "name an output",
+            ),
+            (
+                vec![("\"t\"", "\"q\"".into())],
+                "s.toml:10:12:",
+                "a parameter",
+            ),
+            (
+                vec![("\"0.3 degC\"", "\"-1 degC\"".into())],
+                "s.toml:13:15:",
+                "the uncertainty -1",
+            ),
+            (
+                vec![("\"0.3 degC\"", "\"1 K\"".into())],
+                "s.toml:13:15:",
+                "without the FMU",
+            ),
+            (
+                vec![("uncertainty = \"2 %\"\n", String::new())],
+                "s.toml:19:12:",
+                "add",
+            ),
+            (
+                vec![("coverage = 3", "coverage = 0".into())],
+                "s.toml:15:11:",
+                "positive",
+            ),
+            (vec![("\"5 %\"", "\"5 N\"".into())], "s.toml:23:9:", "0.05"),
+            (vec![("\"5 %\"", "1".into())], "s.toml:23:9:", "0.05"),
+            (
+                vec![("\"5 %\"", "0.1\nconfidence = 95".into())],
+                "s.toml:24:14:",
+                "below 1",
+            ),
+            (
+                vec![("\"5 %\"", "0.1\nrisk = 2".into())],
+                "s.toml:24:8:",
+                "5 %",
+            ),
+            (
+                vec![("\"5 %\"", "0.1\nguard-band = -1".into())],
+                "s.toml:24:14:",
+                "0 or more",
+            ),
+            (
+                vec![
+                    ("uncertainty = \"0.3 degC\"\n", String::new()),
+                    ("\"5 %\"", "0.1\nrisk = 0.1".into()),
+                ],
+                "s.toml:23:8:",
+                "[criteria.T]",
+            ),
+            (
+                correlated(pair("T", "f", "0.5")),
+                "s.toml:23:17:",
+                "no criterion `f`",
+            ),
+            (correlated(pair("T", "T", "0.5")), "s.toml:2", "name two"),
+            (
+                correlated(pair("T", "F", "1.5")),
+                "s.toml:2",
+                "from -1 to 1",
+            ),
+            (correlated(twice), "s.toml:2", "keep one"),
+        ];
+        for (changes, place, remedy) in cases {
+            let changes: Vec<(&str, &str)> = changes
+                .iter()
+                .map(|(from, to)| (*from, to.as_str()))
+                .collect();
+            let error = judge(&changes).unwrap_err();
+            assert!(
+                error.starts_with(place) && error.contains(remedy),
+                "{changes:?}: {error}"
+            );
+        }
+    }
+}

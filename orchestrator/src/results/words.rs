@@ -1,0 +1,143 @@
+//! The verdict in sentences, for the terminal and the page.
+
+use super::Summary;
+use super::conclusion::{Conclusion, Requirement, grouped};
+use crate::conformity::risk::Risk;
+
+/// What a reader has to know first: the verdict, how firmly it stands, and how many of the accepted points conform.
+pub fn sentences(summary: &Summary) -> Vec<String> {
+    let Some(conclusion) = &summary.conclusion else {
+        return Vec::new();
+    };
+    let mut found = vec![
+        capitalised(&format!("{}.", conclusion.verdict_words)),
+        firmness(conclusion, summary),
+    ];
+    found.extend(guard(conclusion));
+    found.push(match &conclusion.risk {
+        Some(risk) => accepted(conclusion.accepted, risk, summary),
+        None => unknown(summary),
+    });
+    found.retain(|sentence| !sentence.is_empty());
+    found
+}
+
+/// Whether other points would say the same.
+fn firmness(conclusion: &Conclusion, summary: &Summary) -> String {
+    if let Some(probability) = conclusion.other_verdict_probability {
+        let seed = match summary.provenance.method.as_str() {
+            "table" => "Other points from the same source",
+            _ => "Another seed",
+        };
+        return format!(
+            "{seed} would come to the other verdict with a probability of {}.",
+            about(probability)
+        );
+    }
+    match &conclusion.required {
+        Some(Requirement {
+            points_needed: Some(points),
+            ..
+        }) => format!(
+            "If the share stays what it is, about {} independent points decide; `--until verdict` takes no more than \
+             needed.",
+            grouped(*points)
+        ),
+        _ => String::new(),
+    }
+}
+
+fn guard(conclusion: &Conclusion) -> Option<String> {
+    match conclusion.guard_band {
+        Some(0.0) => None,
+        Some(band) => Some(format!(
+            "Every tolerance is drawn in by a guard band of {} expanded uncertainties; {} points are accepted.",
+            short(band),
+            grouped(conclusion.accepted)
+        )),
+        None => Some(
+            "No guard band keeps the risk as low as required, so nothing is accepted: measure better or widen the \
+             tolerances."
+                .to_owned(),
+        ),
+    }
+}
+
+fn accepted(accepted: u64, risk: &Risk, summary: &Summary) -> String {
+    let Some(share) = risk.not_conforming_given_accepted else {
+        let expected = summary.expected_verified.unwrap_or(0.0);
+        return format!(
+            "Of all points {} are expected to conform, since the measured values are uncertain, too.",
+            counted(expected)
+        );
+    };
+    let [low, high] = risk.intervals.not_conforming_given_accepted;
+    match accepted {
+        1 => format!(
+            "The accepted point conforms with a probability of {} %, since the measured values are uncertain, too.",
+            short(100.0 * (1.0 - share))
+        ),
+        n => format!(
+            "Of the {} accepted points {} are expected not to conform, since the measured values are uncertain, too: \
+             {} % (95 % interval {} .. {} %).",
+            grouped(n),
+            counted(share * n as f64),
+            short(100.0 * share),
+            short(100.0 * low),
+            short(100.0 * high)
+        ),
+    }
+}
+
+fn unknown(summary: &Summary) -> String {
+    let without = summary.criteria.iter();
+    let without = without.filter(|(_, entry)| entry.criterion.uncertainty.is_none());
+    let names: Vec<&str> = without.map(|(name, _)| name.as_str()).collect();
+    format!(
+        "How many of the accepted points conform is not known: {} {} no `uncertainty`, and nothing is assumed.",
+        names.join(", "),
+        if names.len() == 1 { "has" } else { "have" }
+    )
+}
+
+/// A probability for a sentence: `about 35 %`, or a bound where it is next to nothing.
+fn about(probability: f64) -> String {
+    const LITTLE: f64 = 0.001;
+    if probability < LITTLE {
+        "less than 0.1 %".to_owned()
+    } else {
+        format!("about {} %", short(100.0 * probability))
+    }
+}
+
+/// A number of points that need not be whole.
+fn counted(points: f64) -> String {
+    if points < 1000.0 {
+        format!("{points:.1}")
+    } else {
+        grouped(points.round() as u64)
+    }
+}
+
+/// Two significant digits, or all of the whole number.
+fn short(value: f64) -> String {
+    let decimals = match value.abs() {
+        0.0 => 0,
+        v if v < 0.01 => 4,
+        v if v < 0.1 => 3,
+        v if v < 1.0 => 2,
+        v if v < 10.0 => 1,
+        _ => 0,
+    };
+    format!("{value:.decimals$}")
+}
+
+/// The same with a capital first letter.
+pub fn capitalised(sentence: &str) -> String {
+    let mut letters = sentence.chars();
+    let first = letters.next().map(|first| first.to_uppercase().to_string());
+    first.unwrap_or_default() + letters.as_str()
+}
+
+#[cfg(test)]
+mod tests;

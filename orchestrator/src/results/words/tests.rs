@@ -1,0 +1,113 @@
+use std::path::Path;
+
+use super::*;
+use crate::judge::Judge;
+use crate::results::Tally;
+use crate::results::summary::Provenance;
+use crate::study::Study;
+
+const STUDY: &str = r#"
+fmu = "a.fmu"
+[parameters.p]
+distribution = "uniform"
+min = 0
+max = 1
+[criteria.T]
+variable = "t"
+nominal = 0
+tolerance = 1
+uncertainty = 1
+[criteria.F]
+variable = "f"
+nominal = 0
+tolerance = 1
+uncertainty = 1
+"#;
+
+/// The sentences on so many points in the middle of all tolerances, and so many that are far outside.
+fn said(study: &str, inside: u64, outside: u64) -> String {
+    let study = Study::parse(Path::new("s.toml"), study.to_owned()).unwrap();
+    let judge = Judge::new(&study, None).unwrap();
+    let mut tally = Tally::new(&judge);
+    for label in 0..inside + outside {
+        let value = if label < inside { 0.0 } else { 100.0 };
+        tally.add(label, &[], &Ok(vec![value, value]));
+    }
+    let provenance = Provenance {
+        method: "monte-carlo".to_owned(),
+        ..Provenance::default()
+    };
+    sentences(&tally.summary(None, provenance, Vec::new())).join("\n")
+}
+
+/// In the middle a value conforms with 95.45 %, two of them with 91.11 %.
+#[test]
+fn the_accepted_points_that_do_not_conform_are_counted() {
+    let text = said(STUDY, 1000, 9000);
+    assert_eq!(
+        text,
+        "Verified by the one-point rule: 1,000 of 10,000 points.\n\
+         Another seed would come to the other verdict with a probability of less than 0.1 %.\n\
+         Of the 1,000 accepted points 88.9 are expected not to conform, since the measured values are uncertain, too: \
+         8.9 % (95 % interval 8.9 .. 8.9 %)."
+    );
+    let one = said(STUDY, 1, 9);
+    assert!(one.contains("with a probability of about 35 %"), "{one}");
+    assert!(
+        one.contains("The accepted point conforms with a probability of 91 %"),
+        "{one}"
+    );
+    let none = said(STUDY, 0, 10);
+    assert!(
+        none.contains("Of all points 0.0 are expected to conform"),
+        "{none}"
+    );
+}
+
+#[test]
+fn without_an_uncertainty_nothing_is_stated() {
+    let text = said(&STUDY.replacen("uncertainty = 1\n", "", 1), 5, 5);
+    assert!(text.ends_with(
+        "How many of the accepted points conform is not known: T has no `uncertainty`, and nothing is assumed."
+    ));
+    let text = said(&STUDY.replace("uncertainty = 1\n", ""), 5, 5);
+    assert!(text.contains("T, F have no `uncertainty`"), "{text}");
+}
+
+#[test]
+fn a_verdict_that_is_open_tells_how_many_points_decide() {
+    let rule = format!("{STUDY}[verdict]\nshare = \"10 %\"\n");
+    let text = said(&rule, 12, 88);
+    assert!(
+        text.starts_with("Inconclusive: required are 10 %"),
+        "{text}"
+    );
+    assert!(
+        text.contains("independent points decide; `--until verdict`"),
+        "{text}"
+    );
+    assert!(!text.contains("Another seed"));
+    assert!(!said(&rule, 50, 50).contains("decide"));
+}
+
+#[test]
+fn guard_bands_are_named() {
+    let with = |key: &str| {
+        said(
+            &format!("{STUDY}[verdict]\nshare = \"1 %\"\n{key}\n"),
+            50,
+            50,
+        )
+    };
+    let text = with("guard-band = 0.5");
+    assert!(
+        text.contains("a guard band of 0.50 expanded uncertainties; 50 points"),
+        "{text}"
+    );
+    assert!(!with("guard-band = 0").contains("guard band"));
+    let text = with("risk = \"1 %\"");
+    assert!(
+        text.contains("nothing is accepted: measure better"),
+        "{text}"
+    );
+}

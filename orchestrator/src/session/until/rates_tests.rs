@@ -1,0 +1,141 @@
+//! How often verdicts are wrong: many studies of a region whose share of the space is known.
+
+use statrs::distribution::{Binomial, DiscreteCDF};
+
+use super::tests::{STUDY, judge};
+use super::*;
+use crate::design::{Design, Sampling};
+use crate::distribution::Distribution;
+
+/// The share of the region u0 + u1 < 2/sqrt(10) of the unit cube.
+const SHARE: f64 = 0.2;
+
+/// Required shares far below and just below the true one, at it, just above and far above.
+const REQUIRED: [f64; 5] = [0.15, 0.197, 0.2, 0.203, 0.25];
+
+/// How studies take their points and look at them.
+#[derive(Clone, Copy, Debug)]
+struct Way {
+    method: Method,
+    replicates: u64,
+    points: u64,
+    waits: bool,
+}
+
+impl Way {
+    /// The verdict of the study with this seed.
+    fn verdict(self, seed: u64, share: f64) -> Decision {
+        let text = STUDY.replace("share = 0.2", &format!("share = {share}"));
+        let judge = judge(&text);
+        let design = Some((self.method, self.replicates));
+        let ending = Ending::new(Until::Verdict, &judge, design).unwrap();
+        let sampling = Sampling {
+            method: self.method,
+            points: self.points,
+            seed,
+            replicates: self.replicates,
+        };
+        let unit = Distribution::Uniform { min: 0.0, max: 1.0 };
+        let design = Design::new(&sampling, vec![unit; 3]).unwrap();
+        let mut front = Front::new(&ending);
+        for index in 0..self.points {
+            let u = design.point(index);
+            if front.add(index, u[0] + u[1] < 0.4_f64.sqrt()) && self.waits {
+                break;
+            }
+        }
+        let looks = if self.waits {
+            ending.looks()
+        } else {
+            Looks::Once
+        };
+        looks.decide(judge.rule.unwrap(), &front.counts, front.front as u64)
+    }
+}
+
+/// Counts wrong verdicts; a binomial test at 5 % must not say that more than 5 % of them are wrong.
+fn check(way: Way, studies: u64, decided_far_away: u64) {
+    let most_wrong = Binomial::new(0.05, studies).unwrap().inverse_cdf(0.95);
+    for required in REQUIRED {
+        let (mut wrong, mut decided) = (0, 0);
+        for seed in 0..studies {
+            let verdict = way.verdict(seed, required);
+            wrong += u64::from(match verdict {
+                Decision::Verified => SHARE < required,
+                Decision::NotVerified => SHARE >= required,
+                Decision::Inconclusive => false,
+            });
+            decided += u64::from(verdict != Decision::Inconclusive);
+        }
+        println!("{way:?}, {required}: {wrong} wrong, {decided} decided of {studies}");
+        assert!(
+            wrong <= most_wrong,
+            "{way:?}, {required}: {wrong} of {studies}"
+        );
+        if (required - SHARE).abs() > 0.04 {
+            assert!(
+                100 * decided >= decided_far_away * studies,
+                "{way:?}, {required}: {decided}"
+            );
+        }
+    }
+}
+
+const CHANCE: Way = Way {
+    method: Method::MonteCarlo,
+    replicates: 1,
+    points: 2000,
+    waits: true,
+};
+
+const NETS: Way = Way {
+    method: Method::Sobol,
+    replicates: 16,
+    points: 1024,
+    waits: true,
+};
+
+#[test]
+fn verdicts_that_were_waited_for_are_hardly_ever_wrong() {
+    check(CHANCE, 120, 95);
+    check(NETS, 120, 95);
+}
+
+#[test]
+fn verdicts_of_replicates_are_hardly_ever_wrong() {
+    check(
+        Way {
+            waits: false,
+            ..NETS
+        },
+        120,
+        95,
+    );
+}
+
+#[test]
+#[ignore = "takes minutes; run by scripts/test --long"]
+fn of_a_thousand_studies_hardly_any_verdict_is_wrong() {
+    for waits in [true, false] {
+        for points in [500, 20_000] {
+            check(
+                Way {
+                    waits,
+                    points,
+                    ..CHANCE
+                },
+                1000,
+                0,
+            );
+        }
+        for (replicates, points) in [(8, 256), (8, 4096), (16, 256), (16, 4096), (32, 8192)] {
+            let nets = Way {
+                replicates,
+                points,
+                waits,
+                ..NETS
+            };
+            check(nets, 1000, 0);
+        }
+    }
+}

@@ -1,0 +1,308 @@
+//! Tolerance and measurement uncertainty through the command line: verdicts, risks, exit codes.
+#![allow(clippy::unwrap_used)]
+
+mod support;
+
+use std::fmt::Write;
+
+use serde_json::Value;
+use statrs::distribution::{ContinuousCDF, Normal};
+use support::Bench;
+
+const STUDY: &str = r#"
+fmu = "none.fmu"
+[parameters.p]
+distribution = "uniform"
+min = 0
+max = 1
+[criteria.T_bearing]
+variable = "T"
+nominal = 82
+tolerance = "0.75 %"
+uncertainty = "0.615 degC"
+unit = "degC"
+[criteria.F_N]
+variable = "F"
+nominal = 750
+tolerance = "7 %"
+uncertainty = "7 %"
+unit = "N"
+"#;
+
+/// Judges points at the quantiles of the two populations of `studies/paper-table3.toml`.
+fn judge(study: &str, rows: u32) -> (i32, Value) {
+    let bench = Bench::empty();
+    let temperature = Normal::new(81.486_108, 0.345_215).unwrap();
+    let load = Normal::new(769.503_815, 89.266_864).unwrap();
+    let mut table = String::from("point,T,F\n");
+    for i in 0..rows {
+        let u = (f64::from(i) + 0.5) / f64::from(rows);
+        // The loads in an order of their own, as good as independent of the temperatures.
+        let v = (f64::from(i) * 0.618_033_988_749_894_9 + 0.5 / f64::from(rows)).fract();
+        let (t, f) = (temperature.inverse_cdf(u), load.inverse_cdf(v));
+        writeln!(table, "{},{t},{f}", i + 1).unwrap();
+    }
+    bench.write("study.toml", study);
+    bench.write("table.csv", &table);
+    let said = bench.run(&["judge", "study.toml", "table.csv", "--output", "out"]);
+    assert!(said.code != 2, "{}", said.err);
+    (said.code, bench.summary("out"))
+}
+
+fn numbers(rows: u32) {
+    let precise = STUDY
+        .replace("\"0.615 degC\"", "\"0.15375 degC\"")
+        .replace("uncertainty = \"7 %\"", "uncertainty = \"13.125 N\"");
+    for (study, expected) in [
+        (STUDY, [[0.1338, 0.0984], [0.0837, 0.0685]]),
+        (&precise, [[0.0351, 0.0322], [0.0199, 0.0188]]),
+    ] {
+        let (code, summary) = judge(study, rows);
+        assert_eq!(code, 0);
+        for (name, [consumer, producer]) in ["T_bearing", "F_N"].into_iter().zip(expected) {
+            let risk = &summary["criteria"][name]["risk"];
+            let found = |key: &str| risk[key].as_f64().unwrap();
+            assert!(
+                (found("consumer") - consumer).abs() < 1e-4,
+                "{name}: {risk}"
+            );
+            assert!(
+                (found("producer") - producer).abs() < 1e-4,
+                "{name}: {risk}"
+            );
+        }
+        let expected = summary["expected_verified"].as_f64().unwrap() / f64::from(rows);
+        let joint = summary["risk"]["conformance_probability"].as_f64().unwrap();
+        assert!((expected - joint).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn risks_of_a_table_at_the_quantiles() {
+    numbers(100_000);
+}
+
+#[test]
+#[ignore = "takes a minute; run by scripts/test --long"]
+fn risks_of_a_million_rows_at_the_quantiles() {
+    numbers(1_000_000);
+}
+
+#[test]
+fn nothing_is_stated_without_uncertainties() {
+    let study = STUDY.replacen("uncertainty = \"0.615 degC\"\n", "", 1);
+    let (code, summary) = judge(&study, 200);
+    assert_eq!(code, 0);
+    assert_eq!(summary["verdict"], "verified");
+    assert_eq!(summary["rule"], "one point");
+    assert!(summary["risk"].is_null() && summary["expected_verified"].is_null());
+    assert!(summary["criteria"]["T_bearing"].get("risk").is_none());
+    assert!(summary["criteria"]["F_N"]["risk"]["consumer"].is_number());
+    assert_eq!(summary["accepted"], summary["verified"]);
+}
+
+/// About 29 % of the points meet both criteria.
+#[test]
+fn verdicts_have_their_exit_codes() {
+    for (share, code, verdict) in [
+        ("10 %", 0, "verified"),
+        ("60 %", 1, "not verified"),
+        ("28 %", 3, "inconclusive"),
+    ] {
+        let (found, summary) = judge(&format!("{STUDY}[verdict]\nshare = \"{share}\"\n"), 200);
+        assert_eq!(
+            (found, summary["verdict"].as_str()),
+            (code, Some(verdict)),
+            "{summary}"
+        );
+        assert_eq!(summary["rule"], "share");
+    }
+}
+
+#[test]
+fn the_risk_sets_the_guard_band() {
+    let guarded = format!("{STUDY}[verdict]\nshare = \"1 %\"\nrisk = \"30 %\"\n");
+    let (_, summary) = judge(&guarded, 2000);
+    let band = summary["guard_band"].as_f64().unwrap();
+    let share = summary["risk"]["not_conforming_given_accepted"]
+        .as_f64()
+        .unwrap();
+    assert!(band > 0.0 && share <= 0.3 && share > 0.29, "{band} {share}");
+    assert!(summary["accepted"].as_u64() < summary["verified"].as_u64());
+    let given = guarded.replace("risk = \"30 %\"", &format!("guard-band = {band}"));
+    assert_eq!(judge(&given, 2000).1["accepted"], summary["accepted"]);
+}
+
+/// Of this study about 40 % of the space is accepted: 1 - exp(-2 rate) between 0.817 and 0.903.
+const LAG: &str = r#"
+title = "Lag & more"
+fmu = "lag.fmu"
+[simulation]
+stop = 2
+step = 0.01
+[design]
+method = "monte-carlo"
+points = 300
+seed = 3
+[parameters."lag.rate"]
+distribution = "normal"
+mean = 1
+deviation = 0.3
+[criteria.Y]
+variable = "lag.y"
+nominal = 0.86
+tolerance = "5 %"
+uncertainty = "2 %"
+[verdict]
+share = "5 %"
+[dossier]
+responsible = "A. Engineer <test>"
+rig = "Rig 2"
+"#;
+
+fn verify(bench: &Bench, study: &str, options: &[&str]) -> (support::Said, Value) {
+    bench.write("study.toml", study);
+    let _ = std::fs::remove_dir_all(bench.path("out"));
+    let said = bench.run(&[&["verify", "study.toml", "--output", "out"], options].concat());
+    assert!(said.code != 2, "{}", said.err);
+    (said, bench.summary("out"))
+}
+
+#[test]
+fn a_study_ends_when_its_verdict_is_known() {
+    let bench = Bench::new();
+    let waiting = ["--until", "verdict", "--points", "3000"];
+    for (share, code) in [("5 %", 0), ("90 %", 1)] {
+        let study = LAG.replace("share = \"5 %\"", &format!("share = \"{share}\""));
+        let (said, summary) = verify(&bench, &study, &waiting);
+        assert_eq!(said.code, code, "{}", said.out);
+        assert!(summary["points"].as_u64().unwrap() < 100, "{summary}");
+        let method = summary["required"]["method"].as_str().unwrap();
+        assert!(method.contains("confidence sequence"), "{method}");
+        assert!(summary["required"]["points_needed"].is_null());
+    }
+    let nets = LAG.replace("monte-carlo\"", "sobol\"\nreplicates = 8");
+    assert_eq!(verify(&bench, &nets, &waiting).1["points"], 128);
+    let near = LAG.replace("\"5 %\"\n[dossier]", "\"40 %\"\n[dossier]");
+    let (said, summary) = verify(&bench, &near, &["--until", "verdict", "--points", "60"]);
+    assert_eq!(
+        (said.code, summary["points"].as_u64()),
+        (3, Some(60)),
+        "{}",
+        said.out
+    );
+    assert!(summary["required"]["points_needed"].as_u64().unwrap() > 60);
+    assert!(
+        said.out.contains("independent points decide"),
+        "{}",
+        said.out
+    );
+}
+
+#[test]
+fn a_verdict_cannot_be_waited_for_where_nothing_tells_how_points_depend() {
+    let bench = Bench::new();
+    for (from, to, words) in [
+        ("monte-carlo", "sobol", ["until", "replicates = 8"]),
+        (
+            "[verdict]\nshare = \"5 %\"\n",
+            "",
+            ["until", "add [verdict]"],
+        ),
+        (
+            "share = \"5 %\"",
+            "share = 0.05\nrisk = 0.1",
+            ["until", "guard-band"],
+        ),
+    ] {
+        bench.write("study.toml", &LAG.replace(from, to));
+        bench
+            .run(&["verify", "study.toml", "--until", "verdict"])
+            .is_mistake(&words);
+    }
+}
+
+#[test]
+fn shards_have_no_verdict_and_their_union_has() {
+    let bench = Bench::new();
+    let study = LAG.replace("\"5 %\"\n[dossier]", "\"90 %\"\n[dossier]");
+    bench.write("study.toml", &study);
+    for shard in ["1/2", "2/2"] {
+        let folder = shard.replace('/', "-");
+        let said = bench.run(&[
+            "verify",
+            "study.toml",
+            "--shard",
+            shard,
+            "--output",
+            &folder,
+        ]);
+        assert_eq!(said.code, 0, "{}", said.err);
+    }
+    let said = bench.run(&["merge", "1-2", "2-2", "--output", "out"]);
+    assert_eq!(said.code, 1, "{}{}", said.out, said.err);
+    assert_eq!(bench.summary("out")["verdict"], "not verified");
+}
+
+#[test]
+fn the_dossier_is_in_all_files() {
+    let bench = Bench::new();
+    let (_, summary) = verify(&bench, LAG, &[]);
+    assert_eq!(summary["dossier"]["rig"], "Rig 2");
+    let date = summary["run"]["date"].as_str().unwrap();
+    assert!(date.ends_with('Z') && date.len() == 20, "{date}");
+    let page = bench.read("out/report.html");
+    for part in ["A. Engineer &lt;test&gt;", "Rig 2", date, "normal, mean 1"] {
+        assert!(page.contains(part), "no {part}");
+    }
+    let resource = bench.read("out/verdict.srmd");
+    let task = bench.read("out/verdict.stmd");
+    for file in [&resource, &task] {
+        let document = roxmltree::Document::parse(file).unwrap();
+        let entries = document
+            .descendants()
+            .filter(|node| node.has_attribute("keyword"));
+        let found: std::collections::HashMap<_, _> = entries
+            .map(|node| (node.attribute("keyword").unwrap(), node.text().unwrap()))
+            .collect();
+        assert_eq!(found["verdict"], "verified");
+        assert_eq!(found["required.share"], "0.05");
+        assert_eq!(found["dossier.responsible"], "A. Engineer <test>");
+        assert_eq!(found["study.sha256"], summary["provenance"]["study_sha256"]);
+        assert!(found["parameter.lag.rate"].starts_with("normal, mean 1.0, deviation 0.3"));
+        assert!(
+            found["criterion.Y"].contains("uncertainty 0.0172 (k = 2)"),
+            "{}",
+            found["criterion.Y"]
+        );
+        assert!(found.contains_key("risk.consumer"));
+    }
+    assert!(resource.contains("data=\"summary.json\""));
+    assert!(task.contains("<stc:Drafted date=\""));
+}
+
+#[test]
+fn the_page_says_what_accepting_risks() {
+    let bench = Bench::new();
+    let (said, _) = verify(&bench, LAG, &[]);
+    let page = bench.read("out/report.html");
+    for part in [
+        "accepted points",
+        "are expected not to conform",
+        "The risk of accepting",
+        "Conforms %",
+    ] {
+        assert!(page.contains(part), "no {part}");
+    }
+    assert!(
+        said.out.contains("are expected not to conform"),
+        "{}",
+        said.out
+    );
+    let unknown = LAG.replace("uncertainty = \"2 %\"\n", "");
+    let (said, _) = verify(&bench, &unknown, &[]);
+    let page = bench.read("out/report.html");
+    assert!(page.contains("Y has no `uncertainty`, and nothing is assumed"));
+    assert!(!page.contains("The risk of accepting") && !page.contains("Conforms %"));
+    assert!(said.out.contains("Y has no `uncertainty`"), "{}", said.out);
+}
