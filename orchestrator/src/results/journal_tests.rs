@@ -136,3 +136,18 @@ fn what_does_not_count_is_open_again() {
     let value = finished.outcomes().unwrap().get(2).unwrap();
     assert_eq!(value, Some(Ok(vec![2.0])));
 }
+
+#[test]
+fn a_lock_that_is_released_soon_is_waited_for() {
+    let (folder, _) = written();
+    let other = File::open(path_in(folder.path())).unwrap();
+    other.lock().unwrap();
+    let busy = Journal::resume(folder.path(), &header());
+    assert!(matches!(busy, Err(ResultsError::Busy(_))));
+    let released = std::thread::spawn(move || {
+        sleep(Duration::from_millis(100));
+        drop(other);
+    });
+    assert!(Journal::resume(folder.path(), &header()).is_ok());
+    released.join().unwrap();
+}
