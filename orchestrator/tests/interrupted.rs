@@ -204,8 +204,11 @@ impl Analysis {
                 sleep(Duration::from_micros(random.random_range(0..4000)));
             }
             let signal = signals[struck.moments() as usize % signals.len()];
-            if child.try_wait().unwrap().is_some() {
+            if let Some(status) = child.try_wait().unwrap() {
                 // Done before it could be stopped: the other moments are those of another run.
+                let output = child.wait_with_output().unwrap();
+                let message = String::from_utf8_lossy(&output.stderr);
+                assert!(status.success(), "{struck:?}: {message}");
                 assert!(self.results(&bench, "stopped") == whole);
                 fs::remove_dir_all(bench.path("stopped")).unwrap();
                 struck.missed += 1;
@@ -278,14 +281,42 @@ fn identification_goes_on() {
     IDENTIFICATION.stop_and_resume(6, &BOTH);
 }
 
-#[test]
-#[ignore = "takes minutes: cargo test --workspace --test interrupted -- --ignored --nocapture"]
-fn twenty_moments_of_each_signal() {
-    for signal in BOTH {
-        for analysis in [SENSITIVITY, SCREENING, PARETO, ROBUSTNESS, IDENTIFICATION] {
-            analysis.stop_and_resume(20, &[signal]);
+impl Analysis {
+    fn twenty_moments_of_each_signal(&self) {
+        for signal in BOTH {
+            self.stop_and_resume(20, &[signal]);
         }
     }
+}
+
+#[test]
+#[ignore = "takes a minute: cargo test --workspace --test interrupted -- --ignored --nocapture"]
+fn sensitivity_goes_on_from_twenty_moments() {
+    SENSITIVITY.twenty_moments_of_each_signal();
+}
+
+#[test]
+#[ignore = "takes a minute: cargo test --workspace --test interrupted -- --ignored --nocapture"]
+fn screening_goes_on_from_twenty_moments() {
+    SCREENING.twenty_moments_of_each_signal();
+}
+
+#[test]
+#[ignore = "takes a minute: cargo test --workspace --test interrupted -- --ignored --nocapture"]
+fn pareto_goes_on_from_twenty_moments() {
+    PARETO.twenty_moments_of_each_signal();
+}
+
+#[test]
+#[ignore = "takes a minute: cargo test --workspace --test interrupted -- --ignored --nocapture"]
+fn robustness_goes_on_from_twenty_moments() {
+    ROBUSTNESS.twenty_moments_of_each_signal();
+}
+
+#[test]
+#[ignore = "takes a minute: cargo test --workspace --test interrupted -- --ignored --nocapture"]
+fn identification_goes_on_from_twenty_moments() {
+    IDENTIFICATION.twenty_moments_of_each_signal();
 }
 
 #[test]

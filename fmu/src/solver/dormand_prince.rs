@@ -350,9 +350,9 @@ mod tests {
             step
         };
         // Each step is a tenth of the one before: the limit itself is tried, and what lies below is not.
-        let limit = 1e-14 * 3.0;
+        let limit = 1e-14 * 0.3;
         assert_eq!(10.0 * limit * 0.1, limit);
-        assert_eq!(given_up_at(3.0, 10.0 * limit), limit * 0.1);
+        assert_eq!(given_up_at(0.3, 10.0 * limit), limit * 0.1);
         assert_eq!(given_up_at(1e-6, 5e-17), 5e-17 * 0.1);
     }
 

@@ -22,6 +22,8 @@ use std::fmt::Write as _;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
 
 use tempfile::NamedTempFile;
 
@@ -32,6 +34,22 @@ use super::note::{Note, word};
 use super::{Outcome, ResultsError};
 use crate::engine::Separation;
 use crate::notices::Notices;
+
+/// How long to wait for the lock. When a run is killed while it starts a worker, the new process holds a copy of the lock
+/// until it becomes the worker's program.
+const PATIENCE: Duration = Duration::from_secs(2);
+
+fn lock(file: &File) -> Result<(), TryLockError> {
+    let begun = Instant::now();
+    loop {
+        match file.try_lock() {
+            Err(TryLockError::WouldBlock) if begun.elapsed() < PATIENCE => {
+                sleep(Duration::from_millis(10));
+            }
+            result => return result,
+        }
+    }
+}
 
 /// A journal that is being written.
 #[derive(Debug)]
@@ -121,7 +139,7 @@ impl Journal {
 
     /// Takes the file for this run alone; the lock ends with the process, however it ends.
     fn new(folder: &Path, path: PathBuf, file: File) -> Result<Self, ResultsError> {
-        match file.try_lock() {
+        match lock(&file) {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => return Err(ResultsError::Busy(folder.to_owned())),
             Err(TryLockError::Error(error)) => return Err(ResultsError::io(&path)(error)),

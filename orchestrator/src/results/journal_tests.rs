@@ -166,3 +166,18 @@ fn what_the_fmu_said_comes_back_with_the_point() {
         assert_eq!(outcomes.get_noted(index).unwrap(), Some(expected));
     }
 }
+
+#[test]
+fn a_lock_that_is_released_soon_is_waited_for() {
+    let (folder, _) = written();
+    let other = File::open(path_in(folder.path())).unwrap();
+    other.lock().unwrap();
+    let busy = Journal::resume(folder.path(), &header());
+    assert!(matches!(busy, Err(ResultsError::Busy(_))));
+    let released = std::thread::spawn(move || {
+        sleep(Duration::from_millis(100));
+        drop(other);
+    });
+    assert!(Journal::resume(folder.path(), &header()).is_ok());
+    released.join().unwrap();
+}
