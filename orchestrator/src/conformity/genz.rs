@@ -1,5 +1,6 @@
 //! Probabilities that three or more correlated normal errors lie between limits.
 
+use std::f64::consts::TAU;
 use std::sync::LazyLock;
 
 use super::normal::{GaussLegendre, between};
@@ -8,11 +9,14 @@ use super::tabulated::Tabulated;
 /// The aim for the error of a probability.
 const ACCURACY: f64 = 2e-5;
 /// Up to so many errors are integrated by nested quadrature, more of them on a lattice.
-const NESTED: usize = 4;
+const NESTED: usize = 6;
 /// Independent copies of the lattice; their scatter tells the error.
 const SHIFTS: u64 = 8;
-/// An integrand below this adds nothing.
-const NOTHING: f64 = 1e-7;
+/// A part below this adds nothing.
+const NOTHING: f64 = 1e-10;
+/// Beyond this many standard deviations a number adds nothing.
+const FAR: f64 = 5.0;
+const MOST_NODES: usize = 64;
 const FIRST_POINTS: u64 = 16;
 const MOST_POINTS: u64 = 1 << 13;
 /// Where less than this is left of a variance of 1 given the others, an error follows from them.
@@ -48,7 +52,7 @@ pub(super) fn cholesky(matrix: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
 /// before it. The number with the least probable interval comes first (Gibson, Glasbey and Elston
 /// 1994), which leaves the least variation to the integral.
 ///
-/// A cube of few dimensions is integrated by nested Gauss-Legendre rules, a larger one on a lattice
+/// Few numbers are integrated one after the other by Gauss-Legendre rules, more of them on a lattice
 /// that can grow (Cools, Kuo and Nuyens 2006, "Constructing embedded lattice rules for multivariate
 /// integration", SIAM J. Scientific Computing 28) with the tent transformation (Hickernell 2002). Its
 /// shifts are random but always the same, so that equal boxes have equal probabilities.
@@ -83,17 +87,14 @@ pub(super) fn probability(correlation: &[Vec<f64>], lower: &[f64], upper: &[f64]
     found.clamp(least.max(0.0), most)
 }
 
-/// Shares and weights of ever finer rules.
-static RULES: LazyLock<[Vec<[f64; 2]>; 5]> = LazyLock::new(|| {
-    // The quantile is singular at 0 and 1: a smooth step takes the nodes away from there.
-    let step = |[x, weight]: [f64; 2]| [x * x * (3.0 - 2.0 * x), weight * 6.0 * x * (1.0 - x)];
-    let rule = |nodes| {
-        GaussLegendre::new(nodes)
+/// The rules with so many nodes.
+static RULES: LazyLock<Vec<Vec<[f64; 2]>>> = LazyLock::new(|| {
+    let rule = |nodes: usize| {
+        GaussLegendre::new(nodes.max(2))
             .on_unit_interval()
-            .map(step)
             .collect()
     };
-    [6, 8, 11, 16, 24].map(rule)
+    (0..=MOST_NODES).map(rule).collect()
 });
 
 /// The box as a unit cube.
@@ -105,38 +106,51 @@ struct Cube<'a> {
 }
 
 impl Cube<'_> {
-    /// The integral by nested quadrature, with more and more nodes until two agree.
+    /// The integral by nested quadrature.
     fn nested(&self) -> f64 {
-        let mut rules = RULES.iter();
         let mut scores = Vec::with_capacity(self.lower.len());
-        let mut of = |rule: &Vec<[f64; 2]>| self.inner(&mut scores, rule, 1.0);
-        let mut found = rules.next().map_or(0.0, &mut of);
-        for rule in rules {
-            let finer = of(rule);
-            let agreed = (finer - found).abs() < ACCURACY;
-            found = finer;
-            if agreed {
-                break;
-            }
-        }
-        found
+        self.inner(&mut scores, &self.scales(), 1.0)
     }
 
-    /// The conditional probability of the remaining numbers, given the first ones, which have the probability `so_far`.
-    fn inner(&self, scores: &mut Vec<f64>, rule: &[[f64; 2]], so_far: f64) -> f64 {
-        let limits = self.limits(scores);
-        let below = limits.map(|limit| self.normal.cdf(limit));
-        let probability = below[1] - below[0];
-        if scores.len() + 1 == self.factor.len() || probability * so_far < NOTHING {
-            return probability;
+    /// Over which length of each number the conditional probability of those after it changes.
+    fn scales(&self) -> Vec<f64> {
+        let size = self.factor.len();
+        let of = |k: usize| {
+            let later = self.factor[k + 1..].iter().map(|row| {
+                let left: f64 = row[k + 1..].iter().map(|part| part * part).sum();
+                left.sqrt() / row[k].abs()
+            });
+            later.fold(1.0, f64::min)
+        };
+        (0..size).map(of).collect()
+    }
+
+    /// The conditional probability of the remaining numbers, given the first ones, which have this weight.
+    ///
+    /// The nodes are as many as the interval needs: measured on a thousand random boxes of three to five numbers, the
+    /// largest error is 1e-5.
+    fn inner(&self, scores: &mut Vec<f64>, scales: &[f64], weight: f64) -> f64 {
+        let [lower, upper] = self.limits(scores);
+        let done = scores.len();
+        if done + 1 == self.factor.len() {
+            return (self.normal.cdf(upper) - self.normal.cdf(lower)).max(0.0);
         }
+        let (lower, width) = (lower.max(-FAR), upper.min(FAR) - lower.max(-FAR));
+        if width <= 0.0 {
+            return 0.0;
+        }
+        let nodes = (3.0 + 1.2 * width / scales[done]).ceil() as usize;
         let mut sum = 0.0;
-        for &[share, weight] in rule {
-            scores.push(self.between(limits, below, share));
-            sum += weight * self.inner(scores, rule, probability * so_far);
-            scores.pop();
+        for &[share, part] in &RULES[nodes.min(MOST_NODES)] {
+            let score = lower + share * width;
+            let part = part * width * (-0.5 * score * score).exp() / TAU.sqrt();
+            if part * weight >= NOTHING {
+                scores.push(score);
+                sum += part * self.inner(scores, scales, part * weight);
+                scores.pop();
+            }
         }
-        probability * sum
+        sum
     }
 
     /// The quantile at `share` of the number between two limits, given the probabilities below them.
@@ -221,9 +235,9 @@ mod tests {
     /// Of equal positive correlations the numbers are independent given a common part: one integral.
     #[test]
     fn equal_correlations_agree_with_the_integral_over_the_common_part() {
-        let lower = [-1.0, -2.0, -0.3, -1.5, -3.0, -2.0];
-        let upper = [1.5, 0.7, 2.0, 1.0, 1.2, 0.9];
-        for size in 3..=6 {
+        let lower = [-1.0, -2.0, -0.3, -1.5, -3.0, -2.0, -2.5];
+        let upper = [1.5, 0.7, 2.0, 1.0, 1.2, 0.9, 3.0];
+        for size in 3..=7 {
             for correlation in [0.1, 0.5, 0.9, 0.99_f64] {
                 let spread = (1.0 - correlation).sqrt();
                 let given = |z: f64| {
@@ -235,7 +249,7 @@ mod tests {
                 let sum: f64 = (0..=steps)
                     .map(|i| given(-8.0 + 16.0 * f64::from(i) / f64::from(steps)))
                     .sum();
-                let expected = sum * 16.0 / f64::from(steps) / std::f64::consts::TAU.sqrt();
+                let expected = sum * 16.0 / f64::from(steps) / TAU.sqrt();
                 let matrix = equicorrelated(size, correlation);
                 let found = probability(&matrix, &lower[..size], &upper[..size]);
                 let error = (found - expected).abs();
@@ -257,10 +271,7 @@ mod tests {
             let [from, to] = [from.max(-7.0), to.min(7.0).max(from.max(-7.0))];
             let scale = move |[x, w]: [f64; 2]| {
                 let z = from + x * (to - from);
-                [
-                    z,
-                    w * (to - from) * (-0.5 * z * z).exp() / std::f64::consts::TAU.sqrt(),
-                ]
+                [z, w * (to - from) * (-0.5 * z * z).exp() / TAU.sqrt()]
             };
             fine.on_unit_interval().map(scale).collect::<Vec<_>>()
         };
@@ -301,7 +312,7 @@ mod tests {
             }
             let found = probability(&matrix, &lower, &upper);
             let error = (found - expected).abs();
-            assert!(error < 5e-5, "{trial}: {found} {expected}");
+            assert!(error < 2e-5, "{trial}: {found} {expected}");
         }
     }
 
