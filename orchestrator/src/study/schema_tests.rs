@@ -118,7 +118,7 @@ fn the_schema_names_what_is_registered() {
     }
     assert!(
         fs::read_to_string(&path).unwrap() == text,
-        "run `WRITE_SCHEMA=1 cargo test --workspace --lib schema`"
+        "run `WRITE_SCHEMA=1 cargo test --workspace --lib the_schema_names`"
     );
 }
 
