@@ -46,6 +46,9 @@ impl Instance {
     ///
     /// Returns how many steps were taken and read, and why not all of them: see [`step`](Self::step) and
     /// [`reals`](Self::reals).
+    ///
+    /// # Panics
+    /// When `rows` has no room for the values of all steps.
     pub fn steps(
         &mut self,
         steps: &[Step],
@@ -53,6 +56,10 @@ impl Instance {
         rows: &mut [f64],
     ) -> (usize, Result<(), Call>) {
         let width = references.len();
+        assert!(
+            rows.len() >= steps.len() * width,
+            "each step needs a row of its own"
+        );
         let mut done = 0;
         while done < steps.len() {
             let (taken, halt) =
@@ -90,29 +97,35 @@ impl Instance {
             do_step, get_real, ..
         } = self.functions;
         let (component, width) = (self.component, references.len());
-        let mut taken = 0;
-        let halt = within(&mut self.mode, || {
-            for step in steps {
+        if width == 0 {
+            return within(&mut self.mode, move || {
+                for (taken, step) in steps.iter().enumerate() {
+                    // SAFETY: the component is alive.
+                    let status = unsafe { do_step(component, step.time, step.size, 1) };
+                    if status != 0 {
+                        return (taken, Some(Halt::Step(status)));
+                    }
+                }
+                (steps.len(), None)
+            });
+        }
+        within(&mut self.mode, move || {
+            let rows = rows.chunks_exact_mut(width);
+            for (taken, (step, row)) in steps.iter().zip(rows).enumerate() {
                 // SAFETY: the component is alive.
                 let status = unsafe { do_step(component, step.time, step.size, 1) };
                 if status != 0 {
-                    return Some(Halt::Step(status));
+                    return (taken, Some(Halt::Step(status)));
                 }
-                if width > 0 {
-                    let row = &mut rows[taken * width..][..width];
-                    // SAFETY: both arrays hold `width` elements.
-                    let status = unsafe {
-                        get_real(component, references.as_ptr(), width, row.as_mut_ptr())
-                    };
-                    if status != 0 {
-                        return Some(Halt::Read(status));
-                    }
+                // SAFETY: both arrays hold `width` elements.
+                let status =
+                    unsafe { get_real(component, references.as_ptr(), width, row.as_mut_ptr()) };
+                if status != 0 {
+                    return (taken, Some(Halt::Read(status)));
                 }
-                taken += 1;
             }
-            None
-        });
-        (taken, halt)
+            (steps.len(), None)
+        })
     }
 
     #[cold]
