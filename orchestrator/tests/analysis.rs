@@ -6,6 +6,8 @@ mod support;
 
 use std::f64::consts::TAU;
 
+use orchestrator::analysis::from_results::read_some;
+use orchestrator::analysis::table::PointTable;
 use support::Bench;
 
 const STUDY: &str = r#"
@@ -445,4 +447,35 @@ fn mistakes_of_a_recording_are_named() {
     say("\"kN\"", "\"lbf\"").is_mistake(&["settings.toml", "unit `lbf`", "kN"]);
     say("accuracy = 0.01", "acuracy = 0.01").is_mistake(&["settings.toml", "line 6"]);
     say("\"25 mm\"", "\"-25 mm\"").is_mistake(&["diameter must be positive"]);
+}
+
+#[test]
+fn of_many_points_an_even_choice_and_the_best_are_read() {
+    let bench = bench();
+    let run = [
+        "verify",
+        "study.toml",
+        "--points",
+        "1900",
+        "--in-process",
+        "--output",
+        "out",
+    ];
+    assert_eq!(bench.run(&run).code, 0);
+    let folder = bench.path("out");
+    let (_, all) = read_some(&folder, u64::MAX).unwrap();
+    let (_, some) = read_some(&folder, 190).unwrap();
+    // One of every ten points, and the thousand best of the others, in their order.
+    assert_eq!((all.len(), some.len()), (1900, 1190));
+    assert!(some.ids.is_sorted());
+    let places: Vec<usize> = some.ids.iter().map(|id| *id as usize - 1).collect();
+    assert_eq!(some, all.subset(&places));
+    let ids = |table: &PointTable| -> Vec<u64> {
+        let best = table.best(1000);
+        best.iter().map(|ranked| table.ids[ranked.point]).collect()
+    };
+    assert_eq!(ids(&some), ids(&all));
+    // Where the best are all others, nothing is missing.
+    let (_, whole) = read_some(&folder, 1000).unwrap();
+    assert_eq!(whole, all.subset(&(0..1900).collect::<Vec<_>>()));
 }

@@ -197,7 +197,24 @@ def isolation(scale, trivial):
         [ratio], times = in_turns(scale.repetitions, measure("--in-process"), measure())
         note = f"in process {1e6 * statistics.median(times[0]):.1f} us a point, isolated {1e6 * statistics.median(times[1]):.1f} us"
         rows.append(Row(name, ratio, note=note))
+    rows.append(above(scale, "a point in a used process, above one in process", trivial, ("reuse", 1000, 30000), 0.7, 1e6, "us"))
+    rows.append(above(scale, "a point in a fresh process, 5 MB touched, above one in process", subjects.touching(),
+                      ("fresh", 50, 1000), 1.0, 1e3, "ms"))
     return rows
+
+
+def above(scale, name, fmu, way, goal, unit, words):
+    """What a point costs more than in the orchestrator's own process, at one place at a time."""
+    isolation, few, many = way
+    study, many = constant(fmu, 1e-3, 1, "final"), max(2 * few, int(many * scale.work))
+
+    def measure(*options):
+        return longer(lambda count: verify(study, "--jobs", 1, "--points", count, *options).cpu, few, many)
+
+    _, (base, apart) = in_turns(scale.repetitions, measure("--in-process"), measure("--isolation", isolation))
+    more = Ratio([unit * (one - other) for one, other in zip(apart, base)])
+    note = f"in process {unit * statistics.median(base):.3g} {words} a point"
+    return Row(name, more, unit=f" {words}", note=note, **at_most(more, goal))
 
 
 def paper(scale):

@@ -85,6 +85,14 @@ def trivial():
     return unpack(pack("trivial", xml, library), "y", "rate", 1)
 
 
+def touching():
+    """The same, but an instance writes to 5 MB of memory."""
+    library = WORK / f"touching{PLATFORMS[native()]}"
+    cost(["cc", "-O2", "-shared", "-fPIC", "-DTOUCHED=(5<<20)", "-o", library, HERE / "trivial" / "trivial.c"])
+    xml = (HERE / "trivial" / "modelDescription.xml").read_text(encoding="utf-8")
+    return unpack(pack("touching", xml, library), "y", "rate", 1)
+
+
 def compile_minimal():
     """Compiles the minimal loop."""
     cost(["cc", "-O2", "-Wall", "-o", WORK / "minimal", HERE / "minimal.c", "-ldl"])

@@ -11,7 +11,7 @@ use crate::engine::process;
 /// The exit code of an interrupted command.
 pub const INTERRUPTED: u8 = 130;
 /// How long an interrupted command may take to put things in order.
-const PATIENCE: Duration = Duration::from_millis(800);
+const PATIENCE: Duration = Duration::from_millis(600);
 /// How long it may take to end what it has started.
 const FAREWELL: Duration = Duration::from_millis(150);
 

@@ -94,7 +94,8 @@ fn advance_evenly(
     points: &CommunicationPoints,
     steps: Range<u64>,
 ) -> Result<(), Call> {
-    const TOGETHER: usize = 64;
+    // So few that the processor prepares the next ones while the FMU still computes.
+    const TOGETHER: usize = 8;
     let mut together = [Step::default(); TOGETHER];
     let mut time = points.at(steps.start);
     let mut first = steps.start;

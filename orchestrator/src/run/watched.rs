@@ -20,7 +20,7 @@ pub(super) struct Watched {
 impl Watched {
     /// How many values are gathered, and from how many steps at the most, before they are looked at: so few
     /// that the processor begins the next steps while it still adds.
-    const GATHERED: (usize, usize) = (1024, 24);
+    const GATHERED: (usize, usize) = (1024, 8);
 
     pub(super) fn new(task: &Task, probes: Vec<usize>) -> Self {
         let observed = || probes.iter().map(|&index| &task.observed[index]);
