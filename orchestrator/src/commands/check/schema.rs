@@ -309,7 +309,14 @@ pub(super) fn values(document: &Document<'_>) -> Vec<Hit> {
 type Typed = (&'static str, &'static str, fn(&str) -> bool, &'static str);
 
 /// Attributes that the reader does not use.
-const TYPED: [Typed; 6] = [
+const TYPED: [Typed; 7] = [
+    // The reader takes these from the Co-Simulation part.
+    (
+        "ModelExchange",
+        "needsExecutionTool canBeInstantiatedOnlyOncePerProcess canGetAndSetFMUstate canSerializeFMUstate",
+        |text| ["true", "false", "1", "0"].contains(&text),
+        "neither true nor false",
+    ),
     (
         "SimpleType/Real",
         "min max nominal",
