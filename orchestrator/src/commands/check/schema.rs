@@ -301,7 +301,10 @@ pub(super) fn values(document: &Document<'_>) -> Vec<Hit> {
     });
     let remarks = &document.read.remarks;
     // What the reader has used, it has remarked on.
-    wrong.retain(|hit| remarks.iter().all(|remark| Some(remark.line) != hit.line));
+    wrong.retain(|hit| {
+        let line = hit.position.map(|position| document.line(position));
+        remarks.iter().all(|remark| Some(remark.line) != line)
+    });
     wrong
 }
 
