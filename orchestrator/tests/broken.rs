@@ -254,6 +254,46 @@ fn findings_are_written_for_people_and_programs() {
     assert_eq!((run(&[]).code, run(&["--strict"]).code), (0, 1));
 }
 
+/// One fault over and over is told some times and counted; programs get all of it.
+#[test]
+fn a_fault_of_many_variables_is_no_flood() {
+    let bench = Bench::empty();
+    let variable = |number: usize| {
+        let reference = number + 100;
+        format!(
+            "<ScalarVariable name=\"v{number}\" valueReference=\"{reference}\" colour=\"red\"><Real/></ScalarVariable>\n"
+        )
+    };
+    let many: String = (0..500).map(variable).collect();
+    let description = model("</ModelVariables>", &format!("{many}</ModelVariables>"));
+    bench.fmu("broken.fmu", &[], &description);
+    let said = bench.run(&["check", "broken.fmu"]);
+    assert_eq!(
+        (said.code, said.out.lines().count()),
+        (1, 22),
+        "{}",
+        said.out
+    );
+    assert!(
+        said.out.contains("error: 480 more of this kind"),
+        "{}",
+        said.out
+    );
+    let said = bench.run(&["check", "broken.fmu", "--format", "json"]);
+    let report: serde_json::Value = serde_json::from_str(&said.out).unwrap();
+    let lines: Vec<_> = report["findings"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|f| f["line"].as_u64().unwrap())
+        .collect();
+    assert_eq!(lines.len(), 500);
+    assert!(
+        lines.windows(2).all(|pair| pair[1] == pair[0] + 1),
+        "{lines:?}"
+    );
+}
+
 /// What a build for static linking does to the functions' names.
 #[test]
 fn a_prefix_is_found() {

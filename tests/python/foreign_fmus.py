@@ -39,12 +39,15 @@ FILL = {"MALLOC_PERTURB_": "165"}
 
 PAGE = """# Other people's FMUs
 
-{date}, orchestrator {version}: `{command}` over {count} FMUs from public repositories (the name before `--` is the repository's). Each one was
-verified over {points} points by two workers, a second time with the supervisor killed by SIGKILL on the way and the study resumed, and
-simulated by fmpy with a fresh process for every point. A point is *equal* when all its outputs agree bit for bit, or when
-both give no result; it is *lost* when fmpy has a result and the orchestrator has none. *Reproducible* says whether fmpy
-gives the same in new processes and with fresh memory filled otherwise, and what the orchestrator says of it. `check` counts
-errors, warnings and notes. The FMUs are not part of this repository; `scripts/foreign` fetches nothing.
+Each of {count} FMUs from public repositories (the name before `--` is the repository's) was verified over {points} points by
+two workers, a second time with the supervisor killed by SIGKILL on the way and the study resumed, and simulated by fmpy
+with a fresh process for every point. A point is *equal* when all its outputs agree bit for bit, or when both give no
+result; it is *lost* when fmpy has a result and the orchestrator has none. *Reproducible* says whether fmpy gives the same
+in new processes and with fresh memory filled otherwise, and what the orchestrator says of it. `check` counts errors,
+warnings and notes; of the errors, the first stands in the last column. Where points are missing, fmpy cannot run the FMU
+either, or it has nothing to vary. The FMUs are not part of this repository, and the script fetches none.
+
+Written on {date} with orchestrator {version} by `{command}`:
 
 {summary}
 
@@ -337,7 +340,7 @@ def summary(found, count):
 def page(found, options):
     version = subprocess.run([PROGRAM, "--version"], capture_output=True, text=True, check=True).stdout.split()[-1]
     head = PAGE.format(date=datetime.now(timezone.utc).date(), version=version, count=len(found), points=options.points,
-                       command=f"scripts/foreign FOLDER --table {options.table.name}",
+                       command=f"scripts/foreign FOLDER --table docs/{options.table.name}",
                        summary=summary(found, options.points))
     rows = sorted(found, key=lambda row: row.name.lower())
     return head + "\n".join([HEAD, *(row.line() for row in rows)]) + "\n"

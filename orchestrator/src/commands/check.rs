@@ -148,13 +148,15 @@ impl Findings {
             let mut found = Vec::new();
             for rule in rules::RULES {
                 if let Find::Document(find) = rule.find {
-                    found.extend(find(&document).into_iter().map(|hit| Finding { rule, hit }));
+                    let hits = find(&document).into_iter();
+                    let located = hits.map(|hit| document.located(hit));
+                    found.extend(located.map(|hit| Finding { rule, hit }));
                 }
             }
             for scalar in document.known() {
                 let first = rules::RULES.iter().find_map(|rule| match rule.find {
                     Find::Variable(find) => {
-                        let hit = scalar.finding(&find(scalar, &document)?);
+                        let hit = document.located(scalar.finding(&find(scalar, &document)?));
                         Some(Finding { rule, hit })
                     }
                     _ => None,

@@ -234,7 +234,7 @@ pub(super) fn exchange_only(document: &Document<'_>) -> Vec<Hit> {
         ))
     });
     let mut findings: Vec<Hit> = findings.collect();
-    findings.sort_by_key(|hit| hit.line);
+    findings.sort_by_key(|hit| hit.position);
     findings
 }
 

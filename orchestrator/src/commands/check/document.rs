@@ -20,6 +20,8 @@ pub(super) struct Document<'a> {
     pub(super) read: &'a Description,
     /// For the variables in their order, those before them that have the same value reference and base type.
     pub(super) aliases: Vec<Option<Aliases>>,
+    /// Where each line begins, bytes.
+    lines: Vec<usize>,
 }
 
 /// Of variables that are one under several names, the first of each sort.
@@ -51,9 +53,24 @@ impl<'a> Document<'a> {
             types,
             read,
             aliases: Vec::new(),
+            lines: starts_of_lines(root.document().input_text()),
         };
         document.aliases = document.aliases();
         document
+    }
+
+    /// A finding with its line.
+    pub(super) fn located(&self, hit: Hit) -> Hit {
+        let line = hit.position.map(|position| self.line(position));
+        Hit {
+            line: hit.line.or(line),
+            ..hit
+        }
+    }
+
+    /// The line of a position, from 1.
+    pub(super) fn line(&self, position: usize) -> usize {
+        self.lines.partition_point(|start| *start <= position)
     }
 
     fn aliases(&self) -> Vec<Option<Aliases>> {
@@ -114,13 +131,19 @@ impl<'a> Document<'a> {
     }
 }
 
+fn starts_of_lines(text: &str) -> Vec<usize> {
+    let ends = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
+    std::iter::once(0)
+        .chain(ends.map(|(at, _)| at + 1))
+        .collect()
+}
+
 /// A finding at an element.
 pub(super) fn at(node: Node<'_, '_>, text: &str) -> Hit {
-    let before = &node.document().input_text().as_bytes()[..node.range().start];
-    let line = before.iter().filter(|byte| **byte == b'\n').count() + 1;
     Hit {
         file: Some(NAME.to_owned()),
-        line: Some(line),
+        line: None,
+        position: Some(node.range().start),
         text: text.to_owned(),
     }
 }

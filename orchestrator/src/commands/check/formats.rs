@@ -1,5 +1,6 @@
 //! Findings as lines, as JSON, and as SARIF 2.1.0 (the OASIS format that editors and build servers read).
 
+use std::collections::HashMap;
 use std::path::Path;
 
 use serde_json::{Value, json};
@@ -7,7 +8,10 @@ use serde_json::{Value, json};
 use super::finding::{Finding, Rule, Severity};
 use super::rules::RULES;
 
-/// A line a finding, the worst first.
+/// Of one rule, people read no more findings than this.
+const MANY: usize = 20;
+
+/// A line a finding, the worst first. What is one rule's over and over is counted at the end.
 pub(super) fn text(fmu: &Path, findings: &[Finding]) -> String {
     let count = |severity| {
         findings
@@ -26,9 +30,27 @@ pub(super) fn text(fmu: &Path, findings: &[Finding]) -> String {
         some => some.join(", "),
     };
     let mut text = format!("{}: {verdict}\n", fmu.display());
+    let mut told: HashMap<&str, usize> = HashMap::new();
     for Finding { rule, hit } in findings {
+        let before = told.entry(rule.id).or_insert(0);
+        *before += 1;
+        if *before > MANY {
+            continue;
+        }
         let line = hit.full().split_whitespace().collect::<Vec<_>>().join(" ");
         text += &format!("  {}: {line} [{}]\n", rule.severity.word(), rule.source);
+    }
+    for rule in RULES {
+        let more = told
+            .get(rule.id)
+            .map_or(0, |count| count.saturating_sub(MANY));
+        if more > 0 {
+            let (severity, source) = (rule.severity.word(), rule.source);
+            text += &format!(
+                "  {severity}: {more} more of this kind: {} (--format json lists them) [{source}]\n",
+                rule.wants
+            );
+        }
     }
     text
 }

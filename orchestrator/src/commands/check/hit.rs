@@ -9,6 +9,8 @@ pub(super) struct Hit {
     /// The file within the FMU.
     pub(super) file: Option<String>,
     pub(super) line: Option<usize>,
+    /// Where its element begins, bytes from the start of the file: lines are counted when all is found.
+    pub(super) position: Option<usize>,
     pub(super) text: String,
 }
 
@@ -18,6 +20,7 @@ impl Hit {
         Self {
             file: None,
             line: None,
+            position: None,
             text,
         }
     }
@@ -27,13 +30,16 @@ impl Hit {
         Self {
             file: Some(file.to_owned()),
             line: None,
+            position: None,
             text,
         }
     }
 
     /// With the place before it.
     pub(super) fn full(&self) -> String {
-        let Self { file, line, text } = self;
+        let Self {
+            file, line, text, ..
+        } = self;
         match (file, line) {
             (Some(file), Some(line)) => format!("{file}, line {line}: {text}"),
             (Some(file), None) => format!("{file}: {text}"),

@@ -47,7 +47,7 @@ pub(super) fn structured(document: &Document<'_>) -> Vec<Hit> {
     let strange: Vec<&Scalar<'_>> = document.known().filter(strange).collect();
     let more = match strange.len() {
         0 | 1 => String::new(),
-        count => format!(" ({} more are none, either)", count - 1),
+        count => format!(" (nor are {} more)", count - 1),
     };
     let text = format!(
         "no structured name{more}: use names as `a.b[1].c`, quoted where they hold other characters, or set \

@@ -301,7 +301,10 @@ pub(super) fn values(document: &Document<'_>) -> Vec<Hit> {
     });
     let remarks = &document.read.remarks;
     // What the reader has used, it has remarked on.
-    wrong.retain(|hit| remarks.iter().all(|remark| Some(remark.line) != hit.line));
+    wrong.retain(|hit| {
+        let line = hit.position.map(|position| document.line(position));
+        remarks.iter().all(|remark| Some(remark.line) != line)
+    });
     wrong
 }
 
@@ -309,7 +312,14 @@ pub(super) fn values(document: &Document<'_>) -> Vec<Hit> {
 type Typed = (&'static str, &'static str, fn(&str) -> bool, &'static str);
 
 /// Attributes that the reader does not use.
-const TYPED: [Typed; 6] = [
+const TYPED: [Typed; 7] = [
+    // The reader takes these from the Co-Simulation part.
+    (
+        "ModelExchange",
+        "needsExecutionTool canBeInstantiatedOnlyOncePerProcess canGetAndSetFMUstate canSerializeFMUstate",
+        |text| ["true", "false", "1", "0"].contains(&text),
+        "neither true nor false",
+    ),
     (
         "SimpleType/Real",
         "min max nominal",

@@ -15,6 +15,7 @@ fn remarks(document: &Document<'_>, about: About) -> Vec<Hit> {
     let hit = |remark: &fmu_import::Remark| Hit {
         file: Some(NAME.to_owned()),
         line: Some(remark.line),
+        position: None,
         text: remark.text.clone(),
     };
     remarks.map(hit).collect()
