@@ -302,7 +302,7 @@ fn the_page_says_what_accepting_risks() {
     let unknown = LAG.replace("uncertainty = \"2 %\"\n", "");
     let (said, _) = verify(&bench, &unknown, &[]);
     let page = bench.read("out/report.html");
-    assert!(page.contains("Y has no `uncertainty`, and nothing is assumed"));
+    assert!(page.contains("no uncertainty of Y, and nothing is assumed"));
     assert!(!page.contains("The risk of accepting") && !page.contains("Conforms %"));
-    assert!(said.out.contains("Y has no `uncertainty`"), "{}", said.out);
+    assert!(said.out.contains("no uncertainty of Y"), "{}", said.out);
 }

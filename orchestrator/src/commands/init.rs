@@ -121,7 +121,8 @@ fn criterion(text: &mut String, variable: &Variable) {
     let _ = writeln!(
         text,
         "\n# {about}\n# [criteria.{:?}]\n# variable = {:?}\n# statistic = \"final\" # or mean, min, max, rms, amplitude\n\
-         # nominal = 1 # the measured value\n# tolerance = \"5 %\"",
+         # nominal = 1 # the measured value\n# tolerance = \"5 %\" # how far the model may be from the true value\n\
+         # uncertainty = \"1 %\" # how far the measured value may be from it, k = 2",
         variable.name.replace('.', "_"),
         variable.name
     );

@@ -39,7 +39,7 @@ fn firmness(conclusion: &Conclusion, summary: &Summary) -> String {
             points_needed: Some(points),
             ..
         }) => format!(
-            "If the share stays what it is, about {} independent points decide; `--until verdict` takes no more than \
+            "If the share stays what it is, about {} independent points decide; --until verdict takes no more than \
              needed.",
             grouped(*points)
         ),
@@ -94,9 +94,9 @@ fn unknown(summary: &Summary) -> String {
     let without = without.filter(|(_, entry)| entry.criterion.uncertainty.is_none());
     let names: Vec<&str> = without.map(|(name, _)| name.as_str()).collect();
     format!(
-        "How many of the accepted points conform is not known: {} {} no `uncertainty`, and nothing is assumed.",
-        names.join(", "),
-        if names.len() == 1 { "has" } else { "have" }
+        "How many of the accepted points conform is not known: the study states no uncertainty of {}, and nothing is \
+         assumed.",
+        names.join(", ")
     )
 }
 

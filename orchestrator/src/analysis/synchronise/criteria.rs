@@ -3,14 +3,15 @@
 use super::{DerivedCriterion, Synchronised};
 use std::fmt::Write as _;
 
-/// The `[criteria]` of a study, with the uncertainty budget as comments. The tolerance is the
-/// expanded uncertainty (coverage factor 2).
+/// The `[criteria]` of a study, with the uncertainty budget as comments. The uncertainty is expanded
+/// (coverage factor 2); a recording cannot know how far the model may be off, so the tolerance is left to the user.
 pub fn to_toml(result: &Synchronised, amplitudes: bool) -> String {
     let d = &result.delay.delay;
     let mut out = format!(
         "# From measured signals: torque shifted by {:.3} ms ({:.3} to {:.3} ms), which leaves {:.2} % scatter of\n\
          # the friction coefficient (before: {:.2} %). Friction coefficient {} +- {} (k = 2).\n\
-         # Tolerances are expanded uncertainties (k = 2) after the GUM.\n",
+         # Uncertainties are expanded (k = 2) after the GUM. Add the tolerances: how far the model may be from the true\n\
+         # values.\n",
         1e3 * d.value,
         1e3 * d.low,
         1e3 * d.high,
@@ -37,7 +38,7 @@ pub fn to_toml(result: &Synchronised, amplitudes: bool) -> String {
 
 fn criterion(finding: &DerivedCriterion) -> String {
     let m = &finding.measured;
-    let tolerance = m.expanded();
+    let uncertainty = m.expanded();
     let mut out = format!("\n[criteria.{}]\n", finding.name);
     let _ = writeln!(
         out,
@@ -63,9 +64,9 @@ fn criterion(finding: &DerivedCriterion) -> String {
     );
     let _ = writeln!(
         out,
-        "nominal = {}\ntolerance = \"{} {}\"\nunit = \"{}\"",
-        rounded(m.value, tolerance),
-        rounded(tolerance, tolerance),
+        "nominal = {}\n# tolerance = \nuncertainty = \"{} {}\"\nunit = \"{}\"",
+        rounded(m.value, uncertainty),
+        rounded(uncertainty, uncertainty),
         finding.unit,
         finding.unit
     );
