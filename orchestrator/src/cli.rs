@@ -9,7 +9,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
-pub use analysis::{Pareto, Robustness, Sensitivity, Synchronise};
+pub use analysis::{Pareto, Robustness, Sensitivity, Synchronise, Tolerances};
 pub use fmu::{Check, Format, Init, Inspect, Simulate};
 pub use running::{Means, Parts};
 pub use study::{Identify, Judge, Merge, Replay, Report, Verify};
@@ -64,6 +64,8 @@ pub enum Command {
     Sensitivity(Sensitivity),
     /// Tells how far parameters may move: maps, largest box and ellipsoid, margins
     Robustness(Robustness),
+    /// Finds the widest tolerances of the parameters at which the model still conforms as wanted
+    Tolerances(Tolerances),
     /// Shows the trade-off between criteria: Pareto front, best compromise
     Pareto(Pareto),
     /// Turns measured signals into criteria with their uncertainty

@@ -1,6 +1,8 @@
 //! The distributions of uncertain parameters, sampled by their quantile functions: one uniform
 //! number in (0, 1) gives one value, whatever the design that chose the number.
 
+mod density;
+
 use serde::Serialize;
 use statrs::function::erf::{erfc, erfc_inv};
 

@@ -2,6 +2,8 @@
 
 mod requirements;
 
+pub(crate) use requirements::share;
+
 use std::collections::HashSet;
 
 use serde::{Deserialize, Serialize};
@@ -222,8 +224,7 @@ impl Judge {
     }
 
     /// How far the values are from the measured ones: the root of the sum of the squared
-    /// deviations, each relative to its accuracy. For independent normal errors the least
-    /// distance is the most probable point.
+    /// deviations, each relative to its tolerance. The point with the least distance is the nearest one.
     pub fn distance(&self, values: &[f64]) -> f64 {
         let terms =
             self.criteria.iter().zip(values).map(|(criterion, value)| {

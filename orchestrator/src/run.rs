@@ -6,6 +6,7 @@
 
 mod steps;
 mod watched;
+mod windows;
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -369,6 +370,9 @@ impl Runner {
     }
 
     fn simulate_on(&mut self, instance: &mut Instance, values: &[f64]) -> Result<(), Call> {
+        if self.has_windows() {
+            return self.simulate_windows(instance, values);
+        }
         start(&self.task, instance, values)?;
         let points = self.task.schedule.points();
         if self.watched.probes.is_empty() && self.slow.is_empty() {

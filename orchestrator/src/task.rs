@@ -98,6 +98,9 @@ pub struct Probe {
     pub handle: Handle,
     /// Statistic that turns the signal into one number.
     pub statistic: Statistic,
+    /// From when to when the statistic is taken, s, where that is not the schedule's window.
+    #[serde(default)]
+    pub window: Option<[f64; 2]>,
 }
 
 impl Slot {

@@ -4,9 +4,11 @@
 //! or plain slices; the output is numbers with their uncertainty.
 
 pub mod from_results;
+pub mod motion;
 pub mod pareto;
 pub mod robustness;
 pub mod sensitivity;
 pub mod synchronise;
 pub mod table;
+pub mod tolerances;
 pub mod verdict;

@@ -172,7 +172,6 @@ impl PointTable {
     }
 
     /// How far a point is from the measurement: the root of the sum of its squared deviations.
-    /// For independent normal errors the least distance is the most probable point.
     pub fn distance(&self, point: usize) -> f64 {
         self.criteria
             .iter()

@@ -80,6 +80,37 @@ pub struct Robustness {
     pub output: Option<PathBuf>,
 }
 
+/// Options of `tolerances`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Example: orchestrator tolerances studies/paper-table3.toml --from results/paper-table3"
+)]
+pub struct Tolerances {
+    /// The study
+    pub study: PathBuf,
+    /// The folder of the finished study, whose points are used first [default: results/ and the study's name]
+    #[arg(long, value_name = "DIR")]
+    pub from: Option<PathBuf>,
+    /// Points of each round of the search [default: the study's, or 1024]
+    #[arg(long, value_name = "N")]
+    pub points: Option<u64>,
+    /// Fresh runs that confirm the result [default: the study's, or 1000]
+    #[arg(long, value_name = "N")]
+    pub confirm: Option<u64>,
+    /// The seed [default: the study's, or 1]
+    #[arg(long, value_name = "S")]
+    pub seed: Option<u64>,
+    /// Run settings
+    #[command(flatten)]
+    pub means: Means,
+    /// Which part of it
+    #[command(flatten)]
+    pub parts: Parts,
+    /// The folder for the results [default: that of the study]
+    #[arg(long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+}
+
 /// Options of `pareto`.
 #[derive(Debug, Args)]
 #[command(

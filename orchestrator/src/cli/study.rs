@@ -44,6 +44,9 @@ pub struct Verify {
     /// the rule under [verdict] decides; up to --points, or a million
     #[arg(long, value_name = "CONDITION", conflicts_with = "shard")]
     pub until: Option<Until>,
+    /// Run some points with finer communication steps, too, to tell the numerical uncertainty (ASME V&V 20)
+    #[arg(long, conflicts_with = "shard")]
+    pub validation: bool,
 }
 
 /// Options of `replay`.

@@ -10,6 +10,7 @@ use crate::judge::Judge;
 use crate::report::Report;
 use crate::results::Tally;
 use crate::results::summary::{Provenance, Run};
+use crate::results::survey::Survey;
 use crate::session::{FileSet, provenance};
 use crate::study::Study;
 use crate::study::quantity::Scale;
@@ -28,6 +29,7 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, CommandError> {
     let conversions = conversions(&study, &judge, fmu)?;
     let mut rows = Table::read_results(&options.table, &columns(&study))?;
     let mut tally = Tally::new(&judge);
+    let mut survey = Survey::new(&judge, None, false);
     let folder = options.output.as_deref();
     let mut files = folder
         .map(|folder| FileSet::new(folder, &[], &judge))
@@ -42,6 +44,7 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, CommandError> {
             Some(k) => Err(Failure::NotFinite(judge.criteria[k].variable.clone())),
         };
         let verdict = tally.add(label, &[], &outcome);
+        survey.add(label, &[], &outcome);
         if let Some(files) = &mut files {
             files.write(label, &[], &outcome, &verdict)?;
         }
@@ -51,6 +54,7 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, CommandError> {
         ..provenance(&study)
     };
     let mut summary = tally.summary(study.title.clone(), provenance, Vec::new());
+    survey.complete(&mut summary);
     summary.dossier = study.dossier.clone();
     summary.run = Some(Run::since(begun, 0, 0));
     if let Some(files) = files {
@@ -61,7 +65,11 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, CommandError> {
         dossier::write(folder, &summary)?;
         Report::from_folder(folder)?.write(folder)?;
     }
-    output::print(&table::counts(&summary));
+    output::print(&format!(
+        "{}{}",
+        table::remarks(&summary),
+        table::counts(&summary)
+    ));
     Ok(verdict(&summary))
 }
 

@@ -14,8 +14,10 @@ mod judge;
 mod limits;
 mod means;
 mod merge;
+mod moving;
 mod output;
 mod pareto;
+mod refine;
 mod replay;
 mod report;
 mod robustness;
@@ -23,6 +25,7 @@ mod sensitivity;
 mod simulate;
 pub mod synchronise;
 mod table;
+mod tolerances;
 mod verify;
 
 use std::process::ExitCode;
@@ -153,6 +156,9 @@ fn dispatch(cli: Cli) -> Result<ExitCode, CommandError> {
         }
         Command::Robustness(options) => {
             proven(options, robustness::run, |o| (&mut o.means, &mut o.parts))
+        }
+        Command::Tolerances(options) => {
+            proven(options, tolerances::run, |o| (&mut o.means, &mut o.parts))
         }
         Command::Pareto(options) => proven(options, pareto::run, |o| (&mut o.means, &mut o.parts)),
         Command::Synchronise(options) => synchronise::run(&options),

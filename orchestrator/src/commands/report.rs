@@ -35,9 +35,9 @@ pub(super) fn run(options: &cli::Report) -> Result<ExitCode, CommandError> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Completes a folder of results: the study's text, the best point's trajectory, the page.
-/// `trusted`: the points ran in this process.
-pub(super) fn complete(
+/// Keeps the study's text and the best point's trajectory in a folder of results. `trusted`: the points ran in this
+/// process.
+pub(super) fn keep_trajectory(
     folder: &Path,
     study: &Study,
     plan: &Plan,
@@ -69,7 +69,6 @@ pub(super) fn complete(
             }
         }
     }
-    Report::from_folder(folder)?.write(folder)?;
     Ok(())
 }
 

@@ -142,13 +142,35 @@ fn reasons(failures: &IndexMap<String, u64>) -> String {
     reasons.join(", ")
 }
 
+/// The point with the largest product of prior density and likelihood, which need not be the nearest.
+fn most_probable(summary: &Summary) -> String {
+    match &summary.most_probable_point {
+        Some(point) => {
+            let verified = if point.verified { "" } else { "not " };
+            format!(
+                "most probable point: {} ({verified}verified)\n",
+                point.point
+            )
+        }
+        None => {
+            "most probable point: not known; it needs the uncertainty of every measured value\n"
+                .to_owned()
+        }
+    }
+}
+
 /// What a reader has to know first, a line each.
 pub(super) fn remarks(summary: &Summary) -> String {
     let conduct = summary.conduct.iter().flat_map(Conduct::remarks);
     let asides = summary.asides.iter().flat_map(Asides::remarks);
+    let concerns = summary
+        .concerns
+        .iter()
+        .map(|concern| format!("warning: {concern}\n"));
     conduct
         .chain(asides)
         .map(|remark| format!("{remark}\n"))
+        .chain(concerns)
         .collect()
 }
 
@@ -177,10 +199,15 @@ pub(super) fn best(summary: &Summary) -> String {
         with_unit(name, value, unit)
     });
     let kind = if best.verified {
-        "most probable verified point"
+        "nearest verified point"
     } else {
         "nearest point"
     };
     let parts: Vec<String> = values.chain(parameters).collect();
-    format!("\n{kind}: {}\n  {}\n", best.point, parts.join("\n  "))
+    format!(
+        "\n{kind}: {}\n  {}\n{}",
+        best.point,
+        parts.join("\n  "),
+        most_probable(summary)
+    )
 }

@@ -7,12 +7,15 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use super::limits::place;
-use super::{CommandError, asking, best, cost, dossier, output, report, table, verdict};
+use super::{
+    CommandError, asking, best, cost, dossier, moving, output, refine, report, table, verdict,
+};
 use crate::cli::Verify;
 use crate::design::Method;
 use crate::engine::crew::Crew;
 use crate::pipeline::folder::RunFolder;
 use crate::pipeline::{Pipeline, Step};
+use crate::report::Report;
 use crate::results::summary::Run;
 use crate::results::{Journal, ResultsError, lines, parquet};
 use crate::session::{Ending, Front, Request, Session, Verification};
@@ -75,7 +78,10 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, CommandError> {
         return Ok(ExitCode::SUCCESS);
     }
     let run = Run::since(begun, computed, jobs);
-    let summary = verification.conclude(&folder, Some(run), ending.as_ref())?;
+    let mut summary = verification.conclude(&folder, Some(run), ending.as_ref())?;
+    if options.validation {
+        summary = refine::observed(&mut verification, &options.means, &folder, &summary)?;
+    }
     if options.parquet {
         parquet::convert(&folder, &summary)?;
     }
@@ -152,9 +158,11 @@ pub(super) fn conclude(
         package,
         ..
     } = session;
+    report::keep_trajectory(folder, study, plan, package, summary, trusted)?;
+    let summary = &moving::observed(folder, summary)?;
     best::write(folder, plan, package.description(), summary)?;
     dossier::write(folder, summary)?;
-    report::complete(folder, study, plan, package, summary, trusted)?;
+    Report::from_folder(folder)?.write(folder)?;
     output::print(&format!(
         "{}{}{}\nresults in {}\n",
         table::remarks(summary),

@@ -8,6 +8,7 @@
 pub mod decision;
 pub mod interval;
 pub mod joint;
+pub mod likelihood;
 pub mod looks;
 pub mod measured;
 pub mod normal;

@@ -36,6 +36,29 @@ impl Correlation {
         })
     }
 
+    /// The logarithm of what the correlations change at the density of independent inputs, at these values: that of the
+    /// Gaussian copula.
+    pub fn ln_density(&self, values: &[f64], inputs: &[Distribution]) -> f64 {
+        let score = |(input, &value): (&Distribution, &f64)| {
+            let below = input.below(value);
+            normal_quantile(below.clamp(f64::MIN_POSITIVE, 1.0 - f64::EPSILON / 2.0))
+        };
+        let mut free: Vec<f64> = Vec::with_capacity(values.len());
+        let mut sum = 0.0;
+        for (row, score) in self.rows.iter().zip(inputs.iter().zip(values).map(score)) {
+            let own = row[free.len()];
+            let known: f64 = row
+                .iter()
+                .zip(&free)
+                .map(|(weight, free)| weight * free)
+                .sum();
+            let rest = (score - known) / own;
+            sum += 0.5 * (score * score - rest * rest) - own.ln();
+            free.push(rest);
+        }
+        sum
+    }
+
     /// The inputs' values from independent numbers in (0, 1), one for each input.
     pub(super) fn values(&self, uniform: &[f64], inputs: &[Distribution]) -> Vec<f64> {
         let scores: Vec<f64> = uniform.iter().map(|&u| normal_quantile(u)).collect();
@@ -69,6 +92,21 @@ mod tests {
         let pairs = [(0, 1, 0.9), (1, 2, 0.9), (0, 2, -0.9)];
         let error = Correlation::new(3, &pairs).unwrap_err();
         assert!(error.contains("contradict"), "{error}");
+    }
+
+    /// The density of two normal numbers with the correlation 0.6, over that of independent ones.
+    #[test]
+    fn correlated_inputs_have_the_density_of_the_copula() {
+        let normal = Distribution::Normal {
+            mean: 1.0,
+            deviation: 2.0,
+        };
+        let mixed = Correlation::new(2, &[(0, 1, 0.6)]).unwrap();
+        let found = mixed.ln_density(&[3.0, 0.0], &[normal, normal]);
+        let (x, y, r) = (1.0, -0.5, 0.6_f64);
+        let square = (x * x - 2.0 * r * x * y + y * y) / (1.0 - r * r);
+        let expected = -0.5 * (square - x * x - y * y) - 0.5 * (1.0 - r * r).ln();
+        assert!((found - expected).abs() < 1e-9, "{found} {expected}");
     }
 
     #[test]

@@ -269,6 +269,7 @@ impl Binder<'_> {
             name: variable.name.clone(),
             handle,
             statistic: text.statistic,
+            window: None,
         };
         Ok((probe, scale))
     }

@@ -232,7 +232,7 @@ fn between_0_and_1(
 }
 
 /// A share, in percent or not, that is neither nothing nor everything.
-fn share(quantity: &Quantity) -> Option<f64> {
+pub(crate) fn share(quantity: &Quantity) -> Option<f64> {
     let share = match quantity.unit.as_deref() {
         None => quantity.number,
         Some("%") => quantity.number / 100.0,

@@ -2,8 +2,10 @@
 
 use super::format::count;
 use super::judgement::Judgement;
+use super::outlook::Outlook;
 use super::{
     Intervals, Reading, Report, ReportError, Whole, history, pareto, robustness, sensitivity,
+    tolerances,
 };
 use crate::analysis::from_results::{self, FolderError};
 use crate::engine::Conduct;
@@ -55,6 +57,8 @@ impl Report {
             history: history::read(folder, &table),
             robustness: finding(folder, robustness::FILE, &summary),
             sensitivity: finding(folder, sensitivity::FILE, &summary),
+            tolerances: finding(folder, tolerances::FILE, &summary),
+            outlook: Outlook::new(&summary),
             pareto: finding(folder, pareto::FILE, &summary),
             study_text,
             table,
@@ -63,7 +67,7 @@ impl Report {
     }
 }
 
-/// What a reader has to know of how the points were computed.
+/// What a reader has to know of how the points were computed, and what makes the verdict doubtful.
 fn remarks(summary: &Summary, shown: usize) -> Vec<String> {
     let thinned = (summary.points > shown as u64).then(|| {
         format!(
@@ -76,7 +80,15 @@ fn remarks(summary: &Summary, shown: usize) -> Vec<String> {
     });
     let conduct = summary.conduct.iter().flat_map(Conduct::remarks);
     let asides = summary.asides.iter().flat_map(Asides::remarks);
-    conduct.chain(asides).chain(thinned).collect()
+    let concerns = summary
+        .concerns
+        .iter()
+        .map(|concern| format!("Warning: {concern}."));
+    conduct
+        .chain(asides)
+        .chain(thinned)
+        .chain(concerns)
+        .collect()
 }
 
 /// Findings of other commands about these results, where there are any.

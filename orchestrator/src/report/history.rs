@@ -12,16 +12,13 @@ pub const FILE: &str = "best-point.csv";
 /// Reads the trajectory of a folder: a signal a variable, with the accepted range of the criterion.
 /// Nothing where there is no such file or it does not fit.
 pub fn read(folder: &Path, table: &PointTable) -> Vec<Series> {
-    let (header, columns) = columns(&folder.join(FILE)).unwrap_or_default();
-    let names = header.iter().map(csv_file::text);
-    let mut columns = names.zip(columns);
-    let Some((_, time)) = columns.next() else {
+    let Some((time, signals)) = signals(folder) else {
         return vec![];
     };
-    let series = |(name, values): (&str, Vec<f64>)| {
+    let series = |(name, values): Signal| {
         let criterion = table.criteria.iter().find(|c| c.name == name)?;
         Some(Series {
-            name: name.to_owned(),
+            name,
             unit: criterion.unit.clone(),
             time: time.clone(),
             values,
@@ -29,7 +26,19 @@ pub fn read(folder: &Path, table: &PointTable) -> Vec<Series> {
                 .then_some([criterion.lower, criterion.upper]),
         })
     };
-    columns.filter_map(series).collect()
+    signals.into_iter().filter_map(series).collect()
+}
+
+/// A criterion's name, and its signal in the criterion's unit.
+pub type Signal = (String, Vec<f64>);
+
+/// The time, s, and the signals by the names of their criteria; `None` where there is no such file or it is damaged.
+pub fn signals(folder: &Path) -> Option<(Vec<f64>, Vec<Signal>)> {
+    let (header, columns) = columns(&folder.join(FILE)).ok()?;
+    let names = header.iter().map(|name| csv_file::text(name).to_owned());
+    let mut columns = names.zip(columns);
+    let (_, time) = columns.next()?;
+    Some((time, columns.collect()))
 }
 
 /// Whether the limits of a criterion with this source are limits of the signal itself, as those of an amplitude are not.

@@ -8,6 +8,7 @@ pub mod format;
 mod from_results;
 pub mod history;
 pub mod judgement;
+pub mod outlook;
 mod page;
 pub mod pareto;
 mod payload;
@@ -18,17 +19,20 @@ pub mod recording;
 pub mod robustness;
 pub mod sensitivity;
 pub mod svg;
+pub mod tolerances;
 
 use crate::analysis::from_results::FolderError;
 use crate::analysis::pareto::study::Pareto;
 use crate::analysis::robustness::Robustness;
 use crate::analysis::sensitivity::study::Sensitivity;
 use crate::analysis::table::PointTable;
+use crate::analysis::tolerances::stated::Tolerances;
 use crate::analysis::verdict::PassCounts;
 use crate::statistics::share::Fraction;
 use figures::Series;
 use indexmap::IndexMap;
 use judgement::Judgement;
+use outlook::Outlook;
 #[cfg(feature = "png")]
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
@@ -63,6 +67,10 @@ pub struct Report {
     pub sensitivity: Option<Sensitivity>,
     /// Robustness of the verified region, where it was computed.
     pub robustness: Option<Robustness>,
+    /// The widest tolerances of the parameters, where they were looked for.
+    pub tolerances: Option<Tolerances>,
+    /// The model's own error, and what to improve first.
+    pub outlook: Outlook,
     /// Trade-offs between criteria, where they were computed.
     pub pareto: Option<Pareto>,
     /// Versions, seed and hashes: all that is needed to compute the same again.

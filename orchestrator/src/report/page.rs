@@ -53,6 +53,8 @@ struct Page<'a> {
     histories: Vec<History>,
     sensitivity: Option<super::sensitivity::View>,
     robustness: Option<super::robustness::View>,
+    tolerances: Option<super::tolerances::View>,
+    outlook: &'a super::outlook::Outlook,
     pareto: Option<super::pareto::View>,
     provenance: &'a [(String, String)],
     sampled_from: Vec<(&'a str, &'a str)>,
@@ -161,6 +163,8 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
             .as_ref()
             .map(|found| super::sensitivity::view(found, &report.table)),
         robustness: report.robustness.as_ref().map(super::robustness::view),
+        tolerances: report.tolerances.as_ref().map(super::tolerances::view),
+        outlook: &report.outlook,
         pareto: report.pareto.as_ref().map(super::pareto::view),
         provenance: &report.provenance,
         sampled_from: sampled_from(table),

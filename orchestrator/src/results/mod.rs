@@ -7,18 +7,23 @@
 
 pub mod asides;
 pub mod choice;
+pub mod concerns;
 pub mod conclusion;
 pub mod finished;
 pub mod header;
+pub mod improvement;
 pub mod journal;
 pub mod lines;
 pub mod note;
 pub mod origin;
 pub mod parquet;
 pub mod points;
+mod probable;
 pub mod summary;
+pub mod survey;
 pub mod tally;
 pub mod traceability;
+pub mod validation;
 pub mod words;
 
 use std::io;

@@ -8,6 +8,8 @@ use serde::{Deserialize, Serialize};
 
 use super::asides::Asides;
 use super::conclusion::Conclusion;
+use super::improvement::Improvements;
+use super::validation::Comparison;
 use crate::conformity::measured::Measurement;
 use crate::conformity::risk::Risk;
 use crate::engine::Conduct;
@@ -62,6 +64,19 @@ pub struct Summary {
     pub parameters: Vec<ParameterSummary>,
     /// The point nearest to the measurement, among those that meet all criteria if any does.
     pub best_point: Option<BestPoint>,
+    /// The point with the largest product of prior density and likelihood; none unless every measured value has an
+    /// uncertainty and the parameters' distributions are known.
+    #[serde(default)]
+    pub most_probable_point: Option<BestPoint>,
+    /// What makes the verdict doubtful, a sentence each.
+    #[serde(default)]
+    pub concerns: Vec<String>,
+    /// How the model compares with the measurement, by criterion (ASME V&V 20).
+    #[serde(default, skip_serializing_if = "IndexMap::is_empty")]
+    pub validation: IndexMap<String, Comparison>,
+    /// What to improve first.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub improvements: Option<Improvements>,
     /// How the points shared processes, and what audits of that found.
     #[serde(flatten)]
     pub conduct: Option<Conduct>,

@@ -283,6 +283,10 @@ impl<'a> Tally<'a> {
                 .as_ref()
                 .map(|best| self.best_point(best, &parameters)),
             parameters,
+            most_probable_point: None,
+            concerns: Vec::new(),
+            validation: IndexMap::new(),
+            improvements: None,
             conduct: None,
             asides: None,
             run: None,

@@ -11,6 +11,7 @@ use crate::judge::{Judge, PointVerdict};
 use crate::results::asides::Asides;
 use crate::results::finished::Finished;
 use crate::results::summary::{ParameterSummary, Provenance, Run, Summary};
+use crate::results::survey::Survey;
 use crate::results::{Outcome, ResultsError, Tally, keep, points, write_atomically};
 use crate::study::Study;
 use crate::study::plan::Input;
@@ -34,6 +35,7 @@ impl Verification {
         let replicates = provenance.replicates.unwrap_or(1);
         let looks = ending.map(Ending::looks).unwrap_or_default();
         let mut tally = Tally::of_replicates(&session.judge, replicates).looked_at(looks);
+        let mut survey = Survey::new(&session.judge, Some(&session.plan), self.is_drawn());
         let mut front = ending.map(Front::new);
         let mut asides = Asides {
             needs_execution_tool: session
@@ -53,6 +55,7 @@ impl Verification {
             let (outcome, notices) = outcomes.get_noted(index)?.ok_or_else(incomplete)?;
             let (label, parameters) = (self.source.label(index), self.source.parameters(index));
             let verdict = tally.add(label, &parameters, &outcome);
+            survey.add(label, &parameters, &outcome);
             if let Some(notices) = notices {
                 asides.add(label, &notices);
             }
@@ -71,12 +74,19 @@ impl Verification {
             .map(ParameterSummary::new)
             .collect();
         let mut summary = tally.summary(session.study.title.clone(), provenance, parameters);
+        survey.complete(&mut summary);
+        summary.concerns.extend(session.plan.concerns());
         summary.conduct = Some(finished.conduct());
         summary.asides = Some(asides);
         summary.dossier = session.study.dossier.clone();
         summary.run = run;
         files.finish(&summary)?;
         Ok(summary)
+    }
+
+    /// Whether the points were drawn from the parameters' distributions: not those of a table, nor those of a grid.
+    fn is_drawn(&self) -> bool {
+        self.header().table.is_none() && !self.session.study.design.method.is_by_levels()
     }
 
     /// Versions, seed and hashes of this run.

@@ -17,6 +17,7 @@ pub mod ssv;
 #[cfg(test)]
 mod tests;
 mod values;
+mod window;
 
 use std::path::{Path, PathBuf};
 
@@ -29,7 +30,8 @@ pub use dossier::Dossier;
 pub use error::StudyError;
 pub use identification::Identification;
 pub use quantity::Quantity;
-pub use sections::{RobustnessText, SensitivityText};
+pub use sections::{RobustnessText, SensitivityText, TolerancesText};
+pub use window::Window;
 
 use crate::design::Sampling;
 use crate::statistics::Statistic;
@@ -90,6 +92,9 @@ pub struct Study {
     /// The section `[robustness]`: defaults for the options of that command.
     #[serde(default)]
     pub robustness: RobustnessText,
+    /// What `tolerances` looks for.
+    #[serde(default)]
+    pub tolerances: TolerancesText,
     /// File from which the study was read.
     #[serde(skip)]
     path: PathBuf,
@@ -234,6 +239,8 @@ pub struct CriterionText {
     pub uncertainty: Option<Spanned<Quantity>>,
     /// How many standard uncertainties that is; 2 otherwise.
     pub coverage: Option<Spanned<f64>>,
+    /// The part of the run that it looks at; that of `[simulation]` otherwise.
+    pub window: Option<Spanned<Window>>,
     /// The unit of the numbers, and of the column in `points.csv`.
     pub unit: Option<String>,
     /// The group in which it is counted.

@@ -8,6 +8,7 @@ use super::{Name, ParameterText, Setting, Study, StudyError, inputs, points, ssv
 use crate::design::correlation::Correlation;
 use crate::design::{self, Design, Sampling};
 use crate::distribution::Distribution;
+use crate::statistics::Statistic;
 use crate::task::{Probe, Schedule, Slot, Task};
 use fmu_import::units::Conversion;
 use fmu_import::{Description, Value, Variable};
@@ -54,7 +55,8 @@ impl Plan {
         points::check(study)?;
         let (inputs, varied) = binder.parameters()?;
         let (outputs, observed) = binder.criteria()?;
-        let schedule = binder.schedule()?;
+        let mut schedule = binder.schedule()?;
+        let observed = binder.windows(&mut schedule, observed)?;
         let task = Task {
             schedule,
             fixed: binder.fixed()?,
@@ -108,6 +110,48 @@ impl Plan {
     /// Whether every parameter varies on its own.
     pub fn is_independent(&self) -> bool {
         self.correlation.is_none()
+    }
+
+    /// The logarithm of the parameters' joint density at a point.
+    pub fn ln_prior(&self, parameters: &[f64]) -> f64 {
+        let pairs = self.inputs.iter().zip(parameters);
+        let alone: f64 = pairs
+            .map(|(input, &x)| input.distribution.ln_density(x))
+            .sum();
+        let correlated = self.correlation.as_ref().map_or(0.0, |correlation| {
+            let inputs = self.inputs.iter().map(|input| input.distribution);
+            correlation.ln_density(parameters, &inputs.collect::<Vec<_>>())
+        });
+        alone + correlated
+    }
+
+    /// Parameters of which the FMU refuses a large part of the distribution, a sentence each.
+    pub fn concerns(&self) -> Vec<String> {
+        const LARGE: f64 = 0.05;
+        let concern = |(input, slot): (&Input, &Slot)| {
+            let own = input.conversion.inverse();
+            let [min, max] = [slot.min, slot.max].map(|limit| limit.map(|limit| own.value(limit)));
+            let below = min.map_or(0.0, |min| input.distribution.below(min));
+            let above = max.map_or(0.0, |max| 1.0 - input.distribution.below(max));
+            let unit = input
+                .unit
+                .as_deref()
+                .map_or_else(String::new, |unit| format!(" {unit}"));
+            let limit =
+                |limit: Option<f64>| limit.map_or_else(|| "..".to_owned(), |x| x.to_string());
+            (below + above >= LARGE && input.distribution.varies()).then(|| {
+                format!(
+                    "{}: {:.0} % of the distribution lies outside of what the FMU allows ({} to {}{unit}); such points \
+                     fail and count as not verified: cut the distribution there (`truncated-normal`), or correct it",
+                    input.name,
+                    100.0 * (below + above),
+                    limit(min),
+                    limit(max)
+                )
+            })
+        };
+        let pairs = self.inputs.iter().zip(&self.task.varied);
+        pairs.filter_map(concern).collect()
     }
 
     /// A point's parameters in the FMU's units.
@@ -189,10 +233,55 @@ impl Binder<'_> {
                 name: variable.name.clone(),
                 handle,
                 statistic: criterion.statistic,
+                window: None,
             };
             Ok((scale.conversion.inverse(), probe))
         };
         criteria.map(bind).collect()
+    }
+
+    /// The probes with their windows; what lies before the first window may be leapt over.
+    fn windows(
+        &self,
+        schedule: &mut Schedule,
+        mut observed: Vec<Probe>,
+    ) -> Result<Vec<Probe>, StudyError> {
+        let criteria = || self.study.criteria.values();
+        if criteria().all(|criterion| criterion.window.is_none()) {
+            return Ok(observed);
+        }
+        let run = [schedule.start, schedule.stop];
+        let general = [schedule.window_start, schedule.stop];
+        for (probe, criterion) in observed.iter_mut().zip(criteria()) {
+            probe.window = Some(match &criterion.window {
+                Some(window) => {
+                    let times = window.as_ref().times(run);
+                    times.map_err(|message| self.study.error_at(window, message))?
+                }
+                // The final value is that at the end, whatever the others look at.
+                None if probe.statistic == Statistic::Final => [schedule.stop; 2],
+                None => general,
+            });
+        }
+        let begins = observed
+            .iter()
+            .filter_map(|probe| probe.window.map(|window| window[0]));
+        schedule.window_start = begins.fold(schedule.stop, f64::min);
+        let points = schedule.points();
+        for (probe, criterion) in observed.iter().zip(criteria()) {
+            let (Some([from, to]), Some(stated)) = (probe.window, &criterion.window) else {
+                continue;
+            };
+            let rounding = 1e-9 * (from.abs() + to.abs());
+            if points.at(points.from(from - rounding)) > to + rounding {
+                let message = format!(
+                    "no communication point lies in the window from {from} s to {to} s; make `step` under [simulation] \
+                     smaller"
+                );
+                return Err(self.study.error_at(stated, message));
+            }
+        }
+        Ok(observed)
     }
 
     fn fixed(&self) -> Result<Vec<(u32, Value)>, StudyError> {

@@ -59,6 +59,7 @@ fn the_schema_has_exactly_the_keys_that_the_reader_takes() {
         ("measured", "[identify.measured.x]\n"),
         ("sensitivity", "[sensitivity]\n"),
         ("robustness", "[robustness]\n"),
+        ("tolerances", "[tolerances]\n"),
     ];
     for (name, section) in places {
         let text = format!("fmu = \"a.fmu\"\n{section}unheard-of = 1\n");

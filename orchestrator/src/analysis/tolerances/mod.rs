@@ -1,0 +1,293 @@
+//! The widest tolerances of the parameters at which a share still holds.
+//!
+//! A tolerance is widened or narrowed by scaling the spread of its distribution about its centre. What a share would be
+//! at other tolerances is told by importance weights on points that were drawn at known ones (the balance heuristic of
+//! Veach and Guibas 1995, "Optimally combining sampling techniques for Monte Carlo rendering"): so every point that was
+//! ever run counts. Where the weights leave too few effective points, fresh ones are drawn near the answer.
+//!
+//! Of all tolerances at which the share holds, those are taken that cost least. A tolerance costs in inverse proportion
+//! to its width (Chase and Greenwood 1988, "Design issues in mechanical tolerance analysis").
+
+mod sample;
+pub mod stated;
+#[cfg(test)]
+mod tests;
+
+use crate::conformity::interval::wilson;
+use crate::design::cube;
+use crate::distribution::Distribution;
+
+pub use sample::{Estimate, Sample};
+
+/// What is looked for.
+#[derive(Clone, Debug)]
+pub struct Problem {
+    /// The parameters that vary, as the study states them.
+    pub distributions: Vec<Distribution>,
+    /// What a narrower tolerance of each costs, relative to the others.
+    pub costs: Vec<f64>,
+    /// The share that must hold.
+    pub target: f64,
+    /// With which confidence.
+    pub confidence: f64,
+    /// The widest tolerances that are looked at, in those of the study.
+    pub limit: f64,
+    /// Points of a round.
+    pub points: u64,
+    /// Fresh runs that will confirm the result.
+    pub confirm: u64,
+    /// The seed of the rounds.
+    pub seed: u64,
+}
+
+/// The answer; tolerances in those of the study.
+#[derive(Clone, Debug)]
+pub struct Widest {
+    /// Tolerances at which the share is just the wanted one, as far as the points tell.
+    pub scales: Vec<f64>,
+    /// The share there.
+    pub estimate: Estimate,
+    /// Somewhat narrower ones, at which as many fresh runs as will be made should show that it holds.
+    pub safe: Vec<f64>,
+    /// The share there.
+    pub at_safe: Estimate,
+    /// The share that fresh runs there will show, with a probability of 99 %.
+    pub stated: [f64; 2],
+    /// How many rounds of points were drawn.
+    pub rounds: u64,
+}
+
+/// Tolerances narrower than this are none that one could make.
+const NARROWEST: f64 = 1e-3;
+const MOST_ROUNDS: u64 = 10;
+/// Fewer effective points tell too little.
+const FEWEST: f64 = 100.0;
+/// So much wider than the present answer the next points are drawn, so that weights stay bounded.
+const WIDER: f64 = 1.25;
+
+/// Looks for the widest tolerances. `known` are points drawn at the study's own; `run` tells how good points are, from 0
+/// to 1, of which the share is the mean.
+///
+/// # Errors
+/// What `run` returns.
+pub fn widest<E>(
+    problem: &Problem,
+    known: Option<Sample>,
+    mut run: impl FnMut(Vec<Vec<f64>>) -> Result<Vec<f64>, E>,
+) -> Result<(Widest, Sample), E> {
+    let ones = vec![1.0; problem.distributions.len()];
+    let mut rounds = 0;
+    let mut draw = |scales: &[f64], rounds: &mut u64| {
+        *rounds += 1;
+        let points = problem.draw(scales, problem.seed.wrapping_add(*rounds));
+        let goods = run(points.clone())?;
+        Ok::<_, E>((points, goods))
+    };
+    let mut sample = match known {
+        Some(sample) => sample,
+        None => {
+            let (points, goods) = draw(&ones, &mut rounds)?;
+            Sample::new(&problem.distributions, points, goods)
+        }
+    };
+    let mut scales = problem.least_cost(&sample, ones);
+    while rounds < MOST_ROUNDS && !problem.settled(&sample, &scales) {
+        let near: Vec<f64> = scales
+            .iter()
+            .map(|scale| (WIDER * scale).min(problem.limit))
+            .collect();
+        let (points, goods) = draw(&near, &mut rounds)?;
+        sample.extend(&near, points, goods);
+        scales = problem.least_cost(&sample, scales);
+    }
+    let safe = problem.safe(&sample, &scales);
+    let at_safe = sample.estimate(&safe);
+    let widest = Widest {
+        estimate: sample.estimate(&scales),
+        stated: problem.stated(at_safe),
+        scales,
+        safe,
+        at_safe,
+        rounds,
+    };
+    Ok((widest, sample))
+}
+
+impl Problem {
+    /// Points of the parameters' distributions with these tolerances.
+    pub fn draw(&self, scales: &[f64], seed: u64) -> Vec<Vec<f64>> {
+        let scaled: Vec<Distribution> = self
+            .distributions
+            .iter()
+            .zip(scales)
+            .map(|(distribution, &scale)| distribution.scaled(scale))
+            .collect();
+        let cube = cube(scaled.len(), self.points, seed, 1).unwrap_or_default();
+        let point = |place: &Vec<f64>| {
+            let pairs = scaled.iter().zip(place);
+            pairs
+                .map(|(distribution, u)| distribution.quantile(u.clamp(1e-12, 1.0 - 1e-12)))
+                .collect()
+        };
+        cube.iter().map(point).collect()
+    }
+
+    /// Whether the share holds at any tolerances in the proportions of the study's that the points tell of.
+    pub fn holds_anywhere(&self, sample: &Sample) -> bool {
+        let ones = vec![1.0; self.distributions.len()];
+        let found = sample.estimate(&self.along(sample, &ones));
+        found.effective >= 0.5 * FEWEST && found.share >= self.target
+    }
+
+    /// What tolerances cost.
+    fn cost(&self, scales: &[f64]) -> f64 {
+        self.costs
+            .iter()
+            .zip(scales)
+            .map(|(cost, scale)| cost / scale)
+            .sum()
+    }
+
+    /// Whether the points tell enough about these tolerances: many effective ones, and some drawn at wider tolerances,
+    /// unless these are the widest that are looked at.
+    fn settled(&self, sample: &Sample, scales: &[f64]) -> bool {
+        let enough = FEWEST.max(0.25 * self.points as f64);
+        let inside = scales
+            .iter()
+            .zip(sample.reach())
+            .all(|(&scale, &reach)| scale < 0.999 * reach || reach >= 0.999 * self.limit);
+        inside && sample.estimate(scales).effective >= enough
+    }
+
+    /// The least costly tolerances at which the share holds, from a first guess of their proportions.
+    ///
+    /// At the optimum no tolerance can be exchanged for another: cost over width is proportional to how fast the share
+    /// falls with each (Lagrange). For a share that depends on sums of squares a third of the logarithmic step leads
+    /// there at once, elsewhere in a few.
+    fn least_cost(&self, sample: &Sample, first: Vec<f64>) -> Vec<f64> {
+        const STEPS: usize = 12;
+        let mut scales = self.along(sample, &first);
+        let mut best = scales.clone();
+        for _ in 0..STEPS {
+            let falls = self.falls(sample, &scales);
+            let largest = falls.iter().copied().fold(0.0, f64::max);
+            if largest <= 0.0 {
+                break;
+            }
+            let wanted = self.costs.iter().zip(&falls).map(|(cost, &fall)| {
+                // What changes nothing may become as wide as it likes.
+                cost / fall.max(1e-6 * largest)
+            });
+            let ratios: Vec<f64> = wanted.zip(&scales).map(|(w, s)| (w / s).ln()).collect();
+            // The common factor is found along the ray.
+            let common = ratios.iter().copied().fold(f64::INFINITY, f64::min);
+            let moved: Vec<f64> = scales
+                .iter()
+                .zip(&ratios)
+                .map(|(scale, ratio)| scale * ((ratio - common) / 3.0).min(1.0).exp())
+                .collect();
+            let next = self.along(sample, &moved);
+            let change = next.iter().zip(&scales).map(|(a, b)| (a / b).ln().abs());
+            let change = change.fold(0.0, f64::max);
+            scales = next;
+            if self.cost(&scales) < self.cost(&best) {
+                best.clone_from(&scales);
+            }
+            if change < 3e-3 {
+                break;
+            }
+        }
+        best
+    }
+
+    /// How fast the share falls with the logarithm of each tolerance.
+    fn falls(&self, sample: &Sample, scales: &[f64]) -> Vec<f64> {
+        const STEP: f64 = 0.1;
+        let at = |k: usize, factor: f64| {
+            let mut moved = scales.to_vec();
+            moved[k] *= factor;
+            sample.estimate(&moved).share
+        };
+        let fall = |k: usize| {
+            let down = at(k, (-STEP).exp());
+            // At the limit of what was drawn only the narrower side is known.
+            if scales[k] * STEP.exp() <= sample.reach()[k] {
+                (down - at(k, STEP.exp())) / (2.0 * STEP)
+            } else {
+                (down - at(k, 1.0)) / STEP
+            }
+        };
+        (0..scales.len()).map(|k| fall(k).max(0.0)).collect()
+    }
+
+    /// The widest tolerances in given proportions at which the share is the wanted one.
+    fn along(&self, sample: &Sample, proportions: &[f64]) -> Vec<f64> {
+        self.ray(sample, proportions, |estimate| {
+            estimate.share >= self.target
+        })
+    }
+
+    /// The widest tolerances in given proportions at which a condition holds, but none wider than what was drawn, and none
+    /// of which the points know too little.
+    fn ray(
+        &self,
+        sample: &Sample,
+        proportions: &[f64],
+        holds: impl Fn(Estimate) -> bool,
+    ) -> Vec<f64> {
+        const SHRINK: f64 = 0.8;
+        let reach = sample.reach();
+        let at = |length: f64| -> Vec<f64> {
+            let pairs = proportions.iter().zip(reach);
+            pairs
+                .map(|(p, reach)| (length * p).clamp(NARROWEST, reach.min(self.limit)))
+                .collect()
+        };
+        let longest = proportions
+            .iter()
+            .zip(reach)
+            .map(|(p, reach)| reach.min(self.limit) / p)
+            .fold(0.0, f64::max);
+        let known = |estimate: Estimate| estimate.effective >= 0.5 * FEWEST;
+        let mut long = longest;
+        let mut short = longest;
+        loop {
+            let estimate = sample.estimate(&at(short));
+            if holds(estimate) || !known(estimate) || at(short).iter().all(|s| *s <= NARROWEST) {
+                break;
+            }
+            (long, short) = (short, SHRINK * short);
+        }
+        for _ in 0..20 {
+            let middle = 0.5 * (short + long);
+            let estimate = sample.estimate(&at(middle));
+            if holds(estimate) || !known(estimate) {
+                short = middle;
+            } else {
+                long = middle;
+            }
+        }
+        at(short)
+    }
+
+    /// Tolerances in the same proportions at which even the lower limit of what fresh runs may show is the wanted share.
+    fn safe(&self, sample: &Sample, scales: &[f64]) -> Vec<f64> {
+        let confirm = self.confirm as f64;
+        let mut safe = self.ray(sample, scales, |estimate| {
+            let low = wilson(estimate.share, estimate.trials, self.confidence)[0];
+            wilson(low, confirm, self.confidence)[0] >= self.target
+        });
+        for (safe, widest) in safe.iter_mut().zip(scales) {
+            *safe = safe.min(*widest);
+        }
+        safe
+    }
+
+    /// The share that the fresh runs will show, with a probability of 99 %: the uncertainty of the estimate and the chance
+    /// of these runs come together.
+    pub fn stated(&self, estimate: Estimate) -> [f64; 2] {
+        const PROBABILITY: f64 = 0.99;
+        let trials = 1.0 / (1.0 / estimate.trials.max(1.0) + 1.0 / self.confirm as f64);
+        wilson(estimate.share, trials, PROBABILITY)
+    }
+}

@@ -1,0 +1,140 @@
+//! Points drawn at several tolerances, and what they tell of others.
+
+use crate::distribution::Distribution;
+
+/// Points of which each knows how good it is, and how probable it was to be drawn.
+#[derive(Clone, Debug)]
+pub struct Sample {
+    distributions: Vec<Distribution>,
+    points: Vec<Vec<f64>>,
+    goods: Vec<f64>,
+    /// The tolerances at which points were drawn, and how many.
+    drawn: Vec<(Vec<f64>, usize)>,
+    /// The logarithm of the density at which a point was drawn, over all rounds.
+    ln_mixture: Vec<f64>,
+    /// The widest tolerance of each parameter at which points were drawn.
+    reach: Vec<f64>,
+}
+
+/// A share at some tolerances.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    /// The share.
+    pub share: f64,
+    /// How many equally weighted points the weights leave (Kish 1965).
+    pub effective: f64,
+    /// How many yes-or-no trials would tell the share as well.
+    pub trials: f64,
+}
+
+impl Sample {
+    /// Points drawn at the study's own tolerances, and how good each is, from 0 to 1.
+    pub fn new(distributions: &[Distribution], points: Vec<Vec<f64>>, goods: Vec<f64>) -> Self {
+        let ones = vec![1.0; distributions.len()];
+        let mut sample = Self {
+            distributions: distributions.to_vec(),
+            points: Vec::new(),
+            goods: Vec::new(),
+            drawn: Vec::new(),
+            ln_mixture: Vec::new(),
+            reach: vec![0.0; distributions.len()],
+        };
+        sample.extend(&ones, points, goods);
+        sample
+    }
+
+    /// Adds points drawn at other tolerances.
+    pub fn extend(&mut self, scales: &[f64], points: Vec<Vec<f64>>, goods: Vec<f64>) {
+        self.drawn.push((scales.to_vec(), points.len()));
+        self.points.extend(points);
+        self.goods.extend(goods);
+        for (reach, scale) in self.reach.iter_mut().zip(scales) {
+            *reach = reach.max(*scale);
+        }
+        let all = self.points.len() as f64;
+        let rounds: Vec<(Vec<Distribution>, f64)> = self
+            .drawn
+            .iter()
+            .map(|(scales, count)| (self.scaled(scales), (*count as f64 / all).ln()))
+            .collect();
+        let mixture = |point: &Vec<f64>| {
+            let terms = rounds
+                .iter()
+                .map(|(scaled, ln_share)| ln_share + ln_density(scaled, point));
+            ln_sum(&terms.collect::<Vec<f64>>())
+        };
+        self.ln_mixture = self.points.iter().map(mixture).collect();
+    }
+
+    /// How many points there are.
+    pub fn len(&self) -> usize {
+        self.points.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.points.is_empty()
+    }
+
+    /// The widest tolerance of each parameter at which points were drawn.
+    pub fn reach(&self) -> &[f64] {
+        &self.reach
+    }
+
+    fn scaled(&self, scales: &[f64]) -> Vec<Distribution> {
+        let pairs = self.distributions.iter().zip(scales);
+        pairs
+            .map(|(distribution, &scale)| distribution.scaled(scale))
+            .collect()
+    }
+
+    /// The share at these tolerances.
+    pub fn estimate(&self, scales: &[f64]) -> Estimate {
+        let scaled = self.scaled(scales);
+        let pairs = self.points.iter().zip(&self.ln_mixture);
+        let weights: Vec<f64> = pairs
+            .map(|(point, ln_mixture)| (ln_density(&scaled, point) - ln_mixture).exp())
+            .collect();
+        let sum: f64 = weights.iter().sum();
+        if sum.is_nan() || sum <= 0.0 {
+            return Estimate {
+                share: 0.0,
+                effective: 0.0,
+                trials: 0.0,
+            };
+        }
+        let goods = || weights.iter().zip(&self.goods);
+        let share = goods().map(|(w, good)| w * good).sum::<f64>() / sum;
+        let squares: f64 = weights.iter().map(|w| w * w).sum();
+        let scatter: f64 = goods().map(|(w, good)| (w * (good - share)).powi(2)).sum();
+        let effective = sum * sum / squares;
+        let trials = share * (1.0 - share) * sum * sum / scatter;
+        Estimate {
+            share,
+            effective,
+            trials: if scatter > 0.0 { trials } else { effective },
+        }
+    }
+}
+
+fn ln_density(scaled: &[Distribution], point: &[f64]) -> f64 {
+    scaled
+        .iter()
+        .zip(point)
+        .map(|(distribution, &x)| distribution.ln_density(x))
+        .sum()
+}
+
+/// The logarithm of the sum of numbers given by their logarithms.
+fn ln_sum(terms: &[f64]) -> f64 {
+    let largest = terms.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    if largest == f64::NEG_INFINITY {
+        return largest;
+    }
+    largest
+        + terms
+            .iter()
+            .map(|term| (term - largest).exp())
+            .sum::<f64>()
+            .ln()
+}

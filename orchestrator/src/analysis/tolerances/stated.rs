@@ -1,0 +1,103 @@
+//! What is stated of the widest tolerances, as it stands in the result's file.
+
+use indexmap::IndexMap;
+use serde::{Deserialize, Serialize};
+
+use super::Estimate;
+use crate::conformity::decision::Decision;
+
+/// What the tolerances must achieve.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Wanted {
+    /// A share of accepted points.
+    #[default]
+    Accepted,
+    /// A conformance probability.
+    Conforming,
+}
+
+/// The widest tolerances, or why there are none.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Tolerances {
+    /// What must be achieved.
+    pub wanted: Wanted,
+    /// The least of it.
+    pub share: f64,
+    /// The confidence with which it must hold.
+    pub confidence: f64,
+    /// Why no tolerances would do; empty where some do.
+    pub reasons: Vec<String>,
+    /// The parameters with their tolerances.
+    pub parameters: Vec<Parameter>,
+    /// What is achieved at the widest tolerances, by the weighted points.
+    pub widest: Option<Stated>,
+    /// The same at the stated ones, which are narrower, so that fresh runs can show it.
+    pub stated: Option<Stated>,
+    /// What the fresh runs at the stated tolerances show.
+    pub confirmed: Option<Confirmed>,
+    /// Points that the weights rest on.
+    pub points: u64,
+    /// Rounds in which further points were run.
+    pub rounds: u64,
+}
+
+/// The tolerance of a parameter; scales are in the study's own tolerance.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Parameter {
+    /// The FMU's variable.
+    pub name: String,
+    /// The unit of the study's numbers.
+    pub unit: Option<String>,
+    /// What a narrower tolerance costs, relative to the others.
+    pub cost: f64,
+    /// The study's distribution in words.
+    pub own: String,
+    /// The scale at which the wanted share is just achieved.
+    pub widest_scale: f64,
+    /// The distribution there.
+    pub widest: String,
+    /// The scale that is stated.
+    pub scale: f64,
+    /// The distribution there.
+    pub stated: String,
+    /// The same as numbers.
+    pub distribution: IndexMap<String, serde_json::Value>,
+    /// Whether it is only as narrow as the search was limited.
+    pub limited: bool,
+}
+
+/// A share as the weighted points tell it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Stated {
+    /// The share.
+    pub share: f64,
+    /// What fresh runs will show, with a probability of 99 %.
+    pub interval: [f64; 2],
+    /// How many equally weighted points the weights leave.
+    pub effective_points: f64,
+}
+
+impl Stated {
+    /// An estimate with the interval of what fresh runs will show.
+    pub fn new(estimate: Estimate, interval: [f64; 2]) -> Self {
+        Self {
+            share: estimate.share,
+            interval,
+            effective_points: estimate.effective,
+        }
+    }
+}
+
+/// What fresh runs show.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Confirmed {
+    /// How many.
+    pub runs: u64,
+    /// The share.
+    pub share: f64,
+    /// Its interval at the wanted confidence.
+    pub interval: [f64; 2],
+    /// Whether the wanted share holds.
+    pub decision: Decision,
+}

@@ -1,0 +1,159 @@
+use std::convert::Infallible;
+
+use rand::rngs::StdRng;
+use rand::{RngExt, SeedableRng};
+
+use super::*;
+
+const UNIT: Distribution = Distribution::Normal {
+    mean: 0.0,
+    deviation: 1.0,
+};
+
+fn problem(distributions: Vec<Distribution>, target: f64, points: u64) -> Problem {
+    Problem {
+        costs: vec![1.0; distributions.len()],
+        distributions,
+        target,
+        confidence: 0.95,
+        limit: 3.0,
+        points,
+        confirm: 5000,
+        seed: 1,
+    }
+}
+
+fn solve(problem: &Problem, good: impl Fn(&[f64]) -> f64) -> Widest {
+    let run = |points: Vec<Vec<f64>>| Ok::<_, Infallible>(points.iter().map(|x| good(x)).collect());
+    let Ok((widest, _)) = widest(problem, None, run);
+    widest
+}
+
+fn within(x: bool) -> f64 {
+    f64::from(u8::from(x))
+}
+
+/// y = a . x is normal: its share within +-T is the wanted one where a1^2 s1^2 + a2^2 s2^2 = (T / z)^2, and the cost
+/// c1 / s1 + c2 / s2 is least where s_k is in proportion to (c_k / a_k^2)^(1/3).
+#[test]
+fn a_linear_model_has_the_known_answer_within_one_per_cent() {
+    const Z90: f64 = 1.644_853_626_951_472;
+    for (a, costs, tolerance) in [([2.0, 0.5], [1.0, 1.0], 1.5), ([1.0, 1.0], [1.0, 4.0], 1.5)] {
+        let mut problem = problem(vec![UNIT; 2], 0.9, 1 << 15);
+        problem.costs = costs.to_vec();
+        let found = solve(&problem, |x| {
+            within((a[0] * x[0] + a[1] * x[1]).abs() <= tolerance)
+        });
+        let shape = [0, 1].map(|k: usize| (costs[k] / (a[k] * a[k])).cbrt());
+        let sum: f64 = (0..2).map(|k| (a[k] * shape[k]).powi(2)).sum();
+        let length = tolerance / Z90 / sum.sqrt();
+        for (k, shape) in shape.iter().enumerate() {
+            let known = length * shape;
+            assert!(
+                (found.scales[k] / known - 1.0).abs() < 0.01,
+                "{a:?}: {found:?}, {known}"
+            );
+            assert!(
+                found.safe[k] <= found.scales[k] && found.safe[k] > 0.9 * known,
+                "{found:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_parameter_without_influence_becomes_as_wide_as_allowed() {
+    let uniform = Distribution::Uniform {
+        min: -1.0,
+        max: 1.0,
+    };
+    let found = solve(&problem(vec![uniform, UNIT], 0.95, 2048), |x| {
+        within(x[0].abs() <= 0.5)
+    });
+    // 0.5 / 0.95 of the half width, since the share is 0.5 / s.
+    assert!(
+        (found.scales[0] * 0.95 / 0.5 - 1.0).abs() < 0.02,
+        "{found:?}"
+    );
+    assert!(found.scales[1] > 2.9, "{found:?}");
+}
+
+/// The conformance probability of a normal error: a smooth measure instead of yes or no.
+#[test]
+fn a_smooth_measure_needs_fewer_points() {
+    // The mean of exp(-x^2 / 2) over a normal number of deviation s is 1 / sqrt(1 + s^2).
+    let found = solve(&problem(vec![UNIT], 0.8, 1024), |x| {
+        (-0.5 * x[0] * x[0]).exp()
+    });
+    assert!((found.scales[0] / 0.75 - 1.0).abs() < 0.01, "{found:?}");
+}
+
+#[test]
+fn a_share_far_below_the_first_one_is_found_in_rounds() {
+    // Of five parameters: the first points tell nothing about tolerances of a fifteenth.
+    let mut problem = problem(vec![UNIT; 5], 0.9, 512);
+    problem.limit = 1.0;
+    let found = solve(&problem, |x| within(x.iter().sum::<f64>().abs() <= 0.25));
+    let known = 0.25 / 1.644_853_6 / 5_f64.sqrt();
+    let mean = found.scales.iter().sum::<f64>() / 5.0;
+    assert!(
+        found.rounds > 2 && (mean / known - 1.0).abs() < 0.1,
+        "{found:?} {known}"
+    );
+}
+
+/// 20 problems of one to four parameters of several distributions, with a linear and a quadratic part.
+#[test]
+fn fresh_runs_confirm_what_is_stated() {
+    let mut held = 0;
+    for seed in 0..20 {
+        let mut random = StdRng::seed_from_u64(seed);
+        let size = 1 + seed as usize % 4;
+        let distributions: Vec<Distribution> = (0..size)
+            .map(|k| match (seed as usize + k) % 4 {
+                0 => UNIT,
+                1 => Distribution::Uniform {
+                    min: -1.5,
+                    max: 1.5,
+                },
+                2 => Distribution::Triangular {
+                    min: -2.0,
+                    mode: 0.0,
+                    max: 2.0,
+                },
+                _ => Distribution::TruncatedNormal {
+                    mean: 0.0,
+                    deviation: 1.0,
+                    min: Some(-1.0),
+                    max: None,
+                },
+            })
+            .collect();
+        let linear: Vec<f64> = (0..size).map(|_| random.random_range(-2.0..2.0)).collect();
+        let bent: Vec<f64> = (0..size).map(|_| random.random_range(-0.3..0.3)).collect();
+        let good = |x: &[f64]| {
+            let y: f64 = (0..size)
+                .map(|k| linear[k] * x[k] + bent[k] * x[k] * x[k])
+                .sum();
+            within(y.abs() <= 1.0)
+        };
+        let target = random.random_range(0.3..0.97);
+        let problem = problem(distributions, target, 2048);
+        let found = solve(&problem, good);
+        let accepted: f64 = (0..problem.confirm)
+            .map(|_| {
+                let pairs = problem.distributions.iter().zip(&found.safe);
+                let point: Vec<f64> = pairs
+                    .map(|(d, &s)| d.scaled(s).quantile(random.random_range(1e-12..1.0)))
+                    .collect();
+                good(&point)
+            })
+            .sum();
+        let share = accepted / problem.confirm as f64;
+        let [low, high] = found.stated;
+        assert!((low..=high).contains(&share), "{seed}: {share} {found:?}");
+        held += u32::from(wilson(share, problem.confirm as f64, 0.95)[0] >= target);
+    }
+    // The fresh runs show at the required confidence that the share holds.
+    assert!(held >= 18, "{held}");
+}

@@ -1,0 +1,88 @@
+//! `verify --validation`: the numerical uncertainty of the criteria's values, by some points with finer communication
+//! steps.
+
+use std::path::Path;
+use std::time::Duration;
+
+use super::CommandError;
+use crate::cli::Means;
+use crate::engine::process::Limits;
+use crate::engine::single::Recorder;
+use crate::pipeline::Model;
+use crate::results::validation::{Comparison, Numerical, refined};
+use crate::results::{Outcome, ResultsError, Summary, write_atomically};
+use crate::session::Verification;
+use crate::task::{Schedule, Task};
+
+/// So many points are refined.
+const POINTS: u64 = 3;
+
+/// The summary with what the refinement shows, which is written again.
+pub(super) fn observed(
+    verification: &mut Verification,
+    means: &Means,
+    folder: &Path,
+    summary: &Summary,
+) -> Result<Summary, CommandError> {
+    let found = numerical(verification, means)?;
+    let mut summary = summary.clone();
+    for ((name, comparison), numerical) in summary.validation.iter_mut().zip(found) {
+        if let Some(count) = summary.criteria.get(name) {
+            let spread = [comparison.model, comparison.u_input];
+            *comparison = Comparison::new(&count.criterion, spread, numerical);
+        }
+    }
+    write_atomically(&folder.join("summary.json"), |out| {
+        serde_json::to_writer_pretty(&mut *out, &summary)?;
+        writeln!(out)
+    })?;
+    Ok(summary)
+}
+
+/// What is known of each criterion: the largest uncertainty of some points.
+fn numerical(
+    verification: &mut Verification,
+    means: &Means,
+) -> Result<Vec<Numerical>, CommandError> {
+    let scratch = tempfile::tempdir().map_err(ResultsError::io(&std::env::temp_dir()))?;
+    let fmu = verification.session.package.unpack(scratch.path())?;
+    let session = &verification.session;
+    let recorder = Recorder {
+        fmu: &fmu,
+        name: session.package.path(),
+        limits: Limits {
+            time: Duration::from_secs_f64(means.point_timeout.clamp(1.0, 1e9)),
+            memory: 16 << 30,
+        },
+        echo: false,
+    };
+    let task = &session.plan.task;
+    let mut found = vec![Numerical::default(); session.judge.criteria.len()];
+    for index in 0..POINTS.min(verification.source.len()) {
+        let job = verification.job(index);
+        let run = |refinement: f64| -> Result<Outcome, CommandError> {
+            Ok(session.outcome(recorder.run(&finer(task, refinement), &job)?))
+        };
+        let (Ok(coarse), Ok(middle), Ok(fine)) = (run(1.0)?, run(2.0)?, run(4.0)?) else {
+            continue;
+        };
+        for (k, known) in found.iter_mut().enumerate() {
+            let here = refined([coarse[k], middle[k], fine[k]]);
+            // One that is known beats one that is not, and of those the larger one counts.
+            if here.standard >= known.standard {
+                *known = here;
+            }
+        }
+    }
+    Ok(found)
+}
+
+fn finer(task: &Task, refinement: f64) -> Task {
+    Task {
+        schedule: Schedule {
+            step: task.schedule.step / refinement,
+            ..task.schedule
+        },
+        ..task.clone()
+    }
+}

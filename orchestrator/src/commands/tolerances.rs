@@ -1,0 +1,357 @@
+//! `tolerances`: the widest tolerances of the parameters at which the model still conforms as wanted.
+
+mod goal;
+mod reasons;
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use serde::Serialize;
+
+use super::CommandError;
+use super::asking::{self, Analysis, PointSet};
+use super::finding::{self, AnalysisResult};
+use crate::analysis::from_results;
+use crate::analysis::table::PointTable;
+use crate::analysis::tolerances::stated::{Confirmed, Parameter, Stated, Tolerances};
+use crate::analysis::tolerances::{Problem, Sample, widest};
+use crate::cli;
+use crate::conformity::decision::Rule;
+use crate::conformity::interval::{Moments, of_mean};
+use crate::design::{Design, Method, Sampling};
+use crate::distribution::Distribution;
+use crate::pipeline::{Halt, Pipeline};
+use crate::report::tolerances as page;
+use crate::results::Outcome;
+use crate::results::summary::ParameterSummary;
+use crate::session::Session;
+use crate::study::plan::{Input, Plan};
+use crate::study::{Study, StudyError};
+use goal::Goal;
+
+pub(super) const NAME: &str = "tolerances";
+
+pub(super) fn run(options: &cli::Tolerances) -> Result<ExitCode, CommandError> {
+    let cli::Tolerances {
+        study: path,
+        means,
+        parts,
+        output,
+        ..
+    } = options;
+    let study = Study::read(path)?;
+    let said = &study.tolerances;
+    let from = options.from.clone();
+    let from = from.unwrap_or_else(|| finding::folder_of(path));
+    let analysis = Search {
+        from: std::path::absolute(&from).unwrap_or(from),
+        points: options.points.or(said.points).unwrap_or(1024).max(16),
+        confirm: options.confirm.or(said.confirm).unwrap_or(1000).max(1),
+        seed: options.seed.or(said.seed).unwrap_or(1),
+    };
+    let session = asking::open(path, means, parts, &analysis)?;
+    let folder = asking::folder(output.as_deref(), path, parts, Some(NAME));
+    asking::run(session, &analysis, means, parts, &folder)
+}
+
+/// A search by importance weights on known points, and by runs of its own.
+#[derive(Debug, Serialize)]
+struct Search {
+    /// The folder of the finished study, if there is one.
+    from: PathBuf,
+    /// Points of a round.
+    points: u64,
+    /// Fresh runs that confirm the result.
+    confirm: u64,
+    seed: u64,
+}
+
+impl Analysis for Search {
+    fn name(&self) -> &'static str {
+        NAME
+    }
+
+    fn options(&self) -> serde_json::Value {
+        serde_json::json!(self)
+    }
+
+    fn points(&self, session: &Session) -> Result<PointSet, CommandError> {
+        let known = self.known(session)?.is_some();
+        Ok(PointSet {
+            seed: self.seed,
+            // Rounds follow until the weights are sure enough.
+            points: None,
+            method: format!(
+                "rounds of {} points, {} to confirm",
+                self.points, self.confirm
+            ),
+            table: known.then(|| finding::digest_of(&self.from)).transpose()?,
+        })
+    }
+
+    fn one_piece(&self) -> Option<&'static str> {
+        Some("each round of points depends on the ones before; run it in one piece")
+    }
+
+    fn find(
+        &self,
+        session: &Session,
+        pipeline: &mut Pipeline<'_>,
+        _: &Path,
+    ) -> Result<AnalysisResult, CommandError> {
+        let goal = Goal::new(&session.study, &session.judge, &self.from)?;
+        let problem = self.problem(session, &goal)?;
+        let mut runs = Runs {
+            session,
+            goal: &goal,
+            varied: session.plan.varied(),
+            pipeline,
+        };
+        let centre = runs.centre()?;
+        let (points, outcomes) = match self.known(session)? {
+            Some(table) => runs.known(&table),
+            None => {
+                let points = problem.draw(&vec![1.0; problem.distributions.len()], self.seed);
+                let outcomes = runs.outcomes(&points)?;
+                (points, outcomes)
+            }
+        };
+        let goods = outcomes
+            .iter()
+            .map(|outcome| goal.good(outcome.as_deref()))
+            .collect();
+        let sample = Sample::new(&problem.distributions, points, goods);
+        let mut found = Tolerances {
+            wanted: goal.wanted,
+            share: problem.target,
+            confidence: problem.confidence,
+            ..Tolerances::default()
+        };
+        if goal.good(centre.as_deref()) < problem.target && !problem.holds_anywhere(&sample) {
+            found.reasons = reasons::of(&session.judge, &goal, centre.as_deref(), &outcomes);
+        } else {
+            let fresh = |points: Vec<Vec<f64>>| Ok(runs.goods(&points)?);
+            let (answer, sample) = widest::<CommandError>(&problem, Some(sample), fresh)?;
+            found.points = sample.len() as u64;
+            found.rounds = answer.rounds;
+            found.parameters = parameters(&session.plan, &problem, &answer.scales, &answer.safe);
+            found.widest = Some(Stated::new(
+                answer.estimate,
+                problem.stated(answer.estimate),
+            ));
+            found.stated = Some(Stated::new(answer.at_safe, answer.stated));
+            found.confirmed = Some(self.confirm(&problem, &answer.safe, &mut runs)?);
+        }
+        AnalysisResult::new(
+            &found,
+            asking::origin(session)?,
+            page::text(&found),
+            page::FILE,
+        )
+    }
+}
+
+impl Search {
+    /// The points of the finished study, if they were drawn from the parameters' distributions.
+    fn known(&self, session: &Session) -> Result<Option<PointTable>, CommandError> {
+        if !self.from.join("summary.json").exists() {
+            return Ok(None);
+        }
+        let (summary, table) = from_results::read(&self.from)?;
+        let drawn = !matches!(
+            summary.provenance.method.as_str(),
+            "table" | "full-factorial"
+        );
+        let own = session.study.digest() == summary.provenance.study_sha256;
+        let own = own && summary.provenance.fmu_sha256 == Some(session.package.digest()?);
+        Ok((drawn && own && !table.is_empty()).then_some(table))
+    }
+
+    fn problem(&self, session: &Session, goal: &Goal<'_>) -> Result<Problem, CommandError> {
+        let Session { study, plan, .. } = session;
+        let varied = plan.varied();
+        let inputs = || varied.iter().map(|&k| &plan.inputs[k]);
+        Ok(Problem {
+            distributions: inputs().map(|input| input.distribution).collect(),
+            costs: costs(study, plan)?,
+            target: goal.target,
+            confidence: goal.confidence,
+            limit: limit(study)?,
+            points: self.points,
+            confirm: self.confirm,
+            seed: self.seed,
+        })
+    }
+
+    /// Independent runs at the tolerances that are stated.
+    fn confirm(
+        &self,
+        problem: &Problem,
+        scales: &[f64],
+        runs: &mut Runs<'_, '_>,
+    ) -> Result<Confirmed, CommandError> {
+        let unit = Distribution::Uniform { min: 0.0, max: 1.0 };
+        let sampling = Sampling {
+            method: Method::MonteCarlo,
+            points: self.confirm,
+            // Far from the seeds of the rounds.
+            seed: !self.seed,
+            ..Sampling::default()
+        };
+        let cube = Design::new(&sampling, vec![unit; scales.len()]);
+        let cube = cube.map_err(|message| runs.session.study.error(message))?;
+        let point = |index: u64| -> Vec<f64> {
+            let place = cube.point(index);
+            let scaled = problem.distributions.iter().zip(scales).zip(place);
+            scaled
+                .map(|((d, &scale), u)| d.scaled(scale).quantile(u))
+                .collect()
+        };
+        let points: Vec<Vec<f64>> = (0..self.confirm).map(point).collect();
+        let mut moments = Moments::default();
+        runs.goods(&points)?
+            .into_iter()
+            .for_each(|good| moments.add(good));
+        let rule = Rule {
+            share: problem.target,
+            confidence: problem.confidence,
+        };
+        let interval = of_mean(&[moments], problem.confidence);
+        Ok(Confirmed {
+            runs: self.confirm,
+            share: moments.mean(),
+            interval,
+            decision: rule.decide(interval),
+        })
+    }
+}
+
+/// What a narrower tolerance of each parameter that varies costs.
+fn costs(study: &Study, plan: &Plan) -> Result<Vec<f64>, StudyError> {
+    let varied: Vec<&str> = plan
+        .varied()
+        .iter()
+        .map(|&k| plan.inputs[k].name.as_str())
+        .collect();
+    for (name, cost) in &study.tolerances.costs {
+        if !varied.contains(&name.as_ref().as_str()) {
+            let message = format!(
+                "no parameter `{}` varies; name one under [parameters]",
+                name.as_ref()
+            );
+            return Err(study.error_at(name, message));
+        }
+        if !(*cost.as_ref() > 0.0 && cost.as_ref().is_finite()) {
+            return Err(study.error_at(cost, "a cost must be a positive, finite number"));
+        }
+    }
+    let cost = |name: &&str| {
+        study
+            .tolerances
+            .costs
+            .get(*name)
+            .map_or(1.0, |cost| *cost.as_ref())
+    };
+    Ok(varied.iter().map(cost).collect())
+}
+
+fn limit(study: &Study) -> Result<f64, StudyError> {
+    const USUAL: f64 = 3.0;
+    match &study.tolerances.limit {
+        Some(limit) if !(*limit.as_ref() > 0.0 && limit.as_ref().is_finite()) => {
+            Err(study.error_at(limit, "the limit must be a positive, finite number"))
+        }
+        limit => Ok(limit.as_ref().map_or(USUAL, |limit| *limit.as_ref())),
+    }
+}
+
+/// The tolerances of the answer in the study's own terms.
+fn parameters(plan: &Plan, problem: &Problem, scales: &[f64], safe: &[f64]) -> Vec<Parameter> {
+    let varied = plan.varied();
+    let scaled = |input: &Input, scale: f64| {
+        ParameterSummary::new(&Input {
+            distribution: input.distribution.scaled(scale),
+            ..input.clone()
+        })
+    };
+    let parameter = |(k, &number): (usize, &usize)| {
+        let input = &plan.inputs[number];
+        Parameter {
+            name: input.name.clone(),
+            unit: input.unit.clone(),
+            cost: problem.costs[k],
+            own: scaled(input, 1.0).words(),
+            widest_scale: scales[k],
+            widest: scaled(input, scales[k]).words(),
+            scale: safe[k],
+            stated: scaled(input, safe[k]).words(),
+            distribution: scaled(input, safe[k]).distribution,
+            limited: scales[k] >= 0.999 * problem.limit,
+        }
+    };
+    varied.iter().enumerate().map(parameter).collect()
+}
+
+/// Points of the parameters that vary, run through the pipeline.
+struct Runs<'a, 'b> {
+    session: &'a Session,
+    goal: &'a Goal<'a>,
+    varied: Vec<usize>,
+    pipeline: &'a mut Pipeline<'b>,
+}
+
+impl Runs<'_, '_> {
+    /// All parameters at their centres.
+    fn centre(&mut self) -> Result<Option<Vec<f64>>, Halt> {
+        let inputs = self.varied.iter().map(|&k| &self.session.plan.inputs[k]);
+        let point: Vec<f64> = inputs.map(|input| input.distribution.centre()).collect();
+        Ok(self.outcomes(&[point])?.pop().flatten())
+    }
+
+    /// What comes of points, of which those that fail have nothing.
+    fn outcomes(&mut self, points: &[Vec<f64>]) -> Result<Vec<Option<Vec<f64>>>, Halt> {
+        let inputs = &self.session.plan.inputs;
+        let full = |point: &Vec<f64>| -> Vec<f64> {
+            let mut all: Vec<f64> = inputs
+                .iter()
+                .map(|input| input.distribution.centre())
+                .collect();
+            self.varied
+                .iter()
+                .zip(point)
+                .for_each(|(&k, &value)| all[k] = value);
+            all
+        };
+        let full: Vec<Vec<f64>> = points.iter().map(full).collect();
+        let outcomes: Vec<Outcome> = self.pipeline.ask(&full)?;
+        Ok(outcomes.into_iter().map(Result::ok).collect())
+    }
+
+    fn goods(&mut self, points: &[Vec<f64>]) -> Result<Vec<f64>, Halt> {
+        let outcomes = self.outcomes(points)?;
+        Ok(outcomes
+            .iter()
+            .map(|outcome| self.goal.good(outcome.as_deref()))
+            .collect())
+    }
+
+    /// The points of a finished study, with what came of them; more would only cost time.
+    fn known(&self, table: &PointTable) -> (Vec<Vec<f64>>, Vec<Option<Vec<f64>>>) {
+        const MOST: usize = 20_000;
+        let count = table.len().min(MOST);
+        let point = |i: usize| {
+            self.varied
+                .iter()
+                .map(|&k| table.parameters[k].values[i])
+                .collect()
+        };
+        let outcome = |i: usize| {
+            let values = table.criteria.iter().map(|criterion| criterion.values[i]);
+            table.completed(i).then(|| values.collect())
+        };
+        (
+            (0..count).map(point).collect(),
+            (0..count).map(outcome).collect(),
+        )
+    }
+}

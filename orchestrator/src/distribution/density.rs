@@ -1,0 +1,230 @@
+//! Densities and probabilities of a distribution, and the same distribution narrower or wider.
+
+use std::f64::consts::{SQRT_2, TAU};
+
+use statrs::function::erf::erfc;
+
+use super::Distribution;
+
+fn normal_below(z: f64) -> f64 {
+    0.5 * erfc(-z / SQRT_2)
+}
+
+fn ln_normal(value: f64, mean: f64, deviation: f64) -> f64 {
+    let z = (value - mean) / deviation;
+    -0.5 * z * z - deviation.ln() - 0.5 * TAU.ln()
+}
+
+/// Mean and standard deviation of the logarithm of a lognormal quantity.
+fn of_logarithm(mean: f64, deviation: f64) -> (f64, f64) {
+    let variance = (1.0 + (deviation / mean).powi(2)).ln();
+    (mean.ln() - variance / 2.0, variance.sqrt())
+}
+
+impl Distribution {
+    /// The probability that the quantity is less than `value`, or equal to it.
+    pub fn below(&self, value: f64) -> f64 {
+        match *self {
+            Self::Normal { mean, deviation } => normal_below((value - mean) / deviation),
+            Self::TruncatedNormal {
+                mean, deviation, ..
+            } => {
+                let [low, high] = self.cut();
+                let share = (normal_below((value - mean) / deviation) - low) / (high - low);
+                share.clamp(0.0, 1.0)
+            }
+            Self::Uniform { min, max } => ((value - min) / (max - min)).clamp(0.0, 1.0),
+            Self::Triangular { min, mode, max } => {
+                let span = max - min;
+                let value = value.clamp(min, max);
+                if value < mode {
+                    (value - min).powi(2) / (span * (mode - min))
+                } else if max > mode {
+                    1.0 - (max - value).powi(2) / (span * (max - mode))
+                } else {
+                    1.0
+                }
+            }
+            Self::Lognormal { mean, deviation } => {
+                let (centre, spread) = of_logarithm(mean, deviation);
+                if value > 0.0 {
+                    normal_below((value.ln() - centre) / spread)
+                } else {
+                    0.0
+                }
+            }
+            Self::Fixed { value: only } => f64::from(u8::from(value >= only)),
+        }
+    }
+
+    /// The logarithm of the density; minus infinity where the quantity never is. A fixed quantity has none: 0, so
+    /// that it changes no sum.
+    pub fn ln_density(&self, value: f64) -> f64 {
+        match *self {
+            Self::Normal { mean, deviation } => ln_normal(value, mean, deviation),
+            Self::TruncatedNormal {
+                mean,
+                deviation,
+                min,
+                max,
+            } => {
+                if min.is_some_and(|min| value < min) || max.is_some_and(|max| value > max) {
+                    return f64::NEG_INFINITY;
+                }
+                let [low, high] = self.cut();
+                ln_normal(value, mean, deviation) - (high - low).ln()
+            }
+            Self::Uniform { min, max } if (min..=max).contains(&value) => -(max - min).ln(),
+            Self::Triangular { min, mode, max } if (min..=max).contains(&value) => {
+                let share = if value < mode {
+                    (value - min) / (mode - min)
+                } else if max > mode {
+                    (max - value) / (max - mode)
+                } else {
+                    1.0
+                };
+                (2.0 * share / (max - min)).ln()
+            }
+            Self::Uniform { .. } | Self::Triangular { .. } => f64::NEG_INFINITY,
+            Self::Lognormal { mean, deviation } => {
+                if value > 0.0 {
+                    let (centre, spread) = of_logarithm(mean, deviation);
+                    ln_normal(value.ln(), centre, spread) - value.ln()
+                } else {
+                    f64::NEG_INFINITY
+                }
+            }
+            Self::Fixed { .. } => 0.0,
+        }
+    }
+
+    /// The value that stays where it is when the tolerance gets narrower.
+    pub fn centre(&self) -> f64 {
+        match *self {
+            Self::Normal { mean, .. } | Self::Lognormal { mean, .. } => mean,
+            Self::TruncatedNormal { mean, min, max, .. } => mean
+                .max(min.unwrap_or(f64::NEG_INFINITY))
+                .min(max.unwrap_or(f64::INFINITY)),
+            Self::Uniform { min, max } => 0.5 * (min + max),
+            Self::Triangular { mode, .. } => mode,
+            Self::Fixed { value } => value,
+        }
+    }
+
+    /// The same distribution with its spread about the [centre](Self::centre) multiplied by a factor. The cuts of a
+    /// truncated distribution stay: they are limits of the part, not of its tolerance.
+    pub fn scaled(&self, factor: f64) -> Self {
+        let about = |centre: f64, value: f64| centre + factor * (value - centre);
+        match *self {
+            Self::Normal { mean, deviation } => Self::Normal {
+                mean,
+                deviation: factor * deviation,
+            },
+            Self::TruncatedNormal {
+                deviation,
+                min,
+                max,
+                ..
+            } => Self::TruncatedNormal {
+                // A mean outside of the cuts would leave almost nothing of a narrow distribution.
+                mean: self.centre(),
+                deviation: factor * deviation,
+                min,
+                max,
+            },
+            Self::Uniform { min, max } => Self::Uniform {
+                min: about(self.centre(), min),
+                max: about(self.centre(), max),
+            },
+            Self::Triangular { min, mode, max } => Self::Triangular {
+                min: about(mode, min),
+                mode,
+                max: about(mode, max),
+            },
+            Self::Lognormal { mean, deviation } => Self::Lognormal {
+                mean,
+                deviation: factor * deviation,
+            },
+            Self::Fixed { value } => Self::Fixed { value },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn all() -> [Distribution; 5] {
+        [
+            Distribution::Normal {
+                mean: 2.0,
+                deviation: 0.5,
+            },
+            Distribution::TruncatedNormal {
+                mean: 2.0,
+                deviation: 0.5,
+                min: Some(1.5),
+                max: Some(3.5),
+            },
+            Distribution::Uniform {
+                min: -1.0,
+                max: 3.0,
+            },
+            Distribution::Triangular {
+                min: 0.0,
+                mode: 1.0,
+                max: 4.0,
+            },
+            Distribution::Lognormal {
+                mean: 2.0,
+                deviation: 0.5,
+            },
+        ]
+    }
+
+    #[test]
+    fn probabilities_are_the_inverse_of_quantiles() {
+        for distribution in all() {
+            for u in [0.01, 0.2, 0.5, 0.9, 0.999] {
+                let found = distribution.below(distribution.quantile(u));
+                assert!((found - u).abs() < 1e-9, "{distribution:?}: {found}");
+            }
+            assert_eq!(distribution.below(-100.0), 0.0);
+            assert!((distribution.below(100.0) - 1.0).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn densities_are_the_slopes_of_probabilities() {
+        for distribution in all() {
+            for scaled in [
+                distribution,
+                distribution.scaled(0.5),
+                distribution.scaled(1.5),
+            ] {
+                for u in [0.05, 0.3, 0.6, 0.95] {
+                    let (value, h) = (scaled.quantile(u), 1e-5);
+                    let slope = (scaled.below(value + h) - scaled.below(value - h)) / (2.0 * h);
+                    let found = scaled.ln_density(value).exp();
+                    assert!(
+                        (found / slope - 1.0).abs() < 1e-5,
+                        "{scaled:?}: {found} {slope}"
+                    );
+                }
+            }
+            assert!(distribution.ln_density(-1e3) < -1e3);
+        }
+    }
+
+    #[test]
+    fn a_factor_narrows_about_the_centre() {
+        for distribution in all() {
+            let narrow = distribution.scaled(1e-3);
+            let spread = narrow.quantile(0.9) - narrow.quantile(0.1);
+            let before = distribution.quantile(0.9) - distribution.quantile(0.1);
+            assert!(spread < 2e-3 * before, "{distribution:?}");
+            assert!((narrow.median() - distribution.centre()).abs() < spread);
+            assert_eq!(distribution.scaled(1.0), distribution);
+        }
+    }
+}

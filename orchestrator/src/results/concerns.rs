@@ -1,0 +1,146 @@
+//! What makes a verdict doubtful although the study can be judged: a sentence each, with the remedy.
+
+use crate::judge::Criterion;
+
+/// Fewer points may miss a measured value by chance.
+const FEWEST: u64 = 10;
+
+/// Factors between units that are often mistaken for each other, and offsets.
+const UNITS: [(f64, f64, &str); 14] = [
+    (1.0, 273.15, "degC and K"),
+    (1.0, -273.15, "K and degC"),
+    (1e6, 0.0, "MPa and Pa, or um and m"),
+    (1e-6, 0.0, "Pa and MPa, or m and um"),
+    (1e5, 0.0, "bar and Pa"),
+    (1e-5, 0.0, "Pa and bar"),
+    (
+        1e3,
+        0.0,
+        "a unit and a thousandth of it, such as m and mm, or kW and W",
+    ),
+    (
+        1e-3,
+        0.0,
+        "a unit and a thousand of it, such as mm and m, or W and kW",
+    ),
+    (1e2, 0.0, "a share and per cent, or m and cm"),
+    (1e-2, 0.0, "per cent and a share, or cm and m"),
+    (std::f64::consts::TAU / 60.0, 0.0, "rpm and rad/s"),
+    (60.0 / std::f64::consts::TAU, 0.0, "rad/s and rpm"),
+    (std::f64::consts::PI / 180.0, 0.0, "deg and rad"),
+    (180.0 / std::f64::consts::PI, 0.0, "rad and deg"),
+];
+
+/// Warns of a measured value that lies beyond the values of all points, given the least and the greatest of these.
+pub fn out_of_reach(criterion: &Criterion, [low, high]: [f64; 2], points: u64) -> Option<String> {
+    let nominal = criterion.nominal;
+    // Less than this is rounding, and no reason to doubt.
+    let room = 0.01 * criterion.tolerance;
+    if points < FEWEST || low > high || (low - room..=high + room).contains(&nominal) {
+        return None;
+    }
+    let unit = criterion.unit.as_deref();
+    let unit = unit.map_or_else(String::new, |unit| format!(" {unit}"));
+    let hint = match mistaken_unit(criterion, [low, high]) {
+        Some(units) => format!("; the values would fit if {units} had been mistaken: check `unit`"),
+        None => {
+            "; widen the parameters' distributions, or find out what the model misses".to_owned()
+        }
+    };
+    Some(format!(
+        "{}: no point reaches the measured value {nominal}{unit}; the points lie between {} and {}{unit}{hint}",
+        criterion.name,
+        short(low),
+        short(high)
+    ))
+}
+
+/// The units whose confusion would explain the distance, if any do.
+fn mistaken_unit(criterion: &Criterion, [low, high]: [f64; 2]) -> Option<&'static str> {
+    let outside = |value: f64| (low - value).max(value - high).max(0.0);
+    // The model need not be right to tell by its order of magnitude which unit its numbers have.
+    let room = |value: f64, offset: f64| {
+        let own = criterion.tolerance.max(high - low);
+        if offset == 0.0 {
+            own.max(0.3 * value.abs())
+        } else {
+            3.0 * own.max(10.0)
+        }
+    };
+    let far = outside(criterion.nominal);
+    let rest = |&(factor, offset, units): &(f64, f64, &'static str)| {
+        let value = factor * criterion.nominal + offset;
+        let rest = outside(value);
+        let fits = rest <= room(value, offset) && rest < 0.2 * far;
+        fits.then(|| (rest / room(value, offset), units))
+    };
+    let best = UNITS
+        .iter()
+        .filter_map(rest)
+        .min_by(|a, b| a.0.total_cmp(&b.0));
+    best.map(|(_, units)| units)
+}
+
+/// Five significant digits.
+fn short(value: f64) -> String {
+    let digits = if value == 0.0 {
+        0
+    } else {
+        4 - value.abs().log10().floor() as i32
+    };
+    match usize::try_from(digits) {
+        Ok(decimals) if decimals <= 8 => format!("{value:.decimals$}"),
+        Ok(_) => format!("{value:.4e}"),
+        Err(_) => format!("{value:.0}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::statistics::Statistic;
+
+    fn criterion(nominal: f64, tolerance: f64) -> Criterion {
+        Criterion {
+            name: "T".into(),
+            variable: "t".into(),
+            statistic: Statistic::Final,
+            unit: None,
+            nominal,
+            tolerance,
+            stated_tolerance: tolerance.to_string(),
+            uncertainty: None,
+            group: None,
+        }
+    }
+
+    #[test]
+    fn a_measured_value_beyond_all_points_is_warned_of() {
+        let t = criterion(82.0, 0.6);
+        assert_eq!(out_of_reach(&t, [81.0, 83.0], 100), None);
+        assert_eq!(out_of_reach(&t, [80.0, 81.5], 9), None);
+        let far = out_of_reach(&t, [80.0, 81.5], 10).unwrap();
+        assert!(far.starts_with(
+            "T: no point reaches the measured value 82; the points lie between 80.000 and 81.500"
+        ));
+        assert!(far.contains("widen"), "{far}");
+        assert_eq!(
+            out_of_reach(&t, [f64::INFINITY, f64::NEG_INFINITY], 10),
+            None
+        );
+    }
+
+    #[test]
+    fn a_mistaken_unit_is_named() {
+        for (nominal, tolerance, reached, units) in [
+            (82.0, 0.6, [354.0, 356.0], "degC and K"),
+            (355.15, 0.6, [81.0, 83.0], "K and degC"),
+            (12.0, 1.0, [1.1e7, 1.3e7], "MPa and Pa"),
+            (300.0, 5.0, [31.0, 32.0], "rpm and rad/s"),
+            (0.02, 0.001, [19.0, 20.5], "such as m and mm"),
+        ] {
+            let found = out_of_reach(&criterion(nominal, tolerance), reached, 50).unwrap();
+            assert!(found.contains(units), "{nominal}: {found}");
+        }
+    }
+}

@@ -1,0 +1,228 @@
+//! What to improve first: how verdict and risks would change if one measured value's uncertainty, or one parameter's
+//! tolerance, were half of what it is.
+//!
+//! Nothing is simulated again. Another uncertainty changes only how the same points are judged; another tolerance
+//! changes how probable they are, which importance weights tell (Owen 2013, "Monte Carlo theory, methods and examples",
+//! chapter 9). The effective number of points says how much the weights leave of the sample.
+
+use serde::{Deserialize, Serialize};
+
+use crate::conformity::decision::Decision;
+use crate::conformity::interval::wilson;
+use crate::conformity::measured::{Measured, Measurement, Uncertainty};
+use crate::conformity::risk::Guard;
+use crate::judge::Judge;
+use crate::study::plan::Plan;
+
+/// So many points tell enough; of a larger study the first ones are taken.
+pub(super) const MOST: usize = 4096;
+
+/// The changes, and what they are compared with.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Improvements {
+    /// How many of the study's first points were used.
+    pub points: u64,
+    /// As it is, by the same points.
+    pub now: Prospect,
+    /// One change at a time, the one that gains most first.
+    pub changes: Vec<Change>,
+}
+
+/// One change and what it leads to.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Change {
+    /// What is halved.
+    pub halved: Halved,
+    /// The criterion, or the parameter.
+    pub name: String,
+    /// By how much the probability grows that a point is accepted and conforms; where an uncertainty is not known, that
+    /// it is accepted.
+    pub gain: f64,
+    /// What would come out.
+    #[serde(flatten)]
+    pub prospect: Prospect,
+}
+
+/// What is halved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Halved {
+    /// The uncertainty of a measured value.
+    Uncertainty,
+    /// The tolerance of a parameter: the spread of its distribution.
+    Tolerance,
+}
+
+/// Shares of the points and what follows from them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Prospect {
+    /// The share of accepted points.
+    pub accepted: f64,
+    /// Its interval, with the confidence that the study requires, or 95 %.
+    pub interval: [f64; 2],
+    /// That a point conforms; none unless every criterion has an uncertainty. So the following ones.
+    pub conformance_probability: Option<f64>,
+    /// That a point is accepted and does not conform.
+    pub consumer: Option<f64>,
+    /// That a point is rejected and conforms.
+    pub producer: Option<f64>,
+    /// That an accepted point does not conform; none where nothing is accepted.
+    pub not_conforming_given_accepted: Option<f64>,
+    /// The verdict; only where a share is required.
+    pub verdict: Option<Decision>,
+    /// How many equally weighted points would tell as much.
+    pub effective_points: f64,
+}
+
+/// A point as the changes see it: its weight, and what the measurement says of it.
+#[derive(Clone, Copy)]
+struct Seen {
+    weight: f64,
+    margin: f64,
+    conforms: Option<f64>,
+}
+
+/// The improvements by points given as parameters and values; `None` where a point failed. Without a plan, or where
+/// the parameters are correlated, only the measured values' uncertainties are looked at.
+pub(super) fn improvements(
+    judge: &Judge,
+    plan: Option<&Plan>,
+    points: &[(Vec<f64>, Option<Vec<f64>>)],
+) -> Option<Improvements> {
+    if points.len() < 2 {
+        return None;
+    }
+    let base = seen(&judge.measurement, points);
+    let now = prospect(judge, &base);
+    let mut changes = Vec::new();
+    for (k, criterion) in judge.criteria.iter().enumerate() {
+        let Some(measurement) = with_half(judge, k) else {
+            continue;
+        };
+        let prospect = prospect(judge, &seen(&measurement, points));
+        changes.push(change(Halved::Uncertainty, &criterion.name, &now, prospect));
+    }
+    for k in plan
+        .filter(|plan| plan.is_independent())
+        .map_or_else(Vec::new, Plan::varied)
+    {
+        let Some(input) = plan.map(|plan| &plan.inputs[k]) else {
+            continue;
+        };
+        let (wide, narrow) = (input.distribution, input.distribution.scaled(0.5));
+        let weighted = base.iter().zip(points).map(|(seen, (parameters, _))| {
+            let value = parameters[k];
+            Seen {
+                weight: (narrow.ln_density(value) - wide.ln_density(value)).exp(),
+                ..*seen
+            }
+        });
+        let prospect = prospect(judge, &weighted.collect::<Vec<_>>());
+        changes.push(change(Halved::Tolerance, &input.name, &now, prospect));
+    }
+    changes.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    (!changes.is_empty()).then_some(Improvements {
+        points: points.len() as u64,
+        now,
+        changes,
+    })
+}
+
+fn change(halved: Halved, name: &str, now: &Prospect, prospect: Prospect) -> Change {
+    let worth = |p: &Prospect| p.accepted - p.consumer.unwrap_or(0.0);
+    Change {
+        halved,
+        name: name.to_owned(),
+        gain: worth(&prospect) - worth(now),
+        prospect,
+    }
+}
+
+/// The measurement with half the uncertainty of one value; `None` where that has none.
+fn with_half(judge: &Judge, number: usize) -> Option<Measurement> {
+    let mut criteria: Vec<Measured> = judge.measurement.criteria().to_vec();
+    let Uncertainty { expanded, coverage } = criteria[number].uncertainty?;
+    criteria[number].uncertainty = Some(Uncertainty {
+        expanded: 0.5 * expanded,
+        coverage,
+    });
+    Measurement::new(criteria, judge.measurement.correlations()).ok()
+}
+
+/// What a measurement says of points that all count alike.
+fn seen(measurement: &Measurement, points: &[(Vec<f64>, Option<Vec<f64>>)]) -> Vec<Seen> {
+    let failed = Seen {
+        weight: 1.0,
+        margin: f64::NEG_INFINITY,
+        conforms: measurement.complete().then_some(0.0),
+    };
+    let see = |values: &Vec<f64>| {
+        let all = measurement.assess(values).all;
+        Seen {
+            weight: 1.0,
+            margin: all.margin,
+            conforms: all.probability,
+        }
+    };
+    let points = points.iter();
+    points
+        .map(|(_, values)| values.as_ref().map_or(failed, see))
+        .collect()
+}
+
+/// What weighted points come to.
+fn prospect(judge: &Judge, points: &[Seen]) -> Prospect {
+    const USUAL: f64 = 0.95;
+    let least = least_margin(judge.guard, points);
+    let accepted = |point: &&Seen| point.margin >= least;
+    let sum = |of: &dyn Fn(&Seen) -> f64| points.iter().map(|p| p.weight * of(p)).sum::<f64>();
+    let all = sum(&|_| 1.0).max(f64::MIN_POSITIVE);
+    let effective = all * all / sum(&|p| p.weight).max(f64::MIN_POSITIVE);
+    let share = points
+        .iter()
+        .filter(accepted)
+        .map(|p| p.weight)
+        .sum::<f64>()
+        / all;
+    let known = points.iter().all(|p| p.conforms.is_some());
+    let conforming = |p: &Seen| p.conforms.unwrap_or(0.0);
+    let consumer = sum(&|p| {
+        if accepted(&p) {
+            1.0 - conforming(p)
+        } else {
+            0.0
+        }
+    }) / all;
+    let producer = sum(&|p| if accepted(&p) { 0.0 } else { conforming(p) }) / all;
+    let confidence = judge.rule.map_or(USUAL, |rule| rule.confidence);
+    let interval = wilson(share, effective, confidence);
+    Prospect {
+        accepted: share,
+        interval,
+        conformance_probability: known.then(|| sum(&conforming) / all),
+        consumer: known.then_some(consumer),
+        producer: known.then_some(producer),
+        not_conforming_given_accepted: (known && share > 0.0).then(|| consumer / share),
+        verdict: judge.rule.map(|rule| rule.decide(interval)),
+        effective_points: effective,
+    }
+}
+
+/// The least margin with which a point is accepted.
+fn least_margin(guard: Guard, points: &[Seen]) -> f64 {
+    let risk = match guard {
+        Guard::Given(factor) => return factor,
+        Guard::Limiting { risk } => risk,
+    };
+    let mut within: Vec<&Seen> = points.iter().filter(|p| p.margin >= 0.0).collect();
+    within.sort_by(|a, b| b.margin.total_cmp(&a.margin));
+    let (mut weight, mut wrong, mut least) = (0.0, 0.0, f64::INFINITY);
+    for point in within {
+        weight += point.weight;
+        wrong += point.weight * (1.0 - point.conforms.unwrap_or(0.0));
+        if wrong <= risk * weight {
+            least = point.margin;
+        }
+    }
+    least
+}

@@ -1,0 +1,57 @@
+//! The most probable point: that with the largest product of prior density and likelihood.
+
+use super::Outcome;
+use crate::conformity::likelihood::Likelihood;
+use crate::judge::Judge;
+use crate::study::plan::Plan;
+
+/// Looks for the most probable of the points that are shown to it.
+///
+/// The *nearest* point is another one: it agrees best with the measurement, however improbable its parameters are.
+#[derive(Debug)]
+pub(super) struct MostProbable<'a> {
+    plan: &'a Plan,
+    likelihood: Likelihood,
+    best: Option<(f64, Found)>,
+}
+
+/// A point as it was shown.
+#[derive(Clone, Debug)]
+pub(super) struct Found {
+    pub(super) label: u64,
+    pub(super) parameters: Vec<f64>,
+    pub(super) values: Vec<f64>,
+}
+
+impl<'a> MostProbable<'a> {
+    /// `None` where not every measured value has an uncertainty.
+    pub(super) fn new(judge: &Judge, plan: &'a Plan) -> Option<Self> {
+        Some(Self {
+            plan,
+            likelihood: Likelihood::new(&judge.measurement)?,
+            best: None,
+        })
+    }
+
+    /// Takes a point; of equally probable ones the first stays.
+    pub(super) fn add(&mut self, label: u64, parameters: &[f64], outcome: &Outcome) {
+        let Ok(values) = outcome else { return };
+        let probability = self.plan.ln_prior(parameters) + self.likelihood.ln(values);
+        let better = self
+            .best
+            .as_ref()
+            .is_none_or(|(most, _)| probability > *most);
+        if better && probability > f64::NEG_INFINITY {
+            let found = Found {
+                label,
+                parameters: parameters.to_vec(),
+                values: values.clone(),
+            };
+            self.best = Some((probability, found));
+        }
+    }
+
+    pub(super) fn found(&self) -> Option<&Found> {
+        self.best.as_ref().map(|(_, found)| found)
+    }
+}

@@ -1,0 +1,105 @@
+//! What all points together tell besides the counts: how far they reach, which is the most probable, how the model
+//! compares with the measurement, what to improve first.
+
+use indexmap::IndexMap;
+
+use super::Outcome;
+use super::concerns::out_of_reach;
+use super::improvement::{self, improvements};
+use super::probable::MostProbable;
+use super::summary::{BestPoint, Summary};
+use super::validation::{Comparison, Numerical, Spread};
+use crate::judge::Judge;
+use crate::study::plan::Plan;
+
+/// Looks at points one by one, in constant memory.
+#[derive(Debug)]
+pub struct Survey<'a> {
+    judge: &'a Judge,
+    plan: Option<&'a Plan>,
+    /// Whether the points were drawn from the parameters' distributions.
+    drawn: bool,
+    points: u64,
+    reached: Vec<[f64; 2]>,
+    spreads: Vec<Spread>,
+    probable: Option<MostProbable<'a>>,
+    first: Vec<(Vec<f64>, Option<Vec<f64>>)>,
+}
+
+impl<'a> Survey<'a> {
+    /// No points yet. Without a plan the parameters are not known; `drawn` says whether the points were drawn from the
+    /// parameters' distributions, as those of most designs are.
+    pub fn new(judge: &'a Judge, plan: Option<&'a Plan>, drawn: bool) -> Self {
+        let criteria = judge.criteria.len();
+        Self {
+            judge,
+            plan,
+            drawn,
+            points: 0,
+            reached: vec![[f64::INFINITY, f64::NEG_INFINITY]; criteria],
+            spreads: vec![Spread::default(); criteria],
+            probable: plan.and_then(|plan| MostProbable::new(judge, plan)),
+            first: Vec::new(),
+        }
+    }
+
+    /// Looks at a point.
+    pub fn add(&mut self, label: u64, parameters: &[f64], outcome: &Outcome) {
+        if let Some(probable) = &mut self.probable {
+            probable.add(label, parameters, outcome);
+        }
+        if self.first.len() < improvement::MOST {
+            let values = outcome.as_ref().ok().cloned();
+            self.first.push((parameters.to_vec(), values));
+        }
+        let Ok(values) = outcome else { return };
+        self.points += 1;
+        for (k, &value) in values.iter().enumerate() {
+            let [low, high] = &mut self.reached[k];
+            (*low, *high) = (low.min(value), high.max(value));
+            self.spreads[k].add(value);
+        }
+    }
+
+    /// Adds to the summary what was seen.
+    pub fn complete(&self, summary: &mut Summary) {
+        let criteria = || self.judge.criteria.iter().enumerate();
+        // Without the study's path, which may differ from run to run.
+        let said = |warning: &String| {
+            warning
+                .split_once(": ")
+                .map_or(warning.as_str(), |w| w.1)
+                .to_owned()
+        };
+        summary
+            .concerns
+            .extend(self.judge.warnings.iter().map(said));
+        let reach = criteria().filter_map(|(k, c)| out_of_reach(c, self.reached[k], self.points));
+        summary.concerns.extend(reach);
+        let compare = |(k, criterion): (usize, &crate::judge::Criterion)| {
+            let comparison =
+                Comparison::new(criterion, self.spreads[k].result()?, Numerical::default());
+            Some((criterion.name.clone(), comparison))
+        };
+        summary.validation = criteria().filter_map(compare).collect();
+        summary.most_probable_point = self.most_probable(summary);
+        let drawn = self.plan.filter(|_| self.drawn);
+        summary.improvements = improvements(self.judge, drawn, &self.first);
+    }
+
+    fn most_probable(&self, summary: &Summary) -> Option<BestPoint> {
+        let found = self.probable.as_ref()?.found()?;
+        let named =
+            |names: &mut dyn Iterator<Item = &String>, values: &[f64]| -> IndexMap<String, f64> {
+                names.cloned().zip(values.iter().copied()).collect()
+            };
+        let mut parameters = summary.parameters.iter().map(|parameter| &parameter.name);
+        Some(BestPoint {
+            point: found.label,
+            verified: self.judge.verdict(Some(&found.values)).verified(),
+            distance: self.judge.distance(&found.values),
+            parameters: named(&mut parameters, &found.parameters),
+            values: named(&mut summary.criteria.keys(), &found.values),
+        })
+    }
+}

@@ -1,0 +1,211 @@
+//! The validation comparison after ASME V&V 20-2009: what the difference of model and measurement says of the model's
+//! own error.
+
+use serde::{Deserialize, Serialize};
+
+use crate::judge::Criterion;
+
+/// The comparison for one criterion, in its unit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Comparison {
+    /// The model's value S: the mean over the points.
+    pub model: f64,
+    /// The comparison error E = S - D.
+    pub error: f64,
+    /// u_num, the standard uncertainty of the numerical solution; none where it was not observed, which does not mean
+    /// that it is 0.
+    pub u_num: Option<f64>,
+    /// Why u_num is not known, or how it was found.
+    pub u_num_note: String,
+    /// u_input, that of the parameters: the standard deviation over the points.
+    pub u_input: f64,
+    /// u_D, that of the measured value; none where the study does not state it.
+    pub u_d: Option<f64>,
+    /// u_val, the root of the sum of the squares of those that are known.
+    pub u_val: f64,
+    /// Whether all three are known; otherwise u_val is a lower bound.
+    pub complete: bool,
+    /// The coverage factor of the interval.
+    pub coverage: f64,
+    /// E - k u_val and E + k u_val, between which the model's error lies.
+    pub model_error: [f64; 2],
+    /// The largest of the uncertainties: `numerical`, `input` or `measurement`.
+    pub dominant: String,
+}
+
+/// What is known of the numerical uncertainty of one criterion's value.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Numerical {
+    /// The standard uncertainty, where a refinement showed an order.
+    pub standard: Option<f64>,
+    /// How it was found, or why it is not known.
+    pub note: String,
+}
+
+impl Default for Numerical {
+    fn default() -> Self {
+        Self {
+            standard: None,
+            note: "not observed".to_owned(),
+        }
+    }
+}
+
+impl Comparison {
+    /// The comparison of a criterion, given mean and standard deviation of the model's value over the points.
+    pub fn new(criterion: &Criterion, [mean, deviation]: [f64; 2], numerical: Numerical) -> Self {
+        const COVERAGE: f64 = 2.0;
+        let u_d = criterion.uncertainty.map(|u| u.standard());
+        let known = [
+            ("numerical", numerical.standard),
+            ("input", Some(deviation)),
+            ("measurement", u_d),
+        ];
+        let squares = known.iter().filter_map(|(_, u)| *u).map(|u| u * u);
+        let u_val = squares.sum::<f64>().sqrt();
+        let error = mean - criterion.nominal;
+        let largest = known.iter().max_by(|a, b| {
+            let [a, b] = [a.1, b.1].map(|u| u.unwrap_or(0.0));
+            a.total_cmp(&b)
+        });
+        Self {
+            model: mean,
+            error,
+            u_num: numerical.standard,
+            u_num_note: numerical.note,
+            u_input: deviation,
+            u_d,
+            u_val,
+            complete: known.iter().all(|(_, u)| u.is_some()),
+            coverage: COVERAGE,
+            model_error: [-1.0, 1.0].map(|side| error + side * COVERAGE * u_val),
+            dominant: largest.map_or("", |(name, _)| name).to_owned(),
+        }
+    }
+}
+
+/// The numerical uncertainty from values at a step or tolerance h, h / 2 and h / 4.
+///
+/// Where the differences shrink by a factor from 2^(1/2) to 2^8, Richardson's extrapolation tells the error at h, and the
+/// grid convergence index (Roache 1998) with its factor of safety 1.25 is taken as an expanded uncertainty with k = 1.15
+/// (V&V 20, 2-4.1). Otherwise no order shows, and nothing is stated: a mere difference of two runs is no uncertainty.
+pub fn refined([coarse, middle, fine]: [f64; 3]) -> Numerical {
+    const SAFETY: f64 = 1.25;
+    const COVERAGE: f64 = 1.15;
+    let (first, second) = (middle - coarse, fine - middle);
+    let unknown = |note: &str| Numerical {
+        standard: None,
+        note: format!("not observable: {note}"),
+    };
+    if first == 0.0 && second == 0.0 {
+        return unknown("the results do not depend on the step");
+    }
+    let order = (first / second).log2();
+    if !(0.5..=8.0).contains(&order) {
+        return unknown("no order shows when the step is refined");
+    }
+    let error = first.abs() / (1.0 - (-order).exp2());
+    Numerical {
+        standard: Some(SAFETY * error / COVERAGE),
+        note: format!("by refining the step, observed order {order:.1}"),
+    }
+}
+
+/// Mean and variance of numbers that come one by one (Welford 1962, Technometrics 4).
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Spread {
+    count: f64,
+    mean: f64,
+    squares: f64,
+}
+
+impl Spread {
+    pub(super) fn add(&mut self, value: f64) {
+        self.count += 1.0;
+        let step = value - self.mean;
+        self.mean += step / self.count;
+        self.squares += step * (value - self.mean);
+    }
+
+    /// Mean and standard deviation, of two numbers or more.
+    pub(super) fn result(&self) -> Option<[f64; 2]> {
+        let deviation = (self.squares / (self.count - 1.0)).sqrt();
+        (self.count > 1.0).then_some([self.mean, deviation])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::conformity::measured::Uncertainty;
+    use crate::statistics::Statistic;
+
+    fn criterion(uncertainty: Option<f64>) -> Criterion {
+        Criterion {
+            name: "T".into(),
+            variable: "t".into(),
+            statistic: Statistic::Final,
+            unit: None,
+            nominal: 82.0,
+            tolerance: 0.6,
+            stated_tolerance: "0.6".into(),
+            uncertainty: uncertainty.map(|expanded| Uncertainty {
+                expanded,
+                coverage: 2.0,
+            }),
+            group: None,
+        }
+    }
+
+    #[test]
+    fn the_model_error_lies_about_the_comparison_error() {
+        let numerical = Numerical {
+            standard: Some(0.4),
+            note: String::new(),
+        };
+        let found = Comparison::new(&criterion(Some(0.6)), [81.0, 1.2], numerical);
+        // 0.4, 1.2 and 0.3 make 1.3.
+        assert!((found.u_val - 1.3).abs() < 1e-12 && found.complete);
+        assert!(
+            (found.model_error[0] + 3.6).abs() < 1e-12
+                && (found.model_error[1] - 1.6).abs() < 1e-12
+        );
+        assert_eq!(found.dominant, "input");
+    }
+
+    #[test]
+    fn what_is_not_known_is_not_0() {
+        let found = Comparison::new(&criterion(None), [81.0, 1.2], Numerical::default());
+        assert_eq!(
+            (found.u_num, found.u_d, found.complete),
+            (None, None, false)
+        );
+        assert_eq!(found.u_num_note, "not observed");
+        assert_eq!(found.u_val, 1.2);
+    }
+
+    /// Euler's explicit method on y' = -y has the order 1.
+    #[test]
+    fn the_error_of_a_known_order_is_found() {
+        let euler = |steps: i32| (1.0 - 1.0 / f64::from(steps)).powi(steps);
+        let found = refined([euler(20), euler(40), euler(80)]);
+        let error = (euler(20) - (-1.0_f64).exp()).abs();
+        let stated = found.standard.unwrap() * 1.15 / 1.25;
+        assert!((stated / error - 1.0).abs() < 0.03, "{stated} {error}");
+        assert!(found.note.contains("order 1.0"), "{}", found.note);
+    }
+
+    #[test]
+    fn without_an_order_nothing_is_stated() {
+        for (values, why) in [
+            ([1.0, 1.0, 1.0], "do not depend"),
+            ([1.0, 1.1, 1.0], "no order"),
+            ([1.0, 1.1, 1.3], "no order"),
+            ([1.0, 1.0, 1.1], "no order"),
+        ] {
+            let found = refined(values);
+            assert_eq!(found.standard, None);
+            assert!(found.note.contains(why), "{}", found.note);
+        }
+    }
+}

@@ -1,0 +1,393 @@
+//! What makes a verdict doubtful is said; criteria look at their own part of the run; tolerances are found.
+#![allow(clippy::unwrap_used)]
+
+mod support;
+
+use std::fmt::Write;
+
+use serde_json::Value;
+use support::Bench;
+
+const STUDY: &str = r#"
+fmu = "lag.fmu"
+[simulation]
+stop = 2
+step = 0.01
+[design]
+points = 40
+[parameters."lag.rate"]
+distribution = "normal"
+mean = 1
+deviation = 0.1
+[criteria.Y]
+variable = "lag.y"
+nominal = 0.86
+tolerance = 0.02
+uncertainty = 0.01
+"#;
+
+fn verified(study: &str) -> (Bench, Value) {
+    let bench = Bench::new();
+    bench.write("study.toml", study);
+    let said = bench.run(&["verify", "study.toml", "--output", "out"]);
+    assert!(said.code < 2, "{}", said.err);
+    let summary = bench.summary("out");
+    (bench, summary)
+}
+
+fn concerns(summary: &Value) -> Vec<String> {
+    let found = summary["concerns"].as_array().unwrap().iter();
+    found
+        .map(|concern| concern.as_str().unwrap().to_owned())
+        .collect()
+}
+
+/// 1 - exp(-2) is on its way to 1: at t = 2 it still moves by 2 exp(-2) = 0.27 in another two seconds.
+#[test]
+fn a_value_that_still_moves_is_warned_of() {
+    let (bench, summary) = verified(STUDY);
+    let found = concerns(&summary);
+    assert!(
+        found
+            .iter()
+            .any(|c| c.starts_with("Y: its value still moves")),
+        "{found:?}"
+    );
+    assert!(
+        bench
+            .read("out/report.html")
+            .contains("its value still moves")
+    );
+    let later = STUDY.replace("stop = 2", "stop = 40").replace("0.86", "1");
+    assert_eq!(concerns(&verified(&later).1), [""; 0]);
+}
+
+#[test]
+fn a_final_value_of_a_signal_that_swings_is_warned_of() {
+    let study = STUDY
+        .replace("stop = 2", "stop = 20")
+        .replace("mean = 1", "mean = 50")
+        + "[inputs.\"drive.u\"]\nfile = \"u.csv\"\ncolumn = \"u\"\n";
+    let mut table = String::from("time,u\n");
+    for k in 0..=2000 {
+        let t = f64::from(k) * 0.01;
+        writeln!(table, "{t},{}", 0.86 + 0.01 * (8.0 * t).sin()).unwrap();
+    }
+    let run = |study: &str| {
+        let bench = Bench::new();
+        bench.write("study.toml", study);
+        bench.write("u.csv", &table);
+        let said = bench.run(&["verify", "study.toml", "--output", "out"]);
+        assert!(said.code < 2, "{}", said.err);
+        assert!(
+            said.out.contains("swings")
+                == concerns(&bench.summary("out"))
+                    .iter()
+                    .any(|c| c.contains("swings"))
+        );
+        concerns(&bench.summary("out"))
+    };
+    assert!(
+        run(&study)
+            .iter()
+            .any(|c| c.starts_with("Y: its signal swings by 0.0"))
+    );
+    let mean = study.replace(
+        "nominal = 0.86",
+        "nominal = 0.86\nstatistic = \"mean\"\nwindow = 5",
+    );
+    assert!(run(&mean).iter().all(|c| !c.contains("swings")));
+}
+
+#[test]
+fn a_measured_value_in_another_unit_and_a_distribution_outside_the_range_are_warned_of() {
+    let study = STUDY
+        .replace("nominal = 0.86", "nominal = 860")
+        .replace("tolerance = 0.02", "tolerance = 20");
+    let found = concerns(&verified(&study).1);
+    assert!(
+        found[0].starts_with("Y: no point reaches the measured value 860")
+            && found[0].contains("unit"),
+        "{found:?}"
+    );
+    let study = STUDY.replace("mean = 1\ndeviation = 0.1", "mean = 1\ndeviation = 1");
+    let found = concerns(&verified(&study).1);
+    assert!(
+        found
+            .iter()
+            .any(|c| c.starts_with("lag.rate: 16 % of the distribution")),
+        "{found:?}"
+    );
+}
+
+/// The most probable point has the largest product of prior density and likelihood, the nearest the least distance.
+#[test]
+fn the_most_probable_point_is_not_the_nearest() {
+    let (bench, summary) = verified(&STUDY.replace("nominal = 0.86", "nominal = 0.9"));
+    let table = bench.read("out/points.csv");
+    let rows = table.lines().skip(1).map(|line| {
+        let cells: Vec<f64> = line
+            .split(',')
+            .take(3)
+            .map(|cell| cell.parse().unwrap())
+            .collect();
+        let (rate, y) = ((cells[1] - 1.0) / 0.1, (cells[2] - 0.9) / 0.005);
+        (cells[0], -0.5 * (rate * rate + y * y), y.abs())
+    });
+    let rows: Vec<(f64, f64, f64)> = rows.collect();
+    let probable = rows.iter().max_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
+    let nearest = rows.iter().min_by(|a, b| a.2.total_cmp(&b.2)).unwrap();
+    assert_eq!(summary["most_probable_point"]["point"], probable.0 as u64);
+    assert_eq!(summary["best_point"]["point"], nearest.0 as u64);
+    let (_, summary) = verified(&STUDY.replace("uncertainty = 0.01\n", ""));
+    assert!(summary["most_probable_point"].is_null());
+}
+
+/// y = 1 - exp(-rate t): its values at three times and its mean over one second are known.
+#[test]
+fn each_criterion_has_its_own_window() {
+    let study = STUDY
+        .replace("deviation = 0.1", "deviation = 1e-9")
+        .replace("step = 0.01", "step = 0.01\nleap = true")
+        + r#"
+window = { from = "1 s", to = 1.5 }
+[criteria.mean]
+variable = "lag.y"
+statistic = "mean"
+nominal = 0.75
+tolerance = 1
+window = 1
+[criteria.end]
+variable = "lag.y"
+nominal = 0.86
+tolerance = 1
+[criteria.least]
+variable = "lag.y"
+statistic = "min"
+nominal = 0.5
+tolerance = 1
+window = { from = 0.5, to = "700 ms" }
+"#;
+    let bench = Bench::new();
+    bench.write("study.toml", &study);
+    for place in [&["--in-process"][..], &["--isolation", "fresh"]] {
+        let arguments = [&["verify", "study.toml", "--output", "out"], place].concat();
+        let said = bench.run(&arguments);
+        assert!(said.code < 2, "{}", said.err);
+        let values = &bench.summary("out")["best_point"]["values"];
+        let close = |name: &str, expected: f64| {
+            let found = values[name].as_f64().unwrap();
+            assert!((found - expected).abs() < 1e-3, "{name}: {found}");
+        };
+        let y = |t: f64| 1.0 - (-t).exp();
+        close("Y", y(1.5));
+        close("mean", 1.0 - ((-1.0_f64).exp() - (-2.0_f64).exp()));
+        close("end", y(2.0));
+        close("least", y(0.5));
+        std::fs::remove_dir_all(bench.path("out")).unwrap();
+    }
+    for (window, words) in [
+        (
+            "window = { from = 1, to = 3 }",
+            "study.toml:15:10: the window from 1 s to 3 s must lie between",
+        ),
+        (
+            "window = { from = 1.001, to = 1.002 }",
+            "study.toml:15:10: no communication point lies in the window",
+        ),
+    ] {
+        bench.write(
+            "study.toml",
+            &STUDY.replace(
+                "tolerance = 0.02\nuncertainty = 0.01",
+                &format!("{window}\ntolerance = 0.02"),
+            ),
+        );
+        bench
+            .run(&["verify", "study.toml", "--output", "out"])
+            .is_mistake(&[words]);
+    }
+}
+
+/// The table of the comparison, and that what is halved in it is what a study with half of it shows.
+#[test]
+fn what_to_improve_first_is_what_a_study_with_half_of_it_shows() {
+    let study = STUDY
+        .replace("points = 40", "points = 2000")
+        .replace("tolerance = 0.02", "tolerance = 0.01");
+    let (_, summary) = verified(&study);
+    let changes = summary["improvements"]["changes"]
+        .as_array()
+        .unwrap()
+        .clone();
+    let of = |kind: &str| {
+        changes
+            .iter()
+            .find(|c| c["halved"] == kind)
+            .unwrap()
+            .clone()
+    };
+    let number = |value: &Value| value.as_f64().unwrap();
+    let half = study.replace("uncertainty = 0.01", "uncertainty = 0.005");
+    let risk = verified(&half).1["risk"].clone();
+    let told = of("uncertainty");
+    assert!(
+        (number(&told["consumer"]) - number(&risk["consumer"])).abs() < 1e-9,
+        "{told} {risk}"
+    );
+    assert!((number(&told["producer"]) - number(&risk["producer"])).abs() < 1e-9);
+    let half = study.replace("deviation = 0.1", "deviation = 0.05");
+    let (_, brute) = verified(&half);
+    let told = of("tolerance");
+    let [low, high] = [0, 1].map(|k| number(&told["interval"][k]));
+    let share = number(&brute["verified_fraction"]);
+    assert!((low..high).contains(&share), "{told} {share}");
+    assert!(number(&told["effective_points"]) < 2000.0 && number(&told["gain"]) > 0.1);
+    let compared = &summary["validation"]["Y"];
+    assert!(compared["u_num"].is_null() && compared["u_num_note"] == "not observed");
+    let error = number(&compared["model"]) - 0.86;
+    assert!((number(&compared["error"]) - error).abs() < 1e-12);
+    assert_eq!(number(&compared["u_d"]), 0.005);
+    assert_eq!(compared["dominant"], "input");
+}
+
+/// The lag holds its input over a step, so that a ramp comes half a step late: an error of the first order.
+#[test]
+fn the_numerical_uncertainty_is_that_of_the_step() {
+    let study = STUDY
+        .replace("points = 40", "points = 4")
+        .replace("step = 0.01", "step = 0.1")
+        .replace("0.86", "1.13")
+        + "[inputs.\"drive.u\"]\nfile = \"u.csv\"\ncolumn = \"u\"\n";
+    let bench = Bench::new();
+    bench.write("study.toml", &study);
+    bench.write("u.csv", "time,u\n0,0\n2,2\n");
+    let said = bench.run(&["verify", "study.toml", "--output", "out", "--validation"]);
+    assert!(said.code < 2, "{}", said.err);
+    let found = bench.summary("out")["validation"]["Y"].clone();
+    // y = t - 1 + exp(-t) comes half a step late: by 0.05 (1 - exp(-2)).
+    let expected = 0.05 * (1.0 - (-2.0_f64).exp()) * 1.25 / 1.15;
+    let u_num = found["u_num"].as_f64().unwrap();
+    assert!((u_num / expected - 1.0).abs() < 0.15, "{found}");
+    // Without an input that changes, every step is exact.
+    bench.write("study.toml", STUDY);
+    let said = bench.run(&["verify", "study.toml", "--output", "exact", "--validation"]);
+    assert!(said.code < 2, "{}", said.err);
+    let found = bench.summary("exact")["validation"]["Y"].clone();
+    assert!(found["u_num"].is_null(), "{found}");
+    assert!(
+        found["u_num_note"]
+            .as_str()
+            .unwrap()
+            .starts_with("not observable"),
+        "{found}"
+    );
+}
+
+const LINEAR: &str = r#"
+fmu = "lag.fmu"
+[simulation]
+stop = 1
+step = 1
+[design]
+points = 512
+[parameters."lag.length"]
+distribution = "normal"
+mean = 0.02
+deviation = 0.002
+unit = "mm"
+[criteria.L]
+variable = "lag.micrometres"
+nominal = 20
+tolerance = 2.4
+[verdict]
+share = "95 %"
+"#;
+
+/// The output is the length in micrometres: 95 % lie within 1.96 deviations.
+#[test]
+fn tolerances_of_a_linear_model_are_found_and_confirmed() {
+    let bench = Bench::new();
+    bench.write("study.toml", LINEAR);
+    let said = bench.run(&[
+        "tolerances",
+        "study.toml",
+        "--points",
+        "4096",
+        "--output",
+        "out",
+    ]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    let found: Value = serde_json::from_str(&bench.read("out/tolerances.json")).unwrap();
+    let known = 2.4 / (1.959_964 * 2.0);
+    let length = &found["parameters"][0];
+    let scale = length["widest_scale"].as_f64().unwrap();
+    assert!((scale / known - 1.0).abs() < 0.01, "{found}");
+    assert!(length["scale"].as_f64().unwrap() < scale);
+    let share = found["confirmed"]["share"].as_f64().unwrap();
+    let [low, high] = [0, 1].map(|k| found["stated"]["interval"][k].as_f64().unwrap());
+    assert!((low..=high).contains(&share), "{found}");
+    assert_eq!(found["confirmed"]["decision"], "verified");
+    assert!(
+        said.out.contains("widest tolerances") && said.out.contains("confirmed"),
+        "{}",
+        said.out
+    );
+    // Points of a finished study are used first; the same again changes nothing.
+    assert!(
+        bench
+            .run(&["verify", "study.toml", "--output", "known"])
+            .code
+            != 2
+    );
+    let again = [
+        "tolerances",
+        "study.toml",
+        "--from",
+        "known",
+        "--output",
+        "known",
+    ];
+    let said = bench.run(&again);
+    assert_eq!(said.code, 0, "{}", said.err);
+    let first = bench.read("known/tolerances.json");
+    assert!(
+        bench
+            .read("known/report.html")
+            .contains("Widest tolerances")
+    );
+    let said = bench.run(&[&again[..], &["--resume"]].concat());
+    assert_eq!(said.code, 0, "{}", said.err);
+    assert_eq!(bench.read("known/tolerances.json"), first);
+}
+
+#[test]
+fn tolerances_say_why_none_would_do() {
+    let bench = Bench::new();
+    bench.write(
+        "study.toml",
+        &LINEAR.replace("nominal = 20", "nominal = 30"),
+    );
+    let said = bench.run(&["tolerances", "study.toml", "--output", "out"]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    assert!(
+        said.out.contains("no tolerances would do")
+            && said.out.contains("shift a parameter's nominal"),
+        "{}",
+        said.out
+    );
+    bench.write(
+        "study.toml",
+        &LINEAR.replace("[verdict]\nshare = \"95 %\"\n", ""),
+    );
+    bench
+        .run(&["tolerances", "study.toml"])
+        .is_mistake(&["what the tolerances must achieve"]);
+    bench.write(
+        "study.toml",
+        &(LINEAR.to_owned() + "[tolerances]\ncosts.\"lag.lenght\" = 2\n"),
+    );
+    bench
+        .run(&["tolerances", "study.toml"])
+        .is_mistake(&["study.toml:20:7", "lag.lenght"]);
+}
