@@ -165,6 +165,7 @@ time = { column = "t" }
 load = { column = "F", variable = "sensor.loadForce", unit = "N", accuracy = "1 %" }
 torque = { column = "M", variable = "sensor.frictionTorque", unit = "N.m", accuracy = "2 %" }
 speed = { value = 300, unit = "rpm", accuracy = "2.5 rpm" }
+power = { variable = "sensor.frictionPower" }
 """
 
 
