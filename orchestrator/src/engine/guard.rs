@@ -390,7 +390,7 @@ impl Guard {
         Ok(())
     }
 
-    /// What the results say of a lost child, with its last words.
+    /// The failure of a point whose child was lost, with the child's last output.
     fn failure(&mut self, loss: &Loss) -> io::Result<Failure> {
         let with_words = |text: String, words: String| {
             Failure::Crashed(if words.is_empty() {

@@ -105,7 +105,7 @@ pub enum Event {
     Idle,
 }
 
-/// What a worker is told while it runs, and where its answers go.
+/// The connection of a running worker: its instructions, and the place for its answers.
 pub struct Post<'a> {
     /// Takes what happens; breaks where nothing further is wanted.
     pub take: &'a mut dyn FnMut(Event) -> ControlFlow<()>,
@@ -257,7 +257,7 @@ struct Ledger {
     forked: Indexes,
     used: Indexes,
     again: Indexes,
-    /// What does not count any more.
+    /// Results from such processes are void.
     void: Option<Separation>,
 }
 

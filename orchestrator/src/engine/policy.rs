@@ -79,7 +79,7 @@ impl Conduct {
         }
     }
 
-    /// What has been found since `before`.
+    /// The findings since `before`.
     pub fn since(self, before: Option<Self>) -> Self {
         let audits = |conduct: Self| (conduct.audits, conduct.audit_mismatches);
         let (audits, mismatches) = before.map_or((0, 0), audits);
@@ -90,7 +90,7 @@ impl Conduct {
         }
     }
 
-    /// What a reader of the results has to know, a sentence each.
+    /// Remarks for a reader of the results, one sentence each.
     pub fn remarks(&self) -> Vec<String> {
         let mut remarks = Vec::new();
         if !self.reproducible {
@@ -116,7 +116,7 @@ impl Conduct {
         remarks
     }
 
-    /// What the audits prove.
+    /// How far the audits prove that sharing processes changes nothing.
     fn proof(&self) -> String {
         if self.audits == 0 {
             return "points shared processes; there was no time for an audit".to_owned();
@@ -131,7 +131,7 @@ impl Conduct {
     }
 }
 
-/// What a worker is to do next.
+/// The next task of a worker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Plan {
     /// Run a point in several ways and [report](Policy::probed).
@@ -144,7 +144,7 @@ pub(super) enum Plan {
     Used(Habit),
 }
 
-/// What a probe found.
+/// The result of a probe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Probed {
     /// New processes and forks agree.
@@ -163,7 +163,7 @@ const PROBES: u32 = 3;
 const PROOF: usize = 8;
 /// A start that takes longer is dear, s.
 const DEAR: f64 = 1.0;
-/// What reuse must be expected to save, s.
+/// The least time that reuse must be expected to save, s.
 const WORTH: f64 = 2.0;
 /// How much of the time audits may take.
 pub(super) const SHARE: f64 = 0.02;
@@ -179,7 +179,7 @@ const LICENCE: Duration = Duration::from_secs(600);
 /// A point with its results, computed alone.
 pub(super) type Proof = (Job, Vec<f64>);
 
-/// What a worker has spent on points of one kind, and on their audits.
+/// Time that a worker has spent on points of one kind, and on their audits.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Spent {
     /// Time for the points, s.
@@ -212,7 +212,7 @@ impl Spent {
     }
 }
 
-/// What is known of an FMU's need for processes of its own.
+/// Decides how points share processes, from all that is known of the FMU.
 #[derive(Debug)]
 pub(super) struct Policy {
     wish: Isolation,
@@ -290,7 +290,7 @@ impl Policy {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// What to do next; `left` points are to come, as far as that is known.
+    /// The next task; `left` is the number of points to come, where it is known.
     pub(super) fn plan(&self, left: Option<usize>) -> Plan {
         let mut state = self.state();
         let Some(alone) = state.alone else {

@@ -204,7 +204,7 @@ fn loaded(
     }
 }
 
-/// What a process has that its forks would lack or share.
+/// Resources of a process that its forks would lack or share.
 struct Belongings {
     threads: usize,
     descriptors: BTreeSet<String>,

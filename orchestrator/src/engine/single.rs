@@ -21,7 +21,7 @@ pub struct Recorder<'a> {
     pub fmu: &'a Path,
     /// The FMU's path as the user gave it.
     pub name: &'a Path,
-    /// What the point may use; the time is that between two messages of the process.
+    /// Limits of the point; the time limit is for each wait between two messages of the process.
     pub limits: Limits,
     /// Whether what the FMU prints is shown on standard error.
     pub echo: bool,

@@ -30,11 +30,11 @@ pub(super) struct Slot {
     forking: Process,
     /// The guard of the process that runs many points.
     using: Process,
-    /// What this worker has spent on used processes and on forks.
+    /// Time that this worker has spent on used processes and on forks.
     spent: [Spent; 2],
 }
 
-/// What came of a point that was run alone.
+/// The outcome of a point that was run alone.
 type Found = Result<Simulated, Trouble>;
 
 impl Slot {
@@ -203,7 +203,7 @@ impl Slot {
         self.policy.probed(probed, begun.elapsed());
         let (probed, answer) = found?;
         let answer = match answer {
-            // What new processes give is not the same: it is drawn again, with memory as it comes.
+            // New processes do not agree with each other: run the point again, without filling memory.
             _ if probed == Probed::Different => {
                 self.give_up_reproducing(post);
                 self.alone(job, Separation::New, post)?.0
@@ -280,7 +280,7 @@ impl Slot {
             });
             match ran {
                 Ok(()) if same => {
-                    // What saves next to nothing is not worth any doubt.
+                    // Reuse that saves next to nothing is not worth any doubt.
                     const PAYS: f64 = 0.8;
                     let each = begun.elapsed().as_secs_f64() / jobs.len() as f64;
                     let pays = each < PAYS * self.policy.mean_time();
@@ -361,7 +361,7 @@ impl Slot {
         let mut random = rand::rng();
         for number in 0..count {
             let begun = Instant::now();
-            // What accumulates shows in the very last point of all.
+            // An effect that accumulates shows best in the very last point.
             let place = if last && number == 0 {
                 done.len() - 1
             } else {

@@ -1,4 +1,4 @@
-//! What the processes of a study say to each other, over pipes.
+//! The messages between the processes of a study, over pipes.
 //!
 //! A supervisor has guards, each guard has children in which the FMU runs. All messages are frames with length and
 //! checksum ([`frame`](fmu_import::isolation::frame)); numbers are little-endian. The first frame to a guard is its
@@ -18,7 +18,7 @@ use crate::run::Habit;
 use crate::task::Task;
 use fmu_import::{Content, Handle, Value};
 
-/// What a guard needs to know to begin.
+/// The first message to a guard.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Setup {
     /// The folder of the unpacked FMU.
@@ -31,7 +31,7 @@ pub(super) struct Setup {
     pub(super) time: Option<f64>,
     /// The most memory that a child may occupy, bytes.
     pub(super) memory: u64,
-    /// What further frames are marked with.
+    /// The number that marks all further frames.
     pub(super) ticket: u64,
     /// The byte that fills memory which the FMU has not written; none for memory as it comes.
     pub(super) fill: Option<u8>,
@@ -68,7 +68,7 @@ impl Way {
     }
 }
 
-/// What came of a point.
+/// The outcome of a point.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Reply {
     /// The index of the point.
@@ -95,7 +95,7 @@ pub(super) enum Trouble {
 }
 
 impl Trouble {
-    /// What the results say of it.
+    /// The failure as the results show it.
     pub(super) fn failure(self) -> Failure {
         match self {
             Self::Failed(failure) | Self::Refused { failure, .. } | Self::Lost(failure) => failure,
@@ -104,7 +104,7 @@ impl Trouble {
     }
 }
 
-/// What a child says.
+/// Kinds of messages from a child.
 pub(super) mod speech {
     /// The FMU cannot be loaded; the reason follows.
     pub(in super::super) const UNLOADABLE: u8 = 0;

@@ -13,7 +13,7 @@ use crate::results::{Header, Journal, ResultsError, lines};
 pub struct RunFolder {
     /// Takes what is computed.
     pub journal: Journal,
-    /// What was computed before.
+    /// The points of earlier runs.
     pub finished: Option<Finished>,
     /// For what is needed while points run.
     pub scratch: TempDir,

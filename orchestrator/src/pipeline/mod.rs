@@ -170,7 +170,7 @@ impl<'a> Pipeline<'a> {
         self.computed() + self.before
     }
 
-    /// What the journal held when this run began.
+    /// The content of the journal when this run began.
     pub fn finished(&self) -> Option<Arc<Finished>> {
         self.finished.clone()
     }
@@ -444,7 +444,7 @@ impl<'a> Pipeline<'a> {
     }
 }
 
-/// What tells a set of points from another one: their number and a checksum of all their digits.
+/// Identifies a set of points: their number and a checksum of all their digits.
 fn checksum(points: &[Vec<f64>]) -> String {
     let mut sum = crc32fast::Hasher::new();
     for value in points.iter().flatten() {

@@ -24,7 +24,7 @@ pub struct Finished {
     noted: Option<Conduct>,
     /// How many points are finished.
     pub count: u64,
-    /// What tells the sets of points from others, by the index of their first point.
+    /// Checksums of the sets of points, by the index of their first point.
     pub sets: HashMap<u64, String>,
     /// Whether the analysis needed no further points.
     pub ended: bool,

@@ -1,4 +1,4 @@
-//! What a forked child does before and after its work.
+//! Start and end of a forked child.
 
 use std::fs::File;
 use std::os::fd::{AsRawFd, FromRawFd, OwnedFd, RawFd};

@@ -12,7 +12,7 @@ const HEAD: usize = 4 + 8 + 4 + 4;
 /// The longest payload: far above any answer, far below what would exhaust the memory.
 const LONGEST: usize = 1 << 28;
 
-/// What was read is no frame of this exchange.
+/// The bytes are no frame of this exchange.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Broken {
     /// The bytes do not begin with the mark.
@@ -103,7 +103,7 @@ pub fn take(arrived: &mut Vec<u8>, ticket: u64) -> Result<Option<Vec<u8>>, Broke
     Ok(Some(payload))
 }
 
-/// What has arrived from one sender and is not yet taken.
+/// Frames from one sender that are not yet taken.
 #[derive(Debug)]
 pub struct Inbox<R> {
     from: R,

@@ -36,13 +36,13 @@ pub enum Loss {
     Memory,
     /// It closed its pipe, or lost it.
     Mute,
-    /// What it sent is no answer.
+    /// It sent something other than an answer.
     Garbled(Broken),
     /// The keeper's own superior has gone: nobody waits for the answer.
     Orphaned,
 }
 
-/// What a child may use until its next answer.
+/// Limits of a child until its next answer.
 #[derive(Clone, Copy, Debug)]
 pub struct Bounds {
     /// The longest time.
@@ -141,7 +141,7 @@ pub struct Parting {
     pub loss: Option<Loss>,
 }
 
-/// What has become of a child.
+/// The state of a child.
 enum State {
     Running,
     Stopped,

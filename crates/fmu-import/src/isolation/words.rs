@@ -1,4 +1,4 @@
-//! What children print, as far as it is worth keeping.
+//! Keeps the last lines that children print.
 
 use std::fs::File;
 use std::io::{self, Read, Write};
@@ -64,7 +64,7 @@ impl Words {
         self.end.clear();
     }
 
-    /// What is kept of what has been printed.
+    /// The printed text that was kept.
     pub fn text(&mut self) -> String {
         self.hear();
         String::from_utf8_lossy(&self.end).into_owned()

@@ -18,10 +18,10 @@ const MEMORY: u64 = 8 << 30;
 /// The fate of a probe that takes too long.
 pub(super) const TIMEOUT: &str = "timeout";
 
-/// What became of a probe.
+/// The outcome of a probe.
 #[derive(Clone, Debug)]
 pub(super) struct Outcome {
-    /// What it saw, as far as it came.
+    /// Its observations, up to where it came.
     pub(super) report: Option<Report>,
     /// How its process ended, where that was not in order, and during which call.
     pub(super) fate: Option<String>,
@@ -107,7 +107,7 @@ fn end_all(child: &mut Child) {
     let _ = child.wait();
 }
 
-/// What was not in order at the end, with the last words of the FMU.
+/// The fault at the end of the process, with the FMU's last output.
 fn fate(end: End, heard: &Path) -> Option<String> {
     let status = match end {
         End::Limit(limit) => return Some(limit.to_owned()),

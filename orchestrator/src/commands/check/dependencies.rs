@@ -29,7 +29,7 @@ pub(super) fn dependencies(document: &Document<'_>) -> Vec<Hit> {
     })
 }
 
-/// What is wrong with the kinds.
+/// Faults of the kinds.
 fn kinds(list: &str, unknown: Node<'_, '_>) -> Option<String> {
     let kinds: Vec<&str> = unknown
         .attribute("dependenciesKind")?
@@ -120,7 +120,7 @@ fn is_known(scalar: &Scalar<'_>, list: &str, states: &HashSet<usize>) -> bool {
     }
 }
 
-/// What is wrong with each unknown.
+/// Faults of each unknown.
 fn every(
     document: &Document<'_>,
     wrong: impl Fn(&'static str, Node<'_, '_>) -> Option<String>,

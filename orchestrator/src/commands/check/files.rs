@@ -1,4 +1,4 @@
-//! What lies in the archive: safe paths, and binaries of the right name, machine and functions.
+//! Checks of the archive: safe paths, and binaries of the right name, machine and functions.
 
 use std::collections::HashSet;
 
@@ -10,7 +10,7 @@ use super::structure::short;
 use fmu_import::archive::PLATFORM;
 use fmu_import::{FmuError, Package};
 
-/// What is wrong with the files, and whether this machine's binary is among it.
+/// Faults of the files, and whether this machine's binary has one.
 pub(super) struct Found {
     pub(super) findings: Vec<Breach>,
     pub(super) fatal: bool,
@@ -142,7 +142,7 @@ fn add(findings: &mut Vec<Breach>, (rule, hit): Breach, platform: &str) {
     }
 }
 
-/// What is wrong with the binary of a platform.
+/// Faults of a platform's binary.
 fn of_platform(
     package: &mut Package,
     entries: &[String],
@@ -197,7 +197,7 @@ const OUTSIDE: &str =
     "the path leads outside the archive: pack the FMU with relative paths below it";
 const BACKSLASH: &str = "the path contains a backslash: pack the FMU with forward slashes";
 
-/// What is wrong with an entry's path (FMI 2.0.5, section 2.3).
+/// Faults of an entry's path (FMI 2.0.5, section 2.3).
 fn path(entry: &str) -> Option<&'static str> {
     let outside = entry.starts_with('/')
         || entry.split(['/', '\\']).any(|part| part == "..")
@@ -217,7 +217,7 @@ fn is_identifier(name: &str) -> bool {
     name.chars().all(word) && !name.starts_with(|c: char| c.is_ascii_digit())
 }
 
-/// What is wrong with a binary by itself.
+/// Faults of a binary by itself.
 fn binary(
     bytes: &[u8],
     format: BinaryFormat,

@@ -1,4 +1,4 @@
-//! What a check finds, and the rules by which it does.
+//! Findings of a check, and its rules.
 
 use serde::Serialize;
 
@@ -34,12 +34,12 @@ pub(super) struct Rule {
     pub(super) severity: Severity,
     /// Where it stands: the standard with its section, or the schema file.
     pub(super) source: &'static str,
-    /// What it wants.
+    /// The rule's demand.
     pub(super) wants: &'static str,
     pub(super) find: Find,
 }
 
-/// What finds breaches of a rule.
+/// Finds breaches of a rule.
 #[derive(Clone, Copy)]
 pub(super) enum Find {
     /// Looks at the whole model description.

@@ -18,7 +18,7 @@ use fmu_import::{Call, Handle, Instance, Library, Package, Status, Value};
 /// The hidden command that runs a probe.
 pub(super) const COMMAND: &str = "probe";
 
-/// What a probe does.
+/// Kinds of probes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) enum Life {
     /// One simulation.
@@ -35,7 +35,7 @@ pub(super) enum Life {
     Halved,
 }
 
-/// What is to be done.
+/// The task.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Setup {
     pub(super) fmu: PathBuf,
@@ -49,7 +49,7 @@ pub(super) struct Setup {
     pub(super) result: PathBuf,
 }
 
-/// What a process saw.
+/// Observations of a process.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Report {
     /// Why the binary cannot be loaded.
@@ -61,7 +61,7 @@ pub(super) struct Report {
     pub(super) runs: Vec<Run>,
 }
 
-/// What one simulation showed.
+/// Observations of one simulation.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Run {
     pub(super) times: Vec<f64>,

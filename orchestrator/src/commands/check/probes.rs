@@ -12,7 +12,7 @@ use super::probe::{Life, Run, Setup};
 use super::{experiment, shown};
 use fmu_import::{Description, Variable};
 
-/// What glibc fills memory with, to see whether the FMU reads what it never wrote.
+/// Bytes with which glibc fills memory, to see whether the FMU reads memory that it never wrote.
 const FILLS: [u8; 2] = [0x55, 0xaa];
 
 /// An FMU that is probed.

@@ -300,7 +300,7 @@ pub(super) fn values(document: &Document<'_>) -> Vec<Hit> {
         }
     });
     let remarks = &document.read.remarks;
-    // What the reader has used, it has remarked on.
+    // The reader has remarked on faults in the parts that it uses.
     wrong.retain(|hit| {
         let line = hit.position.map(|position| document.line(position));
         remarks.iter().all(|remark| Some(remark.line) != line)

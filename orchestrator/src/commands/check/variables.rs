@@ -76,7 +76,7 @@ pub(super) fn variability_missing(scalar: &Scalar<'_>, _: &Document<'_>) -> Opti
     })
 }
 
-/// What `initial` may be (section 2.2.7, the table of allowed combinations).
+/// Allowed values of `initial` (section 2.2.7, the table of allowed combinations).
 pub(super) fn initial(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
     let Scalar {
         node,
