@@ -21,6 +21,7 @@ use crate::conformity::interval::{Moments, of_mean};
 use crate::design::{Design, Method, Sampling};
 use crate::distribution::Distribution;
 use crate::pipeline::{Halt, Pipeline};
+use crate::report::format::number;
 use crate::report::tolerances as page;
 use crate::results::Outcome;
 use crate::results::summary::ParameterSummary;
@@ -280,16 +281,39 @@ fn parameters(plan: &Plan, problem: &Problem, scales: &[f64], safe: &[f64]) -> V
             name: input.name.clone(),
             unit: input.unit.clone(),
             cost: problem.costs[k],
-            own: scaled(input, 1.0).words(),
+            own: words(&scaled(input, 1.0)),
             widest_scale: scales[k],
-            widest: scaled(input, scales[k]).words(),
+            widest: words(&scaled(input, scales[k])),
             scale: safe[k],
-            stated: scaled(input, safe[k]).words(),
+            stated: words(&scaled(input, safe[k])),
             distribution: scaled(input, safe[k]).distribution,
             limited: scales[k] >= 0.999 * problem.limit,
         }
     };
     varied.iter().enumerate().map(parameter).collect()
+}
+
+/// A distribution as words, with numbers of as many digits as people need.
+fn words(parameter: &ParameterSummary) -> String {
+    let mut rounded = parameter.clone();
+    for value in rounded.distribution.values_mut() {
+        if let Some(exact) = value.as_f64() {
+            *value = number(exact, 4).into();
+        }
+    }
+    let words = rounded.distribution.iter().filter_map(|(key, value)| {
+        let value = value.as_str()?;
+        Some(if key == "distribution" {
+            value.to_owned()
+        } else {
+            format!("{key} {value}")
+        })
+    });
+    let words = words.collect::<Vec<_>>().join(", ");
+    match &parameter.unit {
+        Some(unit) => format!("{words} {unit}"),
+        None => words,
+    }
 }
 
 /// Points of the parameters that vary, run through the pipeline.
