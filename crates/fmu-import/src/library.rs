@@ -53,7 +53,7 @@ pub(crate) struct Callbacks {
     pub(crate) logger: unsafe extern "C" fn(),
     pub(crate) allocate_memory: unsafe extern "C" fn(usize, usize) -> *mut c_void,
     pub(crate) free_memory: unsafe extern "C" fn(*mut c_void),
-    pub(crate) step_finished: unsafe extern "C" fn(*mut c_void, c_int),
+    pub(crate) step_finished: Option<unsafe extern "C" fn(*mut c_void, c_int)>,
     pub(crate) environment: *const c_void,
 }
 

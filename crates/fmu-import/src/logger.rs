@@ -63,8 +63,6 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-unsafe extern "C" fn step_finished(_: *mut c_void, _: c_int) {}
-
 impl Seat {
     fn new(number: usize) -> Self {
         Self {
@@ -72,7 +70,9 @@ impl Seat {
                 logger: fmu_import_logger,
                 allocate_memory: libc::calloc,
                 free_memory: libc::free,
-                step_finished,
+                // A step that is pending is asked for its status. With a function here, FMUs of Dymola warn that they
+                // take no asynchronous steps.
+                step_finished: None,
                 environment: ptr::without_provenance(FIRST + number),
             },
             taken: AtomicBool::new(true),
