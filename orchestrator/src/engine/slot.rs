@@ -139,6 +139,10 @@ impl Slot {
         if second.is_ok() && speaks_of_the_fmu(&first) {
             self.explain(job, separation, &second, post)?;
         }
+        if let (Err(Trouble::Unloadable(reason)), false) = (&second, self.policy.has_loaded()) {
+            // No point is to blame, whichever worker finds it first.
+            return Err(Gone::Start(reason.clone()));
+        }
         Ok((second, Separation::New))
     }
 
