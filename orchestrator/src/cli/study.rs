@@ -41,7 +41,7 @@ pub struct Verify {
     #[arg(long)]
     pub parquet: bool,
     /// End when the 95 % interval of the verified share is narrow enough, such as "ci 0.01", or with "verdict" when
-    /// the rule under [verdict] decides; up to --points, or a million
+    /// the rule of the study's section verdict decides; up to --points, or a million
     #[arg(long, value_name = "CONDITION", conflicts_with = "shard")]
     pub until: Option<Until>,
     /// Run some points with finer communication steps, too, to tell the numerical uncertainty (ASME V&V 20)
