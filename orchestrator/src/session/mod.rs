@@ -12,6 +12,7 @@ use crate::judge::Judge;
 use crate::pipeline::Model;
 use crate::results::{Header, Outcome, ResultsError};
 use crate::study::plan::Plan;
+use crate::study::points;
 use crate::study::{Study, StudyError};
 use crate::table::TableError;
 use fmu_import::{FmuError, Package};
@@ -72,6 +73,7 @@ impl Session {
         let package = Package::open(&fmu)?;
         let judge = Judge::new(&study, Some(package.description()))?;
         let plan = Plan::new(&study, package.description())?;
+        points::varies(&study)?;
         Ok(Self {
             request,
             study,

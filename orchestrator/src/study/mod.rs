@@ -7,7 +7,7 @@ mod error;
 pub mod identification;
 pub(crate) mod inputs;
 pub mod plan;
-mod points;
+pub mod points;
 pub mod quantity;
 #[cfg(test)]
 mod schema_tests;

@@ -18,7 +18,6 @@ pub(super) fn check(study: &Study) -> Result<(), StudyError> {
     struct Count {
         points: Option<Spanned<u64>>,
     }
-    varies(study)?;
     match study.section::<Text>()?.design.points {
         Some(points) if study.design.method.is_by_levels() => {
             let message = "the design has as many points as the levels make; remove `points`";
@@ -28,8 +27,11 @@ pub(super) fn check(study: &Study) -> Result<(), StudyError> {
     }
 }
 
-/// Points that are all the same would make a share of them look certain.
-fn varies(study: &Study) -> Result<(), StudyError> {
+/// Refuses a study whose points are all the same, which would make a share of them look certain.
+///
+/// # Errors
+/// When no parameter varies.
+pub fn varies(study: &Study) -> Result<(), StudyError> {
     let mut parameters = study.parameters.iter();
     if parameters.any(|(_, parameter)| parameter.distribution != Shape::Fixed) {
         return Ok(());
