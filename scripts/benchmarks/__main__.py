@@ -106,9 +106,9 @@ BOUNDARY = """\
 `fmu/examples/direct.rs` calls the stand without FMI; the minimal loop steps the packaged FMU. Both read one output after
 each step. The comparison of a 150 s step includes initialisation and uses default parameters."""
 ISOLATION = """\
-CPU time of all processes, with one worker process and without any. In the last two rows the points run in the way that
-`--isolation` names, and the figure is what a point costs more than in the orchestrator's own process: the message there and
-back in a used process, or the fork of a process with the FMU's memory."""
+CPU time of all processes, with one worker process and without any. The figure is what a point costs more than in the
+orchestrator's own process: the message there and back in a used process (`--isolation reuse`), or the fork of a process with
+the FMU's memory (`--isolation fresh`)."""
 PAPER = "CPU time of the whole process, including the page and the files."
 SCALING = """\
 `verify` of `studies/paper-table3.toml` with one 150 s step a point, including the report and all files. Memory is the peak

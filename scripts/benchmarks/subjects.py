@@ -133,7 +133,7 @@ def alone(study, points, *options):
 
 
 def constant(fmu, step, steps, statistic):
-    """A study whose points are all the same, at the FMU's start values."""
+    """A study whose points are all but the same, at the FMU's start values: one that varies nothing is refused."""
     file = WORK / f"{fmu.file.stem}-{step:g}-{steps}-{statistic}.toml"
     file.write_text(f"""\
 fmu = "{fmu.file.as_posix()}"
@@ -141,8 +141,9 @@ fmu = "{fmu.file.as_posix()}"
 stop = {step * steps!r}
 step = {step!r}
 [parameters."{fmu.parameter}"]
-distribution = "fixed"
-value = {fmu.value}
+distribution = "uniform"
+min = {fmu.value}
+max = {fmu.value * (1 + 1e-9)!r}
 [criteria.output]
 variable = "{fmu.output}"
 statistic = "{statistic}"
