@@ -97,7 +97,7 @@ fn an_abort_with_its_last_words() {
 
 #[test]
 fn an_endless_loop() {
-    is_confined(3, &["--point-timeout", "0.2"], "timeout", "");
+    is_confined(3, &["--point-timeout", "1"], "timeout", "");
 }
 
 #[test]
