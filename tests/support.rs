@@ -7,10 +7,10 @@ use fmu_export::model::{Access, Experiment, Kind, Model, Variable};
 use fmu_import::{Description, Package, Value};
 use orchestrator::identify::bind::Bound;
 use orchestrator::identify::problem::{NoPrediction, Prediction, Query, Simulate};
-use orchestrator::statistics::Accumulator;
 use orchestrator::task::Task;
 use plain_bearing_stand::stand::Stand;
 use rayon::prelude::*;
+use sampling::statistics::Accumulator;
 
 /// A file of the repository.
 pub fn file(path: &str) -> PathBuf {

@@ -6,10 +6,10 @@ use orchestrator::analysis::sensitivity::functions::{
 };
 use orchestrator::analysis::sensitivity::method::FirstOrder;
 use orchestrator::analysis::sensitivity::sobol::{design, indices, replicates};
-use orchestrator::design::{Design, Method, Sampling};
-use orchestrator::distribution::Distribution;
-use orchestrator::statistics::share::{Fraction, randomised_share};
 use rayon::prelude::*;
+use sampling::design::{Design, Method, Sampling};
+use sampling::distribution::Distribution;
+use sampling::statistics::share::{Fraction, randomised_share};
 
 /// A function with its exact indices.
 struct Case {

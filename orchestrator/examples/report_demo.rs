@@ -1,10 +1,10 @@
 //! Writes the report of an invented study, to look at: `cargo run --example report_demo -- 50 target/demo`.
 
+use conformity::measured::{Measured, Measurement, Uncertainty};
 use orchestrator::analysis::pareto::study::{Member, trade_off};
 use orchestrator::analysis::robustness::{region, robustness, rows};
 use orchestrator::analysis::sensitivity::study::from_points;
 use orchestrator::analysis::table::{CriterionColumn, ParameterColumn, PointTable};
-use orchestrator::conformity::measured::{Measured, Measurement, Uncertainty};
 use orchestrator::report::{Report, figures::Series, judgement::Judgement};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rand_distr::StandardNormal;

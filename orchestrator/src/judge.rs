@@ -9,15 +9,15 @@ use std::collections::HashSet;
 use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
-use crate::conformity::decision::Rule;
-use crate::conformity::measured::{Measured, Measurement, Uncertainty};
-use crate::conformity::risk::Guard;
 use crate::names::did_you_mean;
-use crate::statistics::Statistic;
 use crate::study::plan::find;
 use crate::study::quantity::{Scale, Sense};
 use crate::study::{CriterionText, Quantity, Study, StudyError};
+use conformity::decision::Rule;
+use conformity::measured::{Measured, Measurement, Uncertainty};
+use conformity::risk::Guard;
 use fmu_import::Description;
+use sampling::statistics::Statistic;
 
 /// Measured value of one quantity with its tolerance, in the study's unit.
 #[derive(Clone, Debug, Serialize, Deserialize)]

@@ -4,9 +4,6 @@
 pub mod analysis;
 pub mod cli;
 pub mod commands;
-pub mod conformity;
-pub mod design;
-pub mod distribution;
 pub mod engine;
 pub mod failure;
 pub mod identify;
@@ -19,7 +16,6 @@ pub mod results;
 pub mod run;
 pub mod session;
 pub mod source;
-pub mod statistics;
 pub mod study;
 pub mod table;
 pub mod task;

@@ -13,10 +13,10 @@ use std::time::Instant;
 
 use crate::failure::Failure;
 use crate::notices::Notices;
-use crate::statistics::Accumulator;
-use crate::statistics::Statistic;
 use crate::task::Task;
 use fmu_import::{Call, Content, End, Instance, Library, State, Warnings};
+use sampling::statistics::Accumulator;
+use sampling::statistics::Statistic;
 use watched::Watched;
 
 /// Runs points, reusing the instance where the FMU can be reset.

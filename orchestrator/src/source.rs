@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use crate::design::Design;
-use crate::distribution::Distribution;
 use crate::study::Study;
 use crate::study::plan::Input;
 use crate::table::{Table, TableError};
+use sampling::design::Design;
+use sampling::distribution::Distribution;
 
 /// The points of a run, by index from 0.
 #[derive(Clone, Debug)]

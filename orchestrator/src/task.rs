@@ -7,8 +7,8 @@ pub use schedule::{CommunicationPoints, Schedule};
 
 use serde::{Deserialize, Serialize};
 
-use crate::statistics::Statistic;
 use fmu_import::{Content, Handle, Value};
+use sampling::statistics::Statistic;
 
 /// A simulation without the values that vary from point to point.
 #[derive(Clone, Debug, Serialize, Deserialize)]

@@ -15,7 +15,7 @@ ROOT = HERE.parent.parent
 RESULTS = ROOT / "results" / "mutants"
 RUNS = HERE / "runs.json"
 PAGE = ROOT / "docs" / "mutation.md"
-PARTS = ["solver", "statistics", "verdict", "design", "sensitivity"]
+PARTS = ["solver", "statistics", "conformity", "verdict", "design", "sensitivity"]
 
 HEAD = """# Mutation testing
 

@@ -2,7 +2,7 @@
 //! and which criterion decides.
 
 use super::table::PointTable;
-use crate::statistics::share::Fraction;
+use sampling::statistics::share::Fraction;
 
 /// How many points one criterion accepts and rejects.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -7,8 +7,6 @@ use std::time::{Duration, Instant};
 use super::limits::place;
 use super::{CommandError, asking, output};
 use crate::cli::Identify;
-use crate::design::{Design, Method, Sampling};
-use crate::distribution::Distribution;
 use crate::engine::crew::Crew;
 use crate::identify::bind::Bound;
 use crate::identify::error::BindError;
@@ -27,6 +25,8 @@ use crate::study::Identification;
 use crate::study::Study;
 use crate::table::csv_file::{self, CsvFile, reason};
 use fmu_import::{Package, digest};
+use sampling::design::{Design, Method, Sampling};
+use sampling::distribution::Distribution;
 
 /// The name of the command, and of the folder of its journal.
 const NAME: &str = "identify";

@@ -6,11 +6,11 @@ use std::process::ExitCode;
 
 use super::{CommandError, output};
 use crate::cli::Init;
-use crate::design::Method;
 use crate::results::points::number;
 use crate::results::{ResultsError, write_atomically};
 use crate::task::Schedule;
 use fmu_import::{Causality, Description, Kind, Package, Variability, Variable};
+use sampling::design::Method;
 
 pub(super) fn run(options: &Init) -> Result<ExitCode, CommandError> {
     let package = Package::open(&options.fmu)?;

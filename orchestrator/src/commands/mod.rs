@@ -34,7 +34,6 @@ use thiserror::Error;
 
 use crate::analysis::from_results::FolderError;
 use crate::cli::{Cli, Command, Means, Parts};
-use crate::conformity::decision::Decision;
 use crate::engine::{EngineError, Isolation, guard};
 use crate::failure::Failure;
 use crate::judge::Judge;
@@ -46,6 +45,7 @@ use crate::session::SessionError;
 use crate::study::StudyError;
 use crate::study::ssv::SsvError;
 use crate::table::TableError;
+use conformity::decision::Decision;
 use fmu_import::FmuError;
 
 /// The exit code for a mistake in what was asked for.

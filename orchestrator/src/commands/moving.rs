@@ -8,7 +8,7 @@ use crate::judge::Criterion;
 use crate::report::format::number;
 use crate::report::history::{self, Signal};
 use crate::results::{Summary, write_atomically};
-use crate::statistics::Statistic;
+use sampling::statistics::Statistic;
 
 /// The summary with what the best point's trajectory tells of swing and drift; writes it again where that is anything.
 pub(super) fn observed(folder: &Path, summary: &Summary) -> Result<Summary, CommandError> {

@@ -14,7 +14,6 @@ use crate::analysis::robustness::region::Confirmed;
 use crate::analysis::robustness::{Robustness, region, robustness, rows};
 use crate::analysis::table::PointTable;
 use crate::cli;
-use crate::design::cube;
 use crate::pipeline::Pipeline;
 use crate::report::format::{number, percent};
 use crate::report::robustness as page;
@@ -23,6 +22,7 @@ use crate::session::Session;
 use crate::study::Study;
 use crate::study::plan::Plan;
 use confirm::Confirmation;
+use sampling::design::cube;
 
 pub(super) const NAME: &str = "robustness";
 

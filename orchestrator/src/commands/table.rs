@@ -4,11 +4,11 @@ use std::fmt::Write;
 
 use indexmap::IndexMap;
 
-use crate::conformity::risk::Risk;
 use crate::engine::Conduct;
 use crate::results::asides::Asides;
 use crate::results::summary::{Count, FailedPoint};
 use crate::results::{Summary, words};
+use conformity::risk::Risk;
 
 /// The summary for people: what meets which criterion.
 pub(super) fn counts(summary: &Summary) -> String {

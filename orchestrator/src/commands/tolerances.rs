@@ -16,10 +16,6 @@ use crate::analysis::table::PointTable;
 use crate::analysis::tolerances::stated::{Confirmed, Parameter, Stated, Tolerances};
 use crate::analysis::tolerances::{Problem, Sample, widest};
 use crate::cli;
-use crate::conformity::decision::Rule;
-use crate::conformity::interval::{Moments, of_mean};
-use crate::design::{Design, Method, Sampling};
-use crate::distribution::Distribution;
 use crate::pipeline::{Halt, Pipeline};
 use crate::report::format::number;
 use crate::report::tolerances as page;
@@ -28,7 +24,11 @@ use crate::results::summary::ParameterSummary;
 use crate::session::Session;
 use crate::study::plan::{Input, Plan};
 use crate::study::{Study, StudyError};
+use conformity::decision::Rule;
+use conformity::interval::{Moments, of_mean};
 use goal::Goal;
+use sampling::design::{Design, Method, Sampling};
+use sampling::distribution::Distribution;
 
 pub(super) const NAME: &str = "tolerances";
 

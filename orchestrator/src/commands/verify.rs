@@ -11,7 +11,6 @@ use super::{
     CommandError, asking, best, cost, dossier, moving, output, refine, report, table, verdict,
 };
 use crate::cli::Verify;
-use crate::design::Method;
 use crate::engine::crew::Crew;
 use crate::pipeline::folder::RunFolder;
 use crate::pipeline::{Pipeline, Step};
@@ -19,6 +18,7 @@ use crate::report::Report;
 use crate::results::summary::Run;
 use crate::results::{Journal, ResultsError, lines, parquet};
 use crate::session::{Ending, Front, Request, Session, Verification};
+use sampling::design::Method;
 
 /// With `--until`, a study has as many points as needed, but for a limit.
 const MOST_POINTS: u64 = 1_000_000;

@@ -3,11 +3,11 @@
 use toml::Spanned;
 
 use super::{Criterion, Judge, at_name, tolerance};
-use crate::conformity::decision::Rule;
-use crate::conformity::measured::{Measurement, Uncertainty};
-use crate::conformity::risk::Guard;
 use crate::study::quantity::Scale;
 use crate::study::{CriterionText, Name, Pair, Quantity, Required, Study, StudyError};
+use conformity::decision::Rule;
+use conformity::measured::{Measurement, Uncertainty};
+use conformity::risk::Guard;
 use fmu_import::{Causality, Variable};
 
 /// Refuses a criterion on what the study sets itself: it would only judge the sampling.

@@ -4,7 +4,7 @@ use super::Report;
 use super::format::{count, number, percent};
 use crate::analysis::table::PointTable;
 use crate::analysis::verdict::PassCounts;
-use crate::statistics::share::Fraction;
+use sampling::statistics::share::Fraction;
 use serde::Serialize;
 
 #[derive(Serialize)]

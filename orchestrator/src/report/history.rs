@@ -2,8 +2,8 @@
 
 use super::figures::Series;
 use crate::analysis::table::PointTable;
-use crate::statistics::Statistic;
 use crate::table::csv_file;
+use sampling::statistics::Statistic;
 use std::path::Path;
 
 /// The file: `time` in seconds, and the criteria's signals in the criteria's units.

@@ -4,10 +4,10 @@ use serde::Serialize;
 
 use super::format::{number, percent};
 use crate::analysis::table::PointTable;
-use crate::conformity::decision::Decision;
-use crate::conformity::measured::{Measured, Measurement};
-use crate::conformity::risk::Risk;
 use crate::results::{Summary, words};
+use conformity::decision::Decision;
+use conformity::measured::{Measured, Measurement};
+use conformity::risk::Risk;
 
 /// The verdict with its risks.
 #[derive(Clone, Debug, Default)]
@@ -145,7 +145,7 @@ impl RiskRow {
 mod tests {
     use super::*;
     use crate::analysis::table::CriterionColumn;
-    use crate::conformity::measured::Uncertainty;
+    use conformity::measured::Uncertainty;
 
     fn table(values: &[f64]) -> PointTable {
         PointTable {

@@ -28,13 +28,13 @@ use crate::analysis::sensitivity::study::Sensitivity;
 use crate::analysis::table::PointTable;
 use crate::analysis::tolerances::stated::Tolerances;
 use crate::analysis::verdict::PassCounts;
-use crate::statistics::share::Fraction;
 use figures::Series;
 use indexmap::IndexMap;
 use judgement::Judgement;
 use outlook::Outlook;
 #[cfg(feature = "png")]
 use rayon::prelude::*;
+use sampling::statistics::share::Fraction;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 

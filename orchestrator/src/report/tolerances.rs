@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::format::number;
 use crate::analysis::tolerances::stated::{Parameter, Tolerances, Wanted};
-use crate::conformity::decision::Decision;
+use conformity::decision::Decision;
 
 /// The result's file in a folder of results.
 pub const FILE: &str = "tolerances.json";

@@ -98,7 +98,7 @@ fn short(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::statistics::Statistic;
+    use sampling::statistics::Statistic;
 
     fn criterion(nominal: f64, tolerance: f64) -> Criterion {
         Criterion {

@@ -2,10 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::conformity::decision::{Decision, Rule, other_verdict};
-use crate::conformity::looks::Looks;
-use crate::conformity::risk::{Risk, Statement};
-use crate::conformity::sequence::points_needed;
+use conformity::decision::{Decision, Rule, other_verdict};
+use conformity::looks::Looks;
+use conformity::risk::{Risk, Statement};
+use conformity::sequence::points_needed;
 
 /// The verdict on the model, with what it rests on.
 #[derive(Clone, Debug, Serialize, Deserialize)]

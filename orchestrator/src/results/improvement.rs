@@ -7,12 +7,12 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::conformity::decision::Decision;
-use crate::conformity::interval::wilson;
-use crate::conformity::measured::{Measured, Measurement, Uncertainty};
-use crate::conformity::risk::Guard;
 use crate::judge::Judge;
 use crate::study::plan::Plan;
+use conformity::decision::Decision;
+use conformity::interval::wilson;
+use conformity::measured::{Measured, Measurement, Uncertainty};
+use conformity::risk::Guard;
 
 /// So many points tell enough; of a larger study the first ones are taken.
 pub(super) const MOST: usize = 4096;

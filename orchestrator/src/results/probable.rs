@@ -1,9 +1,9 @@
 //! The most probable point: that with the largest product of prior density and likelihood.
 
 use super::Outcome;
-use crate::conformity::likelihood::Likelihood;
 use crate::judge::Judge;
 use crate::study::plan::Plan;
+use conformity::likelihood::Likelihood;
 
 /// Looks for the most probable of the points that are shown to it.
 ///

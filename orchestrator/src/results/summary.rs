@@ -10,11 +10,11 @@ use super::asides::Asides;
 use super::conclusion::Conclusion;
 use super::improvement::Improvements;
 use super::validation::Comparison;
-use crate::conformity::measured::Measurement;
-use crate::conformity::risk::Risk;
 use crate::engine::Conduct;
 use crate::judge::Criterion;
 use crate::study::Dossier;
+use conformity::measured::Measurement;
+use conformity::risk::Risk;
 
 /// The content of `summary.json`.
 #[derive(Clone, Debug, Serialize, Deserialize)]

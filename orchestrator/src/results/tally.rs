@@ -8,10 +8,10 @@ use super::summary::{
     BestPoint, Correlated, Count, CriterionCount, FailedPoint, ParameterSummary, Provenance,
     Summary, VariantCount,
 };
-use crate::conformity::looks::Looks;
-use crate::conformity::risk::RiskTally;
 use crate::judge::{Judge, PointVerdict, Variant};
-use crate::statistics::share::randomised_share;
+use conformity::looks::Looks;
+use conformity::risk::RiskTally;
+use sampling::statistics::share::randomised_share;
 
 impl Count {
     /// The count of points that belong to randomisations of a design in turn, given that of each.

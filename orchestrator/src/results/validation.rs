@@ -137,8 +137,8 @@ impl Spread {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::conformity::measured::Uncertainty;
-    use crate::statistics::Statistic;
+    use conformity::measured::Uncertainty;
+    use sampling::statistics::Statistic;
 
     fn criterion(uncertainty: Option<f64>) -> Criterion {
         Criterion {

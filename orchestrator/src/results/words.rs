@@ -2,7 +2,7 @@
 
 use super::Summary;
 use super::conclusion::{Conclusion, Requirement, grouped};
-use crate::conformity::risk::Risk;
+use conformity::risk::Risk;
 
 /// What a reader has to know first: the verdict, how firmly it stands, and how many of the accepted points conform.
 pub fn sentences(summary: &Summary) -> Vec<String> {

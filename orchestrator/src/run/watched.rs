@@ -1,8 +1,8 @@
 //! Real variables whose statistics are taken while a point runs.
 
-use crate::statistics::Accumulator;
 use crate::task::Task;
 use fmu_import::{Call, Instance, Step};
+use sampling::statistics::Accumulator;
 
 /// Real variables that are read in one call.
 #[derive(Debug)]

@@ -1,9 +1,9 @@
 //! A simulation in which criteria look at different parts of the run.
 
 use super::{Runner, before_the_window, feed, ramp, start};
-use crate::statistics::Accumulator;
 use crate::task::Probe;
 use fmu_import::{Call, Instance};
+use sampling::statistics::Accumulator;
 
 /// A probe with what it has seen so far.
 struct Gauge<'a> {

@@ -2,13 +2,13 @@
 
 use std::str::FromStr;
 
-use crate::conformity::decision::{Decision, Rule};
-use crate::conformity::looks::Looks;
-use crate::conformity::risk::Guard;
-use crate::design::Method;
 use crate::judge::Judge;
 use crate::results::Outcome;
-use crate::statistics::wilson;
+use conformity::decision::{Decision, Rule};
+use conformity::looks::Looks;
+use conformity::risk::Guard;
+use sampling::design::Method;
+use sampling::statistics::wilson;
 
 /// What a study waits for, as the option says it.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
 use super::{Name, Quantity};
-use crate::statistics::Statistic;
+use sampling::statistics::Statistic;
 
 /// How a parameter is measured out between its bounds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -33,10 +33,10 @@ pub use quantity::Quantity;
 pub use sections::{RobustnessText, SensitivityText, TolerancesText};
 pub use window::Window;
 
-use crate::design::Sampling;
-use crate::statistics::Statistic;
 use error::Place;
 use fmu_import::digest;
+use sampling::design::Sampling;
+use sampling::statistics::Statistic;
 
 /// A name with its place in the file.
 pub type Name = Spanned<String>;

@@ -5,13 +5,13 @@ use toml::Spanned;
 
 use super::quantity::Scale;
 use super::{Name, ParameterText, Setting, Study, StudyError, inputs, points, ssv};
-use crate::design::correlation::Correlation;
-use crate::design::{self, Design, Sampling};
-use crate::distribution::Distribution;
-use crate::statistics::Statistic;
 use crate::task::{Probe, Schedule, Slot, Task};
 use fmu_import::units::Conversion;
 use fmu_import::{Description, Value, Variable};
+use sampling::design::correlation::Correlation;
+use sampling::design::{self, Design, Sampling};
+use sampling::distribution::Distribution;
+use sampling::statistics::Statistic;
 
 pub use super::values::{find, slot_of, value_of};
 

@@ -4,8 +4,8 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::{Pair, Shape, Study, StudyError};
-use crate::design::correlation::Correlation;
 use crate::names::{did_you_mean, nearest};
+use sampling::design::correlation::Correlation;
 
 /// A number of points that the design would ignore is an error: it was meant to do something.
 pub(super) fn check(study: &Study) -> Result<(), StudyError> {

@@ -8,8 +8,8 @@ use serde_json::Value;
 
 use super::Study;
 use crate::analysis::sensitivity::methods::RUNS;
-use crate::design::Method;
-use crate::statistics::Statistic;
+use sampling::design::Method;
+use sampling::statistics::Statistic;
 
 fn studies() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../studies")

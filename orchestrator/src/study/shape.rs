@@ -2,7 +2,7 @@
 
 use super::quantity::{Quantity, Scale, Sense};
 use super::{ParameterText, Shape};
-use crate::distribution::Distribution;
+use sampling::distribution::Distribution;
 
 impl ParameterText {
     /// The unit of its first number that has one.

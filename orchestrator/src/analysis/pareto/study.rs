@@ -3,7 +3,7 @@
 
 use super::{dominates, front};
 use crate::analysis::table::{CriterionColumn, PointTable};
-use crate::statistics::moments::{mean, ranks};
+use sampling::statistics::moments::{mean, ranks};
 use serde::{Deserialize, Serialize};
 
 /// The trade-off between the criteria of a study.

@@ -3,7 +3,7 @@
 
 use super::Stand;
 use super::region::Confirmed;
-use crate::statistics::moments::{mean, quantile, sorted};
+use sampling::statistics::moments::{mean, quantile, sorted};
 use serde::{Deserialize, Serialize};
 
 /// A region is unsafe where the mean probability of verification is less than this.

@@ -3,7 +3,7 @@
 
 use super::Stand;
 use crate::analysis::table::PointTable;
-use crate::statistics::moments::{quantile, sorted};
+use sampling::statistics::moments::{quantile, sorted};
 use serde::{Deserialize, Serialize};
 
 /// Cells along each side.

@@ -1,9 +1,9 @@
 //! The largest part of the parameter space with a verification probability above a level.
 
-use crate::statistics::moments::{mean, quantile, sorted};
-use crate::statistics::share::Fraction;
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
+use sampling::statistics::moments::{mean, quantile, sorted};
+use sampling::statistics::share::Fraction;
 use serde::{Deserialize, Serialize};
 
 /// How many of the study's own points a region holds, and how many of them are verified.

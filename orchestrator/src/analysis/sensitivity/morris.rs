@@ -7,10 +7,10 @@
 
 use super::Estimate;
 use super::method::{FromRuns, Measure, Settled, Told, read};
-use crate::statistics::moments::{mean, variance};
-use crate::statistics::share::Z95;
 use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
+use sampling::statistics::moments::{mean, variance};
+use sampling::statistics::share::Z95;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 

@@ -6,9 +6,9 @@
 
 use super::Estimate;
 use super::method::{FromPoints, Measure, Told, read};
-use crate::statistics::moments::{ks_distance, mean, quantile, sorted};
 use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
+use sampling::statistics::moments::{ks_distance, mean, quantile, sorted};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 

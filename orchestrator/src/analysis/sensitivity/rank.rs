@@ -7,9 +7,9 @@
 
 use super::Estimate;
 use super::method::{FromPoints, Measure, Told, read};
-use crate::statistics::moments::{pearson, ranks};
-use crate::statistics::share::Z95;
 use nalgebra::DMatrix;
+use sampling::statistics::moments::{pearson, ranks};
+use sampling::statistics::share::Z95;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 

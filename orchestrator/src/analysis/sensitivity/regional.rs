@@ -4,7 +4,7 @@
 //! Hornberger & Spear (1981), "An approach to the preliminary analysis of environmental systems",
 //! J. Environmental Management 12, 7-18.
 
-use crate::statistics::moments::{ks_distance, ks_probability, quantile, sorted};
+use sampling::statistics::moments::{ks_distance, ks_probability, quantile, sorted};
 use serde::{Deserialize, Serialize};
 
 /// How far one parameter decides between pass and fail.

@@ -7,7 +7,7 @@
 
 use super::Estimate;
 use super::method::{FirstOrder, FromRuns, Measure, Settled, Told, read};
-use crate::statistics::moments::mean;
+use sampling::statistics::moments::mean;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 use statrs::distribution::{ContinuousCDF, StudentsT};
@@ -39,7 +39,7 @@ impl FromRuns for Sobol {
 
     fn design(&self, parameters: usize, settled: &Settled) -> Result<Vec<Vec<f64>>, String> {
         let replicates = replicates(settled.size);
-        let pairs = crate::design::cube(2 * parameters, settled.size, settled.seed, replicates)?;
+        let pairs = sampling::design::cube(2 * parameters, settled.size, settled.seed, replicates)?;
         Ok(design(&pairs))
     }
 
@@ -286,9 +286,9 @@ pub fn convergence(
 mod tests {
     use super::super::functions::{ishigami, ishigami_indices, sobol_g, sobol_g_indices};
     use super::*;
-    use crate::design::{Design, Method, Sampling};
-    use crate::distribution::Distribution;
     use rand::{RngExt, SeedableRng, rngs::StdRng};
+    use sampling::design::{Design, Method, Sampling};
+    use sampling::distribution::Distribution;
 
     /// Pairs as the command takes them.
     fn scrambled_pairs(base: u64, d: usize, seed: u64) -> Vec<Vec<f64>> {

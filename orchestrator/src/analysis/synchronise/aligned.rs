@@ -5,7 +5,7 @@ use super::signal::{Even, SignalError, Spline};
 use super::stationarity::{self, block_means, uncertainty_of_mean};
 use super::uncertainty::{MeasuredValue, from_bound, of_product};
 use super::{Accuracy, Channel, DerivedCriterion, RigRecording, Synchronised};
-use crate::statistics::moments::mean;
+use sampling::statistics::moments::mean;
 
 /// The aligned signals over their common time.
 pub(super) struct Aligned {

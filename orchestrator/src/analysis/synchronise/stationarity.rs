@@ -4,7 +4,7 @@
 //! known) hardly do. All tests work on them.
 
 use crate::analysis::sensitivity::Estimate;
-use crate::statistics::moments::{mean, variance};
+use sampling::statistics::moments::{mean, variance};
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 

@@ -13,9 +13,9 @@ pub mod stated;
 #[cfg(test)]
 mod tests;
 
-use crate::conformity::interval::wilson;
-use crate::design::cube;
-use crate::distribution::Distribution;
+use conformity::interval::wilson;
+use sampling::design::cube;
+use sampling::distribution::Distribution;
 
 pub use sample::{Estimate, Sample};
 

@@ -1,6 +1,6 @@
 //! Points drawn at several tolerances, and what they tell of others.
 
-use crate::distribution::Distribution;
+use sampling::distribution::Distribution;
 
 /// Points of which each knows how good it is, and how probable it was to be drawn.
 #[derive(Clone, Debug)]

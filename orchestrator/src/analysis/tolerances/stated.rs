@@ -4,7 +4,7 @@ use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
 use super::Estimate;
-use crate::conformity::decision::Decision;
+use conformity::decision::Decision;
 
 /// What the tolerances must achieve.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -8,10 +8,10 @@ use crate::analysis::from_results;
 use crate::analysis::robustness::region::{Confirmed, Ellipsoid, Region};
 use crate::analysis::robustness::{Robustness, refined, rows};
 use crate::analysis::table::PointTable;
-use crate::design::{Design, Method, Sampling};
-use crate::distribution::Distribution;
 use crate::pipeline::Pipeline;
 use crate::session::Session;
+use sampling::design::{Design, Method, Sampling};
+use sampling::distribution::Distribution;
 
 /// The most draws to search for points inside a small region.
 const MOST_DRAWS: u64 = 4_000_000;

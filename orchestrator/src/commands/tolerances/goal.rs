@@ -4,9 +4,9 @@ use std::path::Path;
 
 use crate::analysis::from_results;
 use crate::analysis::tolerances::stated::Wanted;
-use crate::conformity::risk::Guard;
 use crate::judge::{Judge, share};
 use crate::study::{Study, StudyError};
+use conformity::risk::Guard;
 
 /// A share of accepted points, or a conformance probability.
 #[derive(Clone, Copy, Debug)]

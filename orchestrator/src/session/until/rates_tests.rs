@@ -4,8 +4,8 @@ use statrs::distribution::{Binomial, DiscreteCDF};
 
 use super::tests::{STUDY, judge};
 use super::*;
-use crate::design::{Design, Sampling};
-use crate::distribution::Distribution;
+use sampling::design::{Design, Sampling};
+use sampling::distribution::Distribution;
 
 /// The share of the region u0 + u1 < 2/sqrt(10) of the unit cube.
 const SHARE: f64 = 0.2;

@@ -5,8 +5,8 @@
 //! the true ones plus an error.
 
 use super::*;
-use crate::conformity::interval::normal_limit;
-use crate::conformity::measured::{Measured, Uncertainty};
+use crate::interval::normal_limit;
+use crate::measured::{Measured, Uncertainty};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rand_distr::{Distribution, StandardNormal};
 

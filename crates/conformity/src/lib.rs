@@ -17,3 +17,8 @@ pub mod sequence;
 
 mod genz;
 mod tabulated;
+
+/// The README's example, as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -224,7 +224,7 @@ fn shift_of(shift: u64, coordinate: u64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::conformity::normal::cdf;
+    use crate::normal::cdf;
 
     fn equicorrelated(size: usize, correlation: f64) -> Vec<Vec<f64>> {
         let entry = |i, j| if i == j { 1.0 } else { correlation };
@@ -263,7 +263,7 @@ mod tests {
     /// is known to 1e-12, and a fine rule integrates it over the first two.
     #[test]
     fn four_numbers_agree_with_the_integral_over_two_of_them() {
-        use crate::conformity::normal::between_both;
+        use crate::normal::between_both;
         use rand::{RngExt, SeedableRng, rngs::StdRng};
         let mut random = StdRng::seed_from_u64(1);
         let fine = GaussLegendre::new(40);

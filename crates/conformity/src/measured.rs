@@ -163,7 +163,7 @@ impl Measurement {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::conformity::normal::{between, between_both};
+    use crate::normal::{between, between_both};
 
     fn measured(nominal: f64, tolerance: f64, expanded: f64) -> Measured {
         Measured {

@@ -44,7 +44,7 @@ impl Likelihood {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::conformity::measured::{Measured, Uncertainty};
+    use crate::measured::{Measured, Uncertainty};
 
     fn likelihood(correlation: &[(usize, usize, f64)]) -> Option<Likelihood> {
         let measured = |nominal, expanded| Measured {

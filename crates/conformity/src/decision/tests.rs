@@ -1,5 +1,5 @@
 use super::*;
-use crate::conformity::sequence::ConfidenceSequence;
+use crate::sequence::ConfidenceSequence;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use statrs::distribution::{Binomial, DiscreteCDF};
 

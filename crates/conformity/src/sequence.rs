@@ -86,7 +86,7 @@ fn log_ratio(hits: f64, points: f64, share: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::conformity::decision::Decision;
+    use crate::decision::Decision;
     use rand::{RngExt, SeedableRng, rngs::StdRng};
 
     const NINETY_FIVE: ConfidenceSequence = ConfidenceSequence { confidence: 0.95 };
@@ -151,8 +151,7 @@ mod tests {
                     wrong |= log_ratio(k, points as f64, share) >= 20.0_f64.ln();
                     if points % 50 == 0 {
                         let observed = k / points as f64;
-                        let [low, high] =
-                            crate::conformity::interval::wilson(observed, points as f64, 0.95);
+                        let [low, high] = crate::interval::wilson(observed, points as f64, 0.95);
                         wilson_wrong |= share < low || share > high;
                     }
                 }

@@ -1,7 +1,7 @@
 use super::*;
-use crate::conformity::joint::JointNormal;
-use crate::conformity::measured::{Measured, Uncertainty};
-use crate::conformity::normal::between;
+use crate::joint::JointNormal;
+use crate::measured::{Measured, Uncertainty};
+use crate::normal::between;
 use statrs::distribution::{ContinuousCDF, Normal};
 
 /// A normal population of model values, a criterion for them, and the published risks.
