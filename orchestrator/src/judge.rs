@@ -85,11 +85,11 @@ pub struct Judge {
     pub variants: Vec<Variant>,
     /// The measured values with the joint distribution of their errors.
     pub measurement: Measurement,
-    /// What is required of the model as a whole, if anything but one point that meets all criteria.
+    /// The rule for the model as a whole, where it is another than one point that meets all criteria.
     pub rule: Option<Rule>,
     /// How far the acceptance intervals are drawn in.
     pub guard: Guard,
-    /// What the user should know although the study can be used, each with its place.
+    /// Warnings about a study that can be used all the same, each with its place.
     pub warnings: Vec<String>,
 }
 

@@ -1,10 +1,10 @@
-//! What an FMU says in a simulation beside its results.
+//! An FMU's remarks in a simulation, beside its results: warnings, an early end, errors of its end.
 
 use serde::{Deserialize, Serialize};
 
 use fmu_import::{Call, Warnings};
 
-/// What an FMU said in one simulation beside its results. None of it makes the point a failed one.
+/// An FMU's remarks in one simulation, beside its results. None of them makes the point fail.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Notices {
@@ -21,7 +21,7 @@ pub struct Notices {
     /// Why the simulation could not be ended properly, though all of it was computed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unfinished: Option<String>,
-    /// What `fmi2GetVersion` returned, where that is not "2.0".
+    /// The answer of `fmi2GetVersion`, where it is not "2.0".
     #[serde(skip_serializing_if = "Option::is_none")]
     pub version: Option<String>,
 }

@@ -37,7 +37,7 @@ pub struct Runner {
     /// The numbers of the other probes that are read there.
     slow: Vec<(usize, Accumulator)>,
     results: Vec<f64>,
-    /// What the FMU said in the last simulation.
+    /// The FMU's remarks in the last simulation.
     notices: Notices,
     /// The version of FMI that the binary says where that is an unusual one, once it was asked.
     version: Option<Option<String>>,
@@ -197,7 +197,7 @@ impl Runner {
         &self.results
     }
 
-    /// What the FMU said in the last simulation beside its results.
+    /// The FMU's remarks in the last simulation, beside its results.
     pub fn notices(&self) -> &Notices {
         &self.notices
     }

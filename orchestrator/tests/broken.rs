@@ -6,7 +6,7 @@ mod support;
 
 use support::{Bench, Said, model};
 
-/// What was broken: the change in the model description, and what is found, as [`amiss`] has it.
+/// A broken description: the change that breaks it, and the finding, as [`amiss`] has it.
 const DESCRIPTIONS: &str = include_str!("fixtures/broken.txt");
 
 /// The same for binaries, broken by a macro of `lag.c`.
@@ -15,8 +15,8 @@ const BINARIES: &str = include_str!("fixtures/broken-binaries.txt");
 /// All cases, with those of this file: every rule stands there.
 const CASES: [&str; 3] = [DESCRIPTIONS, BINARIES, include_str!("broken.rs")];
 
-/// What is not as it should be: one finding, of this rule and with these words. `found` is `RULE: WORDS`; a severity
-/// other than `error` stands before the rule.
+/// The difference from the expected findings: one, of this rule and with these words. `found` is `RULE: WORDS`; a
+/// severity other than `error` stands before the rule.
 fn amiss(bench: &Bench, name: &str, found: &str) -> Option<String> {
     let (rule, words) = found.split_once(": ").unwrap();
     let (severity, rule) = rule.split_once(' ').unwrap_or(("error", rule));
@@ -160,7 +160,7 @@ fn missing_libraries_are_found_beside_a_missing_function() {
     none(&Vec::from_iter(amiss(&bench, "a missing library", found)));
 }
 
-/// What looks strange and is allowed: no error, and exit code 0.
+/// Strange descriptions that are allowed: no error, and exit code 0.
 #[test]
 fn legal_things_are_no_errors() {
     let bench = Bench::empty();
@@ -294,7 +294,7 @@ fn a_fault_of_many_variables_is_no_flood() {
     );
 }
 
-/// What a build for static linking does to the functions' names.
+/// The functions' names as a build for static linking changes them.
 #[test]
 fn a_prefix_is_found() {
     let word = |c: char| !c.is_ascii_alphanumeric();
@@ -423,7 +423,7 @@ fn every_broken_archive_is_found() {
     none(&wrong);
 }
 
-/// What takes more than one change of the description, or other bytes.
+/// Cases that take more than one change of the description, or other bytes.
 #[test]
 fn every_broken_document_is_found() {
     let bench = Bench::empty();

@@ -1,4 +1,4 @@
-//! What makes a verdict doubtful is said; criteria look at their own part of the run; tolerances are found.
+//! Doubts about a verdict are told; criteria look at their own part of the run; tolerances are found.
 #![allow(clippy::unwrap_used)]
 
 mod support;

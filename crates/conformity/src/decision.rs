@@ -93,7 +93,7 @@ pub fn randomised(counts: &[u64], points: u64, confidence: f64) -> [f64; 2] {
 /// The probability that another sample of as many independent points would come to the other verdict by the one-point
 /// rule: without an accepted point where this one has some, with one where this one has none.
 ///
-/// What the points tell of the share of accepted points is taken with Jeffreys' weights, so that the number of
+/// The share of accepted points is taken as distributed by Jeffreys' rule given the points, so that the number of
 /// accepted points of the other sample is beta-binomial (Johnson, Kemp and Kotz 2005, "Univariate Discrete
 /// Distributions", 6.2.2).
 pub fn other_verdict(accepted: u64, points: u64) -> f64 {

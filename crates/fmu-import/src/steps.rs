@@ -17,7 +17,7 @@ pub struct Step {
     pub size: f64,
 }
 
-/// What returned anything but `fmi2OK`, and what it was.
+/// A status other than `fmi2OK`, by the function that returned it.
 enum Halt {
     Step(c_int),
     Read(c_int),

@@ -65,7 +65,7 @@ impl Lag {
 }
 
 fmu_export::enumerations! {
-    /// What goes wrong in the next step.
+    /// The fault of the next step.
     TROUBLE = "Trouble", "What goes wrong in the next step", [
         None = 1 "Nothing",
         Discard = 2 "The step cannot be computed",

@@ -2,7 +2,7 @@
 //! not a number, counts of 0 and beyond all memory, foreign handles, functions out of turn, damaged
 //! and forged states, calls from within the logger.
 //!
-//! What must hold: no crash; no panic (it would end in `fmi2Fatal`); values that are read are finite;
+//! Required: no crash; no panic (it would end in `fmi2Fatal`); values that are read are finite;
 //! a call that is refused changes nothing; a state that is restored or read again is the same, byte
 //! for byte.
 //!

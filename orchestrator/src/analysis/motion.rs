@@ -1,6 +1,6 @@
 //! Whether a signal has come to rest at the end of a run: how far it swings there, and how far it still drifts.
 
-/// What a signal does at the end of a run.
+/// The motion of a signal at the end of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Motion {
     /// From the least to the greatest value within the last period, freed from the drift; 0 without a period.

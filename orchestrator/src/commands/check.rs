@@ -1,6 +1,6 @@
 //! `check`: looks at an FMU before it is used.
 //!
-//! What the model description says and the archive holds, by the [`rules`]; then short simulations, each in a process of
+//! First the model description and the archive, by the [`rules`]; then short simulations, each in a process of
 //! its own ([`probes`]).
 
 mod aliases;
@@ -100,7 +100,7 @@ impl Findings {
 
     fn look(&mut self, mut package: Package, patience: f64) -> Result<(), CommandError> {
         self.described(&mut package)?;
-        // What the description says wrongly, the binary cannot confirm.
+        // Probes of the binary would only repeat the description's errors.
         let described_well = self.errors() == 0;
         let files = files::broken(&mut package)?;
         for (rule, hit) in files.findings {
@@ -140,7 +140,7 @@ impl Findings {
         Ok(())
     }
 
-    /// What the model description says.
+    /// The findings in the model description.
     fn described(&mut self, package: &mut Package) -> Result<(), CommandError> {
         let read = package.description().clone();
         let found = package.with_document(|root| {

@@ -92,7 +92,7 @@ pub enum CommandError {
         "the simulation failed: {failure}: the step is {step} s, as the FMU suggests none; set another by --step"
     )]
     Step {
-        /// What the FMU said.
+        /// The FMU's remarks.
         failure: Failure,
         /// The step, s.
         step: f64,

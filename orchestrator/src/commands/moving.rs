@@ -41,7 +41,7 @@ fn concerns(summary: &Summary, time: &[f64], signals: &[Signal]) -> Vec<String> 
     signals.iter().filter_map(of).flatten().collect()
 }
 
-/// What a motion means for the number that is compared with the measured value.
+/// The effect of a motion on the number that is compared with the measured value.
 fn judged(criterion: &Criterion, motion: Motion) -> Vec<String> {
     let Criterion {
         name,

@@ -39,7 +39,7 @@ pub(super) fn observed(
     Ok(summary)
 }
 
-/// What is known of each criterion: the largest uncertainty of some points.
+/// The numerical uncertainty of each criterion: the largest of some points.
 fn numerical(
     verification: &mut Verification,
     means: &Means,

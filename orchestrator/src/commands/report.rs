@@ -128,7 +128,7 @@ fn record(
     if here && let Ok(text) = write(true) {
         return Ok(text);
     }
-    // What fails in this process has its second try in a fresh one.
+    // A simulation that fails in this process has its second try in a fresh one.
     write(false)
 }
 

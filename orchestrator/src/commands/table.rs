@@ -159,7 +159,7 @@ fn most_probable(summary: &Summary) -> String {
     }
 }
 
-/// What a reader has to know first, a line each.
+/// The first lines for a reader.
 pub(super) fn remarks(summary: &Summary) -> String {
     let conduct = summary.conduct.iter().flat_map(Conduct::remarks);
     let asides = summary.asides.iter().flat_map(Asides::remarks);

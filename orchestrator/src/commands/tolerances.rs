@@ -227,7 +227,7 @@ impl Search {
     }
 }
 
-/// What a narrower tolerance of each parameter that varies costs.
+/// Relative cost of a narrower tolerance, for each parameter that varies.
 fn costs(study: &Study, plan: &Plan) -> Result<Vec<f64>, StudyError> {
     let varied: Vec<&str> = plan
         .varied()
@@ -332,7 +332,7 @@ impl Runs<'_, '_> {
         Ok(self.outcomes(&[point])?.pop().flatten())
     }
 
-    /// What comes of points, of which those that fail have nothing.
+    /// The results of points; none for those that fail.
     fn outcomes(&mut self, points: &[Vec<f64>]) -> Result<Vec<Option<Vec<f64>>>, Halt> {
         let inputs = &self.session.plan.inputs;
         let full = |point: &Vec<f64>| -> Vec<f64> {

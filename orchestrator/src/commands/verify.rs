@@ -178,7 +178,7 @@ fn counted(number: u64, thing: &str) -> String {
     format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
 }
 
-/// What would be done.
+/// The plan of the run, for `--dry-run`.
 fn plan(verification: &Verification, folder: &Path) -> String {
     let session = &verification.session;
     let schedule = &session.plan.task.schedule;

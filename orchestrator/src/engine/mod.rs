@@ -72,7 +72,7 @@ pub type Answer = Result<Vec<f64>, Failure>;
 pub struct Simulated {
     /// The results in the FMU's units.
     pub values: Vec<f64>,
-    /// What the FMU said beside them, if it said anything.
+    /// The FMU's remarks beside them, if there were any.
     pub notices: Option<Box<Notices>>,
 }
 

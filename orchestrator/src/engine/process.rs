@@ -365,7 +365,7 @@ pub fn abandon_all() {
     for &guard in &guards {
         offspring::kill_group(guard as libc::pid_t);
     }
-    // What a guard has adopted becomes this process's own when the guard has ended: then it is looked for again.
+    // Processes that a guard has adopted become this process's own when the guard ends, so look for them again then.
     let mark = format!("{MARK}={}", mark());
     while Instant::now() < until && offspring::end_marked(&mark, |_| false) {
         std::thread::sleep(Duration::from_millis(1));

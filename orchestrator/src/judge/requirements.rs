@@ -1,4 +1,4 @@
-//! What a study requires of the model as a whole, and how uncertain its measured values are.
+//! A study's requirements of the model as a whole, and the uncertainties of its measured values.
 
 use toml::Spanned;
 

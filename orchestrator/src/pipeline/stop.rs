@@ -39,7 +39,7 @@ pub fn flag() -> &'static AtomicBool {
 
 /// Ends this process at once, and all that it has started.
 fn leave() {
-    // What the kernel holds (a dead network disk) cannot be ended by anyone, and must not hold us up.
+    // Nobody can end a process that the kernel holds (a dead network disk). It must not hold us up.
     let (done, wait) = sync_channel(1);
     thread::spawn(move || {
         process::abandon_all();

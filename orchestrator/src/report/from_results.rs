@@ -67,7 +67,7 @@ impl Report {
     }
 }
 
-/// What a reader has to know of how the points were computed, and what makes the verdict doubtful.
+/// How the points were computed, as far as a reader has to know it, and doubts about the verdict.
 fn remarks(summary: &Summary, shown: usize) -> Vec<String> {
     let thinned = (summary.points > shown as u64).then(|| {
         format!(

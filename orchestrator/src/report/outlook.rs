@@ -21,7 +21,7 @@ pub struct Outlook {
 }
 
 impl Outlook {
-    /// What a finished study tells.
+    /// Conclusions from a finished study.
     pub fn new(summary: &Summary) -> Self {
         let row = |(name, found): (&String, &Comparison)| {
             let unit = summary

@@ -54,7 +54,7 @@ fn wanted(found: &Tolerances) -> String {
     )
 }
 
-/// What the fresh runs say; nothing where there are none.
+/// The result of the fresh runs; nothing where there are none.
 fn confirmed(found: &Tolerances) -> String {
     let (Some(stated), Some(confirmed)) = (found.stated, found.confirmed) else {
         return String::new();

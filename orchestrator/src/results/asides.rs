@@ -1,10 +1,10 @@
-//! What an FMU said beside its results, over all points of a study.
+//! An FMU's remarks beside its results, over all points of a study.
 
 use serde::{Deserialize, Serialize};
 
 use crate::notices::Notices;
 
-/// What the FMU said beside its results, over all points. None of it makes a point a failed one.
+/// The FMU's remarks beside its results, over all points. None of them makes a point fail.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Asides {
     /// Points with warnings (`fmi2Warning`, or messages logged as such), and how many these were.
@@ -13,7 +13,7 @@ pub struct Asides {
     pub ended_early: Points,
     /// Points whose simulation was complete, but could not be ended properly (`fmi2Terminate`, `fmi2FreeInstance`).
     pub terminate_errors: Points,
-    /// What `fmi2GetVersion` returned, where that is not "2.0".
+    /// The answer of `fmi2GetVersion`, where it is not "2.0".
     pub fmi_version: Option<String>,
     /// Whether the FMU needs a tool to be installed beside it.
     pub needs_execution_tool: bool,
@@ -86,7 +86,7 @@ impl Asides {
         }
     }
 
-    /// What a reader of the results has to know, a sentence each.
+    /// Sentences for a reader of the results.
     pub fn remarks(&self) -> Vec<String> {
         let warned = format!("the FMU gave {} warnings", self.warnings.count);
         let ended = "the FMU ended the simulation before the stop time, as the standard allows (fmi2Discard with \

@@ -1,4 +1,4 @@
-//! What makes a verdict doubtful although the study can be judged: a sentence each, with the remedy.
+//! Doubts about a verdict of a study that can be judged all the same: a sentence each, with the remedy.
 
 use crate::judge::Criterion;
 

@@ -1,4 +1,4 @@
-//! What follows from all points together: the verdict by its rule, and the risks of accepting.
+//! The conclusion from all points together: the verdict by its rule, and the risks of accepting.
 
 use serde::{Deserialize, Serialize};
 
@@ -16,7 +16,7 @@ pub struct Conclusion {
     pub rule: RuleName,
     /// Both in words.
     pub verdict_words: String,
-    /// What the rule requires and what came out; only of the rule `share`.
+    /// The required share and the one found; only for the rule `share`.
     pub required: Option<Requirement>,
     /// The probability that another seed comes to the other verdict, as if its points were independent; only of the
     /// rule `one point`.
@@ -42,7 +42,7 @@ pub enum RuleName {
     Share,
 }
 
-/// What a share is required to be, and what is known of it.
+/// The required value of a share, and its interval from the points.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Requirement {
     /// The required share and the confidence.

@@ -1,4 +1,4 @@
-//! What to improve first: how verdict and risks would change if one measured value's uncertainty, or one parameter's
+//! Improvements by their effect: how verdict and risks would change if one measured value's uncertainty, or one parameter's
 //! tolerance, were half of what it is.
 //!
 //! Nothing is simulated again. Another uncertainty changes only how the same points are judged; another tolerance
@@ -31,19 +31,19 @@ pub struct Improvements {
 /// One change and what it leads to.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Change {
-    /// What is halved.
+    /// The uncertainty or tolerance that is halved.
     pub halved: Halved,
     /// The criterion, or the parameter.
     pub name: String,
     /// By how much the probability grows that a point is accepted and conforms; where an uncertainty is not known, that
     /// it is accepted.
     pub gain: f64,
-    /// What would come out.
+    /// Verdict and risks that would follow.
     #[serde(flatten)]
     pub prospect: Prospect,
 }
 
-/// What is halved.
+/// The uncertainty or tolerance that is halved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Halved {
@@ -149,7 +149,7 @@ fn with_half(judge: &Judge, number: usize) -> Option<Measurement> {
     Measurement::new(criteria, judge.measurement.correlations()).ok()
 }
 
-/// What a measurement says of points that all count alike.
+/// Verdict and risks over points that all count alike.
 fn seen(measurement: &Measurement, points: &[(Vec<f64>, Option<Vec<f64>>)]) -> Vec<Seen> {
     let failed = Seen {
         weight: 1.0,
@@ -170,7 +170,7 @@ fn seen(measurement: &Measurement, points: &[(Vec<f64>, Option<Vec<f64>>)]) -> V
         .collect()
 }
 
-/// What weighted points come to.
+/// Verdict and risks over weighted points.
 fn prospect(judge: &Judge, points: &[Seen]) -> Prospect {
     const USUAL: f64 = 0.95;
     let least = least_margin(judge.guard, points);

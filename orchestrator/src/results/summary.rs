@@ -68,19 +68,19 @@ pub struct Summary {
     /// uncertainty and the parameters' distributions are known.
     #[serde(default)]
     pub most_probable_point: Option<BestPoint>,
-    /// What makes the verdict doubtful, a sentence each.
+    /// Doubts about the verdict, a sentence each.
     #[serde(default)]
     pub concerns: Vec<String>,
     /// How the model compares with the measurement, by criterion (ASME V&V 20).
     #[serde(default, skip_serializing_if = "IndexMap::is_empty")]
     pub validation: IndexMap<String, Comparison>,
-    /// What to improve first.
+    /// Improvements by their effect on the verdict, the best first.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub improvements: Option<Improvements>,
     /// How the points shared processes, and what audits of that found.
     #[serde(flatten)]
     pub conduct: Option<Conduct>,
-    /// What the FMU said beside its results.
+    /// The FMU's remarks beside its results.
     #[serde(flatten)]
     pub asides: Option<Asides>,
     /// How the computation went. All else is the same for every run of the study.

@@ -1,4 +1,4 @@
-//! What all points together tell besides the counts: how far they reach, which is the most probable, how the model
+//! Conclusions from all points together besides the counts: how far they reach, which is the most probable, how the model
 //! compares with the measurement, what to improve first.
 
 use indexmap::IndexMap;

@@ -18,7 +18,7 @@ const CLASSIFICATION: &str = "orchestrator.verification";
 /// A keyword and what is known under it.
 pub type Entry = (String, String);
 
-/// What points were computed from: study, FMU, design, versions and hashes.
+/// The origin of the points: study, FMU, design, versions and hashes.
 pub fn origin(summary: &Summary) -> Vec<Entry> {
     let from = &summary.provenance;
     known([

@@ -33,7 +33,7 @@ pub struct Comparison {
     pub dominant: String,
 }
 
-/// What is known of the numerical uncertainty of one criterion's value.
+/// The numerical uncertainty of one criterion's value, as far as it is known.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Numerical {
     /// The standard uncertainty, where a refinement showed an order.

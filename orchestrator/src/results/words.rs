@@ -4,7 +4,7 @@ use super::Summary;
 use super::conclusion::{Conclusion, Requirement, grouped};
 use conformity::risk::Risk;
 
-/// What a reader has to know first: the verdict, how firmly it stands, and how many of the accepted points conform.
+/// The first lines for a reader: the verdict, how firmly it stands, and how many of the accepted points conform.
 pub fn sentences(summary: &Summary) -> Vec<String> {
     let Some(conclusion) = &summary.conclusion else {
         return Vec::new();

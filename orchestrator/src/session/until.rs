@@ -10,7 +10,7 @@ use conformity::risk::Guard;
 use sampling::design::Method;
 use sampling::statistics::wilson;
 
-/// What a study waits for, as the option says it.
+/// The condition that ends sampling, as the option gives it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Until {
     /// A 95 % interval of the verified share that is no wider than this.
@@ -57,7 +57,7 @@ enum Condition {
 const ROUND: u64 = 100;
 
 impl Ending {
-    /// What an option means for a study whose points come from a design with so many replicates, or from a table.
+    /// The meaning of an option for a study whose points come from a design with so many replicates, or from a table.
     ///
     /// # Errors
     /// When the points allow no such ending; says what to do.

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// What a reader of the verdict needs besides the numbers. All of it is text for people.
+/// Who tested what and when: text for the reader of a verdict.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Dossier {
@@ -30,7 +30,7 @@ pub struct Dossier {
 }
 
 impl Dossier {
-    /// What is stated, by its key.
+    /// The statements, by their keys.
     pub fn stated(&self) -> impl Iterator<Item = (&'static str, &str)> {
         let all = [
             ("responsible", &self.responsible),

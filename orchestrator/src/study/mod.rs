@@ -92,7 +92,7 @@ pub struct Study {
     /// The section `[robustness]`: defaults for the options of that command.
     #[serde(default)]
     pub robustness: RobustnessText,
-    /// What `tolerances` looks for.
+    /// The goal of `tolerances`.
     #[serde(default)]
     pub tolerances: TolerancesText,
     /// File from which the study was read.
@@ -253,7 +253,7 @@ pub struct CriterionText {
     pub about: Option<String>,
 }
 
-/// What is required of the model as a whole.
+/// The rule for the model as a whole.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct Required {

@@ -40,7 +40,7 @@ pub struct TolerancesText {
     pub share: Option<Spanned<Quantity>>,
     /// The conformance probability that must hold instead.
     pub conformance: Option<Spanned<Quantity>>,
-    /// What a narrower tolerance of a parameter costs, relative to the others; 1 otherwise.
+    /// Relative cost of a narrower tolerance of a parameter; 1 where none is given.
     #[serde(default)]
     pub costs: IndexMap<Name, Spanned<f64>>,
     /// The widest tolerance that is looked at, in those of the study; 3 otherwise.

@@ -19,12 +19,12 @@ use sampling::distribution::Distribution;
 
 pub use sample::{Estimate, Sample};
 
-/// What is looked for.
+/// The task: goal, parameters, costs.
 #[derive(Clone, Debug)]
 pub struct Problem {
     /// The parameters that vary, as the study states them.
     pub distributions: Vec<Distribution>,
-    /// What a narrower tolerance of each costs, relative to the others.
+    /// Relative cost of a narrower tolerance, for each parameter.
     pub costs: Vec<f64>,
     /// The share that must hold.
     pub target: f64,
@@ -69,7 +69,7 @@ const WIDER: f64 = 1.25;
 /// to 1, of which the share is the mean.
 ///
 /// # Errors
-/// What `run` returns.
+/// The return value of `run`.
 pub fn widest<E>(
     problem: &Problem,
     known: Option<Sample>,
@@ -139,7 +139,7 @@ impl Problem {
         found.effective >= 0.5 * FEWEST && found.share >= self.target
     }
 
-    /// What tolerances cost.
+    /// The cost of tolerances.
     fn cost(&self, scales: &[f64]) -> f64 {
         self.costs
             .iter()
@@ -175,7 +175,7 @@ impl Problem {
                 break;
             }
             let wanted = self.costs.iter().zip(&falls).map(|(cost, &fall)| {
-                // What changes nothing may become as wide as it likes.
+                // A parameter without influence may become as wide as it likes.
                 cost / fall.max(1e-6 * largest)
             });
             let ratios: Vec<f64> = wanted.zip(&scales).map(|(w, s)| (w / s).ln()).collect();

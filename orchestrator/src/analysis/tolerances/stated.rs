@@ -1,4 +1,4 @@
-//! What is stated of the widest tolerances, as it stands in the result's file.
+//! The statement about the widest tolerances, as it stands in the result's file.
 
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::Estimate;
 use conformity::decision::Decision;
 
-/// What the tolerances must achieve.
+/// The goal of the tolerances.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Wanted {
@@ -20,7 +20,7 @@ pub enum Wanted {
 /// The widest tolerances, or why there are none.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Tolerances {
-    /// What must be achieved.
+    /// The required share or probability.
     pub wanted: Wanted,
     /// The least of it.
     pub share: f64,
@@ -30,11 +30,11 @@ pub struct Tolerances {
     pub reasons: Vec<String>,
     /// The parameters with their tolerances.
     pub parameters: Vec<Parameter>,
-    /// What is achieved at the widest tolerances, by the weighted points.
+    /// The share or probability at the widest tolerances, from the weighted points.
     pub widest: Option<Stated>,
     /// The same at the stated ones, which are narrower, so that fresh runs can show it.
     pub stated: Option<Stated>,
-    /// What the fresh runs at the stated tolerances show.
+    /// The result of the fresh runs at the stated tolerances.
     pub confirmed: Option<Confirmed>,
     /// Points that the weights rest on.
     pub points: u64,
@@ -49,7 +49,7 @@ pub struct Parameter {
     pub name: String,
     /// The unit of the study's numbers.
     pub unit: Option<String>,
-    /// What a narrower tolerance costs, relative to the others.
+    /// Relative cost of a narrower tolerance.
     pub cost: f64,
     /// The study's distribution in words.
     pub own: String,
@@ -72,7 +72,7 @@ pub struct Parameter {
 pub struct Stated {
     /// The share.
     pub share: f64,
-    /// What fresh runs will show, with a probability of 99 %.
+    /// The range in which the fresh runs' result falls with a probability of 99 %.
     pub interval: [f64; 2],
     /// How many equally weighted points the weights leave.
     pub effective_points: f64,
@@ -89,7 +89,7 @@ impl Stated {
     }
 }
 
-/// What fresh runs show.
+/// The result of the fresh runs.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Confirmed {
     /// How many.

@@ -1,4 +1,4 @@
-//! What the definitions say before any variable does: names that come twice, factors of nothing, the date, and what
+//! Rules about the definitions that come before the variables: names that come twice, factors of nothing, the date, and what
 //! is for Model Exchange only (FMI 2.0.5, sections 2.2.1 to 2.2.4, 2.2.6 and 2.2.7).
 
 use std::collections::{HashMap, HashSet};

@@ -1,4 +1,4 @@
-//! What the probes simulate: which variables they read, for how long, and which parameters they change.
+//! The probes' simulations: which variables they read, for how long, and which parameters they change.
 
 use crate::task::Schedule;
 use fmu_import::{Causality, Description, Handle, Kind, Value, Variability, Variable};

@@ -116,7 +116,7 @@ fn described(rule: &Rule) -> Value {
 
 fn result(fmu: &Path, Finding { rule, hit }: &Finding) -> Value {
     let index = RULES.iter().position(|other| other.id == rule.id);
-    // What lies in the archive is named as below it.
+    // A file is named as in the archive.
     let mut uri = encoded(&fmu.to_string_lossy().replace('\\', "/"));
     if let Some(file) = &hit.file {
         uri += "/";

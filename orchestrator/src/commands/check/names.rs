@@ -65,7 +65,7 @@ fn is_structured(name: &str) -> bool {
     derivative(name) == Some("")
 }
 
-/// What follows an identifier or a derivative of one.
+/// The rest of a name after an identifier or a derivative of one.
 fn derivative(text: &str) -> Option<&str> {
     let Some(inner) = text.strip_prefix("der(") else {
         return identifier(text);
@@ -78,7 +78,7 @@ fn derivative(text: &str) -> Option<&str> {
     order.unwrap_or(Some(rest))?.strip_prefix(')')
 }
 
-/// What follows an identifier: names with indices, joined by dots.
+/// The rest of a name after an identifier: names with indices, joined by dots.
 fn identifier(text: &str) -> Option<&str> {
     let mut rest = indices(simple(text)?)?;
     while let Some(next) = rest.strip_prefix('.') {
@@ -87,7 +87,7 @@ fn identifier(text: &str) -> Option<&str> {
     Some(rest)
 }
 
-/// What follows a name, or a name in quotes.
+/// The rest after a name, or after a name in quotes.
 fn simple(text: &str) -> Option<&str> {
     if let Some(quoted) = text.strip_prefix('\'') {
         let mut escaped = false;
@@ -102,7 +102,7 @@ fn simple(text: &str) -> Option<&str> {
     (rest.len() < text.len() && !text.starts_with(|c: char| c.is_ascii_digit())).then_some(rest)
 }
 
-/// What follows indices in brackets, where there are any.
+/// The rest after indices in brackets, where there are any.
 fn indices(text: &str) -> Option<&str> {
     let Some(inner) = text.strip_prefix('[') else {
         return Some(text);

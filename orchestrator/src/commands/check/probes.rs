@@ -176,7 +176,7 @@ impl<'a> Probes<'a> {
         Ok(found)
     }
 
-    /// What is wrong with two runs in one process, where one alone was `whole`.
+    /// The fault of two runs in one process, where one alone was `whole`.
     fn life(&self, life: Life, whole: &Run) -> io::Result<Option<Breach>> {
         let (rule, what) = match life {
             Life::Reset => ("life-reset", "after fmi2Reset"),

@@ -33,7 +33,7 @@ pub(super) fn named(id: &str) -> Option<&'static Rule> {
 
 #[rustfmt::skip]
 pub(super) static RULES: &[Rule] = &[
-    // What a simulation needs to begin with.
+    // The needs of any simulation.
     rule("description-readable", Error, "FMI 2.0.5, 2.2", "modelDescription.xml is well-formed and one of FMI 2.0 for Co-Simulation", Elsewhere),
     rule("archive-readable", Error, "FMI 2.0.5, 2.3", "the FMU is a sound zip archive with modelDescription.xml at its top", Elsewhere),
     // The schema.

@@ -1,4 +1,4 @@
-//! What one simulation shows beside a sound end: warnings, values that cannot be right.
+//! Findings in a simulation that ended soundly: warnings, values that cannot be right.
 
 use super::compare::number;
 use super::hit::{Breach, Hit};
@@ -6,7 +6,7 @@ use super::probe::{Report, Run};
 use super::structure::short;
 use fmu_import::{Causality, Description, Variable};
 
-/// What the FMU declares or says, apart from its values.
+/// The FMU's declarations and remarks, apart from its values.
 pub(super) fn remarks(fmu: &Description, report: Option<&Report>) -> Vec<Breach> {
     let mut found = Vec::new();
     let mut tell = |rule, text: String| found.push((rule, Hit::plain(text)));

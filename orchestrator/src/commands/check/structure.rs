@@ -258,7 +258,7 @@ fn missing(
     let (Some(structure), scalars) = (structure(document), &document.scalars[..]) else {
         return Vec::new();
     };
-    // What an entry without an index means, nobody knows.
+    // An entry without an index means nothing.
     if unknowns(structure, name).any(|unknown| !unknown.has_attribute("index")) {
         return Vec::new();
     }

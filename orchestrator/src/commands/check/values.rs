@@ -5,7 +5,7 @@ use super::hit::Hit;
 use fmu_import::description::About;
 use fmu_import::description::Kind;
 
-/// What the reader remarks on, of one kind.
+/// The reader's remarks of one kind.
 fn remarks(document: &Document<'_>, about: About) -> Vec<Hit> {
     let remarks = document
         .read

@@ -1,4 +1,4 @@
-//! What the variables say of causality, variability, start values and each other (FMI 2.0.5, section 2.2.7).
+//! Rules about the variables' causality, variability, start values and each other (FMI 2.0.5, section 2.2.7).
 
 use super::document::{Document, Scalar};
 use super::hit::Hit;

@@ -1,4 +1,4 @@
-//! What the tolerances must achieve.
+//! The goal of the tolerances.
 
 use std::path::Path;
 
@@ -23,7 +23,7 @@ pub(super) struct Goal<'a> {
 }
 
 impl<'a> Goal<'a> {
-    /// What the study wants; a guard band that limits a risk is that of the finished study in `from`.
+    /// The study's goal; a guard band that limits a risk is that of the finished study in `from`.
     pub(super) fn new(study: &Study, judge: &'a Judge, from: &Path) -> Result<Self, StudyError> {
         const USUAL: f64 = 0.95;
         let said = &study.tolerances;

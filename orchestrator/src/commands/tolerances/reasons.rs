@@ -4,7 +4,7 @@ use super::goal::Goal;
 use crate::judge::{Criterion, Judge};
 use crate::report::format::number;
 
-/// What stands in the way, a sentence each: given what comes of the centre of all parameters, and of the points drawn at
+/// The obstacles, a sentence each: given what comes of the centre of all parameters, and of the points drawn at
 /// the study's own tolerances.
 pub(super) fn of(
     judge: &Judge,
