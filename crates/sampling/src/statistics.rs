@@ -145,6 +145,25 @@ mod tests {
         close(Statistic::Final, 3.0);
     }
 
+    /// Two straight lines, 1 s and 3 s long; the mean of a line's squares is not that of its ends.
+    #[test]
+    fn statistics_of_a_broken_line_are_those_of_trapezoids() {
+        let of_line = |statistic| {
+            let mut line = Accumulator::new(statistic);
+            line.add_all([(0.0, 3.0), (1.0, 2.0), (3.0, 7.0)].into_iter());
+            line.result(4.0)
+        };
+        assert_eq!(of_line(Statistic::Mean), (2.5 + 3.0 * 4.5) / 4.0);
+        assert_eq!(
+            of_line(Statistic::Rms),
+            ((6.5 + 3.0 * 26.5) / 4.0_f64).sqrt()
+        );
+        assert_eq!(of_line(Statistic::Amplitude), 2.5);
+        assert_eq!(of_line(Statistic::Min), 2.0);
+        assert_eq!(of_line(Statistic::Max), 7.0);
+        assert_eq!(of_line(Statistic::Final), 7.0);
+    }
+
     #[test]
     fn a_single_value_is_its_own_mean() {
         let of_one = |statistic| {

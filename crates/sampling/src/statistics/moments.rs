@@ -100,6 +100,26 @@ mod tests {
         assert_eq!(variance(&values, 0), 14.0 / 3.0);
     }
 
+    /// The value of `scipy.stats.pearsonr`.
+    #[test]
+    fn correlation_of_a_few_numbers() {
+        let (a, b) = ([1.0, 2.0, 4.0, 5.0, 9.0], [2.0, -1.0, 4.0, 3.0, 7.0]);
+        assert!((pearson(&a, &b) - 0.8535055952315547).abs() < 1e-15);
+        assert!((pearson(&a, &b.map(|v| -1e3 * v)) + 0.8535055952315547).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_constant_is_correlated_with_nothing() {
+        let (varied, constant) = ([1.0, 2.0, 4.0], [3.0; 3]);
+        assert_eq!(pearson(&varied, &constant), 0.0);
+        assert_eq!(pearson(&constant, &varied), 0.0);
+    }
+
+    #[test]
+    fn sorting_loses_nothing() {
+        assert_eq!(sorted(vec![3.0, -1.0, 2.0]), [-1.0, 2.0, 3.0]);
+    }
+
     #[test]
     fn ties_share_their_rank() {
         assert_eq!(ranks(&[3.0, 1.0, 3.0, 2.0]), [3.5, 1.0, 3.5, 2.0]);
