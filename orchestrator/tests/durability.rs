@@ -218,7 +218,7 @@ fn a_full_disk_is_told_and_costs_nothing() {
         let folder = format!("full{kibibytes}");
         let said = verify_in(&bench, &folder, kibibytes);
         if kibibytes < 64 {
-            said.is_mistake(&["make room and go on with --resume"]);
+            said.is_mistake(&["make room and run the command again, with --resume"]);
         } else {
             // The report's own files fail later, in their own words.
             assert_eq!(

@@ -56,8 +56,7 @@ fn declared(bytes: &[u8], names: &[&str]) -> bool {
 /// The line in which bytes stop to be the encoding that they are declared to be, and what is wrong there.
 pub(crate) fn misread(bytes: &[u8]) -> Option<(usize, &'static str)> {
     const UTF16: &str = "the bytes are UTF-16, but the file is declared as UTF-8: save it as UTF-8";
-    const OTHER: &str =
-        "not UTF-8, as which the file is declared: save it as UTF-8 or declare its encoding";
+    const OTHER: &str = "not UTF-8, as which the file is declared: save it as UTF-8";
     match Encoding::of(bytes) {
         Encoding::Latin => None,
         Encoding::Little | Encoding::Big => {

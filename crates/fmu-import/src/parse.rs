@@ -23,9 +23,14 @@ const MAX_NODES: u32 = 50_000_000;
 /// Why a model description cannot be used.
 #[derive(Debug, Error)]
 pub enum DescriptionError {
-    /// The file is not well-formed, or it defines entities.
+    /// The file is not well-formed.
     #[error("{0}")]
-    Xml(#[from] roxmltree::Error),
+    Xml(roxmltree::Error),
+    /// The file has a document type, whose entities could grow a small file beyond all memory.
+    #[error(
+        "a DOCTYPE, which is not read here, because its entities may grow without limit: remove it; FMI needs none"
+    )]
+    DocumentType,
     /// The root element is another one.
     #[error("the root element is `{0}`, not `fmiModelDescription`")]
     Root(String),
@@ -56,7 +61,10 @@ pub(crate) fn document(text: &str) -> Result<Document<'_>, DescriptionError> {
         nodes_limit: MAX_NODES,
         ..ParsingOptions::default()
     };
-    Ok(Document::parse_with_options(text, options)?)
+    Document::parse_with_options(text, options).map_err(|error| match error {
+        roxmltree::Error::DtdDetected => DescriptionError::DocumentType,
+        other => DescriptionError::Xml(other),
+    })
 }
 
 /// Reads a model description.

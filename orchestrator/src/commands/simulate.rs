@@ -110,8 +110,12 @@ pub(super) fn settings(
     fmu: &Description,
 ) -> Result<Vec<(u32, Value)>, CommandError> {
     let setting = |text: &String| {
-        let (name, value) = text
-            .split_once('=')
+        // A name may hold the sign itself: take the longest one that the FMU knows.
+        let known = |place: &usize| fmu.variables.contains_key(text[..*place].trim());
+        let places: Vec<usize> = text.match_indices('=').map(|(place, _)| place).collect();
+        let place = places.iter().rfind(|place| known(place)).or(places.first());
+        let (name, value) = place
+            .map(|&place| (&text[..place], &text[place + 1..]))
             .ok_or_else(|| format!("`{text}` is not NAME=VALUE"))?;
         let variable = find(fmu, name.trim())?;
         let value = value_of(fmu, variable, &Setting::Text(value.trim().to_owned()))?;

@@ -108,7 +108,9 @@ fn reason(error: &io::Error) -> String {
         io::ErrorKind::FileTooLarge,
     ];
     if full.contains(&error.kind()) {
-        format!("{error}: nothing more can be written; make room and go on with --resume")
+        format!(
+            "{error}: nothing more can be written; make room and run the command again, with --resume where it has it"
+        )
     } else {
         error.to_string()
     }

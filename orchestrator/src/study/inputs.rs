@@ -6,7 +6,7 @@ use super::{Name, RecordingText, Study, StudyError};
 use crate::table::Table;
 use crate::task::{Schedule, Series, Slot};
 use fmu_import::units::Conversion;
-use fmu_import::{Content, Description};
+use fmu_import::{Causality, Content, Description, Variability, Variable};
 
 /// The recordings of a study for an FMU.
 pub(super) fn series(
@@ -28,7 +28,7 @@ pub(super) fn series(
             ));
         }
         let variable = find(fmu, key).map_err(wrong)?;
-        let slot = slot_of(variable).map_err(named)?;
+        let slot = slot_while_running(variable).map_err(named)?;
         if recording.ramp {
             can_ramp(recording, fmu, &slot).map_err(named)?;
         }
@@ -51,6 +51,24 @@ pub(super) fn series(
         Ok(series)
     };
     study.inputs.iter().map(bind).collect()
+}
+
+/// How a variable takes numbers between the steps of a simulation.
+///
+/// # Errors
+/// When it can only be set before, or not at all: FMI 2.0.5, 4.2.4, lets inputs and tunable parameters change.
+pub(crate) fn slot_while_running(variable: &Variable) -> Result<Slot, String> {
+    let slot = slot_of(variable)?;
+    let tunable = variable.variability == Variability::Tunable;
+    match variable.causality {
+        Causality::Input => Ok(slot),
+        Causality::Parameter if tunable => Ok(slot),
+        Causality::Parameter => Err(
+            "it is a fixed parameter, which cannot change while the simulation runs; set it once, before the start"
+                .to_owned(),
+        ),
+        _ => Err("it is no input, so it can only be set once, before the start".to_owned()),
+    }
 }
 
 /// An input that follows a table of times and values, along straight lines; `time_column` names the times in messages.

@@ -38,6 +38,8 @@ pub(super) static RULES: &[Rule] = &[
     rule("archive-readable", Error, "FMI 2.0.5, 2.3", "the FMU is a sound zip archive with modelDescription.xml at its top", Elsewhere),
     // The schema.
     rule("xml-encoding", Error, XML, "the bytes are of the declared encoding", Document(values::encoding)),
+    rule("xml-utf-8", Error, "FMI 2.0.5, 2.2", "the encoding is UTF-8", Document(values::other_encoding)),
+    rule("xml-declaration", Warning, "FMI 2.0.5, 2.2", "the first line names the encoding", Document(values::no_encoding)),
     rule("schema-namespace", Error, MODEL, "the elements of FMI 2.0 are in no namespace", Document(schema::namespace)),
     rule("schema-attribute", Error, MODEL, "only attributes of FMI 2.0", Document(schema::unknown_attributes)),
     rule("schema-attribute-missing", Error, MODEL, "all required attributes", Document(schema::missing_attributes)),

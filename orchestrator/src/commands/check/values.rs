@@ -25,6 +25,33 @@ pub(super) fn encoding(document: &Document<'_>) -> Vec<Hit> {
     remarks(document, About::Encoding)
 }
 
+/// The encoding in the XML declaration, where there is a declaration that names one.
+fn declared_encoding<'a>(document: &Document<'a>) -> Option<&'a str> {
+    let text = document.root.document().input_text();
+    let declaration = text.strip_prefix("<?xml")?.split("?>").next()?;
+    let value = declaration.split_once("encoding")?.1.trim_start();
+    let value = value.strip_prefix('=')?.trim_start();
+    let quote = value.chars().next()?;
+    value[1..].split(quote).next()
+}
+
+/// An encoding that FMI does not know.
+pub(super) fn other_encoding(document: &Document<'_>) -> Vec<Hit> {
+    let other = declared_encoding(document).filter(|name| !name.eq_ignore_ascii_case("utf-8"));
+    let hit = |name| Hit::plain(format!("the encoding is {name}: save the file as UTF-8"));
+    other.map(hit).into_iter().collect()
+}
+
+/// A file that does not name its encoding.
+pub(super) fn no_encoding(document: &Document<'_>) -> Vec<Hit> {
+    let text = "the first line does not name the encoding: begin with <?xml version=\"1.0\" encoding=\"UTF-8\"?>";
+    let missing = declared_encoding(document).is_none();
+    missing
+        .then(|| Hit::plain(text.to_owned()))
+        .into_iter()
+        .collect()
+}
+
 pub(super) fn unreadable(document: &Document<'_>) -> Vec<Hit> {
     remarks(document, About::Value)
 }

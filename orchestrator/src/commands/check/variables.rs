@@ -116,13 +116,16 @@ pub(super) fn started(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
     if scalar.start().is_none() || needs_start(scalar).is_some() || !is_clear(scalar) {
         return None;
     }
-    let what = match scalar.causality {
-        "independent" => "the independent variable",
-        _ => "a variable with initial=\"calculated\", which is the default here,",
-    };
-    Some(format!(
-        "{what} cannot have a start value: remove start, or set initial to exact or approx"
-    ))
+    Some(
+        match scalar.causality {
+            "independent" => "the independent variable cannot have a start value: remove start",
+            _ => {
+                "a variable with initial=\"calculated\", which is the default here, cannot have a start value: remove \
+                 start, or set initial to exact or approx"
+            }
+        }
+        .to_owned(),
+    )
 }
 
 /// Why a variable needs a start value.

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use super::{Columns, CommandError};
-use crate::study::inputs::follow;
-use crate::study::plan::{find, slot_of};
+use crate::study::inputs::{follow, slot_while_running};
+use crate::study::plan::find;
 use crate::study::quantity::Scale;
 use crate::table::csv_file::{self, CsvFile};
 use crate::table::{Table, TableError};
@@ -13,7 +13,9 @@ use fmu_import::Description;
 
 /// The variables of `--record`.
 pub(super) fn columns(lists: &[String], fmu: &Description) -> Result<Columns, CommandError> {
-    let names = lists.iter().flat_map(|list| names(list));
+    let names = lists
+        .iter()
+        .flat_map(|list| names(list, |name| fmu.variables.contains_key(name)));
     let variable = |name: &str| {
         find(fmu, name)
             .cloned()
@@ -26,10 +28,26 @@ fn mistake(option: &'static str, message: String) -> CommandError {
     CommandError::Option { option, message }
 }
 
-/// The names of a list. Commas within brackets belong to a name, such as `a[1,2]` or `der(x,2)`.
-fn names(list: &str) -> impl Iterator<Item = &str> {
+/// The names of a list. A comma belongs to a name where a variable is called so, or within brackets: `a[1,2]`, `der(x,2)`.
+fn names(mut list: &str, is_variable: impl Fn(&str) -> bool) -> Vec<&str> {
+    let mut names = Vec::new();
+    while !list.trim().is_empty() {
+        let commas = list.match_indices(',').map(|(place, _)| place);
+        let ends: Vec<usize> = commas.chain([list.len()]).collect();
+        let is_known = |end: &&usize| is_variable(list[..**end].trim());
+        let known = ends.iter().rev().find(is_known).copied();
+        let end = known.unwrap_or_else(|| end_of_name(list));
+        names.push(list[..end].trim());
+        list = list.get(end + 1..).unwrap_or_default();
+    }
+    names.retain(|name| !name.is_empty());
+    names
+}
+
+/// Where the first comma outside of brackets is, or the end.
+fn end_of_name(list: &str) -> usize {
     let mut depth = 0_usize;
-    let parts = list.split(move |c: char| {
+    let comma = list.find(|c: char| {
         match c {
             '[' | '(' => depth += 1,
             ']' | ')' => depth = depth.saturating_sub(1),
@@ -37,7 +55,7 @@ fn names(list: &str) -> impl Iterator<Item = &str> {
         }
         c == ',' && depth == 0
     });
-    parts.map(str::trim).filter(|name| !name.is_empty())
+    comma.unwrap_or(list.len())
 }
 
 /// The inputs of `--input`: each column beside the time is one, as under `[inputs]` in a study.
@@ -62,7 +80,7 @@ pub(super) fn inputs(path: &Path, fmu: &Description) -> Result<Vec<Series>, Comm
         };
         let (name, unit) = split(column, fmu);
         let variable = find(fmu, name).map_err(wrong)?;
-        let slot = slot_of(variable).map_err(wrong)?;
+        let slot = slot_while_running(variable).map_err(wrong)?;
         let scale = Scale::new(unit, fmu, variable).map_err(wrong)?;
         let columns = [
             (vec![TIME.to_owned()], "the time".to_owned()),
@@ -102,7 +120,13 @@ mod tests {
 
     #[test]
     fn commas_within_brackets_belong_to_names() {
-        let found: Vec<&str> = names("a, b[1,2].c,der(x,2) ,,d").collect();
+        let found: Vec<&str> = names("a, b[1,2].c,der(x,2) ,,d", |_| false);
         assert_eq!(found, ["a", "b[1,2].c", "der(x,2)", "d"]);
+    }
+
+    #[test]
+    fn commas_of_a_variable_belong_to_its_name() {
+        let found = names("u,1, u,v", |name| ["u", "u,1", "v"].contains(&name));
+        assert_eq!(found, ["u,1", "u", "v"]);
     }
 }
