@@ -191,11 +191,13 @@ pub type Vector4 = SVector<f64, 4>;
 /// Derivatives of the temperatures' rates, 1/s.
 pub type Matrix4 = SMatrix<f64, 4, 4>;
 
-fn vector(t: &Temperatures) -> Vector4 {
+/// Temperatures as a vector.
+pub fn vector(t: &Temperatures) -> Vector4 {
     Vector4::new(t.film, t.bush, t.shaft, t.oil)
 }
 
-fn temperatures(t: &Vector4) -> Temperatures {
+/// A vector as temperatures.
+pub fn temperatures(t: &Vector4) -> Temperatures {
     Temperatures {
         film: t[0],
         bush: t[1],

@@ -404,7 +404,7 @@ fn outputs() -> Vec<V> {
         output!("bearing.contactTorque", &NEWTON_METRE, contact_torque, ["drive.speed"], "Friction torque of the touching asperities").within(-1e18, 1e18).about(1.0),
         output!("thermal.shaftTemperature", &KELVIN, shaft_temperature, [], "Temperature of the shaft").shown_in("degC").within(0.0, 1e12).about(300.0),
         output("thermal.slowestTimeConstant", &SECOND, Stand::slowest_time_constant, "Slowest time constant of the heat balance at the present state, averaged over a turn; negative where a deviation grows, 0 when isothermal")
-            .depends_on(&["drive.speed", "load.externalForce"]).within(-1e12, 1e12).about(1e3),
+            .depends_on(&["drive.speed", "load.externalForce", "thermal.ambientTemperature"]).within(-1e12, 1e12).about(1e3),
         output!("drive.angle", &RADIAN, shaft_angle, [], "Shaft angle, from 0 at the start").shown_in("deg").within(-1e16, 1e16).about(100.0),
         output!("drive.shaftSpeed", &RADIAN_PER_SECOND, shaft_speed, ["drive.speed"], "Shaft speed with its fluctuation").shown_in("rpm").within(-4000.0, 4000.0).about(30.0),
     ]

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use fmu_export::model::{Experiment, Fault, Model};
+use plain_bearing_stand::bearing::FilmModel;
 use plain_bearing_stand::sensors::Readings;
 use plain_bearing_stand::stand::Stand;
 use plain_bearing_stand::thermal::Initialization;
@@ -267,4 +268,47 @@ fn the_time_constant_of_any_state() {
     // Without friction heat: the network's own, from its conductances and capacities.
     let network = start(still, Initialization::Given).slowest_time_constant();
     assert!((network / NETWORK - 1.0).abs() < 1e-3, "{network}");
+}
+
+/// A turn of the Reynolds film from its steady start stores nothing: less than 1e-6 of the friction power.
+fn check_the_turn_of_a_reynolds_film(number: usize) {
+    let mut stand = random(number);
+    stand.film.model = FilmModel::Reynolds;
+    let mut stand = start(stand, Initialization::SteadyState);
+    let before = temperatures(stand.readings());
+    let period = period(&stand);
+    stand.advance(0.0, period, &mut ()).unwrap();
+    let after = temperatures(stand.readings());
+    // Cragoe (1929).
+    let celsius = after[3] - 273.15;
+    let heat_capacity = (1685.0 + 3.4 * celsius) / (stand.oil.density_15 / 999.1).sqrt();
+    let capacities = [
+        stand.thermal.film_capacity,
+        stand.thermal.bush_capacity,
+        stand.thermal.shaft_capacity,
+        stand.thermal.oil_volume * stand.oil.density_15 * heat_capacity,
+    ];
+    let stored: f64 = (0..4)
+        .map(|i| (capacities[i] * (after[i] - before[i])).abs())
+        .sum();
+    let power = stand.readings().friction_power;
+    assert!(power > 0.1, "set {number}: {power} W");
+    assert!(
+        stored / period < 1e-6 * power,
+        "set {number}: {} of {power} W",
+        stored / period
+    );
+}
+
+#[test]
+fn the_turn_of_a_reynolds_film_is_balanced() {
+    check_the_turn_of_a_reynolds_film(10);
+}
+
+#[test]
+#[ignore = "takes minutes: scripts/test --long"]
+fn ten_turns_of_reynolds_films_are_balanced() {
+    for number in 1..=10 {
+        check_the_turn_of_a_reynolds_film(number);
+    }
 }

@@ -8,7 +8,7 @@
 use super::Stand;
 use super::inputs::Inputs;
 use crate::bearing::{Film, Flows};
-use crate::multirate::{self, Departure};
+use crate::multirate::{self, Departure, Vector4};
 use crate::thermal::Temperatures;
 use fmu_export::model::Fault;
 use std::sync::{Mutex, PoisonError};
@@ -19,11 +19,11 @@ const TOLERANCE: f64 = 1e-6;
 /// host that reads it after each short step does not pay for orbits each time.
 const GRAIN: f64 = 0.1;
 
-/// The time constant that was computed last, s, and for what: film and oil temperature in grains, speed and external force.
+/// The time constant that was computed last, s, and for what: the temperatures in grains, and the inputs.
 #[derive(Debug, Default)]
 pub(super) struct Remembered(Mutex<Option<(Key, f64)>>);
 
-type Key = ([i64; 2], [u64; 2]);
+type Key = ([i64; 4], [u64; 3]);
 
 impl Clone for Remembered {
     /// A clone may get other parameters, so that it computes anew.
@@ -46,17 +46,17 @@ impl Stand {
         if self.thermal.isothermal {
             return 0.0;
         }
-        let t = &self.state.temperatures;
         let Inputs {
             speed,
             external_force,
-            ..
+            ambient_temperature,
         } = &self.inputs;
-        let grains = [t.film, t.oil].map(|t| (t / GRAIN).round() as i64);
-        let key = (
-            grains,
-            [speed.value.to_bits(), external_force.value.to_bits()],
-        );
+        let grains: [f64; 4] = multirate::vector(&self.state.temperatures)
+            .map(|t| (t / GRAIN).round())
+            .into();
+        let inputs =
+            [speed, external_force, ambient_temperature].map(|input| input.value.to_bits());
+        let key = (grains.map(|grain| grain as i64), inputs);
         let mut remembered = self
             .slowest
             .0
@@ -65,42 +65,37 @@ impl Stand {
         match *remembered {
             Some((known, value)) if known == key => value,
             _ => {
-                let value = self.linearised_at(grains.map(|grain| grain as f64 * GRAIN));
+                let value =
+                    self.linearised_at(&multirate::temperatures(&(Vector4::from(grains) * GRAIN)));
                 *remembered = Some((key, value));
                 value
             }
         }
     }
 
-    /// The time constant at temperatures of film and oil, K.
-    fn linearised_at(&self, [film, oil]: [f64; 2]) -> f64 {
+    /// The time constant at these temperatures.
+    fn linearised_at(&self, at: &Temperatures) -> f64 {
         let mut still = self.clone();
         still.drive.fluctuation_amplitude = 0.0;
         for input in still.inputs.all() {
             input.slope = 0.0;
         }
-        // The other temperatures enter the balance linearly, so that its derivatives do not depend on them.
-        let at = Temperatures {
-            film,
-            oil,
-            ..self.state.temperatures
-        };
         let from = Departure {
             before: [0.0; 2],
             eccentricity: [0.0; 2],
-            temperatures: at,
+            temperatures: *at,
         };
         let drift = if self.inputs.speed.value == 0.0 {
             // At rest there is no friction heat.
-            multirate::network(self, &at, &Flows::default())
+            multirate::network(self, at, &Flows::default())
         } else {
             let fast = still.with_a_fast_film().ok();
             let averaged = fast.and_then(|fast| multirate::drift(&fast, TOLERANCE, &from).ok());
             // Without an orbit, the friction counts as constant.
             averaged.unwrap_or_else(|| {
-                let viscosity = self.fluid.viscosity(film);
+                let viscosity = self.fluid.viscosity(at.film);
                 let (_, flows) = self.drift(0.0, self.state.eccentricity, viscosity);
-                multirate::network(self, &at, &flows)
+                multirate::network(self, at, &flows)
             })
         };
         multirate::slowest_time_constant(&drift)

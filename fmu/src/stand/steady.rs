@@ -7,13 +7,16 @@
 //! `(1 - exp(J*T)) dy = P(y) - y` gives the next start (Lust, Roose, Spence & Champneys 1998, SIAM J. Sci. Comput. 19,
 //! 1188-1209: the few slow directions by Newton's method; the others settle by themselves). The journal starts where its
 //! orbit at the new temperature does, less its own miss.
+//!
+//! For the Reynolds film the mobility film's balance chooses the equilibrium and gives J. Every turn of the refinement is one
+//! of the Reynolds film, so that its own heat is balanced.
 
-use super::{EVENTS, Stand, Unknowns, temperatures, unknowns};
-use crate::multirate::{self, Departure, Equilibrium, NoEquilibrium};
+use super::{EVENTS, Stand, State, Unknowns, temperatures, unknowns};
+use crate::multirate::{self, Departure, Equilibrium, Matrix4, NoEquilibrium, Vector4, vector};
 use crate::solver::{Budget, DormandPrince, Failure};
 use crate::thermal::Initialization;
 use fmu_export::model::{Fault, Log};
-use nalgebra::{SVector, Vector2};
+use nalgebra::{Const, LU, SVector, Vector2};
 use std::fmt::Display;
 
 /// The tolerance of the averaged balance, which later turns refine.
@@ -27,6 +30,13 @@ const CLOSE: f64 = 1e-6;
 const CLOSE_PLACE: f64 = 1e-7;
 /// Turns that refine, at most.
 const TURNS: usize = 60;
+/// Turns of a film that takes steps of its own, at most.
+const FILM_TURNS: usize = 300;
+/// Newton's method begins when a turn moves the journal by less than this, or after so many turns.
+const NEAR_ORBIT: f64 = 1e-2;
+const LANDING_TURNS: usize = 20;
+/// The largest change of a temperature from turn to turn, K.
+const LARGEST_CHANGE: f64 = 10.0;
 /// The refinement may not leave the averaged equilibrium by more than this, K.
 const FARTHEST: f64 = 5.0;
 /// Internal steps in one such turn, at most.
@@ -45,9 +55,13 @@ impl Stand {
             eccentricity: self.state.eccentricity,
             temperatures: self.state.temperatures,
         };
-        let found =
-            multirate::equilibrium(self, AVERAGED, &from).map_err(|why| self.refuse(why))?;
-        let turns = self.refine(&found)?;
+        let fast = self.clone().with_a_fast_film()?;
+        let found = multirate::equilibrium(&fast, AVERAGED, &from).map_err(|why| refuse(&why))?;
+        let turns = if self.film.is_transient() {
+            self.refine_transient(&fast, &found)?
+        } else {
+            self.refine(&found)?
+        };
         let t = &self.state.temperatures;
         log.log(
             EVENTS,
@@ -76,11 +90,6 @@ impl Stand {
                 "turns do not repeat while the speed fluctuates: set drive.fluctuationAmplitude = 0",
             ));
         }
-        if self.film.is_transient() {
-            return Err(refusal(
-                "it is not available for this film: set bearing.film = Mobility",
-            ));
-        }
         if !self.thermal.isothermal && !self.thermal.loses_heat() {
             return Err(refusal(
                 "no heat can leave: thermal.bushAmbientConductance, thermal.shaftAmbientConductance and \
@@ -90,27 +99,14 @@ impl Stand {
         Ok(())
     }
 
-    fn refuse(&self, why: NoEquilibrium) -> Fault {
-        match why {
-            NoEquilibrium::Runaway { .. } => refusal(format_args!(
-                "{why}: friction heats more than thermal.oilAmbientConductance and the other conductances let out"
-            )),
-            NoEquilibrium::Unstable { .. } => refusal(format_args!(
-                "{why}: set thermal.initialBearingTemperature away from it"
-            )),
-            other => refusal(other),
-        }
-    }
-
     /// Newton's method on resolved turns. Returns their number.
     fn refine(&mut self, found: &Equilibrium) -> Result<usize, Fault> {
         self.state.eccentricity = found.eccentricity;
         self.state.temperatures = found.temperatures;
         let near = unknowns(&self.state);
         let period = self.period();
-        let slow = SVector::<f64, 4>::from_row_slice(&near[2..]);
-        let stay = nalgebra::Matrix4::identity() - (found.drift * period).exp();
-        let settle = stay.lu();
+        let slow = Vector4::from_row_slice(&near[2..]);
+        let settle = settling(&found.drift, period);
         let mut step = period / 100.0;
         for turn in 1..=TURNS {
             let start = unknowns(&self.state);
@@ -119,16 +115,16 @@ impl Stand {
                 .map_err(|failure| refusal(self.explain(failure, &start, 0..6)))?;
             let miss = SVector::<f64, 6>::from(end) - SVector::from(start);
             let warmer = if self.thermal.isothermal {
-                SVector::zeros()
+                Vector4::zeros()
             } else {
                 settle
                     .solve(&miss.fixed_rows::<4>(2).into_owned())
-                    .ok_or_else(|| refusal("the heat balance is singular"))?
+                    .ok_or_else(|| refusal("the heat balance has no definite solution"))?
             };
             let place: Vector2<f64> = miss.fixed_rows::<2>(0).into();
             let shift = found.shift * warmer[0];
             let e = Vector2::from(self.state.eccentricity) + place + shift;
-            let t = SVector::<f64, 4>::from_row_slice(&start[2..]) + warmer;
+            let t = Vector4::from_row_slice(&start[2..]) + warmer;
             if !((t - slow).amax() < FARTHEST && e.norm() < 1.0) {
                 break;
             }
@@ -141,6 +137,58 @@ impl Stand {
         Err(refusal(
             "no periodic orbit of journal and temperatures was found",
         ))
+    }
+
+    /// The same for a film that takes steps of its own. Its oil and its journal settle by themselves from turn to turn;
+    /// only the temperatures are set. `fast` is the same stand with the mobility film, whose heat changes over the
+    /// temperature in nearly the same way.
+    fn refine_transient(&mut self, fast: &Self, found: &Equilibrium) -> Result<usize, Fault> {
+        let begin = self.state;
+        let mut t = vector(&found.temperatures);
+        for turn in 1..=FILM_TURNS {
+            let start = self.state.eccentricity;
+            self.state = State {
+                temperatures: multirate::temperatures(&t),
+                eccentricity: start,
+                ..begin
+            };
+            self.resolve(self.period()).map_err(refusal)?;
+            let end = self.state.eccentricity;
+            let moved = (end[0] - start[0]).hypot(end[1] - start[1]);
+            let miss = vector(&self.state.temperatures) - t;
+            let warmer = fast.warmer(&t, &miss)?;
+            let change = warmer.amax();
+            if moved < NEAR_ORBIT || turn > LANDING_TURNS {
+                t += warmer * (LARGEST_CHANGE / change).min(1.0);
+            }
+            if change < CLOSE && moved < CLOSE_PLACE {
+                self.state = State {
+                    temperatures: multirate::temperatures(&t),
+                    eccentricity: end,
+                    ..begin
+                };
+                return Ok(turn);
+            }
+        }
+        Err(refusal(format_args!(
+            "journal, oil and temperatures have found no periodic orbit after {FILM_TURNS} turns"
+        )))
+    }
+
+    /// Newton's change of the temperatures `t`, which a turn has moved by `miss`.
+    fn warmer(&self, t: &Vector4, miss: &Vector4) -> Result<Vector4, Fault> {
+        if self.thermal.isothermal {
+            return Ok(Vector4::zeros());
+        }
+        let from = Departure {
+            before: [0.0; 2],
+            eccentricity: [0.0; 2],
+            temperatures: multirate::temperatures(t),
+        };
+        let drift = multirate::drift(self, AVERAGED, &from).map_err(refusal)?;
+        settling(&drift, self.period())
+            .solve(miss)
+            .ok_or_else(|| refusal("the heat balance has no definite solution"))
     }
 
     /// The unknowns a turn later.
@@ -160,4 +208,21 @@ impl Stand {
 
 fn refusal(why: impl Display) -> Fault {
     Fault::Invalid(format!("thermal.initialization = SteadyState: {why}"))
+}
+
+/// `1 - exp(J*T)` of a drift J over a turn's duration T: what is left of a change of the temperatures after a turn.
+fn settling(drift: &Matrix4, period: f64) -> LU<f64, Const<4>, Const<4>> {
+    (Matrix4::identity() - (drift * period).exp()).lu()
+}
+
+fn refuse(why: &NoEquilibrium) -> Fault {
+    match why {
+        NoEquilibrium::Runaway { .. } => refusal(format_args!(
+            "{why}: friction heats more than thermal.oilAmbientConductance and the other conductances let out"
+        )),
+        NoEquilibrium::Unstable { .. } => refusal(format_args!(
+            "{why}: set thermal.initialBearingTemperature away from it"
+        )),
+        other => refusal(other),
+    }
 }
