@@ -13,13 +13,15 @@
 //! polynomial). Where one of them is too large, there are more steps, more turns or more orbits.
 
 mod curve;
+mod equilibrium;
 mod orbit;
 
 use crate::bearing::Flows;
 use crate::solver::{Budget, Failure, Rodas3};
 use crate::thermal::Temperatures;
 use curve::Curve;
-use nalgebra::{SMatrix, SVector};
+pub use equilibrium::{Equilibrium, NoEquilibrium, equilibrium, slowest_time_constant};
+use nalgebra::{SMatrix, SVector, Vector2};
 use std::cell::RefCell;
 use thiserror::Error;
 
@@ -73,47 +75,110 @@ pub fn leap(
     turns: usize,
     from: Departure,
 ) -> Result<Landing, NoLeap> {
-    let rates = |t: &Vector4, flows: &Flows| vector(&model.thermal_rates(&temperatures(t), flows));
     let mut t = vector(&from.temperatures);
-    let (curve, first) = Curve::new(model, tolerance, &from)?;
-    // Beside a point means ahead of it, where the orbits are needed anyway.
-    let nudge = NUDGE.copysign(rates(&t, &first.flows())[0]);
-    let curve = RefCell::new(curve);
-    let flows = |t: &Vector4| {
-        let viscosity = model.viscosity(t[0]);
-        curve.borrow_mut().at(viscosity).map(|orbit| orbit.flows())
-    };
-    // The flows depend on the first unknown, the film's temperature, alone.
-    let linear = |t: &Vector4| -> Result<_, NoLeap> {
-        let here = flows(t)?;
-        let at_here = rates(t, &here);
-        let mut jacobian = SMatrix::<f64, 4, 4>::zeros();
-        for column in 0..4 {
-            let mut beside = *t;
-            beside[column] += nudge;
-            let changed = if column == 0 { flows(&beside)? } else { here };
-            jacobian.set_column(column, &((rates(&beside, &changed) - at_here) / nudge));
-        }
-        Ok((at_here, jacobian))
-    };
+    let mean = Averaged::new(model, tolerance, &from)?;
     let integrator = Rodas3 {
         allowed: [DRIFT_ERROR * tolerance; 4],
         budget: Budget::of(100_000),
     };
     let span = turns as f64 * model.period();
     integrator.integrate(
-        |t| Ok(rates(t, &flows(t)?)),
-        linear,
+        |t| mean.rates(t),
+        |t| mean.linear(t),
         &mut t,
         span,
         model.period(),
     )?;
-    let viscosity = model.viscosity(t[0]);
-    let mut curve = curve.into_inner();
     Ok(Landing {
-        eccentricity: curve.place(viscosity)?.into(),
+        eccentricity: mean.place(t[0])?.into(),
         temperatures: temperatures(&t),
     })
+}
+
+/// Derivatives of the rates of the temperatures, 1/s, under the heat averaged over a turn.
+///
+/// # Errors
+/// When there is no orbit at a temperature.
+pub fn drift(model: &impl TwoScales, tolerance: f64, from: &Departure) -> Result<Matrix4, NoLeap> {
+    let mean = Averaged::new(model, tolerance, from)?;
+    mean.linear(&vector(&from.temperatures))
+        .map(|(_, drift)| drift)
+}
+
+/// The same under flows that do not follow the temperatures.
+pub fn network(model: &impl TwoScales, temperatures_now: &Temperatures, flows: &Flows) -> Matrix4 {
+    let t = vector(temperatures_now);
+    let rates = |t: &Vector4| vector(&model.thermal_rates(&temperatures(t), flows));
+    let here = rates(&t);
+    let mut jacobian = Matrix4::zeros();
+    for column in 0..4 {
+        let mut beside = t;
+        beside[column] += NUDGE;
+        jacobian.set_column(column, &((rates(&beside) - here) / NUDGE));
+    }
+    jacobian
+}
+
+/// The temperatures' drift under the heat averaged over a turn.
+struct Averaged<'a, M> {
+    model: &'a M,
+    /// The orbits are found while rates are asked for.
+    curve: RefCell<Curve<'a, M>>,
+    /// The change of a temperature from which derivatives are taken, K.
+    nudge: f64,
+}
+
+impl<'a, M: TwoScales> Averaged<'a, M> {
+    fn new(model: &'a M, tolerance: f64, from: &Departure) -> Result<Self, NoLeap> {
+        let (curve, first) = Curve::new(model, tolerance, from)?;
+        let drift = model.thermal_rates(&from.temperatures, &first.flows());
+        Ok(Self {
+            model,
+            curve: RefCell::new(curve),
+            // Beside a point means ahead of it, where the orbits are needed anyway.
+            nudge: NUDGE.copysign(drift.film),
+        })
+    }
+
+    /// The flows averaged over a turn at a film temperature.
+    fn flows(&self, film: f64) -> Result<Flows, NoLeap> {
+        let viscosity = self.model.viscosity(film);
+        let orbit = self.curve.borrow_mut().at(viscosity)?;
+        Ok(orbit.flows())
+    }
+
+    /// Where the orbit at a film temperature begins.
+    fn place(&self, film: f64) -> Result<Vector2<f64>, NoLeap> {
+        self.curve.borrow_mut().place(self.model.viscosity(film))
+    }
+
+    fn rates_under(&self, t: &Vector4, flows: &Flows) -> Vector4 {
+        vector(&self.model.thermal_rates(&temperatures(t), flows))
+    }
+
+    /// The temperatures' rates, K/s.
+    fn rates(&self, t: &Vector4) -> Result<Vector4, NoLeap> {
+        Ok(self.rates_under(t, &self.flows(t[0])?))
+    }
+
+    /// The rates, and their derivatives over the temperatures, 1/s. The flows depend on the first one, the film's, alone.
+    fn linear(&self, t: &Vector4) -> Result<(Vector4, Matrix4), NoLeap> {
+        let here = self.flows(t[0])?;
+        let at_here = self.rates_under(t, &here);
+        let mut jacobian = Matrix4::zeros();
+        for column in 0..4 {
+            let mut beside = *t;
+            beside[column] += self.nudge;
+            let changed = if column == 0 {
+                self.flows(beside[0])?
+            } else {
+                here
+            };
+            let change = self.rates_under(&beside, &changed) - at_here;
+            jacobian.set_column(column, &(change / self.nudge));
+        }
+        Ok((at_here, jacobian))
+    }
 }
 
 /// The change of a temperature from which derivatives are taken, K.
@@ -121,13 +186,18 @@ const NUDGE: f64 = 1e-3;
 /// The error allowed in each temperature per step, K, at a relative tolerance of one.
 const DRIFT_ERROR: f64 = 6000.0;
 
-type Vector4 = SVector<f64, 4>;
+/// The temperatures of film, bush, shaft and oil, K, or their rates, K/s.
+pub type Vector4 = SVector<f64, 4>;
+/// Derivatives of the temperatures' rates, 1/s.
+pub type Matrix4 = SMatrix<f64, 4, 4>;
 
-fn vector(t: &Temperatures) -> Vector4 {
+/// Temperatures as a vector.
+pub fn vector(t: &Temperatures) -> Vector4 {
     Vector4::new(t.film, t.bush, t.shaft, t.oil)
 }
 
-fn temperatures(t: &Vector4) -> Temperatures {
+/// A vector as temperatures.
+pub fn temperatures(t: &Vector4) -> Temperatures {
     Temperatures {
         film: t[0],
         bush: t[1],

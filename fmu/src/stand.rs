@@ -13,6 +13,8 @@
 
 mod inputs;
 mod march;
+mod slowest;
+mod steady;
 mod stiff;
 mod stuck;
 
@@ -89,6 +91,8 @@ pub struct Stand {
     /// The outputs' time derivatives, as [`differentiate`](Model::differentiate) last computed them.
     #[serde(skip)]
     rates: Readings,
+    #[serde(skip)]
+    slowest: slowest::Remembered,
 }
 
 /// The unknowns: eccentricity ratio along x and y, temperatures of film, bush, shaft and oil.
@@ -327,6 +331,7 @@ impl Model for Stand {
             temperatures: self.thermal.initial(),
             next_step: FIRST_STEP,
         };
+        self.settle(log)?;
         self.update()?;
         log.log(
             EVENTS,
@@ -346,6 +351,7 @@ impl Model for Stand {
     }
 
     fn update(&mut self) -> Result<(), Fault> {
+        self.slowest.forget();
         self.fluid.viscosity_scale = self.oil.viscosity_scale;
         self.readings = self.read(0.0, &unknowns(&self.state));
         Ok(())
@@ -383,7 +389,8 @@ impl Model for Stand {
         for input in self.inputs.all() {
             input.slope = 0.0;
         }
-        self.update()
+        self.readings = self.read(0.0, &unknowns(&self.state));
+        Ok(())
     }
 
     fn restore(&mut self, bytes: &[u8]) -> Result<(), Fault> {

@@ -7,6 +7,16 @@
 
 use serde::{Deserialize, Serialize};
 
+/// The temperatures at the start.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Initialization {
+    /// Those that are given.
+    #[default]
+    Given,
+    /// Those at which heat in equals heat out, as they are reached from the given ones.
+    SteadyState,
+}
+
 /// The thermal network's parameters.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Thermal {
@@ -50,6 +60,8 @@ pub struct Thermal {
     pub initial_film_rise: f64,
     /// Temperatures stay at their initial values.
     pub isothermal: bool,
+    /// Whether the temperatures start as given, or in the steady state.
+    pub initialization: Initialization,
 }
 
 impl Default for Thermal {
@@ -74,6 +86,7 @@ impl Default for Thermal {
             initial_shaft_rise: 0.0,
             initial_film_rise: 0.0,
             isothermal: false,
+            initialization: Initialization::Given,
         }
     }
 }
@@ -117,6 +130,11 @@ impl Thermal {
             shaft: self.initial_bearing + self.initial_shaft_rise,
             oil: self.initial_oil,
         }
+    }
+
+    /// Whether any heat can leave to the surroundings.
+    pub fn loses_heat(&self) -> bool {
+        self.bush_ambient + self.shaft_ambient + self.oil_ambient > 0.0
     }
 
     /// Rates of the nodes' temperatures, K/s: the energy balance of each node.

@@ -12,6 +12,7 @@ mod references;
 use crate::bearing::{FILM, FilmModel};
 use crate::oil::{PressureLaw, ShearLaw};
 use crate::stand::Stand;
+use crate::thermal::Initialization;
 use declare::V;
 use fmu_export::declare::{output, parameter, tunable, variable};
 use fmu_export::model::{Access, Kind, Role};
@@ -63,6 +64,11 @@ fmu_export::enumerations! {
         Newtonian = 1 "The viscosity does not depend on the shear rate",
         Cross = 2 "Cross (1965)",
         Carreau = 3 "Carreau (1972)"
+    ];
+    /// The temperatures at the start.
+    INITIALIZATION = "Initialization", "Temperatures at the start", [
+        Given = 1 "The initial temperatures that are set",
+        SteadyState = 2 "Those at which heat in, averaged over a turn, equals heat out, as they are reached from the ones that are set"
     ];
 }
 
@@ -341,6 +347,8 @@ fn thermal() -> Vec<V> {
             .shown_in("degC").within(200.0, 600.0).about(300.0),
         parameter("thermal.initialBearingTemperature", &KELVIN, field!(thermal.initial_bearing), "Temperature of bush and housing at the start")
             .shown_in("degC").within(200.0, 600.0).about(300.0),
+        choice!("thermal.initialization", INITIALIZATION, Initialization { Given = 1, SteadyState = 2 }, thermal.initialization,
+            "Temperatures at the start: as set, or in the steady state that is reached from them"),
         variable("thermal.isothermal", Role::Parameter, Kind::Boolean { access: field!(thermal.isothermal) },
             "Temperatures stay at their initial values"),
         parameter("thermal.initialShaftRise", &KELVIN_DIFFERENCE, field!(thermal.initial_shaft_rise), "Temperature difference of shaft to bush at the start")
@@ -395,6 +403,8 @@ fn outputs() -> Vec<V> {
         output!("bearing.contactShare", &ONE, contact_share, ["drive.speed", "load.externalForce"], "Force of the touching asperities over the load").shown_in("%").within(0.0, 1e9).about(1.0),
         output!("bearing.contactTorque", &NEWTON_METRE, contact_torque, ["drive.speed"], "Friction torque of the touching asperities").within(-1e18, 1e18).about(1.0),
         output!("thermal.shaftTemperature", &KELVIN, shaft_temperature, [], "Temperature of the shaft").shown_in("degC").within(0.0, 1e12).about(300.0),
+        output("thermal.slowestTimeConstant", &SECOND, Stand::slowest_time_constant, "Slowest time constant of the heat balance at the present state, averaged over a turn; negative where a deviation grows, 0 when isothermal")
+            .depends_on(&["drive.speed", "load.externalForce", "thermal.ambientTemperature"]).within(-1e12, 1e12).about(1e3),
         output!("drive.angle", &RADIAN, shaft_angle, [], "Shaft angle, from 0 at the start").shown_in("deg").within(-1e16, 1e16).about(100.0),
         output!("drive.shaftSpeed", &RADIAN_PER_SECOND, shaft_speed, ["drive.speed"], "Shaft speed with its fluctuation").shown_in("rpm").within(-4000.0, 4000.0).about(30.0),
     ]

@@ -209,6 +209,29 @@ def test_unusable_values_are_refused(stand, name, value):
         instance.set(name, value)
 
 
+STEADY = ["sensor.oilTemperature", "sensor.bearingTemperature"]
+
+
+def test_a_steady_start_stays(stand):
+    """The temperatures at the start of a turn are those at its end."""
+    instance = stand()
+    instance.setInteger([instance.names["thermal.initialization"]], [2])
+    instance.start(thermal__initialBearingTemperature=330.0)
+    begin = instance.get(*STEADY)
+    assert begin == pytest.approx([321.18, 355.21], abs=0.02)
+    for i in range(20):
+        instance.doStep(0.01 * i, 0.01)
+    assert instance.get(*STEADY) == pytest.approx(begin, abs=1e-7)
+    assert instance.get("thermal.slowestTimeConstant")[0] == pytest.approx(2837, rel=0.01)
+
+
+def test_a_steady_start_that_does_not_exist_is_an_error(stand):
+    instance = stand()
+    instance.setInteger([instance.names["thermal.initialization"]], [2])
+    with pytest.raises(FMICallException):
+        instance.start(thermal__oilAmbientConductance=0.0)
+
+
 def test_termination_twice_and_reading_after_it(stand):
     instance = stand().start()
     before = run(instance, 0, 5)

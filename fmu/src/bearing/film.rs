@@ -135,6 +135,19 @@ impl Film {
         Ok(())
     }
 
+    /// The mobility film of a bearing, for estimates of what another film would take long to say.
+    ///
+    /// # Errors
+    /// When a parameter is not usable.
+    pub fn mobility(bearing: &Bearing) -> Result<Self, Fault> {
+        let mut film = mobility::MobilityFilm::default();
+        film.prepare(bearing)?;
+        Ok(Self {
+            model: FilmModel::Mobility,
+            running: Running::Mobility(film),
+        })
+    }
+
     /// Computes all that follows from the bearing's parameters alone.
     ///
     /// # Errors

@@ -1,0 +1,321 @@
+//! The thermal equilibrium that is reached from given temperatures, on the averaged heat balance.
+//!
+//! There may be several equilibria: friction that grows as the oil warms can hold a hot state beside a cold one. Newton's
+//! method alone would find any of them. So the temperatures first follow their averaged drift, with error control, until an
+//! equilibrium is less than [`NEAR`] away; Newton's method finishes there. This is pseudo-transient continuation (Kelley &
+//! Keyes 1998, SIAM J. Numer. Anal. 35, 508-523) with the physical drift and an error bound on its steps, so that no step
+//! leaves the basin of attraction.
+//!
+//! The equilibrium is stable if all eigenvalues of the linearised drift have negative real parts (Lyapunov's first method).
+
+use super::{Averaged, Departure, Matrix4, NoLeap, TwoScales, Vector4, temperatures, vector};
+use crate::solver::{Budget, Rodas3};
+use crate::thermal::Temperatures;
+use nalgebra::Vector2;
+use nalgebra::linalg::Schur;
+use thiserror::Error;
+
+/// Why no equilibrium was found.
+#[derive(Clone, Debug, Error)]
+pub enum NoEquilibrium {
+    /// No averaged heat at some temperature.
+    #[error(transparent)]
+    Orbit(#[from] NoLeap),
+    /// The temperatures rise without end.
+    #[error("after {after:.3e} s the {node} would be at {temperature:.0} K and still warming")]
+    Runaway {
+        /// The hottest node.
+        node: &'static str,
+        /// Its temperature, K.
+        temperature: f64,
+        /// When, s.
+        after: f64,
+    },
+    /// The given temperatures are an equilibrium, but not one that lasts.
+    #[error(
+        "the equilibrium at a film temperature of {film:.2} K is unstable: a deviation grows e-fold in {growth:.0} s"
+    )]
+    Unstable {
+        /// The film's temperature, K.
+        film: f64,
+        /// Time in which a small deviation grows e-fold, s.
+        growth: f64,
+    },
+    /// The temperatures neither settle nor run away.
+    #[error("the temperatures have not settled after {0:.3e} s")]
+    Unsettled(f64),
+}
+
+/// A stable equilibrium of the averaged heat balance, with what Newton's method needs to refine it on resolved turns.
+#[derive(Clone, Copy, Debug)]
+pub struct Equilibrium {
+    /// Eccentricity-ratio vector at the beginning of a turn, 1.
+    pub eccentricity: [f64; 2],
+    /// The temperatures, K.
+    pub temperatures: Temperatures,
+    /// Derivatives of the temperatures' rates, 1/s.
+    pub drift: Matrix4,
+    /// Derivative of the orbit's beginning over the film's temperature, 1/K.
+    pub shift: Vector2<f64>,
+}
+
+/// Nearer than this to an equilibrium, Newton's method finishes, K.
+const NEAR: f64 = 0.5;
+/// Newton's steps end below this, K.
+const CLOSE: f64 = 1e-6;
+/// Newton's steps at most.
+const STEPS: usize = 20;
+/// Time constants that pass between two looks for an equilibrium.
+const TIME_CONSTANTS: f64 = 6.0;
+/// Looks at most.
+const LOOKS: usize = 60;
+/// Bounds of the time between two looks: in turns, and in s.
+const LEAST_TURNS: f64 = 10.0;
+const LONGEST: f64 = 1e8;
+/// The error allowed in each temperature per step on the way, K.
+const WAY_ERROR: f64 = 0.05;
+/// No oil is left at this temperature, K.
+const HOTTEST: f64 = 1000.0;
+/// So near to an unstable equilibrium, K, the temperatures count as given there.
+const ON_THE_RIDGE: f64 = 1e-3;
+
+/// The equilibrium that the temperatures reach from those of the departure.
+///
+/// # Errors
+/// When there is none, when it is unstable, or when the averaged heat cannot be computed.
+pub fn equilibrium(
+    model: &impl TwoScales,
+    tolerance: f64,
+    from: &Departure,
+) -> Result<Equilibrium, NoEquilibrium> {
+    let mean = Averaged::new(model, tolerance, from)?;
+    let integrator = Rodas3 {
+        allowed: [WAY_ERROR; 4],
+        budget: Budget::of(100_000),
+    };
+    let mut t = vector(&from.temperatures);
+    let mut passed = 0.0;
+    for _ in 0..LOOKS {
+        let (rates, drift) = mean.linear(&t)?;
+        if rates.amax() == 0.0 && drift.amax() == 0.0 {
+            // Isothermal: the temperatures stay wherever they are.
+            return settled(&mean, &t, drift);
+        }
+        let time_constant = slowest_time_constant(&drift);
+        let distance = newton(&rates, &drift).map_or(f64::INFINITY, |step| step.amax());
+        if distance < NEAR && time_constant > 0.0 {
+            if let Some(found) = finish(&mean, t)? {
+                return Ok(found);
+            }
+        } else if distance < ON_THE_RIDGE {
+            return Err(NoEquilibrium::Unstable {
+                film: t[0],
+                growth: -time_constant,
+            });
+        }
+        let span =
+            (TIME_CONSTANTS * time_constant.abs()).clamp(LEAST_TURNS * model.period(), LONGEST);
+        integrator.integrate(
+            // Where a trial step goes too far for an orbit, a shorter one follows.
+            |t| Ok(mean.rates(t).unwrap_or(Vector4::repeat(f64::NAN))),
+            |t| check(t, passed).and_then(|()| Ok(mean.linear(t)?)),
+            &mut t,
+            span,
+            model.period(),
+        )?;
+        passed += span;
+    }
+    Err(NoEquilibrium::Unsettled(passed))
+}
+
+impl From<crate::solver::Failure> for NoEquilibrium {
+    fn from(failure: crate::solver::Failure) -> Self {
+        Self::Orbit(failure.into())
+    }
+}
+
+/// Ends the way where no oil is left.
+fn check(t: &Vector4, after: f64) -> Result<(), NoEquilibrium> {
+    const NODES: [&str; 4] = ["film", "bush", "shaft", "oil"];
+    let hottest = t.imax();
+    if t[hottest] < HOTTEST {
+        return Ok(());
+    }
+    Err(NoEquilibrium::Runaway {
+        node: NODES[hottest],
+        temperature: t[hottest],
+        after,
+    })
+}
+
+/// The change of the temperatures that Newton's method proposes, K.
+fn newton(rates: &Vector4, drift: &Matrix4) -> Option<Vector4> {
+    let step = drift.lu().solve(&-rates)?;
+    step.iter().all(|x| x.is_finite()).then_some(step)
+}
+
+/// Newton's method from temperatures near an equilibrium; `None` if there is none that is near and stable.
+fn finish<M: TwoScales>(
+    mean: &Averaged<'_, M>,
+    near: Vector4,
+) -> Result<Option<Equilibrium>, NoEquilibrium> {
+    let mut t = near;
+    for _ in 0..STEPS {
+        let (rates, drift) = mean.linear(&t)?;
+        let Some(step) = newton(&rates, &drift) else {
+            break;
+        };
+        t += step;
+        if (t - near).amax() > 2.0 * NEAR {
+            break;
+        }
+        if step.amax() < CLOSE {
+            if slowest_time_constant(&drift) <= 0.0 {
+                break;
+            }
+            return settled(mean, &t, drift).map(Some);
+        }
+    }
+    Ok(None)
+}
+
+/// The equilibrium at known temperatures.
+fn settled<M: TwoScales>(
+    mean: &Averaged<'_, M>,
+    t: &Vector4,
+    drift: Matrix4,
+) -> Result<Equilibrium, NoEquilibrium> {
+    let place = mean.place(t[0])?;
+    Ok(Equilibrium {
+        eccentricity: place.into(),
+        temperatures: temperatures(t),
+        drift,
+        shift: (mean.place(t[0] + mean.nudge)? - place) / mean.nudge,
+    })
+}
+
+/// The longest time constant of a linear drift, s: the time in which the slowest deviation shrinks e-fold, or, with a
+/// negative sign, in which the fastest-growing one grows e-fold. At most 10^12 s, and zero for a drift that is not finite.
+pub fn slowest_time_constant(drift: &Matrix4) -> f64 {
+    /// Steps for an eigenvalue; the QR algorithm takes some three.
+    const MOST: usize = 1000;
+    /// A longer time constant than this, s, is none.
+    const FOREVER: f64 = 1e12;
+    let finite = drift.iter().all(|x| x.is_finite());
+    let Some(schur) = finite
+        .then(|| Schur::try_new(*drift, f64::EPSILON, MOST))
+        .flatten()
+    else {
+        return 0.0;
+    };
+    let eigenvalues = schur.complex_eigenvalues();
+    let slowest = eigenvalues
+        .iter()
+        .map(|eigenvalue| eigenvalue.re)
+        .fold(f64::NEG_INFINITY, f64::max);
+    if slowest.abs() < 1.0 / FOREVER {
+        return FOREVER;
+    }
+    -1.0 / slowest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bearing::Flows;
+
+    /// A film that is heated by what `heat` says of its temperature, and that loses 1 W/K at 300 K. The journal goes to
+    /// the middle.
+    struct Toy(fn(f64) -> f64);
+
+    impl TwoScales for Toy {
+        fn period(&self) -> f64 {
+            0.2
+        }
+
+        fn journal(&self, _: f64, [x, y]: [f64; 2], viscosity: f64) -> ([f64; 2], Flows) {
+            let flows = Flows {
+                viscous: (self.0)(300.0 - viscosity.ln() / 0.03),
+                ..Flows::default()
+            };
+            ([-10.0 * x, -10.0 * y], flows)
+        }
+
+        /// Falls by 3 % per kelvin, as that of oil.
+        fn viscosity(&self, film_temperature: f64) -> f64 {
+            (-0.03 * (film_temperature - 300.0)).exp()
+        }
+
+        fn thermal_rates(&self, t: &Temperatures, flows: &Flows) -> Temperatures {
+            Temperatures {
+                film: (flows.viscous - (t.film - 300.0)) / 10.0,
+                bush: 300.0 - t.bush,
+                shaft: 300.0 - t.shaft,
+                oil: 300.0 - t.oil,
+            }
+        }
+    }
+
+    fn from(film: f64) -> Departure {
+        Departure {
+            before: [0.0; 2],
+            eccentricity: [0.0; 2],
+            temperatures: Temperatures {
+                film,
+                bush: 300.0,
+                shaft: 300.0,
+                oil: 300.0,
+            },
+        }
+    }
+
+    /// Heat in less heat out is `-(T - 310)(T - 340)(T - 370)/1000` W: equilibria at 310, 340 and 370 K.
+    const THREE: Toy = Toy(|t| t - 300.0 - (t - 310.0) * (t - 340.0) * (t - 370.0) / 1e3);
+
+    #[test]
+    fn each_basin_has_its_equilibrium() {
+        for (begin, end) in [
+            (301.0, 310.0),
+            (339.8, 310.0),
+            (340.2, 370.0),
+            (400.0, 370.0),
+        ] {
+            let found = equilibrium(&THREE, 1e-7, &from(begin)).unwrap();
+            assert!(
+                (found.temperatures.film - end).abs() < 1e-3,
+                "{begin}: {found:?}"
+            );
+            // The derivative at either end is -30*60/1000 W/K over 10 J/K.
+            let slowest = slowest_time_constant(&found.drift);
+            assert!((slowest - 10.0 / 1.8).abs() < 0.01, "{slowest}");
+        }
+    }
+
+    #[test]
+    fn an_unstable_equilibrium_is_refused() {
+        let found = equilibrium(&THREE, 1e-7, &from(340.0));
+        let Err(NoEquilibrium::Unstable { film, growth }) = found else {
+            unreachable!("{found:?}");
+        };
+        assert!(
+            (film - 340.0).abs() < 1e-3 && (growth - 10.0 / 0.9).abs() < 0.1,
+            "{growth}"
+        );
+    }
+
+    #[test]
+    fn a_runaway_is_refused() {
+        let found = equilibrium(&Toy(|t| 1.1 * (t - 300.0) + 1.0), 1e-6, &from(300.0));
+        assert!(
+            matches!(found, Err(NoEquilibrium::Runaway { node: "film", .. })),
+            "{found:?}"
+        );
+    }
+
+    #[test]
+    fn a_drift_that_is_no_number_has_no_time_constant() {
+        assert_eq!(slowest_time_constant(&Matrix4::repeat(f64::NAN)), 0.0);
+        assert_eq!(slowest_time_constant(&Matrix4::zeros()), 1e12);
+        assert_eq!(slowest_time_constant(&-Matrix4::identity()), 1.0);
+    }
+}

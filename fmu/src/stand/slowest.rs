@@ -1,0 +1,112 @@
+//! The slowest time constant of the heat balance, which tells how long a run must be for its temperatures to settle.
+//!
+//! Friction changes with the oil's temperature, so that the time constant is not that of the conductances alone: where
+//! warmer oil means more friction, temperatures settle more slowly, or run away. The linearised balance takes the heat
+//! averaged over the journal's periodic orbit at each film temperature; for a film that takes steps of its own, the orbit of
+//! the mobility film.
+
+use super::Stand;
+use super::inputs::Inputs;
+use crate::bearing::{Film, Flows};
+use crate::multirate::{self, Departure, Vector4};
+use crate::thermal::Temperatures;
+use fmu_export::model::Fault;
+use std::sync::{Mutex, PoisonError};
+
+/// The tolerance of the orbits.
+const TOLERANCE: f64 = 1e-6;
+/// The time constant is computed at temperatures that are multiples of this, K. So it follows from the state alone, and a
+/// host that reads it after each short step does not pay for orbits each time.
+const GRAIN: f64 = 0.1;
+
+/// The time constant that was computed last, s, and for what: the temperatures in grains, and the inputs.
+#[derive(Debug, Default)]
+pub(super) struct Remembered(Mutex<Option<(Key, f64)>>);
+
+type Key = ([i64; 4], [u64; 3]);
+
+impl Clone for Remembered {
+    /// A clone may get other parameters, so that it computes anew.
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
+impl Remembered {
+    /// Forgets, as parameters have changed.
+    pub(super) fn forget(&mut self) {
+        *self = Self::default();
+    }
+}
+
+impl Stand {
+    /// The slowest time constant of the heat balance at the present temperatures, s, negative where a deviation grows, and
+    /// zero when isothermal or before the start.
+    pub fn slowest_time_constant(&self) -> f64 {
+        if self.thermal.isothermal {
+            return 0.0;
+        }
+        let Inputs {
+            speed,
+            external_force,
+            ambient_temperature,
+        } = &self.inputs;
+        let grains: [f64; 4] = multirate::vector(&self.state.temperatures)
+            .map(|t| (t / GRAIN).round())
+            .into();
+        let inputs =
+            [speed, external_force, ambient_temperature].map(|input| input.value.to_bits());
+        let key = (grains.map(|grain| grain as i64), inputs);
+        let mut remembered = self
+            .slowest
+            .0
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        match *remembered {
+            Some((known, value)) if known == key => value,
+            _ => {
+                let value =
+                    self.linearised_at(&multirate::temperatures(&(Vector4::from(grains) * GRAIN)));
+                *remembered = Some((key, value));
+                value
+            }
+        }
+    }
+
+    /// The time constant at these temperatures.
+    fn linearised_at(&self, at: &Temperatures) -> f64 {
+        let mut still = self.clone();
+        still.drive.fluctuation_amplitude = 0.0;
+        for input in still.inputs.all() {
+            input.slope = 0.0;
+        }
+        let from = Departure {
+            before: [0.0; 2],
+            eccentricity: [0.0; 2],
+            temperatures: *at,
+        };
+        let drift = if self.inputs.speed.value == 0.0 {
+            // At rest there is no friction heat.
+            multirate::network(self, at, &Flows::default())
+        } else {
+            let fast = still.with_a_fast_film().ok();
+            let averaged = fast.and_then(|fast| multirate::drift(&fast, TOLERANCE, &from).ok());
+            // Without an orbit, the friction counts as constant.
+            averaged.unwrap_or_else(|| {
+                let viscosity = self.fluid.viscosity(at.film);
+                let (_, flows) = self.drift(0.0, self.state.eccentricity, viscosity);
+                multirate::network(self, at, &flows)
+            })
+        };
+        multirate::slowest_time_constant(&drift)
+    }
+
+    /// The same stand with the mobility film in place of one that takes steps of its own, which would need seconds for
+    /// its orbits.
+    pub(super) fn with_a_fast_film(mut self) -> Result<Self, Fault> {
+        if self.film.is_transient() {
+            self.film = Film::mobility(&self.bearing)?;
+        }
+        Ok(self)
+    }
+}
