@@ -76,6 +76,9 @@ void *fmi2Instantiate(const char *name, int type, const char *guid, const char *
                       const Callbacks *callbacks, int visible, int logging) {
     Model *model = calloc(1, sizeof *model);
     model->callbacks = callbacks;
+    const char *scheme = "file://";
+    int skipped = strncmp(resources, scheme, strlen(scheme)) ? 0 : (int)strlen(scheme);
+    snprintf(model->folder, sizeof model->folder, "%s", resources + skipped);
     defaults(model);
     if (BEHAVIOUR(INSTANTIATE, model) == OK) return model;
     free(model);

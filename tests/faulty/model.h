@@ -26,6 +26,7 @@ typedef struct {
     int fault, steps;
     int ended;   /* The answer of fmi2GetBooleanStatus(fmi2Terminated). */
     int pending; /* How often fmi2GetStatus still says fmi2Pending. */
+    char folder[4096]; /* The resources of the unpacked FMU. */
     double left; /* The only thing that fmi2Reset leaves as it is. */
 } Model;
 

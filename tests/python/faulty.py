@@ -26,6 +26,7 @@ class Model:
     results: str = "healthy"  # of a point with the fault that is ok: as without it, its "own", or "any"
     attributes: str = ""  # of the element CoSimulation
     outputs: bool = True
+    changes: str | None = None  # the first file that it changes in its own folder
     said: str = ""  # what a user of `verify` reads somewhere
 
 
@@ -39,6 +40,10 @@ def waiting(name, *status, **more):
 
 def any_end(name, **more):
     return Model(name, ANY, **more)
+
+
+def changing(name, file, status=(OK,)):
+    return Model(name, status, changes=file)
 
 
 MEMORY = [
@@ -65,8 +70,8 @@ LIFE = [
     Model("crashes_in_free", said="sigsegv (fmi2terminate or fmi2freeinstance)"),
     waiting("loops_in_step"),
     waiting("loops_in_reset", OK),
-    waiting("loops_in_terminate", OK, said="not done after 1 s (fmi2terminate or fmi2freeinstance)"),
-    waiting("loops_in_free", OK, said="not done after 1 s (fmi2terminate or fmi2freeinstance)"),
+    waiting("loops_in_terminate", OK, said="not done after 2 s (fmi2terminate or fmi2freeinstance)"),
+    waiting("loops_in_free", OK, said="not done after 2 s (fmi2terminate or fmi2freeinstance)"),
     waiting("loops_in_second_instantiate", OK),
     Model("fails_to_terminate", said="fmi2terminate"),
     Model("ends_early", results="own", said="ended at 0.5 s"),
@@ -142,6 +147,18 @@ SURROUNDINGS = [
     Model("gets_its_licence_later", attributes='needsExecutionTool="true"'),
     Model("shares_a_licence", attributes='needsExecutionTool="true"'),
 ]
+FILES = [
+    changing("leaves_a_file_in_its_resources", "resources/state.txt"),
+    changing("leaves_a_file_at_its_end", "resources/state.txt"),
+    changing("maps_a_file_of_its_resources", "resources/number.txt"),
+    changing("removes_a_file_of_its_resources", "resources/number.txt"),
+    changing("replaces_a_file_of_its_resources", "resources/number.txt"),
+    changing("removes_its_own_folder", ""),
+    changing("cuts_its_own_binary", "binaries/linux64/faulty.so", status=(OK, "crashed")),
+    Model("opens_its_resources_for_writing"),
+    Model("leaves_a_file_in_its_working_directory"),
+    Model("takes_its_time_to_end"),
+]
 LOADING = [
     Model("talks_while_loaded"),
     waiting("needs_the_thread_of_its_loading", OK),
@@ -152,7 +169,7 @@ LOADING = [
     Model("loops_when_unloaded"),
     Model("crashes_with_its_thread"),
 ]
-MODELS = MEMORY + LIFE + LOGGER + PROCESSES + SIGNALS + DESCRIPTORS + SURROUNDINGS + LOADING
+MODELS = MEMORY + LIFE + LOGGER + PROCESSES + SIGNALS + DESCRIPTORS + SURROUNDINGS + FILES + LOADING
 # Models without a function of their own in tests/faulty.
 PLAIN = {"needs_a_tool", "has_no_outputs"}
 
@@ -218,6 +235,7 @@ class Workshop:
         with zipfile.ZipFile(into, "w") as archive:
             archive.writestr("modelDescription.xml", text or description())
             archive.write(binary, "binaries/linux64/faulty.so")
+            archive.writestr("resources/number.txt", "0\n")
         return into
 
     def model(self, model):

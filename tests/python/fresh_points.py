@@ -4,9 +4,10 @@ the reference for what the orchestrator computes, which shares nothing with it. 
     python fresh_points.py JOB.json     prints a JSON list, an item a point: {"values": [...]} or {"failure": "..."}
 
 A job holds fmu, points (a list of {name: value}), outputs, stop, step, and where they matter start, tolerance and
-timeout. Its point processes are new ones: slow (fmpy is imported each time), but nothing is older than the point.
+timeout; with own_folders each point has an unpacked FMU and a working directory of its own. Its point processes are new ones: slow (fmpy is imported each time), but nothing is older than the point.
 `Server` forks them from a process that has imported fmpy and loaded no FMU: some milliseconds a point."""
 
+import contextlib
 import ctypes
 import json
 import math
@@ -116,6 +117,7 @@ def simulate(job, values):
 def answer(job, values, into):
     """Simulates in this process, which ends with it. What the FMU prints is thrown away."""
     into = os.dup(into)
+    os.chdir(job.get("place", "."))
     nothing = os.open(os.devnull, os.O_RDWR)
     for stream in range(3):
         os.dup2(nothing, stream)
@@ -145,8 +147,26 @@ def result_of(process, pipe, timeout):
     return {"failure": "the process ended" if time.monotonic() < end else "timeout"}
 
 
+@contextlib.contextmanager
+def apart(job):
+    """The job with an unpacked FMU and an empty working directory that no other point sees, where it wants that."""
+    if not job.get("own_folders"):
+        yield job
+        return
+    with tempfile.TemporaryDirectory(prefix="fresh-point-", ignore_cleanup_errors=True) as folder:
+        own, place = Path(folder, "fmu"), Path(folder, "at")
+        place.mkdir()
+        fmpy.extract(job["fmu"], own)
+        yield {**job, "folder": str(own), "place": str(place)}
+
+
 def forked(job, values):
     """A point in a fork of this process."""
+    with apart(job) as job:
+        return forked_there(job, values)
+
+
+def forked_there(job, values):
     ours, theirs = os.pipe()
     process = os.fork()
     if process == 0:

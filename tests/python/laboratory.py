@@ -5,6 +5,7 @@ import signal
 import threading
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from pathlib import Path
 
 import faulty
 import fresh_points
@@ -64,6 +65,7 @@ class Case:
     resumed: Outcome
     killed: bool  # whether the kill came before the end
     strays: list  # what the kill left
+    folder: Path  # of its runs
 
 
 class Laboratory:
@@ -100,7 +102,8 @@ class Laboratory:
 
         def run(numbers):
             points = [{"rate": rate(point), "fault": int(point in hit)} for point in numbers]
-            job = {"fmu": str(fmu), "points": points, "outputs": OUTPUTS, "stop": 1.0, "step": 0.05}
+            job = {"fmu": str(fmu), "points": points, "outputs": OUTPUTS, "stop": 1.0, "step": 0.05,
+                   "own_folders": True}
             return dict(zip(numbers, server.run(job)))
 
         results = run(range(1, points + 1))
@@ -119,7 +122,7 @@ class Laboratory:
         options = ["--point-timeout", TIMEOUT if model.waits else NO_TIMEOUT, *model.options]
         whole = study(folder, fmu, hit, "whole", options).run()
         resumed, killed, strays = self.kill(folder, fmu, hit, options)
-        return Case(model, hit, expected, whole, resumed, killed, strays)
+        return Case(model, hit, expected, whole, resumed, killed, strays, folder)
 
     def kill(self, folder, fmu, hit, options):
         """Kills a run when it has done some points, and resumes it."""

@@ -97,6 +97,23 @@ def test_simulations_that_cannot_be_ended_are_counted(case):
         assert "fmi2" in errors["first"]["message"] if points else errors["first"] is None
 
 
+@models(*[model.name for model in MODELS if model.changes is not None], "opens_its_resources_for_writing", "healthy")
+def test_the_first_file_that_an_fmu_changes_in_its_folder_is_named(case):
+    for outcome in (case.whole, case.resumed):
+        file = outcome.summary["changed_file"]
+        if case.model.changes is None:
+            assert file is None
+        else:
+            assert file is not None and file.startswith(case.model.changes)
+            assert f"the first: {file}" in outcome.said
+
+
+@models("takes_its_time_to_end")
+def test_an_fmu_has_the_time_of_a_point_to_end(case):
+    assert case.whole.summary["terminate_errors"]["points"] == 0
+    assert len((case.folder / "run-whole" / "ended").read_bytes()) >= len(case.hit)
+
+
 @models("says_version_one", "needs_a_tool", "healthy")
 def test_what_concerns_the_whole_fmu_is_told_once(case):
     version, tool = case.model.name == "says_version_one", case.model.name == "needs_a_tool"

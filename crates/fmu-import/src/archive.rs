@@ -302,7 +302,7 @@ impl Archive {
     }
 
     /// Unpacks the description, this platform's binaries and the resources into a new folder
-    /// within `parent`.
+    /// within `parent`; copies them from a folder, which an FMU that writes must not spoil.
     pub(crate) fn unpack(
         &mut self,
         identifier: &str,
@@ -314,8 +314,9 @@ impl Archive {
             return Err(self.misnamed(identifier).unwrap_or_else(otherwise));
         }
         let target = tempfile::Builder::new().prefix("fmu-").tempdir_in(parent)?;
-        if let Self::Zip { zip, .. } = self {
-            unpack_needed(zip, target.path())?;
+        match self {
+            Self::Zip { zip, .. } => unpack_needed(zip, target.path())?,
+            Self::Folder(folder) => copy_needed(folder, target.path())?,
         }
         Ok(target)
     }
@@ -386,6 +387,34 @@ fn needed(name: &Path) -> bool {
         Some("documentation" | "sources") => false,
         _ => true,
     }
+}
+
+/// Copies what a simulation on this platform may need.
+fn copy_needed(from: &Path, into: &Path) -> io::Result<()> {
+    for entry in fs::read_dir(from)? {
+        let entry = entry?;
+        let name = PathBuf::from(entry.file_name());
+        if name == Path::new("binaries") {
+            let name = name.join(PLATFORM);
+            copy_all(&from.join(&name), &into.join(&name))?;
+        } else if needed(&name) {
+            copy_all(&entry.path(), &into.join(name))?;
+        }
+    }
+    Ok(())
+}
+
+/// Copies a file, or a folder with all that is in it.
+fn copy_all(from: &Path, into: &Path) -> io::Result<()> {
+    if !from.is_dir() {
+        return fs::copy(from, into).map(drop);
+    }
+    fs::create_dir_all(into)?;
+    for entry in fs::read_dir(from)? {
+        let entry = entry?;
+        copy_all(&entry.path(), &into.join(entry.file_name()))?;
+    }
+    Ok(())
 }
 
 fn unpack_needed(zip: &mut ZipArchive<File>, target: &Path) -> Result<(), ArchiveError> {

@@ -11,6 +11,7 @@ use thiserror::Error;
 use crate::archive::{self, Archive, ArchiveError};
 use crate::decode;
 use crate::description::Description;
+use crate::isolation::watch::Snapshot;
 use crate::library::{Library, LibraryError};
 use crate::parse::{self, DescriptionError};
 
@@ -61,7 +62,8 @@ pub struct Package {
     path: PathBuf,
     archive: Archive,
     description: Description,
-    unpacked: Option<TempDir>,
+    /// Where it was unpacked, and how that folder was then.
+    unpacked: Option<(TempDir, Snapshot)>,
 }
 
 impl Package {
@@ -162,30 +164,42 @@ impl Package {
         Ok(digest(&bytes))
     }
 
-    /// Unpacks what a simulation on this platform needs, once, into a new folder within `parent`,
-    /// and returns that. The folder is removed with the package.
+    /// Unpacks what a simulation on this platform needs into a new folder within `parent`, and returns that. One that
+    /// is there already is used again, unless the FMU has changed anything in it. The folder is removed with the
+    /// package.
     ///
     /// # Errors
     /// When there is no binary for this platform, when the archive is unsafe or damaged, and when
     /// there is no room.
     pub fn unpack(&mut self, parent: &Path) -> Result<PathBuf, FmuError> {
-        if let Some(folder) = self.archive.folder() {
-            return Ok(folder.to_owned());
-        }
         // The folder unpacked for workers may be gone with their other files.
-        let there = |folder: &TempDir| folder.path().exists();
-        if !self.unpacked.as_ref().is_some_and(there) {
-            let folder = self
-                .archive
-                .unpack(&self.description.model_identifier, parent)
-                .map_err(|source| FmuError::Archive {
-                    path: self.path.clone(),
-                    source,
-                })?;
-            self.unpacked = Some(folder);
-        }
-        let folder = self.unpacked.as_ref().map(TempDir::path);
-        Ok(folder.unwrap_or(&self.path).to_owned())
+        let kept = self.unpacked.take();
+        let kept = kept.filter(|(folder, then)| Snapshot::of(folder.path()) == *then);
+        let (folder, then) = match kept {
+            Some(kept) => kept,
+            None => {
+                let folder = self.unpack_anew(parent)?;
+                let then = Snapshot::of(folder.path());
+                (folder, then)
+            }
+        };
+        let path = folder.path().to_owned();
+        self.unpacked = Some((folder, then));
+        Ok(path)
+    }
+
+    /// Unpacks what a simulation on this platform needs into a new folder within `parent`, which is removed with
+    /// the value.
+    ///
+    /// # Errors
+    /// As [`unpack`](Self::unpack).
+    pub fn unpack_anew(&mut self, parent: &Path) -> Result<TempDir, FmuError> {
+        let identifier = &self.description.model_identifier;
+        let unpacked = self.archive.unpack(identifier, parent);
+        unpacked.map_err(|source| FmuError::Archive {
+            path: self.path.clone(),
+            source,
+        })
     }
 
     /// The binary for this platform in the folder into which the FMU was unpacked; none where there is none.
@@ -194,12 +208,15 @@ impl Package {
         binary.exists().then_some(binary)
     }
 
-    /// Unpacks the FMU and loads its binary into this process.
+    /// Unpacks the FMU, unless it is a folder, and loads its binary into this process.
     ///
     /// # Errors
     /// As [`unpack`](Self::unpack), and when the binary cannot be loaded.
     pub fn load(&mut self) -> Result<Arc<Library>, FmuError> {
-        let folder = self.unpack(&std::env::temp_dir())?;
+        let folder = match self.archive.folder() {
+            Some(folder) => folder.to_owned(),
+            None => self.unpack(&std::env::temp_dir())?,
+        };
         let library =
             Library::load(&folder, &self.description).map_err(|source| FmuError::Library {
                 path: self.path.clone(),

@@ -1,9 +1,10 @@
 //! The workers of a task: how many, and where they run its points.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use super::Worker;
+use super::ground::Ground;
 use super::local::Local;
 use super::policy::{Conduct, Isolation, Policy};
 use super::process::Limits;
@@ -32,8 +33,9 @@ pub struct Crew {
 enum Way {
     Here(Arc<Library>),
     Processes {
-        fmu: PathBuf,
-        name: PathBuf,
+        ground: Arc<Ground>,
+        /// For points with a folder of their own.
+        apart: Arc<Policy>,
         limits: Limits,
     },
 }
@@ -63,8 +65,12 @@ impl Crew {
             }
             Place::Processes(limits, isolation) => Self {
                 way: Way::Processes {
-                    fmu: package.unpack(scratch)?,
-                    name: package.path().to_owned(),
+                    ground: Arc::new(Ground::new(
+                        package.unpack(scratch)?,
+                        package.path(),
+                        scratch,
+                    )),
+                    apart: Arc::new(Policy::apart(tool, jobs)),
                     limits,
                 },
                 size: jobs,
@@ -80,16 +86,38 @@ impl Crew {
 
     /// How its points were computed so far.
     pub fn conduct(&self) -> Conduct {
+        if let Way::Processes { ground, apart, .. } = &self.way
+            && let Some(changed) = ground.changed()
+        {
+            // Nothing that was computed before counts, but the numbers of audits only grow.
+            return Conduct {
+                changed_file: Some(changed),
+                audits: self.policy.conduct().audits,
+                audit_mismatches: self.policy.conduct().audit_mismatches,
+                ..apart.conduct()
+            };
+        }
         self.policy.conduct()
+    }
+
+    /// Gives each point an unpacked FMU of its own from the beginning, since it was found that the FMU changes this file.
+    pub fn part(&self, changed: &str) {
+        if let Way::Processes { ground, .. } = &self.way {
+            ground.know(changed);
+        }
     }
 
     /// One worker.
     pub fn worker(&self, task: &Task) -> Box<dyn Worker> {
         match &self.way {
             Way::Here(library) => Box::new(Local::new(library, task)),
-            Way::Processes { fmu, name, limits } => {
-                let policy = Arc::clone(&self.policy);
-                Box::new(Slot::new(policy, fmu, name, task, *limits))
+            Way::Processes {
+                ground,
+                apart,
+                limits,
+            } => {
+                let policies = [&self.policy, apart].map(Arc::clone);
+                Box::new(Slot::new(policies, Arc::clone(ground), task, *limits))
             }
         }
     }

@@ -27,8 +27,9 @@ use fmu_import::{FmuError, Library, Package};
 /// Replies are sent after this time at the latest, when the next point is done: a message a point would cost more
 /// than a short point.
 const HOLD: Duration = Duration::from_millis(1);
-/// How long a child may take to end its instance after it has answered.
-const GRACE: Duration = Duration::from_secs(1);
+/// How long a child may take to end its instance after it has answered, where a point may take longer than that: a
+/// tool behind the FMU is closed then, files are written, a licence is given back.
+const GRACE: Duration = Duration::from_secs(60);
 
 /// Serves a supervisor over standard input and output.
 ///
@@ -168,7 +169,7 @@ impl Guard {
                 _ => break,
             }
         }
-        let parting = child.part(&mut self.keeper, GRACE);
+        let parting = child.part(&mut self.keeper, grace(&self.setup));
         self.note_parting(&parting, &mut reply)?;
         self.hear_of_licences(&mut reply);
         Ok(reply)
@@ -186,7 +187,10 @@ impl Guard {
         }
         let why = match &parting.loss {
             None => return Ok(()),
-            Some(Loss::Timeout) => "not done after 1 s".to_owned(),
+            Some(Loss::Timeout) => {
+                let patience = grace(&self.setup).as_secs_f64();
+                format!("not done after {patience} s")
+            }
             Some(loss) => self.failure(loss)?.to_string(),
         };
         let notices = simulated.notices.get_or_insert_default();
@@ -381,7 +385,7 @@ impl Guard {
                 }
             }
         }
-        child.part(&mut self.keeper, GRACE);
+        child.part(&mut self.keeper, grace(&self.setup));
         if self.setup.echo {
             let mut end = Vec::new();
             put_end(&End::Done, &mut end);
@@ -456,6 +460,11 @@ fn bounds(setup: &Setup) -> Bounds {
         time: time.and_then(Result::ok).unwrap_or(Duration::MAX),
         memory: setup.memory,
     }
+}
+
+/// How long a child may take to end its instance.
+fn grace(setup: &Setup) -> Duration {
+    bounds(setup).time.min(GRACE)
 }
 
 /// Where replies go.

@@ -9,6 +9,7 @@
 
 mod batch;
 pub mod crew;
+mod ground;
 pub mod guard;
 pub mod local;
 pub mod policy;
@@ -53,6 +54,11 @@ pub enum EngineError {
         "the FMU gives other results in a process that has computed points before; use --isolation fresh"
     )]
     Refuted,
+    /// The same, because the FMU has changed its own folder, which all points shared.
+    #[error(
+        "the FMU changes files in its own folder, so points on which others were built do not count; --resume computes them again, each with a folder of its own"
+    )]
+    Disturbed,
 }
 
 /// A point to run: its index, and its parameters in the FMU's units.
@@ -254,6 +260,7 @@ fn pass<E: From<EngineError>>(
 /// Which points were computed how, and which of them have to be computed again.
 #[derive(Debug, Default)]
 struct Ledger {
+    new: Indexes,
     forked: Indexes,
     used: Indexes,
     again: Indexes,
@@ -273,6 +280,7 @@ impl Ledger {
             }
             Event::Answer(index, _, separation) => {
                 self.again.remove(index);
+                self.new.set(index, separation == Separation::New);
                 self.forked.set(index, separation == Separation::Forked);
                 self.used.set(index, separation == Separation::Used);
             }
@@ -287,6 +295,9 @@ impl Ledger {
                 self.again.take(&mut self.used);
                 if separation <= Separation::Forked {
                     self.again.take(&mut self.forked);
+                }
+                if separation <= Separation::New {
+                    self.again.take(&mut self.new);
                 }
             }
             Event::Idle => {}

@@ -34,6 +34,8 @@ pub enum Isolation {
 /// In what process a point was computed, from the strictest on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Separation {
+    /// In a new one, with an unpacked FMU of its own.
+    Apart,
     /// In a new one.
     New,
     /// In a fork of one that had loaded the FMU and never instantiated it.
@@ -44,11 +46,11 @@ pub enum Separation {
 
 impl Separation {
     /// Number of kinds.
-    pub const COUNT: usize = 3;
+    pub const COUNT: usize = 4;
 }
 
 /// How the points of a run were computed, and what their audits found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Conduct {
     /// How points shared processes.
     pub isolation: Isolation,
@@ -58,6 +60,9 @@ pub struct Conduct {
     pub audit_mismatches: u64,
     /// Whether points that are computed twice, alone, give the same.
     pub reproducible: bool,
+    /// The first file that the FMU changed in its own folder: then each point had a folder of its own.
+    #[serde(default)]
+    pub changed_file: Option<String>,
 }
 
 impl Conduct {
@@ -67,6 +72,7 @@ impl Conduct {
         audits: 0,
         audit_mismatches: 0,
         reproducible: true,
+        changed_file: None,
     };
 
     /// How all points were computed, of which some were computed so and others otherwise.
@@ -76,12 +82,13 @@ impl Conduct {
             audits: self.audits + other.audits,
             audit_mismatches: self.audit_mismatches + other.audit_mismatches,
             reproducible: self.reproducible && other.reproducible,
+            changed_file: self.changed_file.or(other.changed_file),
         }
     }
 
     /// The findings since `before`.
-    pub fn since(self, before: Option<Self>) -> Self {
-        let audits = |conduct: Self| (conduct.audits, conduct.audit_mismatches);
+    pub fn since(self, before: Option<&Self>) -> Self {
+        let audits = |conduct: &Self| (conduct.audits, conduct.audit_mismatches);
         let (audits, mismatches) = before.map_or((0, 0), audits);
         Self {
             audits: self.audits - audits,
@@ -93,10 +100,16 @@ impl Conduct {
     /// Remarks for a reader of the results, one sentence each.
     pub fn remarks(&self) -> Vec<String> {
         let mut remarks = Vec::new();
+        if let Some(file) = &self.changed_file {
+            remarks.push(format!(
+                "the FMU changes files in its own folder (the first: {file}), which later points would read; every \
+                 point ran alone in a new process, with a folder of its own"
+            ));
+        }
         if !self.reproducible {
             remarks.push(
                 "not reproducible: the FMU gives other results for the same point in another new process (memory \
-                 that it never wrote, the clock, random numbers); every point ran alone in a new process"
+                 that it never wrote, the clock, random numbers, files outside its own folder); every point ran alone in a new process"
                     .to_owned(),
             );
         }
@@ -219,6 +232,8 @@ pub(super) struct Policy {
     /// A tool stands behind the FMU.
     tool: bool,
     workers: usize,
+    /// The processes of points that are to be as independent as they can.
+    strictest: Separation,
     state: Mutex<State>,
 }
 
@@ -265,6 +280,7 @@ impl Policy {
             wish,
             tool,
             workers,
+            strictest: Separation::New,
             state: Mutex::new(State {
                 alone: None,
                 probing: false,
@@ -285,6 +301,19 @@ impl Policy {
         }
     }
 
+    /// A policy for points that have an unpacked FMU each.
+    pub(super) fn apart(tool: bool, workers: usize) -> Self {
+        Self {
+            strictest: Separation::Apart,
+            ..Self::new(Isolation::Fresh, tool, workers)
+        }
+    }
+
+    /// The processes of points that are to be as independent as they can.
+    pub(super) fn strictest(&self) -> Separation {
+        self.strictest
+    }
+
     fn state(&self) -> MutexGuard<'_, State> {
         // Every change leaves it sound.
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
@@ -295,7 +324,7 @@ impl Policy {
         let mut state = self.state();
         let Some(alone) = state.alone else {
             if state.probing {
-                return Plan::Alone(Separation::New);
+                return Plan::Alone(self.strictest);
             }
             state.probing = true;
             return Plan::Probe;
@@ -331,8 +360,8 @@ impl Policy {
         state.probe_time += took;
         match found {
             Probed::Nothing => {}
-            Probed::Different => state.give_up_reproducing(),
-            Probed::NoForks => state.alone = Some(Separation::New),
+            Probed::Different => state.give_up_reproducing(self.strictest),
+            Probed::NoForks => state.alone = Some(self.strictest),
             Probed::Alike => {
                 state.probes += 1;
                 let long = state.probe_time > Duration::from_secs(1);
@@ -345,7 +374,7 @@ impl Policy {
 
     /// How points are run alone, as far as that is known.
     pub(super) fn alone(&self) -> Separation {
-        self.state().alone.unwrap_or(Separation::New)
+        self.state().alone.unwrap_or(self.strictest)
     }
 
     /// Whether a single probe is enough, because every start costs much.
@@ -362,7 +391,7 @@ impl Policy {
         took: Option<f64>,
     ) {
         let mut state = self.state();
-        if let (Separation::New, Some(took)) = (separation, took) {
+        if let (true, Some(took)) = (separation == self.strictest, took) {
             state.time_of_new = took;
         }
         if let (true, Some(took)) = (state.alone == Some(separation), took) {
@@ -451,13 +480,13 @@ impl Policy {
         let mut state = self.state();
         state.reuse = Reuse::Refused;
         if separation == Separation::Forked {
-            state.alone = Some(Separation::New);
+            state.alone = Some(self.strictest);
         }
     }
 
     /// New processes differ among themselves.
     pub(super) fn give_up_reproducing(&self) {
-        self.state().give_up_reproducing();
+        self.state().give_up_reproducing(self.strictest);
     }
 
     /// How the points were computed.
@@ -473,6 +502,7 @@ impl Policy {
             audits: state.audits,
             audit_mismatches: state.mismatches,
             reproducible: state.reproducible,
+            changed_file: None,
         }
     }
 }
@@ -482,9 +512,9 @@ impl State {
         self.time.unwrap_or(0.0)
     }
 
-    fn give_up_reproducing(&mut self) {
+    fn give_up_reproducing(&mut self, strictest: Separation) {
         self.reproducible = false;
-        self.alone = Some(Separation::New);
+        self.alone = Some(strictest);
         self.reuse = Reuse::Refused;
     }
 }

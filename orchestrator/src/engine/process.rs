@@ -10,9 +10,10 @@ use std::os::fd::{AsRawFd, OwnedFd};
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, Command, Stdio};
-use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError, TryLockError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, TryLockError};
 use std::time::{Duration, Instant};
 
+use super::ground::Ground;
 use super::wire::{Reader, Reply, Setup, Way, put_job};
 use super::{EngineError, Job};
 use crate::failure::Failure;
@@ -26,7 +27,8 @@ pub const COMMAND: &str = "worker";
 
 /// How often a waiting supervisor looks whether it is to stop.
 const LOOK: Duration = Duration::from_millis(20);
-/// How much longer than a point a guard's answer may take: it waits for children to end, and for room to fork.
+/// How much longer than a point, and the end of its instance, a guard's answer may take: it waits for children to end,
+/// and for room to fork.
 const MARGIN: Duration = Duration::from_secs(20);
 
 /// Limits on a point's time and memory.
@@ -57,6 +59,8 @@ pub(super) enum Gone {
     Start(String),
     /// The FMU cannot be loaded.
     Unloadable(String),
+    /// The FMU has changed the folder that points share, so its answers do not count.
+    Disturbed,
 }
 
 impl From<Gone> for EngineError {
@@ -66,6 +70,7 @@ impl From<Gone> for EngineError {
             Gone::Stopped => Self::Lost("the run was ended".to_owned()),
             Gone::Start(reason) => Self::Start(reason),
             Gone::Unloadable(reason) => Self::Unloadable(reason),
+            Gone::Disturbed => Self::Disturbed,
         }
     }
 }
@@ -75,6 +80,8 @@ impl From<Gone> for EngineError {
 pub(super) struct Process {
     setup: Setup,
     limits: Limits,
+    /// What it shares with other processes.
+    ground: Option<Arc<Ground>>,
     running: Option<Running>,
 }
 
@@ -102,8 +109,15 @@ impl Process {
         Self {
             setup,
             limits,
+            ground: None,
             running: None,
         }
+    }
+
+    /// The same, in a folder that other processes share: answers count while it is as it was unpacked.
+    pub(super) fn on(mut self, ground: &Arc<Ground>) -> Self {
+        self.ground = Some(Arc::clone(ground));
+        self
     }
 
     /// The same, but memory that the FMU has not written holds this byte.
@@ -129,15 +143,27 @@ impl Process {
         let mut order = Vec::new();
         way.put(&mut order);
         jobs.iter().for_each(|job| put_job(job, &mut order));
-        let mut left = jobs.len();
-        self.order(&order, stopped, &mut |payload| {
+        let ground = self.ground.clone();
+        let disturbed = || ground.as_ref().is_some_and(|own| own.changed().is_some());
+        let (mut left, mut spoilt) = (jobs.len(), false);
+        let ran = self.order(&order, stopped, &mut |payload| {
+            spoilt = disturbed();
+            if spoilt {
+                return false;
+            }
             let mut reader = Reader(payload);
             while let Some(reply) = reader.reply() {
                 left = left.saturating_sub(1);
                 answer(reply);
             }
             left > 0
-        })
+        });
+        // What the FMU has changed may have cost the process, too.
+        if spoilt || matches!(ran, Err(Gone::Lost(_))) && disturbed() {
+            self.end();
+            return Err(Gone::Disturbed);
+        }
+        ran
     }
 
     /// Sends an order, and hands over the payloads that come, while `more` says that more are to come.
@@ -254,7 +280,7 @@ impl Running {
                 if !self.replies.read().unwrap_or(false) {
                     return Err(Gone::Lost(self.ending()));
                 }
-            } else if begun.elapsed() > limits.time.saturating_add(MARGIN) {
+            } else if begun.elapsed() > limits.time.saturating_mul(2).saturating_add(MARGIN) {
                 return Err(Gone::Lost(Failure::Timeout));
             } else if offspring::is_stopped(self.child.id() as libc::pid_t) {
                 let text = "the FMU stopped the process that watches it";

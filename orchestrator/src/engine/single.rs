@@ -114,7 +114,7 @@ impl Recorder<'_> {
     ) -> Result<Option<Failure>, E> {
         // Whoever watches hears how the FMU ends after all has been computed, but does not wait for ever. The guard says
         // a second time that it is done when the FMU has ended.
-        const FAREWELL: Duration = Duration::from_secs(2);
+        const FAREWELL: Duration = Duration::from_secs(62);
         let mut outcome = Ok(None);
         let done: Cell<Option<Instant>> = Cell::new(None);
         let enough = || done.get().is_some_and(|done| done.elapsed() > FAREWELL);

@@ -1,12 +1,12 @@
 //! A worker that runs points in processes, as strictly separated as the FMU needs it.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use rand::RngExt;
 
+use super::ground::Ground;
 use super::policy::{Plan, Policy, Probed, SHARE, Separation, Spent};
 use super::process::{Gone, Limits, Process};
 use super::wire::{Reply, Trouble, Way};
@@ -22,8 +22,9 @@ const FILLS: [u8; 2] = [0x55, 0xaa];
 #[derive(Debug)]
 pub(super) struct Slot {
     policy: Arc<Policy>,
-    fmu: PathBuf,
-    name: PathBuf,
+    /// For points with a folder of their own.
+    apart: Arc<Policy>,
+    ground: Arc<Ground>,
     task: Task,
     limits: Limits,
     /// The guard of points that are run alone, in forks.
@@ -39,21 +40,21 @@ type Found = Result<Simulated, Trouble>;
 
 impl Slot {
     pub(super) fn new(
-        policy: Arc<Policy>,
-        fmu: &Path,
-        name: &Path,
+        [policy, apart]: [Arc<Policy>; 2],
+        ground: Arc<Ground>,
         task: &Task,
         limits: Limits,
     ) -> Self {
-        let guard = || Process::new(fmu, name, task, limits);
+        let guard = || Process::new(&ground.shared, &ground.name, task, limits).on(&ground);
+        let known = ground.changed().is_some();
         Self {
-            policy,
-            fmu: fmu.to_owned(),
-            name: name.to_owned(),
-            task: task.clone(),
-            limits,
             forking: guard(),
             using: guard(),
+            policy: if known { Arc::clone(&apart) } else { policy },
+            apart,
+            ground,
+            task: task.clone(),
+            limits,
             spent: [Spent::default(); 2],
         }
     }
@@ -72,7 +73,20 @@ impl Slot {
         let ran = if separation == Separation::Forked {
             self.forking.run(Way::Forked, jobs, post.stopped, &mut take)
         } else {
-            let guard = Process::new(&self.fmu, &self.name, &self.task, self.limits);
+            let own = match separation {
+                Separation::Apart => Some(self.ground.own()),
+                _ => None,
+            };
+            let own = own.transpose();
+            let own = own.map_err(|error| Gone::Start(error.to_string()))?;
+            let shared = &self.ground;
+            let fmu = own.as_ref().map_or(&*shared.shared, |own| own.path());
+            let guard = Process::new(fmu, &shared.name, &self.task, self.limits);
+            let guard = if own.is_none() {
+                guard.on(shared)
+            } else {
+                guard
+            };
             let mut guard = guard.with_fill(fill);
             guard.run(Way::New, jobs, post.stopped, &mut take)
         };
@@ -128,14 +142,16 @@ impl Slot {
         post: &mut Post<'_>,
     ) -> Result<(Found, Separation), Gone> {
         let begun = Instant::now();
-        let ready = separation == Separation::New || self.forking.is_running();
+        let ready = separation != Separation::Forked || self.forking.is_running();
         let first = self.licensed(job, separation, None, post)?.answer;
         if let Ok(found) = &first {
             let took = ready.then(|| begun.elapsed().as_secs_f64());
             self.policy.note(job, &found.values, separation, took);
             return Ok((first, separation));
         }
-        let second = self.licensed(job, Separation::New, None, post)?.answer;
+        let second = self
+            .licensed(job, self.policy.strictest(), None, post)?
+            .answer;
         if second.is_ok() && speaks_of_the_fmu(&first) {
             self.explain(job, separation, &second, post)?;
         }
@@ -143,7 +159,7 @@ impl Slot {
             // No point is to blame, whichever worker finds it first.
             return Err(Gone::Start(reason.clone()));
         }
-        Ok((second, Separation::New))
+        Ok((second, self.policy.strictest()))
     }
 
     /// A point alone, with its answer.
@@ -175,10 +191,13 @@ impl Slot {
         new: &Found,
         post: &mut Post<'_>,
     ) -> Result<(), Gone> {
-        let again = if separation == Separation::New {
+        let again = if separation == self.policy.strictest() {
             None
         } else {
-            Some(self.licensed(job, Separation::New, None, post)?.answer)
+            Some(
+                self.licensed(job, self.policy.strictest(), None, post)?
+                    .answer,
+            )
         };
         match again {
             Some(again) if is_same(new, &again) => self.refute(separation, post),
@@ -198,6 +217,14 @@ impl Slot {
         post.send(Event::Void(Separation::Forked));
     }
 
+    /// The FMU has changed the folder that points share: nothing that was computed there counts.
+    fn leave_the_shared_folder(&mut self, post: &mut Post<'_>) {
+        self.policy = Arc::clone(&self.apart);
+        self.forking.end();
+        self.using.end();
+        post.send(Event::Void(Separation::New));
+    }
+
     /// Runs a point in several ways, and reports it.
     fn probe(&mut self, job: &Job, post: &mut Post<'_>) -> Result<(), Gone> {
         let begun = Instant::now();
@@ -210,29 +237,29 @@ impl Slot {
             // New processes do not agree with each other: run the point again, without filling memory.
             _ if probed == Probed::Different => {
                 self.give_up_reproducing(post);
-                self.alone(job, Separation::New, post)?.0
+                self.alone(job, self.policy.strictest(), post)?.0
             }
             Some(answer) => answer,
-            None => self.alone(job, Separation::New, post)?.0,
+            None => self.alone(job, self.policy.strictest(), post)?.0,
         };
         if let Ok(found) = &answer {
             let each = begun.elapsed().as_secs_f64() / 2.0;
-            let (new, each) = (Separation::New, Some(each));
-            self.policy.note(job, &found.values, new, each);
+            let new = self.policy.strictest();
+            self.policy.note(job, &found.values, new, Some(each));
         }
-        post.answer(job.index, answer, Separation::New);
+        post.answer(job.index, answer, self.policy.strictest());
         Ok(())
     }
 
     /// A point under two patterns of unwritten memory, and in a fork.
     fn compare(&mut self, job: &Job, post: &mut Post<'_>) -> Result<(Probed, Option<Found>), Gone> {
         let [first, second] = FILLS.map(Some);
-        let first = self.licensed(job, Separation::New, first, post)?;
+        let first = self.licensed(job, self.policy.strictest(), first, post)?;
         if let (Err(Trouble::Unloadable(reason)), false) = (&first.answer, self.policy.has_loaded())
         {
             return Err(Gone::Unloadable(reason.clone()));
         }
-        let second = self.licensed(job, Separation::New, second, post)?;
+        let second = self.licensed(job, self.policy.strictest(), second, post)?;
         if !is_same(&first.answer, &second.answer) {
             // A process that was ended from outside tells nothing about the FMU.
             let told = speaks_of_the_fmu(&first.answer) && speaks_of_the_fmu(&second.answer);
@@ -244,7 +271,8 @@ impl Slot {
             return Ok((probed, None));
         }
         let mut probed = Probed::NoForks;
-        if first.forkable == Some(true) && !self.policy.is_dear() {
+        let shared = self.policy.strictest() == Separation::New;
+        if first.forkable == Some(true) && shared && !self.policy.is_dear() {
             let forked = self.licensed(job, Separation::Forked, None, post)?;
             if is_same(&first.answer, &forked.answer) {
                 probed = Probed::Alike;
@@ -400,7 +428,9 @@ impl Slot {
             return Ok(());
         }
         let begun = Instant::now();
-        let new = self.licensed(job, Separation::New, None, post)?.answer;
+        let new = self
+            .licensed(job, self.policy.strictest(), None, post)?
+            .answer;
         self.spent[1].note(begun.elapsed().as_secs_f64());
         if speaks_of_the_fmu(&new) && !is_same(&Ok(forked), &new) {
             self.policy.audited(false);
@@ -412,7 +442,8 @@ impl Slot {
     /// A used process gave something else than one that ran the point alone: who is right?
     fn judge(&mut self, job: &Job, alone: &Found, post: &mut Post<'_>) -> Result<(), Gone> {
         self.refute(Separation::Used, post);
-        let [first, second] = [(); 2].map(|()| self.licensed(job, Separation::New, None, post));
+        let [first, second] =
+            [(); 2].map(|()| self.licensed(job, self.policy.strictest(), None, post));
         let (first, second) = (first?.answer, second?.answer);
         if !is_same(&first, &second) {
             self.give_up_reproducing(post);
@@ -443,6 +474,10 @@ impl Worker for Slot {
             match done {
                 Ok(()) => {}
                 Err(Gone::Stopped) => return Ok(()),
+                Err(Gone::Disturbed) => {
+                    self.leave_the_shared_folder(post);
+                    continue;
+                }
                 Err(gone) => return Err(gone.into()),
             }
             jobs = match plan {

@@ -143,6 +143,11 @@ impl<'a> Pipeline<'a> {
         let expected = points.map(|points| shard.unwrap_or(Shard::WHOLE).count(points));
         let before = finished.as_ref().map_or(0, |finished| finished.count);
         let progress = Progress::new(expected, before);
+        if let Some(((crew, _), finished)) = crew.zip(finished.as_ref()) {
+            if let Some(file) = finished.changed_file() {
+                crew.part(file);
+            }
+        }
         Self {
             model,
             crew: crew.map(|(crew, _)| crew),
@@ -286,7 +291,8 @@ impl<'a> Pipeline<'a> {
             return Ok(());
         };
         let conduct = crew.conduct();
-        let since = conduct.since(self.noted.replace(conduct));
+        let before = self.noted.replace(conduct.clone());
+        let since = conduct.since(before.as_ref());
         self.journal.note(&Note::Conduct(since))
     }
 
@@ -357,7 +363,7 @@ impl<'a> Pipeline<'a> {
                     .any(|&count| count > 0)
         };
         let computed = self.computed;
-        let mut spoilt = false;
+        let mut spoilt = None;
         let open = open.iter().map(|&k| first + k as u64);
         let open: Vec<u64> = open.collect();
         let mut origins = vec![None; points.len()];
@@ -374,7 +380,13 @@ impl<'a> Pipeline<'a> {
                     origins[place] = Some(separation);
                 }
                 Step::Void(separation) => {
-                    spoilt |= built_upon(separation, &computed);
+                    let error = match separation {
+                        Separation::Apart | Separation::New => EngineError::Disturbed,
+                        Separation::Forked | Separation::Used => EngineError::Refuted,
+                    };
+                    spoilt = spoilt
+                        .take()
+                        .or(built_upon(separation, &computed).then_some(error));
                     for (outcome, origin) in outcomes.iter_mut().zip(&mut origins) {
                         if origin.is_some_and(|origin| origin >= separation) {
                             (*outcome, *origin) = (None, None);
@@ -385,16 +397,15 @@ impl<'a> Pipeline<'a> {
                     }
                 }
             }
-            if spoilt {
+            if spoilt.is_some() {
                 ControlFlow::Break(())
             } else {
                 ControlFlow::Continue(())
             }
         })?;
-        if spoilt {
-            Err(EngineError::Refuted.into())
-        } else {
-            Ok(())
+        match spoilt {
+            Some(error) => Err(error.into()),
+            None => Ok(()),
         }
     }
 

@@ -22,6 +22,8 @@ pub struct Finished {
     places: Vec<u64>,
     /// How the points were computed, as far as that is noted.
     noted: Option<Conduct>,
+    /// Whether points count only where each had an unpacked FMU of its own.
+    apart: bool,
     /// How many points are finished.
     pub count: u64,
     /// Checksums of the sets of points, by the index of their first point.
@@ -65,6 +67,7 @@ impl Finished {
             ended: false,
             sound: lines.sound,
             noted: None,
+            apart: false,
         };
         loop {
             let place = lines.sound;
@@ -99,9 +102,17 @@ impl Finished {
     fn heed(&mut self, note: Note) {
         match note {
             Note::Conduct(new) => {
-                self.noted = Some(self.noted.map_or(new, |old| old.and(new)));
+                let known = self.noted.take();
+                self.noted = Some(match known {
+                    Some(known) => known.and(new),
+                    None => new,
+                });
             }
             Note::Void(separation) => {
+                if separation <= Separation::New {
+                    // Nothing is left of which the notes so far tell.
+                    (self.apart, self.noted) = (true, None);
+                }
                 for slot in &mut self.places {
                     if *slot != NOWHERE && *slot >> SEPARATION >= separation as u64 {
                         *slot = NOWHERE;
@@ -114,7 +125,7 @@ impl Finished {
 
     /// How the points were computed.
     pub fn conduct(&self) -> Conduct {
-        let mut conduct = self.noted.unwrap_or(Conduct::NONE);
+        let mut conduct = self.noted.clone().unwrap_or(Conduct::NONE);
         let used = |slot: &u64| *slot != NOWHERE && *slot >> SEPARATION == Separation::Used as u64;
         conduct.isolation = if self.places.iter().any(used) {
             // A run that was killed may not have noted it.
@@ -123,6 +134,13 @@ impl Finished {
             Isolation::Fresh
         };
         conduct
+    }
+
+    /// The file that the FMU changes in its own folder, where that was found.
+    pub fn changed_file(&self) -> Option<&str> {
+        let noted = self.noted.as_ref();
+        let file = noted.and_then(|noted| noted.changed_file.as_deref());
+        self.apart.then(|| file.unwrap_or("."))
     }
 
     /// Whether a line at this place is that of a finished point, and not of one that was computed again.

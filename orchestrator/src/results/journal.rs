@@ -13,7 +13,7 @@
 //! 0d1e2f3a note {"Void":"Used"}
 //! ```
 //!
-//! `ok`, `forked` and `used` tell in what process a point was computed ([`Separation`]): a note may say that some of
+//! `apart`, `ok`, `forked` and `used` tell in what process a point was computed ([`Separation`]): a note may say that some of
 //! these do not count any more. What the FMU said beside the results stands behind them ([`Notices`]).
 //! An analysis that asks for several sets of points notes what tells each set from others, `set 0 600 5d41402a`,
 //! and at last `end`. Where a set takes the place of another one, what followed that one counts no more.

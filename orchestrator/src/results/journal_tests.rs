@@ -101,8 +101,9 @@ fn what_does_not_count_is_open_again() {
         audits: 7,
         audit_mismatches: 0,
         reproducible: true,
+        changed_file: None,
     };
-    journal.note(&Note::Conduct(audited)).unwrap();
+    journal.note(&Note::Conduct(audited.clone())).unwrap();
     journal.flush().unwrap();
     let finished = Finished::read(folder.path()).unwrap();
     assert_eq!(finished.conduct(), audited);
@@ -110,7 +111,7 @@ fn what_does_not_count_is_open_again() {
     let wrong = Conduct {
         audits: 1,
         audit_mismatches: 1,
-        ..audited
+        ..audited.clone()
     };
     journal.note(&Note::Void(Separation::Used)).unwrap();
     journal.note(&Note::Conduct(wrong)).unwrap();

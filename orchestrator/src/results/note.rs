@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::engine::{Conduct, Separation};
 
 /// A line about many points.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Note {
     /// How points were computed since the last such note.
     Conduct(Conduct),
@@ -16,6 +16,7 @@ pub enum Note {
 /// How a line names the process of a point that has results.
 pub(super) fn word(separation: Separation) -> &'static str {
     match separation {
+        Separation::Apart => "apart",
         Separation::New => "ok",
         Separation::Forked => "forked",
         Separation::Used => "used",
@@ -24,7 +25,12 @@ pub(super) fn word(separation: Separation) -> &'static str {
 
 /// The process that a line names.
 pub(super) fn separation(word: &str) -> Option<Separation> {
-    let all = [Separation::New, Separation::Forked, Separation::Used];
+    let all = [
+        Separation::Apart,
+        Separation::New,
+        Separation::Forked,
+        Separation::Used,
+    ];
     all.into_iter()
         .find(|separation| self::word(*separation) == word)
 }

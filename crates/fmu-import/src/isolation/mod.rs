@@ -3,6 +3,7 @@
 //! - [`frame`]: bytes between processes, with length and checksum;
 //! - [`keeper`]: a process that forks children, watches them and outlives whatever they do;
 //! - [`offspring`]: what an FMU leaves running is found and ended;
+//! - [`watch`]: whether anything was changed in a folder that points share;
 //! - [`words`]: what children print, as far as it is worth keeping.
 
 mod birth;
@@ -10,6 +11,7 @@ pub mod frame;
 pub mod keeper;
 pub mod offspring;
 mod system;
+pub mod watch;
 pub mod words;
 
 pub use frame::Broken;

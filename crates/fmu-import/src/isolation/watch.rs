@@ -1,0 +1,316 @@
+//! Notices when anything changes in a folder.
+//!
+//! All points of a study see the folder of the unpacked FMU, so what one of them writes there another may read.
+//! On Linux the kernel queues an event before the writing call returns (`inotify(7)`): whoever looks after a point
+//! has ended misses nothing, and where nothing was written that costs one system call. On other systems names,
+//! sizes and times are compared.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::os::unix::fs::MetadataExt;
+use std::path::{Path, PathBuf};
+
+/// The files and folders below a folder, each with its size and times.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Snapshot(BTreeMap<PathBuf, State>);
+
+/// Size, time of the last change of the content, and of the entry itself: s and ns each.
+type State = (u64, [i64; 4]);
+
+impl Snapshot {
+    /// The folder as it is now. What cannot be read is left out, so it differs from what could be.
+    pub fn of(folder: &Path) -> Self {
+        let mut all = BTreeMap::new();
+        let mut open = vec![folder.to_owned()];
+        while let Some(path) = open.pop() {
+            let Ok(entry) = fs::symlink_metadata(&path) else {
+                continue;
+            };
+            if entry.is_dir() {
+                let entries = fs::read_dir(&path).into_iter().flatten().flatten();
+                open.extend(entries.map(|entry| entry.path()));
+            }
+            let times = [
+                entry.mtime(),
+                entry.mtime_nsec(),
+                entry.ctime(),
+                entry.ctime_nsec(),
+            ];
+            // The size of a folder says nothing more.
+            let size = if entry.is_dir() { 0 } else { entry.size() };
+            all.insert(path, (size, times));
+        }
+        Self(all)
+    }
+
+    /// The first file that another snapshot has otherwise, or a folder where no file differs.
+    pub fn difference(&self, other: &Self) -> Option<PathBuf> {
+        let missing = |one: &Self, two: &Self| {
+            let paths = one.0.keys().filter(|path| !two.0.contains_key(*path));
+            paths.min().cloned()
+        };
+        let changed = |(path, state): (&PathBuf, &State)| {
+            let then = other.0.get(path).filter(|then| *then != state)?;
+            // A folder changes with each entry that comes or goes, and then the entry tells more.
+            Some((then.0 == 0 && state.0 == 0, path.clone()))
+        };
+        missing(other, self)
+            .or_else(|| missing(self, other))
+            .or_else(|| Some(self.0.iter().filter_map(changed).min()?.1))
+    }
+
+    #[cfg(target_os = "linux")]
+    fn folders(&self) -> impl Iterator<Item = &Path> {
+        self.0.keys().map(PathBuf::as_path).filter(|p| p.is_dir())
+    }
+}
+
+/// Watches a folder with all that is in it.
+#[derive(Debug)]
+pub struct Watch {
+    folder: PathBuf,
+    before: Snapshot,
+    events: Option<Events>,
+    changed: Option<PathBuf>,
+}
+
+impl Watch {
+    /// Watches a folder from now on.
+    pub fn on(folder: &Path) -> Self {
+        // In this order: a change in between is seen twice rather than not at all.
+        let mut before = Snapshot::of(folder);
+        let events = Events::of(&before);
+        let now = Snapshot::of(folder);
+        if now != before {
+            before = now;
+        }
+        Self {
+            folder: folder.to_owned(),
+            before,
+            events,
+            changed: None,
+        }
+    }
+
+    /// The first thing that was found changed since the beginning, as a path within the folder; empty where it is
+    /// the folder itself, or something that is gone again.
+    pub fn changed(&mut self) -> Option<&Path> {
+        if self.changed.is_none() {
+            self.changed = self.look();
+        }
+        self.changed.as_deref()
+    }
+
+    fn look(&self) -> Option<PathBuf> {
+        let seen = match &self.events {
+            Some(events) => events.read(),
+            // Nothing told: the files themselves have to be looked at.
+            None => Seen::Opened,
+        };
+        if seen == Seen::Nothing {
+            return None;
+        }
+        let place = self.before.difference(&Snapshot::of(&self.folder));
+        let within = |place: PathBuf| {
+            let within = place.strip_prefix(&self.folder).map(Path::to_owned);
+            within.unwrap_or_default()
+        };
+        match (place.map(within), seen) {
+            (None, Seen::Changed) => Some(PathBuf::new()),
+            (place, _) => place,
+        }
+    }
+}
+
+/// What events tell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Seen {
+    Nothing,
+    /// A file was open for writing, which tells nothing yet: Fortran opens so what it only reads. What is written
+    /// to a file mapped into memory shows in no other event.
+    Opened,
+    Changed,
+}
+
+#[cfg(target_os = "linux")]
+use linux::Events;
+
+#[cfg(not(target_os = "linux"))]
+#[derive(Debug)]
+struct Events;
+
+#[cfg(not(target_os = "linux"))]
+impl Events {
+    fn of(_: &Snapshot) -> Option<Self> {
+        None
+    }
+
+    fn read(&self) -> Seen {
+        Seen::Opened
+    }
+}
+
+#[cfg(target_os = "linux")]
+mod linux {
+    use std::ffi::CString;
+    use std::io;
+    use std::os::fd::{AsRawFd, FromRawFd, OwnedFd};
+    use std::os::unix::ffi::OsStrExt;
+
+    use super::{Seen, Snapshot};
+
+    /// The kernel's queue of events.
+    #[derive(Debug)]
+    pub(super) struct Events(OwnedFd);
+
+    const CHANGES: u32 = libc::IN_MODIFY
+        | libc::IN_ATTRIB
+        | libc::IN_CREATE
+        | libc::IN_DELETE
+        | libc::IN_DELETE_SELF
+        | libc::IN_MOVE
+        | libc::IN_MOVE_SELF
+        | libc::IN_Q_OVERFLOW
+        | libc::IN_UNMOUNT;
+
+    impl Events {
+        /// The events of all folders of a snapshot; `None` where the system has no room for them.
+        pub(super) fn of(snapshot: &Snapshot) -> Option<Self> {
+            // SAFETY: asks for a new descriptor.
+            let queue = unsafe { libc::inotify_init1(libc::IN_NONBLOCK | libc::IN_CLOEXEC) };
+            if queue < 0 {
+                return None;
+            }
+            // SAFETY: it was just made, and nobody else owns it.
+            let queue = unsafe { OwnedFd::from_raw_fd(queue) };
+            for folder in snapshot.folders() {
+                let path = CString::new(folder.as_os_str().as_bytes()).ok()?;
+                let mask = CHANGES | libc::IN_CLOSE_WRITE | libc::IN_DONT_FOLLOW;
+                // SAFETY: a valid descriptor and a path that ends with a zero byte.
+                let watch =
+                    unsafe { libc::inotify_add_watch(queue.as_raw_fd(), path.as_ptr(), mask) };
+                if watch < 0 {
+                    return None;
+                }
+            }
+            Some(Self(queue))
+        }
+
+        /// The gravest of the events so far, which are taken from the queue.
+        pub(super) fn read(&self) -> Seen {
+            let mut seen = Seen::Nothing;
+            let mut buffer = [0_u8; 4096];
+            loop {
+                let (start, size) = (buffer.as_mut_ptr().cast(), buffer.len());
+                // SAFETY: the buffer is valid for writing that many bytes.
+                let count = unsafe { libc::read(self.0.as_raw_fd(), start, size) };
+                let Ok(count @ 1..) = usize::try_from(count) else {
+                    let why = io::Error::last_os_error().kind();
+                    match why {
+                        io::ErrorKind::Interrupted => continue,
+                        io::ErrorKind::WouldBlock => return seen,
+                        // A queue that cannot be read may hide anything.
+                        _ => return Seen::Changed,
+                    }
+                };
+                for mask in masks(&buffer[..count]) {
+                    let one = if mask & CHANGES == 0 {
+                        Seen::Opened
+                    } else {
+                        Seen::Changed
+                    };
+                    seen = seen.max(one);
+                }
+            }
+        }
+    }
+
+    /// The masks of a buffer of events: watch, mask, cookie and the length of the name that follows (`inotify(7)`).
+    fn masks(mut events: &[u8]) -> impl Iterator<Item = u32> {
+        std::iter::from_fn(move || {
+            let (head, rest) = events.split_first_chunk::<16>()?;
+            let word = |at: usize| {
+                u32::from_ne_bytes([head[at], head[at + 1], head[at + 2], head[at + 3]])
+            };
+            events = rest.get(word(12) as usize..).unwrap_or_default();
+            Some(word(4))
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs::File;
+
+    fn folder() -> tempfile::TempDir {
+        let folder = tempfile::tempdir().unwrap();
+        fs::create_dir(folder.path().join("resources")).unwrap();
+        fs::write(folder.path().join("resources/data.txt"), "1").unwrap();
+        folder
+    }
+
+    /// What a watch tells after `act` was done below the folder.
+    fn told(act: impl Fn(&Path)) -> Option<PathBuf> {
+        let folder = folder();
+        let mut watch = Watch::on(folder.path());
+        assert_eq!(watch.changed(), None);
+        act(folder.path());
+        let told = watch.changed().map(Path::to_owned);
+        // What was seen once stays so.
+        assert_eq!(watch.changed().map(Path::to_owned), told);
+        told
+    }
+
+    #[test]
+    fn reading_is_no_change() {
+        let read = |folder: &Path| {
+            fs::read(folder.join("resources/data.txt")).unwrap();
+            fs::read_dir(folder).unwrap().for_each(drop);
+            let data = folder.join("resources/data.txt");
+            let both = File::options().read(true).write(true).open(data);
+            drop(both.unwrap());
+        };
+        assert_eq!(told(read), None);
+    }
+
+    #[test]
+    fn each_change_is_seen_with_its_place() {
+        let place = |act: &dyn Fn(&Path)| told(act).map(|path| path.display().to_string());
+        let data = "resources/data.txt";
+        let some = |text: &str| Some(text.to_owned());
+        assert_eq!(
+            place(&|f| fs::write(f.join(data), "2").unwrap()),
+            some(data)
+        );
+        assert_eq!(
+            place(&|f| fs::remove_file(f.join(data)).unwrap()),
+            some(data)
+        );
+        assert_eq!(
+            place(&|f| fs::write(f.join("log"), "").unwrap()),
+            some("log")
+        );
+        assert_eq!(
+            place(&|f| fs::create_dir(f.join("new")).unwrap()),
+            some("new")
+        );
+        let all = |f: &Path| fs::remove_dir_all(f.join("resources")).unwrap();
+        assert_eq!(place(&all), some("resources"));
+        let back = |f: &Path| {
+            fs::write(f.join("resources/state"), "7").unwrap();
+            fs::remove_file(f.join("resources/state")).unwrap();
+        };
+        assert!(told(back).is_some());
+    }
+
+    #[test]
+    fn without_events_the_files_are_compared() {
+        let folder = folder();
+        let mut watch = Watch::on(folder.path());
+        watch.events = None;
+        assert_eq!(watch.changed(), None);
+        fs::write(folder.path().join("resources/data.txt"), "more").unwrap();
+        assert_eq!(watch.changed(), Some(Path::new("resources/data.txt")));
+    }
+}

@@ -1,0 +1,81 @@
+//! The unpacked FMU under the feet of all processes, and what becomes of points when one of them changes it.
+//!
+//! Points share one unpacked folder, since a copy each would cost more than a short point. An FMU may write there,
+//! and then the next point would read what the one before has left. So the folder is watched: at the first change,
+//! all points so far are void, and from then on each has a folder of its own.
+
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+use tempfile::TempDir;
+
+use fmu_import::isolation::watch::Watch;
+use fmu_import::{FmuError, Package};
+
+/// The FMU's unpacked files.
+#[derive(Debug)]
+pub(super) struct Ground {
+    /// The folder that points share.
+    pub(super) shared: PathBuf,
+    /// The FMU's path as the user gave it.
+    pub(super) name: PathBuf,
+    /// For further folders.
+    scratch: PathBuf,
+    state: Mutex<State>,
+}
+
+#[derive(Debug)]
+struct State {
+    watch: Watch,
+    /// The first change, once there is one.
+    changed: Option<String>,
+    /// The FMU once more, when it has to be unpacked again.
+    package: Option<Package>,
+}
+
+impl Ground {
+    pub(super) fn new(shared: PathBuf, name: &Path, scratch: &Path) -> Self {
+        let state = Mutex::new(State {
+            watch: Watch::on(&shared),
+            changed: None,
+            package: None,
+        });
+        Self {
+            shared,
+            name: name.to_owned(),
+            scratch: scratch.to_owned(),
+            state,
+        }
+    }
+
+    /// What the FMU has changed first in the folder that points share; `None` while all is as it was unpacked.
+    /// Whatever a point has changed before its answer came is known here.
+    pub(super) fn changed(&self) -> Option<String> {
+        // One at a time: who finds no further event must know of those that another has just taken.
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        if state.changed.is_none() {
+            let place = state.watch.changed().map(|path| match path.to_str() {
+                Some("") => ".".to_owned(),
+                _ => path.display().to_string(),
+            });
+            state.changed = place;
+        }
+        state.changed.clone()
+    }
+
+    /// Takes it for known that the FMU changes this file.
+    pub(super) fn know(&self, changed: &str) {
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        state.changed.get_or_insert_with(|| changed.to_owned());
+    }
+
+    /// A new folder with the FMU as it came, for one process.
+    pub(super) fn own(&self) -> Result<TempDir, FmuError> {
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        let package = match &mut state.package {
+            Some(package) => package,
+            none => none.insert(Package::open(&self.name)?),
+        };
+        package.unpack_anew(&self.scratch)
+    }
+}
