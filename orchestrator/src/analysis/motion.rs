@@ -64,43 +64,59 @@ fn slow(time: &[f64], values: &[f64], end: usize, run: f64) -> Motion {
     if range(values) <= enough {
         return Motion::default();
     }
-    if turns_back(values, enough) {
-        return Motion {
+    let beyond = further_on(values, end);
+    let first = values[beyond.start];
+    match turnings(values, enough) {
+        0 => {
+            let last = beyond.end - 1;
+            let longer = run / (time[last] - time[beyond.start]);
+            Motion {
+                swing: 0.0,
+                drift: (values[last] - first) * longer,
+            }
+        }
+        // One turn makes no period: the value goes so far and comes back.
+        1 => {
+            let moved = values[beyond].iter().map(|value| value - first);
+            Motion {
+                swing: 0.0,
+                drift: moved.fold(
+                    0.0,
+                    |most: f64, x| if x.abs() > most.abs() { x } else { most },
+                ),
+            }
+        }
+        _ => Motion {
             swing: range(values),
             drift: 0.0,
-        };
-    }
-    // What it has done after the end; without that, at the rate of the last part.
-    let until = values.len() - 1;
-    let [first, last] = if until > end {
-        [end - 1, until]
-    } else {
-        [0, until]
-    };
-    Motion {
-        swing: 0.0,
-        drift: (values[last] - values[first]) * run / (time[last] - time[first]),
+        },
     }
 }
 
-/// Whether a signal turns: it goes one way and then back, by more than a distance each.
-fn turns_back(values: &[f64], enough: f64) -> bool {
+/// The values after the end of the run, or, where there are none, all of them.
+fn further_on(values: &[f64], end: usize) -> std::ops::Range<usize> {
+    let from = if end < values.len() { end - 1 } else { 0 };
+    from..values.len()
+}
+
+/// How often a signal turns: it goes one way and then back, by more than a distance each.
+fn turnings(values: &[f64], enough: f64) -> usize {
     let Some(&first) = values.first() else {
-        return false;
+        return 0;
     };
-    // The least and the greatest value so far, and on which way it is by now.
-    let (mut low, mut high, mut rises) = (first, first, None);
+    // The least and the greatest value since the last turn, and on which way it is by now.
+    let (mut low, mut high, mut rises, mut turns) = (first, first, None, 0);
     for &value in values {
         (low, high) = (low.min(value), high.max(value));
-        match rises {
-            None if value - low > enough => rises = Some(true),
-            None if high - value > enough => rises = Some(false),
-            Some(true) if high - value > enough => return true,
-            Some(false) if value - low > enough => return true,
-            _ => {}
-        }
+        let way = match rises {
+            Some(false) | None if value - low > enough => true,
+            Some(true) | None if high - value > enough => false,
+            _ => continue,
+        };
+        turns += usize::from(rises.is_some());
+        (low, high, rises) = (value, value, Some(way));
     }
-    false
+    turns
 }
 
 /// A part of a signal with the straight line through it.
@@ -285,6 +301,16 @@ mod tests {
                 "{periods} periods: {found:?}"
             );
         }
+    }
+
+    /// A value that rises after the end of the run and comes back has no period, but moves.
+    #[test]
+    fn a_single_turn_is_a_drift_as_far_as_it_goes() {
+        let found = of_a_second(|t| 82.0 - 4.0 * (t - 1.5).powi(2));
+        assert!(
+            (found.drift - 1.0).abs() < 1e-3 && found.swing == 0.0,
+            "{found:?}"
+        );
     }
 
     /// Steps of the golden ratio times the period see all phases of a swing, even though each is longer than a period.
