@@ -141,8 +141,7 @@ impl Judge {
             };
             let mut criterion = criterion(name.as_ref(), text, &scale)
                 .map_err(|message| at_name(study, name, &message))?;
-            criterion.uncertainty =
-                requirements::uncertainty(study, name, text, criterion.nominal, &scale)?;
+            criterion.uncertainty = requirements::uncertainty(study, name, text, &scale)?;
             judge.add_to_group(criterion.group.as_deref());
             judge.criteria.push(criterion);
             scales.push(scale);
@@ -172,8 +171,10 @@ impl Judge {
                 let number = self
                     .number_of(criterion)
                     .map_err(|m| study.error_at(criterion, m))?;
-                let nominal = self.criteria[number].nominal;
-                tolerances[number] = tolerance(quantity, nominal, &scales[number])
+                let Some(text) = study.criteria.get(criterion.as_ref().as_str()) else {
+                    continue;
+                };
+                tolerances[number] = tolerance(quantity, &text.nominal, &scales[number])
                     .map_err(|message| at_name(study, criterion, &message))?;
             }
             self.variants.push(Variant {
@@ -279,23 +280,22 @@ fn criterion(name: &str, text: &CriterionText, scale: &Scale<'_>) -> Result<Crit
         statistic: text.statistic,
         unit: scale.unit.clone(),
         nominal,
-        tolerance: tolerance(&text.tolerance, nominal, scale)?,
+        tolerance: tolerance(&text.tolerance, &text.nominal, scale)?,
         stated_tolerance: text.tolerance.to_string(),
         uncertainty: None,
         group: text.group.clone(),
     })
 }
 
-/// A tolerance in the study's unit. Percents are of the nominal value in that unit, as printed:
-/// 0.75 % of 82 degC is 0.615 degC.
-fn tolerance(quantity: &Quantity, nominal: f64, scale: &Scale<'_>) -> Result<f64, String> {
+/// A tolerance in the study's unit. Percents are of the nominal value as written: 0.75 % of 82 degC is 0.615 degC.
+fn tolerance(quantity: &Quantity, nominal: &Quantity, scale: &Scale<'_>) -> Result<f64, String> {
     let tolerance = match quantity.unit.as_deref() {
-        Some("%") => nominal.abs() * quantity.number / 100.0,
+        Some("%") => scale.part(quantity.number / 100.0, nominal)?,
         _ => scale.number(quantity, Sense::Difference)?,
     };
     if tolerance > 0.0 && tolerance.is_finite() {
         Ok(tolerance)
-    } else if nominal == 0.0 && quantity.number > 0.0 && quantity.number.is_finite() {
+    } else if nominal.number == 0.0 && quantity.number > 0.0 && quantity.number.is_finite() {
         Err(format!(
             "the tolerance {quantity} of the nominal value 0 is nothing; give it without %"
         ))
@@ -346,6 +346,57 @@ mod tests {
             judge
                 .variant_verdict(absolute, Some(&[81.33, 700.0]))
                 .verified()
+        );
+    }
+
+    /// A part of a value in a unit with another zero depends on the unit in which the value is written.
+    #[test]
+    fn percents_count_in_the_unit_in_which_the_value_is_written() {
+        let fmu = r#"<fmiModelDescription fmiVersion="2.0" modelName="m" guid="g"><CoSimulation modelIdentifier="m"/>
+            <UnitDefinitions><Unit name="K"><BaseUnit K="1"/><DisplayUnit name="degC" offset="-273.15"/>
+            <DisplayUnit name="mK" factor="1000"/></Unit></UnitDefinitions>
+            <ModelVariables><ScalarVariable name="t" valueReference="0" causality="output"><Real unit="K"/>
+            </ScalarVariable></ModelVariables><ModelStructure/></fmiModelDescription>"#;
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("modelDescription.xml"), fmu).unwrap();
+        let package = fmu_import::Package::open(folder.path()).unwrap();
+        let fmu = package.description();
+        let of = |nominal: &str, unit: &str| {
+            let text = format!(
+                "fmu = \"a\"\n[criteria.T]\nvariable = \"t\"\nnominal = {nominal}\ntolerance = \"1 %\"\n\
+                 uncertainty = \"0.5 %\"\n{unit}\n[variants.wide]\ntolerance.T = \"2 %\"\n"
+            );
+            let study = Study::parse(Path::new("s.toml"), text).unwrap();
+            let judge = Judge::new(&study, Some(fmu)).map_err(|error| error.to_string())?;
+            let t = &judge.criteria[0];
+            let expanded = t.uncertainty.unwrap().expanded;
+            assert!((expanded / t.tolerance - 0.5).abs() < 1e-12);
+            assert!((judge.variants[0].tolerances[0] / t.tolerance - 2.0).abs() < 1e-12);
+            Ok::<_, String>((t.nominal, t.tolerance))
+        };
+        for (nominal, unit, expected) in [
+            ("82", "unit = \"degC\"", (82.0, 0.82)),
+            ("\"82 degC\"", "unit = \"degC\"", (82.0, 0.82)),
+            ("\"82 degC\"", "", (355.15, 0.82)),
+            ("355.15", "", (355.15, 3.5515)),
+            ("\"355.15 K\"", "unit = \"K\"", (355.15, 3.5515)),
+            ("\"355.15 K\"", "unit = \"mK\"", (355_150.0, 3551.5)),
+        ] {
+            let (value, tolerance) = of(nominal, unit).unwrap();
+            assert!(
+                (value - expected.0).abs() < 1e-9,
+                "{nominal} {unit}: {value}"
+            );
+            assert!(
+                (tolerance - expected.1).abs() < 1e-9,
+                "{nominal} {unit}: {tolerance}"
+            );
+        }
+        let refused = of("\"355.15 K\"", "unit = \"degC\"").unwrap_err();
+        assert!(
+            refused.contains("T: 1 % could be that of 355.15 K or of 82")
+                && refused.contains("\"3.551500 K\" or \"0.820000 degC\""),
+            "{refused}"
         );
     }
 

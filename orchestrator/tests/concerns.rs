@@ -99,6 +99,140 @@ fn a_final_value_of_a_signal_that_swings_is_warned_of() {
     assert!(run(&mean).iter().all(|c| !c.contains("swings")));
 }
 
+/// A study of the lag with another end, step and statistic, run with an FMU of its own: its summary and its page.
+fn of_the_lag(macros: &[&str], changes: &[(&str, &str)]) -> (Bench, Value) {
+    let bench = Bench::empty();
+    bench.fmu("lag.fmu", macros, &support::model("Lag", "Lag"));
+    let study = changes.iter().fold(STUDY.to_owned(), |study, (from, to)| {
+        assert!(study.contains(from), "{from}");
+        study.replace(from, to)
+    });
+    bench.write("study.toml", &study);
+    let said = bench.run(&["verify", "study.toml", "--output", "out"]);
+    assert!(said.code < 2, "{}", said.err);
+    let summary = bench.summary("out");
+    (bench, summary)
+}
+
+/// y = 1 + 0.5 sin(2 pi t) has the same value at every whole second.
+#[test]
+fn a_swing_is_seen_although_the_steps_are_multiples_of_its_period() {
+    for (stop, step) in [("1000", "1"), ("1000", "0.5"), ("2000", "2"), ("50", "50")] {
+        let changes = [
+            ("stop = 2", &*format!("stop = {stop}")),
+            ("step = 0.01", &*format!("step = {step}")),
+            ("0.86", "1"),
+        ];
+        let (bench, summary) = of_the_lag(&["SWING=0.5"], &changes);
+        let seen = &summary["rest"]["criteria"]["Y"];
+        let swing = seen["swing"].as_f64().unwrap();
+        assert!((swing - 1.0).abs() < 0.05, "{stop} {step}: {seen}");
+        assert_eq!(seen["drift"], 0.0);
+        let found = concerns(&summary);
+        assert!(
+            found
+                .iter()
+                .any(|c| c.starts_with("Y: its signal swings by")),
+            "{found:?}"
+        );
+        assert!(
+            bench
+                .read("out/report.html")
+                .contains("its signal swings by")
+        );
+        // One of ten points, the best first.
+        let rest = &summary["rest"];
+        assert_eq!(rest["points"].as_array().unwrap().len(), 4);
+        assert_eq!(rest["points"], rest["observed"]);
+        assert_eq!(rest["points"][0], summary["best_point"]["point"]);
+        assert_eq!(
+            rest["until"].as_f64().unwrap(),
+            2.0 * stop.parse::<f64>().unwrap()
+        );
+    }
+}
+
+/// A run of 1.2 periods ends on its way, but does not go on.
+#[test]
+fn a_part_of_a_swing_is_called_no_drift() {
+    for stop in ["1.2", "0.8", "2.3"] {
+        let changes = [
+            ("stop = 2", &*format!("stop = {stop}")),
+            ("mean = 1", "mean = 100"),
+        ];
+        let (_, summary) = of_the_lag(&["SWING=0.5"], &changes);
+        let found = concerns(&summary);
+        assert!(
+            found.iter().any(|c| c.contains("swings by")),
+            "{stop}: {found:?}"
+        );
+        assert!(
+            found.iter().all(|c| !c.contains("still moves")),
+            "{stop}: {found:?}"
+        );
+    }
+}
+
+/// 1 - exp(-t / 1000 s) moves by exp(-1) - exp(-2) from 1,000 to 2,000 s, in one long step or in many.
+#[test]
+fn a_slow_drift_is_measured_after_the_end() {
+    let expected = (-1.0_f64).exp() - (-2.0_f64).exp();
+    let common = [
+        ("stop = 2", "stop = 1000"),
+        ("mean = 1", "mean = 0.001"),
+        ("deviation = 0.1", "deviation = 1e-9"),
+        ("0.86", "0.63"),
+    ];
+    for (step, statistic) in [
+        ("1000", "final"),
+        ("1", "final"),
+        ("1", "mean"),
+        ("1", "max"),
+    ] {
+        let (step, statistic) = (
+            format!("step = {step}"),
+            format!("variable = \"lag.y\"\nstatistic = \"{statistic}\""),
+        );
+        let mut changes = common.to_vec();
+        changes.push(("step = 0.01", &step));
+        changes.push(("variable = \"lag.y\"", &statistic));
+        let (_, summary) = of_the_lag(&[], &changes);
+        let drift = summary["rest"]["criteria"]["Y"]["drift"].as_f64().unwrap();
+        assert!(
+            (drift / expected - 1.0).abs() < 0.01,
+            "{statistic}: {drift} {expected}"
+        );
+        assert!(concerns(&summary).iter().any(|c| c.contains("still moves")));
+    }
+    let mut least = common.to_vec();
+    least.push(("step = 0.01", "step = 1"));
+    least.push((
+        "variable = \"lag.y\"",
+        "variable = \"lag.y\"\nstatistic = \"min\"",
+    ));
+    let (_, summary) = of_the_lag(&[], &least);
+    assert_eq!(summary["rest"]["criteria"]["Y"]["drift"], 0.0);
+}
+
+/// An FMU that ends where the study ends is looked at up to there; one that takes no finer steps is not.
+#[test]
+fn what_the_fmu_does_not_allow_is_not_claimed() {
+    let (_, summary) = of_the_lag(&["LIMITED=2"], &[]);
+    assert_eq!(summary["rest"]["observed"], summary["rest"]["points"]);
+    assert_eq!(summary["rest"]["until"], 2.0);
+    assert!(concerns(&summary).iter().any(|c| c.contains("still moves")));
+    let coarse = [("stop = 2", "stop = 20"), ("step = 0.01", "step = 0.5")];
+    let (_, summary) = of_the_lag(&["REFUSES"], &coarse);
+    assert_eq!(summary["rest"]["observed"].as_array().unwrap().len(), 0);
+    let found = concerns(&summary);
+    assert!(
+        found
+            .iter()
+            .any(|c| c.contains("was not observed on extra runs") && c.contains("the FMU fails")),
+        "{found:?}"
+    );
+}
+
 #[test]
 fn a_measured_value_in_another_unit_and_a_distribution_outside_the_range_are_warned_of() {
     let study = STUDY

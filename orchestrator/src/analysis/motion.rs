@@ -1,12 +1,12 @@
 //! Whether a signal has come to rest at the end of a run: how far it swings there, and how far it still drifts.
 
-/// The motion of a signal at the end of a run.
+/// The movement of a signal at the end of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Motion {
-    /// From the least to the greatest value within the last period, freed from the drift; 0 without a period.
+    /// From the least to the greatest value within the last period before the end, freed from the drift; 0 without a
+    /// period.
     pub swing: f64,
-    /// How far it would go on in a time as long as the run, at the rate of the last fifth; 0 where the trend cannot be
-    /// told from swing and scatter.
+    /// How far it goes on in a time as long as the run; 0 where a trend cannot be told from swing and scatter.
     pub drift: f64,
 }
 
@@ -14,36 +14,160 @@ pub struct Motion {
 const FEWEST: usize = 10;
 /// The part of the run that is looked at.
 const PART: f64 = 0.2;
+/// So many values at the least show a swing: the period may lie between two communication points.
+const SHOWN: usize = 20;
+/// Changes of side in two periods: with fewer, a swing cannot be told from a trend by its crossings.
+const TWO_PERIODS: usize = 4;
 
-/// The motion of a signal, given its values over time; `None` where there are too few.
-pub fn motion(time: &[f64], values: &[f64]) -> Option<Motion> {
-    let (start, end) = (*time.first()?, *time.last()?);
-    let from = time.partition_point(|&t| t < end - PART * (end - start));
-    let (time, values) = (&time[from..], values.get(from..)?);
-    if time.len() < FEWEST || values.iter().any(|value| !value.is_finite()) {
+/// The motion of a signal about the end of a run from one time to another; the values may go on after the end.
+/// `None` where there are too few.
+pub fn motion(time: &[f64], values: &[f64], [start, end]: [f64; 2]) -> Option<Motion> {
+    let run = end - start;
+    let rounding = 1e-9 * (start.abs() + end.abs());
+    let after = time.partition_point(|&t| t <= end + rounding);
+    let from = time.partition_point(|&t| t < end - PART * run);
+    let values = values.get(..time.len())?;
+    if after < from + FEWEST || values[from..].iter().any(|value| !value.is_finite()) {
         return None;
     }
-    let span = end - time[0];
-    let line = Line::through(time, values)?;
-    let rest: Vec<f64> = time
-        .iter()
-        .zip(values)
-        .map(|(&t, &value)| value - line.at(t))
-        .collect();
-    let turns = crossings(&rest);
-    let period = 2.0 * span / turns.max(1) as f64;
-    let last = time.partition_point(|&t| t < end - period);
-    let swing = if turns < 4 { 0.0 } else { range(&rest[last..]) };
-    let run = end - start;
-    let drift = line.slope * run;
-    // A trend over a part of a period, or over scatter, is none.
-    let by_swing = 3.0 * swing * run / span / turns.max(1) as f64;
-    let by_scatter = 4.0 * line.deviation * run;
-    let sure = drift.abs() > by_swing && drift.abs() > by_scatter;
+    let last = Stretch::new(&time[from..after], &values[from..after])?;
+    if last.turns < TWO_PERIODS {
+        return Some(slow(&time[from..], &values[from..], after - from, run));
+    }
+    let swing = last.swing();
+    // Of two stretches of the same length, the means differ by the drift from one to the other.
+    let until = time[time.len() - 1];
+    let begin = time.partition_point(|&t| t < until - PART * run);
+    let further = (begin >= after).then(|| Stretch::new(&time[begin..], &values[begin..]));
+    let (drift, unsure) = match further.flatten() {
+        Some(further) => {
+            let longer = run / (further.line.centre[0] - last.line.centre[0]);
+            let moved = further.line.centre[1] - last.line.centre[1];
+            (moved * longer, (last.doubt() + further.doubt()) * longer)
+        }
+        None => last.extrapolated(run, swing),
+    };
+    let sure = drift.abs() > unsure;
     Some(Motion {
         swing,
         drift: if sure { drift } else { 0.0 },
     })
+}
+
+/// The motion of a signal with less than two periods in its last part: it goes one way, or it turns.
+fn slow(time: &[f64], values: &[f64], end: usize, run: f64) -> Motion {
+    // Rounding is no turn.
+    let largest = values
+        .iter()
+        .fold(0.0, |most: f64, value| most.max(value.abs()));
+    let enough = (0.1 * range(values)).max(1e-12 * largest);
+    if range(values) <= enough {
+        return Motion::default();
+    }
+    let beyond = further_on(values, end);
+    let first = values[beyond.start];
+    match turnings(values, enough) {
+        0 => {
+            let last = beyond.end - 1;
+            let longer = run / (time[last] - time[beyond.start]);
+            Motion {
+                swing: 0.0,
+                drift: (values[last] - first) * longer,
+            }
+        }
+        // One turn makes no period: the value goes so far and comes back.
+        1 => {
+            let moved = values[beyond].iter().map(|value| value - first);
+            Motion {
+                swing: 0.0,
+                drift: moved.fold(
+                    0.0,
+                    |most: f64, x| if x.abs() > most.abs() { x } else { most },
+                ),
+            }
+        }
+        _ => Motion {
+            swing: range(values),
+            drift: 0.0,
+        },
+    }
+}
+
+/// The values after the end of the run, or, where there are none, all of them.
+fn further_on(values: &[f64], end: usize) -> std::ops::Range<usize> {
+    let from = if end < values.len() { end - 1 } else { 0 };
+    from..values.len()
+}
+
+/// How often a signal turns: it goes one way and then back, by more than a distance each.
+fn turnings(values: &[f64], enough: f64) -> usize {
+    let Some(&first) = values.first() else {
+        return 0;
+    };
+    // The least and the greatest value since the last turn, and on which way it is by now.
+    let (mut low, mut high, mut rises, mut turns) = (first, first, None, 0);
+    for &value in values {
+        (low, high) = (low.min(value), high.max(value));
+        let way = match rises {
+            Some(false) | None if value - low > enough => true,
+            Some(true) | None if high - value > enough => false,
+            _ => continue,
+        };
+        turns += usize::from(rises.is_some());
+        (low, high, rises) = (value, value, Some(way));
+    }
+    turns
+}
+
+/// A part of a signal with the straight line through it.
+struct Stretch<'a> {
+    time: &'a [f64],
+    line: Line,
+    /// What is left beside the line.
+    rest: Vec<f64>,
+    /// How often the rest changes sides: twice a period.
+    turns: usize,
+}
+
+impl<'a> Stretch<'a> {
+    fn new(time: &'a [f64], values: &[f64]) -> Option<Self> {
+        let line = Line::through(time, values)?;
+        let pairs = time.iter().zip(values);
+        let rest: Vec<f64> = pairs.map(|(&t, &value)| value - line.at(t)).collect();
+        let turns = crossings(&rest);
+        Some(Self {
+            time,
+            line,
+            rest,
+            turns,
+        })
+    }
+
+    fn span(&self) -> f64 {
+        self.time[self.time.len() - 1] - self.time[0]
+    }
+
+    /// From the least to the greatest rest within the last period.
+    fn swing(&self) -> f64 {
+        let end = self.time[self.time.len() - 1];
+        let period = 2.0 * self.span() / self.turns.max(1) as f64;
+        let begin = self.time.partition_point(|&t| t < end - period);
+        range(&self.rest[begin.min(self.rest.len().saturating_sub(SHOWN))..])
+    }
+
+    /// How far its mean may be from the middle of what swings and scatters.
+    fn doubt(&self) -> f64 {
+        let incomplete = range(&self.rest) / self.turns.max(1) as f64;
+        let squares: f64 = self.rest.iter().map(|rest| rest * rest).sum();
+        incomplete + 4.0 * squares.sqrt() / self.rest.len() as f64
+    }
+
+    /// The drift over a time at the rate of the line, and how much of that may be swing and scatter.
+    fn extrapolated(&self, run: f64, swing: f64) -> (f64, f64) {
+        let by_swing = 3.0 * swing * run / self.span() / self.turns.max(1) as f64;
+        let by_scatter = 4.0 * self.line.deviation * run;
+        (self.line.slope * run, by_swing.max(by_scatter))
+    }
 }
 
 /// A straight line by least squares.
@@ -103,7 +227,14 @@ mod tests {
     fn of(signal: impl Fn(f64) -> f64) -> Motion {
         let time: Vec<f64> = (0..=5000).map(|k| f64::from(k) * 0.03).collect();
         let values: Vec<f64> = time.iter().map(|&t| signal(t)).collect();
-        motion(&time, &values).unwrap()
+        motion(&time, &values, [0.0, 150.0]).unwrap()
+    }
+
+    /// A run of one second that is watched for another one, with steps of which no period is a multiple.
+    fn of_a_second(signal: impl Fn(f64) -> f64) -> Motion {
+        let time: Vec<f64> = (0..=10_000).map(|k| f64::from(k) * 2e-4).collect();
+        let values: Vec<f64> = time.iter().map(|&t| signal(t)).collect();
+        motion(&time, &values, [0.0, 1.0]).unwrap()
     }
 
     #[test]
@@ -132,7 +263,7 @@ mod tests {
     fn a_signal_at_rest_does_not_move() {
         assert_eq!(of(|_| 82.0), Motion::default());
         assert!(of(|t| 82.0 - 5.0 * (-t / 3.0).exp()).drift.abs() < 1e-9);
-        assert_eq!(motion(&[0.0, 1.0], &[1.0, 2.0]), None);
+        assert_eq!(motion(&[0.0, 1.0], &[1.0, 2.0], [0.0, 1.0]), None);
     }
 
     /// Scatter without a trend: a sequence without a regularity.
@@ -142,6 +273,57 @@ mod tests {
             let noise =
                 |t: f64| ((t * 12_989.8 + f64::from(seed) * 78.2).sin() * 43_758.545).fract();
             assert_eq!(of(noise).drift, 0.0, "{seed}");
+        }
+    }
+
+    #[test]
+    fn the_drift_is_that_which_comes_after_the_end() {
+        // 5 exp(-t) loses 5 (exp(-1) - exp(-2)) in the second after the first one.
+        let found = of_a_second(|t| 82.0 - 5.0 * (-t).exp());
+        let expected = 5.0 * ((-1.0_f64).exp() - (-2.0_f64).exp());
+        assert!((found.drift - expected).abs() < 1e-9, "{found:?}");
+        assert_eq!(found.swing, 0.0);
+        let found = of_a_second(|t| 750.0 + 0.7 * t + (TAU * 50.0 * t).sin());
+        assert!(
+            (found.drift - 0.7).abs() < 0.05 && (found.swing - 2.0).abs() < 0.05,
+            "{found:?}"
+        );
+    }
+
+    #[test]
+    fn a_part_of_a_swing_is_no_drift() {
+        for periods in 2..=60 {
+            let periods = 0.6 * f64::from(periods);
+            let found = of_a_second(|t| 5.0 + (TAU * periods * t).sin());
+            assert_eq!(found.drift, 0.0, "{periods} periods: {found:?}");
+            assert!(
+                (found.swing - 2.0).abs() < 0.3,
+                "{periods} periods: {found:?}"
+            );
+        }
+    }
+
+    /// A value that rises after the end of the run and comes back has no period, but moves.
+    #[test]
+    fn a_single_turn_is_a_drift_as_far_as_it_goes() {
+        let found = of_a_second(|t| 82.0 - 4.0 * (t - 1.5).powi(2));
+        assert!(
+            (found.drift - 1.0).abs() < 1e-3 && found.swing == 0.0,
+            "{found:?}"
+        );
+    }
+
+    /// Steps of the golden ratio times the period see all phases of a swing, even though each is longer than a period.
+    #[test]
+    fn a_swing_between_communication_points_is_seen() {
+        let golden = 0.5 * (1.0 + 5.0_f64.sqrt());
+        for multiple in [1.0, 2.0, 5.0, 60.0] {
+            let time: Vec<f64> = (0..=10_000).map(|k| f64::from(k) / golden).collect();
+            let values: Vec<f64> = time.iter().map(|t| (TAU * multiple * t).sin()).collect();
+            let run = [0.0, time[5000]];
+            let found = motion(&time, &values, run).unwrap();
+            assert!((found.swing - 2.0).abs() < 0.1, "{multiple}: {found:?}");
+            assert_eq!(found.drift, 0.0);
         }
     }
 }

@@ -91,7 +91,7 @@ fn join_verification(
     if options.parquet {
         parquet::convert(&options.output, &summary)?;
     }
-    verify::conclude(&mut verification.session, &options.output, &summary, false)
+    verify::conclude(&mut verification, &options.output, &summary, false)
 }
 
 fn join_analysis(

@@ -6,6 +6,7 @@ mod check;
 mod completion;
 mod cost;
 mod dossier;
+mod extra;
 mod finding;
 mod identify;
 mod init;

@@ -8,7 +8,8 @@ use std::time::Instant;
 
 use super::limits::place;
 use super::{
-    CommandError, asking, best, cost, dossier, moving, output, refine, report, table, verdict,
+    CommandError, asking, best, cost, dossier, extra, moving, output, refine, report, table,
+    verdict,
 };
 use crate::cli::Verify;
 use crate::engine::crew::Crew;
@@ -85,8 +86,12 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, CommandError> {
     if options.parquet {
         parquet::convert(&folder, &summary)?;
     }
-    let session = &mut verification.session;
-    conclude(session, &folder, &summary, options.means.in_process)
+    conclude(
+        &mut verification,
+        &folder,
+        &summary,
+        options.means.in_process,
+    )
 }
 
 /// When the study may end before its last point. Refuses options that the study's design cannot follow.
@@ -147,19 +152,20 @@ pub(super) fn open(
 
 /// Completes the folder and says what came out. `trusted`: the points ran in this process.
 pub(super) fn conclude(
-    session: &mut Session,
+    verification: &mut Verification,
     folder: &Path,
     summary: &crate::results::Summary,
     trusted: bool,
 ) -> Result<ExitCode, CommandError> {
+    let watched = extra::runs(verification, summary)?;
     let Session {
         study,
         plan,
         package,
         ..
-    } = session;
+    } = &mut verification.session;
     report::keep_trajectory(folder, study, plan, package, summary, trusted)?;
-    let summary = &moving::observed(folder, summary)?;
+    let summary = &moving::observed(folder, summary, plan, watched)?;
     best::write(folder, plan, package.description(), summary)?;
     dossier::write(folder, summary)?;
     Report::from_folder(folder)?.write(folder)?;

@@ -351,7 +351,10 @@ fn interval(
 
 fn accuracy(text: &MeasuredText, value: f64, scale: &Scale<'_>) -> Result<f64, String> {
     let accuracy = match text.accuracy.unit.as_deref() {
-        Some("%") => 0.01 * text.accuracy.number * value.abs(),
+        Some("%") => {
+            let written = text.value.clone().unwrap_or(value.into());
+            scale.part(0.01 * text.accuracy.number, &written)?
+        }
         _ => scale.number(&text.accuracy, Sense::Difference)?,
     };
     if accuracy > 0.0 && accuracy.is_finite() {

@@ -40,7 +40,6 @@ pub(super) fn uncertainty(
     study: &Study,
     name: &Name,
     text: &CriterionText,
-    nominal: f64,
     scale: &Scale<'_>,
 ) -> Result<Option<Uncertainty>, StudyError> {
     const USUAL: f64 = 2.0;
@@ -63,7 +62,7 @@ pub(super) fn uncertainty(
         let message = format!("the coverage factor {coverage} must be a positive, finite number");
         return Err(at_name(study, name, &message));
     }
-    let expanded = tolerance(stated.as_ref(), nominal, scale).map_err(at)?;
+    let expanded = tolerance(stated.as_ref(), &text.nominal, scale).map_err(at)?;
     Ok(Some(Uncertainty { expanded, coverage }))
 }
 

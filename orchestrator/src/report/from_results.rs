@@ -12,6 +12,7 @@ use crate::engine::Conduct;
 use crate::results::asides::Asides;
 use crate::results::choice;
 use crate::results::origin::Origin;
+use crate::results::rest::Rest;
 use crate::results::summary::{CriterionCount, VariantCount};
 use crate::results::words::capitalised;
 use crate::results::{ResultsError, Summary};
@@ -84,9 +85,11 @@ fn remarks(summary: &Summary, shown: usize) -> Vec<String> {
         .concerns
         .iter()
         .map(|concern| format!("Warning: {concern}."));
+    let watched = summary.rest.iter().filter_map(Rest::remark);
     conduct
         .chain(asides)
         .chain(thinned)
+        .chain(watched)
         .chain(concerns)
         .collect()
 }

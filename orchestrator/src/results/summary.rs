@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::asides::Asides;
 use super::conclusion::Conclusion;
 use super::improvement::Improvements;
+use super::rest::Rest;
 use super::validation::Comparison;
 use crate::engine::Conduct;
 use crate::judge::Criterion;
@@ -71,6 +72,9 @@ pub struct Summary {
     /// Doubts about the verdict, a sentence each.
     #[serde(default)]
     pub concerns: Vec<String>,
+    /// Whether the values had come to rest when the runs ended.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rest: Option<Rest>,
     /// How the model compares with the measurement, by criterion (ASME V&V 20).
     #[serde(default, skip_serializing_if = "IndexMap::is_empty")]
     pub validation: IndexMap<String, Comparison>,

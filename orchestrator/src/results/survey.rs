@@ -5,8 +5,10 @@ use indexmap::IndexMap;
 
 use super::Outcome;
 use super::concerns::out_of_reach;
+use super::edges::Edges;
 use super::improvement::{self, improvements};
 use super::probable::MostProbable;
+use super::rest::Rest;
 use super::summary::{BestPoint, Summary};
 use super::validation::{Comparison, Numerical, Spread};
 use crate::judge::Judge;
@@ -24,6 +26,7 @@ pub struct Survey<'a> {
     spreads: Vec<Spread>,
     probable: Option<MostProbable<'a>>,
     first: Vec<(Vec<f64>, Option<Vec<f64>>)>,
+    edges: Edges<'a>,
 }
 
 impl<'a> Survey<'a> {
@@ -40,6 +43,7 @@ impl<'a> Survey<'a> {
             spreads: vec![Spread::default(); criteria],
             probable: plan.and_then(|plan| MostProbable::new(judge, plan)),
             first: Vec::new(),
+            edges: Edges::new(judge),
         }
     }
 
@@ -48,6 +52,7 @@ impl<'a> Survey<'a> {
         if let Some(probable) = &mut self.probable {
             probable.add(label, parameters, outcome);
         }
+        self.edges.add(label, outcome);
         if self.first.len() < improvement::MOST {
             let values = outcome.as_ref().ok().cloned();
             self.first.push((parameters.to_vec(), values));
@@ -85,6 +90,15 @@ impl<'a> Survey<'a> {
         summary.most_probable_point = self.most_probable(summary);
         let drawn = self.plan.filter(|_| self.drawn);
         summary.improvements = improvements(self.judge, drawn, &self.first);
+    }
+
+    /// The points of which extra runs are to show whether their values had come to rest.
+    pub fn to_watch(&self, summary: &Summary) -> Rest {
+        let best = summary.best_point.as_ref().map(|best| best.point);
+        Rest {
+            points: self.edges.chosen(best),
+            ..Rest::default()
+        }
     }
 
     fn most_probable(&self, summary: &Summary) -> Option<BestPoint> {

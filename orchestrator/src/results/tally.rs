@@ -285,6 +285,7 @@ impl<'a> Tally<'a> {
             parameters,
             most_probable_point: None,
             concerns: Vec::new(),
+            rest: None,
             validation: IndexMap::new(),
             improvements: None,
             conduct: None,

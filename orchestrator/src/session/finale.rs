@@ -75,6 +75,7 @@ impl Verification {
             .collect();
         let mut summary = tally.summary(session.study.title.clone(), provenance, parameters);
         survey.complete(&mut summary);
+        summary.rest = Some(survey.to_watch(&summary));
         summary.concerns.extend(session.plan.concerns());
         summary.conduct = Some(finished.conduct());
         summary.asides = Some(asides);

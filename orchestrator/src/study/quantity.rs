@@ -74,6 +74,8 @@ impl<'de> Deserialize<'de> for Quantity {
 pub struct Scale<'a> {
     /// The study's unit.
     pub unit: Option<String>,
+    /// Whether the study states it; otherwise it is the variable's.
+    is_stated: bool,
     /// From the study's unit to the variable's.
     pub conversion: Conversion,
     fmu: Option<(&'a Description, &'a Variable)>,
@@ -106,6 +108,7 @@ impl<'a> Scale<'a> {
         };
         Ok(Self {
             unit: unit.or(variable.unit()).map(str::to_owned),
+            is_stated: unit.is_some(),
             conversion,
             fmu: Some((fmu, variable)),
         })
@@ -115,6 +118,7 @@ impl<'a> Scale<'a> {
     pub fn alone(unit: Option<&str>) -> Self {
         Self {
             unit: unit.map(str::to_owned),
+            is_stated: unit.is_some(),
             conversion: Conversion::IDENTITY,
             fmu: None,
         }
@@ -133,6 +137,31 @@ impl<'a> Scale<'a> {
             Sense::Value => conversion.value(quantity.number),
             Sense::Difference => conversion.difference(quantity.number),
         })
+    }
+
+    /// A part of a quantity's amount, such as 1 % of 82 degC, as a difference in the study's unit. It is a part of the
+    /// number as written: 1 % of 82 degC is 0.82 degC, not 1 % of 355.15 K.
+    ///
+    /// # Errors
+    /// As [`number`](Self::number), and when the study states another unit with another zero, so that the part could
+    /// be one of either number.
+    pub fn part(&self, part: f64, of: &Quantity) -> Result<f64, String> {
+        let amount = part * of.number.abs();
+        let Some(own) = &of.unit else {
+            return Ok(amount);
+        };
+        let conversion = self.from(own)?;
+        if self.is_stated && conversion.value(0.0) != 0.0 {
+            let unit = self.unit.as_deref().unwrap_or_default();
+            let converted = conversion.value(of.number);
+            let percent = 100.0 * part;
+            return Err(format!(
+                "{percent} % could be that of {of} or of {converted:.6} {unit}; give it with a unit, such as \
+                 \"{amount:.6} {own}\" or \"{:.6} {unit}\"",
+                part * converted.abs()
+            ));
+        }
+        Ok(conversion.difference(amount))
     }
 
     /// From `unit` to the study's unit.

@@ -98,6 +98,11 @@ impl Schedule {
         }
     }
 
+    /// The number of the communication point at which the even steps begin.
+    pub fn first_even(&self) -> u64 {
+        self.even().0
+    }
+
     /// The number of steps before the even ones, and where those begin.
     fn even(&self) -> (u64, f64) {
         if self.leap && self.window_start > self.start {
