@@ -1,9 +1,9 @@
 //! Whether the share of the sampled space that meets all criteria is as large as required.
 
 use serde::{Deserialize, Serialize};
-use statrs::function::beta::{beta_reg, ln_beta};
+use statrs::function::beta::ln_beta;
 
-use super::interval::student;
+use super::interval::{clopper_pearson, student};
 
 /// The decision about a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -52,27 +52,6 @@ impl Rule {
     }
 }
 
-/// The interval of a share from independent trials, whose number was fixed beforehand: no share
-/// outside of it makes the count, or a more extreme one, probable (Clopper and Pearson 1934, "The use
-/// of confidence or fiducial limits illustrated in the case of the binomial", Biometrika 26).
-///
-/// Wilson's interval is narrower, but at small shares its lower limit is too high too often: one of
-/// 100 points would show a share of 0.18 %, which by chance has that point in 16 % of the studies.
-pub fn clopper_pearson(hits: u64, trials: u64, confidence: f64) -> [f64; 2] {
-    let tail = 0.5 * (1.0 - confidence);
-    let misses = trials - hits;
-    // The probability of at least `hits` grows with the share, that of at most `hits` falls.
-    let low = match hits {
-        0 => 0.0,
-        _ => crossing(|share| beta_reg(hits as f64, misses as f64 + 1.0, share) - tail)[0],
-    };
-    let high = match misses {
-        0 => 1.0,
-        _ => crossing(|share| beta_reg(hits as f64 + 1.0, misses as f64, share) - 1.0 + tail)[1],
-    };
-    [low, high]
-}
-
 /// The interval of a share of points that belong in turn to independent randomisations of a design,
 /// given the count of each: Student's about their shares. Where nearly all counts are equal, their
 /// scatter tells nothing, and the points count as independent trials (see [`clopper_pearson`]); a
@@ -80,7 +59,7 @@ pub fn clopper_pearson(hits: u64, trials: u64, confidence: f64) -> [f64; 2] {
 pub fn randomised(counts: &[u64], points: u64, confidence: f64) -> [f64; 2] {
     let (n, total) = (counts.len() as u64, counts.iter().sum::<u64>());
     if n < 2 || total.min(points - total) < n || unequal(counts) < (n / 2).min(4) {
-        return clopper_pearson(total, points, confidence);
+        return clopper_pearson(total as f64, points as f64, confidence);
     }
     let size = |k: u64| points / n + u64::from(k < points % n);
     let shares = (0..)
@@ -107,24 +86,6 @@ pub fn other_verdict(accepted: u64, points: u64) -> f64 {
 fn unequal(counts: &[u64]) -> u64 {
     let equal = |count: &u64| counts.iter().filter(|other| *other == count).count();
     (counts.len() - counts.iter().map(equal).max().unwrap_or(0)) as u64
-}
-
-/// The end points of a small interval in which a function that grows from below 0 to above 0
-/// between 0 and 1 changes its sign.
-pub(super) fn crossing(grows: impl Fn(f64) -> f64) -> [f64; 2] {
-    let (mut low, mut high) = (0.0_f64, 1.0_f64);
-    while high - low > 1e-14 * high {
-        let middle = 0.5 * (low + high);
-        if middle <= low || middle >= high {
-            break;
-        }
-        if grows(middle) < 0.0 {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    [low, high]
 }
 
 #[cfg(test)]

@@ -1,6 +1,11 @@
 //! Intervals of means, from a sample of numbers that lie between 0 and 1.
 
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
+use statrs::function::beta::beta_reg;
+
+/// The fewest independent samples whose scatter is trusted: the means of fewer need not be normal,
+/// and Student's interval of two or three of them rests on that.
+pub const LEAST_SAMPLES: usize = 8;
 
 /// Sums over a sample of numbers from 0 to 1, from which intervals are computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -57,60 +62,126 @@ impl Moments {
         Self { count, ..self }
     }
 
-    /// How many ones and zeros would tell as much about their mean as these numbers do about
-    /// theirs; without a scatter to judge by, as many as there are numbers.
-    ///
-    /// Korn and Graubard (1998), "Confidence intervals for proportions with small expected number of
-    /// positive counts estimated from survey data", Survey Methodology 24, with their correction for
-    /// the few degrees of freedom of a small sample.
-    fn effective_count(&self, confidence: f64) -> f64 {
+    /// Student's interval about the mean of independent numbers; that of fewer than two is unknown.
+    fn student(&self, confidence: f64) -> [f64; 2] {
         let (n, mean) = (self.count as f64, self.mean());
-        if self.count < 2 || mean <= 0.0 || mean >= 1.0 {
-            return n;
-        }
         let variance = ((self.squares - n * mean * mean) / (n - 1.0)).max(0.0);
-        let few = normal_limit(confidence) / student_limit(confidence, n - 1.0);
-        n * mean * (1.0 - mean) / variance * few * few
+        let half = student_limit(confidence, n - 1.0) * (variance / n).sqrt();
+        [mean - half, mean + half]
     }
 }
 
 /// The interval of the mean of a sample, or of several samples of about equal size that are
 /// independent of each other, while the numbers within each need not be (randomised designs).
 ///
-/// One sample: Wilson's score interval (1927) at the effective number of trials. Several:
-/// Student's interval about the mean of their means, as long as enough numbers differ from 0 and
-/// from 1 to let these means scatter; otherwise the samples count as one.
+/// Few of the numbers may carry the whole mean, as those near a limit carry a risk. A sample that
+/// has missed them scatters little, so that its scatter alone promises too much. Each end is
+/// therefore the nearer of two:
+/// - the one of [Clopper and Pearson](clopper_pearson), with the sum of the numbers as the count:
+///   numbers between 0 and 1 scatter no more than zeros and ones of the same mean;
+/// - Student's, of the numbers or of the means of several samples, [drawn out](drawn_out) by what so
+///   many numbers may have missed.
+///
+/// Fewer than [`LEAST_SAMPLES`] count as one.
 pub fn of_mean(parts: &[Moments], confidence: f64) -> [f64; 2] {
     let total = Moments::total(parts);
-    if parts.len() > 1 && scatters(total, parts.len()) && scatters(total.complement(), parts.len())
-    {
+    let scattering = if parts.len() >= LEAST_SAMPLES && parts.iter().all(|part| part.count > 0) {
         let means: Vec<f64> = parts.iter().map(Moments::mean).collect();
-        return student(total.mean(), &means, confidence);
-    }
-    wilson(total.mean(), total.effective_count(confidence), confidence)
-}
-
-/// Whether there are enough numbers other than 0, counted by their weight, for so many samples.
-fn scatters(numbers: Moments, samples: usize) -> bool {
-    numbers.sum * numbers.sum >= samples as f64 * numbers.squares && numbers.sum > 0.0
+        let ends = student(total.mean(), &means, confidence);
+        drawn_out(ends, 1.0, total.count, confidence)
+    } else if total.count > 1 {
+        let ends = total.student(confidence);
+        drawn_out(ends, total.mean(), total.count, confidence)
+    } else {
+        [0.0, 1.0]
+    };
+    nearer(total, scattering, confidence)
 }
 
 /// The interval of the mean of the numbers of a random part of the sample, such as the accepted
 /// points.
 ///
-/// One sample: given how many there are, they are a sample of their own. Several: Student's
-/// interval of a ratio of means by its linearisation (Cochran 1977, "Sampling Techniques", 6.4).
+/// Given how many there are, they are a sample of their own (see [`of_mean`]). Of several samples
+/// the interval of Student is that of a ratio of means by its linearisation (Cochran 1977, "Sampling
+/// Techniques", 6.4); where they are too few for it, they count as independent numbers.
 pub fn of_part(parts: &[Moments], confidence: f64) -> [f64; 2] {
     const FEW: u64 = 4;
     let total = Moments::total(parts);
     let samples = parts.len() as u64;
-    if samples > 1 && total.count >= FEW * samples && scatters(total, parts.len()) {
-        let (ratio, mean_count) = (total.mean(), total.count as f64 / samples as f64);
-        let linear = |part: &Moments| ratio + (part.sum - ratio * part.count as f64) / mean_count;
-        let values: Vec<f64> = parts.iter().map(linear).collect();
-        return student(ratio, &values, confidence);
+    if parts.len() < LEAST_SAMPLES || total.count < FEW * samples {
+        return of_mean(&[total], confidence);
     }
-    wilson(total.mean(), total.effective_count(confidence), confidence)
+    let (ratio, mean_count) = (total.mean(), total.count as f64 / samples as f64);
+    let linear = |part: &Moments| ratio + (part.sum - ratio * part.count as f64) / mean_count;
+    let values: Vec<f64> = parts.iter().map(linear).collect();
+    let ends = student(ratio, &values, confidence);
+    let scattering = drawn_out(ends, 1.0, total.count, confidence);
+    nearer(total, scattering, confidence)
+}
+
+/// The nearer ends of an interval from the scatter of numbers, and of the one for any numbers from 0 to 1.
+fn nearer(total: Moments, scattering: [f64; 2], confidence: f64) -> [f64; 2] {
+    let [low, high] = clopper_pearson(total.sum, total.count as f64, confidence);
+    [low.max(scattering[0]), high.min(scattering[1])]
+}
+
+/// Draws an interval out by the largest part of a population that so many numbers miss with a
+/// probability that is not below the one for each end of the interval.
+///
+/// Numbers that were missed are 0 or 1 at worst. Independent ones would lower the mean by no more
+/// than `lowered` for each of them, which is their mean. A net has nearly the same number of points
+/// in a region each time, and may have missed that it can be one less: that lowers the mean by 1.
+fn drawn_out(ends: [f64; 2], lowered: f64, numbers: u64, confidence: f64) -> [f64; 2] {
+    let missed = clopper_pearson(0.0, numbers as f64, confidence)[1];
+    let [low, high] = ends.map(|end| end.clamp(0.0, 1.0));
+    [
+        (low - missed * lowered).max(0.0),
+        high + missed * (1.0 - high),
+    ]
+}
+
+/// The interval of a share from independent trials, whose number was fixed beforehand: no share
+/// outside of it makes the count, or a more extreme one, probable (Clopper and Pearson 1934, "The use
+/// of confidence or fiducial limits illustrated in the case of the binomial", Biometrika 26). Counts
+/// need not be whole.
+///
+/// Wilson's interval is narrower, but at small shares its lower limit is too high too often: one of
+/// 100 points would show a share of 0.18 %, which by chance has that point in 16 % of the studies.
+pub fn clopper_pearson(hits: f64, trials: f64, confidence: f64) -> [f64; 2] {
+    // Of less than a tenth of a hit the limit is below 1e-15.
+    const NONE: f64 = 0.1;
+    let tail = 0.5 * (1.0 - confidence);
+    let misses = trials - hits;
+    // The probability of at least `hits` grows with the share, that of at most `hits` falls.
+    let low = if hits < NONE {
+        0.0
+    } else {
+        crossing(|share| beta_reg(hits, misses.max(0.0) + 1.0, share) - tail)[0]
+    };
+    let high = if misses < NONE {
+        1.0
+    } else {
+        crossing(|share| beta_reg(hits.max(0.0) + 1.0, misses, share) - 1.0 + tail)[1]
+    };
+    [low, high]
+}
+
+/// The end points of a small interval in which a function that grows from below 0 to above 0
+/// between 0 and 1 changes its sign.
+pub(super) fn crossing(grows: impl Fn(f64) -> f64) -> [f64; 2] {
+    let (mut low, mut high) = (0.0_f64, 1.0_f64);
+    while high - low > 1e-14 * high {
+        let middle = 0.5 * (low + high);
+        if middle <= low || middle >= high {
+            break;
+        }
+        if grows(middle) < 0.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    [low, high]
 }
 
 /// Wilson's score interval of a share of trials, of which there may be any number.
@@ -173,35 +244,83 @@ mod tests {
         moments
     }
 
+    /// Newcombe (1998), "Two-sided confidence intervals for the single proportion", table I.
     #[test]
-    fn counts_have_nearly_wilsons_interval() {
-        // Newcombe (1998), table I: 81 of 263 gives 0.2553..0.3662.
-        let [low, high] = wilson(81.0 / 263.0, 263.0, 0.95);
-        assert!((low - 0.2553).abs() < 5e-5 && (high - 0.3662).abs() < 5e-5);
-        let counted = moments((0..263).map(|i| f64::from(u8::from(i < 81))));
-        let [below, above] = of_mean(&[counted], 0.95);
-        assert!(below < low && below > low - 5e-4, "{below} {low}");
-        assert!(above > high && above < high + 5e-4, "{above} {high}");
-        assert_eq!(
-            of_mean(&[moments([0.0; 20])], 0.95),
-            wilson(0.0, 20.0, 0.95)
+    fn wilson_and_clopper_pearson_match_published_values() {
+        for (hits, trials, score, exact) in [
+            (81.0, 263.0, [0.2553, 0.3662], [0.2527, 0.3676]),
+            (15.0, 148.0, [0.0624, 0.1605], [0.0578, 0.1617]),
+            (0.0, 20.0, [0.0, 0.1611], [0.0, 0.1684]),
+            (1.0, 29.0, [0.0061, 0.1718], [0.0009, 0.1776]),
+        ] {
+            let (score_found, exact_found) = (
+                wilson(hits / trials, trials, 0.95),
+                clopper_pearson(hits, trials, 0.95),
+            );
+            for k in 0..2 {
+                assert!((score_found[k] - score[k]).abs() < 5.1e-5, "{hits}");
+                assert!((exact_found[k] - exact[k]).abs() < 5.1e-5, "{hits}");
+            }
+        }
+        assert_eq!(clopper_pearson(20.0, 20.0, 0.95)[1], 1.0);
+        assert_eq!(clopper_pearson(0.0, 0.0, 0.95), [0.0, 1.0]);
+        // Exact by hand: 1 - 0.025^(1/n).
+        let [low, high] = clopper_pearson(0.0, 50_000.0, 0.95);
+        let expected = 1.0 - 0.025_f64.powf(1.0 / 50_000.0);
+        assert!(
+            low == 0.0 && (high - expected).abs() < 1e-12,
+            "{low} {high}"
         );
-        assert_eq!(
-            of_mean(&[moments([1.0; 20])], 0.95),
-            wilson(1.0, 20.0, 0.95)
-        );
-        assert_eq!(of_mean(&[Moments::default()], 0.95), [0.0, 1.0]);
     }
 
-    /// For many numbers the interval is the normal one of the mean.
+    /// The limits of half a hit of ten trials are quantiles of beta distributions: 2.5 % of B(0.5,
+    /// 10.5) and 97.5 % of B(1.5, 9.5).
+    #[test]
+    fn counts_need_not_be_whole() {
+        let [low, high] = clopper_pearson(0.5, 10.0, 0.95);
+        assert!((beta_reg(0.5, 10.5, low) - 0.025).abs() < 1e-9, "{low}");
+        assert!((beta_reg(1.5, 9.5, high) - 0.975).abs() < 1e-9, "{high}");
+    }
+
+    #[test]
+    fn counts_have_clopper_and_pearsons_interval() {
+        for hits in [0, 1, 2, 5, 20, 80, 131, 200, 262, 263] {
+            let counted = moments((0..263).map(|i| f64::from(u8::from(i < hits))));
+            let found = of_mean(&[counted], 0.95);
+            let expected = clopper_pearson(f64::from(hits), 263.0, 0.95);
+            for k in 0..2 {
+                assert!((found[k] - expected[k]).abs() < 1e-12, "{hits}");
+            }
+        }
+        assert_eq!(of_mean(&[Moments::default()], 0.95), [0.0, 1.0]);
+        assert_eq!(of_mean(&[], 0.95), [0.0, 1.0]);
+    }
+
+    /// Five numbers that happen to be equal tell little of what else there is.
+    #[test]
+    fn equal_numbers_have_no_interval_of_width_zero() {
+        let [low, high] = of_mean(&[moments([0.16; 5])], 0.95);
+        assert!(low < 0.08 && high > 0.5, "{low} {high}");
+        let parts = vec![moments([0.16; 5]); 16];
+        let [low, high] = of_mean(&parts, 0.95);
+        assert!(low < 0.155 && high > 0.19, "{low} {high}");
+    }
+
+    /// For many numbers the interval is the normal one of the mean, but for what they may have
+    /// missed: 3.7 of them.
     #[test]
     fn many_numbers_have_the_normal_interval() {
-        let numbers = || (0..10_000).map(|i| 0.3 + 0.1 * f64::from(i % 5));
-        let deviation = 0.1 * 2.0_f64.sqrt();
-        let half = 1.959_964 * deviation / 100.0;
-        let [low, high] = of_mean(&[moments(numbers())], 0.95);
-        assert!((low - (0.5 - half)).abs() < 2e-6, "{low}");
-        assert!((high - (0.5 + half)).abs() < 2e-6, "{high}");
+        const N: u32 = 1_000_000;
+        let numbers = (0..N).map(|i| 0.3 + 0.1 * f64::from(i % 5));
+        let half = 1.959_964 * 0.1 * 2.0_f64.sqrt() / f64::from(N).sqrt();
+        let missed = -0.025_f64.ln() / f64::from(N);
+        let [low, high] = of_mean(&[moments(numbers)], 0.95);
+        let expected = [
+            0.5 - half - 0.5 * missed,
+            0.5 + half + (0.5 - half) * missed,
+        ];
+        assert!((low - expected[0]).abs() < 1e-9, "{low}");
+        assert!((high - expected[1]).abs() < 1e-9, "{high}");
     }
 
     #[test]
@@ -215,83 +334,36 @@ mod tests {
         assert_eq!(found, moments([0.1, 0.5, 1.0, 0.0, 0.0]));
     }
 
-    /// 16 samples whose means are known: Student's interval by hand.
+    /// 16 samples whose means are known: Student's interval by hand, and what 16,000 numbers may
+    /// have missed.
     #[test]
     fn several_samples_have_students_interval() {
-        let part = |k: usize| moments((0..10).map(move |i| if i < 4 + k % 3 { 0.5 } else { 0.1 }));
+        let part =
+            |k: usize| moments((0..1000).map(move |i| if i < 400 + k % 3 { 0.5 } else { 0.1 }));
         let parts: Vec<Moments> = (0..16).map(part).collect();
         let means: Vec<f64> = parts.iter().map(Moments::mean).collect();
         let mean = means.iter().sum::<f64>() / 16.0;
         let variance = means.iter().map(|m| (m - mean).powi(2)).sum::<f64>() / 15.0;
         let half = 2.131_449_5 * (variance / 16.0).sqrt();
+        let missed = 1.0 - 0.025_f64.powf(1.0 / 16_000.0);
         let [low, high] = of_mean(&parts, 0.95);
-        assert!((low - (mean - half)).abs() < 1e-8 && (high - (mean + half)).abs() < 1e-8);
+        let to = mean + half;
+        assert!((low - (mean - half - missed)).abs() < 1e-8);
+        assert!((high - (to + (1.0 - to) * missed)).abs() < 1e-8);
     }
 
     #[test]
-    fn rare_numbers_make_one_sample() {
-        let mut parts = vec![moments([0.0; 10]); 16];
-        parts[3] = moments([0.0, 0.0, 0.4, 0.4]).among(10);
-        let one = of_mean(&[Moments::total(&parts)], 0.95);
-        assert_eq!(of_mean(&parts, 0.95), one);
-        assert!(one[1] > 0.005);
+    fn few_numbers_of_a_part_make_one_sample() {
         let accepted = [moments([0.2, 0.4]), moments([0.3])];
+        let one = of_mean(&[Moments::total(&accepted)], 0.95);
+        assert_eq!(of_part(&accepted, 0.95), one);
+        let none = [moments([0.2, 0.4]), Moments::default()];
         assert_eq!(
-            of_part(&accepted, 0.95),
-            of_mean(&[Moments::total(&accepted)], 0.95)
+            of_mean(&none, 0.95),
+            clopper_pearson(none[0].sum, 2.0, 0.95)
         );
     }
-
-    /// Of 2,000 samples about 95 % hold the mean of the population, of the part as well.
-    #[test]
-    fn intervals_hold_the_mean_as_often_as_they_say() {
-        let mut random = StdRng::seed_from_u64(1);
-        for (size, accepted) in [(50, 0.5), (200, 0.1), (1000, 0.9)] {
-            let (mut of_all, mut of_accepted) = (0, 0);
-            for _ in 0..2000 {
-                let mut part = Moments::default();
-                for _ in 0..size {
-                    // Accepted numbers are squares of uniform ones: their mean is 1/3.
-                    let (u, v): (f64, f64) = (random.random(), random.random());
-                    if v < accepted {
-                        part.add(u * u);
-                    }
-                }
-                let holds = |[low, high]: [f64; 2], value| low <= value && value <= high;
-                of_all += u32::from(holds(of_mean(&[part.among(size)], 0.95), accepted / 3.0));
-                of_accepted += u32::from(holds(of_part(&[part], 0.95), 1.0 / 3.0));
-            }
-            for held in [of_all, of_accepted] {
-                let coverage = f64::from(held) / 2000.0;
-                assert!(
-                    (coverage - 0.95).abs() < 0.02,
-                    "{size} {accepted}: {coverage}"
-                );
-            }
-        }
-    }
-
-    /// The samples share a random shift, as those of a randomised design share its numbers.
-    #[test]
-    fn intervals_of_dependent_numbers_hold_as_often_too() {
-        let mut random = StdRng::seed_from_u64(2);
-        let (mut of_all, mut of_accepted) = (0, 0);
-        for _ in 0..2000 {
-            let parts: Vec<Moments> = (0..16)
-                .map(|_| {
-                    let shift: f64 = random.random();
-                    let place = |i: u32| (f64::from(i) / 20.0 + shift).fract();
-                    moments((0..20).map(place).filter(|&u| u < 0.61))
-                })
-                .collect();
-            let holds = |[low, high]: [f64; 2], value| low <= value && value <= high;
-            let zeros: Vec<Moments> = parts.iter().map(|part| part.among(20)).collect();
-            of_all += u32::from(holds(of_mean(&zeros, 0.95), 0.61 * 0.61 / 2.0));
-            of_accepted += u32::from(holds(of_part(&parts, 0.95), 0.305));
-        }
-        for held in [of_all, of_accepted] {
-            let coverage = f64::from(held) / 2000.0;
-            assert!((coverage - 0.95).abs() < 0.03, "{coverage}");
-        }
-    }
 }
+
+#[cfg(test)]
+mod coverage_tests;

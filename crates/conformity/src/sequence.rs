@@ -7,7 +7,8 @@
 
 use statrs::function::gamma::ln_gamma;
 
-use super::decision::{Rule, crossing};
+use super::decision::Rule;
+use super::interval::crossing;
 
 /// Intervals of a share from independent points, valid at all numbers of points together.
 ///

