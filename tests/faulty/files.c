@@ -46,6 +46,14 @@ BEHAVES(leaves_a_file_at_its_end) {
     return OK;
 }
 
+/* Every simulation but the first finds what an earlier one has left. */
+BEHAVES(remembers_its_simulations) {
+    if (moment != INITIALISE) return OK;
+    model->spoil = number_in(own(model, "state.txt"));
+    add_to(own(model, "state.txt"));
+    return OK;
+}
+
 /* Writes to memory that is a file: no call of write. */
 BEHAVES(maps_a_file_of_its_resources) {
     if (moment == INITIALISE) model->spoil = number_in(own(model, "number.txt"));

@@ -221,13 +221,14 @@ def built(laboratory, name):
 
 
 @pytest.mark.parametrize("name", ["healthy", "has_no_outputs", "needs_a_tool", "ends_early", "is_pending",
-                                  "leaves_threads_behind"])
+                                  "leaves_threads_behind", "remembers_its_simulations"])
 def test_what_the_standard_allows_is_no_error(laboratory, name):
     assert "error" not in orchestrator("check", built(laboratory, name))
 
 
 @pytest.mark.parametrize("name, word", [
-    ("says_version_one", "1.0"), ("needs_a_tool", "needsExecutionTool"), ("warns", "warning")])
+    ("says_version_one", "1.0"), ("needs_a_tool", "needsExecutionTool"), ("warns", "warning"),
+    ("remembers_its_simulations", "resources/state.txt")])
 def test_a_check_tells_what_to_beware_of(laboratory, name, word):
     assert word in orchestrator("check", built(laboratory, name))
 

@@ -131,11 +131,19 @@ impl Findings {
             return Ok(());
         }
         let patience = Duration::try_from_secs_f64(patience).unwrap_or(Duration::MAX);
-        let failed = ResultsError::io(folder.path());
-        let probes = Probes::new(package.description(), &unpacked, folder.path(), patience);
-        let found = probes.and_then(|mut probes| probes.findings(described_well));
-        for (rule, hit) in found.map_err(failed)? {
+        let failed = |error| ResultsError::io(folder.path())(error);
+        let mut probes =
+            Probes::new(&package, &unpacked, folder.path(), patience).map_err(failed)?;
+        for (rule, hit) in probes.findings(described_well).map_err(failed)? {
             self.add(rule, hit);
+        }
+        if let Some(file) = probes.changed_file() {
+            let text = format!(
+                "a simulation changes {} in the unpacked FMU: in a study, every point then needs a new process and a \
+                 folder of its own",
+                file.display()
+            );
+            self.add("files-kept", Hit::plain(text));
         }
         Ok(())
     }

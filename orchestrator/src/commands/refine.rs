@@ -8,6 +8,7 @@ use super::CommandError;
 use crate::cli::Means;
 use crate::engine::process::Limits;
 use crate::engine::single::Recorder;
+use crate::engine::working_directory;
 use crate::pipeline::Model;
 use crate::results::validation::{Comparison, Numerical, refined};
 use crate::results::{Outcome, ResultsError, Summary, write_atomically};
@@ -45,22 +46,25 @@ fn numerical(
     means: &Means,
 ) -> Result<Vec<Numerical>, CommandError> {
     let scratch = tempfile::tempdir().map_err(ResultsError::io(&std::env::temp_dir()))?;
-    let fmu = verification.session.package.unpack(scratch.path())?;
-    let session = &verification.session;
-    let recorder = Recorder {
-        fmu: &fmu,
-        name: session.package.path(),
-        limits: Limits {
-            time: Duration::from_secs_f64(means.point_timeout.clamp(1.0, 1e9)),
-            memory: 16 << 30,
-        },
-        echo: false,
+    let limits = Limits {
+        time: Duration::from_secs_f64(means.point_timeout.clamp(1.0, 1e9)),
+        memory: 16 << 30,
     };
-    let task = &session.plan.task;
-    let mut found = vec![Numerical::default(); session.judge.criteria.len()];
+    let mut found = vec![Numerical::default(); verification.session.judge.criteria.len()];
     for index in 0..POINTS.min(verification.source.len()) {
         let job = verification.job(index);
-        let run = |refinement: f64| -> Result<Outcome, CommandError> {
+        let mut run = |refinement: f64| -> Result<Outcome, CommandError> {
+            // Unpacked again where the last run has changed it.
+            let fmu = verification.session.package.unpack(scratch.path())?;
+            let session = &verification.session;
+            let (package, task) = (&session.package, &session.plan.task);
+            let recorder = Recorder {
+                fmu: &fmu,
+                name: package.path(),
+                home: working_directory::home(scratch.path(), package.description(), task),
+                limits,
+                echo: false,
+            };
             Ok(session.outcome(recorder.run(&finer(task, refinement), &job)?))
         };
         let (Ok(coarse), Ok(middle), Ok(fine)) = (run(1.0)?, run(2.0)?, run(4.0)?) else {

@@ -29,12 +29,16 @@ pub(super) fn run(options: &Replay) -> Result<ExitCode, CommandError> {
     let parameters = verification.source.parameters(index);
     let session = &mut verification.session;
     let run = Isolated::new(&mut session.package)?;
+    let run = run.as_in_a_study(&session.package, &session.plan.task);
     let outcome = session.outcome(run.run(&session.plan.task, &job)?);
+    // The first run may have changed the unpacked FMU.
+    let again = Isolated::new(&mut session.package)?;
+    let again = again.as_in_a_study(&session.package, &session.plan.task);
     let columns = Columns::usual(session.package.description(), false);
     let usual = options.folder.join(format!("point-{}.csv", options.point));
     let path = options.output.clone().unwrap_or(usual);
     let file = File::create(&path).map_err(ResultsError::io(&path))?;
-    let written = run.trajectory(&session.plan.task, &job.values, &columns, file);
+    let written = again.trajectory(&session.plan.task, &job.values, &columns, file);
     // The trajectory of a point that fails ends where it fails.
     if outcome.is_ok() {
         written.map_err(|error| error.into_command(&path))?;

@@ -9,6 +9,7 @@ use super::{CommandError, output};
 use crate::cli;
 use crate::engine::process::Limits;
 use crate::engine::single::Recorder;
+use crate::engine::working_directory;
 use crate::report::{Report, history};
 use crate::results::summary::{BestPoint, Summary};
 use crate::results::{ResultsError, write_atomically};
@@ -166,6 +167,7 @@ fn record_apart(
     let recorder = Recorder {
         fmu: &fmu,
         name: package.path(),
+        home: working_directory::home(scratch.path(), package.description(), task),
         limits: LIMITS,
         echo: false,
     };

@@ -14,6 +14,7 @@ use super::{CommandError, output};
 use crate::cli::Simulate;
 use crate::engine::process::Limits;
 use crate::engine::single::Recorder;
+use crate::engine::working_directory;
 use crate::engine::{Answer, EngineError, Job};
 use crate::failure::Failure;
 use crate::results::points::number;
@@ -228,7 +229,9 @@ impl TrajectoryError {
 pub(super) struct Isolated {
     fmu: PathBuf,
     name: PathBuf,
-    _scratch: TempDir,
+    scratch: TempDir,
+    /// Whether the FMU gets an empty working directory.
+    apart: bool,
 }
 
 impl Isolated {
@@ -237,8 +240,16 @@ impl Isolated {
         Ok(Self {
             fmu: package.unpack(scratch.path())?,
             name: package.path().to_owned(),
-            _scratch: scratch,
+            scratch,
+            apart: false,
         })
+    }
+
+    /// The same with the working directory of the points of a study.
+    pub(super) fn as_in_a_study(mut self, package: &Package, task: &Task) -> Self {
+        let home = working_directory::home(self.scratch.path(), package.description(), task);
+        self.apart = home.is_some();
+        self
     }
 
     /// How single points are recorded: a person is watching, who can end it.
@@ -246,6 +257,7 @@ impl Isolated {
         Recorder {
             fmu: &self.fmu,
             name: &self.name,
+            home: self.apart.then_some(self.scratch.path()),
             limits: Limits::NONE,
             echo: true,
         }

@@ -9,6 +9,7 @@ use super::local::Local;
 use super::policy::{Conduct, Isolation, Policy};
 use super::process::Limits;
 use super::slot::Slot;
+use super::working_directory;
 use crate::task::Task;
 use fmu_import::{FmuError, Library, Package};
 
@@ -36,6 +37,8 @@ enum Way {
         ground: Arc<Ground>,
         /// For points with a folder of their own.
         apart: Arc<Policy>,
+        /// Whether a start value names a file of the working directory.
+        here: bool,
         limits: Limits,
     },
 }
@@ -71,6 +74,7 @@ impl Crew {
                         scratch,
                     )),
                     apart: Arc::new(Policy::apart(tool, jobs)),
+                    here: working_directory::is_named_by(package.description()),
                     limits,
                 },
                 size: jobs,
@@ -114,10 +118,13 @@ impl Crew {
             Way::Processes {
                 ground,
                 apart,
+                here,
                 limits,
             } => {
                 let policies = [&self.policy, apart].map(Arc::clone);
-                Box::new(Slot::new(policies, Arc::clone(ground), task, *limits))
+                let here = *here || working_directory::is_named_in(task);
+                let home = (!here).then_some(&*ground.scratch);
+                Box::new(Slot::new(policies, Arc::clone(ground), home, task, *limits))
             }
         }
     }

@@ -20,7 +20,7 @@ pub(super) struct Ground {
     /// The FMU's path as the user gave it.
     pub(super) name: PathBuf,
     /// For further folders.
-    scratch: PathBuf,
+    pub(super) scratch: PathBuf,
     state: Mutex<State>,
 }
 

@@ -5,9 +5,10 @@
 //! all that it has started with it.
 
 use std::collections::VecDeque;
-use std::fs::File;
+use std::fs::{self, File};
 use std::io;
 use std::os::fd::{AsFd, OwnedFd};
+use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -124,6 +125,7 @@ impl Guard {
         let (setup, package) = (&self.setup, &mut self.package);
         let library = self.library.as_ref().filter(|_| way == Way::Forked);
         let work = |place| servant::alone(place, setup, package.as_mut(), library.cloned(), job);
+        clear(setup.place.as_deref())?;
         // SAFETY: a guard has a single thread; loading the FMU has started none, or it is not loaded here.
         let mut child = match unsafe { fork(&mut self.keeper, work) } {
             Ok(child) => child,
@@ -316,6 +318,7 @@ impl Guard {
                 progress,
             );
         };
+        clear(setup.place.as_deref())?;
         // SAFETY: as for a point alone.
         let mut child = match unsafe { fork(&mut self.keeper, work) } {
             Ok(child) => child,
@@ -351,6 +354,7 @@ impl Guard {
         }
         let (setup, package) = (&self.setup, &mut self.package);
         let work = |place| servant::record(place, setup, package.as_mut(), record);
+        clear(setup.place.as_deref())?;
         // SAFETY: as for a point alone.
         let mut child = match unsafe { fork(&mut self.keeper, work) } {
             Ok(child) => child,
@@ -460,6 +464,21 @@ fn bounds(setup: &Setup) -> Bounds {
         time: time.and_then(Result::ok).unwrap_or(Duration::MAX),
         memory: setup.memory,
     }
+}
+
+/// Makes the working directory empty for the next child, whatever the last one has left there.
+fn clear(place: Option<&Path>) -> io::Result<()> {
+    let Some(place) = place else {
+        return Ok(());
+    };
+    let is_empty = |mut entries: fs::ReadDir| entries.next().is_none();
+    if fs::read_dir(place).is_ok_and(is_empty) {
+        return Ok(());
+    }
+    // What cannot be removed stays.
+    let _ = fs::remove_dir_all(place).or_else(|_| fs::remove_file(place));
+    fs::create_dir_all(place)?;
+    std::env::set_current_dir(place)
 }
 
 /// How long a child may take to end its instance.

@@ -19,6 +19,7 @@ mod shared;
 pub mod single;
 mod slot;
 mod wire;
+pub mod working_directory;
 
 use std::ops::ControlFlow;
 use std::sync::Mutex;

@@ -13,6 +13,8 @@ use std::process::{Child, ChildStdin, Command, Stdio};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, TryLockError};
 use std::time::{Duration, Instant};
 
+use tempfile::TempDir;
+
 use super::ground::Ground;
 use super::wire::{Reader, Reply, Setup, Way, put_job};
 use super::{EngineError, Job};
@@ -82,6 +84,8 @@ pub(super) struct Process {
     limits: Limits,
     /// What it shares with other processes.
     ground: Option<Arc<Ground>>,
+    /// Where its working directory is made; none where that is the supervisor's own.
+    home: Option<PathBuf>,
     running: Option<Running>,
 }
 
@@ -91,6 +95,8 @@ struct Running {
     orders: Option<ChildStdin>,
     replies: Inbox<File>,
     ticket: u64,
+    /// The working directory, which is removed with the guard.
+    place: Option<TempDir>,
 }
 
 impl Process {
@@ -99,6 +105,7 @@ impl Process {
         let setup = Setup {
             fmu: std::path::absolute(fmu).unwrap_or_else(|_| fmu.to_owned()),
             name: name.to_owned(),
+            place: None,
             task: task.clone(),
             time: (limits.time < Duration::MAX).then_some(limits.time.as_secs_f64()),
             memory: limits.memory,
@@ -110,6 +117,7 @@ impl Process {
             setup,
             limits,
             ground: None,
+            home: None,
             running: None,
         }
     }
@@ -117,6 +125,12 @@ impl Process {
     /// The same, in a folder that other processes share: answers count while it is as it was unpacked.
     pub(super) fn on(mut self, ground: &Arc<Ground>) -> Self {
         self.ground = Some(Arc::clone(ground));
+        self
+    }
+
+    /// The same, with an empty working directory, made within this folder.
+    pub(super) fn at(mut self, home: Option<&Path>) -> Self {
+        self.home = home.map(Path::to_owned);
         self
     }
 
@@ -196,7 +210,7 @@ impl Process {
 
     fn running(&mut self) -> Result<&mut Running, Gone> {
         if self.running.is_none() {
-            self.running = Some(Running::start(&self.setup)?);
+            self.running = Some(Running::start(&self.setup, self.home.as_deref())?);
         }
         let missing = || Gone::Start("no worker".to_owned());
         self.running.as_mut().ok_or_else(missing)
@@ -209,14 +223,25 @@ impl Process {
 }
 
 impl Running {
-    fn start(setup: &Setup) -> Result<Self, Gone> {
+    fn start(setup: &Setup, home: Option<&Path>) -> Result<Self, Gone> {
         let start = |error: io::Error| Gone::Start(error.to_string());
+        let place = home.map(|home| {
+            let home = std::path::absolute(home)?;
+            tempfile::Builder::new().prefix("at-").tempdir_in(home)
+        });
+        let place = place.transpose().map_err(start)?;
         let mut family = family();
         offspring::adopt_orphans();
-        let mut child = Command::new(program().map_err(start)?)
+        let mut command = Command::new(program().map_err(start)?);
+        if let Some(place) = &place {
+            command.current_dir(place.path()).env("PWD", place.path());
+        }
+        let mut child = command
             .arg0("orchestrator")
             .arg(COMMAND)
             .env(MARK, mark())
+            // An FMU that runs Python would leave compiled modules in its own folder.
+            .env("PYTHONDONTWRITEBYTECODE", "1")
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(if setup.echo {
@@ -242,9 +267,12 @@ impl Running {
             orders,
             replies,
             ticket: 0,
+            place,
         };
+        let own = running.place.as_ref().map(|place| place.path().to_owned());
         let setup = Setup {
             ticket,
+            place: own,
             ..setup.clone()
         };
         let text = serde_json::to_vec(&setup).map_err(|error| start(error.into()))?;

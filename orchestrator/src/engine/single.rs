@@ -21,6 +21,8 @@ pub struct Recorder<'a> {
     pub fmu: &'a Path,
     /// The FMU's path as the user gave it.
     pub name: &'a Path,
+    /// Where a working directory is made for the FMU; none where it has this process's own.
+    pub home: Option<&'a Path>,
     /// Limits of the point; the time limit is for each wait between two messages of the process.
     pub limits: Limits,
     /// Whether what the FMU prints is shown on standard error.
@@ -29,7 +31,9 @@ pub struct Recorder<'a> {
 
 impl Recorder<'_> {
     fn process(&self, task: &Task) -> Process {
-        Process::new(self.fmu, self.name, task, self.limits).with_echo(self.echo)
+        Process::new(self.fmu, self.name, task, self.limits)
+            .at(self.home)
+            .with_echo(self.echo)
     }
 
     /// Runs a point as a study does, in a new process; one that fails is tried once more.

@@ -1,6 +1,7 @@
 //! A worker that runs points in processes, as strictly separated as the FMU needs it.
 
 use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -25,6 +26,8 @@ pub(super) struct Slot {
     /// For points with a folder of their own.
     apart: Arc<Policy>,
     ground: Arc<Ground>,
+    /// Where working directories are made.
+    home: Option<PathBuf>,
     task: Task,
     limits: Limits,
     /// The guard of points that are run alone, in forks.
@@ -42,10 +45,14 @@ impl Slot {
     pub(super) fn new(
         [policy, apart]: [Arc<Policy>; 2],
         ground: Arc<Ground>,
+        home: Option<&Path>,
         task: &Task,
         limits: Limits,
     ) -> Self {
-        let guard = || Process::new(&ground.shared, &ground.name, task, limits).on(&ground);
+        let guard = || {
+            let guard = Process::new(&ground.shared, &ground.name, task, limits);
+            guard.on(&ground).at(home)
+        };
         let known = ground.changed().is_some();
         Self {
             forking: guard(),
@@ -53,6 +60,7 @@ impl Slot {
             policy: if known { Arc::clone(&apart) } else { policy },
             apart,
             ground,
+            home: home.map(Path::to_owned),
             task: task.clone(),
             limits,
             spent: [Spent::default(); 2],
@@ -87,7 +95,7 @@ impl Slot {
             } else {
                 guard
             };
-            let mut guard = guard.with_fill(fill);
+            let mut guard = guard.at(self.home.as_deref()).with_fill(fill);
             guard.run(Way::New, jobs, post.stopped, &mut take)
         };
         let failure = match (ran, reply) {

@@ -25,6 +25,8 @@ pub(super) struct Setup {
     pub(super) fmu: PathBuf,
     /// The FMU's path as the user gave it.
     pub(super) name: PathBuf,
+    /// The working directory, empty for each child; none where that is the supervisor's own.
+    pub(super) place: Option<PathBuf>,
     /// The simulation of a point.
     pub(super) task: Task,
     /// The longest time that a point may take, s; none without a limit.

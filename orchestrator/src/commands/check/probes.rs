@@ -1,8 +1,9 @@
 //! Short simulations of an FMU, each in a process of its own: alone, with fresh memory filled otherwise, after a reset,
 //! one after another, two at once, with half the step. What differs from the first, the FMU does not do by itself.
 
+use std::cell::OnceCell;
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use super::child::{self, Outcome};
@@ -10,7 +11,9 @@ use super::compare::{difference, largest_change};
 use super::hit::{Breach, Hit};
 use super::probe::{Life, Run, Setup};
 use super::{experiment, shown};
-use fmu_import::{Description, Variable};
+use fmu_import::isolation::watch::Snapshot;
+use fmu_import::{Description, Package, Variable};
+use tempfile::TempDir;
 
 /// Bytes with which glibc fills memory, to see whether the FMU reads memory that it never wrote.
 const FILLS: [u8; 2] = [0x55, 0xaa];
@@ -21,16 +24,23 @@ pub(super) struct Probes<'a> {
     columns: Vec<&'a Variable>,
     setup: Setup,
     patience: Duration,
+    /// The FMU as the user gave it, and its unpacked files as they were at first.
+    original: &'a Path,
+    files: Snapshot,
+    /// The first of these files that a probe was seen to change.
+    changed: OnceCell<PathBuf>,
+    scratch: &'a Path,
 }
 
 impl<'a> Probes<'a> {
     /// Probes of the FMU unpacked in a folder; `scratch` is a folder for notes.
     pub(super) fn new(
-        fmu: &'a Description,
+        package: &'a Package,
         unpacked: &Path,
-        scratch: &Path,
+        scratch: &'a Path,
         patience: Duration,
     ) -> io::Result<Self> {
+        let fmu = package.description();
         let columns = experiment::columns(fmu);
         let setup = Setup {
             fmu: std::path::absolute(unpacked)?,
@@ -45,17 +55,45 @@ impl<'a> Probes<'a> {
         Ok(Self {
             fmu,
             columns,
-            setup,
             patience,
+            original: package.path(),
+            files: Snapshot::of(&setup.fmu),
+            changed: OnceCell::new(),
+            scratch,
+            setup,
         })
     }
 
     fn run(&self, life: Life, fill: Option<u8>) -> io::Result<Outcome> {
+        let own = self.own_folder()?;
+        let fmu = own.as_ref().map_or(&*self.setup.fmu, TempDir::path);
         let setup = Setup {
             life,
+            fmu: fmu.to_owned(),
             ..self.setup.clone()
         };
         child::run(&setup, self.patience, fill)
+    }
+
+    /// A newly unpacked FMU, where an earlier probe has changed the files of the first one.
+    fn own_folder(&self) -> io::Result<Option<TempDir>> {
+        if self.changed_file().is_none() {
+            return Ok(None);
+        }
+        let package = Package::open(self.original);
+        let own = package.and_then(|mut package| package.unpack_anew(self.scratch));
+        own.map(Some).map_err(io::Error::other)
+    }
+
+    /// The first file of its own folder that the FMU has changed.
+    pub(super) fn changed_file(&self) -> Option<&Path> {
+        if self.changed.get().is_none() {
+            let place = self.files.difference(&Snapshot::of(&self.setup.fmu))?;
+            // Nobody else sets it.
+            let _ = self.changed.set(place);
+        }
+        let place = self.changed.get()?;
+        Some(place.strip_prefix(&self.setup.fmu).unwrap_or(place))
     }
 
     /// All that the probes find. `described_well` says that the start values of the description count.
