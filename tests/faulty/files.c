@@ -46,11 +46,9 @@ BEHAVES(leaves_a_file_at_its_end) {
     return OK;
 }
 
-/* Every simulation but the first finds what an earlier one has left. */
-BEHAVES(remembers_its_simulations) {
-    if (moment != INITIALISE) return OK;
-    model->spoil = number_in(own(model, "state.txt"));
-    add_to(own(model, "state.txt"));
+/* What it writes there it never reads. */
+BEHAVES(keeps_a_log_in_its_resources) {
+    if (moment == INITIALISE) add_to(own(model, "log.txt"));
     return OK;
 }
 

@@ -150,7 +150,7 @@ SURROUNDINGS = [
 FILES = [
     changing("leaves_a_file_in_its_resources", "resources/state.txt"),
     changing("leaves_a_file_at_its_end", "resources/state.txt"),
-    changing("remembers_its_simulations", "resources/state.txt"),
+    changing("keeps_a_log_in_its_resources", "resources/log.txt"),
     changing("maps_a_file_of_its_resources", "resources/number.txt"),
     changing("removes_a_file_of_its_resources", "resources/number.txt"),
     changing("replaces_a_file_of_its_resources", "resources/number.txt"),

@@ -221,14 +221,14 @@ def built(laboratory, name):
 
 
 @pytest.mark.parametrize("name", ["healthy", "has_no_outputs", "needs_a_tool", "ends_early", "is_pending",
-                                  "leaves_threads_behind", "remembers_its_simulations"])
+                                  "leaves_threads_behind", "keeps_a_log_in_its_resources"])
 def test_what_the_standard_allows_is_no_error(laboratory, name):
     assert "error" not in orchestrator("check", built(laboratory, name))
 
 
 @pytest.mark.parametrize("name, word", [
     ("says_version_one", "1.0"), ("needs_a_tool", "needsExecutionTool"), ("warns", "warning"),
-    ("remembers_its_simulations", "resources/state.txt")])
+    ("keeps_a_log_in_its_resources", "resources/log.txt")])
 def test_a_check_tells_what_to_beware_of(laboratory, name, word):
     assert word in orchestrator("check", built(laboratory, name))
 
