@@ -29,11 +29,11 @@ pub(super) fn run(options: &Replay) -> Result<ExitCode, CommandError> {
     let parameters = verification.source.parameters(index);
     let session = &mut verification.session;
     let run = Isolated::new(&mut session.package)?;
-    let run = run.as_in_a_study(&session.package, &session.plan.task);
+    let run = run.in_a_study(&session.package, &session.plan.task);
     let outcome = session.outcome(run.run(&session.plan.task, &job)?);
     // The first run may have changed the unpacked FMU.
     let again = Isolated::new(&mut session.package)?;
-    let again = again.as_in_a_study(&session.package, &session.plan.task);
+    let again = again.in_a_study(&session.package, &session.plan.task);
     let columns = Columns::usual(session.package.description(), false);
     let usual = options.folder.join(format!("point-{}.csv", options.point));
     let path = options.output.clone().unwrap_or(usual);

@@ -246,7 +246,7 @@ impl Isolated {
     }
 
     /// The same with the working directory of the points of a study.
-    pub(super) fn as_in_a_study(mut self, package: &Package, task: &Task) -> Self {
+    pub(super) fn in_a_study(mut self, package: &Package, task: &Task) -> Self {
         let home = working_directory::home(self.scratch.path(), package.description(), task);
         self.apart = home.is_some();
         self

@@ -74,7 +74,7 @@ impl Crew {
                         scratch,
                     )),
                     apart: Arc::new(Policy::apart(tool, jobs)),
-                    here: working_directory::is_named_by(package.description()),
+                    here: working_directory::named_by(package.description()),
                     limits,
                 },
                 size: jobs,
@@ -122,7 +122,7 @@ impl Crew {
                 limits,
             } => {
                 let policies = [&self.policy, apart].map(Arc::clone);
-                let here = *here || working_directory::is_named_in(task);
+                let here = *here || working_directory::named_in(task);
                 let home = (!here).then_some(&*ground.scratch);
                 Box::new(Slot::new(policies, Arc::clone(ground), home, task, *limits))
             }

@@ -11,11 +11,11 @@ use fmu_import::{Description, Kind, Value};
 
 /// The folder within which working directories are made for the points of a study; none where points keep the user's.
 pub fn home<'a>(scratch: &'a Path, fmu: &Description, task: &Task) -> Option<&'a Path> {
-    (!is_named_by(fmu) && !is_named_in(task)).then_some(scratch)
+    (!named_by(fmu) && !named_in(task)).then_some(scratch)
 }
 
 /// Whether a text that the study sets is the relative path of something that exists.
-pub(super) fn is_named_in(task: &Task) -> bool {
+pub(super) fn named_in(task: &Task) -> bool {
     task.fixed.iter().any(|(_, value)| match value {
         Value::String(text) => is_here(text),
         _ => false,
@@ -23,7 +23,7 @@ pub(super) fn is_named_in(task: &Task) -> bool {
 }
 
 /// Whether the start value of a text is the relative path of something that exists.
-pub(super) fn is_named_by(description: &Description) -> bool {
+pub(super) fn named_by(description: &Description) -> bool {
     let mut variables = description.variables.values();
     variables.any(|variable| match &variable.kind {
         Kind::String { start: Some(text) } => is_here(text),
