@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 use super::CommandError;
 use crate::engine::process::Limits;
 use crate::engine::single::Recorder;
+use crate::engine::working_directory;
 use crate::engine::{EngineError, Job};
 use crate::failure::Failure;
 use crate::pipeline::stop;
@@ -17,7 +18,7 @@ use crate::results::{ResultsError, Summary};
 use crate::session::Verification;
 use crate::study::plan::Plan;
 use crate::task::{Schedule, Task};
-use fmu_import::{Content, Handle, Value};
+use fmu_import::{Content, Handle, Package, Value};
 
 /// The extra runs take no more than this part of the study's time, but may take [`PATIENCE`].
 const PART: f64 = 0.2;
@@ -93,6 +94,11 @@ pub(super) fn runs(
     let stage = Stage {
         verification,
         fmu: &fmu,
+        scratch: scratch.path(),
+        apart: summary
+            .conduct
+            .as_ref()
+            .is_some_and(|conduct| conduct.changed_file.is_some()),
         finer,
         deadline: Instant::now() + allowance(summary),
     };
@@ -193,6 +199,10 @@ fn longer(schedule: &Schedule) -> Schedule {
 struct Stage<'a> {
     verification: &'a Verification,
     fmu: &'a Path,
+    /// For folders of single runs.
+    scratch: &'a Path,
+    /// Whether each run needs an unpacked FMU of its own, since it changes that.
+    apart: bool,
     finer: Schedule,
     deadline: Instant,
 }
@@ -249,9 +259,17 @@ impl Stage<'_> {
         if left.is_zero() || self.is_late() {
             return Err(Halt::Late);
         }
+        let package = &self.verification.session.package;
+        let own = self.apart.then(|| {
+            let again = Package::open(package.path());
+            again.and_then(|mut again| again.unpack_anew(self.scratch))
+        });
+        let own = own.transpose();
+        let own = own.map_err(|error| Failure::Unloadable(error.to_string()))?;
         let recorder = Recorder {
-            fmu: self.fmu,
-            name: self.verification.session.package.path(),
+            fmu: own.as_ref().map_or(self.fmu, |own| own.path()),
+            name: package.path(),
+            home: working_directory::home(self.scratch, package.description(), task),
             limits: Limits {
                 time: left,
                 memory: 16 << 30,
