@@ -412,7 +412,10 @@ fn a_finished_study_goes_on_with_more_points() {
         let options = [&more[..], &["--resume", "--isolation", isolation]].concat();
         let said = verify(&bench, &grown, &options);
         assert_eq!(said.code, 0, "{}", said.err);
-        assert_eq!(bench.summary(&grown)["run"]["computed"], 400, "{method}");
+        let computed = bench.summary(&grown)["run"]["computed"].as_u64().unwrap();
+        // Who wants every point alone gets those again that shared a process.
+        let again = isolation == "fresh" && (400..=1000).contains(&computed);
+        assert!(computed == 400 || again, "{method}: {computed}");
         assert!(
             files(&bench, &grown) == files(&bench, &folder("whole")),
             "{method}"

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::Worker;
 use super::ground::Ground;
 use super::local::Local;
-use super::policy::{Conduct, Isolation, Policy};
+use super::policy::{Conduct, Isolation, Policy, Separation};
 use super::process::Limits;
 use super::slot::Slot;
 use super::working_directory;
@@ -111,20 +111,56 @@ impl Crew {
         }
     }
 
+    /// How the user wishes points to share processes.
+    pub fn wish(&self) -> Isolation {
+        self.policy.wish()
+    }
+
+    /// Notes the audit of a point that an earlier part of the run computed in a used process.
+    pub fn note_audit(&self, agreed: bool) {
+        self.policy.audited(agreed);
+        if !agreed {
+            self.policy.refute(Separation::Used);
+        }
+    }
+
+    /// A worker that runs every point alone, whatever the others do.
+    pub fn auditor(&self, task: &Task) -> Box<dyn Worker> {
+        match &self.way {
+            Way::Here(_) => self.worker(task),
+            Way::Processes { apart, .. } => {
+                let alone = Arc::new(Policy::new(Isolation::Fresh, false, 1));
+                self.slot(alone, apart, task)
+            }
+        }
+    }
+
     /// One worker.
     pub fn worker(&self, task: &Task) -> Box<dyn Worker> {
         match &self.way {
             Way::Here(library) => Box::new(Local::new(library, task)),
+            Way::Processes { apart, .. } => self.slot(Arc::clone(&self.policy), apart, task),
+        }
+    }
+
+    fn slot(&self, policy: Arc<Policy>, apart: &Arc<Policy>, task: &Task) -> Box<dyn Worker> {
+        match &self.way {
+            Way::Here(library) => Box::new(Local::new(library, task)),
             Way::Processes {
                 ground,
-                apart,
                 here,
                 limits,
+                ..
             } => {
-                let policies = [&self.policy, apart].map(Arc::clone);
                 let here = *here || working_directory::named_in(task);
                 let home = (!here).then_some(&*ground.scratch);
-                Box::new(Slot::new(policies, Arc::clone(ground), home, task, *limits))
+                Box::new(Slot::new(
+                    [policy, Arc::clone(apart)],
+                    Arc::clone(ground),
+                    home,
+                    task,
+                    *limits,
+                ))
             }
         }
     }

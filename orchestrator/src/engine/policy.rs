@@ -309,6 +309,11 @@ impl Policy {
         }
     }
 
+    /// How the user wishes points to share processes.
+    pub(super) fn wish(&self) -> Isolation {
+        self.wish
+    }
+
     /// The processes of points that are to be as independent as they can.
     pub(super) fn strictest(&self) -> Separation {
         self.strictest

@@ -5,6 +5,7 @@
 //! was interrupted is simply begun again: the same analysis asks for the same points, and the journal answers
 //! those that it knows.
 
+mod doubt;
 pub mod folder;
 mod progress;
 mod shard;
@@ -102,6 +103,8 @@ pub struct Pipeline<'a> {
     /// Knows how the points are computed; absent where only the journal is read.
     crew: Option<&'a Crew>,
     workers: Vec<Box<dyn Worker>>,
+    /// Computes points of earlier runs again, until that is done.
+    auditor: Option<Box<dyn Worker>>,
     /// How the points were computed, as far as the journal says it.
     noted: Option<Conduct>,
     journal: Journal,
@@ -151,6 +154,7 @@ impl<'a> Pipeline<'a> {
         Self {
             model,
             crew: crew.map(|(crew, _)| crew),
+            auditor: crew.map(|(crew, task)| crew.auditor(task)),
             workers: crew.map_or_else(Vec::new, |(crew, task)| crew.workers(task)),
             noted: None,
             journal,
@@ -207,6 +211,8 @@ impl<'a> Pipeline<'a> {
         job: &(dyn Fn(u64) -> Job + Sync),
         receive: impl FnMut(Step) -> ControlFlow<()>,
     ) -> Result<(), Halt> {
+        let again = self.doubted(Some(job))?;
+        let open = open.chain(again);
         let finished = self.finished.clone();
         let earlier = |separation| {
             let finished = finished.as_ref();
@@ -305,6 +311,7 @@ impl<'a> Pipeline<'a> {
         if points.is_empty() {
             return Ok(Vec::new());
         }
+        self.doubted(None)?;
         let first = self.asked;
         self.asked += points.len() as u64;
         self.begin_set(first, points)?;

@@ -159,6 +159,18 @@ impl Finished {
             .collect()
     }
 
+    /// Points that were computed in used processes, those noted last first.
+    pub fn latest_used(&self) -> Vec<u64> {
+        let mut used = self.of(Separation::Used);
+        used.sort_by_key(|&index| std::cmp::Reverse(self.place(index)));
+        used
+    }
+
+    /// Forgets the points that were computed in used processes.
+    pub fn forget_used(&mut self) {
+        self.heed(Note::Void(Separation::Used));
+    }
+
     /// Where the line of a finished point is.
     fn place(&self, index: u64) -> Option<u64> {
         let slot = *self.places.get(usize::try_from(index).ok()?)?;
