@@ -70,7 +70,7 @@ impl Crew {
                         package.path(),
                         scratch,
                     )),
-                    apart: Arc::new(Policy::apart(tool, jobs)),
+                    apart: Arc::new(Policy::apart(tool)),
                     limits,
                 },
                 size: jobs,

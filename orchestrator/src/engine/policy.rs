@@ -301,10 +301,10 @@ impl Policy {
     }
 
     /// A policy for points that have an unpacked FMU each.
-    pub(super) fn apart(tool: bool, workers: usize) -> Self {
+    pub(super) fn apart(tool: bool) -> Self {
         Self {
             strictest: Separation::Apart,
-            ..Self::new(Isolation::Fresh, tool, workers)
+            ..Self::new(Isolation::Fresh, tool)
         }
     }
 
