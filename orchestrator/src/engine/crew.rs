@@ -63,7 +63,7 @@ impl Crew {
                 Self {
                     way: Way::Here(package.load()?),
                     size,
-                    policy: Arc::new(Policy::new(Isolation::InProcess, tool, size)),
+                    policy: Arc::new(Policy::new(Isolation::InProcess, tool)),
                 }
             }
             Place::Processes(limits, isolation) => Self {
@@ -73,12 +73,12 @@ impl Crew {
                         package.path(),
                         scratch,
                     )),
-                    apart: Arc::new(Policy::apart(tool, jobs)),
+                    apart: Arc::new(Policy::apart(tool)),
                     here: working_directory::named_by(package.description()),
                     limits,
                 },
                 size: jobs,
-                policy: Arc::new(Policy::new(isolation, tool, jobs)),
+                policy: Arc::new(Policy::new(isolation, tool)),
             },
         })
     }
@@ -129,7 +129,7 @@ impl Crew {
         match &self.way {
             Way::Here(_) => self.worker(task),
             Way::Processes { apart, .. } => {
-                let alone = Arc::new(Policy::new(Isolation::Fresh, false, 1));
+                let alone = Arc::new(Policy::new(Isolation::Fresh, false));
                 self.slot(alone, apart, task)
             }
         }

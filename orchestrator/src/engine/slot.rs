@@ -51,7 +51,7 @@ impl Slot {
     ) -> Self {
         let guard = || {
             let guard = Process::new(&ground.shared, &ground.name, task, limits);
-            guard.on(&ground).at(home)
+            guard.on(&ground).at(home).lasting()
         };
         let known = ground.changed().is_some();
         Self {
