@@ -269,6 +269,16 @@ fn a_refusal_names_its_cause() {
     assert!(refusal(still).contains("drive.speed is 0"));
     let swinging = |stand: &mut Stand| stand.drive.fluctuation_amplitude = 0.025;
     assert!(refusal(swinging).contains("drive.fluctuationAmplitude = 0"));
+    let thin = |stand: &mut Stand| {
+        stand.bearing.surface.roughness = 0.0;
+        stand.oil.viscosity_scale = 1e-3;
+        stand.bearing.radial_clearance = 3e-4;
+    };
+    let why = refusal(thin);
+    assert!(
+        why.contains("check oil.viscosityScale: it is 0.001"),
+        "{why}"
+    );
     let insulated = |stand: &mut Stand| stand.thermal.oil_ambient = 1e-3;
     let why = refusal(insulated);
     assert!(

@@ -56,7 +56,8 @@ impl Stand {
             temperatures: self.state.temperatures,
         };
         let fast = self.clone().with_a_fast_film()?;
-        let found = multirate::equilibrium(&fast, AVERAGED, &from).map_err(|why| refuse(&why))?;
+        let found =
+            multirate::equilibrium(&fast, AVERAGED, &from).map_err(|why| self.refuse(&why))?;
         let turns = if self.film.is_transient() {
             self.refine_transient(&fast, &found)?
         } else {
@@ -97,6 +98,19 @@ impl Stand {
             ));
         }
         Ok(())
+    }
+
+    /// The refusal for want of an equilibrium, with the parameter to look at.
+    fn refuse(&self, why: &NoEquilibrium) -> Fault {
+        match why {
+            NoEquilibrium::Runaway { .. } => refusal(format_args!(
+                "{why}: friction heats more than thermal.oilAmbientConductance and the other conductances let out"
+            )),
+            NoEquilibrium::Unstable { .. } => refusal(format_args!(
+                "{why}: set thermal.initialBearingTemperature away from it"
+            )),
+            other => refusal(format_args!("{other}; {}", self.advice())),
+        }
     }
 
     /// Newton's method on resolved turns. Returns their number.
@@ -150,9 +164,10 @@ impl Stand {
                 return Ok(turn);
             }
         }
-        Err(refusal(
-            "no periodic orbit of journal and temperatures was found",
-        ))
+        Err(refusal(format_args!(
+            "journal and temperatures have found no periodic orbit; {}",
+            self.advice()
+        )))
     }
 
     /// The same for a film that takes steps of its own. Its oil and its journal settle by themselves from turn to turn;
@@ -187,7 +202,8 @@ impl Stand {
             }
         }
         Err(refusal(format_args!(
-            "journal, oil and temperatures have found no periodic orbit after {FILM_TURNS} turns"
+            "journal, oil and temperatures have found no periodic orbit after {FILM_TURNS} turns; {}",
+            self.advice()
         )))
     }
 
@@ -229,16 +245,4 @@ fn refusal(why: impl Display) -> Fault {
 /// `1 - exp(J*T)` of a drift J over a turn's duration T: what is left of a change of the temperatures after a turn.
 fn settling(drift: &Matrix4, period: f64) -> LU<f64, Const<4>, Const<4>> {
     (Matrix4::identity() - (drift * period).exp()).lu()
-}
-
-fn refuse(why: &NoEquilibrium) -> Fault {
-    match why {
-        NoEquilibrium::Runaway { .. } => refusal(format_args!(
-            "{why}: friction heats more than thermal.oilAmbientConductance and the other conductances let out"
-        )),
-        NoEquilibrium::Unstable { .. } => refusal(format_args!(
-            "{why}: set thermal.initialBearingTemperature away from it"
-        )),
-        other => refusal(other),
-    }
 }
