@@ -28,7 +28,7 @@ impl Way {
         let text = STUDY.replace("share = 0.2", &format!("share = {share}"));
         let judge = judge(&text);
         let design = Some((self.method, self.replicates));
-        let ending = Ending::new(Until::Verdict, &judge, design).unwrap();
+        let ending = Ending::new(Until::Verdict, &judge, design, &History::default()).unwrap();
         let sampling = Sampling {
             method: self.method,
             points: self.points,
@@ -45,9 +45,9 @@ impl Way {
             }
         }
         let looks = if self.waits {
-            ending.looks()
+            ending.looks().unwrap()
         } else {
-            Looks::Once
+            Looks::default()
         };
         looks.decide(judge.rule.unwrap(), &front.counts, front.front as u64)
     }
