@@ -236,7 +236,6 @@ fn student_limit(confidence: f64, freedom: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rand::{RngExt, SeedableRng, rngs::StdRng};
 
     fn moments(numbers: impl IntoIterator<Item = f64>) -> Moments {
         let mut moments = Moments::default();

@@ -28,7 +28,11 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, CommandError> {
     super::warn(&judge);
     let conversions = conversions(&study, &judge, fmu)?;
     let mut rows = Table::read_results(&options.table, &columns(&study))?;
-    let mut tally = Tally::new(&judge);
+    let mut tally = if study.design.method.is_by_levels() {
+        Tally::of_grid(&judge)
+    } else {
+        Tally::new(&judge)
+    };
     let mut survey = Survey::new(&judge, None, false);
     let folder = options.output.as_deref();
     let mut files = folder

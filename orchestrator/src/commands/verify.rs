@@ -17,7 +17,7 @@ use crate::pipeline::folder::RunFolder;
 use crate::pipeline::{Pipeline, Step};
 use crate::report::Report;
 use crate::results::summary::Run;
-use crate::results::{Journal, ResultsError, lines, parquet};
+use crate::results::{Journal, Looked, ResultsError, lines, parquet};
 use crate::session::{Ending, Front, Request, Session, Verification};
 use sampling::design::Method;
 
@@ -28,13 +28,14 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, CommandError> {
     let begun = Instant::now();
     let mut verification = Verification::open(request(options))?;
     super::warn(&verification.session.judge);
-    let ending = check(options, &verification)?;
     let folder = asking::folder(
         options.output.as_deref(),
         &options.study,
         &options.parts,
         None,
     );
+    let mut looked = verification.looked(&folder, &[])?;
+    let ending = check(options, &verification, &looked)?;
     // More workers than points would only take memory from each other.
     let points = usize::try_from(verification.expected()).unwrap_or(usize::MAX);
     let jobs = options.means.jobs().min(points.max(1));
@@ -79,7 +80,7 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, CommandError> {
         return Ok(ExitCode::SUCCESS);
     }
     let run = Run::since(begun, computed, jobs);
-    let mut summary = verification.conclude(&folder, Some(run), ending.as_ref())?;
+    let mut summary = verification.conclude(&folder, Some(run), ending.as_ref(), &mut looked)?;
     if options.validation {
         summary = refine::observed(&mut verification, &options.means, &folder, &summary)?;
     }
@@ -95,14 +96,19 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, CommandError> {
 }
 
 /// When the study may end before its last point. Refuses options that the study's design cannot follow.
-fn check(options: &Verify, verification: &Verification) -> Result<Option<Ending>, CommandError> {
+fn check(
+    options: &Verify,
+    verification: &Verification,
+    looked: &Looked,
+) -> Result<Option<Ending>, CommandError> {
     let refuse = |option, message| CommandError::Option { option, message };
     let method = verification.session.study.design.method;
     if options.points.is_some() && method.is_by_levels() {
         let message = "the design has as many points as the levels make; change `levels`";
         return Err(refuse("points", message.to_owned()));
     }
-    let ending = options.until.map(|until| verification.ending(until));
+    let ending = options.until;
+    let ending = ending.map(|until| verification.ending(until, &looked.history));
     ending
         .transpose()
         .map_err(|message| refuse("until", message))

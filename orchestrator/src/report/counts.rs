@@ -112,7 +112,7 @@ pub(super) fn readings(report: &Report, counted: &PassCounts) -> Vec<ReadingRow>
     };
     let row = |reading: &super::Reading| {
         let share = reading.verified as f64 / report.points().max(1) as f64;
-        let [low, high] = reading.interval;
+        let range = |[low, high]: [f64; 2]| format!("{} – {}", percent(low), percent(high));
         let changed = reading
             .criteria
             .iter()
@@ -125,7 +125,7 @@ pub(super) fn readings(report: &Report, counted: &PassCounts) -> Vec<ReadingRow>
             about: reading.about.clone(),
             verified: count(reading.verified),
             percent: percent(share),
-            interval: format!("{} – {}", percent(low), percent(high)),
+            interval: reading.interval.map(range).unwrap_or_default(),
             changes: if words.is_empty() {
                 "as above".into()
             } else {

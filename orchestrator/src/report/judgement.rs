@@ -97,24 +97,20 @@ impl RiskRow {
             unit => format!(" {unit}"),
         };
         let stated = measured.and_then(|(m, u)| Some((m.uncertainty?, unit(u))));
-        let share = |value: Option<f64>, [low, high]: [f64; 2]| {
+        let share = |value: Option<f64>, interval: Option<[f64; 2]>| {
+            let range = |[low, high]: [f64; 2]| format!("{} – {}", percent(low), percent(high));
             value.map_or_else(
                 || ["–".to_owned(), String::new()],
-                |value| {
-                    [
-                        percent(value),
-                        format!("{} – {}", percent(low), percent(high)),
-                    ]
-                },
+                |value| [percent(value), interval.map(range).unwrap_or_default()],
             )
         };
         let risks = risk.map(|risk| {
-            let intervals = &risk.intervals;
+            let intervals = risk.intervals.as_ref();
             let given = risk.not_conforming_given_accepted;
             vec![
-                share(Some(risk.consumer), intervals.consumer),
-                share(Some(risk.producer), intervals.producer),
-                share(given, intervals.not_conforming_given_accepted),
+                share(Some(risk.consumer), intervals.map(|of| of.consumer)),
+                share(Some(risk.producer), intervals.map(|of| of.producer)),
+                share(given, intervals.map(|of| of.not_conforming_given_accepted)),
             ]
         });
         let unknown = || vec![["–".to_owned(), String::new()]; 3];

@@ -41,6 +41,8 @@ struct Page<'a> {
     decisive: String,
     readings: Vec<ReadingRow>,
     interval_method: &'a str,
+    /// Whether shares have intervals: those of a grid have none.
+    intervals: bool,
     expected: Option<String>,
     risks: Vec<RiskRow>,
     planes: Vec<Plane>,
@@ -140,6 +142,10 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
             .intervals
             .as_ref()
             .map_or("Wilson's score interval", |i| &i.method),
+        intervals: report
+            .intervals
+            .as_ref()
+            .is_none_or(|i| i.verified.is_some()),
         expected: match &report.whole {
             Some(whole) => whole.expected,
             None => conformance.as_ref().map(|p| p.iter().sum()),

@@ -3,7 +3,7 @@
 //!
 //! The final files are a function of the study, the FMU and the journal's content alone, so they
 //! are the same, byte for byte, however the points were computed; only [`Summary::run`] tells
-//! how long it took.
+//! how long it took, and a verdict by a rule knows of those that were drawn before ([`Looked`]).
 
 pub mod asides;
 pub mod choice;
@@ -15,6 +15,7 @@ pub mod header;
 pub mod improvement;
 pub mod journal;
 pub mod lines;
+pub mod looked;
 pub mod note;
 pub mod origin;
 pub mod parquet;
@@ -37,6 +38,7 @@ use crate::failure::Failure;
 
 pub use header::Header;
 pub use journal::Journal;
+pub use looked::Looked;
 pub use points::{Points, PointsError};
 pub use summary::Summary;
 pub use tally::Tally;

@@ -35,8 +35,8 @@ pub struct Summary {
     pub verified: u64,
     /// The share of all points that meet all criteria.
     pub verified_fraction: f64,
-    /// 95 % interval of the share.
-    pub verified_interval: [f64; 2],
+    /// 95 % interval of the share; none of a grid, whose points are no sample.
+    pub verified_interval: Option<[f64; 2]>,
     /// How all intervals were computed.
     #[serde(default)]
     pub interval_method: String,
@@ -164,8 +164,8 @@ pub struct Count {
     pub passed: u64,
     /// Their share of all points.
     pub fraction: f64,
-    /// 95 % interval of the share.
-    pub interval: [f64; 2],
+    /// 95 % interval of the share; none of a grid.
+    pub interval: Option<[f64; 2]>,
 }
 
 /// A criterion and how many points meet it.
