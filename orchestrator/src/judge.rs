@@ -281,10 +281,19 @@ fn criterion(name: &str, text: &CriterionText, scale: &Scale<'_>) -> Result<Crit
         unit: scale.unit.clone(),
         nominal,
         tolerance: tolerance(&text.tolerance, &text.nominal, scale)?,
-        stated_tolerance: text.tolerance.to_string(),
+        stated_tolerance: stated(&text.tolerance, &text.nominal, scale),
         uncertainty: None,
         group: text.group.clone(),
     })
+}
+
+/// A tolerance as people read it beside the nominal value in the study's unit.
+fn stated(quantity: &Quantity, nominal: &Quantity, scale: &Scale<'_>) -> String {
+    let is_elsewhere = nominal.unit.is_some() && nominal.unit != scale.unit;
+    if is_elsewhere && quantity.unit.as_deref() == Some("%") {
+        return format!("{quantity} of {nominal}");
+    }
+    quantity.to_string()
 }
 
 /// A tolerance in the study's unit. Percents are of the nominal value as written: 0.75 % of 82 degC is 0.615 degC.
@@ -378,6 +387,13 @@ mod tests {
             let expanded = t.uncertainty.unwrap().expanded;
             assert!((expanded / t.tolerance - 0.5).abs() < 1e-12);
             assert!((judge.variants[0].tolerances[0] / t.tolerance - 2.0).abs() < 1e-12);
+            let is_elsewhere = nominal.contains("degC") && unit.is_empty() || unit.contains("mK");
+            let words = if is_elsewhere {
+                format!("1 % of {}", nominal.trim_matches('"'))
+            } else {
+                "1 %".to_owned()
+            };
+            assert_eq!(t.stated_tolerance, words);
             Ok::<_, String>((t.nominal, t.tolerance))
         };
         for (nominal, unit, expected) in [
