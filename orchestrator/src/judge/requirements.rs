@@ -104,8 +104,17 @@ impl Judge {
             };
             return Err(study.error_at(entry, wrong));
         }
-        let criteria = self.criteria.iter().map(Criterion::measured).collect();
-        Measurement::new(criteria, &pairs).map_err(|message| {
+        let measured = |count: usize| {
+            let criteria = self.criteria.iter().take(count).map(Criterion::measured);
+            let within = |&&(a, b, _): &&(usize, usize, f64)| a < count && b < count;
+            let pairs: Vec<(usize, usize, f64)> = pairs.iter().filter(within).copied().collect();
+            Measurement::new(criteria.collect(), &pairs)
+        };
+        measured(self.criteria.len()).map_err(|message| {
+            // The first criterion with which it cannot be.
+            let first = (0..self.criteria.len()).find(|&k| measured(k + 1).is_err());
+            let name = first.map_or("", |k| self.criteria[k].name.as_str());
+            let message = format!("{message} (with the criteria up to `{name}`)");
             match study.uncertainty_correlations.first() {
                 Some(first) => study.error_at(first, message),
                 None => study.error(message),

@@ -143,10 +143,10 @@ impl<'a> Pipeline<'a> {
         let expected = points.map(|points| shard.unwrap_or(Shard::WHOLE).count(points));
         let before = finished.as_ref().map_or(0, |finished| finished.count);
         let progress = Progress::new(expected, before);
-        if let Some(((crew, _), finished)) = crew.zip(finished.as_ref()) {
-            if let Some(file) = finished.changed_file() {
-                crew.part(file);
-            }
+        if let Some(((crew, _), finished)) = crew.zip(finished.as_ref())
+            && let Some(file) = finished.changed_file()
+        {
+            crew.part(file);
         }
         Self {
             model,
