@@ -4,8 +4,9 @@
 use indexmap::IndexMap;
 
 use super::Outcome;
-use super::concerns::out_of_reach;
+use super::concerns::{out_of_reach, unmoved};
 use super::edges::Edges;
+use super::failed;
 use super::improvement::{self, improvements};
 use super::probable::MostProbable;
 use super::rest::Rest;
@@ -81,6 +82,10 @@ impl<'a> Survey<'a> {
             .extend(self.judge.warnings.iter().map(said));
         let reach = criteria().filter_map(|(k, c)| out_of_reach(c, self.reached[k], self.points));
         summary.concerns.extend(reach);
+        let unmoved = criteria().filter_map(|(k, c)| unmoved(c, self.reached[k], self.points));
+        summary.concerns.extend(unmoved);
+        let failed = failed::concern(summary, self.plan, &self.first);
+        summary.concerns.extend(failed);
         let compare = |(k, criterion): (usize, &crate::judge::Criterion)| {
             let comparison =
                 Comparison::new(criterion, self.spreads[k].result()?, Numerical::default());

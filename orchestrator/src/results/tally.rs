@@ -4,6 +4,7 @@ use indexmap::IndexMap;
 
 use super::Outcome;
 use super::conclusion::Conclusion;
+use super::failed;
 use super::summary::{
     BestPoint, Correlated, Count, CriterionCount, FailedPoint, ParameterSummary, Provenance,
     Summary, VariantCount,
@@ -233,6 +234,11 @@ impl<'a> Tally<'a> {
     ) -> Summary {
         let (judge, points) = (self.judge, self.points);
         let statement = self.risk.statement();
+        let mut conclusion = Conclusion::new(judge.rule, self.looks, &statement, points);
+        let compared = self.failed() < points;
+        if !compared {
+            failed::nothing_compared(&mut conclusion, points);
+        }
         let all = Count::new(&self.own.verified, points);
         let own = self.own.by_criterion(judge, points);
         let criteria =
@@ -246,7 +252,7 @@ impl<'a> Tally<'a> {
                         count,
                         binds: self.binds[k],
                         only_failure: self.only_failure[k],
-                        risk: statement.criteria[k].clone(),
+                        risk: statement.criteria[k].clone().filter(|_| compared),
                         criterion: criterion.clone(),
                     };
                     (name, count)
@@ -268,8 +274,8 @@ impl<'a> Tally<'a> {
             verified_fraction: all.fraction,
             verified_interval: all.interval,
             interval_method: self.interval_method(&provenance),
-            expected_verified: statement.expected_conforming,
-            conclusion: Some(Conclusion::new(judge.rule, self.looks, &statement, points)),
+            expected_verified: statement.expected_conforming.filter(|_| compared),
+            conclusion: Some(conclusion),
             uncertainty_correlations: correlations(judge),
             criteria: criteria.collect(),
             groups: self.own.by_group(judge, points),
