@@ -60,7 +60,7 @@ pub fn out_of_reach(criterion: &Criterion, [low, high]: [f64; 2], points: u64) -
 pub fn unmoved(criterion: &Criterion, [low, high]: [f64; 2], points: u64) -> Option<String> {
     const ROUNDING: f64 = 1e-12;
     let same = high - low <= ROUNDING * low.abs().max(high.abs());
-    if points < FEWEST || !same {
+    if points < FEWEST || low > high || !same {
         return None;
     }
     let unit = criterion.unit.as_deref();

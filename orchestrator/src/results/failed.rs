@@ -1,16 +1,13 @@
 //! Points without a result: what they leave open of a verdict, and where among the parameters they lie.
 
-use super::Summary;
 use super::conclusion::{Conclusion, grouped};
+use super::{Row, Summary};
 use crate::study::plan::Plan;
 use conformity::decision::Decision;
 
-/// A point's parameters, and its values where it has any.
-pub(super) type Point = (Vec<f64>, Option<Vec<f64>>);
-
 /// Warns of points without a result. They count as not verified and not conforming, and are missing elsewhere, so that
 /// the shares and the means of one study tell of different points.
-pub(super) fn concern(summary: &Summary, plan: Option<&Plan>, points: &[Point]) -> Option<String> {
+pub(super) fn concern(summary: &Summary, plan: Option<&Plan>, points: &[Row]) -> Option<String> {
     let Summary {
         failed,
         points: all,
@@ -44,7 +41,7 @@ pub(super) fn concern(summary: &Summary, plan: Option<&Plan>, points: &[Point]) 
 
 /// The parameter that sets the failed points apart most, if any does: the largest distance between the distribution
 /// functions of failed and other points (Kolmogorov and Smirnov), where that is not chance.
-fn place(plan: &Plan, points: &[Point]) -> Option<String> {
+fn place(plan: &Plan, points: &[Row]) -> Option<String> {
     const CLEAR: f64 = 0.5;
     let of = |k: usize| {
         let values = |failed: bool| {

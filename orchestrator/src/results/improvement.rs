@@ -7,7 +7,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::failed::Point;
+use super::Row;
 use super::gain::{self, Pair};
 use crate::judge::Judge;
 use crate::study::plan::Plan;
@@ -124,7 +124,7 @@ struct Seen {
 pub(super) fn improvements(
     judge: &Judge,
     plan: Option<&Plan>,
-    points: &[Point],
+    points: &[Row],
 ) -> Option<Improvements> {
     if points.len() < 2 {
         return None;
@@ -181,7 +181,7 @@ pub(super) fn improvements(
 }
 
 /// The same points with the weights that half the tolerance of a parameter gives them.
-fn reweighted(base: &[Seen], points: &[Point], k: usize, wide: &Distribution) -> Vec<Seen> {
+fn reweighted(base: &[Seen], points: &[Row], k: usize, wide: &Distribution) -> Vec<Seen> {
     let narrow = wide.scaled(0.5);
     let weighted = base.iter().zip(points).map(|(seen, (parameters, _))| {
         let value = parameters[k];
@@ -218,7 +218,7 @@ fn with_half(judge: &Judge, number: usize) -> Option<Measurement> {
 }
 
 /// Verdict and risks over points that all count alike.
-fn seen(measurement: &Measurement, points: &[Point]) -> Vec<Seen> {
+fn seen(measurement: &Measurement, points: &[Row]) -> Vec<Seen> {
     let failed = Seen {
         weight: 1.0,
         margin: f64::NEG_INFINITY,

@@ -46,6 +46,9 @@ pub use tally::Tally;
 /// A point's values of the criteria, in the study's units, or why there are none.
 pub type Outcome = Result<Vec<f64>, Failure>;
 
+/// A point's parameters, and its values of the criteria where it has any.
+type Row = (Vec<f64>, Option<Vec<f64>>);
+
 /// Why results cannot be written or read.
 #[derive(Debug, Error)]
 pub enum ResultsError {

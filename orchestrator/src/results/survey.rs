@@ -3,7 +3,6 @@
 
 use indexmap::IndexMap;
 
-use super::Outcome;
 use super::concerns::{out_of_reach, unmoved};
 use super::edges::Edges;
 use super::failed;
@@ -12,6 +11,7 @@ use super::probable::MostProbable;
 use super::rest::Rest;
 use super::summary::{BestPoint, Summary};
 use super::validation::{Comparison, Numerical, Spread};
+use super::{Outcome, Row};
 use crate::judge::Judge;
 use crate::study::plan::Plan;
 
@@ -26,7 +26,7 @@ pub struct Survey<'a> {
     reached: Vec<[f64; 2]>,
     spreads: Vec<Spread>,
     probable: Option<MostProbable<'a>>,
-    first: Vec<(Vec<f64>, Option<Vec<f64>>)>,
+    first: Vec<Row>,
     edges: Edges<'a>,
 }
 
