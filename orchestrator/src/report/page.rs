@@ -273,7 +273,7 @@ fn distributions(table: &PointTable, columns: &[PlotColumn<'_>], first: usize) -
             rows: vec![
                 row("all", &mut c.values.iter().copied()),
                 row(
-                    "verified",
+                    "accepted",
                     &mut (0..table.len())
                         .filter(|&i| table.verified[i])
                         .map(|i| c.values[i]),

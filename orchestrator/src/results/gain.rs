@@ -23,8 +23,8 @@ pub(super) fn interval(pairs: &[Pair], confidence: f64) -> [f64; 2] {
     let sum = |of: &dyn Fn(&Pair) -> f64| pairs.iter().map(of).sum::<f64>();
     let weights = sum(&|p| p.weight);
     let effective = weights * weights / sum(&|p| p.weight * p.weight);
-    // Also where no weight is left at all.
-    if !(effective >= 2.0) {
+    // Not a number where no weight is left at all.
+    if effective.is_nan() || effective < 2.0 {
         return [-1.0, 1.0];
     }
     let changed = sum(&|p| p.weight * p.changed) / weights;
