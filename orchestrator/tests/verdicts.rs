@@ -205,6 +205,11 @@ fn a_verdict_cannot_be_waited_for_where_nothing_tells_how_points_depend() {
     for (from, to, words) in [
         ("monte-carlo", "sobol", ["until", "replicates = 8"]),
         (
+            "monte-carlo",
+            "optimised-latin-hypercube",
+            ["until", "this design needs all its points"],
+        ),
+        (
             "[verdict]\nshare = \"5 %\"\n",
             "",
             ["until", "add [verdict]"],
