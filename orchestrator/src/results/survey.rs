@@ -94,7 +94,9 @@ impl<'a> Survey<'a> {
         summary.validation = criteria().filter_map(compare).collect();
         summary.most_probable_point = self.most_probable(summary);
         let drawn = self.plan.filter(|_| self.drawn);
-        summary.improvements = improvements(self.judge, drawn, &self.first);
+        if self.points > 0 {
+            summary.improvements = improvements(self.judge, drawn, &self.first);
+        }
     }
 
     /// The points of which extra runs are to show whether their values had come to rest.
