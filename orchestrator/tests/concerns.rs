@@ -58,7 +58,7 @@ fn a_value_that_still_moves_is_warned_of() {
             .read("out/report.html")
             .contains("its value still moves")
     );
-    let later = STUDY.replace("stop = 2", "stop = 40").replace("0.86", "1");
+    let later = STUDY.replace("stop = 2", "stop = 15").replace("0.86", "1");
     assert_eq!(concerns(&verified(&later).1), [""; 0]);
 }
 
@@ -254,6 +254,105 @@ fn a_measured_value_in_another_unit_and_a_distribution_outside_the_range_are_war
     );
 }
 
+/// A point is run with the items of an enumeration only, as one of a Real within its range.
+#[test]
+fn a_value_that_is_no_item_of_an_enumeration_is_out_of_range() {
+    let declared = "<SimpleType name=\"Count\"><Enumeration><Item name=\"One\" value=\"1\"/><Item name=\"Two\" \
+                    value=\"2\"/><Item name=\"Three\" value=\"3\"/></Enumeration></SimpleType></TypeDefinitions>";
+    let description = support::model(
+        "</TypeDefinitions> && <Integer start=\"1\" min=\"0\" max=\"9\"/>",
+        &format!("{declared} && <Enumeration declaredType=\"Count\" start=\"1\"/>"),
+    );
+    let bench = Bench::empty();
+    bench.fmu("lag.fmu", &[], &description);
+    let study = format!(
+        "{STUDY}[parameters.\"lag.count\"]\ndistribution = \"uniform\"\nmin = 0.5\nmax = 4.5\n"
+    );
+    let study = study.replace("points = 40", "points = 40\nmethod = \"latin-hypercube\"");
+    bench.write("study.toml", &study);
+    let said = bench.run(&["verify", "study.toml", "--output", "out"]);
+    assert!(said.code < 2, "{}", said.err);
+    let summary = bench.summary("out");
+    // A Latin hypercube puts a quarter of its points into the last quarter.
+    assert_eq!(summary["failures"]["out of range"], 10);
+    let found = concerns(&summary);
+    let share = "lag.count: 25 % of the distribution lies outside of what the FMU allows (1, 2, 3)";
+    assert!(found.iter().any(|c| c.starts_with(share)), "{found:?}");
+    let failed = "10 of 40 points failed (out of range: 10), mostly where lag.count is 3.5";
+    assert!(found.iter().any(|c| c.starts_with(failed)), "{found:?}");
+    assert!(
+        bench
+            .read("out/report.html")
+            .contains("those of the 30 points that have a result; 10 failed")
+    );
+}
+
+/// Where nothing was compared, nothing is contradicted either.
+#[test]
+fn a_study_whose_points_all_fail_is_inconclusive() {
+    let bench = Bench::new();
+    let verdict = "[verdict]\nshare = \"5 %\"\n";
+    for study in [STUDY.to_owned(), format!("{STUDY}{verdict}")] {
+        bench.write(
+            "study.toml",
+            &format!("{study}[fixed]\n\"lag.fault\" = \"Fail\"\n"),
+        );
+        let said = bench.run(&["verify", "study.toml", "--output", "out"]);
+        assert_eq!(said.code, 3, "{}{}", said.out, said.err);
+        let summary = bench.summary("out");
+        assert_eq!(summary["verdict"], "inconclusive");
+        for unknown in [
+            "risk",
+            "expected_verified",
+            "other_verdict_probability",
+            "improvements",
+        ] {
+            assert!(summary[unknown].is_null(), "{unknown}");
+        }
+        assert_eq!(summary["validation"], serde_json::json!({}));
+        assert!(
+            concerns(&summary)
+                .iter()
+                .any(|c| c.starts_with("no point has a result (fmi2Error: 40)"))
+        );
+        let words = "all 40 points failed, so nothing was compared with the measurement";
+        assert!(said.out.contains(words), "{}", said.out);
+        assert!(!said.out.contains("expected to conform"), "{}", said.out);
+        std::fs::remove_dir_all(bench.path("out")).unwrap();
+    }
+}
+
+/// An empty line of a table of one column is a failed point.
+#[test]
+fn an_empty_line_of_a_table_is_a_failed_point() {
+    let bench = Bench::new();
+    bench.write("study.toml", STUDY);
+    bench.write("table.csv", "Y\n0.86\n\n0.861\n0.5\n\n");
+    let said = bench.run(&["judge", "study.toml", "table.csv", "--output", "out"]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    let summary = bench.summary("out");
+    assert_eq!(
+        (&summary["points"], &summary["failed"]),
+        (&4.into(), &1.into())
+    );
+    assert_eq!(summary["first_failure"]["point"], 2);
+}
+
+#[test]
+fn a_criterion_that_no_parameter_reaches_is_warned_of() {
+    let study = STUDY.replace("lag.rate", "lag.length").replace(
+        "mean = 1\ndeviation = 0.1",
+        "mean = 0.02\ndeviation = 0.001\nunit = \"mm\"",
+    );
+    let found = concerns(&verified(&study).1);
+    assert!(
+        found
+            .iter()
+            .any(|c| c.starts_with("Y: the value is 0.86466 at all 40 points")),
+        "{found:?}"
+    );
+}
+
 /// The most probable point has the largest product of prior density and likelihood, the nearest the least distance.
 #[test]
 fn the_most_probable_point_is_not_the_nearest() {
@@ -377,6 +476,11 @@ fn what_to_improve_first_is_what_a_study_with_half_of_it_shows() {
     let share = number(&brute["verified_fraction"]);
     assert!((low..high).contains(&share), "{told} {share}");
     assert!(number(&told["effective_points"]) < 2000.0 && number(&told["gain"]) > 0.1);
+    let gain = share - number(&summary["verified_fraction"]);
+    let [low, high] = [0, 1].map(|k| number(&told["gain_interval"][k]));
+    assert!(0.0 < low && high < 0.5, "{told}");
+    let risky = number(&risk["consumer"]);
+    assert!(low - risky < gain && gain < high + risky, "{told} {gain}");
     let compared = &summary["validation"]["Y"];
     assert!(compared["u_num"].is_null() && compared["u_num_note"] == "not observed");
     let error = number(&compared["model"]) - 0.86;

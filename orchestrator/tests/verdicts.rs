@@ -205,6 +205,11 @@ fn a_verdict_cannot_be_waited_for_where_nothing_tells_how_points_depend() {
     for (from, to, words) in [
         ("monte-carlo", "sobol", ["until", "replicates = 8"]),
         (
+            "monte-carlo",
+            "optimised-latin-hypercube",
+            ["until", "this design needs all its points"],
+        ),
+        (
             "[verdict]\nshare = \"5 %\"\n",
             "",
             ["until", "add [verdict]"],
@@ -483,4 +488,29 @@ fn every_command_with_a_verdict_tells_its_exit_codes() {
             assert!(help.contains(words), "{help}");
         }
     }
+}
+
+/// Under a guard band the page shows what was decided: the accepted points, not all within tolerance.
+#[test]
+fn the_page_shows_the_share_that_was_decided() {
+    let bench = Bench::new();
+    let (_, summary) = verify(&bench, LAG, &[]);
+    let page = bench.read("out/report.html");
+    assert!(page.contains("\"guarded\":false") && !page.contains("less the guard bands"));
+    let [accepted, verified] = ["accepted", "verified"].map(|key| summary[key].as_u64().unwrap());
+    assert_eq!(accepted, verified);
+    let guarded = LAG.replace("[verdict]", "[verdict]\nguard-band = 0.5");
+    let (_, summary) = verify(&bench, &guarded, &[]);
+    let [accepted, verified] = ["accepted", "verified"].map(|key| summary[key].as_u64().unwrap());
+    assert!(0 < accepted && accepted < verified);
+    let page = bench.read("out/report.html");
+    let headline = format!(
+        "<strong>{accepted} of {}</strong> points are accepted",
+        summary["points"]
+    );
+    let row = format!("within all tolerances</th>|<strong>{verified}</strong>");
+    for part in std::iter::once(headline.as_str()).chain(row.split('|')) {
+        assert!(page.contains(part), "no {part}");
+    }
+    assert!(page.contains("\"guarded\":true") && page.contains("\"drawn_in\":["));
 }

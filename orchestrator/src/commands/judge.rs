@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 use std::time::Instant;
 
-use super::{CommandError, dossier, output, report, table, verdict};
+use super::{CommandError, dossier, improvements, output, report, table, verdict};
 use crate::cli;
 use crate::failure::Failure;
 use crate::judge::Judge;
@@ -70,9 +70,10 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, CommandError> {
         Report::from_folder(folder)?.write(folder)?;
     }
     output::print(&format!(
-        "{}{}",
+        "{}{}{}",
         table::remarks(&summary),
-        table::counts(&summary)
+        table::counts(&summary),
+        improvements::text(&summary)
     ));
     Ok(verdict(&summary))
 }

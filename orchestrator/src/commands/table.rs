@@ -62,7 +62,8 @@ pub(super) fn counts(summary: &Summary) -> String {
     };
     line(&mut text, met, &all);
     for (name, variant) in &summary.variants {
-        let _ = writeln!(text, "\n{}", variant.about.as_deref().unwrap_or(name));
+        let about = variant.about.as_deref().unwrap_or(name);
+        let _ = writeln!(text, "\n{about}{}", unguarded(summary));
         for (criterion, count) in &variant.criteria {
             let own = &summary.criteria[criterion].criterion;
             if own.tolerance != variant.tolerances[criterion] {
@@ -84,6 +85,14 @@ pub(super) fn counts(summary: &Summary) -> String {
         let _ = writeln!(text, "{sentence}");
     }
     text
+}
+
+/// Other readings of the tolerances count without the guard band.
+fn unguarded(summary: &Summary) -> &'static str {
+    match summary.conclusion.as_ref().map(|found| found.guard_band) {
+        Some(Some(0.0)) | None => "",
+        Some(_) => " (the guard band is not applied here)",
+    }
 }
 
 /// The risks of accepting, of every criterion and of all, where they are known.

@@ -8,8 +8,8 @@ use std::time::Instant;
 
 use super::limits::place;
 use super::{
-    CommandError, asking, best, cost, dossier, extra, moving, output, refine, report, table,
-    verdict,
+    CommandError, asking, best, cost, dossier, extra, improvements, moving, output, refine, report,
+    table, verdict,
 };
 use crate::cli::Verify;
 use crate::engine::crew::Crew;
@@ -19,6 +19,7 @@ use crate::report::Report;
 use crate::results::summary::Run;
 use crate::results::{Journal, Looked, ResultsError, lines, parquet};
 use crate::session::{Ending, Front, Request, Session, Verification};
+use crate::study::Study;
 use sampling::design::Method;
 
 /// With `--until`, a study has as many points as needed, but for a limit.
@@ -176,10 +177,11 @@ pub(super) fn conclude(
     dossier::write(folder, summary)?;
     Report::from_folder(folder)?.write(folder)?;
     output::print(&format!(
-        "{}{}{}\nresults in {}\n",
+        "{}{}{}{}\nresults in {}\n",
         table::remarks(summary),
         table::counts(summary),
         table::best(summary),
+        improvements::text(summary),
         folder.display()
     ));
     Ok(verdict(summary))
@@ -219,7 +221,14 @@ fn plan(verification: &Verification, folder: &Path) -> String {
 }
 
 fn request(options: &Verify) -> Request {
-    let until = options.until.filter(|_| options.points_from.is_none());
+    // A design that needs all its points keeps those of the study; `check` refuses it then, and says why.
+    let open_ended = || {
+        let study = Study::read(&options.study);
+        study.map_or(true, |study| study.design.method.is_extensible())
+    };
+    let until = options
+        .until
+        .filter(|_| options.points_from.is_none() && open_ended());
     Request {
         study: options.study.clone(),
         fmu: options.means.fmu.clone(),

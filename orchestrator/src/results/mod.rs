@@ -10,7 +10,9 @@ pub mod choice;
 pub mod concerns;
 pub mod conclusion;
 mod edges;
+mod failed;
 pub mod finished;
+mod gain;
 pub mod header;
 pub mod improvement;
 pub mod journal;
@@ -45,6 +47,9 @@ pub use tally::Tally;
 
 /// A point's values of the criteria, in the study's units, or why there are none.
 pub type Outcome = Result<Vec<f64>, Failure>;
+
+/// A point's parameters, and its values of the criteria where it has any.
+type Row = (Vec<f64>, Option<Vec<f64>>);
 
 /// Why results cannot be written or read.
 #[derive(Debug, Error)]

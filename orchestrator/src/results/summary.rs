@@ -75,11 +75,11 @@ pub struct Summary {
     /// Whether the values had come to rest when the runs ended.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rest: Option<Rest>,
-    /// How the model compares with the measurement, by criterion (ASME V&V 20).
-    #[serde(default, skip_serializing_if = "IndexMap::is_empty")]
+    /// How the model compares with the measurement, by criterion (ASME V&V 20); of two points with a result or more.
+    #[serde(default)]
     pub validation: IndexMap<String, Comparison>,
     /// Improvements by their effect on the verdict, the best first.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default)]
     pub improvements: Option<Improvements>,
     /// How the points shared processes, and what audits of that found.
     #[serde(flatten)]

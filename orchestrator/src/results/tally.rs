@@ -4,6 +4,7 @@ use indexmap::IndexMap;
 
 use super::Outcome;
 use super::conclusion::{Conclusion, Ruling};
+use super::failed;
 use super::summary::{
     BestPoint, Correlated, Count, CriterionCount, FailedPoint, ParameterSummary, Provenance,
     Summary, VariantCount,
@@ -271,6 +272,10 @@ impl<'a> Tally<'a> {
             // A grid has no seed.
             conclusion.other_verdict_probability = None;
         }
+        let compared = self.failed() < points;
+        if !compared {
+            failed::nothing_compared(&mut conclusion, points);
+        }
         let all = Count::new(&self.own.verified, points);
         let own = self.own.by_criterion(judge, points);
         let criteria =
@@ -284,7 +289,7 @@ impl<'a> Tally<'a> {
                         count,
                         binds: self.binds[k],
                         only_failure: self.only_failure[k],
-                        risk: statement.criteria[k].clone(),
+                        risk: statement.criteria[k].clone().filter(|_| compared),
                         criterion: criterion.clone(),
                     };
                     (name, count)
@@ -306,7 +311,7 @@ impl<'a> Tally<'a> {
             verified_fraction: all.fraction,
             verified_interval: all.interval,
             interval_method: self.interval_method(&provenance),
-            expected_verified: statement.expected_conforming,
+            expected_verified: statement.expected_conforming.filter(|_| compared),
             conclusion: Some(conclusion),
             uncertainty_correlations: correlations(judge),
             criteria: criteria.collect(),

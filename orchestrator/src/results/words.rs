@@ -9,10 +9,11 @@ pub fn sentences(summary: &Summary) -> Vec<String> {
     let Some(conclusion) = &summary.conclusion else {
         return Vec::new();
     };
-    let mut found = vec![
-        capitalised(&format!("{}.", conclusion.verdict_words)),
-        firmness(conclusion, summary),
-    ];
+    let verdict = capitalised(&format!("{}.", conclusion.verdict_words));
+    if summary.failed == summary.points {
+        return vec![verdict];
+    }
+    let mut found = vec![verdict, firmness(conclusion, summary)];
     found.extend(looked(conclusion));
     found.extend(guard(conclusion));
     found.push(match &conclusion.risk {
