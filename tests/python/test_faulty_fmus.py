@@ -5,7 +5,7 @@ import signal
 import faulty
 import pytest
 from faulty import MODELS
-from laboratory import NO_TIMEOUT, OUTPUTS, PAUSE, POINTS, Laboratory, bits, complaints, rate, study
+from laboratory import NO_TIMEOUT, OUTPUTS, PAUSE, POINTS, TIMEOUT, Laboratory, bits, complaints, rate, study
 from test_acceptance import orchestrator
 
 every_model = pytest.mark.parametrize("model", MODELS, ids=lambda model: model.name)
@@ -112,6 +112,18 @@ def test_the_first_file_that_an_fmu_changes_in_its_folder_is_named(case):
 def test_an_fmu_has_the_time_of_a_point_to_end(case):
     assert case.whole.summary["terminate_errors"]["points"] == 0
     assert len((case.folder / "run-whole" / "ended").read_bytes()) >= len(case.hit)
+
+
+@models("fails_to_terminate", "exits_in_terminate", "loops_in_terminate", "crashes_in_free")
+def test_they_are_counted_in_shared_processes_too(case, laboratory, tmp_path):
+    """A process that is lost in fmi2Terminate costs no result: the point runs again alone, and is counted there. An
+    instance that is reset for the next point is not freed: only the points that ran alone tell of that."""
+    fmu = laboratory.workshop.folder / f"{case.model.name}.fmu"
+    options = ["--isolation", "reuse", "--point-timeout", TIMEOUT if case.model.waits else NO_TIMEOUT]
+    outcome = study(tmp_path, fmu, case.hit, options=options).run()
+    assert complaints(case, outcome) == []
+    fresh, points = case.whole.summary["terminate_errors"]["points"], outcome.summary["terminate_errors"]["points"]
+    assert 0 < points < fresh if case.model.name == "crashes_in_free" else points == fresh
 
 
 @models("says_version_one", "needs_a_tool", "healthy")

@@ -27,5 +27,4 @@ pub use library::{Library, LibraryError};
 pub use package::{FmuError, Package, digest};
 pub use parse::DescriptionError;
 pub use state::{State, StateError};
-pub use steps::Step;
 pub use value::{Content, Handle, Value};

@@ -8,15 +8,6 @@ use crate::floating_point::within;
 use crate::instance::Instance;
 use crate::library::Functions;
 
-/// A step.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Step {
-    /// When it begins, s.
-    pub time: f64,
-    /// How long it is, s.
-    pub size: f64,
-}
-
 /// A status other than `fmi2OK`, by the function that returned it.
 enum Halt {
     Step(c_int),
@@ -41,38 +32,55 @@ impl Instance {
         self.slow_step(status, time, step)
     }
 
-    /// Lets several steps pass, one after another, and reads real variables after each: `references` names them, and
-    /// `rows` gets as many values a step. What a call costs beside the FMU's own work is paid once for all of them.
+    /// Lets several steps pass, one after another, and reads real variables after each: `times` says when the steps
+    /// begin and `sizes` how long they are, in s, `references` names the variables, and `rows` gets as many values a
+    /// step. What a call costs beside the FMU's own work is paid once for all of them.
     ///
     /// Returns how many steps were taken and read, and why not all of them: see [`step`](Self::step) and
     /// [`reals`](Self::reals).
     ///
     /// # Panics
-    /// When `rows` has no room for the values of all steps.
+    /// When there are not as many times as sizes, or `rows` has no room for the values of all steps.
+    #[inline]
     pub fn steps(
         &mut self,
-        steps: &[Step],
+        times: &[f64],
+        sizes: &[f64],
+        references: &[u32],
+        rows: &mut [f64],
+    ) -> (usize, Result<(), Call>) {
+        assert!(
+            times.len() == sizes.len() && rows.len() >= times.len() * references.len(),
+            "each step needs a size, and a row of its own"
+        );
+        let mut halt = None;
+        let done = self.usual_steps(times, sizes, references, rows, &mut halt);
+        match halt {
+            None => (done, Ok(())),
+            Some(halt) => self.further_steps(done, halt, times, sizes, references, rows),
+        }
+    }
+
+    /// The rest of some steps, after one that returned anything but `fmi2OK`.
+    #[cold]
+    fn further_steps(
+        &mut self,
+        mut done: usize,
+        mut halt: Halt,
+        times: &[f64],
+        sizes: &[f64],
         references: &[u32],
         rows: &mut [f64],
     ) -> (usize, Result<(), Call>) {
         let width = references.len();
-        assert!(
-            rows.len() >= steps.len() * width,
-            "each step needs a row of its own"
-        );
-        let mut done = 0;
-        while done < steps.len() {
-            let (taken, halt) =
-                self.usual_steps(&steps[done..], references, &mut rows[done * width..]);
-            done += taken;
-            let Some(halt) = halt else { break };
-            let Step { time, size } = steps[done];
+        loop {
+            let rest = &mut rows[done * width..];
             let outcome = match halt {
                 Halt::Step(status) => {
-                    self.slow_step(status, time, size)
+                    self.slow_step(status, times[done], sizes[done])
                         .and_then(|()| match width {
                             0 => Ok(()),
-                            _ => self.reals(references, &mut rows[done * width..]),
+                            _ => self.reals(references, rest),
                         })
                 }
                 Halt::Read(status) => self.check("fmi2GetReal", status),
@@ -81,50 +89,80 @@ impl Instance {
                 return (done, outcome);
             }
             done += 1;
+            let rest = &mut rows[done * width..];
+            let mut next = None;
+            done += self.usual_steps(&times[done..], &sizes[done..], references, rest, &mut next);
+            match next {
+                None => return (done, Ok(())),
+                Some(next) => halt = next,
+            }
         }
-        (done, Ok(()))
     }
 
-    /// Takes steps until one returns anything but `fmi2OK`.
-    #[inline(never)]
+    /// Takes steps until one returns anything but `fmi2OK`, and reads after each. Returns how many.
+    #[inline(always)]
     fn usual_steps(
         &mut self,
-        steps: &[Step],
+        times: &[f64],
+        sizes: &[f64],
         references: &[u32],
         rows: &mut [f64],
-    ) -> (usize, Option<Halt>) {
+        halt: &mut Option<Halt>,
+    ) -> usize {
+        match references.len() {
+            0 => self.steps_only(times, sizes, halt),
+            _ => self.steps_and_rows(times, sizes, references, rows, halt),
+        }
+    }
+
+    #[inline(never)]
+    fn steps_only(&mut self, times: &[f64], sizes: &[f64], halt: &mut Option<Halt>) -> usize {
+        let (component, do_step) = (self.component, self.functions.do_step);
+        within(&mut self.mode, move || {
+            for (taken, (&time, &size)) in times.iter().zip(sizes).enumerate() {
+                // SAFETY: the component is alive.
+                let status = unsafe { do_step(component, time, size, 1) };
+                if status != 0 {
+                    *halt = Some(Halt::Step(status));
+                    return taken;
+                }
+            }
+            times.len()
+        })
+    }
+
+    #[inline(never)]
+    fn steps_and_rows(
+        &mut self,
+        times: &[f64],
+        sizes: &[f64],
+        references: &[u32],
+        rows: &mut [f64],
+        halt: &mut Option<Halt>,
+    ) -> usize {
         let Functions {
             do_step, get_real, ..
         } = self.functions;
         let (component, width) = (self.component, references.len());
-        if width == 0 {
-            return within(&mut self.mode, move || {
-                for (taken, step) in steps.iter().enumerate() {
-                    // SAFETY: the component is alive.
-                    let status = unsafe { do_step(component, step.time, step.size, 1) };
-                    if status != 0 {
-                        return (taken, Some(Halt::Step(status)));
-                    }
-                }
-                (steps.len(), None)
-            });
-        }
+        assert!(rows.len() >= times.len() * width);
+        let (references, mut row) = (references.as_ptr(), rows.as_mut_ptr());
         within(&mut self.mode, move || {
-            let rows = rows.chunks_exact_mut(width);
-            for (taken, (step, row)) in steps.iter().zip(rows).enumerate() {
+            for (taken, (&time, &size)) in times.iter().zip(sizes).enumerate() {
                 // SAFETY: the component is alive.
-                let status = unsafe { do_step(component, step.time, step.size, 1) };
+                let status = unsafe { do_step(component, time, size, 1) };
                 if status != 0 {
-                    return (taken, Some(Halt::Step(status)));
+                    *halt = Some(Halt::Step(status));
+                    return taken;
                 }
-                // SAFETY: both arrays hold `width` elements.
-                let status =
-                    unsafe { get_real(component, references.as_ptr(), width, row.as_mut_ptr()) };
+                // SAFETY: there are `width` references, and as many values in each of the rows.
+                let status = unsafe { get_real(component, references, width, row) };
                 if status != 0 {
-                    return (taken, Some(Halt::Read(status)));
+                    *halt = Some(Halt::Read(status));
+                    return taken;
                 }
+                row = row.wrapping_add(width);
             }
-            (steps.len(), None)
+            times.len()
         })
     }
 

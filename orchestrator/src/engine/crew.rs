@@ -60,7 +60,7 @@ impl Crew {
                 Self {
                     way: Way::Here(package.load()?),
                     size,
-                    policy: Arc::new(Policy::new(Isolation::InProcess, tool, size)),
+                    policy: Arc::new(Policy::new(Isolation::InProcess, tool)),
                 }
             }
             Place::Processes(limits, isolation) => Self {
@@ -70,11 +70,11 @@ impl Crew {
                         package.path(),
                         scratch,
                     )),
-                    apart: Arc::new(Policy::apart(tool, jobs)),
+                    apart: Arc::new(Policy::apart(tool)),
                     limits,
                 },
                 size: jobs,
-                policy: Arc::new(Policy::new(isolation, tool, jobs)),
+                policy: Arc::new(Policy::new(isolation, tool)),
             },
         })
     }

@@ -176,8 +176,9 @@ const PROBES: u32 = 3;
 const PROOF: usize = 8;
 /// A start that takes longer is dear, s.
 const DEAR: f64 = 1.0;
-/// The least time that reuse must be expected to save, s.
-const WORTH: f64 = 2.0;
+/// The least time of all workers together that the points to come must take alone for reuse to be tried, s: the time
+/// of two workers is no cheaper for passing twice as fast.
+const WORTH: f64 = 1.0;
 /// How much of the time audits may take.
 pub(super) const SHARE: f64 = 0.02;
 /// So many audits a worker are made in any case, and so many of its last points, where one takes less than
@@ -231,7 +232,6 @@ pub(super) struct Policy {
     wish: Isolation,
     /// A tool stands behind the FMU.
     tool: bool,
-    workers: usize,
     /// The processes of points that are to be as independent as they can.
     strictest: Separation,
     state: Mutex<State>,
@@ -270,7 +270,7 @@ enum Reuse {
 }
 
 impl Policy {
-    pub(super) fn new(wish: Isolation, tool: bool, workers: usize) -> Self {
+    pub(super) fn new(wish: Isolation, tool: bool) -> Self {
         let reuse = match wish {
             Isolation::Audited => Reuse::Untried,
             Isolation::Reuse => Reuse::Earned(Habit::Reset),
@@ -279,7 +279,6 @@ impl Policy {
         Self {
             wish,
             tool,
-            workers,
             strictest: Separation::New,
             state: Mutex::new(State {
                 alone: None,
@@ -302,10 +301,10 @@ impl Policy {
     }
 
     /// A policy for points that have an unpacked FMU each.
-    pub(super) fn apart(tool: bool, workers: usize) -> Self {
+    pub(super) fn apart(tool: bool) -> Self {
         Self {
             strictest: Separation::Apart,
-            ..Self::new(Isolation::Fresh, tool, workers)
+            ..Self::new(Isolation::Fresh, tool)
         }
     }
 
@@ -350,7 +349,7 @@ impl Policy {
         let left = left.unwrap_or(usize::MAX);
         let enough = if state.dear { 4 } else { 3 * PART * wanted };
         let mean = state.mean();
-        left > enough && left as f64 * mean / self.workers as f64 > WORTH
+        left > enough && left as f64 * mean > WORTH
     }
 
     /// Notes what a probe found and how long it took.

@@ -3,7 +3,7 @@
 //! A guard answers for all that becomes of its children. What may become of the guard itself (an FMU may kill its
 //! parent, or stop it) is noticed here: it is looked at while it is silent, and each of its answers has a deadline.
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io;
 use std::os::fd::{AsRawFd, OwnedFd};
@@ -20,7 +20,7 @@ use crate::failure::Failure;
 use crate::task::Task;
 use fmu_import::isolation::frame::Inbox;
 use fmu_import::isolation::keeper::signal_name;
-use fmu_import::isolation::{frame, offspring};
+use fmu_import::isolation::{ControlGroup, frame, offspring};
 
 /// The hidden command that makes this program a guard.
 pub const COMMAND: &str = "worker";
@@ -82,6 +82,7 @@ pub(super) struct Process {
     limits: Limits,
     /// What it shares with other processes.
     ground: Option<Arc<Ground>>,
+    lasting: bool,
     running: Option<Running>,
 }
 
@@ -110,6 +111,7 @@ impl Process {
             setup,
             limits,
             ground: None,
+            lasting: false,
             running: None,
         }
     }
@@ -117,6 +119,13 @@ impl Process {
     /// The same, in a folder that other processes share: answers count while it is as it was unpacked.
     pub(super) fn on(mut self, ground: &Arc<Ground>) -> Self {
         self.ground = Some(Arc::clone(ground));
+        self
+    }
+
+    /// The same, but for many points: it gets a control group where there can be such, which takes the system longer
+    /// than most points.
+    pub(super) fn lasting(mut self) -> Self {
+        self.lasting = true;
         self
     }
 
@@ -196,7 +205,7 @@ impl Process {
 
     fn running(&mut self) -> Result<&mut Running, Gone> {
         if self.running.is_none() {
-            self.running = Some(Running::start(&self.setup)?);
+            self.running = Some(Running::start(&self.setup, self.lasting)?);
         }
         let missing = || Gone::Start("no worker".to_owned());
         self.running.as_mut().ok_or_else(missing)
@@ -209,7 +218,7 @@ impl Process {
 }
 
 impl Running {
-    fn start(setup: &Setup) -> Result<Self, Gone> {
+    fn start(setup: &Setup, lasting: bool) -> Result<Self, Gone> {
         let start = |error: io::Error| Gone::Start(error.to_string());
         let mut family = family();
         offspring::adopt_orphans();
@@ -228,8 +237,13 @@ impl Running {
             .process_group(0)
             .spawn()
             .map_err(start)?;
-        family.insert(child.id());
+        family.insert(child.id(), None);
         drop(family);
+        if lasting {
+            // Whatever it starts will be in the group from the beginning: it waits for its first order.
+            let group = ControlGroup::new().filter(|group| group.take(child.id()));
+            self::family().insert(child.id(), group);
+        }
         let ticket = rand::random();
         let orders = child.stdin.take();
         let replies: Option<OwnedFd> = child.stdout.take().map(Into::into);
@@ -340,11 +354,13 @@ impl Drop for Running {
             let _ = self.child.kill();
             let _ = self.child.wait();
         }
-        let mut family = family();
-        family.remove(&self.child.id());
+        let group = family().remove(&self.child.id());
+        // All that is still in it ends.
+        drop(group);
         if !sound {
+            let family = family();
             let mark = format!("{MARK}={}", mark());
-            offspring::end_marked(&mark, |pid| family.contains(&(pid as u32)));
+            offspring::end_marked(&mark, |pid| family.contains_key(&(pid as u32)));
         }
     }
 }
@@ -358,16 +374,19 @@ fn mark() -> &'static str {
     OWN.get_or_init(|| format!("{}-{:016x}", std::process::id(), rand::random::<u64>()))
 }
 
-/// The guards of this process: its other children with the mark have outlived theirs.
-static GUARDS: Mutex<BTreeSet<u32>> = Mutex::new(BTreeSet::new());
+/// The guards of this process, with their control groups where there can be such: its other children with the mark
+/// have outlived theirs.
+static GUARDS: Mutex<Family> = Mutex::new(Family::new());
 
-fn family() -> MutexGuard<'static, BTreeSet<u32>> {
-    // A set of numbers is sound whatever interrupted its last user.
+type Family = BTreeMap<u32, Option<ControlGroup>>;
+
+fn family() -> MutexGuard<'static, Family> {
+    // A map of numbers is sound whatever interrupted its last user.
     GUARDS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// The same, unless another thread holds it.
-fn family_if_free() -> Option<MutexGuard<'static, BTreeSet<u32>>> {
+fn family_if_free() -> Option<MutexGuard<'static, Family>> {
     match GUARDS.try_lock() {
         Ok(guards) => Some(guards),
         Err(TryLockError::Poisoned(poisoned)) => Some(poisoned.into_inner()),
@@ -383,13 +402,14 @@ pub fn abandon_all() {
     // A thread that is starting a guard holds the set for a moment.
     let guards = loop {
         match family_if_free() {
-            Some(guards) => break guards.clone(),
-            None if Instant::now() > until => break BTreeSet::new(),
+            Some(mut guards) => break std::mem::take(&mut *guards),
+            None if Instant::now() > until => break Family::new(),
             None => std::thread::sleep(Duration::from_millis(1)),
         }
     };
-    for &guard in &guards {
+    for (&guard, group) in &guards {
         offspring::kill_group(guard as libc::pid_t);
+        group.iter().for_each(ControlGroup::end);
     }
     // Processes that a guard has adopted become this process's own when the guard ends, so look for them again then.
     let mark = format!("{MARK}={}", mark());

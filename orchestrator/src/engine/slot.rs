@@ -45,7 +45,11 @@ impl Slot {
         task: &Task,
         limits: Limits,
     ) -> Self {
-        let guard = || Process::new(&ground.shared, &ground.name, task, limits).on(&ground);
+        let guard = || {
+            Process::new(&ground.shared, &ground.name, task, limits)
+                .on(&ground)
+                .lasting()
+        };
         let known = ground.changed().is_some();
         Self {
             forking: guard(),

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::{Runner, feed, ramp};
 use crate::task::CommunicationPoints;
-use fmu_import::{Call, Instance, Step};
+use fmu_import::{Call, Instance};
 
 impl Runner {
     /// Takes some of the steps.
@@ -57,18 +57,17 @@ impl Runner {
         points: &CommunicationPoints,
         steps: Range<u64>,
     ) -> Result<(), Call> {
-        let mut time = points.at(steps.start);
+        let watched = &mut self.watched;
         let mut first = steps.start;
         while first < steps.end {
-            let watched = &mut self.watched;
-            let end = steps.end.min(first + watched.steps.len() as u64);
-            let count = even_steps(points, first..end, &mut time, &mut watched.steps);
-            let steps = &watched.steps[..count];
-            let (done, outcome) = instance.steps(steps, &watched.references, &mut watched.values);
+            let count = watched.steps.fill(points, first..steps.end, watched.most);
+            let (begins, sizes) = watched.steps.first(count);
+            let (references, values) = (&watched.references, &mut watched.values);
+            let (done, outcome) = instance.steps(begins, sizes, references, values);
             // Where the FMU ends the simulation by itself, the steps before count.
             watched.take(done);
             outcome?;
-            first = end;
+            first += count as u64;
         }
         Ok(())
     }
@@ -94,35 +93,39 @@ fn advance_evenly(
     points: &CommunicationPoints,
     steps: Range<u64>,
 ) -> Result<(), Call> {
-    // So few that the processor prepares the next ones while the FMU still computes.
-    const TOGETHER: usize = 8;
-    let mut together = [Step::default(); TOGETHER];
-    let mut time = points.at(steps.start);
+    let mut together = Together::default();
     let mut first = steps.start;
     while first < steps.end {
-        let end = steps.end.min(first + TOGETHER as u64);
-        let count = even_steps(points, first..end, &mut time, &mut together);
-        instance.steps(&together[..count], &[], &mut []).1?;
-        first = end;
+        let count = together.fill(points, first..steps.end, Together::MOST);
+        let (begins, sizes) = together.first(count);
+        instance.steps(begins, sizes, &[], &mut []).1?;
+        first += count as u64;
     }
     Ok(())
 }
 
-/// Begin and size of even steps, as many as there is room for; `time` is where the first one begins, and moves on.
-fn even_steps(
-    points: &CommunicationPoints,
-    steps: Range<u64>,
-    time: &mut f64,
-    into: &mut [Step],
-) -> usize {
-    let mut count = 0;
-    for (next, step) in points.even_ends(steps).zip(into) {
-        *step = Step {
-            time: *time,
-            size: next - *time,
-        };
-        *time = next;
-        count += 1;
+/// Even steps that are handed over together.
+#[derive(Debug, Default)]
+pub(super) struct Together {
+    begins: [f64; Self::MOST],
+    pub(super) sizes: [f64; Self::MOST],
+}
+
+impl Together {
+    /// How many there may be: enough that a look at the floating-point mode after them costs next to nothing, and so
+    /// few that the processor prepares the next ones, and adds up the last ones, while the FMU still computes.
+    pub(super) const MOST: usize = 20;
+
+    /// Takes over the first of some even steps, up to `most`. Returns how many.
+    #[inline]
+    fn fill(&mut self, points: &CommunicationPoints, steps: Range<u64>, most: usize) -> usize {
+        points.even_steps(steps.start, &mut self.begins, &mut self.sizes);
+        usize::try_from(steps.end - steps.start).map_or(most, |left| left.min(most))
     }
-    count
+
+    /// Begin and size of the first of them.
+    #[inline]
+    fn first(&self, count: usize) -> (&[f64], &[f64]) {
+        (&self.begins[..count], &self.sizes[..count])
+    }
 }

@@ -148,15 +148,23 @@ impl CommunicationPoints {
         [steps.start..even.start, even.clone(), even.end..steps.end]
     }
 
-    /// The ends of some of the even steps, one after the other: as [`at`](Self::at) has them, but with
-    /// nothing to decide.
+    /// Begin and size of even steps from the `first` on: as [`at`](Self::at) has them, but with nothing to decide, so
+    /// that the processor computes several at a time. Steps after the even ones mean nothing.
     #[inline]
     #[allow(clippy::cast_precision_loss, clippy::cast_possible_wrap)]
-    pub fn even_ends(&self, steps: Range<u64>) -> impl Iterator<Item = f64> + use<> {
-        let (begin, step) = (self.even, self.schedule.step);
-        let number = |index: u64| index.wrapping_sub(self.leap) as i64;
-        let numbers = number(steps.start)..number(steps.end);
-        numbers.map(move |number| begin + (number + 1) as f64 * step)
+    pub fn even_steps<const N: usize>(
+        &self,
+        first: u64,
+        begins: &mut [f64; N],
+        sizes: &mut [f64; N],
+    ) {
+        // A floating-point number counts exactly further than there are steps.
+        let first = first.wrapping_sub(self.leap) as i64 as f64;
+        let at = |number: usize| self.even + (first + number as f64) * self.schedule.step;
+        for (number, (begin, size)) in begins.iter_mut().zip(sizes).enumerate() {
+            *begin = at(number);
+            *size = at(number + 1) - *begin;
+        }
     }
 
     /// The number of the first one that is not before a time; the last one's where all are.
@@ -178,6 +186,49 @@ impl CommunicationPoints {
 mod tests {
     use super::*;
 
+    /// Begin and size.
+    fn step(points: &CommunicationPoints, index: u64) -> (f64, f64) {
+        let begin = points.at(index);
+        (begin, points.at(index + 1) - begin)
+    }
+
+    fn even_steps<const N: usize>(points: &CommunicationPoints, first: u64) -> [(f64, f64); N] {
+        let (mut begins, mut sizes) = ([0.0; N], [0.0; N]);
+        points.even_steps(first, &mut begins, &mut sizes);
+        std::array::from_fn(|index| (begins[index], sizes[index]))
+    }
+
+    /// Steps by the dozen begin and end at the bits of the communication points, wherever they begin and however
+    /// many there are.
+    #[test]
+    fn even_steps_are_those_between_communication_points() {
+        for (start, stop, size) in [
+            (0.0, 1e4, 1e-3),
+            (-3.7, 1e6 / 3.0, 1.0 / 60.0),
+            (5.0, 1e11, 0.1),
+        ] {
+            let points = Schedule {
+                start,
+                stop,
+                step: size,
+                window_start: start,
+                leap: false,
+                tolerance: None,
+            }
+            .points();
+            let [before, even, _] = points.parts(0..points.steps);
+            assert!(before.is_empty() && even.end > 1_000_000, "{even:?}");
+            for first in [0, 1, 4711, 999_983, even.end / 3, even.end - 24] {
+                let expected = std::array::from_fn(|index| step(&points, first + index as u64));
+                assert_eq!(
+                    even_steps::<24>(&points, first),
+                    expected,
+                    "{start} {size} {first}"
+                );
+            }
+        }
+    }
+
     #[test]
     fn communication_points_end_exactly_at_the_stop_time() {
         let schedule = |stop, step| Schedule {
@@ -196,8 +247,8 @@ mod tests {
         let points = schedule(1.0, 0.3).points();
         assert_eq!(points.parts(0..4), [0..0, 0..3, 3..4]);
         assert_eq!(points.parts(4..4), [4..4, 4..4, 4..4]);
-        let ends: Vec<f64> = points.even_ends(1..3).collect();
-        assert_eq!(ends, [points.at(2), points.at(3)]);
+        let steps = even_steps::<2>(&points, 1);
+        assert_eq!(steps, [1, 2].map(|index| step(&points, index)));
         let from = [0.0, 0.1, 0.3, 0.95, 1.0, 2.0].map(|time| points.from(time));
         assert_eq!(from, [0, 1, 1, 4, 4, 4]);
     }
@@ -217,7 +268,8 @@ mod tests {
         assert_eq!(times, [0.0, 99.0, 99.25, 99.5, 99.75, 100.0]);
         let points = schedule.points();
         assert_eq!(points.parts(0..5), [0..1, 1..4, 4..5]);
-        assert_eq!(points.even_ends(1..4).collect::<Vec<_>>(), times[2..5]);
+        let steps = even_steps::<3>(&points, 1);
+        assert_eq!(steps, [1, 2, 3].map(|index| step(&points, index)));
         let all = Schedule {
             window_start: 100.0,
             ..schedule
