@@ -22,6 +22,7 @@ use crate::thermal::Temperatures;
 use curve::Curve;
 pub use equilibrium::{Equilibrium, NoEquilibrium, equilibrium, slowest_time_constant};
 use nalgebra::{SMatrix, SVector, Vector2};
+use orbit::Orbit;
 use std::cell::RefCell;
 use thiserror::Error;
 
@@ -142,9 +143,12 @@ impl<'a, M: TwoScales> Averaged<'a, M> {
 
     /// The flows averaged over a turn at a film temperature.
     fn flows(&self, film: f64) -> Result<Flows, NoLeap> {
-        let viscosity = self.model.viscosity(film);
-        let orbit = self.curve.borrow_mut().at(viscosity)?;
-        Ok(orbit.flows())
+        Ok(self.orbit(film)?.flows())
+    }
+
+    /// The orbit at a film temperature.
+    fn orbit(&self, film: f64) -> Result<Orbit, NoLeap> {
+        self.curve.borrow_mut().at(self.model.viscosity(film))
     }
 
     /// Where the orbit at a film temperature begins.

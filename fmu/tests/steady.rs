@@ -224,6 +224,33 @@ fn isothermal_temperatures_stay_and_the_journal_is_on_its_orbit() {
     assert!((after - before).abs() < 1e-5, "{before} {after}");
 }
 
+/// Point 96 of paper-table3.toml: in thick oil the journal whirls at half the shaft's speed, and hardly forgets where it was.
+#[test]
+fn a_whirling_journal_is_on_its_orbit_too() {
+    let mut stand = Stand::default();
+    stand.solver.tolerance = 1e-9;
+    stand.bearing.surface.roughness = 0.0;
+    stand.bearing.radial_clearance = 8.875e-6;
+    stand.load.eccentricity = 3.54e-4;
+    stand.oil.viscosity_scale = 70.71;
+    stand.thermal.fresh_oil = 0.0;
+    stand.thermal.film_capacity = 116.0;
+    stand.thermal.film_bush = 0.1034;
+    stand.thermal.film_shaft = 0.2951;
+    stand.thermal.bush_oil = 0.02625;
+    stand.thermal.shaft_oil = 0.39;
+    let mut stand = start(stand, Initialization::SteadyState);
+    let before = *stand.readings();
+    stand.advance(0.0, period(&stand), &mut ()).unwrap();
+    let after = *stand.readings();
+    for (before, after) in temperatures(&before).into_iter().zip(temperatures(&after)) {
+        assert!((before - after).abs() < 1e-7, "{before} K, {after} K");
+    }
+    let place = |r: &Readings| r.eccentricity_ratio * r.attitude_angle.sin();
+    assert!((place(&before) - place(&after)).abs() < 1e-6);
+    assert!((before.eccentricity_ratio - after.eccentricity_ratio).abs() < 1e-6);
+}
+
 fn refusal(set: impl FnOnce(&mut Stand)) -> String {
     let mut stand = Stand::default();
     stand.thermal.initialization = Initialization::SteadyState;
@@ -242,6 +269,16 @@ fn a_refusal_names_its_cause() {
     assert!(refusal(still).contains("drive.speed is 0"));
     let swinging = |stand: &mut Stand| stand.drive.fluctuation_amplitude = 0.025;
     assert!(refusal(swinging).contains("drive.fluctuationAmplitude = 0"));
+    let thin = |stand: &mut Stand| {
+        stand.bearing.surface.roughness = 0.0;
+        stand.oil.viscosity_scale = 1e-3;
+        stand.bearing.radial_clearance = 3e-4;
+    };
+    let why = refusal(thin);
+    assert!(
+        why.contains("check oil.viscosityScale: it is 0.001"),
+        "{why}"
+    );
     let insulated = |stand: &mut Stand| stand.thermal.oil_ambient = 1e-3;
     let why = refusal(insulated);
     assert!(

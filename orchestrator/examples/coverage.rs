@@ -1,6 +1,8 @@
 //! How often the stated 95 % intervals hold the exact value:
 //! `cargo run --release --example coverage -- 200` (repetitions).
 
+use conformity::decision::randomised;
+use conformity::interval::clopper_pearson;
 use orchestrator::analysis::sensitivity::functions::{
     ishigami, ishigami_indices, sobol_g, sobol_g_indices,
 };
@@ -9,7 +11,6 @@ use orchestrator::analysis::sensitivity::sobol::{design, indices, replicates};
 use rayon::prelude::*;
 use sampling::design::{Design, Method, Sampling};
 use sampling::distribution::Distribution;
-use sampling::statistics::share::{Fraction, randomised_share};
 
 /// A function with its exact indices.
 struct Case {
@@ -53,7 +54,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!(
         "\nVerified share of a Sobol design with 16 replicates: % of {repetitions} intervals that hold it,"
     );
-    println!("and their mean width against Wilson's");
+    println!("and their mean width against Clopper and Pearson's");
     for (points, share) in [
         (512, 0.02),
         (512, 0.2),
@@ -128,12 +129,13 @@ fn share_held(points: u64, share: f64, repetitions: u64) -> Result<(), String> {
         for (index, u) in cube.iter().enumerate() {
             counts[index % counts.len()] += u64::from(verified(u));
         }
-        let all = Fraction::wilson(counts.iter().sum::<u64>() as usize, points as usize);
-        let [low, high] = randomised_share(&counts, points);
+        let hits: u64 = counts.iter().sum();
+        let [from, to] = clopper_pearson(hits as f64, points as f64, 0.95);
+        let [low, high] = randomised(&counts, points, 0.95);
         Ok([
             f64::from(u8::from(low <= share && share <= high)),
             high - low,
-            all.high - all.low,
+            to - from,
         ])
     };
     let all: Vec<[f64; 3]> = (0..repetitions)
@@ -142,7 +144,7 @@ fn share_held(points: u64, share: f64, repetitions: u64) -> Result<(), String> {
         .collect::<Result<_, _>>()?;
     let sum = |k: usize| all.iter().map(|r| r[k]).sum::<f64>();
     println!(
-        "  share {share}, {points} points: {:.1}, width {:.2} of Wilson's",
+        "  share {share}, {points} points: {:.1}, width {:.2} of Clopper and Pearson's",
         100.0 * sum(0) / repetitions as f64,
         sum(1) / sum(2)
     );

@@ -23,8 +23,21 @@ pub struct Cli {
     pub command: Command,
 }
 
-const EXIT: &str = "Exit codes: 0 done (verify, judge: at least one point meets all criteria), \
-    1 not verified, 2 a mistake in the call.";
+const EXIT: &str = "Exit codes: 0 done (verify, judge, merge: verified), 1 not verified, 2 a mistake in the call, \
+    3 inconclusive: the points do not tell (only with [verdict] in the study), 130 interrupted: --resume goes on.";
+
+/// How `verify`, `judge` and `merge` come to a verdict.
+macro_rules! verdict_help {
+    ($example:literal) => {
+        concat!(
+            "Verdict: with [verdict] in the study, its `share` of the sampled space must be accepted: 0 verified, 1 not \
+             verified, 3 inconclusive. Without it one point that meets all criteria is enough: 0 verified, 1 not \
+             verified. Other exit codes: 2 a mistake in the call, 130 interrupted (--resume goes on).\n\nExample: ",
+            $example
+        )
+    };
+}
+use verdict_help;
 
 /// The commands.
 #[derive(Debug, Subcommand)]

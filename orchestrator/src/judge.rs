@@ -12,7 +12,7 @@ use toml::Spanned;
 use crate::names::did_you_mean;
 use crate::study::plan::find;
 use crate::study::quantity::{Scale, Sense};
-use crate::study::{CriterionText, Quantity, Study, StudyError};
+use crate::study::{BOTH_SIDES, CriterionText, Quantity, Study, StudyError};
 use conformity::decision::Rule;
 use conformity::measured::{Measured, Measurement, Uncertainty};
 use conformity::risk::Guard;
@@ -281,15 +281,30 @@ fn criterion(name: &str, text: &CriterionText, scale: &Scale<'_>) -> Result<Crit
         unit: scale.unit.clone(),
         nominal,
         tolerance: tolerance(&text.tolerance, &text.nominal, scale)?,
-        stated_tolerance: text.tolerance.to_string(),
+        stated_tolerance: stated(&text.tolerance, &text.nominal, scale),
         uncertainty: None,
         group: text.group.clone(),
     })
 }
 
+/// A tolerance as people read it beside the nominal value in the study's unit.
+fn stated(quantity: &Quantity, nominal: &Quantity, scale: &Scale<'_>) -> String {
+    let is_elsewhere = nominal.unit.is_some() && nominal.unit != scale.unit;
+    if is_elsewhere && quantity.unit.as_deref() == Some("%") {
+        return format!("{quantity} of {nominal}");
+    }
+    quantity.to_string()
+}
+
 /// A tolerance in the study's unit. Percents are of the nominal value as written: 0.75 % of 82 degC is 0.615 degC.
 fn tolerance(quantity: &Quantity, nominal: &Quantity, scale: &Scale<'_>) -> Result<f64, String> {
     let tolerance = match quantity.unit.as_deref() {
+        // "+0.5/-1", "-1 .. 0.5"
+        Some(rest) if rest.starts_with(['/', '+', '-', '.', ',']) => {
+            return Err(format!(
+                "the tolerance `{quantity}` cannot be used: {BOTH_SIDES}"
+            ));
+        }
         Some("%") => scale.part(quantity.number / 100.0, nominal)?,
         _ => scale.number(quantity, Sense::Difference)?,
     };
@@ -372,6 +387,13 @@ mod tests {
             let expanded = t.uncertainty.unwrap().expanded;
             assert!((expanded / t.tolerance - 0.5).abs() < 1e-12);
             assert!((judge.variants[0].tolerances[0] / t.tolerance - 2.0).abs() < 1e-12);
+            let is_elsewhere = nominal.contains("degC") && unit.is_empty() || unit.contains("mK");
+            let words = if is_elsewhere {
+                format!("1 % of {}", nominal.trim_matches('"'))
+            } else {
+                "1 %".to_owned()
+            };
+            assert_eq!(t.stated_tolerance, words);
             Ok::<_, String>((t.nominal, t.tolerance))
         };
         for (nominal, unit, expected) in [
@@ -482,6 +504,10 @@ mod tests {
         for tolerance in ["0 %", "-7 %"] {
             let nothing = STUDY.replace("750 N", "0 N").replace("7 %", tolerance);
             assert!(judge(&nothing).unwrap_err().contains("must be a positive"));
+        }
+        for tolerance in ["+0.5/-1", "+0.5 -1", "-1 .. 0.5"] {
+            let error = judge(&STUDY.replace("7 %", tolerance)).unwrap_err();
+            assert!(error.contains("is the same to both sides"), "{error}");
         }
         let wrong = STUDY.replace("nominal = 82", "nominal = nan");
         assert_eq!(

@@ -83,7 +83,7 @@ fn an_early_end_is_a_whole_simulation() {
         &study.replace("step = 0.125\n", "step = 0.125\nwarm-up = 0.75\n"),
     );
     let late = bench.run(&["verify", "late.toml", "--output", "late"]);
-    assert_eq!(late.code, 1, "{}{}", late.out, late.err);
+    assert_eq!(late.code, 3, "{}{}", late.out, late.err);
     assert!(
         bench
             .read("late/points.csv")

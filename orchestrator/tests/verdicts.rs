@@ -205,6 +205,11 @@ fn a_verdict_cannot_be_waited_for_where_nothing_tells_how_points_depend() {
     for (from, to, words) in [
         ("monte-carlo", "sobol", ["until", "replicates = 8"]),
         (
+            "monte-carlo",
+            "optimised-latin-hypercube",
+            ["until", "this design needs all its points"],
+        ),
+        (
             "[verdict]\nshare = \"5 %\"\n",
             "",
             ["until", "add [verdict]"],
@@ -305,4 +310,207 @@ fn the_page_says_what_accepting_risks() {
     assert!(page.contains("no uncertainty of Y, and nothing is assumed"));
     assert!(!page.contains("The risk of accepting") && !page.contains("Conforms %"));
     assert!(said.out.contains("no uncertainty of Y"), "{}", said.out);
+}
+
+/// The verdict of a folder with so many points, which goes on from what is there.
+fn resumed(bench: &Bench, options: &[&str]) -> (support::Said, Value) {
+    let call = ["verify", "study.toml", "--output", "out", "--resume"];
+    let said = bench.run(&[&call[..], options].concat());
+    assert!(said.code != 2, "{}", said.err);
+    (said, bench.summary("out"))
+}
+
+#[test]
+fn a_study_that_is_looked_at_again_has_an_interval_for_that() {
+    let bench = Bench::new();
+    let near = LAG.replace("\"5 %\"\n[dossier]", "\"40 %\"\n[dossier]");
+    let interval = |summary: &Value| {
+        let ends = &summary["required"]["interval"];
+        [0, 1].map(|k| ends[k].as_f64().unwrap())
+    };
+    let (said, first) = verify(&bench, &near, &["--points", "100"]);
+    assert_eq!(first["required"]["method"], "Clopper and Pearson's");
+    assert_eq!(first["required"]["looks"], 1);
+    assert!(
+        !said.out.contains("The study was looked at"),
+        "{}",
+        said.out
+    );
+    // The same points once more are no further look.
+    let (_, again) = resumed(&bench, &["--points", "100"]);
+    assert_eq!(again["required"], first["required"]);
+    let (said, second) = resumed(&bench, &["--points", "200"]);
+    let method = second["required"]["method"].as_str().unwrap();
+    assert!(method.contains("confidence sequence"), "{method}");
+    assert_eq!(second["required"]["looks"], 2);
+    assert!(said.out.contains("looked at 2 times"), "{}", said.out);
+    // Who asks for as many points at once looks once.
+    let fresh = bench.run(&[
+        "verify",
+        "study.toml",
+        "--output",
+        "once",
+        "--points",
+        "200",
+    ]);
+    assert!(fresh.code != 2, "{}", fresh.err);
+    let (once, twice) = (interval(&bench.summary("once")), interval(&second));
+    assert!(
+        twice[0] < once[0] && once[1] < twice[1],
+        "{once:?} {twice:?}"
+    );
+    // Beginning anew with the same seed shows the same points.
+    let anew = bench.run(&["verify", "study.toml", "--output", "out", "--points", "150"]);
+    assert!(anew.code != 2, "{}", anew.err);
+    assert_eq!(bench.summary("out")["required"]["looks"], 3);
+    // Another seed does not.
+    let seed = ["verify", "study.toml", "--output", "out", "--seed", "8"];
+    bench.run(&seed);
+    assert_eq!(bench.summary("out")["required"]["looks"], 1);
+}
+
+#[test]
+fn a_study_that_was_waited_for_stays_one() {
+    let bench = Bench::new();
+    let near = LAG.replace("\"5 %\"\n[dossier]", "\"40 %\"\n[dossier]");
+    let (_, waited) = verify(&bench, &near, &["--until", "verdict", "--points", "60"]);
+    let (_, resumed) = resumed(&bench, &["--points", "60"]);
+    assert_eq!(resumed["required"], waited["required"]);
+    bench.run(&["report", "out"]);
+    let page = std::fs::read_to_string(bench.path("out/report.html")).unwrap();
+    assert!(page.contains("Inconclusive: required are 40 %"));
+}
+
+#[test]
+fn shards_that_grow_and_are_joined_again_are_looked_at_again() {
+    let bench = Bench::new();
+    let near = LAG.replace("\"5 %\"\n[dossier]", "\"40 %\"\n[dossier]");
+    bench.write("study.toml", &near);
+    for (points, output, looks) in [("60", "first", 1), ("120", "second", 2)] {
+        for shard in ["1/2", "2/2"] {
+            let folder = shard.replace('/', "-");
+            let call = [
+                "verify",
+                "study.toml",
+                "--shard",
+                shard,
+                "--output",
+                &folder,
+            ];
+            let said = bench.run(&[&call[..], &["--points", points, "--resume"]].concat());
+            assert_eq!(said.code, 0, "{}", said.err);
+        }
+        let said = bench.run(&["merge", "1-2", "2-2", "--output", output]);
+        assert_eq!(said.code, 3, "{}", said.err);
+        assert_eq!(bench.summary(output)["required"]["looks"], looks);
+    }
+}
+
+/// Half of the levels are in the tolerance whatever the true share: a grid is no sample.
+#[test]
+fn a_grid_has_neither_a_verdict_by_share_nor_intervals() {
+    let bench = Bench::new();
+    let grid = LAG
+        .replace(
+            "method = \"monte-carlo\"\npoints = 300\nseed = 3",
+            "method = \"full-factorial\"",
+        )
+        .replace("deviation = 0.3", "deviation = 0.3\nlevels = 8");
+    bench.write("study.toml", &grid);
+    bench.run(&["verify", "study.toml"]).is_mistake(&[
+        "study.toml:19:",
+        "full-factorial grid",
+        "replicates = 16",
+    ]);
+    let (before, after) = grid.split_once("[verdict]\nshare = \"5 %\"\n").unwrap();
+    let (said, summary) = verify(&bench, &format!("{before}{after}"), &[]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    assert!(!said.out.contains("95 %"), "{}", said.out);
+    assert!(!said.out.contains("seed"), "{}", said.out);
+    assert!(summary["verified_interval"].is_null());
+    assert!(summary["criteria"]["Y"]["interval"].is_null());
+    assert!(summary["risk"]["intervals"].is_null());
+    assert!(summary["risk"]["consumer"].as_f64().unwrap() > 0.0);
+    let page = std::fs::read_to_string(bench.path("out/report.html")).unwrap();
+    assert!(!page.contains("95 % interval"));
+}
+
+/// The rig is so bad that no point conforms with 95 %: that contradicts no model.
+#[test]
+fn a_measurement_that_cannot_decide_leaves_the_model_open() {
+    let bad = format!("{STUDY}[verdict]\nshare = \"5 %\"\nrisk = \"0.1 %\"\n");
+    let (code, summary) = judge(&bad, 200);
+    assert_eq!(
+        (code, summary["verdict"].as_str()),
+        (3, Some("inconclusive")),
+        "{summary}"
+    );
+    let words = summary["verdict_words"].as_str().unwrap();
+    assert!(words.contains("the measurement cannot decide"), "{words}");
+    assert!(summary["required"]["interval"].is_null());
+    // A guard band as wide as a tolerance is warned of at its line.
+    let bench = Bench::empty();
+    let wide = format!("{STUDY}[verdict]\nshare = \"5 %\"\nguard-band = 1.1\n");
+    bench.write("study.toml", &wide);
+    bench.write("table.csv", &format!("T,F\n{}", "82,750\n".repeat(9)));
+    let said = bench.run(&["judge", "study.toml", "table.csv"]);
+    assert_eq!(said.code, 3, "{}", said.out);
+    assert!(
+        said.err.contains("study.toml:21:") && said.err.contains("leaves nothing"),
+        "{}",
+        said.err
+    );
+    assert!(said.out.contains("as wide as a tolerance"), "{}", said.out);
+    assert!(
+        said.out
+            .contains("within all tolerances                      9"),
+        "{}",
+        said.out
+    );
+}
+
+#[test]
+fn every_command_with_a_verdict_tells_its_exit_codes() {
+    let bench = Bench::new();
+    let words = |text: String| text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let all = words(bench.run(&["--help"]).out);
+    for words in [
+        "1 not verified",
+        "3 inconclusive",
+        "130 interrupted",
+        "[verdict]",
+    ] {
+        assert!(all.contains(words), "{all}");
+    }
+    for command in ["verify", "judge", "merge"] {
+        let help = words(bench.run(&[command, "--help"]).out);
+        for words in ["[verdict]", "3 inconclusive", "Example: "] {
+            assert!(help.contains(words), "{help}");
+        }
+    }
+}
+
+/// Under a guard band the page shows what was decided: the accepted points, not all within tolerance.
+#[test]
+fn the_page_shows_the_share_that_was_decided() {
+    let bench = Bench::new();
+    let (_, summary) = verify(&bench, LAG, &[]);
+    let page = bench.read("out/report.html");
+    assert!(page.contains("\"guarded\":false") && !page.contains("less the guard bands"));
+    let [accepted, verified] = ["accepted", "verified"].map(|key| summary[key].as_u64().unwrap());
+    assert_eq!(accepted, verified);
+    let guarded = LAG.replace("[verdict]", "[verdict]\nguard-band = 0.5");
+    let (_, summary) = verify(&bench, &guarded, &[]);
+    let [accepted, verified] = ["accepted", "verified"].map(|key| summary[key].as_u64().unwrap());
+    assert!(0 < accepted && accepted < verified);
+    let page = bench.read("out/report.html");
+    let headline = format!(
+        "<strong>{accepted} of {}</strong> points are accepted",
+        summary["points"]
+    );
+    let row = format!("within all tolerances</th>|<strong>{verified}</strong>");
+    for part in std::iter::once(headline.as_str()).chain(row.split('|')) {
+        assert!(page.contains(part), "no {part}");
+    }
+    assert!(page.contains("\"guarded\":true") && page.contains("\"drawn_in\":["));
 }

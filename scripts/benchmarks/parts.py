@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import subjects
 from measure import Ratio, Trouble, in_turns
-from subjects import WORK, alone, constant, direct, importer, minimal, rig, table3, verify
+from subjects import WORK, alone, constant, direct, importer, minimal, rig, steady_rig, table3, verify
 
 
 @dataclass
@@ -109,19 +109,22 @@ def multirate(scale):
     here, there = rig("rig-multirate"), rig("rig-resolved", fixed=RESOLVED)
     mixed = min(scale.points, 256)
     rows = [row, leap(scale, "the rig, 140 s in one step, 10 s in steps of 10 ms", (here, 100), (there, min(mixed, 32)))]
+    rows.append(leap(scale, "the rig, one turn from the steady start / 150 s from given temperatures",
+                     (here, 100), (steady_rig("rig-steady"), 400), words=("from given temperatures", "steady start")))
     return rows, [(errors(leaping, resolved, scale.points), scale.points), (errors(here, there, mixed), mixed)]
 
 
-def leap(scale, name, leaping, resolved):
+def leap(scale, name, leaping, resolved, words=("leaping", "resolved")):
     """Runs with leaps against runs without, each a study and its points; what the orchestrator does for a point
     is included."""
     def measure(study, points):
         return longer(lambda count: alone(study, count), max(2, points // 20), points)
 
     [ratio], times = in_turns(scale.repetitions, measure(*leaping), measure(*resolved))
-    note = (f"leaping {1e3 * statistics.median(times[0]):.3f} ms a point, "
-            f"resolved {1e3 * statistics.median(times[1]):.2f} ms")
-    return Row(f"{name}: resolved / multirate", ratio, note=note)
+    note = (f"{words[0]} {1e3 * statistics.median(times[0]):.3f} ms a point, "
+            f"{words[1]} {1e3 * statistics.median(times[1]):.2f} ms")
+    name = f"{name}: resolved / multirate" if words[1] == "resolved" else name
+    return Row(name, ratio, note=note)
 
 
 @dataclass

@@ -168,12 +168,32 @@ def table3(name, fixed="", step=150):
 
 
 def rig(name, fixed=""):
-    """The shipped study of the rig with further start values."""
+    """150 s of the shipped study of the rig from the given temperatures, with further start values. Means are over the
+    last 10 s in steps of 10 ms."""
+    text = steady_rig_text()
+    text, long = re.subn(r"(?ms)^\[simulation\]\n.*?(?=^\[)",
+                         "[simulation]\nstop = 150\nstep = 0.01\nwindow = 10\nleap = true\n\n", text)
+    text, given = re.subn(r"(?ms)^\[fixed\]\n.*?(?=^\[)", f"[fixed]\n{fixed}\n", text)
+    if (long, given) != (1, 1):
+        raise Trouble("studies/rig.toml has no [simulation] or no [fixed] that could be replaced")
+    return written(name, text)
+
+
+def steady_rig(name):
+    """The shipped study of the rig: one turn from the steady start."""
+    return written(name, steady_rig_text())
+
+
+def steady_rig_text():
     text = (ROOT / "studies" / "rig.toml").read_text(encoding="utf-8")
     fmu = (ROOT / "dist" / "PlainBearingStand.fmu").as_posix()
     text, found = re.subn(r'(?m)^fmu = .*$', f'fmu = "{fmu}"', text)
-    if found != 1 or re.search(r"(?m)^\[fixed\]", text):
-        raise Trouble("studies/rig.toml has no fmu that could be replaced, or start values already")
+    if found != 1:
+        raise Trouble("studies/rig.toml has no fmu that could be replaced")
+    return text
+
+
+def written(name, text):
     file = WORK / f"{name}.toml"
-    file.write_text(f"{text}\n[fixed]\n{fixed}", encoding="utf-8")
+    file.write_text(text, encoding="utf-8")
     return file

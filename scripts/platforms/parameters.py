@@ -72,9 +72,19 @@ def study_values(description, path):
     for name, spread in study.get("parameters", {}).items():
         found[name] = in_si(description, variables[name], spread.get("mean", spread.get("value")), spread.get("unit"))
     for name, value in study.get("fixed", {}).items():
+        if variables[name].tag == "Enumeration":
+            found[name] = item_value(description, variables[name], value)
+            continue
         number, _, unit = value.partition(" ") if isinstance(value, str) else (value, "", "")
         found[name] = in_si(description, variables[name], float(number), unit)
     return found
+
+
+def item_value(description, element, item):
+    """The number of an enumeration's item."""
+    types = {kind.get("name"): kind for kind in description.iter("SimpleType")}
+    items = {node.get("name"): int(node.get("value")) for node in types[element.get("declaredType")].iter("Item")}
+    return items[item]
 
 
 def in_si(description, element, value, unit):

@@ -37,7 +37,8 @@ impl JointNormal {
         let twins = twins(&matrix)?;
         let own = |i: &usize| twins.iter().all(|(twin, ..)| twin != i);
         let own: Vec<usize> = (0..errors).filter(own).collect();
-        genz::cholesky(&part(&matrix, &own)).ok_or(CONTRADICTION)?;
+        let independent = part(&matrix, &own);
+        genz::cholesky(&independent).ok_or_else(|| refusal(&independent))?;
         let blocks = blocks(&matrix, own).into_iter().map(|members| Block {
             correlation: part(&matrix, &members),
             members,
@@ -84,8 +85,29 @@ impl Block {
     }
 }
 
-const CONTRADICTION: &str = "the correlations contradict each other, or fix one error by several \
-                             others; bring the coefficients nearer to 0";
+const CONTRADICTION: &str = "the correlations contradict each other: no errors can have them; bring the coefficients \
+                             nearer to 0";
+
+const FIXED: &str = "the correlations let one error follow from several others, as that of a product from its factors', \
+                     and such correlations cannot be integrated: leave out the criterion that follows from the others, or \
+                     bring its coefficients nearer to 0, by a thousandth or more";
+
+/// Why correlations without a Cholesky factor cannot be used.
+fn refusal(matrix: &[Vec<f64>]) -> &'static str {
+    // A little independence takes away a dependence, but no contradiction.
+    const LITTLE: f64 = 1e-6;
+    let mut weaker = matrix.to_vec();
+    for (i, row) in weaker.iter_mut().enumerate() {
+        for (j, entry) in row.iter_mut().enumerate() {
+            *entry *= if i == j { 1.0 } else { 1.0 - LITTLE };
+        }
+    }
+    if genz::cholesky(&weaker).is_some() {
+        FIXED
+    } else {
+        CONTRADICTION
+    }
+}
 
 /// Errors with a correlation of -1 or 1 to an earlier one, which must be correlated alike.
 fn twins(matrix: &[Vec<f64>]) -> Result<Vec<(usize, usize, f64)>, String> {
@@ -132,6 +154,20 @@ fn blocks(matrix: &[Vec<f64>], mut free: Vec<usize>) -> Vec<Vec<usize>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_dependence_is_no_contradiction() {
+        let of = |a: f64, b: f64, c: f64| {
+            JointNormal::new(3, &[(0, 1, a), (0, 2, b), (1, 2, c)]).unwrap_err()
+        };
+        // x1 = 0.6 x2 + 0.8 x3 is possible, and so are three errors that always sum up to 0.
+        for (a, b, c) in [(0.6, 0.8, 0.0), (-0.5, -0.5, -0.5)] {
+            assert!(of(a, b, c).contains("follow from several others"));
+        }
+        for (a, b, c) in [(0.7, 0.8, 0.0), (0.9, 0.9, -0.9), (-0.51, -0.51, -0.51)] {
+            assert!(of(a, b, c).contains("contradict each other"));
+        }
+    }
 
     #[test]
     fn independent_errors_multiply() {

@@ -1,14 +1,19 @@
 //! How often a study looks at its points before it decides.
 //!
 //! An interval for a fixed number of points is right at that number only. Who looks again and again and stops when it
-//! suits decides wrongly far more often than the confidence says. So each way of looking has its own interval.
+//! suits decides wrongly far more often than the confidence says. So each way of looking has its own interval, and a
+//! study that was looked at before remembers it.
+
+use serde::{Deserialize, Serialize};
 
 use super::decision::{Decision, Rule, randomised};
+use super::interval::LEAST_SAMPLES;
 use super::sequence::ConfidenceSequence;
 
 /// When the share of accepted points is looked at.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Looks {
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Way {
     /// Once, at a number of points that was fixed beforehand.
     #[default]
     Once,
@@ -18,35 +23,134 @@ pub enum Looks {
     Doublings,
 }
 
+/// A verdict that was drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Look {
+    /// How many points there were.
+    pub points: u64,
+    /// How they were looked at.
+    pub way: Way,
+    /// Whether the study waited for the verdict, so that it was looked at before this number of points, too.
+    pub awaited: bool,
+}
+
+/// All verdicts that were drawn from the points of a study, in their order.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct History {
+    /// The verdicts.
+    pub looks: Vec<Look>,
+}
+
+/// A way of looking, with what earlier looks have used up of the probability of a wrong verdict.
+///
+/// The first look at a fixed number of points is wrong with half of what the confidence lacks to certainty, since only
+/// one of the two verdicts can be wrong. All later looks together have the other half, so that the sum keeps within the
+/// whole (Bonferroni's inequality).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Looks {
+    /// The way.
+    pub way: Way,
+    /// Whether there was a look at a fixed number of points before.
+    after_fixed: bool,
+    /// Earlier looks for which the study did not wait.
+    unawaited: u32,
+}
+
 /// The points of each randomisation at the first look.
 const FIRST: u64 = 16;
 
+impl History {
+    /// How the study may be looked at while its points come in, in a way that stays right at all numbers of points.
+    pub fn awaiting(&self, way: Way) -> Looks {
+        Looks::after(&self.looks, way)
+    }
+
+    /// How a verdict for which the study did not wait has to be drawn from so many points of so many samples: the first one
+    /// by the interval for a fixed number of points, later ones by one that is right however often one looks. The same
+    /// points once more are no further look.
+    pub fn at(&self, points: u64, samples: usize) -> Looks {
+        let same = self.looks.iter().rposition(|look| look.points == points);
+        if let Some(place) = same {
+            return Looks::after(&self.looks[..place], self.looks[place].way);
+        }
+        let way = match self.looks.len() {
+            0 => Way::Once,
+            _ if samples >= LEAST_SAMPLES => Way::Doublings,
+            _ => Way::EveryPoint,
+        };
+        Looks::after(&self.looks, way)
+    }
+
+    /// Notes a verdict. Returns how many there are now.
+    pub fn note(&mut self, look: Look) -> u64 {
+        let known = |then: &&Look| {
+            let same_way = then.way == look.way && then.awaited == look.awaited;
+            then.points == look.points && (!look.awaited || same_way)
+        };
+        let place = self.looks.iter().rposition(|then| known(&then));
+        let place = place.unwrap_or_else(|| {
+            self.looks.push(look);
+            self.looks.len() - 1
+        });
+        place as u64 + 1
+    }
+}
+
 impl Looks {
-    /// The fewest randomisations whose scatter is trusted at several looks.
-    pub const LEAST_SAMPLES: u64 = 8;
+    fn after(earlier: &[Look], way: Way) -> Self {
+        let unawaited = earlier.iter().filter(|look| !look.awaited);
+        Self {
+            way,
+            after_fixed: earlier.iter().any(|look| look.way == Way::Once),
+            unawaited: u32::try_from(unawaited.count()).unwrap_or(u32::MAX),
+        }
+    }
+
+    /// The confidence that is left.
+    fn left(self, confidence: f64) -> f64 {
+        if self.after_fixed {
+            0.5 + 0.5 * confidence
+        } else {
+            confidence
+        }
+    }
+
+    /// A rule with the confidence that is left for going on after this look, however often one looks then.
+    pub fn going_on(self, rule: Rule) -> Rule {
+        let after_fixed = self.after_fixed || self.way == Way::Once;
+        let next = Self {
+            after_fixed,
+            ..self
+        };
+        Rule {
+            confidence: next.left(rule.confidence),
+            ..rule
+        }
+    }
 
     /// The interval of the share of accepted points, given their number in each sample.
     pub fn interval(self, accepted: &[u64], points: u64, confidence: f64) -> [f64; 2] {
-        match self {
-            Self::Once => randomised(accepted, points, confidence),
-            Self::EveryPoint => {
+        match self.way {
+            Way::Once => randomised(accepted, points, confidence),
+            Way::EveryPoint => {
+                let confidence = self.left(confidence);
                 ConfidenceSequence { confidence }.interval(accepted.iter().sum(), points)
             }
-            Self::Doublings => {
-                let spent = spent(doublings(accepted.len() as u64, points));
-                randomised(accepted, points, 1.0 - (1.0 - confidence) * spent)
+            Way::Doublings => {
+                let look = doublings(accepted.len() as u64, points).saturating_add(self.unawaited);
+                randomised(accepted, points, 1.0 - (1.0 - confidence) * spent(look))
             }
         }
     }
 
     /// The decision by that interval.
     pub fn decide(self, rule: Rule, accepted: &[u64], points: u64) -> Decision {
-        if self != Self::EveryPoint {
+        if self.way != Way::EveryPoint {
             return rule.decide(self.interval(accepted, points, rule.confidence));
         }
         // The same as by the interval, whose ends take a search.
         let sequence = ConfidenceSequence {
-            confidence: rule.confidence,
+            confidence: self.left(rule.confidence),
         };
         let hits: u64 = accepted.iter().sum();
         match (sequence.excludes(rule.share, hits, points), points) {
@@ -58,10 +162,10 @@ impl Looks {
 
     /// Whether so many points of so many samples are a look.
     pub fn is_due(self, samples: usize, points: u64) -> bool {
-        match self {
-            Self::Once => false,
-            Self::EveryPoint => true,
-            Self::Doublings => {
+        match self.way {
+            Way::Once => false,
+            Way::EveryPoint => true,
+            Way::Doublings => {
                 let first = FIRST * samples as u64;
                 points.is_multiple_of(first) && (points / first).is_power_of_two()
             }
@@ -83,51 +187,4 @@ fn spent(look: u32) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn looks_spend_no_more_than_there_is() {
-        let total: f64 = (0..1000).map(spent).sum();
-        assert!(total < 1.0 && total > 0.998, "{total}");
-    }
-
-    #[test]
-    fn looks_at_randomised_designs_are_doublings() {
-        let due = (1..=5000).filter(|&points| Looks::Doublings.is_due(8, points));
-        assert_eq!(due.collect::<Vec<_>>(), [128, 256, 512, 1024, 2048, 4096]);
-        assert_eq!(
-            [1, 128, 129, 256, 257].map(|n| doublings(8, n)),
-            [0, 0, 1, 1, 2]
-        );
-        assert!(!Looks::Once.is_due(1, 100) && Looks::EveryPoint.is_due(1, 7));
-    }
-
-    #[test]
-    fn intervals_of_several_looks_are_wider() {
-        let accepted: Vec<u64> = (0..16).map(|k| 20 + k % 5).collect();
-        let width = |looks: Looks| {
-            let [low, high] = looks.interval(&accepted, 16 * 64, 0.95);
-            high - low
-        };
-        assert!(width(Looks::Doublings) > 1.4 * width(Looks::Once));
-        // The third look has a twelfth of 5 %.
-        let alone = randomised(&accepted, 16 * 64, 1.0 - 0.05 / 12.0);
-        assert_eq!(Looks::Doublings.interval(&accepted, 16 * 64, 0.95), alone);
-    }
-
-    #[test]
-    fn decisions_are_those_of_the_interval() {
-        let rule = Rule {
-            share: 0.2,
-            confidence: 0.95,
-        };
-        for points in [0, 1, 5, 40, 300] {
-            for hits in 0..=points {
-                let interval = Looks::EveryPoint.interval(&[hits], points, rule.confidence);
-                let found = Looks::EveryPoint.decide(rule, &[hits], points);
-                assert_eq!(found, rule.decide(interval), "{hits} of {points}");
-            }
-        }
-    }
-}
+mod tests;

@@ -28,6 +28,16 @@ impl Guard {
     /// Margins above this many steps count as equal.
     const MOST_STEPS: f64 = 1e4;
 
+    /// Whether a model value can be accepted at all: a guard band as wide as a tolerance leaves nothing
+    /// of it.
+    pub fn leaves_something(self, measurement: &Measurement) -> bool {
+        let Self::Given(factor) = self else {
+            return true;
+        };
+        let mut criteria = measurement.criteria().iter();
+        criteria.all(|criterion| factor == 0.0 || criterion.margin(criterion.nominal) > factor)
+    }
+
     /// The number of the widest guard band, of those that come into question, that lets a point
     /// pass.
     fn widest_passed(self, margin: f64) -> Option<usize> {
@@ -52,8 +62,9 @@ pub struct Risk {
     pub conformance_probability: f64,
     /// The probability that an accepted point does not conform; none where no point is accepted.
     pub not_conforming_given_accepted: Option<f64>,
-    /// Their intervals.
-    pub intervals: RiskIntervals,
+    /// Their intervals; none of points that are no sample, such as those of a grid.
+    #[serde(default)]
+    pub intervals: Option<RiskIntervals>,
 }
 
 /// The intervals of the numbers in [`Risk`], which have the same names.
@@ -66,6 +77,20 @@ pub struct RiskIntervals {
     pub not_conforming_given_accepted: [f64; 2],
 }
 
+/// Why a measurement cannot decide on any point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Unfit {
+    /// Whatever the guard band, more of the accepted points do not conform than may.
+    Risk {
+        /// The largest probability that may be.
+        limit: f64,
+        /// The least probability that a guard band comes to.
+        least: f64,
+    },
+    /// The guard band is as wide as a tolerance.
+    Guard,
+}
+
 /// Result over all points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Statement {
@@ -76,6 +101,10 @@ pub struct Statement {
     pub accepted: u64,
     /// The same for each of the independent samples.
     pub accepted_by_sample: Vec<u64>,
+    /// Why no point can be accepted, although some are within all tolerances.
+    pub unfit: Option<Unfit>,
+    /// Points within all tolerances, whatever the guard band, for each of the independent samples.
+    pub within_by_sample: Vec<u64>,
     /// How many points are expected to conform.
     pub expected_conforming: Option<f64>,
     /// Risks of each criterion alone, where its uncertainty is known.
@@ -84,12 +113,24 @@ pub struct Statement {
     pub all: Option<Risk>,
 }
 
+impl Statement {
+    /// The same without intervals, of points that are no sample.
+    pub fn without_intervals(mut self) -> Self {
+        let risks = self.criteria.iter_mut().chain([&mut self.all]);
+        risks.flatten().for_each(|risk| risk.intervals = None);
+        self
+    }
+}
+
 /// Sums up points one by one, in constant memory.
 #[derive(Clone, Debug)]
 pub struct RiskTally {
     guard: Guard,
+    /// Whether the guard band leaves anything of the tolerances.
+    possible: bool,
     samples: usize,
     points: u64,
+    within: Vec<u64>,
     criteria: Vec<Acceptance>,
     all: Acceptance,
 }
@@ -105,8 +146,10 @@ impl RiskTally {
         let known = criteria.map(|criterion| criterion.uncertainty.is_some());
         Self {
             guard,
+            possible: guard.leaves_something(measurement),
             samples,
             points: 0,
+            within: vec![0; samples],
             criteria: known.map(|known| Acceptance::new(samples, known)).collect(),
             all: Acceptance::new(samples, measurement.complete()),
         }
@@ -125,6 +168,7 @@ impl RiskTally {
             acceptance.add(self.guard, sample, assessed);
         }
         let assessed = point.map_or(failed, |point| point.all);
+        self.within[sample] += u64::from(assessed.margin >= 0.0);
         self.all.add(self.guard, sample, assessed);
     }
 
@@ -132,6 +176,8 @@ impl RiskTally {
     pub fn statement(&self) -> Statement {
         let (guard, from) = match self.guard {
             Guard::Given(factor) => (Some(factor), 0),
+            // Where there is nothing to accept, no guard band is needed.
+            Guard::Limiting { .. } if self.within.iter().all(|&n| n == 0) => (Some(0.0), 0),
             Guard::Limiting { risk } => match self.all.least_step(risk) {
                 Some(step) => (Some(step as f64 * Guard::STEP), step),
                 None => (None, usize::MAX),
@@ -144,9 +190,25 @@ impl RiskTally {
             guard,
             accepted: accepted.count,
             accepted_by_sample: parts[0].iter().map(|part| part.count).collect(),
+            unfit: self.unfit(guard, accepted.count),
+            within_by_sample: self.within.clone(),
             expected_conforming: self.all.known.then_some(conforming),
             criteria: self.criteria.iter().map(|c| c.risk(from)).collect(),
             all: self.all.risk(from),
+        }
+    }
+}
+
+impl RiskTally {
+    fn unfit(&self, guard: Option<f64>, accepted: u64) -> Option<Unfit> {
+        let within = self.within.iter().any(|&n| n > 0);
+        match self.guard {
+            Guard::Limiting { risk } if guard.is_none() => Some(Unfit::Risk {
+                limit: risk,
+                least: self.all.least_risk(),
+            }),
+            Guard::Given(_) if within && accepted == 0 && !self.possible => Some(Unfit::Guard),
+            _ => None,
         }
     }
 }
@@ -199,6 +261,19 @@ impl Acceptance {
         least
     }
 
+    /// The least probability of accepted points not to conform that any guard band comes to.
+    fn least_risk(&self) -> f64 {
+        let mut accepted = Moments::default();
+        let mut least = 1.0_f64;
+        for moments in self.within.iter().rev() {
+            accepted.merge(Moments::total(moments));
+            if accepted.count > 0 {
+                least = least.min(accepted.mean());
+            }
+        }
+        least
+    }
+
     /// The accepted and the rejected points of each sample, with the guard band of a step.
     fn split(&self, from: usize) -> [Vec<Moments>; 2] {
         let mut accepted = vec![Moments::default(); self.samples];
@@ -242,12 +317,12 @@ impl Acceptance {
             producer: mean(&producer),
             conformance_probability: mean(&conforming),
             not_conforming_given_accepted: any.then(|| mean(&accepted)),
-            intervals: RiskIntervals {
+            intervals: Some(RiskIntervals {
                 consumer: of_mean(&consumer, CONFIDENCE),
                 producer: of_mean(&producer, CONFIDENCE),
                 conformance_probability: of_mean(&conforming, CONFIDENCE),
                 not_conforming_given_accepted: of_part(&accepted, CONFIDENCE),
-            },
+            }),
         })
     }
 }

@@ -5,6 +5,7 @@
 //! every 50 points, excludes the true share at some time in a fifth of the cases. A confidence sequence
 //! holds the true share at all times together with the stated probability.
 
+use statrs::function::beta::beta_reg;
 use statrs::function::gamma::ln_gamma;
 
 use super::decision::Rule;
@@ -48,29 +49,51 @@ impl ConfidenceSequence {
     }
 }
 
-/// After about how many points a rule would decide, if the share stays what it is; none where the
+/// After about how many points the sequence would decide, if the share stays what it is; none where the
 /// share is the required one, or so near that a thousand billion points would not be enough.
 pub fn points_needed(rule: Rule, share: f64) -> Option<u64> {
-    const MOST: u64 = 1 << 40;
     let limit = -(1.0 - rule.confidence).ln();
-    let decided = |n: u64| log_ratio(share * n as f64, n as f64, rule.share) >= limit;
-    let mut enough = 1;
-    while !decided(enough) {
-        enough *= 2;
-        if enough > MOST {
+    least_points(|n| log_ratio(share * n, n, rule.share) >= limit)
+}
+
+/// How many points would decide at a single look, whose number is fixed beforehand (see
+/// [`clopper_pearson`](super::interval::clopper_pearson)), if their share is this one; none as above.
+pub fn points_needed_once(rule: Rule, share: f64) -> Option<u64> {
+    // Of equal shares rounding would decide.
+    if share == rule.share {
+        return None;
+    }
+    let tail = 0.5 * (1.0 - rule.confidence);
+    least_points(|n| {
+        let (hits, misses) = (share * n, (1.0 - share) * n);
+        if share > rule.share {
+            beta_reg(hits, misses + 1.0, rule.share) <= tail
+        } else {
+            beta_reg(hits + 1.0, misses, rule.share) > 1.0 - tail
+        }
+    })
+}
+
+/// The least number of points that is enough, if any larger one is, too.
+fn least_points(enough: impl Fn(f64) -> bool) -> Option<u64> {
+    const MOST: u64 = 1 << 40;
+    let mut most = 1;
+    while !enough(most as f64) {
+        most *= 2;
+        if most > MOST {
             return None;
         }
     }
-    let mut few = enough / 2;
-    while enough - few > 1 {
-        let middle = few + (enough - few) / 2;
-        if decided(middle) {
-            enough = middle
+    let mut few = most / 2;
+    while most - few > 1 {
+        let middle = few + (most - few) / 2;
+        if enough(middle as f64) {
+            most = middle;
         } else {
-            few = middle
+            few = middle;
         }
     }
-    Some(enough)
+    Some(most)
 }
 
 /// The logarithm of the likelihood of all shares, with Jeffreys' weights, relative to that of one
@@ -135,6 +158,53 @@ mod tests {
         }
         assert_eq!(points_needed(rule, 0.05), None);
         assert!(points_needed(rule, 0.0501).unwrap() > 10_000_000);
+    }
+
+    /// Every number of points is tried, with the nearest whole number of accepted ones, from the
+    /// first look on: from the number needed on, but for rounding, all are decided, and hardly any before.
+    #[test]
+    fn the_points_needed_at_one_look_are_those_at_which_it_is_decided() {
+        use crate::interval::clopper_pearson;
+        for (hits, points, required, published) in [
+            // The shares and, by another program, the first number of points that decides.
+            (87, 400, 0.2, 2090),
+            (0, 50, 0.05, 72),
+            (60, 1000, 0.05, 1959),
+            (20, 20, 0.9, 36),
+            (19, 20, 0.99, 51),
+            (0, 10, 0.001, 3691),
+            (1, 64, 0.05, 142),
+        ] {
+            let rule = Rule {
+                share: required,
+                confidence: 0.95,
+            };
+            let share = f64::from(hits) / f64::from(points);
+            let decided = |n: u64| {
+                let hits = (share * n as f64).round();
+                let found = rule.decide(clopper_pearson(hits, n as f64, 0.95));
+                found != Decision::Inconclusive
+            };
+            let needed = points_needed_once(rule, share).unwrap();
+            // A rounded count is off by half a point at most, which so many points make up for at the limit.
+            let off = (1.0 / (share - required).abs()).ceil() as u64 + 1;
+            let first = (1..).find(|&n| decided(n)).unwrap();
+            assert!(
+                first + off >= needed && first <= needed + off,
+                "{needed} {first}"
+            );
+            assert!((needed + off..needed + 20 * off).all(decided), "{needed}");
+            assert!(needed.abs_diff(published) <= off, "{needed} {published}");
+            // Waiting takes longer.
+            assert!(points_needed(rule, share).unwrap() > needed);
+        }
+        let rule = Rule {
+            share: 0.05,
+            confidence: 0.95,
+        };
+        assert_eq!(points_needed_once(rule, 0.05), None);
+        assert!(points_needed_once(rule, 0.0501).unwrap() > 10_000_000);
+        assert!(points_needed_once(rule, 1.0).unwrap() <= 2);
     }
 
     /// Looks at every point of 1,000 studies: in how many does the interval ever exclude the true

@@ -171,6 +171,11 @@ impl<'a, M: TwoScales> Curve<'a, M> {
         Ok(self.search(viscosity, near, Aim::Place)?.place())
     }
 
+    /// Approximate derivative of a turn's end over its beginning, at the latest orbit.
+    pub(super) fn slope(&self) -> Matrix2<f64> {
+        self.slope.fixed_rows::<2>(0).into()
+    }
+
     /// Whether `x` is not further from the nodes than these are from each other.
     fn reaches(&self, x: f64) -> bool {
         let [Some((first, _)), Some((last, _))] = [self.nodes.first(), self.nodes.last()] else {

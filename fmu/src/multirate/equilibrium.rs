@@ -11,8 +11,8 @@
 use super::{Averaged, Departure, Matrix4, NoLeap, TwoScales, Vector4, temperatures, vector};
 use crate::solver::{Budget, Rodas3};
 use crate::thermal::Temperatures;
-use nalgebra::Vector2;
 use nalgebra::linalg::Schur;
+use nalgebra::{Matrix2, Vector2};
 use thiserror::Error;
 
 /// Why no equilibrium was found.
@@ -57,6 +57,8 @@ pub struct Equilibrium {
     pub drift: Matrix4,
     /// Derivative of the orbit's beginning over the film's temperature, 1/K.
     pub shift: Vector2<f64>,
+    /// Derivative of a turn's end over its beginning, 1.
+    pub slope: Matrix2<f64>,
 }
 
 /// Nearer than this to an equilibrium, Newton's method finishes, K.
@@ -186,11 +188,14 @@ fn settled<M: TwoScales>(
     drift: Matrix4,
 ) -> Result<Equilibrium, NoEquilibrium> {
     let place = mean.place(t[0])?;
+    let [ahead, here] =
+        [mean.orbit(t[0] + mean.nudge)?, mean.orbit(t[0])?].map(|orbit| orbit.place());
     Ok(Equilibrium {
         eccentricity: place.into(),
         temperatures: temperatures(t),
         drift,
-        shift: (mean.place(t[0] + mean.nudge)? - place) / mean.nudge,
+        shift: (ahead - here) / mean.nudge,
+        slope: mean.curve.borrow().slope(),
     })
 }
 

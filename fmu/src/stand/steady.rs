@@ -5,8 +5,8 @@
 //! resolved with all unknowns removes both. The stand is on its periodic orbit when a turn changes nothing: `P(y) = y`. The
 //! temperatures' part of the turn's derivative is nearly `exp(J*T)`, with J of the averaged balance, so that
 //! `(1 - exp(J*T)) dy = P(y) - y` gives the next start (Lust, Roose, Spence & Champneys 1998, SIAM J. Sci. Comput. 19,
-//! 1188-1209: the few slow directions by Newton's method; the others settle by themselves). The journal starts where its
-//! orbit at the new temperature does, less its own miss.
+//! 1188-1209: the few slow directions by Newton's method; the others settle by themselves). The journal's
+//! two directions follow Broyden's method, which begins with the slope that the averaged balance has found.
 //!
 //! For the Reynolds film the mobility film's balance chooses the equilibrium and gives J. Every turn of the refinement is one
 //! of the Reynolds film, so that its own heat is balanced.
@@ -16,7 +16,7 @@ use crate::multirate::{self, Departure, Equilibrium, Matrix4, NoEquilibrium, Vec
 use crate::solver::{Budget, DormandPrince, Failure};
 use crate::thermal::Initialization;
 use fmu_export::model::{Fault, Log};
-use nalgebra::{Const, LU, SVector, Vector2};
+use nalgebra::{Const, LU, Matrix2, SVector, Vector2};
 use std::fmt::Display;
 
 /// The tolerance of the averaged balance, which later turns refine.
@@ -56,7 +56,8 @@ impl Stand {
             temperatures: self.state.temperatures,
         };
         let fast = self.clone().with_a_fast_film()?;
-        let found = multirate::equilibrium(&fast, AVERAGED, &from).map_err(|why| refuse(&why))?;
+        let found =
+            multirate::equilibrium(&fast, AVERAGED, &from).map_err(|why| self.refuse(&why))?;
         let turns = if self.film.is_transient() {
             self.refine_transient(&fast, &found)?
         } else {
@@ -99,6 +100,19 @@ impl Stand {
         Ok(())
     }
 
+    /// The refusal for want of an equilibrium, with the parameter to look at.
+    fn refuse(&self, why: &NoEquilibrium) -> Fault {
+        match why {
+            NoEquilibrium::Runaway { .. } => refusal(format_args!(
+                "{why}: friction heats more than thermal.oilAmbientConductance and the other conductances let out"
+            )),
+            NoEquilibrium::Unstable { .. } => refusal(format_args!(
+                "{why}: set thermal.initialBearingTemperature away from it"
+            )),
+            other => refusal(format_args!("{other}; {}", self.advice())),
+        }
+    }
+
     /// Newton's method on resolved turns. Returns their number.
     fn refine(&mut self, found: &Equilibrium) -> Result<usize, Fault> {
         self.state.eccentricity = found.eccentricity;
@@ -108,8 +122,11 @@ impl Stand {
         let slow = Vector4::from_row_slice(&near[2..]);
         let settle = settling(&found.drift, period);
         let mut step = period / 100.0;
+        let mut slope = found.slope;
+        let mut before: Option<(Vector2<f64>, Vector2<f64>)> = None;
         for turn in 1..=TURNS {
             let start = unknowns(&self.state);
+            let from = Vector2::from(self.state.eccentricity);
             let end = self
                 .steady_turn(&start, &mut step)
                 .map_err(|failure| refusal(self.explain(failure, &start, 0..6)))?;
@@ -122,8 +139,21 @@ impl Stand {
                     .ok_or_else(|| refusal("the heat balance has no definite solution"))?
             };
             let place: Vector2<f64> = miss.fixed_rows::<2>(0).into();
+            if let Some((e, miss)) = before {
+                // Broyden's correction: a turn's end moves by what its beginning and its miss move.
+                let (moved, missed) = (from - e, place - miss);
+                if moved.norm() > CLOSE_PLACE {
+                    slope +=
+                        (moved + missed - slope * moved) * moved.transpose() / moved.norm_squared();
+                }
+            }
+            before = Some((from, place));
             let shift = found.shift * warmer[0];
-            let e = Vector2::from(self.state.eccentricity) + place + shift;
+            let back = Matrix2::identity() - slope;
+            let Some(closer) = back.lu().solve(&place) else {
+                break;
+            };
+            let e = from + closer + shift;
             let t = Vector4::from_row_slice(&start[2..]) + warmer;
             if !((t - slow).amax() < FARTHEST && e.norm() < 1.0) {
                 break;
@@ -134,9 +164,10 @@ impl Stand {
                 return Ok(turn);
             }
         }
-        Err(refusal(
-            "no periodic orbit of journal and temperatures was found",
-        ))
+        Err(refusal(format_args!(
+            "journal and temperatures have found no periodic orbit; {}",
+            self.advice()
+        )))
     }
 
     /// The same for a film that takes steps of its own. Its oil and its journal settle by themselves from turn to turn;
@@ -171,7 +202,8 @@ impl Stand {
             }
         }
         Err(refusal(format_args!(
-            "journal, oil and temperatures have found no periodic orbit after {FILM_TURNS} turns"
+            "journal, oil and temperatures have found no periodic orbit after {FILM_TURNS} turns; {}",
+            self.advice()
         )))
     }
 
@@ -213,16 +245,4 @@ fn refusal(why: impl Display) -> Fault {
 /// `1 - exp(J*T)` of a drift J over a turn's duration T: what is left of a change of the temperatures after a turn.
 fn settling(drift: &Matrix4, period: f64) -> LU<f64, Const<4>, Const<4>> {
     (Matrix4::identity() - (drift * period).exp()).lu()
-}
-
-fn refuse(why: &NoEquilibrium) -> Fault {
-    match why {
-        NoEquilibrium::Runaway { .. } => refusal(format_args!(
-            "{why}: friction heats more than thermal.oilAmbientConductance and the other conductances let out"
-        )),
-        NoEquilibrium::Unstable { .. } => refusal(format_args!(
-            "{why}: set thermal.initialBearingTemperature away from it"
-        )),
-        other => refusal(other),
-    }
 }

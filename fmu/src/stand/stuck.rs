@@ -226,6 +226,11 @@ impl Stand {
         found
     }
 
+    /// Which parameter or input to look at, where nothing more is known.
+    pub(super) fn advice(&self) -> Advice {
+        Advice(self.oddest())
+    }
+
     /// The parameter or input that differs from its default by the largest factor.
     fn oddest(&self) -> Option<Cause> {
         let far = |cause: &Cause| (cause.value / cause.default).ln().abs();

@@ -4,14 +4,15 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{Means, Parts};
+use super::{Means, Parts, verdict_help};
 use crate::session::Until;
 
 /// Options of `verify`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Example: orchestrator verify studies/paper-table3.toml --points 10000 \
-    --output results/table3"
+    after_help = verdict_help!(
+        "orchestrator verify studies/paper-table3.toml --points 10000 --output results/table3"
+    )
 )]
 pub struct Verify {
     /// The study
@@ -69,7 +70,7 @@ pub struct Replay {
 /// Options of `merge`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Example: orchestrator merge results/table3/shard-* --output results/table3"
+    after_help = verdict_help!("orchestrator merge results/table3/shard-* --output results/table3")
 )]
 pub struct Merge {
     /// The folders of the shards
@@ -88,8 +89,9 @@ pub struct Merge {
 
 /// Options of `judge`.
 #[derive(Debug, Args)]
-#[command(after_help = "Example: orchestrator judge studies/paper-table3.toml \
-    studies/paper/table3_solutions.csv")]
+#[command(after_help = verdict_help!(
+    "orchestrator judge studies/paper-table3.toml studies/paper/table3_solutions.csv"
+))]
 pub struct Judge {
     /// The study
     pub study: PathBuf,

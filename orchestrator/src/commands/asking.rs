@@ -93,7 +93,8 @@ pub(super) fn open(
         ..Request::default()
     })?;
     if !session.plan.is_independent() {
-        let message = "this analysis takes every parameter on its own; remove [[correlations]]";
+        let message = "this analysis takes every parameter on its own, and correlated ones cannot be changed alone; remove \
+                       [[correlations]]";
         return Err(session.study.error(message).into());
     }
     Ok(session)

@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 use std::time::Instant;
 
-use super::{CommandError, dossier, output, report, table, verdict};
+use super::{CommandError, dossier, improvements, output, report, table, verdict};
 use crate::cli;
 use crate::failure::Failure;
 use crate::judge::Judge;
@@ -28,7 +28,11 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, CommandError> {
     super::warn(&judge);
     let conversions = conversions(&study, &judge, fmu)?;
     let mut rows = Table::read_results(&options.table, &columns(&study))?;
-    let mut tally = Tally::new(&judge);
+    let mut tally = if study.design.method.is_by_levels() {
+        Tally::of_grid(&judge)
+    } else {
+        Tally::new(&judge)
+    };
     let mut survey = Survey::new(&judge, None, false);
     let folder = options.output.as_deref();
     let mut files = folder
@@ -66,9 +70,10 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, CommandError> {
         Report::from_folder(folder)?.write(folder)?;
     }
     output::print(&format!(
-        "{}{}",
+        "{}{}{}",
         table::remarks(&summary),
-        table::counts(&summary)
+        table::counts(&summary),
+        improvements::text(&summary)
     ));
     Ok(verdict(&summary))
 }

@@ -78,16 +78,26 @@ fn join_verification(
     let named = check(folders, verification.header())?;
     // Continue a merge that was interrupted.
     let begun = !options.output.join("summary.json").exists();
+    let mut looked = verification.looked(&options.output, folders)?;
     let taken = verify::open(&verification, &options.output, begun)?;
     fill(taken, folders)?;
     let run = Run::since(start, 0, 0);
-    let summary = verification.conclude(&options.output, Some(run), None);
+    let summary = verification.conclude(&options.output, Some(run), None, &mut looked);
     let summary = summary.map_err(|error| match error {
         SessionError::Results(ResultsError::Incomplete {
             missing, points, ..
         }) => incomplete(missing, points, &named, "verify STUDY", &options.output),
         error => error.into(),
     })?;
+    // Shards that grow and are joined again know of it, where they can be written to.
+    for folder in folders {
+        if looked.write(folder).is_err() {
+            eprintln!(
+                "note: {} does not take a note of this verdict; join its points in the same --output",
+                folder.display()
+            );
+        }
+    }
     if options.parquet {
         parquet::convert(&options.output, &summary)?;
     }

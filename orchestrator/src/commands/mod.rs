@@ -9,6 +9,7 @@ mod dossier;
 mod extra;
 mod finding;
 mod identify;
+mod improvements;
 mod init;
 mod inspect;
 mod judge;

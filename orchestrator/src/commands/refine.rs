@@ -1,5 +1,5 @@
 //! `verify --validation`: the numerical uncertainty of the criteria's values, by some points with finer communication
-//! steps.
+//! steps, and with finer tolerances of the FMU's solver.
 
 use std::path::Path;
 use std::time::Duration;
@@ -10,10 +10,10 @@ use crate::engine::process::Limits;
 use crate::engine::single::Recorder;
 use crate::engine::working_directory;
 use crate::pipeline::Model;
-use crate::results::validation::{Comparison, Numerical, refined};
+use crate::results::validation::{Comparison, Numerical, Refined, refined};
 use crate::results::{Outcome, ResultsError, Summary, write_atomically};
 use crate::session::Verification;
-use crate::task::{Schedule, Task};
+use crate::task::Task;
 
 /// So many points are refined.
 const POINTS: u64 = 3;
@@ -50,10 +50,11 @@ fn numerical(
         time: Duration::from_secs_f64(means.point_timeout.clamp(1.0, 1e9)),
         memory: 16 << 30,
     };
+    let tolerance = verification.session.plan.task.schedule.tolerance;
     let mut found = vec![Numerical::default(); verification.session.judge.criteria.len()];
     for index in 0..POINTS.min(verification.source.len()) {
         let job = verification.job(index);
-        let mut run = |refinement: f64| -> Result<Outcome, CommandError> {
+        let mut run = |by: Refined, times: i32| -> Result<Outcome, CommandError> {
             // Unpacked again where the last run has changed it.
             let fmu = verification.session.package.unpack(scratch.path())?;
             let session = &verification.session;
@@ -65,13 +66,30 @@ fn numerical(
                 limits,
                 echo: false,
             };
-            Ok(session.outcome(recorder.run(&finer(task, refinement), &job)?))
+            Ok(session.outcome(recorder.run(&finer(task, by, times), &job)?))
         };
-        let (Ok(coarse), Ok(middle), Ok(fine)) = (run(1.0)?, run(2.0)?, run(4.0)?) else {
+        let Ok(coarse) = run(Refined::Step, 0)? else {
             continue;
         };
+        let mut runs = |by: Refined| {
+            let finer = [run(by, 1)?, run(by, 2)?];
+            Ok::<_, CommandError>(finer.into_iter().collect::<Result<Vec<_>, _>>().ok())
+        };
+        let steps = runs(Refined::Step)?;
+        // Without a tolerance the FMU chooses its own, which nobody knows.
+        let tolerances = match tolerance {
+            Some(_) => runs(Refined::Tolerance)?,
+            None => None,
+        };
+        let parts = [(Refined::Step, steps), (Refined::Tolerance, tolerances)];
         for (k, known) in found.iter_mut().enumerate() {
-            let here = refined([coarse[k], middle[k], fine[k]]);
+            let part = |(by, finer): &(Refined, Option<Vec<Vec<f64>>>)| {
+                let finer = finer.as_ref()?;
+                Some(refined([coarse[k], finer[0][k], finer[1][k]], *by))
+            };
+            let Some(here) = parts.iter().filter_map(part).reduce(Numerical::and) else {
+                continue;
+            };
             // One that is known beats one that is not, and of those the larger one counts.
             if here.standard >= known.standard {
                 *known = here;
@@ -81,12 +99,16 @@ fn numerical(
     Ok(found)
 }
 
-fn finer(task: &Task, refinement: f64) -> Task {
+/// The task with a finer setting, so many times.
+fn finer(task: &Task, by: Refined, times: i32) -> Task {
+    let factor = by.ratio().powi(-times);
+    let mut schedule = task.schedule;
+    match by {
+        Refined::Step => schedule.step *= factor,
+        Refined::Tolerance => schedule.tolerance = schedule.tolerance.map(|own| factor * own),
+    }
     Task {
-        schedule: Schedule {
-            step: task.schedule.step / refinement,
-            ..task.schedule
-        },
+        schedule,
         ..task.clone()
     }
 }

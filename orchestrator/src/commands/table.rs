@@ -8,7 +8,6 @@ use crate::engine::Conduct;
 use crate::results::asides::Asides;
 use crate::results::summary::{Count, FailedPoint};
 use crate::results::{Summary, words};
-use conformity::risk::Risk;
 
 /// The summary for people: what meets which criterion.
 pub(super) fn counts(summary: &Summary) -> String {
@@ -24,9 +23,13 @@ pub(super) fn counts(summary: &Summary) -> String {
         let _ = writeln!(text, "point {point}: {status}");
     }
     text.push('\n');
+    let heading = match summary.verified_interval {
+        Some(_) => "   95 % interval",
+        None => "",
+    };
     let _ = writeln!(
         text,
-        "{:<34}{:>10}{:>10}   95 % interval",
+        "{:<34}{:>10}{:>10}{heading}",
         "meets", "points", "share"
     );
     let criteria = summary.criteria.iter().map(|(name, entry)| {
@@ -51,9 +54,16 @@ pub(super) fn counts(summary: &Summary) -> String {
         fraction: summary.verified_fraction,
         interval: summary.verified_interval,
     };
-    line(&mut text, "all criteria: verified", &all);
+    // Where a share is required, points within the tolerances need neither be accepted nor verify the model.
+    let conclusion = summary.conclusion.as_ref();
+    let met = match conclusion.and_then(|found| found.required.as_ref()) {
+        Some(_) => "within all tolerances",
+        None => "all criteria: verified",
+    };
+    line(&mut text, met, &all);
     for (name, variant) in &summary.variants {
-        let _ = writeln!(text, "\n{}", variant.about.as_deref().unwrap_or(name));
+        let about = variant.about.as_deref().unwrap_or(name);
+        let _ = writeln!(text, "\n{about}{}", unguarded(summary));
         for (criterion, count) in &variant.criteria {
             let own = &summary.criteria[criterion].criterion;
             if own.tolerance != variant.tolerances[criterion] {
@@ -67,7 +77,7 @@ pub(super) fn counts(summary: &Summary) -> String {
             }
         }
         groups(&mut text, &variant.groups);
-        line(&mut text, "all criteria: verified", &variant.verified);
+        line(&mut text, met, &variant.verified);
     }
     risks(&mut text, summary);
     text.push('\n');
@@ -75,6 +85,14 @@ pub(super) fn counts(summary: &Summary) -> String {
         let _ = writeln!(text, "{sentence}");
     }
     text
+}
+
+/// Other readings of the tolerances count without the guard band.
+fn unguarded(summary: &Summary) -> &'static str {
+    match summary.conclusion.as_ref().map(|found| found.guard_band) {
+        Some(Some(0.0)) | None => "",
+        Some(_) => " (the guard band is not applied here)",
+    }
 }
 
 /// The risks of accepting, of every criterion and of all, where they are known.
@@ -90,32 +108,37 @@ fn risks(text: &mut String, summary: &Summary) {
     let _ = writeln!(
         text,
         "\n{:<22}{:>24}{:>26}{:>26}",
-        "risk, 95 % interval",
+        match summary.verified_interval {
+            Some(_) => "risk, 95 % interval",
+            None => "risk",
+        },
         "accepted, not conforming",
         "rejected, conforming",
         "not conforming / accepted"
     );
     for (name, risk) in rows {
-        let Risk { intervals, .. } = risk;
+        let intervals = risk.intervals.as_ref();
         let _ = writeln!(
             text,
             "{name:<22}{:>24}{:>26}{:>26}",
-            with_interval(Some(risk.consumer), intervals.consumer),
-            with_interval(Some(risk.producer), intervals.producer),
+            with_interval(Some(risk.consumer), intervals.map(|of| of.consumer)),
+            with_interval(Some(risk.producer), intervals.map(|of| of.producer)),
             with_interval(
                 risk.not_conforming_given_accepted,
-                intervals.not_conforming_given_accepted
+                intervals.map(|of| of.not_conforming_given_accepted)
             ),
         );
     }
 }
 
-fn with_interval(share: Option<f64>, interval: [f64; 2]) -> String {
-    let [low, high] = interval.map(|limit| 100.0 * limit);
-    share.map_or_else(
-        || "-".to_owned(),
-        |share| format!("{:.2} % ({low:.1} .. {high:.1})", 100.0 * share),
-    )
+fn with_interval(share: Option<f64>, interval: Option<[f64; 2]>) -> String {
+    let Some(share) = share.map(|share| 100.0 * share) else {
+        return "-".to_owned();
+    };
+    match interval.map(|interval| interval.map(|limit| 100.0 * limit)) {
+        Some([low, high]) => format!("{share:.2} % ({low:.1} .. {high:.1})"),
+        None => format!("{share:.2} %"),
+    }
 }
 
 fn groups(text: &mut String, groups: &IndexMap<String, Count>) {
@@ -125,13 +148,12 @@ fn groups(text: &mut String, groups: &IndexMap<String, Count>) {
 }
 
 fn line(text: &mut String, what: &str, count: &Count) {
-    let [low, high] = count.interval.map(|bound| 100.0 * bound);
     let share = 100.0 * count.fraction;
-    let _ = writeln!(
-        text,
-        "{what:<34}{:>10}{share:>8.1} %   {low:.1} .. {high:.1} %",
-        count.passed
-    );
+    let _ = write!(text, "{what:<34}{:>10}{share:>8.1} %", count.passed);
+    if let Some([low, high]) = count.interval.map(|ends| ends.map(|end| 100.0 * end)) {
+        let _ = write!(text, "   {low:.1} .. {high:.1} %");
+    }
+    text.push('\n');
 }
 
 fn reasons(failures: &IndexMap<String, u64>) -> String {

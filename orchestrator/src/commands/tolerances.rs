@@ -121,27 +121,47 @@ impl Analysis for Search {
             .iter()
             .map(|outcome| goal.good(outcome.as_deref()))
             .collect();
-        let sample = Sample::new(&problem.distributions, points, goods);
+        let mut sample = Sample::new(&problem.distributions, points, goods);
         let mut found = Tolerances {
             wanted: goal.wanted,
             share: problem.target,
             confidence: problem.confidence,
             ..Tolerances::default()
         };
-        if goal.good(centre.as_deref()) < problem.target && !problem.holds_anywhere(&sample) {
-            found.reasons = reasons::of(&session.judge, &goal, centre.as_deref(), &outcomes);
+        let mut fresh = |points: Vec<Vec<f64>>| Ok::<_, CommandError>(runs.goods(&points)?);
+        let is_off = goal.good(centre.as_deref()) < problem.target;
+        let explored = if is_off {
+            problem.explore(&mut sample, &mut fresh)?
         } else {
-            let fresh = |points: Vec<Vec<f64>>| Ok(runs.goods(&points)?);
-            let (answer, sample) = widest::<CommandError>(&problem, Some(sample), fresh)?;
+            0
+        };
+        if is_off && !problem.holds_anywhere(&sample) {
+            found.rounds = explored;
             found.points = sample.len() as u64;
-            found.rounds = answer.rounds;
-            found.parameters = parameters(&session.plan, &problem, &answer.scales, &answer.safe);
-            found.widest = Some(Stated::new(
-                answer.estimate,
-                problem.stated(answer.estimate),
-            ));
-            found.stated = Some(Stated::new(answer.at_safe, answer.stated));
-            found.confirmed = Some(self.confirm(&problem, &answer.safe, &mut runs)?);
+            found.reasons = reasons::of(&session.judge, &goal, centre.as_deref(), &outcomes);
+            let ones = vec![1.0; problem.distributions.len()];
+            found
+                .reasons
+                .extend(most(session, &problem, &sample, &ones));
+        } else {
+            let (answer, sample) = widest(&problem, Some(sample), &mut fresh)?;
+            found.points = sample.len() as u64;
+            found.rounds = explored + answer.rounds;
+            if answer.is_expected {
+                found.parameters =
+                    parameters(&session.plan, &problem, &answer.scales, &answer.safe);
+                found.widest = Some(Stated::new(
+                    answer.estimate,
+                    problem.stated(answer.estimate),
+                ));
+                found.stated = Some(Stated::new(answer.at_safe, answer.stated));
+                found.confirmed = Some(self.confirm(&problem, &answer.safe, &mut runs)?);
+            } else {
+                found.reasons = reasons::off(&session.judge, centre.as_deref());
+                let most = most(session, &problem, &sample, &answer.scales);
+                found.reasons.push(reasons::not_shown(&problem));
+                found.reasons.extend(most);
+            }
         }
         AnalysisResult::new(
             &found,
@@ -225,6 +245,26 @@ impl Search {
             decision: rule.decide(interval),
         })
     }
+}
+
+/// The largest share that the points tell of at tolerances in these proportions, as a sentence.
+fn most(
+    session: &Session,
+    problem: &Problem,
+    sample: &Sample,
+    proportions: &[f64],
+) -> Option<String> {
+    let (scales, found) = problem.most(sample, proportions)?;
+    let varied = session.plan.varied();
+    let names = varied.iter().map(|&k| &session.plan.inputs[k].name);
+    let each = names
+        .zip(&scales)
+        .map(|(name, scale)| format!("{name} {}", number(*scale, 3)));
+    Some(format!(
+        "at most about {} % can be reached in these proportions, at so many times the study's tolerances: {}",
+        number(100.0 * found.share, 3),
+        each.collect::<Vec<_>>().join(", ")
+    ))
 }
 
 /// Relative cost of a narrower tolerance, for each parameter that varies.

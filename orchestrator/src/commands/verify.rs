@@ -8,8 +8,8 @@ use std::time::Instant;
 
 use super::limits::place;
 use super::{
-    CommandError, asking, best, cost, dossier, extra, moving, output, refine, report, table,
-    verdict,
+    CommandError, asking, best, cost, dossier, extra, improvements, moving, output, refine, report,
+    table, verdict,
 };
 use crate::cli::Verify;
 use crate::engine::crew::Crew;
@@ -17,8 +17,9 @@ use crate::pipeline::folder::RunFolder;
 use crate::pipeline::{Pipeline, Step};
 use crate::report::Report;
 use crate::results::summary::Run;
-use crate::results::{Journal, ResultsError, lines, parquet};
+use crate::results::{Journal, Looked, ResultsError, lines, parquet};
 use crate::session::{Ending, Front, Request, Session, Verification};
+use crate::study::Study;
 use sampling::design::Method;
 
 /// With `--until`, a study has as many points as needed, but for a limit.
@@ -28,13 +29,14 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, CommandError> {
     let begun = Instant::now();
     let mut verification = Verification::open(request(options))?;
     super::warn(&verification.session.judge);
-    let ending = check(options, &verification)?;
     let folder = asking::folder(
         options.output.as_deref(),
         &options.study,
         &options.parts,
         None,
     );
+    let mut looked = verification.looked(&folder, &[])?;
+    let ending = check(options, &verification, &looked)?;
     // More workers than points would only take memory from each other.
     let points = usize::try_from(verification.expected()).unwrap_or(usize::MAX);
     let jobs = options.means.jobs().min(points.max(1));
@@ -79,7 +81,7 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, CommandError> {
         return Ok(ExitCode::SUCCESS);
     }
     let run = Run::since(begun, computed, jobs);
-    let mut summary = verification.conclude(&folder, Some(run), ending.as_ref())?;
+    let mut summary = verification.conclude(&folder, Some(run), ending.as_ref(), &mut looked)?;
     if options.validation {
         summary = refine::observed(&mut verification, &options.means, &folder, &summary)?;
     }
@@ -95,14 +97,19 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, CommandError> {
 }
 
 /// When the study may end before its last point. Refuses options that the study's design cannot follow.
-fn check(options: &Verify, verification: &Verification) -> Result<Option<Ending>, CommandError> {
+fn check(
+    options: &Verify,
+    verification: &Verification,
+    looked: &Looked,
+) -> Result<Option<Ending>, CommandError> {
     let refuse = |option, message| CommandError::Option { option, message };
     let method = verification.session.study.design.method;
     if options.points.is_some() && method.is_by_levels() {
         let message = "the design has as many points as the levels make; change `levels`";
         return Err(refuse("points", message.to_owned()));
     }
-    let ending = options.until.map(|until| verification.ending(until));
+    let ending = options.until;
+    let ending = ending.map(|until| verification.ending(until, &looked.history));
     ending
         .transpose()
         .map_err(|message| refuse("until", message))
@@ -170,10 +177,11 @@ pub(super) fn conclude(
     dossier::write(folder, summary)?;
     Report::from_folder(folder)?.write(folder)?;
     output::print(&format!(
-        "{}{}{}\nresults in {}\n",
+        "{}{}{}{}\nresults in {}\n",
         table::remarks(summary),
         table::counts(summary),
         table::best(summary),
+        improvements::text(summary),
         folder.display()
     ));
     Ok(verdict(summary))
@@ -213,7 +221,14 @@ fn plan(verification: &Verification, folder: &Path) -> String {
 }
 
 fn request(options: &Verify) -> Request {
-    let until = options.until.filter(|_| options.points_from.is_none());
+    // A design that needs all its points keeps those of the study; `check` refuses it then, and says why.
+    let open_ended = || {
+        let study = Study::read(&options.study);
+        study.map_or(true, |study| study.design.method.is_extensible())
+    };
+    let until = options
+        .until
+        .filter(|_| options.points_from.is_none() && open_ended());
     Request {
         study: options.study.clone(),
         fmu: options.means.fmu.clone(),

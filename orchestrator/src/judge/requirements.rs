@@ -71,6 +71,7 @@ impl Judge {
     pub(super) fn add_requirements(&mut self, study: &Study) -> Result<(), StudyError> {
         self.measurement = self.correlated(study)?;
         if let Some(required) = &study.verdict {
+            refuse_grid(study, required)?;
             self.rule = Some(rule(study, required.as_ref())?);
             self.guard = self.guard_band(study, required)?;
         }
@@ -103,8 +104,17 @@ impl Judge {
             };
             return Err(study.error_at(entry, wrong));
         }
-        let criteria = self.criteria.iter().map(Criterion::measured).collect();
-        Measurement::new(criteria, &pairs).map_err(|message| {
+        let measured = |count: usize| {
+            let criteria = self.criteria.iter().take(count).map(Criterion::measured);
+            let within = |&&(a, b, _): &&(usize, usize, f64)| a < count && b < count;
+            let pairs: Vec<(usize, usize, f64)> = pairs.iter().filter(within).copied().collect();
+            Measurement::new(criteria.collect(), &pairs)
+        };
+        measured(self.criteria.len()).map_err(|message| {
+            // The first criterion with which it cannot be.
+            let first = (0..self.criteria.len()).find(|&k| measured(k + 1).is_err());
+            let name = first.map_or("", |k| self.criteria[k].name.as_str());
+            let message = format!("{message} (with the criteria up to `{name}`)");
             match study.uncertainty_correlations.first() {
                 Some(first) => study.error_at(first, message),
                 None => study.error(message),
@@ -125,7 +135,11 @@ impl Judge {
         Ok(number)
     }
 
-    fn guard_band(&self, study: &Study, required: &Spanned<Required>) -> Result<Guard, StudyError> {
+    fn guard_band(
+        &mut self,
+        study: &Study,
+        required: &Spanned<Required>,
+    ) -> Result<Guard, StudyError> {
         let Required {
             risk, guard_band, ..
         } = required.as_ref();
@@ -143,6 +157,7 @@ impl Judge {
                 self.all_uncertain(study, band, "a guard band")?;
                 let factor = *band.as_ref();
                 if factor >= 0.0 && factor.is_finite() {
+                    self.warn_of_guard_band(study, band);
                     return Ok(Guard::Given(factor));
                 }
                 let message = format!(
@@ -151,6 +166,25 @@ impl Judge {
                 Err(study.error_at(band, message))
             }
             (None, None) => Ok(Guard::Given(0.0)),
+        }
+    }
+
+    /// A guard band as wide as a tolerance leaves nothing to accept.
+    fn warn_of_guard_band(&mut self, study: &Study, band: &Spanned<f64>) {
+        let factor = *band.as_ref();
+        for criterion in &self.criteria {
+            let expanded = criterion.uncertainty.map_or(0.0, |u| u.expanded);
+            if factor > 0.0 && factor * expanded >= criterion.tolerance {
+                let message = format!(
+                    "the guard band of {factor} expanded uncertainties leaves nothing of {}'s tolerance {}, \
+                     so that no point can be accepted; give one below {:.3}, measure better or widen the tolerance",
+                    criterion.name,
+                    criterion.stated_tolerance,
+                    criterion.tolerance / expanded
+                );
+                let warning = study.error_at(band, message);
+                self.warnings.push(warning.to_string());
+            }
         }
     }
 
@@ -193,6 +227,21 @@ impl Judge {
             }
         }
     }
+}
+
+/// Points of a grid are no sample: no interval tells how far their share is from that of the space.
+fn refuse_grid(study: &Study, required: &Spanned<Required>) -> Result<(), StudyError> {
+    let method = study.design.method;
+    if !method.is_by_levels() {
+        return Ok(());
+    }
+    let message = format!(
+        "[verdict] needs points that are drawn at random: those of a {} grid are not, so that no share of the space can be \
+         stated with a confidence; use method = \"sobol\" with replicates = 16 or \"monte-carlo\" under [design], or \
+         remove [verdict]",
+        method.name()
+    );
+    Err(study.error_at(required, message))
 }
 
 fn rule(study: &Study, required: &Required) -> Result<Rule, StudyError> {

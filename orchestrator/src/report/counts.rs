@@ -2,6 +2,7 @@
 
 use super::Report;
 use super::format::{count, number, percent};
+use super::judgement::{Decided, Judgement};
 use crate::analysis::table::PointTable;
 use crate::analysis::verdict::PassCounts;
 use sampling::statistics::share::Fraction;
@@ -14,6 +15,8 @@ pub(super) struct CountRow {
     note: String,
     nominal: String,
     accepted: String,
+    /// The tolerance interval drawn in by the guard band, where one acts.
+    drawn_in: Option<String>,
     count: String,
     percent: String,
     interval: String,
@@ -44,6 +47,69 @@ pub(super) struct FractionText {
     high: String,
 }
 
+/// The share that the verdict rests on: that of the accepted points with the interval that decided, or of the points that
+/// meet all criteria.
+#[derive(Serialize)]
+pub(super) struct Headline {
+    count: String,
+    percent: String,
+    low: String,
+    high: String,
+    /// Of the interval, per cent.
+    confidence: String,
+    /// How it was computed, where it decided.
+    method: Option<String>,
+}
+
+impl Headline {
+    pub(super) fn new(judgement: &Judgement, total: usize, meets_all: &Fraction) -> Self {
+        const USUAL: f64 = 95.0;
+        let Some(decided) = &judgement.decided else {
+            let FractionText { percent, low, high } = fraction(meets_all);
+            return Self {
+                count: count(meets_all.count),
+                percent,
+                low,
+                high,
+                confidence: number(USUAL, 4),
+                method: None,
+            };
+        };
+        let [low, high] = decided.interval.map(percent);
+        Self {
+            count: count(decided.accepted),
+            percent: percent(decided.accepted as f64 / total.max(1) as f64),
+            low,
+            high,
+            confidence: number(100.0 * decided.confidence, 4),
+            method: Some(decided.method.clone()),
+        }
+    }
+}
+
+/// The share of the accepted points, where a guard band makes them fewer than those within all tolerances, and a note on
+/// the guard band.
+fn guarded(judgement: &Judgement, total: usize) -> Option<(String, Fraction)> {
+    let Decided {
+        accepted,
+        interval: [low, high],
+        ..
+    } = *judgement.decided.as_ref()?;
+    let band = judgement.guard?;
+    let note = if band.is_finite() {
+        format!("guard band {} U", number(band, 3))
+    } else {
+        "no guard band keeps the risk as low as required".into()
+    };
+    let share = Fraction {
+        count: accepted,
+        of: total,
+        low,
+        high,
+    };
+    Some((note, share))
+}
+
 pub(super) fn fraction(f: &Fraction) -> FractionText {
     FractionText {
         percent: percent(f.value()),
@@ -52,13 +118,19 @@ pub(super) fn fraction(f: &Fraction) -> FractionText {
     }
 }
 
-pub(super) fn count_rows(table: &PointTable, counted: &PassCounts) -> Vec<CountRow> {
+pub(super) fn count_rows(
+    table: &PointTable,
+    counted: &PassCounts,
+    judgement: &Judgement,
+    total: usize,
+) -> Vec<CountRow> {
     let row = |name: &str, kind, f: &Fraction| CountRow {
         name: name.to_owned(),
         kind,
         note: String::new(),
         nominal: String::new(),
         accepted: String::new(),
+        drawn_in: None,
         count: count(f.count),
         percent: percent(f.value()),
         interval: format!("{} – {}", percent(f.low), percent(f.high)),
@@ -75,6 +147,12 @@ pub(super) fn count_rows(table: &PointTable, counted: &PassCounts) -> Vec<CountR
             note: c.source.clone(),
             nominal: quantity(c.nominal, &c.unit),
             accepted: format!("{} … {}", number(c.lower, 6), quantity(c.upper, &c.unit)),
+            drawn_in: judgement
+                .drawn_in(k, [c.lower, c.upper])
+                .map(|[low, high]| match low <= high {
+                    true => format!("{} … {}", number(low, 6), quantity(high, &c.unit)),
+                    false => "nothing".to_owned(),
+                }),
             binds: count(v.binds),
             only: count(v.only_failure),
             miss: v
@@ -101,7 +179,15 @@ pub(super) fn count_rows(table: &PointTable, counted: &PassCounts) -> Vec<CountR
             .filter(|&k| table.criteria[k].group.is_none())
             .map(criterion),
     );
-    rows.push(row("all criteria", "total", &counted.verified));
+    let Some((note, accepted)) = guarded(judgement, total) else {
+        rows.push(row("all criteria", "total", &counted.verified));
+        return rows;
+    };
+    rows.push(row("within all tolerances", "total", &counted.verified));
+    rows.push(CountRow {
+        note,
+        ..row("accepted", "total", &accepted)
+    });
     rows
 }
 
@@ -112,7 +198,7 @@ pub(super) fn readings(report: &Report, counted: &PassCounts) -> Vec<ReadingRow>
     };
     let row = |reading: &super::Reading| {
         let share = reading.verified as f64 / report.points().max(1) as f64;
-        let [low, high] = reading.interval;
+        let range = |[low, high]: [f64; 2]| format!("{} – {}", percent(low), percent(high));
         let changed = reading
             .criteria
             .iter()
@@ -125,7 +211,7 @@ pub(super) fn readings(report: &Report, counted: &PassCounts) -> Vec<ReadingRow>
             about: reading.about.clone(),
             verified: count(reading.verified),
             percent: percent(share),
-            interval: format!("{} – {}", percent(low), percent(high)),
+            interval: reading.interval.map(range).unwrap_or_default(),
             changes: if words.is_empty() {
                 "as above".into()
             } else {
@@ -167,7 +253,7 @@ pub(super) fn decisive(table: &PointTable, counted: &PassCounts, total: usize) -
             );
             if only.only_failure > 0 {
                 text += &format!(
-                    " {} alone keeps {} further point{} from being verified.",
+                    " {} alone keeps {} further point{} from meeting all.",
                     table.criteria[a].name,
                     count(only.only_failure),
                     if only.only_failure == 1 { "" } else { "s" }

@@ -31,7 +31,7 @@ pub fn plane(
         .filter(|&i| within(x, i) && within(y, i))
         .count();
     let title = format!(
-        "{} against {}: {inside} of {} points lie in the accepted box",
+        "{} against {}: {inside} of {} points lie in the box of the tolerances",
         y.name,
         x.name,
         table.len()
@@ -43,24 +43,26 @@ fn within(c: &PlotColumn<'_>, i: usize) -> bool {
     c.values[i] >= c.accepted[0] && c.values[i] <= c.accepted[1]
 }
 
-/// The accepted box and the measured value.
+/// The accepted box and the measured value; under a guard band the box of the tolerances around it.
 fn acceptance(frame: &Frame, x: &PlotColumn<'_>, y: &PlotColumn<'_>) -> String {
     let mut out = String::new();
     if x.nominal.is_none() && y.nominal.is_none() {
         return out;
     }
-    let (x0, x1) = (
-        frame.x.clamped(x.accepted[0]),
-        frame.x.clamped(x.accepted[1]),
-    );
-    let (y0, y1) = (
-        frame.y.clamped(y.accepted[1]),
-        frame.y.clamped(y.accepted[0]),
-    );
-    let _ = write!(
-        out,
-        "<path class=\"accept\" d=\"M{x0:.1},{y0:.1}H{x1:.1}V{y1:.1}H{x0:.1}z\"/>"
-    );
+    let across = |[low, high]: [f64; 2]| (frame.x.clamped(low), frame.x.clamped(high));
+    let along = |[low, high]: [f64; 2]| (frame.y.clamped(high), frame.y.clamped(low));
+    let ((x0, x1), (y0, y1)) = (across(x.accepted), along(y.accepted));
+    let guarded = x.drawn_in.is_some() || y.drawn_in.is_some();
+    out.push_str(&area(
+        if guarded { "tolerance" } else { "accept" },
+        [x0, x1],
+        [y0, y1],
+    ));
+    let inner = [x, y].map(|c| c.drawn_in.unwrap_or(c.accepted));
+    if guarded && inner.iter().all(|[low, high]| low <= high) {
+        let ((x0, x1), (y0, y1)) = (across(inner[0]), along(inner[1]));
+        out.push_str(&area("accept", [x0, x1], [y0, y1]));
+    }
     if let Some(v) = x.nominal {
         let _ = write!(
             out,
@@ -76,6 +78,10 @@ fn acceptance(frame: &Frame, x: &PlotColumn<'_>, y: &PlotColumn<'_>) -> String {
         );
     }
     out
+}
+
+fn area(class: &str, [x0, x1]: [f64; 2], [y0, y1]: [f64; 2]) -> String {
+    format!("<path class=\"{class}\" d=\"M{x0:.1},{y0:.1}H{x1:.1}V{y1:.1}H{x0:.1}z\"/>")
 }
 
 fn density_cells(
@@ -165,7 +171,7 @@ fn mark_radius(points: usize) -> f64 {
     }
 }
 
-/// The distribution of a column: all points, and those that meet all criteria, each with its own
+/// The distribution of a column: all points, and the accepted ones, which the table has as verified, each with its own
 /// scale so that the shapes compare.
 pub fn distribution(table: &PointTable, c: &PlotColumn<'_>) -> String {
     let verified: Vec<f64> = (0..table.len())
@@ -191,15 +197,17 @@ pub fn distribution(table: &PointTable, c: &PlotColumn<'_>) -> String {
     };
     let mut out = frame.axes(&with_unit(c.name, c.unit), None);
     if c.nominal.is_some() {
-        let (a, b) = (
-            frame.x.clamped(c.accepted[0]),
-            frame.x.clamped(c.accepted[1]),
-        );
-        let _ = write!(
-            out,
-            "<path class=\"accept\" d=\"M{a:.1},{:.1}H{b:.1}V{:.1}H{a:.1}z\"/>",
-            frame.y.to, frame.y.from
-        );
+        let across = |[low, high]: [f64; 2]| [frame.x.clamped(low), frame.x.clamped(high)];
+        let down = [frame.y.to, frame.y.from];
+        let outer = if c.drawn_in.is_some() {
+            "tolerance"
+        } else {
+            "accept"
+        };
+        out.push_str(&area(outer, across(c.accepted), down));
+        if let Some(inner) = c.drawn_in.filter(|[low, high]| low <= high) {
+            out.push_str(&area("accept", across(inner), down));
+        }
     }
     let _ = write!(
         out,
@@ -216,7 +224,7 @@ pub fn distribution(table: &PointTable, c: &PlotColumn<'_>) -> String {
         );
     }
     let title = format!(
-        "Distribution of {} over all {} points and over the {} verified points",
+        "Distribution of {} over all {} points and over the {} accepted points",
         c.name,
         table.len(),
         verified.len()

@@ -1,9 +1,12 @@
 //! The verdict on the page: its words, and what accepting points risks.
 
+use std::borrow::Cow;
+
 use serde::Serialize;
 
 use super::format::{number, percent};
 use crate::analysis::table::PointTable;
+use crate::results::conclusion::Conclusion;
 use crate::results::{Summary, words};
 use conformity::decision::Decision;
 use conformity::measured::{Measured, Measurement};
@@ -14,8 +17,10 @@ use conformity::risk::Risk;
 pub struct Judgement {
     /// The verdict; where there is none, one point that meets all criteria is enough.
     pub decision: Option<Decision>,
-    /// Whether a share of the sampled space is required.
-    pub by_share: bool,
+    /// The share that decided, where a share of the sampled space is required.
+    pub decided: Option<Decided>,
+    /// The guard band in expanded uncertainties, where one acts; infinite where nothing is accepted.
+    pub guard: Option<f64>,
     /// The verdict in words, a sentence each.
     pub sentences: Vec<String>,
     /// The measured values with their uncertainties, in the order of the criteria.
@@ -24,6 +29,19 @@ pub struct Judgement {
     pub risks: Vec<Option<Risk>>,
     /// The risks of all criteria together, where all uncertainties are known.
     pub all: Option<Risk>,
+}
+
+/// The share of accepted points as the verdict sees it.
+#[derive(Clone, Debug)]
+pub struct Decided {
+    /// How many points are accepted.
+    pub accepted: usize,
+    /// The interval of their share.
+    pub interval: [f64; 2],
+    /// The confidence of the interval.
+    pub confidence: f64,
+    /// How it was computed.
+    pub method: String,
 }
 
 impl Judgement {
@@ -36,12 +54,40 @@ impl Judgement {
         let criteria = summary.criteria.values();
         Ok(Self {
             decision: conclusion.map(|found| found.verdict),
-            by_share: conclusion.is_some_and(|found| found.required.is_some()),
+            decided: conclusion.and_then(decided),
+            guard: conclusion.and_then(|found| match found.guard_band {
+                Some(0.0) => None,
+                band => Some(band.unwrap_or(f64::INFINITY)),
+            }),
             sentences: words::sentences(summary),
             measurement: summary.measurement()?,
             risks: criteria.map(|entry| entry.risk.clone()).collect(),
             all: conclusion.and_then(|found| found.risk.clone()),
         })
+    }
+
+    /// The table in which those points count as verified that are accepted: under a guard band these are fewer than those
+    /// within all tolerances.
+    pub(super) fn as_accepted<'a>(&self, table: &'a PointTable) -> Cow<'a, PointTable> {
+        let Some(guard) = self.guard else {
+            return Cow::Borrowed(table);
+        };
+        let accepted = |point: usize| {
+            let values: Vec<f64> = table.criteria.iter().map(|c| c.values[point]).collect();
+            table.verified[point] && self.measurement.margin(&values) >= guard
+        };
+        Cow::Owned(PointTable {
+            verified: (0..table.len()).map(accepted).collect(),
+            ..table.clone()
+        })
+    }
+
+    /// The acceptance interval of a criterion, where a guard band draws the tolerance interval in; the lower end lies above
+    /// the upper one where nothing is left.
+    pub(super) fn drawn_in(&self, criterion: usize, [lower, upper]: [f64; 2]) -> Option<[f64; 2]> {
+        let measured = self.measurement.criteria().get(criterion)?;
+        let band = self.guard? * measured.uncertainty?.expanded;
+        Some([lower + band, upper - band])
     }
 
     /// The conformance probability of every point, 0 of one that failed; none where an uncertainty is not known.
@@ -78,6 +124,16 @@ impl Judgement {
     }
 }
 
+fn decided(conclusion: &Conclusion) -> Option<Decided> {
+    let required = conclusion.required.as_ref()?;
+    Some(Decided {
+        accepted: conclusion.accepted as usize,
+        interval: required.interval,
+        confidence: required.rule.confidence,
+        method: required.method.clone(),
+    })
+}
+
 /// A row of the table of risks.
 #[derive(Serialize)]
 pub(super) struct RiskRow {
@@ -97,24 +153,20 @@ impl RiskRow {
             unit => format!(" {unit}"),
         };
         let stated = measured.and_then(|(m, u)| Some((m.uncertainty?, unit(u))));
-        let share = |value: Option<f64>, [low, high]: [f64; 2]| {
+        let share = |value: Option<f64>, interval: Option<[f64; 2]>| {
+            let range = |[low, high]: [f64; 2]| format!("{} – {}", percent(low), percent(high));
             value.map_or_else(
                 || ["–".to_owned(), String::new()],
-                |value| {
-                    [
-                        percent(value),
-                        format!("{} – {}", percent(low), percent(high)),
-                    ]
-                },
+                |value| [percent(value), interval.map(range).unwrap_or_default()],
             )
         };
         let risks = risk.map(|risk| {
-            let intervals = &risk.intervals;
+            let intervals = risk.intervals.as_ref();
             let given = risk.not_conforming_given_accepted;
             vec![
-                share(Some(risk.consumer), intervals.consumer),
-                share(Some(risk.producer), intervals.producer),
-                share(given, intervals.not_conforming_given_accepted),
+                share(Some(risk.consumer), intervals.map(|of| of.consumer)),
+                share(Some(risk.producer), intervals.map(|of| of.producer)),
+                share(given, intervals.map(|of| of.not_conforming_given_accepted)),
             ]
         });
         let unknown = || vec![["–".to_owned(), String::new()]; 3];
@@ -188,6 +240,22 @@ mod tests {
         assert!((p[0] - 0.954_499_7).abs() < 1e-6 && (p[1] - 0.5).abs() < 1e-4);
         assert!(p[2] < 1e-9 && p[3] == 0.0);
         assert_eq!(judgement(None).conformance(&table(&[10.0])), None);
+    }
+
+    /// A guard band of 1 draws 8 .. 12 in by U = 0.5.
+    #[test]
+    fn a_guard_band_leaves_fewer_points_accepted_than_within_tolerance() {
+        let mut judgement = judgement(Some(0.5));
+        let mut points = table(&[10.0, 11.4, 11.6, 12.5]);
+        points.verified = vec![true, true, true, false];
+        assert_eq!(judgement.drawn_in(0, [8.0, 12.0]), None);
+        assert_eq!(judgement.as_accepted(&points).verified, points.verified);
+        judgement.guard = Some(1.0);
+        assert_eq!(judgement.drawn_in(0, [8.0, 12.0]), Some([8.5, 11.5]));
+        let accepted = judgement.as_accepted(&points).verified.clone();
+        assert_eq!(accepted, [true, true, false, false]);
+        judgement.guard = Some(f64::INFINITY);
+        assert_eq!(judgement.as_accepted(&points).verified, [false; 4]);
     }
 
     #[test]

@@ -123,18 +123,20 @@ impl Whole {
 pub struct Intervals {
     /// Name of the method, for people.
     pub method: String,
-    /// Interval for the points that meet all criteria.
-    pub verified: [f64; 2],
+    /// Interval for the points that meet all criteria; none of a grid.
+    pub verified: Option<[f64; 2]>,
     /// One interval a criterion.
-    pub criteria: Vec<[f64; 2]>,
+    pub criteria: Vec<Option<[f64; 2]>>,
     /// One a group of criteria, by its name.
-    pub groups: Vec<(String, [f64; 2])>,
+    pub groups: Vec<(String, Option<[f64; 2]>)>,
 }
 
 impl Intervals {
     /// Replaces the intervals that assume independent points.
     fn replace_in(&self, counted: &mut PassCounts) {
-        let put = |share: &mut Fraction, [low, high]: [f64; 2]| {
+        let put = |share: &mut Fraction, interval: Option<[f64; 2]>| {
+            // Where there is none, the page has no column for it.
+            let [low, high] = interval.unwrap_or([share.value(); 2]);
             (share.low, share.high) = (low, high);
         };
         put(&mut counted.verified, self.verified);
@@ -158,8 +160,8 @@ pub struct Reading {
     pub about: String,
     /// Points that meet all criteria.
     pub verified: usize,
-    /// The 95 % interval of their share.
-    pub interval: [f64; 2],
+    /// The 95 % interval of their share; none of a grid.
+    pub interval: Option<[f64; 2]>,
     /// Points that meet a criterion, by its name.
     pub criteria: Vec<(String, usize)>,
     /// Points that meet all criteria of a group, by its name.

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::format::{number, percent};
 use crate::results::Summary;
-use crate::results::improvement::{Change, Halved, Prospect};
+use crate::results::improvement::{Change, Halved, Prospect, Sign};
 use crate::results::validation::Comparison;
 
 /// Both parts as the template shows them.
@@ -15,7 +15,7 @@ pub struct Outlook {
     /// Which of the uncertainties dominates, and why the numerical one is not known.
     notes: Vec<String>,
     /// The first row tells of the study as it is.
-    improvements: Vec<[String; 7]>,
+    improvements: Vec<[String; 8]>,
     /// How many points the improvements rest on.
     points: u64,
 }
@@ -32,17 +32,29 @@ impl Outlook {
             (name, compared(found))
         };
         let note = |(name, found): (&String, &Comparison)| {
+            let bound = if found.complete {
+                ""
+            } else {
+                "; since not all uncertainties are known, E ± 2 u_val is wider than stated"
+            };
             format!(
-                "{name}: the {} uncertainty dominates; numerical uncertainty {}",
+                "{name}: the {} uncertainty dominates; numerical uncertainty {}{bound}",
                 found.dominant, found.u_num_note
             )
         };
+        let missing = (summary.failed > 0 && !summary.validation.is_empty()).then(|| {
+            format!(
+                "Mean and spread are those of the {} points that have a result; {} failed",
+                summary.points - summary.failed,
+                summary.failed
+            )
+        });
         let improvements = summary.improvements.as_ref();
         Self {
             comparison: summary.validation.iter().map(row).collect(),
-            notes: summary.validation.iter().map(note).collect(),
+            notes: summary.validation.iter().map(note).chain(missing).collect(),
             improvements: improvements.map_or_else(Vec::new, |found| {
-                let now = prospect("as it is", "", String::new(), &found.now);
+                let now = prospect("as it is", "", [String::new(), String::new()], &found.now);
                 std::iter::once(now)
                     .chain(found.changes.iter().map(change))
                     .collect()
@@ -62,30 +74,44 @@ fn compared(found: &Comparison) -> [String; 7] {
         number(found.u_input, 3),
         known(found.u_d),
         format!("{least}{}", number(found.u_val, 3)),
-        format!("{low} … {high}"),
+        format!("{least}{low} … {high}"),
         found.dominant.clone(),
     ]
 }
 
-fn change(found: &Change) -> [String; 7] {
+fn change(found: &Change) -> [String; 8] {
     let what = match found.halved {
         Halved::Uncertainty => "measured value's uncertainty",
         Halved::Tolerance => "parameter's tolerance",
     };
-    let sign = if found.gain > 0.0 { "+" } else { "" };
+    let plus = |gain: f64| {
+        let sign = if gain > 0.0 { "+" } else { "" };
+        format!("{sign}{}", number(100.0 * gain, 2))
+    };
+    let [low, high] = found.gain_interval.map(plus);
+    let interval = match found.sign() {
+        Sign::Open => format!("{low} … {high}: not distinguishable from 0"),
+        Sign::Gain | Sign::Loss => format!("{low} … {high}"),
+    };
     prospect(
         &found.name,
         what,
-        format!("{sign}{}", number(100.0 * found.gain, 2)),
+        [plus(found.gain), interval],
         &found.prospect,
     )
 }
 
-fn prospect(name: &str, what: &str, gain: String, found: &Prospect) -> [String; 7] {
+fn prospect(
+    name: &str,
+    what: &str,
+    [gain, interval]: [String; 2],
+    found: &Prospect,
+) -> [String; 8] {
     [
         name.to_owned(),
         what.to_owned(),
         gain,
+        interval,
         percent(found.accepted),
         found
             .not_conforming_given_accepted

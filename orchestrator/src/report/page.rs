@@ -1,7 +1,7 @@
 //! Puts the page together: the numbers of the report as the template wants them.
 
 use super::best::{BestRow, best_rows, heading};
-use super::counts::{CountRow, FractionText, ReadingRow, count_rows, decisive, fraction, readings};
+use super::counts::{CountRow, Headline, ReadingRow, count_rows, decisive, readings};
 use super::figures;
 use super::format::{count, number, with_unit};
 use super::judgement::RiskRow;
@@ -31,9 +31,12 @@ struct Page<'a> {
     kind: &'static str,
     sentences: &'a [String],
     by_share: bool,
+    /// Whether a guard band acts.
+    guarded: bool,
     n: String,
+    /// Points within all tolerances.
     count: String,
-    fraction: FractionText,
+    headline: Headline,
     failed: String,
     drawn: String,
     sampled: bool,
@@ -41,6 +44,8 @@ struct Page<'a> {
     decisive: String,
     readings: Vec<ReadingRow>,
     interval_method: &'a str,
+    /// Whether shares have intervals: those of a grid have none.
+    intervals: bool,
     expected: Option<String>,
     risks: Vec<RiskRow>,
     planes: Vec<Plane>,
@@ -80,12 +85,14 @@ struct Small {
 
 /// Renders the page.
 pub fn render(report: &Report) -> Result<String, ReportError> {
-    let table = &report.table;
-    let columns = payload::columns(table);
+    let whole = &report.table;
+    let judgement = &report.judgement;
+    let table = &*judgement.as_accepted(whole);
+    let columns = payload::columns(table, judgement);
     let ranking = table.best(payload::MOST_POINTS);
     let order: Vec<usize> = ranking.iter().map(|r| r.point).collect();
     let points = payload::embedded(table, &order, columns.len());
-    let mut counted = verdict(table);
+    let mut counted = verdict(whole);
     if let Some(whole) = &report.whole {
         whole.replace_in(&mut counted);
     }
@@ -94,7 +101,7 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
     }
     let conformance = report.judgement.conformance(table);
     let total = report.points();
-    let data = payload::payload(table, &points, total, conformance.as_deref());
+    let data = payload::payload(table, &columns, &points, total, conformance.as_deref());
     let data = serde_json::to_string(&data)?;
     let decision = decision(report, &counted);
 
@@ -119,10 +126,11 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
             Decision::Inconclusive => "open",
         },
         sentences: &report.judgement.sentences,
-        by_share: report.judgement.by_share,
+        by_share: judgement.decided.is_some(),
+        guarded: judgement.guard.is_some(),
         n: count(total),
         count: count(counted.verified.count),
-        fraction: fraction(&counted.verified),
+        headline: Headline::new(judgement, total, &counted.verified),
         failed: match counted.failed {
             0 => String::new(),
             1 => "1 point could not be simulated and counts as not verified.".into(),
@@ -133,13 +141,17 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
         },
         drawn: count(points.len()),
         sampled: points.len() < total,
-        rows: count_rows(table, &counted),
+        rows: count_rows(table, &counted, judgement, total),
         decisive: decisive(table, &counted, total),
         readings: readings(report, &counted),
         interval_method: report
             .intervals
             .as_ref()
             .map_or("Wilson's score interval", |i| &i.method),
+        intervals: report
+            .intervals
+            .as_ref()
+            .is_none_or(|i| i.verified.is_some()),
         expected: match &report.whole {
             Some(whole) => whole.expected,
             None => conformance.as_ref().map(|p| p.iter().sum()),
@@ -190,8 +202,8 @@ fn decision(report: &Report, counted: &PassCounts) -> Decision {
 
 /// The plots that are written as files: name and picture.
 pub fn plots(report: &Report) -> Vec<(String, String)> {
-    let table = &report.table;
-    let columns = payload::columns(table);
+    let table = &*report.judgement.as_accepted(&report.table);
+    let columns = payload::columns(table, &report.judgement);
     let best = table.best(payload::MOST_POINTS);
     let order: Vec<usize> = best.iter().map(|r| r.point).collect();
     let points = payload::embedded(table, &order, columns.len());
@@ -267,7 +279,7 @@ fn distributions(table: &PointTable, columns: &[PlotColumn<'_>], first: usize) -
             rows: vec![
                 row("all", &mut c.values.iter().copied()),
                 row(
-                    "verified",
+                    "accepted",
                     &mut (0..table.len())
                         .filter(|&i| table.verified[i])
                         .map(|i| c.values[i]),

@@ -2,6 +2,7 @@
 //! densities of all points where there are too many to draw one by one.
 
 use super::bins;
+use super::judgement::Judgement;
 use crate::analysis::table::PointTable;
 use base64::{Engine, engine::general_purpose::STANDARD};
 use serde::Serialize;
@@ -23,7 +24,9 @@ pub struct Payload {
     columns: Vec<EmbeddedColumn>,
     /// Point numbers, 32-bit.
     ids: String,
-    /// A byte a point: meets all criteria.
+    /// Whether a guard band acts, so that fewer points are accepted than lie within all tolerances.
+    guarded: bool,
+    /// A byte a point: accepted.
     verified: String,
     /// A byte a point: simulated to its end.
     completed: String,
@@ -49,6 +52,8 @@ struct Acceptance {
     nominal: f64,
     lower: Option<f64>,
     upper: Option<f64>,
+    /// The tolerance interval drawn in by the guard band, where one acts and anything is left.
+    drawn_in: Option<[f64; 2]>,
     /// A byte a point.
     ok: String,
 }
@@ -71,6 +76,8 @@ pub struct PlotColumn<'a> {
     pub values: &'a [f64],
     /// The accepted interval; infinite for parameters.
     pub accepted: [f64; 2],
+    /// That interval drawn in by the guard band, where one acts.
+    pub drawn_in: Option<[f64; 2]>,
     /// The measured value of a criterion.
     pub nominal: Option<f64>,
     /// The axis.
@@ -78,12 +85,13 @@ pub struct PlotColumn<'a> {
 }
 
 /// Lists the columns of a table; the axis of a column without any value is 0 to 1.
-pub fn columns(table: &PointTable) -> Vec<PlotColumn<'_>> {
+pub fn columns<'a>(table: &'a PointTable, judgement: &Judgement) -> Vec<PlotColumn<'a>> {
     let column = |name, unit, values, accepted: [f64; 2], nominal| PlotColumn {
         name,
         unit,
         values,
         accepted,
+        drawn_in: None,
         nominal,
         range: bins::axis_range(values, accepted[0], accepted[1]).unwrap_or([0.0, 1.0]),
     };
@@ -97,14 +105,12 @@ pub fn columns(table: &PointTable) -> Vec<PlotColumn<'_>> {
             None,
         )
     });
-    let criteria = table.criteria.iter().map(|c| {
-        column(
-            &c.name,
-            &c.unit,
-            &c.values,
-            [c.lower, c.upper],
-            Some(c.nominal),
-        )
+    let criteria = table.criteria.iter().enumerate().map(|(k, c)| {
+        let tolerance = [c.lower, c.upper];
+        PlotColumn {
+            drawn_in: judgement.drawn_in(k, tolerance),
+            ..column(&c.name, &c.unit, &c.values, tolerance, Some(c.nominal))
+        }
     });
     parameters.chain(criteria).collect()
 }
@@ -141,15 +147,15 @@ fn embed(table: &PointTable, ranking: &[usize], most: usize) -> Vec<usize> {
     (0..n).filter(|&i| keep[i]).collect()
 }
 
-/// Collects the data for the page's script; there are `total` points, of which the table may hold only some.
-/// `conformance` is the conformance probability of every point, where it is known.
+/// Collects the data for the page's script; there are `total` points, of which the table may hold only some. In the table
+/// the accepted points count as verified. `conformance` is the conformance probability of every point, where it is known.
 pub fn payload(
     table: &PointTable,
+    columns: &[PlotColumn<'_>],
     points: &[usize],
     total: usize,
     conformance: Option<&[f64]>,
 ) -> Payload {
-    let columns = columns(table);
     let first_criterion = table.parameters.len();
     let flags = |flag: &dyn Fn(usize) -> bool| {
         STANDARD.encode(
@@ -182,6 +188,7 @@ pub fn payload(
                 nominal: criterion.nominal,
                 lower: finite(criterion.lower),
                 upper: finite(criterion.upper),
+                drawn_in: c.drawn_in.filter(|[low, high]| low <= high),
                 ok: flags(&|i| criterion.ok[i]),
             }
         }),
@@ -196,10 +203,11 @@ pub fn payload(
                 .flat_map(|&i| (table.ids[i] as u32).to_le_bytes())
                 .collect::<Vec<_>>(),
         ),
+        guarded: columns.iter().any(|c| c.drawn_in.is_some()),
         verified: flags(&|i| table.verified[i]),
         completed: flags(&|i| table.completed(i)),
         conformance: conformance.map(floats),
-        density: (points.len() < total).then(|| densities(table, &columns)),
+        density: (points.len() < total).then(|| densities(table, columns)),
     }
 }
 

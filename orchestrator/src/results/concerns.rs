@@ -55,6 +55,24 @@ pub fn out_of_reach(criterion: &Criterion, [low, high]: [f64; 2], points: u64) -
     ))
 }
 
+/// Warns of a criterion whose value is the same at all points, given the least and the greatest: it only says again what
+/// one run says.
+pub fn unmoved(criterion: &Criterion, [low, high]: [f64; 2], points: u64) -> Option<String> {
+    const ROUNDING: f64 = 1e-12;
+    let same = high - low <= ROUNDING * low.abs().max(high.abs());
+    if points < FEWEST || low > high || !same {
+        return None;
+    }
+    let unit = criterion.unit.as_deref();
+    let unit = unit.map_or_else(String::new, |unit| format!(" {unit}"));
+    Some(format!(
+        "{}: the value is {}{unit} at all {points} points, so it tells nothing of the parameters that vary; check \
+         `variable`, vary a parameter that it depends on, or remove the criterion",
+        criterion.name,
+        short(low)
+    ))
+}
+
 /// The units whose confusion would explain the distance, if any do.
 fn mistaken_unit(criterion: &Criterion, [low, high]: [f64; 2]) -> Option<&'static str> {
     let outside = |value: f64| (low - value).max(value - high).max(0.0);
@@ -128,6 +146,17 @@ mod tests {
             out_of_reach(&t, [f64::INFINITY, f64::NEG_INFINITY], 10),
             None
         );
+    }
+
+    #[test]
+    fn a_value_that_is_the_same_at_all_points_is_warned_of() {
+        let t = criterion(82.0, 0.6);
+        let found = unmoved(&t, [81.8, 81.8], 10).unwrap();
+        assert!(found.starts_with("T: the value is 81.800 at all 10 points"));
+        assert!(unmoved(&t, [0.0, 0.0], 10).is_some());
+        assert_eq!(unmoved(&t, [81.8, 81.8], 9), None);
+        assert_eq!(unmoved(&t, [81.8, 81.8 + 1e-9], 10), None);
+        assert_eq!(unmoved(&t, [f64::INFINITY, f64::NEG_INFINITY], 10), None);
     }
 
     #[test]

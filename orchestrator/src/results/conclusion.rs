@@ -3,9 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use conformity::decision::{Decision, Rule, other_verdict};
-use conformity::looks::Looks;
-use conformity::risk::{Risk, Statement};
-use conformity::sequence::points_needed;
+use conformity::looks::{Looks, Way};
+use conformity::risk::{Risk, Statement, Unfit};
+use conformity::sequence::{points_needed, points_needed_once};
 
 /// The verdict on the model, with what it rests on.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -48,34 +48,126 @@ pub struct Requirement {
     /// The required share and the confidence.
     #[serde(flatten)]
     pub rule: Rule,
-    /// The interval of the share of accepted points, at that confidence.
-    pub interval: [f64; 2],
+    /// The interval of the share of accepted points, at that confidence; none where the measurement cannot decide on
+    /// any point.
+    pub interval: Option<[f64; 2]>,
     /// How the interval was computed.
     #[serde(default)]
     pub method: String,
-    /// Where the verdict is inconclusive: about how many independent points would decide, if the share stays what it
-    /// is; none where it is so near to the required one that no number of points would.
+    /// How many verdicts were drawn from points of this study, with this one.
+    #[serde(default = "one")]
+    pub looks: u64,
+    /// Where the verdict is inconclusive: about how many independent points another study would have to have that is
+    /// judged once, if the share stays what it is; none where it is so near to the required one that no number of points
+    /// would decide.
     #[serde(default)]
     pub points_needed: Option<u64>,
+    /// The same for this study if it goes on, with the points that it has; it may then be looked at again and again.
+    #[serde(default)]
+    pub points_needed_going_on: Option<u64>,
+}
+
+fn one() -> u64 {
+    1
+}
+
+/// A rule, with how the study was looked at so far.
+#[derive(Clone, Copy, Debug)]
+pub struct Ruling {
+    /// The rule.
+    pub rule: Rule,
+    /// How the points are looked at.
+    pub looks: Looks,
+    /// How many verdicts were drawn from points of this study, with this one.
+    pub count: u64,
+}
+
+impl Ruling {
+    /// A rule for points that are looked at once.
+    pub fn once(rule: Rule) -> Self {
+        Self {
+            rule,
+            looks: Looks::default(),
+            count: 1,
+        }
+    }
+
+    /// The verdict with its words.
+    fn verdict(self, statement: &Statement, points: u64) -> (Decision, Requirement, String) {
+        let Self { rule, looks, count } = self;
+        let required = Requirement {
+            rule,
+            interval: None,
+            method: method(looks.way, statement.accepted_by_sample.len()),
+            looks: count,
+            points_needed: None,
+            points_needed_going_on: None,
+        };
+        if let Some(unfit) = statement.unfit {
+            return undecided(self, unfit, statement, points, required);
+        }
+        let samples = &statement.accepted_by_sample;
+        let verdict = looks.decide(rule, samples, points);
+        let share = statement.accepted as f64 / points.max(1) as f64;
+        let open = verdict == Decision::Inconclusive;
+        let required = Requirement {
+            interval: Some(looks.interval(samples, points, rule.confidence)),
+            points_needed: points_needed_once(rule, share).filter(|_| open),
+            points_needed_going_on: points_needed(looks.going_on(rule), share).filter(|_| open),
+            ..required
+        };
+        let words = by_share(verdict, &required, "");
+        (verdict, required, words)
+    }
+}
+
+/// Where no point can be accepted, although some are within all tolerances, nothing is known of the share that a better
+/// measurement would accept, but that it is no larger than the share within all tolerances.
+fn undecided(
+    ruling: Ruling,
+    unfit: Unfit,
+    statement: &Statement,
+    points: u64,
+    required: Requirement,
+) -> (Decision, Requirement, String) {
+    let Ruling { rule, looks, .. } = ruling;
+    let within = &statement.within_by_sample;
+    let verdict = Decision::NotVerified;
+    if looks.decide(rule, within, points) == verdict {
+        let [_, high] = looks.interval(within, points, rule.confidence);
+        let required = Requirement {
+            interval: Some([0.0, high]),
+            ..required
+        };
+        let words = by_share(
+            verdict,
+            &required,
+            " within all tolerances, whatever the guard band",
+        );
+        return (verdict, required, words);
+    }
+    let verdict = Decision::Inconclusive;
+    let why = match unfit {
+        Unfit::Risk { limit, least } => format!(
+            "whatever the guard band, at best {:.1} % of the accepted points would conform, {} % are required",
+            100.0 * (1.0 - least),
+            percent(1.0 - limit)
+        ),
+        Unfit::Guard => {
+            "the guard band is as wide as a tolerance and leaves nothing of it".to_owned()
+        }
+    };
+    let words = format!("{verdict}: the measurement cannot decide: {why}");
+    (verdict, required, words)
 }
 
 impl Conclusion {
     /// Draws it from what is known of so many points; without a rule one point is enough.
-    pub fn new(rule: Option<Rule>, looks: Looks, statement: &Statement, points: u64) -> Self {
+    pub fn new(ruling: Option<Ruling>, statement: &Statement, points: u64) -> Self {
         let accepted = statement.accepted;
-        let samples = &statement.accepted_by_sample;
-        let (verdict, required, words) = match rule {
-            Some(rule) => {
-                let verdict = looks.decide(rule, samples, points);
-                let share = accepted as f64 / points.max(1) as f64;
-                let open = verdict == Decision::Inconclusive;
-                let required = Requirement {
-                    rule,
-                    interval: looks.interval(samples, points, rule.confidence),
-                    method: method(looks, samples.len()),
-                    points_needed: points_needed(rule, share).filter(|_| open),
-                };
-                let words = by_share(verdict, &required);
+        let (verdict, required, words) = match ruling {
+            Some(ruling) => {
+                let (verdict, required, words) = ruling.verdict(statement, points);
                 (verdict, Some(required), words)
             }
             None => {
@@ -91,10 +183,10 @@ impl Conclusion {
         };
         Self {
             verdict,
-            rule: rule.map_or(RuleName::OnePoint, |_| RuleName::Share),
+            rule: ruling.map_or(RuleName::OnePoint, |_| RuleName::Share),
             verdict_words: words,
             required,
-            other_verdict_probability: rule.is_none().then(|| other_verdict(accepted, points)),
+            other_verdict_probability: ruling.is_none().then(|| other_verdict(accepted, points)),
             accepted,
             guard_band: statement.guard,
             risk: statement.all.clone(),
@@ -102,26 +194,29 @@ impl Conclusion {
     }
 }
 
-fn method(looks: Looks, samples: usize) -> String {
-    match (looks, samples) {
-        (Looks::Once, 1) => "Clopper and Pearson's".to_owned(),
-        (Looks::Once, n) => format!(
+fn method(way: Way, samples: usize) -> String {
+    match (way, samples) {
+        (Way::Once, 1) => "Clopper and Pearson's".to_owned(),
+        (Way::Once, n) => format!(
             "Student's over {n} replicates; Clopper and Pearson's where their counts hardly differ"
         ),
-        (Looks::EveryPoint, _) => {
+        (Way::EveryPoint, _) => {
             "a confidence sequence, which may be looked at after every point".to_owned()
         }
-        (Looks::Doublings, n) => format!(
+        (Way::Doublings, n) => format!(
             "Student's over {n} replicates, with the probability of a wrong verdict divided among the looks"
         ),
     }
 }
 
-fn by_share(verdict: Decision, required: &Requirement) -> String {
-    let [low, high] = required.interval.map(|limit| 100.0 * limit);
+fn by_share(verdict: Decision, required: &Requirement, of_which: &str) -> String {
+    let [low, high] = required
+        .interval
+        .unwrap_or([0.0, 1.0])
+        .map(|limit| 100.0 * limit);
     let [share, confidence] = [required.rule.share, required.rule.confidence].map(percent);
     format!(
-        "{verdict}: required are {share} % of the sampled space, found {low:.2} .. {high:.2} % at a \
+        "{verdict}: required are {share} % of the sampled space, found {low:.2} .. {high:.2} %{of_which} at a \
          confidence of {confidence} %"
     )
 }
@@ -153,12 +248,15 @@ pub fn grouped(number: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use conformity::looks::History;
 
     fn statement(accepted: u64) -> Statement {
         Statement {
             guard: Some(0.0),
             accepted,
             accepted_by_sample: vec![accepted],
+            unfit: None,
+            within_by_sample: vec![accepted],
             expected_conforming: None,
             criteria: Vec::new(),
             all: None,
@@ -167,13 +265,13 @@ mod tests {
 
     #[test]
     fn one_point_is_enough_without_a_rule() {
-        let found = Conclusion::new(None, Looks::Once, &statement(1), 10_000);
+        let found = Conclusion::new(None, &statement(1), 10_000);
         assert_eq!(found.verdict, Decision::Verified);
         assert_eq!(
             found.verdict_words,
             "verified by the one-point rule: 1 of 10,000 points"
         );
-        let found = Conclusion::new(None, Looks::Once, &statement(0), 50);
+        let found = Conclusion::new(None, &statement(0), 50);
         assert_eq!(found.verdict, Decision::NotVerified);
         assert_eq!(
             found.verdict_words,
@@ -190,26 +288,32 @@ mod tests {
             share: 0.05,
             confidence: 0.95,
         };
-        let found = |looks| Conclusion::new(Some(rule), looks, &statement(11), 100);
-        assert_eq!(found(Looks::Once).verdict, Decision::Verified);
-        let waited = found(Looks::EveryPoint);
+        let found = |way| {
+            let ruling = Ruling {
+                looks: History::default().awaiting(way),
+                ..Ruling::once(rule)
+            };
+            Conclusion::new(Some(ruling), &statement(11), 100)
+        };
+        assert_eq!(found(Way::Once).verdict, Decision::Verified);
+        let waited = found(Way::EveryPoint);
         assert_eq!(waited.verdict, Decision::Inconclusive);
         let required = waited.required.unwrap();
-        assert!(required.interval[0] < 0.05 && required.method.contains("sequence"));
+        assert!(required.interval.unwrap()[0] < 0.05 && required.method.contains("sequence"));
     }
 
     #[test]
     fn a_share_is_decided_by_its_interval() {
-        let rule = Some(Rule {
+        let rule = Some(Ruling::once(Rule {
             share: 0.05,
             confidence: 0.95,
-        });
+        }));
         for (accepted, verdict) in [
             (20, Decision::Verified),
             (6, Decision::Inconclusive),
             (0, Decision::NotVerified),
         ] {
-            let found = Conclusion::new(rule, Looks::Once, &statement(accepted), 100);
+            let found = Conclusion::new(rule, &statement(accepted), 100);
             assert_eq!(found.verdict, verdict);
             assert!(
                 found
@@ -217,14 +321,53 @@ mod tests {
                     .starts_with(&format!("{verdict}: required are 5 %"))
             );
         }
-        let open = Conclusion::new(rule, Looks::Once, &statement(6), 100);
-        let needed = open.required.unwrap().points_needed.unwrap();
-        assert!((2_000..10_000).contains(&needed), "{needed}");
-        let text =
-            serde_json::to_value(Conclusion::new(rule, Looks::Once, &statement(0), 100)).unwrap();
+        let open = Conclusion::new(rule, &statement(6), 100);
+        let required = open.required.unwrap();
+        let needed = required.points_needed.unwrap();
+        assert!((1_000..3_000).contains(&needed), "{needed}");
+        let going_on = required.points_needed_going_on.unwrap();
+        assert!((2 * needed..8 * needed).contains(&going_on), "{going_on}");
+        let text = serde_json::to_value(Conclusion::new(rule, &statement(0), 100)).unwrap();
         assert_eq!(text["verdict"], "not verified");
         assert_eq!(text["rule"], "share");
         assert_eq!(text["required"]["share"], 0.05);
         assert!(text["risk"].is_null());
+    }
+
+    /// Of 100 points within all tolerances none can be accepted: that tells nothing of a required share of 5 %, and
+    /// all of one of which there are too few.
+    #[test]
+    fn a_measurement_that_cannot_decide_contradicts_no_model() {
+        let unfit = |within, unfit| Statement {
+            accepted: 0,
+            accepted_by_sample: vec![0],
+            unfit: Some(unfit),
+            within_by_sample: vec![within],
+            ..statement(0)
+        };
+        let rule = Some(Ruling::once(Rule {
+            share: 0.05,
+            confidence: 0.95,
+        }));
+        let risk = Unfit::Risk {
+            limit: 0.05,
+            least: 0.32,
+        };
+        let found = Conclusion::new(rule, &unfit(92, risk), 100);
+        assert_eq!(found.verdict, Decision::Inconclusive);
+        assert_eq!(
+            found.verdict_words,
+            "inconclusive: the measurement cannot decide: whatever the guard band, at best 68.0 % of the accepted \
+             points would conform, 95 % are required"
+        );
+        let required = found.required.unwrap();
+        assert_eq!((required.interval, required.points_needed), (None, None));
+        let guard = Conclusion::new(rule, &unfit(92, Unfit::Guard), 100);
+        assert!(guard.verdict_words.contains("as wide as a tolerance"));
+        let few = Conclusion::new(rule, &unfit(1, risk), 1000);
+        assert_eq!(few.verdict, Decision::NotVerified);
+        let interval = few.required.unwrap().interval.unwrap();
+        assert!(interval[0] == 0.0 && interval[1] < 0.01, "{interval:?}");
+        assert!(few.verdict_words.contains("within all tolerances"));
     }
 }

@@ -7,15 +7,21 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::Row;
+use super::gain::{self, Pair};
 use crate::judge::Judge;
 use crate::study::plan::Plan;
 use conformity::decision::Decision;
 use conformity::interval::wilson;
 use conformity::measured::{Measured, Measurement, Uncertainty};
 use conformity::risk::Guard;
+use sampling::distribution::Distribution;
 
 /// So many points tell enough; of a larger study the first ones are taken.
 pub(super) const MOST: usize = 4096;
+
+/// The confidence of intervals where the study requires none.
+const USUAL: f64 = 0.95;
 
 /// The changes, and what they are compared with.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -24,7 +30,8 @@ pub struct Improvements {
     pub points: u64,
     /// As it is, by the same points.
     pub now: Prospect,
-    /// One change at a time, the one that gains most first.
+    /// One change at a time: first the gains that are more than chance, the surest first; then those that may be 0; last
+    /// the losses.
     pub changes: Vec<Change>,
 }
 
@@ -38,9 +45,39 @@ pub struct Change {
     /// By how much the probability grows that a point is accepted and conforms; where an uncertainty is not known, that
     /// it is accepted.
     pub gain: f64,
+    /// The interval of the gain, from the difference at each point. All intervals of a study hold together with 95 %.
+    #[serde(default = "nothing_known")]
+    pub gain_interval: [f64; 2],
     /// Verdict and risks that would follow.
     #[serde(flatten)]
     pub prospect: Prospect,
+}
+
+/// The interval in summaries of earlier versions.
+fn nothing_known() -> [f64; 2] {
+    [-1.0, 1.0]
+}
+
+/// A gain against chance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Sign {
+    /// It is a loss.
+    Loss,
+    /// The points don't tell it from 0.
+    Open,
+    /// It is a gain.
+    Gain,
+}
+
+impl Change {
+    /// Whether the points tell the gain from 0.
+    pub fn sign(&self) -> Sign {
+        match self.gain_interval {
+            [low, _] if low > 0.0 => Sign::Gain,
+            [_, high] if high < 0.0 => Sign::Loss,
+            _ => Sign::Open,
+        }
+    }
 }
 
 /// The uncertainty or tolerance that is halved.
@@ -87,40 +124,55 @@ struct Seen {
 pub(super) fn improvements(
     judge: &Judge,
     plan: Option<&Plan>,
-    points: &[(Vec<f64>, Option<Vec<f64>>)],
+    points: &[Row],
 ) -> Option<Improvements> {
     if points.len() < 2 {
         return None;
     }
     let base = seen(&judge.measurement, points);
     let now = prospect(judge, &base);
-    let mut changes = Vec::new();
+    let mut found: Vec<(Halved, String, Vec<Seen>)> = Vec::new();
     for (k, criterion) in judge.criteria.iter().enumerate() {
-        let Some(measurement) = with_half(judge, k) else {
-            continue;
-        };
-        let prospect = prospect(judge, &seen(&measurement, points));
-        changes.push(change(Halved::Uncertainty, &criterion.name, &now, prospect));
+        if let Some(measurement) = with_half(judge, k) {
+            let seen = seen(&measurement, points);
+            found.push((Halved::Uncertainty, criterion.name.clone(), seen));
+        }
     }
-    for k in plan
-        .filter(|plan| plan.is_independent())
-        .map_or_else(Vec::new, Plan::varied)
-    {
-        let Some(input) = plan.map(|plan| &plan.inputs[k]) else {
-            continue;
-        };
-        let (wide, narrow) = (input.distribution, input.distribution.scaled(0.5));
-        let weighted = base.iter().zip(points).map(|(seen, (parameters, _))| {
-            let value = parameters[k];
-            Seen {
-                weight: (narrow.ln_density(value) - wide.ln_density(value)).exp(),
-                ..*seen
-            }
-        });
-        let prospect = prospect(judge, &weighted.collect::<Vec<_>>());
-        changes.push(change(Halved::Tolerance, &input.name, &now, prospect));
+    if let Some(plan) = plan.filter(|plan| plan.is_independent()) {
+        for k in plan.varied() {
+            let input = &plan.inputs[k];
+            let seen = reweighted(&base, points, k, &input.distribution);
+            found.push((Halved::Tolerance, input.name.clone(), seen));
+        }
     }
-    changes.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    // All intervals hold together (Bonferroni): of many changes without effect one would seem to gain otherwise.
+    let confidence = 1.0 - (1.0 - USUAL) / found.len().max(1) as f64;
+    let worth = worths(judge, &base);
+    let change = |(halved, name, seen): (Halved, String, Vec<Seen>)| {
+        let changed = worths(judge, &seen);
+        let pairs = seen.iter().zip(changed.iter().zip(&worth));
+        let pairs: Vec<Pair> = pairs
+            .map(|(seen, (&changed, &now))| Pair {
+                weight: seen.weight,
+                changed,
+                now,
+            })
+            .collect();
+        let prospect = prospect(judge, &seen);
+        let total = |p: &Prospect| p.accepted - p.consumer.unwrap_or(0.0);
+        Change {
+            halved,
+            name,
+            gain: total(&prospect) - total(&now),
+            gain_interval: gain::interval(&pairs, confidence),
+            prospect,
+        }
+    };
+    let mut changes: Vec<Change> = found.into_iter().map(change).collect();
+    changes.sort_by(|a, b| {
+        let surest = b.gain_interval[0].total_cmp(&a.gain_interval[0]);
+        b.sign().cmp(&a.sign()).then(surest)
+    });
     (!changes.is_empty()).then_some(Improvements {
         points: points.len() as u64,
         now,
@@ -128,14 +180,30 @@ pub(super) fn improvements(
     })
 }
 
-fn change(halved: Halved, name: &str, now: &Prospect, prospect: Prospect) -> Change {
-    let worth = |p: &Prospect| p.accepted - p.consumer.unwrap_or(0.0);
-    Change {
-        halved,
-        name: name.to_owned(),
-        gain: worth(&prospect) - worth(now),
-        prospect,
-    }
+/// The same points with the weights that half the tolerance of a parameter gives them.
+fn reweighted(base: &[Seen], points: &[Row], k: usize, wide: &Distribution) -> Vec<Seen> {
+    let narrow = wide.scaled(0.5);
+    let weighted = base.iter().zip(points).map(|(seen, (parameters, _))| {
+        let value = parameters[k];
+        Seen {
+            weight: (narrow.ln_density(value) - wide.ln_density(value)).exp(),
+            ..*seen
+        }
+    });
+    weighted.collect()
+}
+
+/// The worth of each point: the probability that it is accepted and conforms.
+fn worths(judge: &Judge, points: &[Seen]) -> Vec<f64> {
+    let least = least_margin(judge.guard, points);
+    let worth = |point: &Seen| {
+        if point.margin >= least {
+            point.conforms.unwrap_or(1.0)
+        } else {
+            0.0
+        }
+    };
+    points.iter().map(worth).collect()
 }
 
 /// The measurement with half the uncertainty of one value; `None` where that has none.
@@ -150,7 +218,7 @@ fn with_half(judge: &Judge, number: usize) -> Option<Measurement> {
 }
 
 /// Verdict and risks over points that all count alike.
-fn seen(measurement: &Measurement, points: &[(Vec<f64>, Option<Vec<f64>>)]) -> Vec<Seen> {
+fn seen(measurement: &Measurement, points: &[Row]) -> Vec<Seen> {
     let failed = Seen {
         weight: 1.0,
         margin: f64::NEG_INFINITY,
@@ -172,7 +240,6 @@ fn seen(measurement: &Measurement, points: &[(Vec<f64>, Option<Vec<f64>>)]) -> V
 
 /// Verdict and risks over weighted points.
 fn prospect(judge: &Judge, points: &[Seen]) -> Prospect {
-    const USUAL: f64 = 0.95;
     let least = least_margin(judge.guard, points);
     let accepted = |point: &&Seen| point.margin >= least;
     let sum = |of: &dyn Fn(&Seen) -> f64| points.iter().map(|p| p.weight * of(p)).sum::<f64>();

@@ -3,18 +3,21 @@
 //!
 //! The final files are a function of the study, the FMU and the journal's content alone, so they
 //! are the same, byte for byte, however the points were computed; only [`Summary::run`] tells
-//! how long it took.
+//! how long it took, and a verdict by a rule knows of those that were drawn before ([`Looked`]).
 
 pub mod asides;
 pub mod choice;
 pub mod concerns;
 pub mod conclusion;
 mod edges;
+mod failed;
 pub mod finished;
+mod gain;
 pub mod header;
 pub mod improvement;
 pub mod journal;
 pub mod lines;
+pub mod looked;
 pub mod note;
 pub mod origin;
 pub mod parquet;
@@ -37,12 +40,16 @@ use crate::failure::Failure;
 
 pub use header::Header;
 pub use journal::Journal;
+pub use looked::Looked;
 pub use points::{Points, PointsError};
 pub use summary::Summary;
 pub use tally::Tally;
 
 /// A point's values of the criteria, in the study's units, or why there are none.
 pub type Outcome = Result<Vec<f64>, Failure>;
+
+/// A point's parameters, and its values of the criteria where it has any.
+type Row = (Vec<f64>, Option<Vec<f64>>);
 
 /// Why results cannot be written or read.
 #[derive(Debug, Error)]

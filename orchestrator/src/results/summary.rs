@@ -35,8 +35,8 @@ pub struct Summary {
     pub verified: u64,
     /// The share of all points that meet all criteria.
     pub verified_fraction: f64,
-    /// 95 % interval of the share.
-    pub verified_interval: [f64; 2],
+    /// 95 % interval of the share; none of a grid, whose points are no sample.
+    pub verified_interval: Option<[f64; 2]>,
     /// How all intervals were computed.
     #[serde(default)]
     pub interval_method: String,
@@ -75,11 +75,11 @@ pub struct Summary {
     /// Whether the values had come to rest when the runs ended.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rest: Option<Rest>,
-    /// How the model compares with the measurement, by criterion (ASME V&V 20).
-    #[serde(default, skip_serializing_if = "IndexMap::is_empty")]
+    /// How the model compares with the measurement, by criterion (ASME V&V 20); of two points with a result or more.
+    #[serde(default)]
     pub validation: IndexMap<String, Comparison>,
     /// Improvements by their effect on the verdict, the best first.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default)]
     pub improvements: Option<Improvements>,
     /// How the points shared processes, and what audits of that found.
     #[serde(flatten)]
@@ -164,8 +164,8 @@ pub struct Count {
     pub passed: u64,
     /// Their share of all points.
     pub fraction: f64,
-    /// 95 % interval of the share.
-    pub interval: [f64; 2],
+    /// 95 % interval of the share; none of a grid.
+    pub interval: Option<[f64; 2]>,
 }
 
 /// A criterion and how many points meet it.

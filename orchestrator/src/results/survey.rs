@@ -3,14 +3,15 @@
 
 use indexmap::IndexMap;
 
-use super::Outcome;
-use super::concerns::out_of_reach;
+use super::concerns::{out_of_reach, unmoved};
 use super::edges::Edges;
+use super::failed;
 use super::improvement::{self, improvements};
 use super::probable::MostProbable;
 use super::rest::Rest;
 use super::summary::{BestPoint, Summary};
 use super::validation::{Comparison, Numerical, Spread};
+use super::{Outcome, Row};
 use crate::judge::Judge;
 use crate::study::plan::Plan;
 
@@ -25,7 +26,7 @@ pub struct Survey<'a> {
     reached: Vec<[f64; 2]>,
     spreads: Vec<Spread>,
     probable: Option<MostProbable<'a>>,
-    first: Vec<(Vec<f64>, Option<Vec<f64>>)>,
+    first: Vec<Row>,
     edges: Edges<'a>,
 }
 
@@ -81,6 +82,10 @@ impl<'a> Survey<'a> {
             .extend(self.judge.warnings.iter().map(said));
         let reach = criteria().filter_map(|(k, c)| out_of_reach(c, self.reached[k], self.points));
         summary.concerns.extend(reach);
+        let unmoved = criteria().filter_map(|(k, c)| unmoved(c, self.reached[k], self.points));
+        summary.concerns.extend(unmoved);
+        let failed = failed::concern(summary, self.plan, &self.first);
+        summary.concerns.extend(failed);
         let compare = |(k, criterion): (usize, &crate::judge::Criterion)| {
             let comparison =
                 Comparison::new(criterion, self.spreads[k].result()?, Numerical::default());
@@ -89,7 +94,9 @@ impl<'a> Survey<'a> {
         summary.validation = criteria().filter_map(compare).collect();
         summary.most_probable_point = self.most_probable(summary);
         let drawn = self.plan.filter(|_| self.drawn);
-        summary.improvements = improvements(self.judge, drawn, &self.first);
+        if self.points > 0 {
+            summary.improvements = improvements(self.judge, drawn, &self.first);
+        }
     }
 
     /// The points of which extra runs are to show whether their values had come to rest.

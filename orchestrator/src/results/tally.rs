@@ -3,40 +3,46 @@
 use indexmap::IndexMap;
 
 use super::Outcome;
-use super::conclusion::Conclusion;
+use super::conclusion::{Conclusion, Ruling};
+use super::failed;
 use super::summary::{
     BestPoint, Correlated, Count, CriterionCount, FailedPoint, ParameterSummary, Provenance,
     Summary, VariantCount,
 };
 use crate::judge::{Judge, PointVerdict, Variant};
+use conformity::decision::randomised;
 use conformity::looks::Looks;
 use conformity::risk::RiskTally;
-use sampling::statistics::share::randomised_share;
 
 impl Count {
     /// The count of points that belong to randomisations of a design in turn, given that of each.
     #[allow(clippy::cast_precision_loss)]
     fn new(shares: &Shares, points: u64) -> Self {
+        const CONFIDENCE: f64 = 0.95;
         let passed = shares.total();
         Self {
             passed,
             fraction: passed as f64 / points.max(1) as f64,
-            interval: randomised_share(&shares.0, points),
+            interval: (!shares.grid).then(|| randomised(&shares.counts, points, CONFIDENCE)),
         }
     }
 }
 
 /// A count, for each randomisation of the design on its own.
 #[derive(Clone, Debug)]
-struct Shares(Vec<u64>);
+struct Shares {
+    counts: Vec<u64>,
+    /// Whether the points are no sample, so that no interval tells how far the share may be off.
+    grid: bool,
+}
 
 impl Shares {
     fn add(&mut self, replicate: usize, passed: bool) {
-        self.0[replicate] += u64::from(passed);
+        self.counts[replicate] += u64::from(passed);
     }
 
     fn total(&self) -> u64 {
-        self.0.iter().sum()
+        self.counts.iter().sum()
     }
 }
 
@@ -46,6 +52,8 @@ pub struct Tally<'a> {
     judge: &'a Judge,
     replicates: usize,
     looks: Looks,
+    look: u64,
+    grid: bool,
     points: u64,
     failures: IndexMap<String, (u64, FailedPoint)>,
     own: Counts,
@@ -73,8 +81,11 @@ struct Best {
 }
 
 impl Counts {
-    fn new(judge: &Judge, replicates: usize) -> Self {
-        let none = Shares(vec![0; replicates]);
+    fn new(judge: &Judge, replicates: usize, grid: bool) -> Self {
+        let none = Shares {
+            counts: vec![0; replicates],
+            grid,
+        };
         Self {
             verified: none.clone(),
             criteria: vec![none.clone(); judge.criteria.len()],
@@ -114,18 +125,29 @@ impl Counts {
 impl<'a> Tally<'a> {
     /// No points yet.
     pub fn new(judge: &'a Judge) -> Self {
-        Self::of_replicates(judge, 1)
+        Self::of_samples(judge, 1, false)
+    }
+
+    /// No points yet of a grid, which are no sample: no interval tells how far their share is from that of the space.
+    pub fn of_grid(judge: &'a Judge) -> Self {
+        Self::of_samples(judge, 1, true)
     }
 
     /// No points yet of a design of which the points belong to randomisations in turn; they must
     /// be added in their order.
     pub fn of_replicates(judge: &'a Judge, replicates: u64) -> Self {
+        Self::of_samples(judge, replicates, false)
+    }
+
+    fn of_samples(judge: &'a Judge, replicates: u64, grid: bool) -> Self {
         let replicates = usize::try_from(replicates).unwrap_or(1).max(1);
-        let none = || Counts::new(judge, replicates);
+        let none = || Counts::new(judge, replicates, grid);
         Self {
             judge,
             replicates,
-            looks: Looks::Once,
+            looks: Looks::default(),
+            look: 1,
+            grid,
             points: 0,
             failures: IndexMap::new(),
             own: none(),
@@ -137,9 +159,13 @@ impl<'a> Tally<'a> {
         }
     }
 
-    /// How often the points were looked at before they were declared to be enough.
-    pub fn looked_at(self, looks: Looks) -> Self {
-        Self { looks, ..self }
+    /// How the points are looked at, and the how manieth verdict on points of this study it is.
+    pub fn looked_at(self, looks: Looks, look: u64) -> Self {
+        Self {
+            looks,
+            look,
+            ..self
+        }
     }
 
     /// Counts a point and returns the verdict on it.
@@ -232,7 +258,24 @@ impl<'a> Tally<'a> {
         parameters: Vec<ParameterSummary>,
     ) -> Summary {
         let (judge, points) = (self.judge, self.points);
-        let statement = self.risk.statement();
+        let statement = match self.grid {
+            true => self.risk.statement().without_intervals(),
+            false => self.risk.statement(),
+        };
+        let ruling = judge.rule.map(|rule| Ruling {
+            rule,
+            looks: self.looks,
+            count: self.look,
+        });
+        let mut conclusion = Conclusion::new(ruling, &statement, points);
+        if self.grid {
+            // A grid has no seed.
+            conclusion.other_verdict_probability = None;
+        }
+        let compared = self.failed() < points;
+        if !compared {
+            failed::nothing_compared(&mut conclusion, points);
+        }
         let all = Count::new(&self.own.verified, points);
         let own = self.own.by_criterion(judge, points);
         let criteria =
@@ -246,7 +289,7 @@ impl<'a> Tally<'a> {
                         count,
                         binds: self.binds[k],
                         only_failure: self.only_failure[k],
-                        risk: statement.criteria[k].clone(),
+                        risk: statement.criteria[k].clone().filter(|_| compared),
                         criterion: criterion.clone(),
                     };
                     (name, count)
@@ -268,8 +311,8 @@ impl<'a> Tally<'a> {
             verified_fraction: all.fraction,
             verified_interval: all.interval,
             interval_method: self.interval_method(&provenance),
-            expected_verified: statement.expected_conforming,
-            conclusion: Some(Conclusion::new(judge.rule, self.looks, &statement, points)),
+            expected_verified: statement.expected_conforming.filter(|_| compared),
+            conclusion: Some(conclusion),
             uncertainty_correlations: correlations(judge),
             criteria: criteria.collect(),
             groups: self.own.by_group(judge, points),
@@ -297,17 +340,15 @@ impl<'a> Tally<'a> {
 
     fn interval_method(&self, provenance: &Provenance) -> String {
         match (self.replicates, provenance.method.as_str()) {
-            (1, "monte-carlo" | "table") => "Wilson's score interval".to_owned(),
-            (1, "full-factorial") => "Wilson's score interval, as if the points were drawn by \
-                chance; those of a grid are not"
-                .to_owned(),
+            _ if self.grid => "none: the points of a grid are no sample".to_owned(),
+            (1, "monte-carlo" | "table") => "Clopper and Pearson's".to_owned(),
             (1, _) => {
-                "Wilson's score interval; it takes the points as independent, which makes it \
-                wider than the even design needs"
+                "Clopper and Pearson's; it takes the points as independent, which makes it wider than the even \
+                 design needs"
                     .to_owned()
             }
             (n, _) => format!(
-                "Student's over {n} independently scrambled nets; Wilson's where fewer than {n} points pass or fail"
+                "Student's over {n} independently scrambled nets; Clopper and Pearson's where their counts hardly differ"
             ),
         }
     }

@@ -84,30 +84,83 @@ impl Comparison {
     }
 }
 
-/// The numerical uncertainty from values at a step or tolerance h, h / 2 and h / 4.
+/// What is made finer to see the numerical error.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Refined {
+    /// The communication step, to a half and a quarter.
+    Step,
+    /// The tolerance of the FMU's solver, to a tenth and a hundredth.
+    Tolerance,
+}
+
+impl Refined {
+    /// By which factor it gets finer each time.
+    pub fn ratio(self) -> f64 {
+        match self {
+            Self::Step => 2.0,
+            Self::Tolerance => 10.0,
+        }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Step => "step",
+            Self::Tolerance => "tolerance",
+        }
+    }
+
+    /// The orders that a sound solver may show: with the tolerance the error goes down in proportion, or a little
+    /// slower or faster.
+    fn orders(self) -> std::ops::RangeInclusive<f64> {
+        match self {
+            Self::Step => 0.5..=8.0,
+            Self::Tolerance => 0.3..=2.0,
+        }
+    }
+}
+
+/// The numerical uncertainty of a value, given the values with a coarse, a middle and a fine setting.
 ///
-/// Where the differences shrink by a factor from 2^(1/2) to 2^8, Richardson's extrapolation tells the error at h, and the
-/// grid convergence index (Roache 1998) with its factor of safety 1.25 is taken as an expanded uncertainty with k = 1.15
-/// (V&V 20, 2-4.1). Otherwise no order shows, and nothing is stated: a mere difference of two runs is no uncertainty.
-pub fn refined([coarse, middle, fine]: [f64; 3]) -> Numerical {
+/// Where the differences shrink as an order wants it, Richardson's extrapolation tells the error of the coarse setting, and
+/// the grid convergence index (Roache 1998) with its factor of safety 1.25 is taken as an expanded uncertainty with
+/// k = 1.15 (V&V 20, 2-4.1). Otherwise no order shows, and nothing is stated: a mere difference of two runs is no
+/// uncertainty.
+pub fn refined([coarse, middle, fine]: [f64; 3], by: Refined) -> Numerical {
     const SAFETY: f64 = 1.25;
     const COVERAGE: f64 = 1.15;
     let (first, second) = (middle - coarse, fine - middle);
-    let unknown = |note: &str| Numerical {
-        standard: None,
-        note: format!("not observable: {note}"),
-    };
+    let name = by.name();
     if first == 0.0 && second == 0.0 {
-        return unknown("the results do not depend on the step");
+        return Numerical::unknown(&format!("the results do not depend on the {name}"));
     }
-    let order = (first / second).log2();
-    if !(0.5..=8.0).contains(&order) {
-        return unknown("no order shows when the step is refined");
+    let order = (first / second).ln() / by.ratio().ln();
+    if !by.orders().contains(&order) {
+        return Numerical::unknown(&format!("no order shows when the {name} is refined"));
     }
-    let error = first.abs() / (1.0 - (-order).exp2());
+    let error = first.abs() / (1.0 - by.ratio().powf(-order));
     Numerical {
         standard: Some(SAFETY * error / COVERAGE),
-        note: format!("by refining the step, observed order {order:.1}"),
+        note: format!("by refining the {name}, observed order {order:.1}"),
+    }
+}
+
+impl Numerical {
+    fn unknown(why: &str) -> Self {
+        Self {
+            standard: None,
+            note: format!("not observable: {why}"),
+        }
+    }
+
+    /// Two independent parts of it; of one that is not known only the note is kept.
+    pub fn and(self, other: Self) -> Self {
+        let parts = [self.standard, other.standard];
+        let known = parts.iter().flatten();
+        let squares: f64 = known.map(|u| u * u).sum();
+        Self {
+            standard: parts.iter().any(Option::is_some).then(|| squares.sqrt()),
+            note: format!("{}; {}", self.note, other.note),
+        }
     }
 }
 
@@ -188,7 +241,7 @@ mod tests {
     #[test]
     fn the_error_of_a_known_order_is_found() {
         let euler = |steps: i32| (1.0 - 1.0 / f64::from(steps)).powi(steps);
-        let found = refined([euler(20), euler(40), euler(80)]);
+        let found = refined([euler(20), euler(40), euler(80)], Refined::Step);
         let error = (euler(20) - (-1.0_f64).exp()).abs();
         let stated = found.standard.unwrap() * 1.15 / 1.25;
         assert!((stated / error - 1.0).abs() < 0.03, "{stated} {error}");
@@ -203,9 +256,38 @@ mod tests {
             ([1.0, 1.1, 1.3], "no order"),
             ([1.0, 1.0, 1.1], "no order"),
         ] {
-            let found = refined(values);
+            let found = refined(values, Refined::Step);
             assert_eq!(found.standard, None);
             assert!(found.note.contains(why), "{}", found.note);
         }
+    }
+
+    #[test]
+    fn step_and_tolerance_come_together() {
+        let of_tolerance = |tol: f64| 5.0 + 3.0 * tol;
+        let found = refined([1e-3, 1e-4, 1e-5].map(of_tolerance), Refined::Tolerance);
+        let stated = found.standard.unwrap();
+        assert!(
+            (stated / (3e-3 * 1.25 / 1.15) - 1.0).abs() < 1e-6,
+            "{found:?}"
+        );
+        let step = Numerical {
+            standard: Some(stated),
+            note: "a".to_owned(),
+        };
+        let both = found.clone().and(step).standard.unwrap();
+        assert!((both / stated - 2.0_f64.sqrt()).abs() < 1e-12);
+        let ignored = refined([1.0; 3], Refined::Step).and(found);
+        assert_eq!(ignored.standard, Some(stated));
+        assert!(
+            ignored
+                .note
+                .starts_with("not observable: the results do not depend on the step; by"),
+            "{}",
+            ignored.note
+        );
+        // A tolerance that changes the results by chance shows no order.
+        let chance = refined([1.0, 1.1, 1.05], Refined::Tolerance);
+        assert_eq!(chance.standard, None);
     }
 }

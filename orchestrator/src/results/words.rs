@@ -9,10 +9,12 @@ pub fn sentences(summary: &Summary) -> Vec<String> {
     let Some(conclusion) = &summary.conclusion else {
         return Vec::new();
     };
-    let mut found = vec![
-        capitalised(&format!("{}.", conclusion.verdict_words)),
-        firmness(conclusion, summary),
-    ];
+    let verdict = capitalised(&format!("{}.", conclusion.verdict_words));
+    if summary.failed == summary.points {
+        return vec![verdict];
+    }
+    let mut found = vec![verdict, firmness(conclusion, summary)];
+    found.extend(looked(conclusion));
     found.extend(guard(conclusion));
     found.push(match &conclusion.risk {
         Some(risk) => accepted(conclusion.accepted, risk, summary),
@@ -36,15 +38,28 @@ fn firmness(conclusion: &Conclusion, summary: &Summary) -> String {
     }
     match &conclusion.required {
         Some(Requirement {
-            points_needed: Some(points),
+            points_needed: Some(once),
+            points_needed_going_on: Some(going_on),
             ..
         }) => format!(
-            "If the share stays what it is, about {} independent points decide; --until verdict takes no more than \
-             needed.",
-            grouped(*points)
+            "If the share stays what it is, about {} independent points decide in another study, which is judged once; \
+             this one takes about {} if it goes on (--resume with more --points or --until verdict), since it may \
+             then be looked at again and again.",
+            grouped(*once),
+            grouped(*going_on)
         ),
         _ => String::new(),
     }
+}
+
+/// How often the study was judged with other numbers of points.
+fn looked(conclusion: &Conclusion) -> Option<String> {
+    let looks = conclusion.required.as_ref()?.looks;
+    (looks > 1).then(|| {
+        format!(
+            "The study was looked at {looks} times; its interval is right however often one looks."
+        )
+    })
 }
 
 fn guard(conclusion: &Conclusion) -> Option<String> {
@@ -71,7 +86,11 @@ fn accepted(accepted: u64, risk: &Risk, summary: &Summary) -> String {
             counted(expected)
         );
     };
-    let [low, high] = risk.intervals.not_conforming_given_accepted;
+    let interval = risk.intervals.map_or_else(String::new, |intervals| {
+        let [low, high] = intervals.not_conforming_given_accepted;
+        let [low, high] = [low, high].map(|limit| short(100.0 * limit));
+        format!(" (95 % interval {low} .. {high} %)")
+    });
     match accepted {
         1 => format!(
             "The accepted point conforms with a probability of {} %, since the measured values are uncertain, too.",
@@ -79,12 +98,10 @@ fn accepted(accepted: u64, risk: &Risk, summary: &Summary) -> String {
         ),
         n => format!(
             "Of the {} accepted points {} are expected not to conform, since the measured values are uncertain, too: \
-             {} % (95 % interval {} .. {} %).",
+             {} %{interval}.",
             grouped(n),
             counted(share * n as f64),
-            short(100.0 * share),
-            short(100.0 * low),
-            short(100.0 * high)
+            short(100.0 * share)
         ),
     }
 }

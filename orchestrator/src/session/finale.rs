@@ -4,6 +4,7 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 
+use conformity::looks::Look;
 use tempfile::NamedTempFile;
 
 use super::{Ending, Front, Session, SessionError, Verification};
@@ -12,13 +13,13 @@ use crate::results::asides::Asides;
 use crate::results::finished::Finished;
 use crate::results::summary::{ParameterSummary, Provenance, Run, Summary};
 use crate::results::survey::Survey;
-use crate::results::{Outcome, ResultsError, Tally, keep, points, write_atomically};
+use crate::results::{Looked, Outcome, ResultsError, Tally, keep, points, write_atomically};
 use crate::study::Study;
 use crate::study::plan::Input;
 
 impl Verification {
     /// Writes `points.csv` and `summary.json` from the journal, in the order of the points, up to the last one or to
-    /// where the study may end.
+    /// where the study may end. Where it is judged by a rule, it is noted among the verdicts on its points.
     ///
     /// # Errors
     /// When points are missing, and when the system says no.
@@ -27,14 +28,18 @@ impl Verification {
         folder: &Path,
         run: Option<Run>,
         ending: Option<&Ending>,
+        looked: &mut Looked,
     ) -> Result<Summary, SessionError> {
         let session = &self.session;
         let finished = Finished::read(folder)?;
         let mut outcomes = finished.outcomes()?;
         let provenance = self.provenance();
         let replicates = provenance.replicates.unwrap_or(1);
-        let looks = ending.map(Ending::looks).unwrap_or_default();
-        let mut tally = Tally::of_replicates(&session.judge, replicates).looked_at(looks);
+        let mut tally = if self.is_grid() {
+            Tally::of_grid(&session.judge)
+        } else {
+            Tally::of_replicates(&session.judge, replicates)
+        };
         let mut survey = Survey::new(&session.judge, Some(&session.plan), self.is_drawn());
         let mut front = ending.map(Front::new);
         let mut asides = Asides {
@@ -73,6 +78,21 @@ impl Verification {
             .iter()
             .map(ParameterSummary::new)
             .collect();
+        let awaited = ending.and_then(Ending::looks);
+        let samples = usize::try_from(replicates).unwrap_or(usize::MAX);
+        let history = &mut looked.history;
+        let looks = awaited.unwrap_or_else(|| history.at(tally.points(), samples));
+        let mut look = 1;
+        if session.judge.rule.is_some() {
+            look = history.note(Look {
+                points: tally.points(),
+                way: looks.way,
+                awaited: awaited.is_some(),
+            });
+            // Nobody may see the verdict before it is noted.
+            looked.write(folder)?;
+        }
+        let tally = tally.looked_at(looks, look);
         let mut summary = tally.summary(session.study.title.clone(), provenance, parameters);
         survey.complete(&mut summary);
         summary.rest = Some(survey.to_watch(&summary));
@@ -87,7 +107,11 @@ impl Verification {
 
     /// Whether the points were drawn from the parameters' distributions: not those of a table, nor those of a grid.
     fn is_drawn(&self) -> bool {
-        self.header().table.is_none() && !self.session.study.design.method.is_by_levels()
+        self.header().table.is_none() && !self.is_grid()
+    }
+
+    fn is_grid(&self) -> bool {
+        self.header().table.is_none() && self.session.study.design.method.is_by_levels()
     }
 
     /// Versions, seed and hashes of this run.

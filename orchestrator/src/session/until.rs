@@ -5,10 +5,10 @@ use std::str::FromStr;
 use crate::judge::Judge;
 use crate::results::Outcome;
 use conformity::decision::{Decision, Rule};
-use conformity::looks::Looks;
+use conformity::interval::{LEAST_SAMPLES, clopper_pearson};
+use conformity::looks::{History, Looks, Way};
 use conformity::risk::Guard;
 use sampling::design::Method;
-use sampling::statistics::wilson;
 
 /// The condition that ends sampling, as the option gives it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,7 +61,13 @@ impl Ending {
     ///
     /// # Errors
     /// When the points allow no such ending; says what to do.
-    pub fn new(until: Until, judge: &Judge, design: Option<(Method, u64)>) -> Result<Self, String> {
+    /// `history` are the verdicts that were drawn from points of this study before.
+    pub fn new(
+        until: Until,
+        judge: &Judge,
+        design: Option<(Method, u64)>,
+        history: &History,
+    ) -> Result<Self, String> {
         if design.is_some_and(|(method, _)| !method.is_extensible()) {
             let with = Method::named(Method::is_extensible);
             return Err(format!("this design needs all its points; use {with}"));
@@ -78,7 +84,12 @@ impl Ending {
                                 such as a run with a fixed number of points has found it"
                         .to_owned());
                 }
-                Condition::Verdict(rule, looks(design)?)
+                if !judge.guard.leaves_something(&judge.measurement) {
+                    return Err("the guard band is as wide as a tolerance, so that no point can be accepted and no \
+                                verdict comes; give a smaller `guard-band` under [verdict]"
+                        .to_owned());
+                }
+                Condition::Verdict(rule, history.awaiting(way(design)?))
             }
         };
         Ok(Self {
@@ -88,11 +99,11 @@ impl Ending {
         })
     }
 
-    /// How the verdict has to be found: one that was waited for has an interval of its own.
-    pub fn looks(&self) -> Looks {
+    /// How the verdict has to be found, where the study waits for it: it then has an interval of its own.
+    pub fn looks(&self) -> Option<Looks> {
         match self.condition {
-            Condition::Width(_) => Looks::Once,
-            Condition::Verdict(_, looks) => looks,
+            Condition::Width(_) => None,
+            Condition::Verdict(_, looks) => Some(looks),
         }
     }
 
@@ -108,9 +119,11 @@ impl Ending {
     }
 
     fn holds(&self, counts: &[u64], points: u64) -> bool {
+        const CONFIDENCE: f64 = 0.95;
         match self.condition {
             Condition::Width(width) => {
-                let [low, high] = wilson(counts.iter().sum(), points);
+                let hits: u64 = counts.iter().sum();
+                let [low, high] = clopper_pearson(hits as f64, points as f64, CONFIDENCE);
                 points > 0 && points.is_multiple_of(ROUND) && high - low <= width
             }
             Condition::Verdict(rule, looks) => {
@@ -122,11 +135,11 @@ impl Ending {
 }
 
 /// How points of a design may be looked at while they come in.
-fn looks(design: Option<(Method, u64)>) -> Result<Looks, String> {
-    const LEAST: u64 = Looks::LEAST_SAMPLES;
+fn way(design: Option<(Method, u64)>) -> Result<Way, String> {
+    const LEAST: u64 = LEAST_SAMPLES as u64;
     match design {
-        Some((Method::MonteCarlo, _)) => Ok(Looks::EveryPoint),
-        Some((_, replicates)) if replicates >= LEAST => Ok(Looks::Doublings),
+        Some((Method::MonteCarlo, _)) => Ok(Way::EveryPoint),
+        Some((_, replicates)) if replicates >= LEAST => Ok(Way::Doublings),
         Some((method, _)) => Err(format!(
             "the points of this design depend on each other, and while they come in nothing tells how much; use \
              method = \"monte-carlo\"{}",

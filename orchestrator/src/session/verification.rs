@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 use super::{Ending, Request, Session, SessionError, Until};
 use crate::engine::Job;
 use crate::pipeline::{Model, Shard};
-use crate::results::{Header, ResultsError, lines};
+use crate::results::{Header, Looked, ResultsError, lines};
 use crate::source::Source;
+use conformity::looks::History;
 use fmu_import::digest;
 
 /// A study whose points are known beforehand.
@@ -91,15 +92,39 @@ impl Verification {
     ///
     /// # Errors
     /// When its points allow no such ending; says what to do.
-    pub fn ending(&self, until: Until) -> Result<Ending, String> {
+    /// `history` are the verdicts that were drawn from its points before.
+    pub fn ending(&self, until: Until, history: &History) -> Result<Ending, String> {
         let Session { study, judge, .. } = &self.session;
         let design = (study.design.method, study.design.replicates);
-        Ending::new(until, judge, self.header.table.is_none().then_some(design))
+        let design = self.header.table.is_none().then_some(design);
+        Ending::new(until, judge, design, history)
     }
 
     /// Whether the first points of a longer run are those of a shorter one: those of a Latin hypercube are not.
     pub fn is_extensible(&self) -> bool {
         self.header.table.is_some() || self.session.study.design.method.is_extensible()
+    }
+
+    /// The verdicts that were drawn from points of this study, which a folder keeps. `from` are further folders of the same
+    /// points, such as those of shards.
+    ///
+    /// # Errors
+    /// When they are there and cannot be read.
+    pub fn looked(&self, folder: &Path, from: &[PathBuf]) -> Result<Looked, ResultsError> {
+        let study = Header {
+            points: self.header.points.filter(|_| !self.is_extensible()),
+            table: None,
+            shard: None,
+            ..self.header.clone()
+        };
+        let mut longest = Looked::read(folder, &study)?;
+        for other in from {
+            let other = Looked::read(other, &study)?;
+            if other.history.looks.len() > longest.history.looks.len() {
+                longest = other;
+            }
+        }
+        Ok(longest)
     }
 
     /// Whether this is the same run with more points than the one that began so. A table may have grown at its end.

@@ -1,6 +1,12 @@
 //! Who answers for a verdict, and on which test it rests.
 
+use std::fmt;
+
+use chrono::NaiveDate;
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{Deserializer, Error, MapAccess, Visitor};
 use serde::{Deserialize, Serialize};
+use toml::value::Datetime;
 
 /// Who tested what and when: text for the reader of a verdict.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -21,8 +27,12 @@ pub struct Dossier {
     /// The test run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub test: Option<String>,
-    /// When the test was run.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    /// When the test was run: a date of TOML, or a text.
+    #[serde(
+        default,
+        deserialize_with = "date_or_text",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub tested: Option<String>,
     /// Where the test is written down.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -43,5 +53,84 @@ impl Dossier {
         ];
         all.into_iter()
             .filter_map(|(key, text)| Some((key, text.as_deref()?)))
+    }
+}
+
+/// A date as TOML has it, or a text. A text that begins as a date must be one.
+fn date_or_text<'de, D: Deserializer<'de>>(from: D) -> Result<Option<String>, D::Error> {
+    struct Either;
+    impl<'de> Visitor<'de> for Either {
+        type Value = Option<String>;
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            f.write_str("a date such as 2025-05-12, or a text in quotes")
+        }
+
+        fn visit_str<E: Error>(self, text: &str) -> Result<Self::Value, E> {
+            check_date(text).map_err(E::custom)?;
+            Ok(Some(text.to_owned()))
+        }
+
+        fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {
+            let date = Datetime::deserialize(MapAccessDeserializer::new(map))?;
+            Ok(Some(date.to_string()))
+        }
+    }
+    from.deserialize_any(Either)
+}
+
+fn check_date(text: &str) -> Result<(), String> {
+    let digits = |(k, byte): (usize, u8)| match k {
+        4 | 7 => byte == b'-',
+        _ => byte.is_ascii_digit(),
+    };
+    let Some(date) = text.get(..10) else {
+        return Ok(());
+    };
+    if date.bytes().enumerate().all(digits) && NaiveDate::parse_from_str(date, "%Y-%m-%d").is_err()
+    {
+        return Err(format!("`{date}` is no date of the calendar"));
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tested(value: &str) -> Result<Option<String>, String> {
+        let dossier = toml::from_str::<Dossier>(&format!("tested = {value}"));
+        dossier
+            .map(|dossier| dossier.tested)
+            .map_err(|error| error.message().to_owned())
+    }
+
+    #[test]
+    fn a_date_may_stand_without_quotes() {
+        for (value, date) in [
+            ("2025-05-12", "2025-05-12"),
+            ("\"2025-05-12\"", "2025-05-12"),
+            ("2025-05-12T08:30:00Z", "2025-05-12T08:30:00Z"),
+            ("\"2025-05-12 to 2025-05-14\"", "2025-05-12 to 2025-05-14"),
+            ("\"spring 2025\"", "spring 2025"),
+            ("\"May 2025 in Graz\"", "May 2025 in Graz"),
+        ] {
+            assert_eq!(tested(value), Ok(Some(date.to_owned())), "{value}");
+        }
+        let text = serde_json::to_string(&Dossier {
+            tested: Some("2025-05-12".to_owned()),
+            ..Dossier::default()
+        });
+        let again: Dossier = serde_json::from_str(&text.unwrap()).unwrap();
+        assert_eq!(again.tested.as_deref(), Some("2025-05-12"));
+        assert_eq!(toml::from_str::<Dossier>("").unwrap().tested, None);
+    }
+
+    #[test]
+    fn a_day_that_no_calendar_has_is_refused() {
+        let refused = tested("\"2025-13-45\"").unwrap_err();
+        assert!(refused.contains("`2025-13-45` is no date"), "{refused}");
+        let refused = tested("12").unwrap_err();
+        assert!(refused.contains("a date such as 2025-05-12"), "{refused}");
     }
 }

@@ -79,6 +79,14 @@ impl Place<'_> {
     }
 }
 
+/// Keys with which one would give a criterion one limit only.
+const LIMITS: [&str; 6] = ["min", "max", "lower", "upper", "below", "above"];
+
+/// The remedy where a tolerance is not the same to both sides.
+pub const BOTH_SIDES: &str = "a tolerance is the same to both sides: for limits a and b state nominal = (a + b) / 2 and \
+                              tolerance = (b - a) / 2, where only one limit counts with the other one beyond what the model \
+                              can reach; an uncertainty given as a percentage must be given as a value then";
+
 /// Shortens "unknown field `x`, expected one of `a`, `b`, ..." to the nearest name.
 fn suggest(message: &str) -> String {
     let message = message
@@ -90,6 +98,10 @@ fn suggest(message: &str) -> String {
     let mut names = message.split('`').skip(1).step_by(2);
     let unknown = message.starts_with("unknown field") || message.starts_with("unknown variant");
     match names.next() {
+        Some(wrong) if unknown && LIMITS.contains(&wrong) && message.contains("`nominal`") => {
+            let start = message.split(',').next().unwrap_or_default();
+            format!("{start}; {BOTH_SIDES}")
+        }
         Some(wrong) if unknown => match nearest(wrong, names) {
             Some(right) => {
                 let start = message.split(',').next().unwrap_or_default();

@@ -27,7 +27,7 @@ use sha2::{Digest, Sha256};
 use toml::Spanned;
 
 pub use dossier::Dossier;
-pub use error::StudyError;
+pub use error::{BOTH_SIDES, StudyError};
 pub use identification::Identification;
 pub use quantity::Quantity;
 pub use sections::{RobustnessText, SensitivityText, TolerancesText};

@@ -130,23 +130,24 @@ impl Plan {
         const LARGE: f64 = 0.05;
         let concern = |(input, slot): (&Input, &Slot)| {
             let own = input.conversion.inverse();
-            let [min, max] = [slot.min, slot.max].map(|limit| limit.map(|limit| own.value(limit)));
-            let below = min.map_or(0.0, |min| input.distribution.below(min));
-            let above = max.map_or(0.0, |max| 1.0 - input.distribution.below(max));
+            let below = |limit: f64| match limit {
+                f64::INFINITY => 1.0,
+                f64::NEG_INFINITY => 0.0,
+                limit => input.distribution.below(own.value(limit)),
+            };
+            let allowed = slot.allowed().into_iter();
+            let inside: f64 = allowed.map(|[low, high]| below(high) - below(low)).sum();
             let unit = input
                 .unit
                 .as_deref()
                 .map_or_else(String::new, |unit| format!(" {unit}"));
-            let limit =
-                |limit: Option<f64>| limit.map_or_else(|| "..".to_owned(), |x| x.to_string());
-            (below + above >= LARGE && input.distribution.varies()).then(|| {
+            (1.0 - inside >= LARGE && input.distribution.varies()).then(|| {
                 format!(
-                    "{}: {:.0} % of the distribution lies outside of what the FMU allows ({} to {}{unit}); such points \
+                    "{}: {:.0} % of the distribution lies outside of what the FMU allows ({}{unit}); such points \
                      fail and count as not verified: cut the distribution there (`truncated-normal`), or correct it",
                     input.name,
-                    100.0 * (below + above),
-                    limit(min),
-                    limit(max)
+                    100.0 * (1.0 - inside),
+                    slot.allowed_text(|limit| own.value(limit)),
                 )
             })
         };

@@ -19,6 +19,12 @@ fn typing_errors_are_answered_with_line_column_and_the_nearest_key() {
         error(text),
         "s.toml:3:10: unknown variant `sobel`; did you mean `sobol`?"
     );
+    let text = "fmu = \"a.fmu\"\n[criteria.T]\nvariable = \"t\"\nmax = 90\n";
+    assert!(
+        error(text).starts_with("s.toml:4:1: unknown field `max`; a tolerance is the same to both"),
+        "{}",
+        error(text)
+    );
     assert!(
         error("fmu = \n").starts_with("s.toml:1:"),
         "{}",

@@ -41,7 +41,19 @@ pub fn slot_of(variable: &Variable) -> Result<Slot, String> {
         handle,
         min,
         max,
+        items: items(variable),
     })
+}
+
+/// The values of an enumeration's items, growing.
+fn items(variable: &Variable) -> Vec<i32> {
+    let Kind::Enumeration { items, .. } = &variable.kind else {
+        return Vec::new();
+    };
+    let mut values: Vec<i32> = items.iter().map(|(_, value)| *value).collect();
+    values.sort_unstable();
+    values.dedup();
+    values
 }
 
 fn settable(variable: &Variable) -> Result<(), String> {

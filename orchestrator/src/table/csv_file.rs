@@ -68,6 +68,29 @@ fn separator(file: &mut impl BufRead, comment: Option<u8>) -> io::Result<u8> {
     Ok(most.map_or(b',', |&(byte, count)| if count > 0 { byte } else { b',' }))
 }
 
+/// The places of blank lines among the rows of a file, counted from 0 behind the header. Lines that begin with `comment`
+/// are no rows.
+pub fn blank_rows(path: &Path, comment: u8) -> io::Result<Vec<usize>> {
+    blank(BufReader::new(File::open(path)?), comment)
+}
+
+fn blank(file: impl BufRead, comment: u8) -> io::Result<Vec<usize>> {
+    let mut found = Vec::new();
+    let mut row: Option<usize> = None;
+    for line in file.lines() {
+        let line = line?;
+        let text = line.trim();
+        if line.as_bytes().first() == Some(&comment) || (row.is_none() && text.is_empty()) {
+            continue;
+        }
+        if let Some(row) = row.filter(|_| text.is_empty()) {
+            found.push(row);
+        }
+        row = Some(row.map_or(0, |row| row + 1));
+    }
+    Ok(found)
+}
+
 /// A text as a cell: where a spreadsheet would take it for a formula, an apostrophe before it prevents that. Numbers
 /// stay as they are.
 pub fn cell(text: &str) -> Cow<'_, str> {
@@ -132,6 +155,17 @@ mod tests {
         ] {
             let found = separator(&mut header.as_bytes(), Some(b'#')).unwrap();
             assert_eq!(found, expected, "{header}");
+        }
+    }
+
+    #[test]
+    fn blank_lines_have_their_places_among_the_rows() {
+        for (text, places) in [
+            ("y\n1\n2\n", vec![]),
+            ("\n# made by hand\n\ny\n1\n\n2\n", vec![1]),
+            ("y\n\n1\n# more\n\n\n2\n\n", vec![0, 2, 3, 5]),
+        ] {
+            assert_eq!(blank(text.as_bytes(), b'#').unwrap(), places, "{text}");
         }
     }
 

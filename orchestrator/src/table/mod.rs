@@ -138,11 +138,12 @@ impl Table {
         columns: &[(Vec<String>, String)],
         gaps: bool,
     ) -> Result<Self, TableError> {
+        const COMMENT: u8 = b'#';
         let failed = |source| TableError::Read {
             path: path.to_owned(),
             source,
         };
-        let mut file = CsvFile::open(path, Some(b'#')).map_err(failed)?;
+        let mut file = CsvFile::open(path, Some(COMMENT)).map_err(failed)?;
         let header: Vec<String> = file
             .reader
             .headers()
@@ -165,7 +166,18 @@ impl Table {
             labels: Vec::new(),
         };
         let mut record = csv::StringRecord::new();
+        // The reader skips blank lines. In a table of one column they are empty cells, but for those at the end.
+        let blanks = if gaps && header.len() == 1 {
+            csv_file::blank_rows(path, COMMENT).map_err(|error| failed(error.into()))?
+        } else {
+            Vec::new()
+        };
+        let mut blanks = blanks.into_iter().peekable();
         while file.reader.read_record(&mut record).map_err(failed)? {
+            while blanks.next_if_eq(&table.rows.len()).is_some() {
+                table.rows.push(vec![f64::NAN; places.len()]);
+                table.labels.push(table.rows.len() as u64);
+            }
             let number = |&place: &usize| {
                 let text = record.get(place).unwrap_or("");
                 let gap = (gaps && text.is_empty()).then_some(f64::NAN);

@@ -208,7 +208,63 @@ fn where_no_guard_band_is_enough_nothing_is_accepted() {
     assert_eq!(risk.consumer, 0.0);
     assert_eq!(risk.producer, risk.conformance_probability);
     assert_eq!(risk.not_conforming_given_accepted, None);
-    assert_eq!(risk.intervals.not_conforming_given_accepted, [0.0, 1.0]);
+    let intervals = risk.intervals.unwrap();
+    assert_eq!(intervals.not_conforming_given_accepted, [0.0, 1.0]);
+    let Some(Unfit::Risk { limit, least }) = statement.unfit else {
+        panic!("{:?}", statement.unfit);
+    };
+    assert_eq!(limit, 0.045);
+    assert!((least - 0.0455).abs() < 1e-4, "{least}");
+    let within: u64 = statement.within_by_sample.iter().sum();
+    assert!(within > 100, "{within}");
+}
+
+/// Two points within the tolerance and one outside; the tolerance is two expanded uncertainties.
+fn three_points(guard: Guard, values: &[f64]) -> Statement {
+    let measured = Measured {
+        nominal: 0.0,
+        tolerance: 1.0,
+        uncertainty: Some(Uncertainty {
+            expanded: 0.5,
+            coverage: 2.0,
+        }),
+    };
+    let measurement = Measurement::new(vec![measured], &[]).unwrap();
+    let mut tally = RiskTally::new(&measurement, guard, 1);
+    for &value in values {
+        tally.add(Some(&measurement.assess(&[value])));
+    }
+    tally.statement()
+}
+
+#[test]
+fn a_guard_band_as_wide_as_the_tolerance_decides_nothing() {
+    for (band, unfit) in [
+        (1.5, None),
+        (2.0, Some(Unfit::Guard)),
+        (2.5, Some(Unfit::Guard)),
+    ] {
+        let found = three_points(Guard::Given(band), &[0.1, 0.2, 1.5]);
+        assert_eq!(
+            (found.unfit, found.accepted),
+            (unfit, if band < 2.0 { 2 } else { 0 })
+        );
+        assert_eq!(found.within_by_sample, [2]);
+    }
+    // Where no point is within the tolerance, the guard band changes nothing.
+    assert_eq!(three_points(Guard::Given(2.5), &[1.5]).unfit, None);
+    let none = three_points(Guard::Limiting { risk: 1e-9 }, &[1.5]);
+    assert_eq!((none.guard, none.unfit), (Some(0.0), None));
+}
+
+#[test]
+fn points_that_are_no_sample_have_no_intervals() {
+    let found = three_points(Guard::Given(0.0), &[0.1, 1.5]);
+    assert!(found.all.clone().unwrap().intervals.is_some());
+    let grid = found.clone().without_intervals();
+    assert!(grid.all.unwrap().intervals.is_none());
+    assert!(grid.criteria[0].clone().unwrap().intervals.is_none());
+    assert_eq!(grid.accepted, found.accepted);
 }
 
 /// Model values of two criteria, independent; their measured values' errors correlated. All four
@@ -331,10 +387,13 @@ fn samples_of_a_design_are_told_apart() {
     };
     let (one, many) = (tally(1), tally(16));
     assert!((one.consumer - many.consumer).abs() < 1e-12);
-    let width = |risk: &Risk| risk.intervals.consumer[1] - risk.intervals.consumer[0];
+    let width = |risk: &Risk| {
+        let [low, high] = risk.intervals.unwrap().consumer;
+        high - low
+    };
     assert!(width(&many) < 0.1 * width(&one), "{one:?} {many:?}");
     let width = |risk: &Risk| {
-        let [low, high] = risk.intervals.not_conforming_given_accepted;
+        let [low, high] = risk.intervals.unwrap().not_conforming_given_accepted;
         high - low
     };
     assert!(width(&many) < 0.2 * width(&one), "{one:?} {many:?}");

@@ -53,6 +53,9 @@ pub struct Widest {
     pub at_safe: Estimate,
     /// The share that fresh runs there will show, with a probability of 99 %.
     pub stated: [f64; 2],
+    /// Whether the share is expected to hold there. Narrower is not always better: where the nominal value misses a
+    /// criterion, some spread is needed to meet it at all.
+    pub is_expected: bool,
     /// How many rounds of points were drawn.
     pub rounds: u64,
 }
@@ -62,6 +65,8 @@ const NARROWEST: f64 = 1e-3;
 const MOST_ROUNDS: u64 = 10;
 /// Fewer effective points tell too little.
 const FEWEST: f64 = 100.0;
+/// The next tolerances that are tried, in the last ones: so near that few shares hold only in between.
+const SHRINK: f64 = 0.95;
 /// So much wider than the present answer the next points are drawn, so that weights stay bounded.
 const WIDER: f64 = 1.25;
 
@@ -105,6 +110,7 @@ pub fn widest<E>(
     let widest = Widest {
         estimate: sample.estimate(&scales),
         stated: problem.stated(at_safe),
+        is_expected: at_safe.share >= problem.target,
         scales,
         safe,
         at_safe,
@@ -132,11 +138,82 @@ impl Problem {
         cube.iter().map(point).collect()
     }
 
+    /// Draws wider and wider points as long as the share gets larger with the widest ones and holds nowhere: where the
+    /// nominal value misses a criterion, wider tolerances may meet it more often. Tells how many rounds that took.
+    ///
+    /// # Errors
+    /// The return value of `run`.
+    pub fn explore<E>(
+        &self,
+        sample: &mut Sample,
+        mut run: impl FnMut(Vec<Vec<f64>>) -> Result<Vec<f64>, E>,
+    ) -> Result<u64, E> {
+        const FURTHER: f64 = 1.5;
+        // Far from the seeds of the other rounds.
+        const SEEDS: u64 = 1000;
+        let ones = vec![1.0; self.distributions.len()];
+        let mut rounds = 0;
+        while !self.holds_anywhere(sample) {
+            let widest = self.longest(sample, &ones);
+            let most = self.most(sample, &ones);
+            let grows = most.is_some_and(|(scales, found)| {
+                let reach = scales.iter().copied().fold(0.0, f64::max);
+                found.share > 0.0 && reach > SHRINK * widest
+            });
+            if !grows || widest >= 0.999 * self.limit {
+                break;
+            }
+            rounds += 1;
+            let scales = vec![(FURTHER * widest).min(self.limit); ones.len()];
+            let points = self.draw(&scales, self.seed.wrapping_add(SEEDS + rounds));
+            let goods = run(points.clone())?;
+            sample.extend(&scales, points, goods);
+        }
+        Ok(rounds)
+    }
+
     /// Whether the share holds at any tolerances in the proportions of the study's that the points tell of.
     pub fn holds_anywhere(&self, sample: &Sample) -> bool {
         let ones = vec![1.0; self.distributions.len()];
         let found = sample.estimate(&self.along(sample, &ones));
-        found.effective >= 0.5 * FEWEST && found.share >= self.target
+        is_known(found) && found.share >= self.target
+    }
+
+    /// The tolerances in given proportions at which the share is largest, of those that the points tell of.
+    pub fn most(&self, sample: &Sample, proportions: &[f64]) -> Option<(Vec<f64>, Estimate)> {
+        let mut length = self.longest(sample, proportions);
+        let mut most: Option<(Vec<f64>, Estimate)> = None;
+        loop {
+            let scales = self.at(sample, proportions, length);
+            let found = sample.estimate(&scales);
+            let is_larger = most
+                .as_ref()
+                .is_none_or(|(_, best)| found.share > best.share);
+            let is_narrowest = scales.iter().all(|scale| *scale <= NARROWEST);
+            if is_known(found) && is_larger {
+                most = Some((scales, found));
+            }
+            if is_narrowest {
+                return most;
+            }
+            length *= SHRINK;
+        }
+    }
+
+    /// Tolerances of a length in given proportions, but none wider than what was drawn.
+    fn at(&self, sample: &Sample, proportions: &[f64], length: f64) -> Vec<f64> {
+        let pairs = proportions.iter().zip(sample.reach());
+        pairs
+            .map(|(p, reach)| (length * p).clamp(NARROWEST, reach.min(self.limit)))
+            .collect()
+    }
+
+    /// The length at which the last of the tolerances is as wide as what was drawn.
+    fn longest(&self, sample: &Sample, proportions: &[f64]) -> f64 {
+        let pairs = proportions.iter().zip(sample.reach());
+        pairs
+            .map(|(p, reach)| reach.min(self.limit) / p)
+            .fold(0.0, f64::max)
     }
 
     /// The cost of tolerances.
@@ -235,25 +312,12 @@ impl Problem {
         proportions: &[f64],
         holds: impl Fn(Estimate) -> bool,
     ) -> Vec<f64> {
-        const SHRINK: f64 = 0.8;
-        let reach = sample.reach();
-        let at = |length: f64| -> Vec<f64> {
-            let pairs = proportions.iter().zip(reach);
-            pairs
-                .map(|(p, reach)| (length * p).clamp(NARROWEST, reach.min(self.limit)))
-                .collect()
-        };
-        let longest = proportions
-            .iter()
-            .zip(reach)
-            .map(|(p, reach)| reach.min(self.limit) / p)
-            .fold(0.0, f64::max);
-        let known = |estimate: Estimate| estimate.effective >= 0.5 * FEWEST;
-        let mut long = longest;
-        let mut short = longest;
+        let at = |length: f64| self.at(sample, proportions, length);
+        let mut long = self.longest(sample, proportions);
+        let mut short = long;
         loop {
             let estimate = sample.estimate(&at(short));
-            if holds(estimate) || !known(estimate) || at(short).iter().all(|s| *s <= NARROWEST) {
+            if holds(estimate) || !is_known(estimate) || at(short).iter().all(|s| *s <= NARROWEST) {
                 break;
             }
             (long, short) = (short, SHRINK * short);
@@ -261,7 +325,7 @@ impl Problem {
         for _ in 0..20 {
             let middle = 0.5 * (short + long);
             let estimate = sample.estimate(&at(middle));
-            if holds(estimate) || !known(estimate) {
+            if holds(estimate) || !is_known(estimate) {
                 short = middle;
             } else {
                 long = middle;
@@ -290,4 +354,9 @@ impl Problem {
         let trials = 1.0 / (1.0 / estimate.trials.max(1.0) + 1.0 / self.confirm as f64);
         wilson(estimate.share, trials, PROBABILITY)
     }
+}
+
+/// Whether the points tell enough about the tolerances of an estimate to search there.
+fn is_known(estimate: Estimate) -> bool {
+    estimate.effective >= 0.5 * FEWEST
 }

@@ -1,6 +1,7 @@
 //! Why no tolerances would do.
 
 use super::goal::Goal;
+use crate::analysis::tolerances::Problem;
 use crate::judge::{Criterion, Judge};
 use crate::report::format::number;
 
@@ -17,13 +18,8 @@ pub(super) fn of(
         None => {
             found.push("the model fails with all parameters at their nominal values".to_owned())
         }
-        Some(values) => {
-            let off = judge
-                .criteria
-                .iter()
-                .zip(values)
-                .filter(|(c, v)| !c.accepts(**v));
-            found.extend(off.map(|(criterion, &value)| nominal_is_off(criterion, value)));
+        Some(_) => {
+            found.extend(off(judge, centre));
             if found.is_empty() {
                 found.push(format!(
                     "with all parameters at their nominal values the model meets all criteria, but conforms as wanted \
@@ -35,6 +31,26 @@ pub(super) fn of(
     }
     found.extend(contradictions(judge, points));
     found
+}
+
+/// The criteria that the centre of all parameters misses, a sentence each.
+pub(super) fn off(judge: &Judge, centre: Option<&[f64]>) -> Vec<String> {
+    let pairs = judge.criteria.iter().zip(centre.unwrap_or_default());
+    pairs
+        .filter(|(criterion, value)| !criterion.accepts(**value))
+        .map(|(criterion, &value)| nominal_is_off(criterion, value))
+        .collect()
+}
+
+/// That the wanted share is too near the largest one to be shown.
+pub(super) fn not_shown(problem: &Problem) -> String {
+    format!(
+        "{} % may be reached, but no tolerances are expected to show it at a confidence of {} % in {} fresh runs: want \
+         less, or confirm with more runs (`--confirm N`)",
+        number(100.0 * problem.target, 4),
+        number(100.0 * problem.confidence, 4),
+        problem.confirm
+    )
 }
 
 /// Narrower tolerances bring all points nearer to the nominal one.

@@ -5,7 +5,9 @@
   const data = JSON.parse(document.getElementById("data").textContent);
   const bytes = text => Uint8Array.from(atob(text), c => c.charCodeAt(0));
   const ids = new Uint32Array(bytes(data.ids).buffer);
+  // Under a guard band fewer points are accepted than lie within all tolerances; these count as verified here.
   const verified = bytes(data.verified);
+  const word = data.guarded ? "accepted" : "verified";
   const completed = bytes(data.completed);
   const columns = data.columns.map(c => ({
     ...c,
@@ -66,6 +68,9 @@
       value: p => low + (p - from) / (to - from) * (high - low),
     };
   };
+  const tolerance = c => [c.criterion?.lower ?? -Infinity, c.criterion?.upper ?? Infinity];
+  // Of a criterion under a guard band it may be nothing.
+  const acceptedRange = c => data.guarded && c.criterion ? c.criterion.drawn_in : tolerance(c);
   const inside = (c, i) => !c.ok || c.ok[i] === 1;
   const deviation = (c, i) => {
     const v = c.data[i], { nominal, lower, upper } = c.criterion;
@@ -109,7 +114,9 @@
     tip.replaceChildren();
     const failing = columns.filter(c => c.ok && !c.ok[i]).map(c => c.name);
     const head = make("strong", `Point ${ids[i]}`, tip);
-    head.after(make("span", verified[i] ? " meets all criteria" : ` fails ${failing.join(", ")}`));
+    head.after(make("span", !verified[i] && failing.length ? ` fails ${failing.join(", ")}`
+      : !data.guarded ? " meets all criteria"
+      : verified[i] ? " is accepted" : " is within all tolerances, but in a guard band"));
     if (conformance) make("p", `conforms with a probability of ${percent(conformance[i])}`, tip).className = "quiet";
     const table = make("table", undefined, tip);
     let before = null;
@@ -198,9 +205,12 @@
 
     function acceptance(cx, cy) {
       if (!cx.criterion && !cy.criterion) return;
-      const limits = (c, s) => [s.clamp(c.criterion?.lower ?? -Infinity), s.clamp(c.criterion?.upper ?? Infinity)];
-      const [x0, x1] = limits(cx, sx), [y0, y1] = limits(cy, sy);
-      draw(svg, "path", { class: "accept", d: `M${f(x0)},${f(y1)}H${f(x1)}V${f(y0)}H${f(x0)}z` });
+      const box = (kind, [x0, x1], [y0, y1]) => draw(svg, "path", { class: kind, d: `M${f(x0)},${f(y1)}H${f(x1)}V${f(y0)}H${f(x0)}z` });
+      const ends = ([low, high], s) => [s.clamp(low), s.clamp(high)];
+      const [x0, x1] = ends(tolerance(cx), sx), [y0, y1] = ends(tolerance(cy), sy);
+      box(data.guarded ? "tolerance" : "accept", [x0, x1], [y0, y1]);
+      const inner = [acceptedRange(cx), acceptedRange(cy)];
+      if (data.guarded && inner[0] && inner[1]) box("accept", ends(inner[0], sx), ends(inner[1], sy));
       if (cx.criterion) draw(svg, "path", { class: "nominal", d: `M${f(sx.clamp(cx.criterion.nominal))},${f(y1)}V${f(y0)}` });
       if (cy.criterion) draw(svg, "path", { class: "nominal", d: `M${f(x0)},${f(sy.clamp(cy.criterion.nominal))}H${f(x1)}` });
     }
@@ -338,8 +348,12 @@
     const rails = columns.map((c, k) => ({ c, x: step * (k + .5) + (width - step * columns.length) / 2, s: scale(c.range, bottom, top) }));
     for (const { c, x, s } of rails) {
       if (c.criterion) {
-        const a = s.clamp(c.criterion.lower ?? -Infinity), b = s.clamp(c.criterion.upper ?? Infinity);
-        draw(svg, "path", { class: "accept", d: `M${f(x - 9)},${f(a)}H${f(x + 9)}V${f(b)}H${f(x - 9)}z` });
+        const band = (kind, range) => {
+          const [a, b] = range.map(s.clamp);
+          draw(svg, "path", { class: kind, d: `M${f(x - 9)},${f(a)}H${f(x + 9)}V${f(b)}H${f(x - 9)}z` });
+        };
+        if (data.guarded) band("tolerance", tolerance(c));
+        if (acceptedRange(c)) band("accept", acceptedRange(c));
       }
       draw(svg, "path", { class: "rail", d: `M${f(x)},${top}V${bottom}` });
       const words = parts(c.name);
@@ -388,7 +402,7 @@
       // A spreadsheet would take such a name for a formula.
       const plain = t => /^'*[=+\-@\t\r]/.test(t) ? `'${t}` : t;
       const quote = t => /[",\r\n]/.test(plain(t)) ? `"${plain(t).replace(/"/g, '""')}"` : plain(t);
-      const lines = [["point", ...columns.map(c => c.title), "verified", ...(conformance ? ["conformance"] : [])].map(quote).join(",")];
+      const lines = [["point", ...columns.map(c => c.title), word, ...(conformance ? ["conformance"] : [])].map(quote).join(",")];
       const chosen = state.selected.size ? [...state.selected] : Array.from(ids, (_, i) => i);
       chosen.forEach(i => lines.push([ids[i], ...columns.map(c => Number(c.data[i].toPrecision(7))), verified[i] === 1, ...(conformance ? [Number(conformance[i].toPrecision(4))] : [])].join(",")));
       const link = make("a");
@@ -404,7 +418,7 @@
       if (key === before) return;
       before = key;
       const passing = chosen.filter(i => verified[i]).length;
-      counter.textContent = chosen.length ? `${chosen.length} selected, ${passing} of them verified.${chosen.length > LISTED ? ` The first ${LISTED} are listed.` : ""}` : "None selected.";
+      counter.textContent = chosen.length ? `${chosen.length} selected, ${passing} of them ${word}.${chosen.length > LISTED ? ` The first ${LISTED} are listed.` : ""}` : "None selected.";
       section.classList.toggle("nothing-selected", !chosen.length);
       holder.replaceChildren();
       if (!chosen.length) return;

@@ -4,6 +4,7 @@ use statrs::distribution::{Binomial, DiscreteCDF};
 
 use super::tests::{STUDY, judge};
 use super::*;
+use conformity::decision::randomised;
 use sampling::design::{Design, Sampling};
 use sampling::distribution::Distribution;
 
@@ -28,7 +29,7 @@ impl Way {
         let text = STUDY.replace("share = 0.2", &format!("share = {share}"));
         let judge = judge(&text);
         let design = Some((self.method, self.replicates));
-        let ending = Ending::new(Until::Verdict, &judge, design).unwrap();
+        let ending = Ending::new(Until::Verdict, &judge, design, &History::default()).unwrap();
         let sampling = Sampling {
             method: self.method,
             points: self.points,
@@ -45,9 +46,9 @@ impl Way {
             }
         }
         let looks = if self.waits {
-            ending.looks()
+            ending.looks().unwrap()
         } else {
-            Looks::Once
+            Looks::default()
         };
         looks.decide(judge.rule.unwrap(), &front.counts, front.front as u64)
     }
@@ -138,4 +139,36 @@ fn of_a_thousand_studies_hardly_any_verdict_is_wrong() {
             check(nets, 1000, 0);
         }
     }
+}
+
+/// The short form of `cargo run --release --example coverage`: intervals of a share, which are narrower than those of
+/// independent points.
+#[test]
+fn intervals_of_replicates_hold_the_share_in_95_per_cent_of_repetitions() {
+    const POINTS: u64 = 512;
+    const REPETITIONS: u64 = 400;
+    let unit = Distribution::Uniform { min: 0.0, max: 1.0 };
+    let (mut held, mut narrower) = (0, 0);
+    for seed in 0..REPETITIONS {
+        let sampling = Sampling {
+            method: Method::Sobol,
+            points: POINTS,
+            seed,
+            replicates: 16,
+        };
+        let design = Design::new(&sampling, vec![unit; 3]).unwrap();
+        let mut counts = [0; 16];
+        for index in 0..POINTS {
+            let u = design.point(index);
+            counts[index as usize % 16] += u64::from(u[0] + u[1] < 1.0 && u[2] < 0.4);
+        }
+        let [low, high] = randomised(&counts, POINTS, 0.95);
+        held += u64::from(low <= 0.2 && 0.2 <= high);
+        let hits: u64 = counts.iter().sum();
+        let [from, to] = clopper_pearson(hits as f64, POINTS as f64, 0.95);
+        narrower += u64::from(high - low < to - from);
+    }
+    let coverage = held as f64 / REPETITIONS as f64;
+    assert!((coverage - 0.95).abs() <= 0.03, "{coverage}");
+    assert!(narrower > REPETITIONS * 9 / 10, "{narrower}");
 }

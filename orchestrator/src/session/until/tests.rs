@@ -25,7 +25,12 @@ pub(super) fn judge(text: &str) -> Judge {
 }
 
 fn ending(until: &str, design: Option<(Method, u64)>) -> Result<Ending, String> {
-    Ending::new(until.parse().unwrap(), &judge(STUDY), design)
+    Ending::new(
+        until.parse().unwrap(),
+        &judge(STUDY),
+        design,
+        &History::default(),
+    )
 }
 
 /// The number of points at which the study ends.
@@ -59,20 +64,20 @@ fn a_width_is_looked_at_every_hundred_points() {
     let ending = ending("ci 0.2", Some((Method::Sobol, 1))).unwrap();
     let points = end(&ending, 0..10_000, |index| index % 3 == 0);
     assert_eq!(points % 100, 0);
-    let [low, high] = wilson(points.div_ceil(3) as u64, points as u64);
+    let [low, high] = clopper_pearson(points.div_ceil(3) as f64, points as f64, 0.95);
     assert!(high - low <= 0.2);
-    assert_eq!(ending.looks(), Looks::Once);
+    assert_eq!(ending.looks(), None);
 }
 
 #[test]
 fn a_verdict_ends_a_study_at_the_first_look_that_decides() {
     let chance = ending("verdict", Some((Method::MonteCarlo, 1))).unwrap();
-    assert_eq!(chance.looks(), Looks::EveryPoint);
+    assert_eq!(chance.looks().unwrap().way, Way::EveryPoint);
     // Of n points without a hit the share 0.2 has the likelihood 0.8^n, the mixture B(1/2, n + 1/2) / pi, which is about
     // 1 / sqrt(pi n): twenty times as much from 24 points on.
     assert_eq!(end(&chance, 0..100, |_| false), 24);
     let nets = ending("verdict", Some((Method::Sobol, 8))).unwrap();
-    assert_eq!(nets.looks(), Looks::Doublings);
+    assert_eq!(nets.looks().unwrap().way, Way::Doublings);
     assert_eq!(end(&nets, 0..1000, |_| true), 128);
 }
 
@@ -105,12 +110,15 @@ fn points_that_allow_no_early_verdict_are_refused_with_a_remedy() {
     }
     let chance = Some((Method::MonteCarlo, 1));
     let without = judge(STUDY.split("[verdict]").next().unwrap());
-    let message = Ending::new(Until::Verdict, &without, chance).unwrap_err();
+    let message = Ending::new(Until::Verdict, &without, chance, &History::default()).unwrap_err();
     assert!(message.contains("add [verdict]"), "{message}");
     let limited = judge(&STUDY.replace("guard-band = 0.5", "risk = 0.1"));
-    let message = Ending::new(Until::Verdict, &limited, chance).unwrap_err();
+    let message = Ending::new(Until::Verdict, &limited, chance, &History::default()).unwrap_err();
     assert!(message.contains("give `guard-band`"), "{message}");
-    assert!(Ending::new(Until::Width(0.1), &without, None).is_ok());
+    let nothing = judge(&STUDY.replace("guard-band = 0.5", "guard-band = 1e9"));
+    let message = Ending::new(Until::Verdict, &nothing, chance, &History::default()).unwrap_err();
+    assert!(message.contains("as wide as a tolerance"), "{message}");
+    assert!(Ending::new(Until::Width(0.1), &without, None, &History::default()).is_ok());
 }
 
 #[test]

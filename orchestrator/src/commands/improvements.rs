@@ -1,0 +1,42 @@
+//! What to improve first, on the terminal.
+
+use crate::results::Summary;
+use crate::results::improvement::{Change, Halved, Sign};
+
+/// The surest gain, or that there is none among the changes that were looked at.
+pub(super) fn text(summary: &Summary) -> String {
+    let Some(found) = &summary.improvements else {
+        return String::new();
+    };
+    let gains = || found.changes.iter().filter(|c| c.sign() == Sign::Gain);
+    let open = found.changes.iter().filter(|c| c.sign() == Sign::Open);
+    let open = match open.count() {
+        0 => String::new(),
+        1 => "; 1 change is not distinguishable from no gain".to_owned(),
+        n => format!("; {n} changes are not distinguishable from no gain"),
+    };
+    let Some(first) = gains().next() else {
+        return format!(
+            "to improve first: by {} points halving no uncertainty or tolerance is sure to gain{open}\n",
+            found.points
+        );
+    };
+    format!("to improve first: {}{open}\n", sentence(first))
+}
+
+fn sentence(change: &Change) -> String {
+    let what = match change.halved {
+        Halved::Uncertainty => "uncertainty of the measured value",
+        Halved::Tolerance => "tolerance of",
+    };
+    let [gain, low, high] = [
+        change.gain,
+        change.gain_interval[0],
+        change.gain_interval[1],
+    ]
+    .map(|x| 100.0 * x);
+    format!(
+        "half the {what} {} gains {gain:.1} points of the share (95 % interval {low:.1} .. {high:.1})",
+        change.name
+    )
+}

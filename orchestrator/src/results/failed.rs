@@ -1,0 +1,139 @@
+//! Points without a result: what they leave open of a verdict, and where among the parameters they lie.
+
+use super::conclusion::{Conclusion, grouped};
+use super::{Row, Summary};
+use crate::study::plan::Plan;
+use conformity::decision::Decision;
+
+/// Warns of points without a result. They count as not verified and not conforming, and are missing elsewhere, so that
+/// the shares and the means of one study tell of different points.
+pub(super) fn concern(summary: &Summary, plan: Option<&Plan>, points: &[Row]) -> Option<String> {
+    let Summary {
+        failed,
+        points: all,
+        ..
+    } = *summary;
+    if failed == 0 {
+        return None;
+    }
+    let reasons: Vec<String> = summary
+        .failures
+        .iter()
+        .map(|(reason, count)| format!("{reason}: {}", grouped(*count)))
+        .collect();
+    let reasons = reasons.join(", ");
+    if failed == all {
+        return Some(format!(
+            "no point has a result ({reasons}), so the model was not compared with the measurement: see `orchestrator \
+             check` and the first failure"
+        ));
+    }
+    let place = plan.and_then(|plan| place(plan, points));
+    let place = place.map_or_else(String::new, |place| format!(", mostly where {place}"));
+    Some(format!(
+        "{} of {} points failed ({reasons}){place}; they count as not verified and not conforming, but are missing from \
+         the validation comparison and the sensitivities: find out why they fail, or cut the distributions to where the \
+         model holds",
+        grouped(failed),
+        grouped(all)
+    ))
+}
+
+/// The parameter that sets the failed points apart most, if any does: the largest distance between the distribution
+/// functions of failed and other points (Kolmogorov and Smirnov), where that is not chance.
+fn place(plan: &Plan, points: &[Row]) -> Option<String> {
+    const CLEAR: f64 = 0.5;
+    let of = |k: usize| {
+        let values = |failed: bool| {
+            let own = points
+                .iter()
+                .filter(|(_, values)| values.is_none() == failed);
+            let mut own: Vec<f64> = own.map(|(parameters, _)| parameters[k]).collect();
+            own.sort_by(f64::total_cmp);
+            own
+        };
+        let [failed, others] = [values(true), values(false)];
+        (distance(&failed, &others), k, failed, others)
+    };
+    let varied = plan.varied();
+    let chance = |failed: usize, others: usize| {
+        // The probability of a larger distance by chance is about 2 exp(-2 d^2 n m / (n + m)), for each parameter.
+        let tail = 0.01 / varied.len() as f64;
+        (0.5 * (2.0 / tail).ln() * (1.0 / failed as f64 + 1.0 / others as f64)).sqrt()
+    };
+    let (distance, k, failed, others) = varied
+        .iter()
+        .map(|&k| of(k))
+        .max_by(|a, b| a.0.total_cmp(&b.0))?;
+    if distance < CLEAR.max(chance(failed.len(), others.len())) {
+        return None;
+    }
+    let unit = plan.inputs[k].unit.as_deref();
+    let unit = unit.map_or_else(String::new, |unit| format!(" {unit}"));
+    let range = |values: &[f64]| {
+        let [low, high] = [values.first(), values.last()].map(|v| v.copied().unwrap_or(f64::NAN));
+        format!("{low:.4} .. {high:.4}{unit}")
+    };
+    Some(format!(
+        "{} is {} (elsewhere {})",
+        plan.inputs[k].name,
+        range(&failed),
+        range(&others)
+    ))
+}
+
+/// The largest distance between the distribution functions of two samples in growing order; 0 where one is empty.
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    if a.is_empty() || b.is_empty() {
+        return 0.0;
+    }
+    let below = |sample: &[f64], value: f64| {
+        sample.partition_point(|&x| x <= value) as f64 / sample.len() as f64
+    };
+    let gaps = a
+        .iter()
+        .chain(b)
+        .map(|&x| (below(a, x) - below(b, x)).abs());
+    gaps.fold(0.0, f64::max)
+}
+
+/// The conclusion where no point has a result: there is nothing to decide by.
+pub(super) fn nothing_compared(conclusion: &mut Conclusion, points: u64) {
+    let Conclusion {
+        verdict,
+        verdict_words,
+        required,
+        other_verdict_probability,
+        risk,
+        ..
+    } = conclusion;
+    *verdict = Decision::Inconclusive;
+    *verdict_words = match points {
+        1 => "inconclusive: the only point failed, so nothing was compared with the measurement"
+            .to_owned(),
+        n => format!(
+            "inconclusive: all {} points failed, so nothing was compared with the measurement",
+            grouped(n)
+        ),
+    };
+    if let Some(required) = required {
+        required.interval = [0.0, 1.0];
+        required.points_needed = None;
+        "none: no point has a result".clone_into(&mut required.method);
+    }
+    *other_verdict_probability = None;
+    *risk = None;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_that_lie_apart_have_the_distance_1() {
+        assert_eq!(distance(&[1.0, 2.0], &[3.0, 4.0]), 1.0);
+        assert_eq!(distance(&[1.0, 2.0, 3.0], &[1.0, 2.0, 3.0]), 0.0);
+        assert_eq!(distance(&[1.0, 3.0], &[2.0, 4.0]), 0.5);
+        assert_eq!(distance(&[], &[1.0]), 0.0);
+    }
+}
