@@ -53,8 +53,8 @@ pub(super) struct FractionText {
 pub(super) struct Headline {
     count: String,
     percent: String,
-    low: String,
-    high: String,
+    /// Both ends of the interval; none where nothing can be said of the share.
+    interval: Option<[String; 2]>,
     /// Of the interval, per cent.
     confidence: String,
     /// How it was computed, where it decided.
@@ -69,18 +69,15 @@ impl Headline {
             return Self {
                 count: count(meets_all.count),
                 percent,
-                low,
-                high,
+                interval: Some([low, high]),
                 confidence: number(USUAL, 4),
                 method: None,
             };
         };
-        let [low, high] = decided.interval.map(percent);
         Self {
             count: count(decided.accepted),
             percent: percent(decided.accepted as f64 / total.max(1) as f64),
-            low,
-            high,
+            interval: decided.interval.map(|ends| ends.map(percent)),
             confidence: number(100.0 * decided.confidence, 4),
             method: Some(decided.method.clone()),
         }
@@ -91,10 +88,10 @@ impl Headline {
 /// the guard band.
 fn guarded(judgement: &Judgement, total: usize) -> Option<(String, Fraction)> {
     let Decided {
-        accepted,
-        interval: [low, high],
-        ..
+        accepted, interval, ..
     } = *judgement.decided.as_ref()?;
+    // Of nothing accepted without an interval there is no row.
+    let [low, high] = interval?;
     let band = judgement.guard?;
     let note = if band.is_finite() {
         format!("guard band {} U", number(band, 3))
@@ -180,7 +177,11 @@ pub(super) fn count_rows(
             .map(criterion),
     );
     let Some((note, accepted)) = guarded(judgement, total) else {
-        rows.push(row("all criteria", "total", &counted.verified));
+        let name = match judgement.guard {
+            Some(_) => "within all tolerances",
+            None => "all criteria",
+        };
+        rows.push(row(name, "total", &counted.verified));
         return rows;
     };
     rows.push(row("within all tolerances", "total", &counted.verified));

@@ -36,8 +36,8 @@ pub struct Judgement {
 pub struct Decided {
     /// How many points are accepted.
     pub accepted: usize,
-    /// The interval of their share.
-    pub interval: [f64; 2],
+    /// The interval of their share; none where nothing can be said of it.
+    pub interval: Option<[f64; 2]>,
     /// The confidence of the interval.
     pub confidence: f64,
     /// How it was computed.
