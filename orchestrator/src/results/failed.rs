@@ -117,8 +117,9 @@ pub(super) fn nothing_compared(conclusion: &mut Conclusion, points: u64) {
         ),
     };
     if let Some(required) = required {
-        required.interval = [0.0, 1.0];
+        required.interval = None;
         required.points_needed = None;
+        required.points_needed_going_on = None;
         "none: no point has a result".clone_into(&mut required.method);
     }
     *other_verdict_probability = None;
