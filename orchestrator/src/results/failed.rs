@@ -119,6 +119,7 @@ pub(super) fn nothing_compared(conclusion: &mut Conclusion, points: u64) {
     if let Some(required) = required {
         required.interval = None;
         required.points_needed = None;
+        required.points_needed_going_on = None;
         "none: no point has a result".clone_into(&mut required.method);
     }
     *other_verdict_probability = None;
