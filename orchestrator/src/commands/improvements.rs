@@ -8,6 +8,10 @@ pub(super) fn text(summary: &Summary) -> String {
     let Some(found) = &summary.improvements else {
         return String::new();
     };
+    // Those of a grid have no intervals that would tell a gain from chance.
+    if summary.verified_interval.is_none() {
+        return String::new();
+    }
     let gains = || found.changes.iter().filter(|c| c.sign() == Sign::Gain);
     let open = found.changes.iter().filter(|c| c.sign() == Sign::Open);
     let open = match open.count() {
