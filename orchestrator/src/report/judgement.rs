@@ -128,7 +128,7 @@ fn decided(conclusion: &Conclusion) -> Option<Decided> {
     let required = conclusion.required.as_ref()?;
     Some(Decided {
         accepted: conclusion.accepted as usize,
-        interval: required.interval?,
+        interval: required.interval,
         confidence: required.rule.confidence,
         method: required.method.clone(),
     })
