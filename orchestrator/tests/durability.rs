@@ -152,9 +152,9 @@ fn kill(points: u32, kills: u32, finished: u32) {
             bench.read(&format!("whole/{file}"))
         );
     }
-    let left_over = fs::read_dir(bench.path("killed")).unwrap().flatten();
-    let hidden = |entry: &fs::DirEntry| entry.file_name().to_string_lossy().starts_with('.');
-    assert_eq!(left_over.filter(hidden).count(), 0);
+    let entries = fs::read_dir(bench.path("killed")).unwrap().flatten();
+    let mut left_over = entries.map(|entry| entry.file_name().to_string_lossy().into_owned());
+    assert_eq!(left_over.find(|name| name.starts_with('.')), None);
 }
 
 /// Kills a worker of a supervisor as soon as it has one; false where the supervisor ends before.

@@ -150,14 +150,22 @@ fn inputs_follow_a_table() {
     let values: Vec<&str> = table.iter().map(|row| row[1].as_str()).collect();
     assert_eq!(values, ["drive.u", "0", "0", "5"]);
     bench.write("length.csv", "time,lag.length [mm]\n0,0.5\n");
-    let said = good(bench.run(&[
-        "simulate",
-        "lag.fmu",
-        "--record",
-        "lag.length",
-        "--input",
-        "length.csv",
-    ]));
+    let length = |fmu| {
+        bench.run(&[
+            "simulate",
+            fmu,
+            "--record",
+            "lag.length",
+            "--input",
+            "length.csv",
+        ])
+    };
+    // FMI 2.0.5, 4.2.4: only inputs and tunable parameters change while the simulation runs.
+    length("lag.fmu").is_mistake(&["length.csv", "lag.length", "fixed parameter"]);
+    let fixed = "valueReference=\"2\" causality=\"parameter\" variability=\"fixed\"";
+    let tunable = model(fixed, &fixed.replace("fixed", "tunable"));
+    bench.fmu("tunable.fmu", &[], &tunable);
+    let said = good(length("tunable.fmu"));
     assert_eq!(rows(&said.out)[1][1], "0.0005");
     bench.write("other.csv", "time,drive.v\n0,0\n");
     with("other.csv").is_mistake(&["--input", "drive.v", "did you mean"]);

@@ -2,6 +2,8 @@
 
 use std::fs;
 use std::path::Path;
+use std::thread::sleep;
+use std::time::Duration;
 
 use tempfile::TempDir;
 
@@ -74,10 +76,22 @@ fn scratch(folder: &Path) -> Result<TempDir, ResultsError> {
             .iter()
             .any(|prefix| name.to_string_lossy().starts_with(prefix))
         {
-            // A file that cannot be removed only takes up room.
-            let _ = fs::remove_dir_all(entry.path()).or_else(|_| fs::remove_file(entry.path()));
+            remove(&entry.path());
         }
     }
     let scratch = tempfile::Builder::new().prefix(PREFIX).tempdir_in(folder);
     scratch.map_err(ResultsError::io(folder))
+}
+
+/// Removes a folder or a file, if it can. One that stays only takes up room.
+fn remove(path: &Path) {
+    // The processes of a run that was killed end on their own, and may still write for a moment.
+    const TRIES: u32 = 50;
+    for _ in 0..TRIES {
+        let removed = fs::remove_dir_all(path).or_else(|_| fs::remove_file(path));
+        if removed.is_ok() || !path.exists() {
+            return;
+        }
+        sleep(Duration::from_millis(10));
+    }
 }
