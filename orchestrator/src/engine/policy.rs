@@ -434,6 +434,17 @@ impl Policy {
         (spoken || self.tool && state.instance.is_some()) && last.elapsed() < LICENCE
     }
 
+    /// There are too few licences: no process may keep one between points. Says whether some did, so that their points
+    /// have to be computed again, because their last audits will not come.
+    pub(super) fn share_licences(&self) -> bool {
+        let mut state = self.state();
+        if self.wish != Isolation::Audited || state.reuse == Reuse::Refused {
+            return false;
+        }
+        state.reuse = Reuse::Refused;
+        state.reused
+    }
+
     /// The points on which reuse is to be proven.
     pub(super) fn proof(&self) -> Vec<Proof> {
         let mut state = self.state();

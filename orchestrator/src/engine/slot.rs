@@ -125,7 +125,7 @@ impl Slot {
         job: &Job,
         separation: Separation,
         fill: Option<u8>,
-        post: &Post<'_>,
+        post: &mut Post<'_>,
     ) -> Result<Reply, Gone> {
         const LONGEST: Duration = Duration::from_secs(5);
         let (since, mut pause) = (Instant::now(), Duration::from_millis(20));
@@ -136,6 +136,11 @@ impl Slot {
             };
             if !self.policy.waits_for_licence(*licence, since) {
                 return Ok(reply);
+            }
+            // A process that waits for further points keeps its licence, perhaps the only one.
+            self.using.end();
+            if self.policy.share_licences() {
+                post.send(Event::Void(Separation::Used));
             }
             post.pause(pause)?;
             pause = LONGEST.min(pause * 3 / 2);
@@ -331,6 +336,9 @@ impl Slot {
                 Err(gone) => return Err(gone),
             }
         }
+        if habit.is_none() {
+            self.using.end();
+        }
         self.policy.tried(habit);
         Ok(())
     }
@@ -496,6 +504,10 @@ impl Worker for Slot {
             if post.is_over() {
                 return Ok(());
             }
+        }
+        if post.left == Some(0) {
+            // Others may need the licence that it holds.
+            self.using.end();
         }
         Ok(())
     }

@@ -266,7 +266,6 @@ impl Probe<'_> {
         when: &str,
     ) -> io::Result<bool> {
         self.at(&format!("the initialisation{when}"))?;
-        let columns = &self.setup.columns;
         let mut begin = || -> Result<(), Call> {
             let instance = &mut live.instance;
             instance.setup_experiment(schedule.start, schedule.stop, schedule.tolerance)?;
@@ -274,7 +273,7 @@ impl Probe<'_> {
                 instance.set(*reference, value)?;
             }
             instance.initialise()?;
-            note(instance, columns, schedule.start, &mut live.run)
+            note(instance, self.setup, schedule.start, &mut live.run)
         };
         let begun = begin();
         live.open = begun.is_ok();
@@ -300,7 +299,7 @@ impl Probe<'_> {
                     run.ended = Some(at);
                     outcome = Ok(());
                 }
-                let outcome = outcome.and_then(|()| note(instance, &self.setup.columns, at, run));
+                let outcome = outcome.and_then(|()| note(instance, self.setup, at, run));
                 run.refused = matches!(&outcome, Err(call) if call.status == Status::Discard);
                 run.failure = outcome.err().map(|call| call.to_string());
                 live.open = run.failure.is_none() && run.ended.is_none();
@@ -334,15 +333,17 @@ impl Probe<'_> {
 }
 
 /// Adds a row.
-fn note(instance: &mut Instance, columns: &[Handle], time: f64, run: &mut Run) -> Result<(), Call> {
-    let row = columns.iter().map(|column| {
+fn note(instance: &mut Instance, setup: &Setup, time: f64, run: &mut Run) -> Result<(), Call> {
+    let folder = setup.fmu.to_string_lossy();
+    let row = setup.columns.iter().map(|column| {
         Ok(match instance.value(*column)? {
             Value::Real(value) => value.to_bits(),
             Value::Integer(value) => u64::from(value.cast_unsigned()),
             Value::Boolean(value) => u64::from(value),
             Value::String(text) => {
+                // Where the FMU was unpacked is no difference between two simulations.
                 let mut hasher = DefaultHasher::new();
-                text.hash(&mut hasher);
+                text.replace(&*folder, "").hash(&mut hasher);
                 hasher.finish()
             }
         })
