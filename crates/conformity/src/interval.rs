@@ -79,7 +79,7 @@ impl Moments {
 /// therefore the nearer of two:
 /// - the one of [Clopper and Pearson](clopper_pearson), with the sum of the numbers as the count:
 ///   numbers between 0 and 1 scatter no more than zeros and ones of the same mean;
-/// - Student's, of the numbers or of the means of several samples, [drawn out](drawn_out) by what so
+/// - Student's, of the numbers or of the means of several samples, drawn out by what so
 ///   many numbers may have missed.
 ///
 /// Fewer than [`LEAST_SAMPLES`] count as one.

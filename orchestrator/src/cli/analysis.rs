@@ -91,10 +91,10 @@ pub struct Tolerances {
     /// The folder of the finished study, whose points are used first [default: results/ and the study's name]
     #[arg(long, value_name = "DIR")]
     pub from: Option<PathBuf>,
-    /// Points of each round of the search [default: `points` under [tolerances], or 1024]
+    /// Points of each round of the search [default: `points` under `[tolerances]`, or 1024]
     #[arg(long, value_name = "N")]
     pub points: Option<u64>,
-    /// Fresh runs that confirm the result [default: `confirm` under [tolerances], or 1000]
+    /// Fresh runs that confirm the result [default: `confirm` under `[tolerances]`, or 1000]
     #[arg(long, value_name = "N")]
     pub confirm: Option<u64>,
     /// The seed [default: the study's, or 1]
