@@ -65,9 +65,9 @@ impl History {
         Looks::after(&self.looks, way)
     }
 
-    /// How a verdict for which the study did not wait has to be drawn from so many points of so many samples: the first one
-    /// by the interval for a fixed number of points, later ones by one that is right however often one looks. The same
-    /// points once more are no further look.
+    /// The interval for the next verdict of a study without `--until`. The first verdict takes the interval for a fixed
+    /// number of points, later ones take an interval that is right however often one looks. The same points once more are
+    /// no further look.
     pub fn at(&self, points: u64, samples: usize) -> Looks {
         let same = self.looks.iter().rposition(|look| look.points == points);
         if let Some(place) = same {

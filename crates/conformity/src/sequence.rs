@@ -74,7 +74,7 @@ pub fn points_needed_once(rule: Rule, share: f64) -> Option<u64> {
     })
 }
 
-/// The least number of points that is enough, if any larger one is, too.
+/// The smallest number of points that is enough. Assumes that every larger number is enough, too.
 fn least_points(enough: impl Fn(f64) -> bool) -> Option<u64> {
     const MOST: u64 = 1 << 40;
     let mut most = 1;

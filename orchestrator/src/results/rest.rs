@@ -56,10 +56,10 @@ impl Rest {
         (!self.observed.is_empty()).then(|| {
             format!(
                 "Whether values still move at the end of the run was looked at on extra runs of the points {}, with \
-                 steps of {:.4} s up to {:.6} s.",
+                 steps of {:.4} s up to {} s.",
                 list(&self.observed),
                 self.step,
-                self.until
+                (1e6 * self.until).round() / 1e6
             )
         })
     }

@@ -104,7 +104,7 @@ impl Watch {
     fn look(&self) -> Option<PathBuf> {
         let seen = match &self.events {
             Some(events) => events.read(),
-            // Nothing told: the files themselves have to be looked at.
+            // Without events, compare the files themselves.
             None => Seen::Opened,
         };
         if seen == Seen::Nothing {
