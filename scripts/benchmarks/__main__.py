@@ -88,7 +88,8 @@ OVERHEAD = """\
 trivial FMU (`scripts/benchmarks/trivial`) computes a multiplication or two a step, so its ratio is that of the bare loops.
 The time of a step is the difference between runs of many steps and runs of few. It leaves out the cost of a run (see
 "Worker processes") and the report's replay of the best point. In "an output read each step" the orchestrator computes the
-mean over time, and the minimal loop reads and adds up."""
+mean over time, and the minimal loop reads and adds up. Neither this section nor the next has the extra runs that `verify`
+makes to see whether values rest (`--extra-runs 0`): what it is compared with makes none."""
 IMPORTERS = """\
 CPU time of a run that reads one output at each step. For fmpy only the runs count: it gets a model description and an
 unpacked FMU, and importing and loading are left out. For the orchestrator the whole process counts, from its start to the

@@ -202,7 +202,10 @@ def above(scale, name, fmu, way, goal, unit, words):
     study, many = constant(fmu, 1e-3, 1, "final"), max(2 * few, int(many * scale.work))
 
     def measure(*options):
-        return longer(lambda count: verify(study, "--jobs", 1, "--points", count, *options).cpu, few, many)
+        def cpu(points):
+            return verify(study, "--jobs", 1, "--extra-runs", 0, "--points", points, *options).cpu
+
+        return longer(cpu, few, many)
 
     _, (base, apart) = in_turns(scale.repetitions, measure("--in-process"), measure("--isolation", isolation))
     more = Ratio([unit * (one - other) for one, other in zip(apart, base)])

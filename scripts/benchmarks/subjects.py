@@ -128,8 +128,9 @@ def verify(study, *options, watch=False):
 
 
 def alone(study, points, *options):
-    """CPU time of points in the orchestrator's own process, one at a time."""
-    return verify(study, "--in-process", "--jobs", 1, "--points", points, *options).cpu
+    """CPU time of points in the orchestrator's own process, one at a time, without the extra runs that show whether
+    values rest: what this is compared with makes none."""
+    return verify(study, "--in-process", "--jobs", 1, "--extra-runs", 0, "--points", points, *options).cpu
 
 
 def constant(fmu, step, steps, statistic):

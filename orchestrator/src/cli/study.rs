@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::{Means, Parts, verdict_help};
+use crate::results::MOST_EXTRA_RUNS;
 use crate::session::Until;
 
 /// Options of `verify`.
@@ -48,6 +49,9 @@ pub struct Verify {
     /// Run some points with finer communication steps, too, to tell the numerical uncertainty (ASME V&V 20)
     #[arg(long, conflicts_with = "shard")]
     pub validation: bool,
+    /// Run at most so many points once more, with finer steps and to a later end, to see whether their values rest
+    #[arg(long, value_name = "N", default_value_t = MOST_EXTRA_RUNS)]
+    pub extra_runs: usize,
 }
 
 /// Options of `replay`.

@@ -71,11 +71,12 @@ impl From<EngineError> for Halt {
     }
 }
 
-/// Runs the points that the summary names once more. Points run in processes of their own, as many at a time as in the
+/// Runs the points that the summary names once more, but at most so many. Points run in processes of their own, as many at a time as in the
 /// study.
 pub(super) fn runs(
     verification: &mut Verification,
     summary: &Summary,
+    most: usize,
 ) -> Result<Extra, CommandError> {
     let points = summary.rest.as_ref().map(|rest| &rest.points[..]);
     let points = points.unwrap_or_default();
@@ -83,6 +84,13 @@ pub(super) fn runs(
     if points.is_empty() {
         return Ok(Extra::default());
     }
+    if most == 0 {
+        return Ok(Extra {
+            reason: Some("--extra-runs 0 asked for none".to_owned()),
+            ..Extra::default()
+        });
+    }
+    let points = &points[..most.min(points.len())];
     let Some(finer) = finer(&schedule) else {
         return Ok(Extra {
             reason: Some("its communication steps are too many to be made finer".to_owned()),

@@ -10,7 +10,7 @@ use crate::cli::Merge;
 use crate::pipeline::folder::RunFolder;
 use crate::pipeline::{Halt, Pipeline};
 use crate::results::summary::Run;
-use crate::results::{Header, ResultsError, journal, lines, parquet};
+use crate::results::{Header, MOST_EXTRA_RUNS, ResultsError, journal, lines, parquet};
 use crate::session::{Asking, Request, Session, SessionError, Verification};
 
 /// The analyses by name, with what makes one of its kept options.
@@ -101,7 +101,13 @@ fn join_verification(
     if options.parquet {
         parquet::convert(&options.output, &summary)?;
     }
-    verify::conclude(&mut verification, &options.output, &summary, false)
+    verify::conclude(
+        &mut verification,
+        &options.output,
+        &summary,
+        MOST_EXTRA_RUNS,
+        false,
+    )
 }
 
 fn join_analysis(

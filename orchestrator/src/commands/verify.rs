@@ -92,6 +92,7 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, CommandError> {
         &mut verification,
         &folder,
         &summary,
+        options.extra_runs,
         options.means.in_process,
     )
 }
@@ -157,14 +158,16 @@ pub(super) fn open(
     Ok(taken)
 }
 
-/// Completes the folder and says what came out. `trusted`: the points ran in this process.
+/// Completes the folder and says what came out. At most `most` points are run once more, to see whether their values
+/// rest. `trusted`: the points ran in this process.
 pub(super) fn conclude(
     verification: &mut Verification,
     folder: &Path,
     summary: &crate::results::Summary,
+    most: usize,
     trusted: bool,
 ) -> Result<ExitCode, CommandError> {
-    let watched = extra::runs(verification, summary)?;
+    let watched = extra::runs(verification, summary, most)?;
     let Session {
         study,
         plan,

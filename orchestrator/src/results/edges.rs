@@ -4,8 +4,8 @@
 use super::Outcome;
 use crate::judge::Judge;
 
-/// So many points are simulated once more at the most.
-const MOST: usize = 10;
+/// The largest number of points that are simulated once more.
+pub const MOST_EXTRA_RUNS: usize = 10;
 /// One of so many points is simulated once more at the most, but at least one.
 const OF: u64 = 10;
 
@@ -41,16 +41,16 @@ impl<'a> Edges<'a> {
         let distance = (largest - 1.0).abs();
         // Of equal ones the first one stays.
         let place = near.partition_point(|(other, _)| *other <= distance);
-        if place < MOST {
+        if place < MOST_EXTRA_RUNS {
             near.insert(place, (distance, label));
-            near.truncate(MOST);
+            near.truncate(MOST_EXTRA_RUNS);
         }
     }
 
     /// The best point, the accepted ones nearest the limits, and, where these are few, the rejected ones nearest the
     /// limits: ten, or a tenth of all points.
     pub fn chosen(&self, best: Option<u64>) -> Vec<u64> {
-        let most = (self.points / OF).clamp(1, MOST as u64) as usize;
+        let most = (self.points / OF).clamp(1, MOST_EXTRA_RUNS as u64) as usize;
         let near = self.near.iter().flatten().map(|(_, label)| *label);
         let others = near.filter(|label| Some(*label) != best);
         best.into_iter().chain(others).take(most).collect()

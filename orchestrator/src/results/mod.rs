@@ -38,6 +38,7 @@ use thiserror::Error;
 
 use crate::failure::Failure;
 
+pub use edges::MOST_EXTRA_RUNS;
 pub use header::Header;
 pub use journal::Journal;
 pub use looked::Looked;

@@ -1,11 +1,9 @@
 //! Whatever an FMU does, only its points are lost.
 
-mod support;
-
-use support::Bench;
+use crate::support::Bench;
 
 /// Points of which number 5 has the given fault; the rate tells the points apart.
-fn verify(bench: &Bench, fmu: &str, fault: u32, options: &[&str]) -> support::Said {
+fn verify(bench: &Bench, fmu: &str, fault: u32, options: &[&str]) -> crate::support::Said {
     let study = format!(
         r#"
 fmu = "{fmu}"
@@ -49,7 +47,7 @@ tolerance = 10
 }
 
 /// The status of point 5, after checking that all others are right.
-fn status(bench: &Bench, said: &support::Said) -> String {
+fn status(bench: &Bench, said: &crate::support::Said) -> String {
     assert_eq!(said.code, 0, "{}{}", said.out, said.err);
     let table = bench.read("out/points.csv");
     let mut rows = csv::Reader::from_reader(table.as_bytes());
@@ -158,7 +156,7 @@ fn a_warning_is_no_failure() {
 #[test]
 fn an_fmu_without_reset() {
     let bench = Bench::empty();
-    bench.fmu("plain.fmu", &["NO_RESET"], &support::model("", ""));
+    bench.fmu("plain.fmu", &["NO_RESET"], &crate::support::model("", ""));
     let said = verify(&bench, "plain.fmu", 0, &[]);
     assert_eq!(status(&bench, &said), "ok");
 }
@@ -166,7 +164,7 @@ fn an_fmu_without_reset() {
 #[test]
 fn an_fmu_that_is_not_thread_safe() {
     let bench = Bench::empty();
-    bench.fmu("global.fmu", &["GLOBAL"], &support::model("", ""));
+    bench.fmu("global.fmu", &["GLOBAL"], &crate::support::model("", ""));
     let said = verify(&bench, "global.fmu", 0, &["--jobs", "4"]);
     assert_eq!(status(&bench, &said), "ok");
 }
@@ -255,7 +253,7 @@ fn a_crash_is_replayed_without_crashing() {
 #[test]
 fn a_crash_of_the_best_points_trajectory_takes_nothing_away() {
     let bench = Bench::empty();
-    bench.fmu("coarse.fmu", &["COARSE"], &support::model("", ""));
+    bench.fmu("coarse.fmu", &["COARSE"], &crate::support::model("", ""));
     let said = verify(&bench, "coarse.fmu", 0, &[]);
     assert_eq!(status(&bench, &said), "ok");
     assert_eq!(said.err.trim_end().lines().count(), 1, "{}", said.err);

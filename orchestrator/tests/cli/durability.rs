@@ -1,7 +1,4 @@
 //! Nothing is lost: interrupted, sharded and parallel runs end with the same files.
-#![allow(clippy::unwrap_used)]
-
-mod support;
 
 use std::fs;
 use std::process::{Child, Command, Stdio};
@@ -11,7 +8,7 @@ use std::time::Duration;
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 
-use support::Bench;
+use crate::support::Bench;
 
 const STUDY: &str = r#"
 title = "Durable"
@@ -50,7 +47,7 @@ fn bench() -> Bench {
     bench
 }
 
-fn verify(bench: &Bench, folder: &str, options: &[&str]) -> support::Said {
+fn verify(bench: &Bench, folder: &str, options: &[&str]) -> crate::support::Said {
     bench.run(&[&["verify", "study.toml", "--output", folder], options].concat())
 }
 
@@ -93,7 +90,7 @@ fn workers_and_places_do_not_matter() {
 /// finished study of fewer points.
 fn kill(points: u32, kills: u32, finished: u32) {
     let bench = Bench::empty();
-    bench.fmu("lag.fmu", &["SLOW"], &support::model("", ""));
+    bench.fmu("lag.fmu", &["SLOW"], &crate::support::model("", ""));
     // About 2 ms a point, asleep: steps of 0.1 ms.
     bench.write("study.toml", &STUDY.replace("0.001", "0.1"));
     let points = points.to_string();
@@ -193,13 +190,13 @@ fn a_study_that_grew_and_was_killed_meanwhile_ends_with_the_same_files() {
 }
 
 #[test]
-#[ignore = "takes a minute: cargo test -p orchestrator --test durability -- --ignored --nocapture"]
+#[ignore = "takes a minute: cargo test -p orchestrator --test cli durability -- --ignored --nocapture"]
 fn two_hundred_kills_over_five_thousand_points() {
     kill(5000, 200, 0);
 }
 
 /// Runs a study with a limit on the size of its files, KiB, as on a full disk.
-fn verify_in(bench: &Bench, folder: &str, kibibytes: u32) -> support::Said {
+fn verify_in(bench: &Bench, folder: &str, kibibytes: u32) -> crate::support::Said {
     let program = env!("CARGO_BIN_EXE_orchestrator");
     let script = format!(
         "trap '' XFSZ; ulimit -f {kibibytes}; exec {program} verify study.toml --output {folder}"
@@ -297,7 +294,7 @@ fn what_has_changed_is_not_resumed() {
     bench.fmu(
         "lag.fmu",
         &["OTHER"],
-        &support::model("A first-order lag", "Another lag"),
+        &crate::support::model("A first-order lag", "Another lag"),
     );
     verify(&bench, "whole", &["--points", "20", "--resume"]).is_mistake(&["another FMU"]);
     fs::remove_file(bench.path("whole/summary.json")).unwrap();
@@ -308,7 +305,7 @@ fn what_has_changed_is_not_resumed() {
 fn a_run_that_came_to_no_point_is_begun_again() {
     let bench = bench();
     let binary: (&str, &[u8]) = ("binaries/linux64/lag.so", b"junk");
-    let description = support::model("", "");
+    let description = crate::support::model("", "");
     bench.zip(
         "lag.fmu",
         &[("modelDescription.xml", description.as_bytes()), binary],

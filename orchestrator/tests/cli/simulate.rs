@@ -1,9 +1,6 @@
 //! `simulate` and `init` with FMUs of others: what is recorded, what is fed, and what the standard allows.
-#![allow(clippy::unwrap_used)]
 
-mod support;
-
-use support::{Bench, Said, model};
+use crate::support::{Bench, Said, model};
 
 fn rows(csv: &str) -> Vec<Vec<String>> {
     let cells = |line: &str| line.split(',').map(str::to_owned).collect();

@@ -1,9 +1,8 @@
 //! Shared by the tests of the command line: an FMU of their own, and a way to run commands.
-#![allow(dead_code, clippy::unwrap_used)]
 
 use std::fs::{self, File};
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::{Command, Output};
 
 use tempfile::TempDir;
@@ -128,9 +127,4 @@ pub fn model(from: &str, to: &str) -> String {
         assert!(text.contains(from), "no `{from}` in the description");
         text.replace(from, to)
     })
-}
-
-/// The path of a file of the repository.
-pub fn repository(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(name)
 }

@@ -1,14 +1,10 @@
 //! The commands that make an answer of points and signals, seen from outside.
 
-#![allow(clippy::unwrap_used)]
-
-mod support;
-
 use std::f64::consts::TAU;
 
+use crate::support::Bench;
 use orchestrator::analysis::from_results::read_some;
 use orchestrator::analysis::table::PointTable;
-use support::Bench;
 
 const STUDY: &str = r#"
 fmu = "lag.fmu"

@@ -1,13 +1,11 @@
 //! Damaged files are no panic: each one gives a clear error of one line, or still makes sense.
-#![allow(clippy::unwrap_used)]
-
-mod support;
 
 use std::fs;
 use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
+use crate::support::Bench;
 use fmu_import::Package;
 use orchestrator::analysis::from_results;
 use orchestrator::engine::Separation;
@@ -20,7 +18,6 @@ use orchestrator::study::{Study, ssv};
 use orchestrator::table::Table;
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
-use support::Bench;
 
 const STUDY: &str = r#"
 title = "Mutated"
@@ -221,7 +218,10 @@ fn bench() -> Bench {
     let said = bench.run(&["verify", "study.toml", "--output", "out"]);
     assert_eq!(said.code, 0, "{}", said.err);
     fs::create_dir(bench.path("folder")).unwrap();
-    bench.write("folder/modelDescription.xml", &support::model("", ""));
+    bench.write(
+        "folder/modelDescription.xml",
+        &crate::support::model("", ""),
+    );
     bench
 }
 
@@ -341,7 +341,7 @@ fn damaged_files_on_the_command_line() {
 
 /// From the seed `MUTATION_SEED` on: `scripts/test --long` draws one.
 #[test]
-#[ignore = "takes minutes: cargo test -p orchestrator --test mutations -- --ignored --nocapture"]
+#[ignore = "takes minutes: cargo test -p orchestrator --test cli mutations -- --ignored --nocapture"]
 fn ten_thousand_damaged_files() {
     let first = std::env::var("MUTATION_SEED").map_or(0, |seed| seed.parse().unwrap());
     mutations(first..first + 1200);

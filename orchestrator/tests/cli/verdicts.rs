@@ -1,13 +1,10 @@
 //! Tolerance and measurement uncertainty through the command line: verdicts, risks, exit codes.
-#![allow(clippy::unwrap_used)]
-
-mod support;
 
 use std::fmt::Write;
 
+use crate::support::Bench;
 use serde_json::Value;
 use statrs::distribution::{ContinuousCDF, Normal};
-use support::Bench;
 
 const STUDY: &str = r#"
 fmu = "none.fmu"
@@ -160,7 +157,7 @@ responsible = "A. Engineer <test>"
 rig = "Rig 2"
 "#;
 
-fn verify(bench: &Bench, study: &str, options: &[&str]) -> (support::Said, Value) {
+fn verify(bench: &Bench, study: &str, options: &[&str]) -> (crate::support::Said, Value) {
     bench.write("study.toml", study);
     let _ = std::fs::remove_dir_all(bench.path("out"));
     let said = bench.run(&[&["verify", "study.toml", "--output", "out"], options].concat());
@@ -313,7 +310,7 @@ fn the_page_says_what_accepting_risks() {
 }
 
 /// The verdict of a folder with so many points, which goes on from what is there.
-fn resumed(bench: &Bench, options: &[&str]) -> (support::Said, Value) {
+fn resumed(bench: &Bench, options: &[&str]) -> (crate::support::Said, Value) {
     let call = ["verify", "study.toml", "--output", "out", "--resume"];
     let said = bench.run(&[&call[..], options].concat());
     assert!(said.code != 2, "{}", said.err);

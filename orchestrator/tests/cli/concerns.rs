@@ -1,12 +1,9 @@
 //! Doubts about a verdict are told; criteria look at their own part of the run; tolerances are found.
-#![allow(clippy::unwrap_used)]
-
-mod support;
 
 use std::fmt::Write;
 
+use crate::support::Bench;
 use serde_json::Value;
-use support::Bench;
 
 const STUDY: &str = r#"
 fmu = "lag.fmu"
@@ -102,7 +99,7 @@ fn a_final_value_of_a_signal_that_swings_is_warned_of() {
 /// A study of the lag with another end, step and statistic, run with an FMU of its own: its summary and its page.
 fn of_the_lag(macros: &[&str], changes: &[(&str, &str)]) -> (Bench, Value) {
     let bench = Bench::empty();
-    bench.fmu("lag.fmu", macros, &support::model("Lag", "Lag"));
+    bench.fmu("lag.fmu", macros, &crate::support::model("Lag", "Lag"));
     let study = changes.iter().fold(STUDY.to_owned(), |study, (from, to)| {
         assert!(study.contains(from), "{from}");
         study.replace(from, to)
@@ -233,6 +230,31 @@ fn what_the_fmu_does_not_allow_is_not_claimed() {
     );
 }
 
+/// Fewer extra runs are made where the user asks for fewer; with none, the summary says that nothing was observed.
+#[test]
+fn extra_runs_are_as_many_as_asked_for() {
+    let bench = Bench::new();
+    bench.write("study.toml", STUDY);
+    for runs in ["0", "3"] {
+        let said = bench.run(&[
+            "verify",
+            "study.toml",
+            "--output",
+            runs,
+            "--extra-runs",
+            runs,
+        ]);
+        assert!(said.code < 2, "{}", said.err);
+        let summary = bench.summary(runs);
+        let rest = &summary["rest"];
+        assert_eq!(rest["points"].as_array().unwrap().len(), 4);
+        assert_eq!(rest["observed"].as_array().unwrap().len().to_string(), runs);
+        let told = "was not observed on extra runs: --extra-runs 0";
+        let found = concerns(&summary).iter().any(|c| c.contains(told));
+        assert_eq!(found, runs == "0");
+    }
+}
+
 #[test]
 fn a_measured_value_in_another_unit_and_a_distribution_outside_the_range_are_warned_of() {
     let study = STUDY
@@ -259,7 +281,7 @@ fn a_measured_value_in_another_unit_and_a_distribution_outside_the_range_are_war
 fn a_value_that_is_no_item_of_an_enumeration_is_out_of_range() {
     let declared = "<SimpleType name=\"Count\"><Enumeration><Item name=\"One\" value=\"1\"/><Item name=\"Two\" \
                     value=\"2\"/><Item name=\"Three\" value=\"3\"/></Enumeration></SimpleType></TypeDefinitions>";
-    let description = support::model(
+    let description = crate::support::model(
         "</TypeDefinitions> && <Integer start=\"1\" min=\"0\" max=\"9\"/>",
         &format!("{declared} && <Enumeration declaredType=\"Count\" start=\"1\"/>"),
     );
@@ -508,7 +530,11 @@ fn the_numerical_uncertainty_is_that_of_the_step() {
     let u_num = found["u_num"].as_f64().unwrap();
     assert!((u_num / expected - 1.0).abs() < 0.15, "{found}");
     // An error of three tolerances, where the study states one.
-    bench.fmu("lag.fmu", &["TOLERANT=3"], &support::model("Lag", "Lag"));
+    bench.fmu(
+        "lag.fmu",
+        &["TOLERANT=3"],
+        &crate::support::model("Lag", "Lag"),
+    );
     bench.write(
         "study.toml",
         &STUDY.replace("step = 0.01", "step = 0.01\ntolerance = 1e-3"),
@@ -529,7 +555,7 @@ fn the_numerical_uncertainty_is_that_of_the_step() {
         note.contains("step") && note.contains("refining the tolerance"),
         "{note}"
     );
-    bench.fmu("lag.fmu", &[], &support::model("Lag", "Lag"));
+    bench.fmu("lag.fmu", &[], &crate::support::model("Lag", "Lag"));
     // Without an input that changes, every step is exact.
     bench.write("study.toml", STUDY);
     let said = bench.run(&["verify", "study.toml", "--output", "exact", "--validation"]);

@@ -1,11 +1,8 @@
 //! An instance is used again where the FMU can go back to its beginning, and replaced where it cannot.
-#![allow(clippy::unwrap_used)]
-
-mod support;
 
 use std::fs;
 
-use support::{Bench, model};
+use crate::support::{Bench, model};
 
 const STUDY: &str = r#"
 fmu = "lag.fmu"

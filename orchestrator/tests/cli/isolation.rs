@@ -1,9 +1,6 @@
 //! Points share processes only where that is proven, and every result is what the FMU gives alone.
-#![allow(clippy::unwrap_used)]
 
-mod support;
-
-use support::{Bench, Said, model};
+use crate::support::{Bench, Said, model};
 
 const STUDY: &str = r#"
 fmu = "lag.fmu"

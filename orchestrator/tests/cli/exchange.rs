@@ -1,9 +1,6 @@
 //! Exchange of files with other tools: recordings of inputs, SSP parameter sets.
-#![allow(clippy::unwrap_used)]
 
-mod support;
-
-use support::Bench;
+use crate::support::Bench;
 
 const STUDY: &str = r#"
 fmu = "../lag.fmu"
@@ -133,7 +130,7 @@ fn only_an_fmu_that_interpolates_can_ramp() {
     bench.fmu(
         "lag.fmu",
         &[],
-        &support::model(" canInterpolateInputs=\"true\"", ""),
+        &crate::support::model(" canInterpolateInputs=\"true\"", ""),
     );
     bench
         .run(&verify)

@@ -1,10 +1,8 @@
 //! Every mistake of a user is answered by one clear line and exit code 2.
 
-mod support;
-
 use std::process::Stdio;
 
-use support::{Bench, model};
+use crate::support::{Bench, model};
 
 const STUDY: &str = r#"
 fmu = "lag.fmu"
@@ -27,7 +25,7 @@ tolerance = 0.02
 "#;
 
 /// Verifies the study with a part replaced.
-fn verify(from: &str, to: &str) -> support::Said {
+fn verify(from: &str, to: &str) -> crate::support::Said {
     let bench = Bench::new();
     assert!(STUDY.contains(from));
     bench.write("study.toml", &STUDY.replace(from, to));
@@ -225,7 +223,7 @@ fn a_reader_that_has_gone_is_no_error() {
         .spawn()
         .unwrap();
     drop(child.stdout.take());
-    let said: support::Said = child.wait_with_output().unwrap().into();
+    let said: crate::support::Said = child.wait_with_output().unwrap().into();
     assert_eq!((said.code, said.err.as_str()), (0, ""));
 }
 

@@ -1,8 +1,5 @@
 //! Analyses that ask for points of their own are as durable as `verify`: interrupted by Ctrl-C or killed, and
 //! resumed, they end with the same files; so do their shards, joined.
-#![allow(clippy::unwrap_used)]
-
-mod support;
 
 use std::fs;
 use std::process::{Child, Command, Stdio};
@@ -12,7 +9,7 @@ use std::time::Duration;
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 
-use support::{Bench, Said};
+use crate::support::{Bench, Said};
 
 const STUDY: &str = r#"
 fmu = "lag.fmu"
@@ -140,7 +137,7 @@ impl Struck {
 /// A folder with a slow FMU (2 ms a point, asleep) and the points of a finished study.
 fn bench() -> Bench {
     let bench = Bench::empty();
-    bench.fmu("lag.fmu", &["SLOW"], &support::model("", ""));
+    bench.fmu("lag.fmu", &["SLOW"], &crate::support::model("", ""));
     bench.write("study.toml", STUDY);
     bench.write("identify.toml", IDENTIFY);
     let said = bench.run(&["verify", "study.toml", "--output", "verified"]);
@@ -290,31 +287,31 @@ impl Analysis {
 }
 
 #[test]
-#[ignore = "takes a minute: cargo test --workspace --test interrupted -- --ignored --nocapture"]
+#[ignore = "takes a minute: cargo test --workspace --test cli interrupted -- --ignored --nocapture"]
 fn sensitivity_goes_on_from_twenty_moments() {
     SENSITIVITY.twenty_moments_of_each_signal();
 }
 
 #[test]
-#[ignore = "takes a minute: cargo test --workspace --test interrupted -- --ignored --nocapture"]
+#[ignore = "takes a minute: cargo test --workspace --test cli interrupted -- --ignored --nocapture"]
 fn screening_goes_on_from_twenty_moments() {
     SCREENING.twenty_moments_of_each_signal();
 }
 
 #[test]
-#[ignore = "takes a minute: cargo test --workspace --test interrupted -- --ignored --nocapture"]
+#[ignore = "takes a minute: cargo test --workspace --test cli interrupted -- --ignored --nocapture"]
 fn pareto_goes_on_from_twenty_moments() {
     PARETO.twenty_moments_of_each_signal();
 }
 
 #[test]
-#[ignore = "takes a minute: cargo test --workspace --test interrupted -- --ignored --nocapture"]
+#[ignore = "takes a minute: cargo test --workspace --test cli interrupted -- --ignored --nocapture"]
 fn robustness_goes_on_from_twenty_moments() {
     ROBUSTNESS.twenty_moments_of_each_signal();
 }
 
 #[test]
-#[ignore = "takes a minute: cargo test --workspace --test interrupted -- --ignored --nocapture"]
+#[ignore = "takes a minute: cargo test --workspace --test cli interrupted -- --ignored --nocapture"]
 fn identification_goes_on_from_twenty_moments() {
     IDENTIFICATION.twenty_moments_of_each_signal();
 }

@@ -1,16 +1,13 @@
 //! `check` finds what is wrong with FMUs that were broken on purpose, each with one clear line; and nothing in a
 //! good one.
-#![allow(clippy::unwrap_used)]
 
-mod support;
-
-use support::{Bench, Said, model};
+use crate::support::{Bench, Said, model};
 
 /// A broken description: the change that breaks it, and the finding, as [`amiss`] has it.
-const DESCRIPTIONS: &str = include_str!("fixtures/broken.txt");
+const DESCRIPTIONS: &str = include_str!("../fixtures/broken.txt");
 
 /// The same for binaries, broken by a macro of `lag.c`.
-const BINARIES: &str = include_str!("fixtures/broken-binaries.txt");
+const BINARIES: &str = include_str!("../fixtures/broken-binaries.txt");
 
 /// All cases, with those of this file: every rule stands there.
 const CASES: [&str; 3] = [DESCRIPTIONS, BINARIES, include_str!("broken.rs")];
@@ -298,7 +295,7 @@ fn a_fault_of_many_variables_is_no_flood() {
 #[test]
 fn a_prefix_is_found() {
     let word = |c: char| !c.is_ascii_alphanumeric();
-    let source = include_str!("fixtures/lag.c");
+    let source = include_str!("../fixtures/lag.c");
     let names = source.split(word).filter(|name| name.starts_with("fmi2"));
     let macros: Vec<String> = names.map(|name| format!("{name}=lag_{name}")).collect();
     let macros: Vec<&str> = macros.iter().map(String::as_str).collect();

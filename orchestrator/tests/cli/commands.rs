@@ -1,8 +1,6 @@
 //! The small commands around a study.
 
-mod support;
-
-use support::Bench;
+use crate::support::Bench;
 
 #[test]
 fn a_sound_fmu_has_no_findings() {
@@ -15,12 +13,12 @@ fn a_sound_fmu_has_no_findings() {
 #[test]
 fn a_doubtful_fmu_has_findings() {
     let bench = Bench::empty();
-    let description = support::model("valueReference=\"30\"", "valueReference=\"x\"");
+    let description = crate::support::model("valueReference=\"30\"", "valueReference=\"x\"");
     bench.fmu("odd.fmu", &[], &description);
     let said = bench.run(&["check", "odd.fmu"]);
     assert_eq!(said.code, 1, "{}", said.out);
     assert!(said.out.contains("lag.text"), "{}", said.out);
-    let startless = support::model(
+    let startless = crate::support::model(
         "declaredType=\"Fault\" start=\"0\"",
         "declaredType=\"Fault\"",
     );

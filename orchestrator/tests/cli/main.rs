@@ -1,0 +1,19 @@
+//! Tests of the command line, from outside. They are one program, since each program links the whole orchestrator, and
+//! their tests, many of which wait for processes, run side by side.
+#![allow(clippy::unwrap_used)]
+
+mod analysis;
+mod broken;
+mod commands;
+mod concerns;
+mod durability;
+mod exchange;
+mod faults;
+mod interrupted;
+mod isolation;
+mod mistakes;
+mod mutations;
+mod reuse;
+mod simulate;
+mod support;
+mod verdicts;
