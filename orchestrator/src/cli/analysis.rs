@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{Means, Parts};
+use super::Work;
 use crate::analysis::sensitivity::method::FirstOrder;
 
 /// Options of `sensitivity`.
@@ -14,8 +14,9 @@ use crate::analysis::sensitivity::method::FirstOrder;
     \u{20}         orchestrator sensitivity studies/paper-table3.toml --from results/paper-table3"
 )]
 pub struct Sensitivity {
-    /// The study
-    pub study: PathBuf,
+    /// The study, how its points are run, and where the results go
+    #[command(flatten)]
+    pub work: Work,
     /// Use the points of a finished study instead of new runs
     #[arg(long, value_name = "DIR", conflicts_with_all = ["method", "size", "base", "morris", "fmu", "jobs", "resume", "shard"])]
     pub from: Option<PathBuf>,
@@ -37,15 +38,6 @@ pub struct Sensitivity {
     /// The seed [default: the study's, or 1]
     #[arg(long, value_name = "S")]
     pub seed: Option<u64>,
-    /// Run settings
-    #[command(flatten)]
-    pub means: Means,
-    /// Resuming and shards
-    #[command(flatten)]
-    pub parts: Parts,
-    /// The folder for the results [default: results/ and the study's name, or DIR of --from]
-    #[arg(long, value_name = "DIR")]
-    pub output: Option<PathBuf>,
 }
 
 /// Options of `robustness`.
@@ -55,8 +47,9 @@ pub struct Sensitivity {
     --from results/paper-table3 --level 0.9"
 )]
 pub struct Robustness {
-    /// The study
-    pub study: PathBuf,
+    /// The study, how its points are run, and where the results go
+    #[command(flatten)]
+    pub work: Work,
     /// The folder of the finished study [default: results/ and the study's name]
     #[arg(long, value_name = "DIR")]
     pub from: Option<PathBuf>,
@@ -69,15 +62,6 @@ pub struct Robustness {
     /// The seed [default: the study's, or 1]
     #[arg(long, value_name = "S")]
     pub seed: Option<u64>,
-    /// Run settings
-    #[command(flatten)]
-    pub means: Means,
-    /// Resuming and shards
-    #[command(flatten)]
-    pub parts: Parts,
-    /// The folder for the results [default: that of the study]
-    #[arg(long, value_name = "DIR")]
-    pub output: Option<PathBuf>,
 }
 
 /// Options of `tolerances`.
@@ -86,8 +70,9 @@ pub struct Robustness {
     after_help = "Example: orchestrator tolerances studies/paper-table3.toml --from results/paper-table3"
 )]
 pub struct Tolerances {
-    /// The study
-    pub study: PathBuf,
+    /// The study, how its points are run, and where the results go
+    #[command(flatten)]
+    pub work: Work,
     /// The folder of the finished study, whose points are used first [default: results/ and the study's name]
     #[arg(long, value_name = "DIR")]
     pub from: Option<PathBuf>,
@@ -100,15 +85,6 @@ pub struct Tolerances {
     /// The seed [default: the study's, or 1]
     #[arg(long, value_name = "S")]
     pub seed: Option<u64>,
-    /// Run settings
-    #[command(flatten)]
-    pub means: Means,
-    /// Which part of it
-    #[command(flatten)]
-    pub parts: Parts,
-    /// The folder for the results [default: that of the study]
-    #[arg(long, value_name = "DIR")]
-    pub output: Option<PathBuf>,
 }
 
 /// Options of `pareto`.
@@ -118,8 +94,9 @@ pub struct Tolerances {
     \u{20}         orchestrator pareto studies/paper-table3.toml --generations 50"
 )]
 pub struct Pareto {
-    /// The study
-    pub study: PathBuf,
+    /// The study, how its points are run, and where the results go
+    #[command(flatten)]
+    pub work: Work,
     /// The folder of the finished study [default: results/ and the study's name]
     #[arg(long, value_name = "DIR", conflicts_with = "generations")]
     pub from: Option<PathBuf>,
@@ -137,15 +114,6 @@ pub struct Pareto {
     /// The seed of the search
     #[arg(long, value_name = "S", default_value_t = 1)]
     pub seed: u64,
-    /// Run settings
-    #[command(flatten)]
-    pub means: Means,
-    /// Resuming and shards
-    #[command(flatten)]
-    pub parts: Parts,
-    /// The folder for the results [default: that of the study]
-    #[arg(long, value_name = "DIR")]
-    pub output: Option<PathBuf>,
 }
 
 /// Options of `synchronise`.

@@ -42,3 +42,19 @@ pub struct Means {
     #[arg(long, value_name = "SIZE")]
     pub memory_limit: Option<String>,
 }
+
+/// What every analysis of a study takes.
+#[derive(Debug, Args)]
+pub struct Work {
+    /// The study
+    pub study: PathBuf,
+    /// The folder for the results [default: results/ and the study's name, or the folder of --from]
+    #[arg(long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Run settings
+    #[command(flatten)]
+    pub means: Means,
+    /// Resuming and shards
+    #[command(flatten)]
+    pub parts: Parts,
+}

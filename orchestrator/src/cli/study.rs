@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{Means, Parts, verdict_help};
+use super::{Means, Parts, Work, verdict_help};
 use crate::results::MOST_EXTRA_RUNS;
 use crate::session::Until;
 
@@ -110,14 +110,9 @@ pub struct Judge {
 #[derive(Debug, Args)]
 #[command(after_help = include_str!("identify.txt"))]
 pub struct Identify {
-    /// The study
-    pub study: PathBuf,
-    /// The folder for the results [default: results/ and the study's name]
-    #[arg(long, value_name = "DIR")]
-    pub output: Option<PathBuf>,
-    /// Run settings
+    /// The study, how its points are run, and where the results go
     #[command(flatten)]
-    pub means: Means,
+    pub work: Work,
     /// How many starts are screened, instead of the study's number
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub starts: Option<u64>,
@@ -127,9 +122,6 @@ pub struct Identify {
     /// End the search after this long and report the best so far
     #[arg(long, value_name = "SECONDS")]
     pub time_limit: Option<f64>,
-    /// Resuming and shards
-    #[command(flatten)]
-    pub parts: Parts,
 }
 
 /// Options of `report`.

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use super::CommandError;
 use super::finding::{self, AnalysisResult};
 use super::limits::place;
-use crate::cli::{Means, Parts};
+use crate::cli::{Parts, Work};
 use crate::engine::crew::Crew;
 use crate::pipeline::Pipeline;
 use crate::pipeline::folder::RunFolder;
@@ -70,22 +70,18 @@ pub(super) fn folder(
 }
 
 /// A study for an analysis.
-pub(super) fn open(
-    study: &Path,
-    means: &Means,
-    parts: &Parts,
-    analysis: &dyn Analysis,
-) -> Result<Session, CommandError> {
-    if let (Some(_), Some(message)) = (parts.shard, analysis.one_piece()) {
+pub(super) fn open(work: &Work, analysis: &dyn Analysis) -> Result<Session, CommandError> {
+    let shard = work.parts.shard;
+    if let (Some(_), Some(message)) = (shard, analysis.one_piece()) {
         return Err(CommandError::Option {
             option: "shard",
             message: message.to_owned(),
         });
     }
     let session = Session::open(Request {
-        study: study.to_owned(),
-        fmu: means.fmu.clone(),
-        shard: parts.shard,
+        study: work.study.clone(),
+        fmu: work.means.fmu.clone(),
+        shard,
         analysis: Some(Asking {
             name: analysis.name().to_owned(),
             options: analysis.options(),
@@ -114,10 +110,10 @@ pub(super) fn header(session: &Session, analysis: &dyn Analysis) -> Result<Heade
 pub(super) fn run(
     mut session: Session,
     analysis: &dyn Analysis,
-    means: &Means,
-    parts: &Parts,
+    work: &Work,
     folder: &Path,
 ) -> Result<ExitCode, CommandError> {
+    let Work { means, parts, .. } = work;
     let header = header(&session, analysis)?;
     let state = folder.join(analysis.name());
     let RunFolder {

@@ -32,33 +32,33 @@ use sampling::distribution::Distribution;
 const NAME: &str = "identify";
 
 pub(super) fn run(options: &Identify) -> Result<ExitCode, CommandError> {
-    if options.parts.shard.is_some() {
+    if options.work.parts.shard.is_some() {
         let message = "each step of a search depends on the one before, so it has no parts; --resume goes on with one";
         return Err(CommandError::Option {
             option: "shard",
             message: message.to_owned(),
         });
     }
-    let study = Study::read(&options.study)?;
+    let study = Study::read(&options.work.study)?;
     let settings = settings(options, &study)?;
-    let mut package = Package::open(&options.means.fmu(&study))?;
+    let mut package = Package::open(&options.work.means.fmu(&study))?;
     let bound =
         Bound::new(&study, &settings, package.description()).map_err(|error| match error {
             BindError::Study(error) => CommandError::from(error),
             BindError::Table(error) => CommandError::from(error),
         })?;
     let folder = asking::folder(
-        options.output.as_deref(),
-        &options.study,
-        &options.parts,
+        options.work.output.as_deref(),
+        &options.work.study,
+        &options.work.parts,
         None,
     );
     let state = folder.join(NAME);
     let header = header(&study, &package, &settings)?;
-    let taken = RunFolder::open(&state, &header, options.parts.resume, false)?;
+    let taken = RunFolder::open(&state, &header, options.work.parts.resume, false)?;
     request(options).write(&state, &study)?;
-    let jobs = options.means.jobs();
-    let place = place(&options.means, jobs)?;
+    let jobs = options.work.means.jobs();
+    let place = place(&options.work.means, jobs)?;
     let crew = Crew::new(&mut package, place, taken.scratch.path(), jobs)?;
     let RunFolder {
         journal, finished, ..
@@ -107,8 +107,8 @@ fn settings(options: &Identify, study: &Study) -> Result<Identification, Command
 fn request(options: &Identify) -> Request {
     let Identify { starts, seed, .. } = options;
     Request {
-        study: options.study.clone(),
-        fmu: options.means.fmu.clone(),
+        study: options.work.study.clone(),
+        fmu: options.work.means.fmu.clone(),
         seed: *seed,
         analysis: Some(Asking {
             name: NAME.to_owned(),

@@ -35,7 +35,7 @@ use std::process::ExitCode;
 use thiserror::Error;
 
 use crate::analysis::from_results::FolderError;
-use crate::cli::{Cli, Command, Means, Parts};
+use crate::cli::{Cli, Command, Work};
 use crate::engine::{EngineError, Isolation, guard};
 use crate::failure::Failure;
 use crate::judge::Judge;
@@ -144,25 +144,17 @@ fn dispatch(cli: Cli) -> Result<ExitCode, CommandError> {
         Command::Completion(options) => Ok(completion::run(&options)),
         Command::Simulate(options) => simulate::run(&options),
         Command::Verify(options) => verify::run(&options),
-        Command::Identify(options) => {
-            proven(options, identify::run, |o| (&mut o.means, &mut o.parts))
-        }
+        Command::Identify(options) => proven(options, identify::run, |o| &mut o.work),
         Command::Judge(options) => judge::run(&options),
         Command::Replay(options) => replay::run(&options),
         Command::Merge(options) => merge::run(&options),
         Command::Worker => guard::end(guard::serve()),
         Command::Probe { setup } => guard::end(check::serve(&setup)),
         Command::Report(options) => report::run(&options),
-        Command::Sensitivity(options) => {
-            proven(options, sensitivity::run, |o| (&mut o.means, &mut o.parts))
-        }
-        Command::Robustness(options) => {
-            proven(options, robustness::run, |o| (&mut o.means, &mut o.parts))
-        }
-        Command::Tolerances(options) => {
-            proven(options, tolerances::run, |o| (&mut o.means, &mut o.parts))
-        }
-        Command::Pareto(options) => proven(options, pareto::run, |o| (&mut o.means, &mut o.parts)),
+        Command::Sensitivity(options) => proven(options, sensitivity::run, |o| &mut o.work),
+        Command::Robustness(options) => proven(options, robustness::run, |o| &mut o.work),
+        Command::Tolerances(options) => proven(options, tolerances::run, |o| &mut o.work),
+        Command::Pareto(options) => proven(options, pareto::run, |o| &mut o.work),
         Command::Synchronise(options) => synchronise::run(&options),
     }
 }
@@ -172,7 +164,7 @@ fn dispatch(cli: Cli) -> Result<ExitCode, CommandError> {
 fn proven<T>(
     mut options: T,
     run: impl Fn(&T) -> Result<ExitCode, CommandError>,
-    settings: impl Fn(&mut T) -> (&mut Means, &mut Parts),
+    work: impl Fn(&mut T) -> &mut Work,
 ) -> Result<ExitCode, CommandError> {
     match run(&options) {
         Err(CommandError::Halted(Halt::Engine(EngineError::Refuted))) => {
@@ -180,10 +172,10 @@ fn proven<T>(
                 "note: the FMU gives other results in a process that has computed points before: all points are \
                  computed again, each alone"
             );
-            let (means, parts) = settings(&mut options);
-            means.isolation = Isolation::Fresh;
+            let work = work(&mut options);
+            work.means.isolation = Isolation::Fresh;
             // The journal says which points count no more; the others are kept.
-            parts.resume = true;
+            work.parts.resume = true;
             run(&options)
         }
         other => other,

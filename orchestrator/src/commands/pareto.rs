@@ -24,13 +24,7 @@ use crate::study::Study;
 pub(super) const NAME: &str = "pareto";
 
 pub(super) fn run(options: &cli::Pareto) -> Result<ExitCode, CommandError> {
-    let cli::Pareto {
-        study,
-        means,
-        parts,
-        output,
-        ..
-    } = options;
+    let cli::Work { study, output, .. } = &options.work;
     let from = || {
         let folder = options.from.clone();
         folder.unwrap_or_else(|| finding::folder_of(study))
@@ -46,8 +40,8 @@ pub(super) fn run(options: &cli::Pareto) -> Result<ExitCode, CommandError> {
         },
     };
     let folder = output.clone().unwrap_or_else(from);
-    let run = |session| asking::run(session, &analysis, means, parts, &folder);
-    match asking::open(study, means, parts, &analysis).and_then(run) {
+    let run = |session| asking::run(session, &analysis, &options.work, &folder);
+    match asking::open(&options.work, &analysis).and_then(run) {
         // Without the FMU the front is the same, but the nominal design cannot be run.
         Err(CommandError::Session(_) | CommandError::Study(_) | CommandError::Fmu(_))
             if options.generations.is_none() =>

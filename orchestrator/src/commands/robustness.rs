@@ -27,13 +27,12 @@ use sampling::design::cube;
 pub(super) const NAME: &str = "robustness";
 
 pub(super) fn run(options: &cli::Robustness) -> Result<ExitCode, CommandError> {
-    let cli::Robustness {
+    let cli::Work {
         study: path,
-        means,
         parts,
         output,
         ..
-    } = options;
+    } = &options.work;
     let from = options.from.clone();
     let from = from.unwrap_or_else(|| finding::folder_of(path));
     let study = Study::read(path)?;
@@ -44,13 +43,13 @@ pub(super) fn run(options: &cli::Robustness) -> Result<ExitCode, CommandError> {
         confirm: options.confirm.or(said.confirm).unwrap_or(0),
         seed: options.seed.or(said.seed).unwrap_or(1),
     };
-    let session = asking::open(path, means, parts, &analysis);
+    let session = asking::open(&options.work, &analysis);
     let own = parts
         .shard
         .map(|_| asking::folder(None, path, parts, Some(NAME)));
     let folder = output.clone().or(own).unwrap_or(from);
     if analysis.confirm > 0 {
-        return asking::run(session?, &analysis, means, parts, &folder);
+        return asking::run(session?, &analysis, &options.work, &folder);
     }
     if parts.shard.is_some() || parts.resume {
         let message = "without new runs there is nothing to resume or to share; add --confirm N";

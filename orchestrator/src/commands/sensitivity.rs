@@ -28,13 +28,12 @@ use crate::table::csv_file;
 pub(super) const NAME: &str = "sensitivity";
 
 pub(super) fn run(options: &cli::Sensitivity) -> Result<ExitCode, CommandError> {
-    let cli::Sensitivity {
+    let cli::Work {
         study: path,
-        means,
-        parts,
         output,
+        parts,
         ..
-    } = options;
+    } = &options.work;
     let study = Study::read(path)?;
     let analysis = Runs::new(options, &study)?;
     if let Some(folder) = &options.from {
@@ -49,9 +48,9 @@ pub(super) fn run(options: &cli::Sensitivity) -> Result<ExitCode, CommandError> 
         )?;
         return finding.tell(output.as_ref().unwrap_or(folder));
     }
-    let session = asking::open(path, means, parts, &analysis)?;
+    let session = asking::open(&options.work, &analysis)?;
     let folder = asking::folder(output.as_deref(), path, parts, Some(NAME));
-    asking::run(session, &analysis, means, parts, &folder)
+    asking::run(session, &analysis, &options.work, &folder)
 }
 
 /// An analysis by runs of its own.

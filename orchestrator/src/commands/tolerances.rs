@@ -33,13 +33,12 @@ use sampling::distribution::Distribution;
 pub(super) const NAME: &str = "tolerances";
 
 pub(super) fn run(options: &cli::Tolerances) -> Result<ExitCode, CommandError> {
-    let cli::Tolerances {
+    let cli::Work {
         study: path,
-        means,
-        parts,
         output,
+        parts,
         ..
-    } = options;
+    } = &options.work;
     let study = Study::read(path)?;
     let said = &study.tolerances;
     let from = options.from.clone();
@@ -50,9 +49,9 @@ pub(super) fn run(options: &cli::Tolerances) -> Result<ExitCode, CommandError> {
         confirm: options.confirm.or(said.confirm).unwrap_or(1000).max(1),
         seed: options.seed.or(said.seed).unwrap_or(1),
     };
-    let session = asking::open(path, means, parts, &analysis)?;
+    let session = asking::open(&options.work, &analysis)?;
     let folder = asking::folder(output.as_deref(), path, parts, Some(NAME));
-    asking::run(session, &analysis, means, parts, &folder)
+    asking::run(session, &analysis, &options.work, &folder)
 }
 
 /// A search by importance weights on known points, and by runs of its own.
