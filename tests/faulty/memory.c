@@ -43,14 +43,23 @@ BEHAVES(draws_random_numbers) {
     return OK;
 }
 
-/* Reads fresh memory that it never wrote. */
-BEHAVES(reads_unwritten_memory) {
-    if (moment != INITIALISE) return OK;
+static int sum_of_unwritten_memory(void) {
     enum { SIZE = 60000 };
     volatile unsigned char *memory = malloc(SIZE);
     int sum = 0;
     for (int k = 0; k < SIZE; k += 97) sum += memory[k];
-    model->spoil = WRONG * sum;
+    return sum;
+}
+
+/* Reads fresh memory that it never wrote. */
+BEHAVES(reads_unwritten_memory) {
+    if (moment == INITIALISE) model->spoil = WRONG * sum_of_unwritten_memory();
+    return OK;
+}
+
+/* The same, but only in points with the fault. */
+BEHAVES(reads_unwritten_memory_at_times) {
+    if (moment == INITIALISE && model->fault) model->spoil = WRONG * sum_of_unwritten_memory();
     return OK;
 }
 

@@ -53,6 +53,7 @@ MEMORY = [
     Model("resets_badly"),
     Model("draws_random_numbers", reuse=False),
     Model("reads_unwritten_memory", reproducible=False),
+    Model("reads_unwritten_memory_at_times", reproducible=False),
     Model("leaks_memory", options=("--memory-limit", "400MB")),
     failing("takes_much_memory", "out of memory", options=("--memory-limit", "300MB")),
     any_end("overruns_memory", waits=True, results="any"),

@@ -137,7 +137,8 @@ pub(super) fn run(
         finished,
         shard,
         header.points,
-    );
+    )
+    .repeating(header.seed, header.points);
     match analysis.find(&session, &mut pipeline, folder) {
         Ok(finding) => {
             pipeline.end()?;

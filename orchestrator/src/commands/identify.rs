@@ -70,7 +70,8 @@ pub(super) fn run(options: &Identify) -> Result<ExitCode, CommandError> {
         finished,
         None,
         None,
-    );
+    )
+    .repeating(settings.seed, None);
     let found = find(options, &study, &settings, &bound, &mut pipeline);
     let outcome = match found {
         Ok(outcome) => outcome,

@@ -58,6 +58,8 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, CommandError> {
     let place = place(&options.means, jobs)?;
     let crew = Crew::new(&mut session.package, place, scratch.path(), jobs)?;
     let (shard, all) = (session.request.shard, Some(verification.source.len()));
+    // A study that ends when enough is known has as many points as that takes.
+    let known = all.filter(|_| ending.is_none());
     let mut pipeline = Pipeline::new(
         &verification.session,
         Some((&crew, &verification.session.plan.task)),
@@ -65,7 +67,8 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, CommandError> {
         finished,
         shard,
         all,
-    );
+    )
+    .repeating(verification.header().seed, known);
     let enough = compute(&verification, &mut pipeline, ending.as_ref())?;
     let (done, computed, interrupted) =
         (pipeline.done(), pipeline.computed(), pipeline.interrupted());

@@ -8,6 +8,7 @@ use super::ground::Ground;
 use super::local::Local;
 use super::policy::{Conduct, Isolation, Policy, Separation};
 use super::process::Limits;
+use super::repeats::Repeats;
 use super::slot::Slot;
 use super::working_directory;
 use crate::task::Task;
@@ -93,11 +94,9 @@ impl Crew {
         if let Way::Processes { ground, apart, .. } = &self.way
             && let Some(changed) = ground.changed()
         {
-            // Nothing that was computed before counts, but the numbers of audits only grow.
+            // Nothing that was computed before counts.
             return Conduct {
                 changed_file: Some(changed),
-                audits: self.policy.conduct().audits,
-                audit_mismatches: self.policy.conduct().audit_mismatches,
                 ..apart.conduct()
             };
         }
@@ -116,9 +115,17 @@ impl Crew {
         self.policy.wish()
     }
 
+    /// Chooses the points that are computed twice in any case.
+    pub fn repeat(&self, repeats: &Repeats) {
+        self.policy.repeat(repeats);
+        if let Way::Processes { apart, .. } = &self.way {
+            apart.repeat(repeats);
+        }
+    }
+
     /// Notes the audit of a point that an earlier part of the run computed in a used process.
-    pub fn note_audit(&self, agreed: bool) {
-        self.policy.audited(agreed);
+    pub fn note_audit(&self, index: u64, agreed: bool) {
+        self.policy.audited(index, agreed, Separation::Used);
         if !agreed {
             self.policy.refute(Separation::Used);
         }

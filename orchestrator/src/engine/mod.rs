@@ -14,6 +14,7 @@ pub mod guard;
 pub mod local;
 pub mod policy;
 pub mod process;
+pub mod repeats;
 mod servant;
 mod shared;
 pub mod single;

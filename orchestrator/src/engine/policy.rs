@@ -3,15 +3,18 @@
 //! A point's result is what the FMU gives alone in a process that has loaded it and never instantiated it. The
 //! first points are run in really new processes, under two patterns of unwritten memory, and in forks of a process
 //! that has loaded the FMU: only where all agree are forks used. Processes are used for many points only where
-//! that pays and has been proven on points, in different orders; and a random share of them is computed again
-//! alone, as long as that takes at most a fiftieth of the time.
+//! that pays and has been proven on points, in different orders. Some points are computed again in a new process with
+//! other bytes in unwritten memory: [a few](super::repeats) where that takes little time, and further ones as long as
+//! that takes at most a fiftieth of the time.
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::collections::BTreeMap;
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
 use super::Job;
+use super::repeats::Repeats;
 use crate::run::Habit;
 
 /// How points share processes, as the user wishes it and as it turned out.
@@ -54,8 +57,11 @@ impl Separation {
 pub struct Conduct {
     /// How points shared processes.
     pub isolation: Isolation,
-    /// How many points were computed again alone, to be compared.
+    /// How many points were computed twice, the second time in a new process with other bytes in unwritten memory.
     pub audits: u64,
+    /// How many of these had shared a process the first time.
+    #[serde(default)]
+    pub audits_of_shared: u64,
     /// How many of them differed.
     pub audit_mismatches: u64,
     /// Whether points that are computed twice, alone, give the same.
@@ -70,6 +76,7 @@ impl Conduct {
     pub const NONE: Self = Self {
         isolation: Isolation::Fresh,
         audits: 0,
+        audits_of_shared: 0,
         audit_mismatches: 0,
         reproducible: true,
         changed_file: None,
@@ -80,19 +87,24 @@ impl Conduct {
         Self {
             isolation: self.isolation.max(other.isolation),
             audits: self.audits + other.audits,
+            audits_of_shared: self.audits_of_shared + other.audits_of_shared,
             audit_mismatches: self.audit_mismatches + other.audit_mismatches,
             reproducible: self.reproducible && other.reproducible,
             changed_file: self.changed_file.or(other.changed_file),
         }
     }
 
-    /// The findings since `before`.
+    /// The findings since `before`. Where the FMU was found to change its folder meanwhile, they begin anew.
     pub fn since(self, before: Option<&Self>) -> Self {
-        let audits = |conduct: &Self| (conduct.audits, conduct.audit_mismatches);
-        let (audits, mismatches) = before.map_or((0, 0), audits);
+        let before = before.unwrap_or(&Self::NONE);
         Self {
-            audits: self.audits - audits,
-            audit_mismatches: self.audit_mismatches - mismatches,
+            audits: self.audits.saturating_sub(before.audits),
+            audits_of_shared: self
+                .audits_of_shared
+                .saturating_sub(before.audits_of_shared),
+            audit_mismatches: self
+                .audit_mismatches
+                .saturating_sub(before.audit_mismatches),
             ..self
         }
     }
@@ -106,17 +118,10 @@ impl Conduct {
                  point ran alone in a new process, with a folder of its own"
             ));
         }
-        if !self.reproducible {
-            remarks.push(
-                "not reproducible: the FMU gives other results for the same point in another new process (memory \
-                 that it never wrote, the clock, random numbers, files outside its own folder); every point ran alone in a new process"
-                    .to_owned(),
-            );
-        }
-        if self.audit_mismatches > 0 {
+        if self.reproducible && self.audit_mismatches > 0 {
             remarks.push(format!(
-                "{} of {} audited points had other results than alone in a new process; all points were computed \
-                 again, each alone",
+                "{} of {} points had other results when they were computed again alone in a new process; all points \
+                 were computed again, each alone",
                 self.audit_mismatches, self.audits
             ));
         }
@@ -126,22 +131,68 @@ impl Conduct {
                 .push("points shared processes without audits (--isolation reuse)".to_owned()),
             Isolation::Fresh | Isolation::InProcess => {}
         }
+        // What casts doubt on all results comes first, what confirms them last.
+        let place = if self.reproducible { remarks.len() } else { 0 };
+        remarks.insert(place, self.reproducibility());
         remarks
+    }
+
+    /// Whether the FMU gives the same for the same point, and how many points say so.
+    pub fn reproducibility(&self) -> String {
+        if !self.reproducible {
+            let count = match (self.audit_mismatches, self.audits) {
+                (0, _) | (_, 0) => String::new(),
+                (differing, all) => {
+                    format!(", found in {differing} of {all} points computed twice")
+                }
+            };
+            return format!(
+                "not reproducible: the FMU gives other results for the same point in another new process{count} \
+                 (memory that it never wrote, the clock, random numbers, files outside its own folder); every point \
+                 ran alone in a new process"
+            );
+        }
+        match self.audits {
+            0 => "whether the FMU is reproducible is not known: no point was computed twice"
+                .to_owned(),
+            count => format!(
+                "reproducible: {count} {} computed twice, the second time alone in a new process with other bytes in \
+                 unwritten memory, with the same results to the last bit ({})",
+                if count == 1 {
+                    "point was"
+                } else {
+                    "points were"
+                },
+                power(count, "differs")
+            ),
+        }
     }
 
     /// How far the audits prove that sharing processes changes nothing.
     fn proof(&self) -> String {
-        if self.audits == 0 {
-            return "points shared processes; there was no time for an audit".to_owned();
+        match self.audits_of_shared {
+            0 => "points shared processes; there was no time for an audit".to_owned(),
+            count => format!(
+                "points shared processes; {count} of them {} computed again alone, and agreed to the last bit ({})",
+                was(count),
+                power(count, "errs")
+            ),
         }
-        // 95 % of the FMUs that err in a larger share of their points would have been found.
-        let share = 100.0 * (1.0 - 0.05_f64.powf(1.0 / self.audits as f64));
-        format!(
-            "points shared processes; {} chosen at random were computed again alone, and agreed to the last bit (an \
-             FMU that errs in a share f of its points is found with probability 1-(1-f)^{}: 95 % for f = {share:.2} %)",
-            self.audits, self.audits
-        )
     }
+}
+
+fn was(count: u64) -> &'static str {
+    if count == 1 { "was" } else { "were" }
+}
+
+/// What an audit of so many points finds.
+#[allow(clippy::cast_precision_loss)]
+fn power(audits: u64, errs: &str) -> String {
+    // 95 % of the FMUs that err in a larger share of their points would have been found.
+    let share = 100.0 * (1.0 - 0.05_f64.powf(1.0 / audits as f64));
+    format!(
+        "an FMU that {errs} in a share f of its points is found with probability 1-(1-f)^{audits}: 95 % for f = {share:.2} %"
+    )
 }
 
 /// The next task of a worker.
@@ -179,8 +230,10 @@ const DEAR: f64 = 1.0;
 /// The least time of all workers together that the points to come must take alone for reuse to be tried, s: the time
 /// of two workers is no cheaper for passing twice as fast.
 const WORTH: f64 = 1.0;
-/// How much of the time audits may take.
-pub(super) const SHARE: f64 = 0.02;
+/// How long the audits of the chosen points may take together, s.
+const LITTLE: f64 = 1.0;
+/// How much of the time audits may take beyond that.
+const SHARE: f64 = 0.02;
 /// So many audits a worker are made in any case, and so many of its last points, where one takes less than
 /// [`SHORT`] or this part of the time so far.
 const FEW: u32 = 5;
@@ -205,6 +258,11 @@ pub(super) struct Spent {
 }
 
 impl Spent {
+    /// Whether there is time for an audit that takes `one` seconds.
+    pub(super) fn allows(&self, one: f64) -> bool {
+        SHARE * self.computed >= self.audited + one
+    }
+
     /// How many of some points that were just computed are to be audited, where one audit takes `one` seconds;
     /// `last`: there will be no further points.
     pub(super) fn audits(&self, one: f64, last: bool) -> u32 {
@@ -226,6 +284,29 @@ impl Spent {
     }
 }
 
+/// The points that were computed twice, each counted once however often that was.
+#[derive(Debug, Default)]
+struct Audits {
+    /// Whether the point was always the same, and whether it had shared a process.
+    points: BTreeMap<u64, (bool, bool)>,
+    shared: u64,
+    mismatches: u64,
+    /// How long one takes, s: the latest ones count most.
+    time: Option<f64>,
+    /// How long those of the chosen points took together, s.
+    of_chosen: f64,
+}
+
+impl Audits {
+    fn note(&mut self, index: u64, agreed: bool, used: bool) {
+        let (same, shared) = self.points.entry(index).or_insert((true, false));
+        self.mismatches += u64::from(*same && !agreed);
+        self.shared += u64::from(used && !*shared);
+        *same &= agreed;
+        *shared |= used;
+    }
+}
+
 /// Decides how points share processes, from all that is known of the FMU.
 #[derive(Debug)]
 pub(super) struct Policy {
@@ -234,6 +315,8 @@ pub(super) struct Policy {
     tool: bool,
     /// The processes of points that are to be as independent as they can.
     strictest: Separation,
+    /// The points that are computed twice in any case; none where nothing is audited.
+    repeats: OnceLock<Repeats>,
     state: Mutex<State>,
 }
 
@@ -248,8 +331,7 @@ struct State {
     reused: bool,
     proof: Vec<Proof>,
     reproducible: bool,
-    audits: u64,
-    mismatches: u64,
+    audits: Audits,
     /// How long a point takes alone, s: the latest ones count most.
     time: Option<f64>,
     /// How long a point takes in a new process, s.
@@ -280,6 +362,7 @@ impl Policy {
             wish,
             tool,
             strictest: Separation::New,
+            repeats: OnceLock::new(),
             state: Mutex::new(State {
                 alone: None,
                 probing: false,
@@ -289,8 +372,7 @@ impl Policy {
                 reused: false,
                 proof: Vec::new(),
                 reproducible: true,
-                audits: 0,
-                mismatches: 0,
+                audits: Audits::default(),
                 time: None,
                 time_of_new: 0.0,
                 dear: tool,
@@ -399,9 +481,7 @@ impl Policy {
             state.time_of_new = took;
         }
         if let (true, Some(took)) = (state.alone == Some(separation), took) {
-            const WEIGHT: f64 = 0.2;
-            let before = state.time.unwrap_or(took);
-            state.time = Some(before + WEIGHT * (took - before));
+            state.time = Some(latest(state.time, took));
         }
         if state.proof.len() < PROOF && self.wish == Isolation::Audited {
             state.proof.push((job.clone(), values.to_vec()));
@@ -454,11 +534,6 @@ impl Policy {
         state.proof.clone()
     }
 
-    /// How long a point takes in a new process, s.
-    pub(super) fn time_of_new(&self) -> f64 {
-        self.state().time_of_new
-    }
-
     /// How long a point takes alone, s.
     pub(super) fn mean_time(&self) -> f64 {
         self.state().mean()
@@ -478,16 +553,52 @@ impl Policy {
         self.state().reused = true;
     }
 
-    /// Whether points of used processes are audited.
-    pub(super) fn audits(&self) -> bool {
-        self.wish == Isolation::Audited
+    /// Chooses the points that are computed twice in any case.
+    pub(super) fn repeat(&self, repeats: &Repeats) {
+        // Later sets of points of the same run keep the first choice.
+        let _ = self.repeats.set(repeats.clone());
     }
 
-    /// Notes an audit.
-    pub(super) fn audited(&self, agreed: bool) {
+    /// Whether points are computed twice now and then: not where the user wants none, nor once it is known that they
+    /// differ.
+    pub(super) fn audits(&self) -> bool {
+        let wanted = matches!(self.wish, Isolation::Fresh | Isolation::Audited);
+        wanted && self.repeats.get().is_some() && self.state().reproducible
+    }
+
+    /// Whether a point is one of those that are computed twice in any case.
+    pub(super) fn chooses(&self, index: u64) -> bool {
+        self.repeats.get().is_some_and(|repeats| repeats.has(index))
+    }
+
+    /// Whether there is time to compute a chosen point twice.
+    pub(super) fn has_time(&self) -> bool {
+        let state = self.state();
+        !state.dear && state.audits.of_chosen + state.time_of_audit() <= LITTLE
+    }
+
+    /// The place of a point in the order in which points are audited.
+    pub(super) fn rank(&self, index: u64) -> u64 {
+        self.repeats.get().map_or(0, |repeats| repeats.rank(index))
+    }
+
+    /// How long it takes to compute a point again in a new process, s.
+    pub(super) fn time_of_audit(&self) -> f64 {
+        self.state().time_of_audit()
+    }
+
+    /// Notes how long an audit took, s.
+    pub(super) fn note_audit(&self, took: f64, chosen: bool) {
         let mut state = self.state();
-        state.audits += 1;
-        state.mismatches += u64::from(!agreed);
+        let audits = &mut state.audits;
+        audits.time = Some(latest(audits.time, took));
+        audits.of_chosen += if chosen { took } else { 0.0 };
+    }
+
+    /// Notes what came of an audit of a point that had been computed in such a process.
+    pub(super) fn audited(&self, index: u64, agreed: bool, separation: Separation) {
+        let used = separation == Separation::Used;
+        self.state().audits.note(index, agreed, used);
     }
 
     /// Points of this separation are not to be had any more. Those that there are do not count.
@@ -514,15 +625,27 @@ impl Policy {
                 (Isolation::InProcess, _) => Isolation::InProcess,
                 _ => Isolation::Fresh,
             },
-            audits: state.audits,
-            audit_mismatches: state.mismatches,
+            audits: state.audits.points.len() as u64,
+            audits_of_shared: state.audits.shared,
+            audit_mismatches: state.audits.mismatches,
             reproducible: state.reproducible,
             changed_file: None,
         }
     }
 }
 
+/// A mean in which the latest values count most.
+fn latest(before: Option<f64>, value: f64) -> f64 {
+    const WEIGHT: f64 = 0.2;
+    let before = before.unwrap_or(value);
+    before + WEIGHT * (value - before)
+}
+
 impl State {
+    fn time_of_audit(&self) -> f64 {
+        self.audits.time.unwrap_or(self.time_of_new)
+    }
+
     fn mean(&self) -> f64 {
         self.time.unwrap_or(0.0)
     }

@@ -5,10 +5,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use rand::RngExt;
-
 use super::ground::Ground;
-use super::policy::{Plan, Policy, Probed, SHARE, Separation, Spent};
+use super::policy::{Plan, Policy, Probed, Separation, Spent};
 use super::process::{Gone, Limits, Process};
 use super::wire::{Reply, Trouble, Way};
 use super::{EngineError, Event, Job, Post, Simulated, Worker};
@@ -184,16 +182,23 @@ impl Slot {
     ) -> Result<(), Gone> {
         let begun = Instant::now();
         let (found, separation) = self.alone(job, separation, post)?;
-        let forked = match &found {
-            Ok(found) if separation == Separation::Forked => Some(found.clone()),
-            _ => None,
-        };
+        let values = found.as_ref().ok().map(|found| found.values.clone());
         post.answer(job.index, found, separation);
         self.spent[1].computed += begun.elapsed().as_secs_f64();
-        match forked {
-            Some(forked) => self.audit_fork(job, forked, post),
-            None => Ok(()),
+        match values {
+            Some(values) if self.is_due(job) => {
+                self.audit(job, &values, separation, post).map(drop)
+            }
+            _ => Ok(()),
         }
+    }
+
+    /// Whether a point that was computed alone is computed again.
+    fn is_due(&self, job: &Job) -> bool {
+        let policy = &self.policy;
+        let in_any_case = || policy.chooses(job.index) && policy.has_time();
+        let in_time = || self.spent[1].allows(policy.time_of_audit());
+        policy.audits() && (in_any_case() || in_time())
     }
 
     /// A point failed in a process of this separation, but not in a new one: either that matters, or new ones differ.
@@ -273,9 +278,14 @@ impl Slot {
             return Err(Gone::Unloadable(reason.clone()));
         }
         let second = self.licensed(job, self.policy.strictest(), second, post)?;
-        if !is_same(&first.answer, &second.answer) {
-            // A process that was ended from outside tells nothing about the FMU.
-            let told = speaks_of_the_fmu(&first.answer) && speaks_of_the_fmu(&second.answer);
+        let same = is_same(&first.answer, &second.answer);
+        // A process that was ended from outside tells nothing about the FMU.
+        let told = speaks_of_the_fmu(&first.answer) && speaks_of_the_fmu(&second.answer);
+        if told && (first.answer.is_ok() || second.answer.is_ok()) {
+            let new = self.policy.strictest();
+            self.policy.audited(job.index, same, new);
+        }
+        if !same {
             let probed = if told {
                 Probed::Different
             } else {
@@ -377,7 +387,7 @@ impl Slot {
         for (job, used) in failed {
             self.again(job, &used, post)?;
         }
-        self.audit(&done, post)
+        self.audit_some(&done, post)
     }
 
     /// A point that failed in a used process, alone.
@@ -392,79 +402,92 @@ impl Slot {
             _ => self.alone(job, separation, post)?,
         };
         if found.is_ok() && speaks_of_the_fmu(used) {
-            self.policy.audited(false);
+            self.policy.audited(job.index, false, Separation::Used);
             self.refute(Separation::Used, post);
         }
         post.answer(job.index, found, separation);
         Ok(())
     }
 
-    /// Computes some of the points again alone, as far as there is time.
-    fn audit(&mut self, done: &[(&Job, Vec<f64>)], post: &mut Post<'_>) -> Result<(), Gone> {
+    /// Computes some of the points of a used process again: those that are chosen, and others as far as there is time.
+    fn audit_some(&mut self, done: &[(&Job, Vec<f64>)], post: &mut Post<'_>) -> Result<(), Gone> {
         if !self.policy.audits() || done.is_empty() {
             return Ok(());
         }
-        let last = post.left == Some(0);
-        let count = self.spent[0].audits(self.policy.mean_time(), last);
-        let mut random = rand::rng();
-        for number in 0..count {
-            let begun = Instant::now();
-            // An effect that accumulates shows best in the very last point.
-            let place = if last && number == 0 {
-                done.len() - 1
-            } else {
-                random.random_range(0..done.len())
-            };
+        let chosen = |place: &usize| self.policy.chooses(done[*place].0.index);
+        let (chosen, mut others): (Vec<usize>, Vec<usize>) = (0..done.len()).partition(chosen);
+        for place in chosen {
             let (job, values) = &done[place];
-            let separation = self.policy.alone();
-            let (found, _) = self.alone(job, separation, post)?;
-            self.spent[0].note(begun.elapsed().as_secs_f64());
-            let agreed = is_same(&Ok(values.clone().into()), &found);
-            // A process that was ended from outside tells nothing about the FMU.
-            if !agreed && !speaks_of_the_fmu(&found) {
-                continue;
-            }
-            self.policy.audited(agreed);
-            if !agreed {
-                return self.judge(job, &found, post);
+            if self.policy.has_time() && !self.audit(job, values, Separation::Used, post)? {
+                return Ok(());
             }
         }
-        Ok(())
-    }
-
-    /// Computes a point that a fork has computed again in a new process, now and then.
-    fn audit_fork(
-        &mut self,
-        job: &Job,
-        forked: Simulated,
-        post: &mut Post<'_>,
-    ) -> Result<(), Gone> {
-        let one = self.policy.time_of_new();
-        if SHARE * self.spent[1].computed < self.spent[1].audited + one {
+        let last = post.left == Some(0);
+        let count = self.spent[0].audits(self.policy.time_of_audit(), last);
+        if count == 0 {
             return Ok(());
         }
-        let begun = Instant::now();
-        let new = self
-            .licensed(job, self.policy.strictest(), None, post)?
-            .answer;
-        self.spent[1].note(begun.elapsed().as_secs_f64());
-        if speaks_of_the_fmu(&new) && !is_same(&Ok(forked), &new) {
-            self.policy.audited(false);
-            self.explain(job, Separation::Forked, &new, post)?;
+        // An effect that accumulates shows best in the very last point.
+        let is_latest = |place: usize| last && place + 1 == done.len();
+        let rank = |place: usize| self.policy.rank(done[place].0.index);
+        others.sort_by_cached_key(|&place| (!is_latest(place), rank(place)));
+        for place in others.into_iter().take(count as usize) {
+            let (job, values) = &done[place];
+            if !self.audit(job, values, Separation::Used, post)? {
+                return Ok(());
+            }
         }
         Ok(())
     }
 
-    /// A used process gave something else than one that ran the point alone: who is right?
-    fn judge(&mut self, job: &Job, alone: &Found, post: &mut Post<'_>) -> Result<(), Gone> {
-        self.refute(Separation::Used, post);
-        let [first, second] =
-            [(); 2].map(|()| self.licensed(job, self.policy.strictest(), None, post));
-        let (first, second) = (first?.answer, second?.answer);
-        if !is_same(&first, &second) {
+    /// Computes a point again in a new process whose unwritten memory holds something else. Whether it came out the
+    /// same, as far as that can be told.
+    fn audit(
+        &mut self,
+        job: &Job,
+        values: &[f64],
+        separation: Separation,
+        post: &mut Post<'_>,
+    ) -> Result<bool, Gone> {
+        let begun = Instant::now();
+        let new = self.policy.strictest();
+        let again = self.licensed(job, new, Some(FILLS[0]), post)?.answer;
+        let took = begun.elapsed().as_secs_f64();
+        self.spent[usize::from(separation != Separation::Used)].note(took);
+        let chosen = self.policy.chooses(job.index);
+        self.policy.note_audit(took, chosen);
+        // A process that was ended from outside tells nothing about the FMU.
+        if !speaks_of_the_fmu(&again) {
+            return Ok(true);
+        }
+        let agreed = is_same(&Ok(values.to_vec().into()), &again);
+        self.policy.audited(job.index, agreed, separation);
+        if !agreed {
+            self.judge(job, separation, &again, post)?;
+        }
+        Ok(agreed)
+    }
+
+    /// A point gave something else in a new process: either it matters what ran before it, or new processes differ.
+    fn judge(
+        &mut self,
+        job: &Job,
+        separation: Separation,
+        new: &Found,
+        post: &mut Post<'_>,
+    ) -> Result<(), Gone> {
+        let strictest = self.policy.strictest();
+        if separation == strictest {
             self.give_up_reproducing(post);
-        } else if !is_same(alone, &first) {
-            self.refute(Separation::Forked, post);
+            return Ok(());
+        }
+        self.refute(separation, post);
+        for fill in [Some(FILLS[1]), None] {
+            let again = self.licensed(job, strictest, fill, post)?.answer;
+            if speaks_of_the_fmu(&again) && !is_same(new, &again) {
+                self.give_up_reproducing(post);
+                return Ok(());
+            }
         }
         Ok(())
     }

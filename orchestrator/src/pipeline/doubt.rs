@@ -86,7 +86,7 @@ impl Pipeline<'_> {
             };
             let now = self.model.outcome(answer.map(|found| found.values));
             let agreed = is_same(&now, &then);
-            crew.note_audit(agreed);
+            crew.note_audit(index, agreed);
             if !agreed {
                 return Ok(false);
             }

@@ -19,6 +19,7 @@ use std::time::{Duration, Instant};
 use thiserror::Error;
 
 use crate::engine::crew::Crew;
+use crate::engine::repeats::Repeats;
 use crate::engine::{
     self, Answer, Conduct, EngineError, Event, Isolation, Job, Separation, Worker,
 };
@@ -71,6 +72,9 @@ pub enum Halt {
     #[error(transparent)]
     Engine(#[from] EngineError),
 }
+
+/// So many audits are noted at once, further ones with the next sync.
+const MANY: u64 = 200;
 
 fn share(done: u64, of: Option<u64>) -> String {
     match of {
@@ -167,6 +171,20 @@ impl<'a> Pipeline<'a> {
             progress,
             synced: Instant::now(),
         }
+    }
+
+    /// Lets some points be computed twice, chosen by the seed; `points` is the number of all points, where that is
+    /// known.
+    pub fn repeating(self, seed: u64, points: Option<u64>) -> Self {
+        let shard = self.shard.unwrap_or(Shard::WHOLE);
+        let repeats = match points {
+            Some(points) => Repeats::among(seed, shard.count(points), shard.number - 1, shard.of),
+            None => Repeats::endless(seed),
+        };
+        if let Some(crew) = self.crew {
+            crew.repeat(&repeats);
+        }
+        self
     }
 
     /// How many points this run has computed.
@@ -266,6 +284,10 @@ impl<'a> Pipeline<'a> {
             }
             Event::Void(separation) => {
                 self.journal.note(&Note::Void(separation))?;
+                if separation <= Separation::New {
+                    // Neither do the audits of earlier points.
+                    self.noted = None;
+                }
                 self.note_conduct()?;
                 self.computed[separation as usize..].fill(0);
                 let finished = self.finished.as_ref();
@@ -284,11 +306,23 @@ impl<'a> Pipeline<'a> {
     fn settle(&mut self) -> Result<(), ResultsError> {
         const OFTEN: Duration = Duration::from_secs(5);
         if self.synced.elapsed() < OFTEN {
+            self.note_audits()?;
             return self.journal.flush();
         }
         self.synced = Instant::now();
         self.note_conduct()?;
         self.journal.sync()
+    }
+
+    /// Notes the first audits at once: a run that is killed must not forget them.
+    fn note_audits(&mut self) -> Result<(), ResultsError> {
+        let audits = |conduct: &Conduct| (conduct.audits, conduct.audit_mismatches);
+        let now = self.crew.map_or((0, 0), |crew| audits(&crew.conduct()));
+        let noted = self.noted.as_ref().map_or((0, 0), audits);
+        if now == noted || noted.0 > MANY {
+            return Ok(());
+        }
+        self.note_conduct()
     }
 
     /// Notes how the points since the last such note were computed.

@@ -99,6 +99,7 @@ fn what_does_not_count_is_open_again() {
     let audited = Conduct {
         isolation: Isolation::Audited,
         audits: 7,
+        audits_of_shared: 5,
         audit_mismatches: 0,
         reproducible: true,
         changed_file: None,

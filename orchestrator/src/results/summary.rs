@@ -84,6 +84,9 @@ pub struct Summary {
     /// How the points shared processes, and what audits of that found.
     #[serde(flatten)]
     pub conduct: Option<Conduct>,
+    /// On how many points it rests that the FMU is reproducible, or is not.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reproducibility: Option<String>,
     /// The FMU's remarks beside its results.
     #[serde(flatten)]
     pub asides: Option<Asides>,

@@ -332,6 +332,7 @@ impl<'a> Tally<'a> {
             validation: IndexMap::new(),
             improvements: None,
             conduct: None,
+            reproducibility: None,
             asides: None,
             run: None,
             provenance,

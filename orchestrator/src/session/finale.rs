@@ -97,7 +97,9 @@ impl Verification {
         survey.complete(&mut summary);
         summary.rest = Some(survey.to_watch(&summary));
         summary.concerns.extend(session.plan.concerns());
-        summary.conduct = Some(finished.conduct());
+        let conduct = finished.conduct();
+        summary.reproducibility = Some(conduct.reproducibility());
+        summary.conduct = Some(conduct);
         summary.asides = Some(asides);
         summary.dossier = session.study.dossier.clone();
         summary.run = run;

@@ -54,7 +54,14 @@ fn verify(bench: &Bench, folder: &str, options: &[&str]) -> crate::support::Said
 /// The final files of a folder, without how they were computed and how long it took.
 fn files(bench: &Bench, folder: &str) -> (String, String, String) {
     let mut summary = bench.summary(folder);
-    for how in ["run", "isolation", "audits", "audit_mismatches"] {
+    for how in [
+        "run",
+        "isolation",
+        "audits",
+        "audits_of_shared",
+        "audit_mismatches",
+        "reproducibility",
+    ] {
         summary[how].take();
     }
     (

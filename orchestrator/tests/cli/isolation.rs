@@ -49,7 +49,7 @@ fn reuse_is_audited() {
     let said = verify(&bench, "shared", &[]);
     let summary = bench.summary("shared");
     assert_eq!(summary["isolation"], "audited");
-    assert!(summary["audits"].as_u64().unwrap() > 0);
+    assert!(summary["audits_of_shared"].as_u64().unwrap() > 0);
     assert_eq!(summary["audit_mismatches"], 0);
     assert!(
         said.out.starts_with("points shared processes; "),
@@ -101,5 +101,53 @@ fn a_trial_finds_what_errs_at_once() {
     verify(&bench, "out", &[]);
     let summary = bench.summary("out");
     assert_eq!(summary["isolation"], "fresh");
-    assert_eq!(summary["audits"], 0);
+    assert_eq!(summary["audits_of_shared"], 0);
+}
+
+#[test]
+fn an_fmu_that_differs_in_few_points_is_found_however_points_are_run() {
+    // 5 % of the points.
+    let bench = Bench::empty();
+    bench.fmu("lag.fmu", &["UNWRITTEN_ABOVE=1.925"], &model("", ""));
+    bench.write("study.toml", STUDY);
+    for isolation in ["audited", "fresh"] {
+        let options = ["--points", "200", "--isolation", isolation];
+        let labels = ["once", "again"].map(|folder| {
+            let said = verify(&bench, folder, &options);
+            let remark = said.out.lines().next().unwrap().to_owned();
+            let report = bench.read(&format!("{folder}/report.html"));
+            let summary = bench.summary(folder);
+            assert!(remark.starts_with("not reproducible: "), "{remark}");
+            assert!(report.contains("not reproducible: "));
+            assert!(summary["audit_mismatches"].as_u64().unwrap() > 0);
+            summary["reproducible"].clone()
+        });
+        assert_eq!(labels, [false, false]);
+    }
+}
+
+#[test]
+fn a_label_says_on_how_many_points_it_rests() {
+    let bench = Bench::new();
+    bench.write("study.toml", STUDY);
+    let basis = |folder: &str, options: &[&str]| {
+        let said = verify(&bench, folder, &[&["--points", "20"], options].concat());
+        let summary = bench.summary(folder);
+        let basis = summary["reproducibility"].as_str().unwrap().to_owned();
+        assert!(said.out.contains(&basis), "{}", said.out);
+        assert!(
+            bench
+                .read(&format!("{folder}/report.html"))
+                .contains(&basis)
+        );
+        (summary["audits"].as_u64().unwrap(), basis)
+    };
+    for isolation in ["audited", "fresh"] {
+        let (audits, basis) = basis(isolation, &["--isolation", isolation]);
+        assert!((1..=20).contains(&audits));
+        assert!(basis.starts_with(&format!("reproducible: {audits} point")));
+        assert!(basis.contains(&format!("1-(1-f)^{audits}")));
+    }
+    let (audits, basis) = basis("here", &["--in-process"]);
+    assert!(audits == 0 && basis.contains("not known"), "{basis}");
 }
