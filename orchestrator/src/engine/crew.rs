@@ -110,6 +110,23 @@ impl Crew {
         }
     }
 
+    /// Begins with what an earlier part of the run found: which processes change results, and whether new ones agree.
+    pub fn recall(&self, refuted: Option<Separation>, reproducible: bool) {
+        // Whoever wants used processes gets them.
+        if self.wish() == Isolation::Reuse {
+            return;
+        }
+        if let Some(separation) = refuted {
+            self.policy.refute(separation);
+        }
+        if !reproducible {
+            self.policy.give_up_reproducing();
+            if let Way::Processes { apart, .. } = &self.way {
+                apart.give_up_reproducing();
+            }
+        }
+    }
+
     /// How the user wishes points to share processes.
     pub fn wish(&self) -> Isolation {
         self.policy.wish()
@@ -131,12 +148,12 @@ impl Crew {
         }
     }
 
-    /// A worker that runs every point alone, whatever the others do.
+    /// A worker that computes points again as an audit does.
     pub fn auditor(&self, task: &Task) -> Box<dyn Worker> {
         match &self.way {
             Way::Here(_) => self.worker(task),
             Way::Processes { apart, .. } => {
-                let alone = Arc::new(Policy::new(Isolation::Fresh, false));
+                let alone = Arc::new(Policy::auditing());
                 self.slot(alone, apart, task)
             }
         }

@@ -202,6 +202,8 @@ pub(super) enum Plan {
     Probe,
     /// Run a point alone.
     Alone(Separation),
+    /// Run a point as an audit does.
+    Audit,
     /// Find out whether processes may be used again, and [report](Policy::tried).
     Trial,
     /// Run points in one process.
@@ -315,6 +317,8 @@ pub(super) struct Policy {
     tool: bool,
     /// The processes of points that are to be as independent as they can.
     strictest: Separation,
+    /// All points are computed as in audits.
+    auditing: bool,
     /// The points that are computed twice in any case; none where nothing is audited.
     repeats: OnceLock<Repeats>,
     state: Mutex<State>,
@@ -362,6 +366,7 @@ impl Policy {
             wish,
             tool,
             strictest: Separation::New,
+            auditing: false,
             repeats: OnceLock::new(),
             state: Mutex::new(State {
                 alone: None,
@@ -390,6 +395,14 @@ impl Policy {
         }
     }
 
+    /// A policy for points that are computed again as in audits.
+    pub(super) fn auditing() -> Self {
+        Self {
+            auditing: true,
+            ..Self::new(Isolation::Fresh, false)
+        }
+    }
+
     /// How the user wishes points to share processes.
     pub(super) fn wish(&self) -> Isolation {
         self.wish
@@ -407,6 +420,9 @@ impl Policy {
 
     /// The next task; `left` is the number of points to come, where it is known.
     pub(super) fn plan(&self, left: Option<usize>) -> Plan {
+        if self.auditing {
+            return Plan::Audit;
+        }
         let mut state = self.state();
         let Some(alone) = state.alone else {
             if state.probing {

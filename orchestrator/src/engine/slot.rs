@@ -468,6 +468,17 @@ impl Slot {
         Ok(agreed)
     }
 
+    /// A point in a new process whose unwritten memory holds something else, with its answer.
+    fn run_as_audit(&mut self, job: &Job, post: &mut Post<'_>) -> Result<(), Gone> {
+        let new = self.policy.strictest();
+        let mut found = self.licensed(job, new, Some(FILLS[0]), post)?.answer;
+        if found.is_err() {
+            found = self.licensed(job, new, Some(FILLS[0]), post)?.answer;
+        }
+        post.answer(job.index, found, new);
+        Ok(())
+    }
+
     /// A point gave something else in a new process: either it matters what ran before it, or new processes differ.
     fn judge(
         &mut self,
@@ -501,6 +512,7 @@ impl Worker for Slot {
             let done = match plan {
                 Plan::Probe => self.probe(job, post),
                 Plan::Alone(separation) => self.run_alone(job, separation, post),
+                Plan::Audit => self.run_as_audit(job, post),
                 Plan::Trial => {
                     let tried = self.trial(post);
                     if tried.is_err() {
@@ -522,7 +534,7 @@ impl Worker for Slot {
             jobs = match plan {
                 Plan::Trial => jobs,
                 Plan::Used(_) => &[],
-                Plan::Probe | Plan::Alone(_) => rest,
+                Plan::Probe | Plan::Alone(_) | Plan::Audit => rest,
             };
             if post.is_over() {
                 return Ok(());

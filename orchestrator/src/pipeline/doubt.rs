@@ -3,15 +3,13 @@
 //! A run that was killed still owed audits for its last points. So some of them are computed again before any of
 //! them counts.
 
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
-use rand::seq::SliceRandom;
-
 use super::{Halt, Pipeline, stop};
-use crate::engine::{Event, Isolation, Job, Post, Separation, Worker};
+use crate::engine::{EngineError, Event, Isolation, Job, Post, Separation, Worker};
 use crate::results::Outcome;
 use crate::results::note::Note;
 
@@ -21,58 +19,126 @@ const AUDITS: usize = 60;
 const LATEST: usize = 3;
 const LITTLE: Duration = Duration::from_secs(1);
 
+/// What is needed to audit points of an earlier part of the run.
+pub(super) struct Doubt {
+    auditor: Box<dyn Worker>,
+    /// The points that shared processes, the latest first; not known at first.
+    used: Option<Vec<u64>>,
+    /// How long the audits took so far.
+    spent: Duration,
+}
+
+/// A point of an index that is known.
+type Known<'a> = &'a dyn Fn(u64) -> Job;
+
+impl Doubt {
+    pub(super) fn new(auditor: Box<dyn Worker>) -> Self {
+        Self {
+            auditor,
+            used: None,
+            spent: Duration::ZERO,
+        }
+    }
+}
+
 impl Pipeline<'_> {
     /// Points of the journal that have to be computed again, because they shared processes: all where the user wishes
-    /// none to do so, and all where one of them proves wrong.
-    pub(super) fn doubted(
-        &mut self,
-        job: Option<&(dyn Fn(u64) -> Job + Sync)>,
-    ) -> Result<Vec<u64>, Halt> {
-        let (Some(mut auditor), Some(crew)) = (self.auditor.take(), self.crew) else {
+    /// none to do so, and all where one of them proves wrong. All points are known.
+    pub(super) fn doubted(&mut self, job: Known<'_>) -> Result<Vec<u64>, Halt> {
+        let Some(mut doubt) = self.doubt.take() else {
             return Ok(Vec::new());
         };
-        let used = match &self.finished {
-            Some(finished) => finished.latest_used(),
-            None => Vec::new(),
-        };
-        let sound = match (crew.wish(), job) {
-            _ if used.is_empty() => true,
-            (Isolation::Fresh, _) => false,
-            (Isolation::Audited, Some(job)) => self.agree(&used, auditor.as_mut(), job)?,
-            _ => true,
-        };
-        if sound {
+        let used = self.used_before(&mut doubt);
+        if self.are_sound(&mut doubt, &used, job)? {
             return Ok(Vec::new());
         }
+        self.drop_used(&used)?;
+        Ok(used)
+    }
+
+    /// The same, where the points become known set by set, from this one's indexes on: what does not count is
+    /// forgotten. Outcomes of earlier sets have been used already.
+    pub(super) fn doubt_set(&mut self, set: Range<u64>, job: Known<'_>) -> Result<(), Halt> {
+        let Some(mut doubt) = self.doubt.take() else {
+            return Ok(());
+        };
+        let used = self.used_before(&mut doubt);
+        let within: Vec<u64> = used
+            .iter()
+            .copied()
+            .filter(|index| set.contains(index))
+            .collect();
+        if self.are_sound(&mut doubt, &within, job)? {
+            if set.end < used.iter().max().map_or(0, |last| last + 1) {
+                self.doubt = Some(doubt);
+            }
+            return Ok(());
+        }
+        self.drop_used(&used)?;
+        if used.iter().any(|index| *index < set.start) && !self.wants_fresh() {
+            return Err(EngineError::Refuted.into());
+        }
+        Ok(())
+    }
+
+    fn wants_fresh(&self) -> bool {
+        self.crew
+            .is_some_and(|crew| crew.wish() == Isolation::Fresh)
+    }
+
+    /// The points that shared processes before this run began, the latest first.
+    fn used_before(&self, doubt: &mut Doubt) -> Vec<u64> {
+        let finished = self.finished.as_ref();
+        let find = || finished.map_or_else(Vec::new, |finished| finished.latest_used());
+        doubt.used.get_or_insert_with(find).clone()
+    }
+
+    /// Whether points count that shared processes, as far as some of them tell.
+    fn are_sound(
+        &mut self,
+        doubt: &mut Doubt,
+        points: &[u64],
+        job: Known<'_>,
+    ) -> Result<bool, Halt> {
+        match self.crew.map(|crew| crew.wish()) {
+            _ if points.is_empty() => Ok(true),
+            Some(Isolation::Fresh) => Ok(false),
+            Some(Isolation::Audited) => self.agree(doubt, points, job),
+            _ => Ok(true),
+        }
+    }
+
+    fn drop_used(&mut self, used: &[u64]) -> Result<(), Halt> {
         self.journal.note(&Note::Void(Separation::Used))?;
+        self.journal.flush()?;
         if let Some(finished) = &mut self.finished {
             Arc::make_mut(finished).forget_used();
         }
         self.before -= used.len() as u64;
-        Ok(used)
+        Ok(())
     }
 
     /// Whether points give the same alone, as far as some of them tell.
-    fn agree(
-        &mut self,
-        used: &[u64],
-        auditor: &mut dyn Worker,
-        job: &(dyn Fn(u64) -> Job + Sync),
-    ) -> Result<bool, Halt> {
+    fn agree(&mut self, doubt: &mut Doubt, points: &[u64], job: Known<'_>) -> Result<bool, Halt> {
         let (Some(crew), Some(finished)) = (self.crew, self.finished.clone()) else {
             return Ok(true);
         };
-        let (latest, others) = used.split_at(LATEST.min(used.len()));
-        let mut others = others.to_vec();
-        others.shuffle(&mut rand::rng());
-        others.truncate(AUDITS);
+        let all = doubt.used.as_deref().unwrap_or_default();
+        let latest = &all[..LATEST.min(all.len())];
+        let (mut latest, mut others): (Vec<u64>, Vec<u64>) =
+            points.iter().partition(|index| latest.contains(index));
+        // Those that the seed has chosen were audited before.
+        others.sort_by_cached_key(|&index| (self.repeats.has(index), self.repeats.rank(index)));
+        others.truncate((AUDITS * points.len()).div_ceil(all.len()));
+        let must = latest.len();
+        latest.append(&mut others);
         let mut known = finished.outcomes()?;
-        let begun = Instant::now();
         let stopped = || stop::flag().load(Ordering::Relaxed);
-        for (number, &index) in latest.iter().chain(&others).enumerate() {
-            if stopped() || number >= LATEST && begun.elapsed() > LITTLE {
+        for (number, index) in latest.into_iter().enumerate() {
+            if stopped() || number >= must && doubt.spent > LITTLE {
                 break;
             }
+            let begun = Instant::now();
             let mut answer = None;
             let mut take = |event| {
                 if let Event::Answer(_, found, _) = event {
@@ -80,7 +146,9 @@ impl Pipeline<'_> {
                 }
                 ControlFlow::Continue(())
             };
-            auditor.run(&[job(index)], &mut Post::new(&mut take, &stopped, Some(0)))?;
+            let mut post = Post::new(&mut take, &stopped, Some(0));
+            doubt.auditor.run(&[job(index)], &mut post)?;
+            doubt.spent += begun.elapsed();
             let (Some(answer), Some(then)) = (answer, known.get(index)?) else {
                 continue;
             };

@@ -27,6 +27,7 @@ use crate::results::finished::Finished;
 use crate::results::note::Note;
 use crate::results::{Journal, Outcome, ResultsError};
 use crate::task::Task;
+use doubt::Doubt;
 use progress::Progress;
 
 pub use shard::Shard;
@@ -107,8 +108,10 @@ pub struct Pipeline<'a> {
     /// Knows how the points are computed; absent where only the journal is read.
     crew: Option<&'a Crew>,
     workers: Vec<Box<dyn Worker>>,
-    /// Computes points of earlier runs again, until that is done.
-    auditor: Option<Box<dyn Worker>>,
+    /// For audits of points of earlier runs, until these are done.
+    doubt: Option<Doubt>,
+    /// The points that are computed twice in any case.
+    repeats: Repeats,
     /// How the points were computed, as far as the journal says it.
     noted: Option<Conduct>,
     journal: Journal,
@@ -150,15 +153,18 @@ impl<'a> Pipeline<'a> {
         let expected = points.map(|points| shard.unwrap_or(Shard::WHOLE).count(points));
         let before = finished.as_ref().map_or(0, |finished| finished.count);
         let progress = Progress::new(expected, before);
-        if let Some(((crew, _), finished)) = crew.zip(finished.as_ref())
-            && let Some(file) = finished.changed_file()
-        {
-            crew.part(file);
+        if let Some(((crew, _), finished)) = crew.zip(finished.as_ref()) {
+            finished
+                .changed_file()
+                .into_iter()
+                .for_each(|file| crew.part(file));
+            crew.recall(finished.refuted(), finished.conduct().reproducible);
         }
         Self {
             model,
             crew: crew.map(|(crew, _)| crew),
-            auditor: crew.map(|(crew, task)| crew.auditor(task)),
+            doubt: crew.map(|(crew, task)| Doubt::new(crew.auditor(task))),
+            repeats: Repeats::endless(0),
             workers: crew.map_or_else(Vec::new, |(crew, task)| crew.workers(task)),
             noted: None,
             journal,
@@ -175,14 +181,14 @@ impl<'a> Pipeline<'a> {
 
     /// Lets some points be computed twice, chosen by the seed; `points` is the number of all points, where that is
     /// known.
-    pub fn repeating(self, seed: u64, points: Option<u64>) -> Self {
+    pub fn repeating(mut self, seed: u64, points: Option<u64>) -> Self {
         let shard = self.shard.unwrap_or(Shard::WHOLE);
-        let repeats = match points {
+        self.repeats = match points {
             Some(points) => Repeats::among(seed, shard.count(points), shard.number - 1, shard.of),
             None => Repeats::endless(seed),
         };
         if let Some(crew) = self.crew {
-            crew.repeat(&repeats);
+            crew.repeat(&self.repeats);
         }
         self
     }
@@ -229,7 +235,7 @@ impl<'a> Pipeline<'a> {
         job: &(dyn Fn(u64) -> Job + Sync),
         receive: impl FnMut(Step) -> ControlFlow<()>,
     ) -> Result<(), Halt> {
-        let again = self.doubted(Some(job))?;
+        let again = self.doubted(job)?;
         let open = open.chain(again);
         let finished = self.finished.clone();
         let earlier = |separation| {
@@ -345,10 +351,15 @@ impl<'a> Pipeline<'a> {
         if points.is_empty() {
             return Ok(Vec::new());
         }
-        self.doubted(None)?;
         let first = self.asked;
         self.asked += points.len() as u64;
         self.begin_set(first, points)?;
+        let model = self.model;
+        let job = |index: u64| Job {
+            index,
+            values: model.values(&points[(index - first) as usize]),
+        };
+        self.doubt_set(first..self.asked, &job)?;
         let mut outcomes = self.known(first, points.len())?;
         let shard = self.shard.unwrap_or(Shard::WHOLE);
         let open: Vec<usize> = (0..points.len())

@@ -24,6 +24,8 @@ pub struct Finished {
     noted: Option<Conduct>,
     /// Whether points count only where each had an unpacked FMU of its own.
     apart: bool,
+    /// Points that were computed in such processes, or in less strictly separated ones, were found not to count.
+    refuted: Option<Separation>,
     /// How many points are finished.
     pub count: u64,
     /// Checksums of the sets of points, by the index of their first point.
@@ -68,6 +70,7 @@ impl Finished {
             sound: lines.sound,
             noted: None,
             apart: false,
+            refuted: None,
         };
         loop {
             let place = lines.sound;
@@ -109,6 +112,10 @@ impl Finished {
                 });
             }
             Note::Void(separation) => {
+                let refuted = self
+                    .refuted
+                    .map_or(separation, |known| known.min(separation));
+                self.refuted = Some(refuted);
                 if separation <= Separation::New {
                     // Nothing is left of which the notes so far tell.
                     (self.apart, self.noted) = (true, None);
@@ -141,6 +148,11 @@ impl Finished {
         let noted = self.noted.as_ref();
         let file = noted.and_then(|noted| noted.changed_file.as_deref());
         self.apart.then(|| file.unwrap_or("."))
+    }
+
+    /// How strictly points must be separated, as far as it was found that others did not count: more strictly than so.
+    pub fn refuted(&self) -> Option<Separation> {
+        self.refuted
     }
 
     /// Whether a line at this place is that of a finished point, and not of one that was computed again.

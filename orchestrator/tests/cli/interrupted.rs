@@ -431,3 +431,39 @@ fn a_search_over_more_generations_goes_on_with_the_earlier_ones() {
     // 40 of the first search with its nominal design, and the 30 and 1 that came to it.
     assert_eq!(PARETO.noted(&bench, "more"), 41 + 31);
 }
+
+/// A folder with points of used processes, of which those after the first two of each process are wrong; and the
+/// results as they should be.
+fn spoilt(analysis: &Analysis) -> (Bench, Vec<String>) {
+    let bench = Bench::empty();
+    bench.fmu("lag.fmu", &["DRIFT=2"], &crate::support::model("", ""));
+    bench.write("study.toml", STUDY);
+    for (folder, isolation) in [("right", "fresh"), ("spoilt", "reuse")] {
+        let said = analysis.run(&bench, folder, &["--isolation", isolation]);
+        assert_eq!(said.code, 0, "{}", said.err);
+    }
+    let right = analysis.results(&bench, "right");
+    assert!(analysis.results(&bench, "spoilt") != right);
+    (bench, right)
+}
+
+#[test]
+fn points_of_used_processes_are_audited_before_an_analysis_goes_on_with_them() {
+    let (bench, right) = spoilt(&SENSITIVITY);
+    let said = SENSITIVITY.run(&bench, "spoilt", &["--resume"]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    assert!(SENSITIVITY.results(&bench, "spoilt") == right);
+}
+
+#[test]
+fn a_search_that_was_built_on_wrong_points_begins_again() {
+    let (bench, right) = spoilt(&PARETO);
+    let mut said = PARETO.run(&bench, "spoilt", &["--resume"]);
+    if said.code != 0 {
+        // Points of the first generation were right, and later ones were built on wrong ones.
+        said.is_mistake(&["--resume computes them again"]);
+        said = PARETO.run(&bench, "spoilt", &["--resume"]);
+    }
+    assert_eq!(said.code, 0, "{}", said.err);
+    assert!(PARETO.results(&bench, "spoilt") == right);
+}

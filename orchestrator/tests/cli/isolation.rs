@@ -1,5 +1,10 @@
 //! Points share processes only where that is proven, and every result is what the FMU gives alone.
 
+use std::fs;
+use std::process::Stdio;
+use std::thread::sleep;
+use std::time::Duration;
+
 use crate::support::{Bench, Said, model};
 
 const STUDY: &str = r#"
@@ -92,6 +97,31 @@ fn reuse_that_errs_later_is_found_and_undone() {
     assert_ne!(
         drifting.read("reuse/points.csv"),
         right.read("out/points.csv")
+    );
+}
+
+#[test]
+fn a_resumed_run_does_not_share_processes_again_after_a_refutation() {
+    let bench = bench(&["DRIFT=100"]);
+    verify(&bench, "right", &["--isolation", "fresh"]);
+    let refutations = || {
+        let journal = fs::read_to_string(bench.path("killed/journal.txt")).unwrap_or_default();
+        journal.matches(r#"note {"Void":"Used"}"#).count()
+    };
+    let mut command = bench.command(&["verify", "study.toml", "--jobs", "2", "--output", "killed"]);
+    let mut run = command.stdout(Stdio::null()).spawn().unwrap();
+    while refutations() == 0 {
+        assert!(run.try_wait().unwrap().is_none());
+        sleep(Duration::from_millis(2));
+    }
+    run.kill().unwrap();
+    run.wait().unwrap();
+    verify(&bench, "killed", &["--resume"]);
+    assert_eq!(refutations(), 1);
+    assert_eq!(bench.summary("killed")["isolation"], "fresh");
+    assert_eq!(
+        bench.read("killed/points.csv"),
+        bench.read("right/points.csv")
     );
 }
 
