@@ -1,6 +1,32 @@
 //! The virtual sensors: the readings of the physical stand's sensors, and quantities that no sensor can measure.
 
+mod turn;
+
 use serde::{Deserialize, Serialize};
+pub use turn::TurnMeans;
+
+/// The readings of the sensors that the physical stand has, in the order of its fields in [`Readings`]: F_N (N), M (N.m),
+/// P_fr (W), mu (1), temperatures of the oil bath and the bush (K).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Sensed(pub [f64; 6]);
+
+impl Sensed {
+    /// The number of sensors.
+    pub const COUNT: usize = 6;
+
+    /// A formula applied to each.
+    pub fn map(&self, formula: impl Fn(f64) -> f64) -> Self {
+        Self(self.0.map(formula))
+    }
+
+    fn plus(&self, other: &Self) -> Self {
+        Self(std::array::from_fn(|i| self.0[i] + other.0[i]))
+    }
+
+    fn minus(&self, other: &Self) -> Self {
+        Self(std::array::from_fn(|i| self.0[i] - other.0[i]))
+    }
+}
 
 /// The outputs of the stand at one instant, SI.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -51,6 +77,18 @@ macro_rules! each_reading {
 }
 
 impl Readings {
+    /// Those of the sensors that the physical stand has.
+    pub fn sensed(&self) -> Sensed {
+        Sensed([
+            self.load_force,
+            self.friction_torque,
+            self.friction_power,
+            self.friction_coefficient,
+            self.oil_temperature,
+            self.bearing_temperature,
+        ])
+    }
+
     /// The mean rates, per second, from these readings to those `span` seconds later.
     pub fn rates_to(&self, later: &Self, span: f64) -> Self {
         let rate = |begin: f64, end: f64| (end - begin) / span;

@@ -18,11 +18,11 @@ mod steady;
 mod stiff;
 mod stuck;
 
-use crate::bearing::{Bearing, Film, Flows, Motion, Setup, Situation};
+use crate::bearing::{Bearing, Drift, Film, Flows, Motion, Setup, Situation};
 use crate::drive::{Command, Drive};
 use crate::load::Load;
 use crate::oil::{Nearby, Oil, Properties};
-use crate::sensors::{self, Readings};
+use crate::sensors::{self, Readings, Sensed, TurnMeans};
 use crate::thermal::{Heat, Temperatures, Thermal};
 use fmu_export::model::{self, Experiment, Fault, Info, Log, Model, Variable};
 use serde::{Deserialize, Serialize};
@@ -60,6 +60,8 @@ struct State {
     temperatures: Temperatures,
     /// The internal step to try next, s.
     next_step: f64,
+    /// The sensors' means over the last turn.
+    means: TurnMeans,
 }
 
 /// The plain-bearing test stand.
@@ -122,6 +124,12 @@ impl Stand {
         &self.readings
     }
 
+    /// The sensors' means over the last whole turn of the load; until one is complete, since the start.
+    pub fn means(&self) -> Sensed {
+        let so_far = self.state.means.means();
+        so_far.unwrap_or_else(|| self.readings.sensed())
+    }
+
     /// The time derivatives of the outputs, per second, as [`differentiate`](Model::differentiate) has computed them.
     pub fn rates(&self) -> &Readings {
         &self.rates
@@ -175,9 +183,8 @@ impl Stand {
         }
     }
 
-    /// The part of [`instant`](Self::instant) that the unknowns' rates need: the rate of the eccentricity-ratio vector,
-    /// 1/s, and the flows as far as the temperatures depend on them.
-    fn drift(&self, tau: f64, eccentricity: [f64; 2], viscosity: f64) -> ([f64; 2], Flows) {
+    /// The part of [`instant`](Self::instant) that the time integration needs, with the situation that it is one of.
+    fn drift(&self, tau: f64, eccentricity: [f64; 2], viscosity: f64) -> (Situation, Drift) {
         let (speed, _, load) = self.driven(tau);
         let felt = self.thermal.fresh_oil != 0.0 && !self.thermal.isothermal;
         let at = Situation {
@@ -186,7 +193,7 @@ impl Stand {
             viscosity,
             speed,
         };
-        self.film.drift(&self.bearing, &at, felt)
+        (at, self.film.drift(&self.bearing, &at, felt))
     }
 
     /// Shaft speed (rad/s), shaft angle (rad) and load on the bearing (N), `tau` seconds into the step.
@@ -218,13 +225,34 @@ impl Stand {
         self.thermal.rates(temperatures, &heat)
     }
 
-    /// Rates of the unknowns, `tau` seconds into the step.
-    fn rates_at(&self, tau: f64, y: &Unknowns, oil: &mut Nearby) -> Unknowns {
+    /// Rates of the unknowns, and what the physical stand's sensors read, `tau` seconds into the step.
+    fn course_at(&self, tau: f64, y: &Unknowns, oil: &mut Nearby) -> (Unknowns, Sensed) {
         let temperatures = temperatures(y);
         let viscosity = oil.viscosity(&self.fluid, temperatures.film);
-        let (v, flows) = self.drift(tau, [y[0], y[1]], viscosity);
-        let t = self.thermal_rates(tau, &temperatures, &flows);
-        [v[0], v[1], t.film, t.bush, t.shaft, t.oil]
+        let (at, drift) = self.drift(tau, [y[0], y[1]], viscosity);
+        let t = self.thermal_rates(tau, &temperatures, &drift.flows);
+        let [vx, vy] = drift.velocity;
+        (
+            [vx, vy, t.film, t.bush, t.shaft, t.oil],
+            Sensed([
+                at.load,
+                drift.torque,
+                drift.torque * at.speed,
+                self.friction_coefficient(drift.torque, at.load),
+                temperatures.oil,
+                temperatures.bush,
+            ]),
+        )
+    }
+
+    /// Rates of the unknowns, `tau` seconds into the step.
+    fn rates_at(&self, tau: f64, y: &Unknowns, oil: &mut Nearby) -> Unknowns {
+        self.course_at(tau, y, oil).0
+    }
+
+    /// `M/(F_N*D/2)`, 1.
+    fn friction_coefficient(&self, torque: f64, load: f64) -> f64 {
+        sensors::over_load(torque / self.bearing.radius(), load)
     }
 
     /// The sensors' readings, `tau` seconds into the step.
@@ -242,7 +270,7 @@ impl Stand {
             load_force: load,
             friction_torque: motion.torque,
             friction_power: motion.torque * speed,
-            friction_coefficient: sensors::over_load(motion.torque / self.bearing.radius(), load),
+            friction_coefficient: self.friction_coefficient(motion.torque, load),
             oil_temperature: temperatures.oil,
             bearing_temperature: temperatures.bush,
             shaft_temperature: temperatures.shaft,
@@ -330,6 +358,7 @@ impl Model for Stand {
             eccentricity: [0.0, 0.0],
             temperatures: self.thermal.initial(),
             next_step: FIRST_STEP,
+            means: TurnMeans::default(),
         };
         self.settle(log)?;
         self.update()?;

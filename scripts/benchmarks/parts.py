@@ -108,7 +108,7 @@ def multirate(scale):
         setattr(row, key, value)
     here, there = rig("rig-multirate"), rig("rig-resolved", fixed=RESOLVED)
     mixed = min(scale.points, 256)
-    rows = [row, leap(scale, "the rig, 140 s in one step, 10 s in steps of 10 ms", (here, 100), (there, min(mixed, 32)))]
+    rows = [row, leap(scale, "the rig, 150 s in one step", (here, 100), (there, min(mixed, 32)))]
     rows.append(leap(scale, "the rig, one turn from the steady start / 150 s from given temperatures",
                      (here, 100), (steady_rig("rig-steady"), 400), words=("from given temperatures", "steady start")))
     return rows, [(errors(leaping, resolved, scale.points), scale.points), (errors(here, there, mixed), mixed)]

@@ -169,11 +169,11 @@ def table3(name, fixed="", step=150):
 
 
 def rig(name, fixed=""):
-    """150 s of the shipped study of the rig from the given temperatures, with further start values. Means are over the
-    last 10 s in steps of 10 ms."""
+    """150 s of the shipped study of the rig from the given temperatures, with further start values. The
+    means are those that the FMU gives over the last turn."""
     text = steady_rig_text()
     text, long = re.subn(r"(?ms)^\[simulation\]\n.*?(?=^\[)",
-                         "[simulation]\nstop = 150\nstep = 0.01\nwindow = 10\nleap = true\n\n", text)
+                         "[simulation]\nstop = 150\nstep = 150\n\n", text)
     text, given = re.subn(r"(?ms)^\[fixed\]\n.*?(?=^\[)", f"[fixed]\n{fixed}\n", text)
     if (long, given) != (1, 1):
         raise Trouble("studies/rig.toml has no [simulation] or no [fixed] that could be replaced")

@@ -9,7 +9,7 @@ mod reynolds;
 use fmu_export::model::{Enumeration, Fault, Item};
 use serde::{Deserialize, Serialize};
 
-use super::journal::{Flows, JournalFilm, Motion, Setup, Situation, TransientFilm};
+use super::journal::{Drift, JournalFilm, Motion, Setup, Situation, TransientFilm};
 use super::parameters::Bearing;
 
 /// Makes the choice of the film models, and the film in use, from lines of name, value, type and meaning.
@@ -65,7 +65,7 @@ macro_rules! films {
             }
 
             #[inline]
-            fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool) -> ([f64; 2], Flows) {
+            fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool) -> Drift {
                 match self {
                     Self::None => Default::default(),
                     $(Self::$model(film) => film.drift(bearing, at, side_flow),)*
@@ -162,9 +162,9 @@ impl Film {
         self.running.motion(bearing, at)
     }
 
-    /// The rate of the eccentricity-ratio vector, 1/s, and the flows; the side flow where it is asked for.
+    /// What the time integration needs of it; the side flow where it is asked for.
     #[inline]
-    pub fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool) -> ([f64; 2], Flows) {
+    pub fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool) -> Drift {
         self.running.drift(bearing, at, side_flow)
     }
 

@@ -43,6 +43,17 @@ pub struct Motion {
     pub flows: Flows,
 }
 
+/// What moves the journal and the temperatures at one instant, and the torque.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Drift {
+    /// Rate of the eccentricity-ratio vector, 1/s.
+    pub velocity: [f64; 2],
+    /// Friction torque on the journal, N.m.
+    pub torque: f64,
+    /// Heat and oil flow.
+    pub flows: Flows,
+}
+
 /// The parameters and files that a film starts from.
 pub struct Setup<'a> {
     /// The bearing.
@@ -84,9 +95,8 @@ pub trait JournalFilm: Sized {
     /// The journal's motion, with all that sensors read.
     fn motion(&self, bearing: &Bearing, at: &Situation) -> Motion;
 
-    /// Only what moves the journal and the temperatures: the rate of the eccentricity-ratio vector, 1/s, and the flows. The
-    /// side flow may be zero unless it is asked for.
-    fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool) -> ([f64; 2], Flows);
+    /// Only what the time integration needs. The side flow may be zero unless it is asked for.
+    fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool) -> Drift;
 
     /// The film as one that takes steps of its own, if it does.
     fn transient(&self) -> Option<&dyn TransientFilm> {

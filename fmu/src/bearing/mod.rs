@@ -11,5 +11,5 @@ mod journal;
 mod parameters;
 
 pub use film::{FILM, Film, FilmModel};
-pub use journal::{Flows, Interval, Motion, Setup, Situation, TransientFilm};
+pub use journal::{Drift, Flows, Interval, Motion, Setup, Situation, TransientFilm};
 pub use parameters::{Bearing, Resolution};

@@ -71,14 +71,33 @@ impl<const N: usize> DormandPrince<N> {
     /// The same; `f` gives besides the rates what is to be integrated along the way. Returns its integrals.
     pub fn integrate_along<const Q: usize>(
         &self,
-        mut f: impl FnMut(f64, &[f64; N]) -> ([f64; N], [f64; Q]),
+        f: impl FnMut(f64, &[f64; N]) -> ([f64; N], [f64; Q]),
         y: &mut [f64; N],
         along: Quadrature<Q>,
         span: f64,
         step: &mut f64,
     ) -> Result<(Work, [f64; Q]), Failure> {
-        let mut work = Work::default();
         let mut integrals = [0.0; Q];
+        let sum = |passage: &Passage<Q>| {
+            for (integral, part) in integrals.iter_mut().zip(passage.integrals) {
+                *integral += part;
+            }
+        };
+        let work = self.integrate_observed(f, y, along, span, step, sum)?;
+        Ok((work, integrals))
+    }
+
+    /// The same; `observe` sees the integrals of each step that is taken.
+    pub fn integrate_observed<const Q: usize>(
+        &self,
+        mut f: impl FnMut(f64, &[f64; N]) -> ([f64; N], [f64; Q]),
+        y: &mut [f64; N],
+        along: Quadrature<Q>,
+        span: f64,
+        step: &mut f64,
+        mut observe: impl FnMut(&Passage<Q>),
+    ) -> Result<Work, Failure> {
+        let mut work = Work::default();
         let mut t = 0.0;
         let (mut k, mut q) = ([[0.0; N]; 7], [[0.0; Q]; 7]);
         (k[0], q[0]) = f(0.0, y);
@@ -97,11 +116,11 @@ impl<const N: usize> DormandPrince<N> {
             let errors = [off(&k, h, &self.allowed), off(&q, h, &along.allowed)];
             let error = worst(errors.into_iter());
             if error <= 1.0 {
+                let from = t;
                 t = if h == left { span } else { t + h };
                 *y = end;
-                for (i, integral) in integrals.iter_mut().enumerate() {
-                    let mean: f64 = A[5].iter().zip(&q).map(|(weight, q)| weight * q[i]).sum();
-                    *integral += h * mean;
+                if Q > 0 {
+                    observe(&Passage::new(from, t, h, &q));
                 }
                 (k[0], q[0]) = (k[6], q[6]);
                 work.accepted += 1;
@@ -126,7 +145,7 @@ impl<const N: usize> DormandPrince<N> {
             }
             self.budget.check(work, t, span)?;
         }
-        Ok((work, integrals))
+        Ok(work)
     }
 
     fn stages<const Q: usize>(
@@ -164,6 +183,67 @@ impl<const Q: usize> Default for Quadrature<Q> {
         Self {
             allowed: [f64::INFINITY; Q],
         }
+    }
+}
+
+/// A step that was taken, with what was integrated along it.
+#[derive(Clone, Copy, Debug)]
+pub struct Passage<const Q: usize> {
+    /// Its start, s.
+    pub from: f64,
+    /// Its end, s.
+    pub to: f64,
+    /// The integrals over it.
+    pub integrals: [f64; Q],
+    /// The integrands at its start and at its end.
+    pub ends: [[f64; Q]; 2],
+}
+
+impl<const Q: usize> Passage<Q> {
+    /// A step of `h` seconds from the integrands at its stages.
+    fn new(from: f64, to: f64, h: f64, stages: &[[f64; Q]; 7]) -> Self {
+        let mut integrals = [0.0; Q];
+        for (i, integral) in integrals.iter_mut().enumerate() {
+            let mean: f64 = A[5]
+                .iter()
+                .zip(stages)
+                .map(|(weight, q)| weight * q[i])
+                .sum();
+            *integral = h * mean;
+        }
+        Self {
+            from,
+            to,
+            integrals,
+            ends: [stages[0], stages[6]],
+        }
+    }
+
+    /// A step of which only the ends are known, by the trapezoidal rule.
+    pub fn between(from: f64, to: f64, ends: [[f64; Q]; 2]) -> Self {
+        let mut integrals = ends[0];
+        for (integral, end) in integrals.iter_mut().zip(ends[1]) {
+            *integral = 0.5 * (to - from) * (*integral + end);
+        }
+        Self {
+            from,
+            to,
+            integrals,
+            ends,
+        }
+    }
+
+    /// The integrals over the first `share` (0..1) of the step, by the cubic that has the integrals' values and slopes at
+    /// both ends (Hermite). At a share of one they are exact.
+    pub fn until(&self, share: f64) -> [f64; Q] {
+        let (s, duration) = (share, self.to - self.from);
+        let rest = 1.0 - s;
+        let mut integrals = [0.0; Q];
+        for (i, integral) in integrals.iter_mut().enumerate() {
+            *integral = s * s * (3.0 - 2.0 * s) * self.integrals[i]
+                + duration * s * rest * (rest * self.ends[0][i] - s * self.ends[1][i]);
+        }
+        integrals
     }
 }
 

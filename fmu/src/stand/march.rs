@@ -4,7 +4,8 @@ use super::stuck::Stuck;
 use super::{EVENTS, Inputs, SCALES, Stand, State, Unknowns, temperatures, unknowns};
 use crate::bearing::{Flows, Interval};
 use crate::multirate::{self, Departure, Landing, TwoScales};
-use crate::solver::{Budget, DormandPrince};
+use crate::sensors::{Sensed, TurnMeans};
+use crate::solver::{Budget, DormandPrince, Passage, Quadrature};
 use crate::thermal::Temperatures;
 use fmu_export::model::Log;
 
@@ -64,17 +65,45 @@ impl Stand {
         let mut y = unknowns(&self.state);
         let mut next_step = self.state.next_step;
         let mut oil = self.nearby;
-        let rates = |tau: f64, y: &Unknowns| self.rates_at(tau, y, &mut oil);
-        let done = integrator.integrate(rates, &mut y, span, &mut next_step);
+        let course = |tau: f64, y: &Unknowns| {
+            let (rates, Sensed(sensed)) = self.course_at(tau, y, &mut oil);
+            (rates, sensed)
+        };
+        let mut means = self.state.means;
+        let done = integrator.integrate_observed(
+            course,
+            &mut y,
+            Quadrature::default(),
+            span,
+            &mut next_step,
+            self.counting_turns(&mut means),
+        );
         if let Err(failure) = done {
-            let anew = self.resolve_stiffly(span, &integrator.allowed);
+            means = self.state.means;
+            let observe = self.counting_turns(&mut means);
+            let anew = self.resolve_stiffly(span, &integrator.allowed, observe);
             y = anew.map_err(|_| self.explain(failure, &y, 0..6))?;
         }
         self.nearby = oil;
+        self.state.means = means;
         // The step size is proportional to the fifth root of the allowed error.
         self.state.next_step = next_step * slack.powf(-0.2);
         self.arrive(span, [y[0], y[1]], temperatures(&y));
         Ok(())
+    }
+
+    /// Takes the parts of the way from the present state over into the means.
+    fn counting_turns<'a>(
+        &'a self,
+        means: &'a mut TurnMeans,
+    ) -> impl FnMut(&Passage<{ Sensed::COUNT }>) + 'a {
+        let command = self.command();
+        let mut before = 0.0;
+        move |passage| {
+            let turned = self.drive.turned(&command, passage.to);
+            means.add(passage, turned - before);
+            before = turned;
+        }
     }
 
     /// Lets `span` seconds pass with a transient film: in each step first the film advances, then the temperatures.
@@ -86,6 +115,7 @@ impl Stand {
         }
         let step = span / steps;
         let mut spare = FILM_STEPS_AT_ONCE;
+        let mut before = self.sense();
         for done in 0..steps as usize {
             let load = [0.0, step].map(|tau| self.driven(tau).2);
             let speed = self.drive.speed(&self.command(), 0.5 * step);
@@ -105,9 +135,20 @@ impl Stand {
                 .checked_sub(taken)
                 .ok_or_else(|| self.crawling(done as f64 * step, span))?;
             let temperatures = self.warm(step, &flows)?;
+            let angle = self.state.angle;
             self.arrive(step, eccentricity, temperatures);
+            let now = self.sense();
+            let part = Passage::between(0.0, step, [before.0, now.0]);
+            self.state.means.add(&part, self.state.angle - angle);
+            before = now;
         }
         Ok(())
+    }
+
+    /// What the physical stand's sensors read at present.
+    fn sense(&self) -> Sensed {
+        let mut oil = self.nearby;
+        self.course_at(0.0, &unknowns(&self.state), &mut oil).1
     }
 
     /// The temperatures after `span` seconds under constant flows.
@@ -179,6 +220,7 @@ impl Stand {
                         temperatures,
                     } = landing;
                     self.arrive(turns as f64 * period, eccentricity, temperatures);
+                    self.state.means.restart();
                     slack = LANDING_SLACK;
                 }
                 Err(reason) => log.log(
@@ -219,7 +261,8 @@ impl TwoScales for Stand {
     }
 
     fn journal(&self, tau: f64, eccentricity: [f64; 2], viscosity: f64) -> ([f64; 2], Flows) {
-        self.drift(tau, eccentricity, viscosity)
+        let (_, drift) = self.drift(tau, eccentricity, viscosity);
+        (drift.velocity, drift.flows)
     }
 
     fn viscosity(&self, film_temperature: f64) -> f64 {

@@ -94,8 +94,8 @@ impl Stand {
             // Without an orbit, the friction counts as constant.
             averaged.unwrap_or_else(|| {
                 let viscosity = self.fluid.viscosity(at.film);
-                let (_, flows) = self.drift(0.0, self.state.eccentricity, viscosity);
-                multirate::network(self, at, &flows)
+                let (_, drift) = self.drift(0.0, self.state.eccentricity, viscosity);
+                multirate::network(self, at, &drift.flows)
             })
         };
         multirate::slowest_time_constant(&drift)

@@ -13,7 +13,8 @@
 
 use super::{EVENTS, Stand, State, Unknowns, temperatures, unknowns};
 use crate::multirate::{self, Departure, Equilibrium, Matrix4, NoEquilibrium, Vector4, vector};
-use crate::solver::{Budget, DormandPrince, Failure};
+use crate::sensors::{Sensed, TurnMeans};
+use crate::solver::{Budget, DormandPrince, Failure, Quadrature};
 use crate::thermal::Initialization;
 use fmu_export::model::{Fault, Log};
 use nalgebra::{Const, LU, Matrix2, SVector, Vector2};
@@ -127,7 +128,7 @@ impl Stand {
         for turn in 1..=TURNS {
             let start = unknowns(&self.state);
             let from = Vector2::from(self.state.eccentricity);
-            let end = self
+            let (end, means) = self
                 .steady_turn(&start, &mut step)
                 .map_err(|failure| refusal(self.explain(failure, &start, 0..6)))?;
             let miss = SVector::<f64, 6>::from(end) - SVector::from(start);
@@ -161,6 +162,7 @@ impl Stand {
             self.state.eccentricity = e.into();
             self.state.temperatures = temperatures(&[e.x, e.y, t[0], t[1], t[2], t[3]]);
             if warmer.amax() < CLOSE && place.norm() < CLOSE_PLACE {
+                self.state.means = TurnMeans::after(means);
                 return Ok(turn);
             }
         }
@@ -196,6 +198,7 @@ impl Stand {
                 self.state = State {
                     temperatures: multirate::temperatures(&t),
                     eccentricity: end,
+                    means: self.state.means.begin_turn(),
                     ..begin
                 };
                 return Ok(turn);
@@ -223,8 +226,8 @@ impl Stand {
             .ok_or_else(|| refusal("the heat balance has no definite solution"))
     }
 
-    /// The unknowns a turn later.
-    fn steady_turn(&self, start: &Unknowns, step: &mut f64) -> Result<Unknowns, Failure> {
+    /// The unknowns a turn later, and the sensors' means over it.
+    fn steady_turn(&self, start: &Unknowns, step: &mut f64) -> Result<(Unknowns, Sensed), Failure> {
         const T: f64 = TEMPERATURE_ERROR;
         let integrator = DormandPrince {
             allowed: [PLACE_ERROR, PLACE_ERROR, T, T, T, T],
@@ -232,9 +235,15 @@ impl Stand {
         };
         let mut y = *start;
         let mut oil = self.nearby;
-        let rates = |tau: f64, y: &Unknowns| self.rates_at(tau, y, &mut oil);
-        integrator.integrate(rates, &mut y, self.period(), step)?;
-        Ok(y)
+        let course = |tau: f64, y: &Unknowns| {
+            let (rates, Sensed(sensed)) = self.course_at(tau, y, &mut oil);
+            (rates, sensed)
+        };
+        let any = Quadrature::default();
+        let (_, integrals) =
+            integrator.integrate_along(course, &mut y, any, self.period(), step)?;
+        let means = Sensed(integrals).map(|integral| integral / self.period());
+        Ok((y, means))
     }
 }
 

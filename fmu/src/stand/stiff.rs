@@ -3,7 +3,8 @@
 
 use super::{FIRST_STEP, SCALES, Stand, Unknowns, unknowns};
 use crate::oil::Nearby;
-use crate::solver::{Budget, Failure, Rodas3};
+use crate::sensors::Sensed;
+use crate::solver::{Budget, Failure, Passage, Rodas3};
 use nalgebra::{SMatrix, SVector};
 
 /// The unknowns and the time, s: with the time among the unknowns, the system is autonomous.
@@ -21,11 +22,13 @@ const STEPS_PER_TURN: f64 = 1e3;
 const MOST_STEPS: f64 = 5e6;
 
 impl Stand {
-    /// The unknowns `span` seconds after the present state. `allowed` is the error allowed in each of them per step.
+    /// The unknowns `span` seconds after the present state. `allowed` is the error allowed in each of them per step;
+    /// `observe` sees each step that is taken.
     pub(super) fn resolve_stiffly(
         &self,
         span: f64,
         allowed: &Unknowns,
+        mut observe: impl FnMut(&Passage<{ Sensed::COUNT }>),
     ) -> Result<Unknowns, Failure> {
         let [ex, ey, film, bush, shaft, bath] = *allowed;
         let integrator = Rodas3 {
@@ -38,10 +41,22 @@ impl Stand {
         };
         let mut x = Extended::zeros();
         x.as_mut_slice()[..6].copy_from_slice(&unknowns(&self.state));
-        let (mut oil, mut oil_beside) = (self.nearby, self.nearby);
+        let (mut oil, mut oil_beside, mut oil_there) = (self.nearby, self.nearby, self.nearby);
+        let mut before = None;
+        let mut pass = |x: &Extended| {
+            let (_, Sensed(now)) = self.course_at(x[6], &first_six(x), &mut oil_there);
+            if let Some((from, sensed)) = before.replace((x[6], now)) {
+                observe(&Passage::between(from, x[6], [sensed, now]));
+            }
+        };
         let rates = |x: &Extended| Ok(self.extended_rates(x, &mut oil));
-        let linear = |x: &Extended| Ok(self.linearised(x, &mut oil_beside));
+        // The system is linearised once at the beginning of each step.
+        let linear = |x: &Extended| {
+            pass(x);
+            Ok(self.linearised(x, &mut oil_beside))
+        };
         integrator.integrate(rates, linear, &mut x, span, FIRST_STEP)?;
+        pass(&x);
         Ok(first_six(&x))
     }
 
@@ -87,7 +102,9 @@ mod tests {
         stand.inputs.speed.slope = 20.0;
         stand.inputs.external_force.slope = -300.0;
         let allowed = SCALES.map(|scale| 1e-8 * scale);
-        let implicit = stand.resolve_stiffly(0.3, &allowed).unwrap_or_default();
+        let implicit = stand
+            .resolve_stiffly(0.3, &allowed, |_| ())
+            .unwrap_or_default();
         stand.solver.tolerance = 1e-9;
         assert!(stand.resolve(0.3).is_ok());
         let explicit = unknowns(&stand.state);

@@ -36,3 +36,12 @@ macro_rules! input {
             .slope(|s: &mut Stand, rate| s.inputs.$field.slope = rate)
     };
 }
+
+/// The mean of a sensor over the last whole turn of the load.
+macro_rules! mean {
+    ($name:literal, $unit:expr, $number:literal, [$($input:literal),*], $of:literal) => {
+        output($name, $unit, |s: &Stand| s.means().0[$number],
+            concat!($of, ", mean over the last whole turn of the load; until one is complete, since the start"))
+            .depends_on(&[$($input),*])
+    };
+}

@@ -1,7 +1,7 @@
 //! The mobility film: the journal's velocity follows from the load at the instant.
 
 use crate::bearing::friction;
-use crate::bearing::journal::{Flows, JournalFilm, Motion, Setup, Situation};
+use crate::bearing::journal::{Drift, Flows, JournalFilm, Motion, Setup, Situation};
 use crate::bearing::parameters::Bearing;
 use fmu_export::model::Fault;
 use journal_bearing::contact::{Contact, ContactTable};
@@ -106,12 +106,11 @@ impl JournalFilm for MobilityFilm {
         let ratio = x.hypot(y).min(LARGEST_ECCENTRICITY_RATIO);
         let clearance = bearing.radial_clearance;
         let now = self.prepared.instant(bearing, at, true);
-        let poiseuille = friction::poiseuille(clearance, [at.load, 0.0], at.eccentricity);
         let pressure = now.film.map_or(0.0, |film| film.max_pressure());
         Motion {
             eccentricity_ratio: ratio,
             velocity: now.velocity,
-            torque: now.couette + poiseuille + now.boundary_torque,
+            torque: now.torque(bearing, at),
             boundary_torque: now.boundary_torque,
             contact: now.contact,
             min_film_thickness: clearance * (1.0 - ratio),
@@ -121,9 +120,23 @@ impl JournalFilm for MobilityFilm {
     }
 
     #[inline]
-    fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool) -> ([f64; 2], Flows) {
+    fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool) -> Drift {
         let now = self.prepared.instant(bearing, at, side_flow);
-        (now.velocity, now.flows)
+        Drift {
+            velocity: now.velocity,
+            torque: now.torque(bearing, at),
+            flows: now.flows,
+        }
+    }
+}
+
+impl Instant<'_> {
+    /// Friction torque on the journal, N.m.
+    #[inline(always)]
+    fn torque(&self, bearing: &Bearing, at: &Situation) -> f64 {
+        let clearance = bearing.radial_clearance;
+        let poiseuille = friction::poiseuille(clearance, [at.load, 0.0], at.eccentricity);
+        self.couette + poiseuille + self.boundary_torque
     }
 }
 

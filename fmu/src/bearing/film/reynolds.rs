@@ -2,7 +2,7 @@
 
 use crate::bearing::friction;
 use crate::bearing::journal::{
-    Flows, Interval, JournalFilm, Motion, Setup, Situation, TransientFilm,
+    Drift, Flows, Interval, JournalFilm, Motion, Setup, Situation, TransientFilm,
 };
 use crate::bearing::parameters::{Bearing, Resolution};
 use fmu_export::model::{Experiment, Fault};
@@ -101,8 +101,12 @@ impl JournalFilm for ReynoldsJournal {
         self.motion
     }
 
-    fn drift(&self, _: &Bearing, _: &Situation, _: bool) -> ([f64; 2], Flows) {
-        (self.motion.velocity, self.motion.flows)
+    fn drift(&self, _: &Bearing, _: &Situation, _: bool) -> Drift {
+        Drift {
+            velocity: self.motion.velocity,
+            torque: self.motion.torque,
+            flows: self.motion.flows,
+        }
     }
 
     fn transient(&self) -> Option<&dyn TransientFilm> {

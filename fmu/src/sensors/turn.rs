@@ -1,0 +1,149 @@
+//! Means of the sensors over the last whole turn of the load.
+//!
+//! Turns are counted from the start of the simulation, and anew from the landing of a leap, after which at least one turn is
+//! resolved. So the means cost no turns of their own. Until the first turn is complete, the means are those since the start
+//! of the count.
+
+use super::Sensed;
+use crate::solver::Passage;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
+
+/// A turn that lacks no more than this, rad, is complete: sums of times and angles are rounded.
+const ROUNDING: f64 = 1e-6;
+
+/// Integrals over the present turn, and the means over the last one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct TurnMeans {
+    /// The angle by which the shaft has turned since the present turn began, rad.
+    turned: f64,
+    /// The present turn's duration so far, s.
+    duration: f64,
+    /// The sensors' integrals over it.
+    sums: Sensed,
+    last: Option<Sensed>,
+}
+
+impl TurnMeans {
+    /// At the beginning of a turn, with known means over the one before.
+    pub fn after(last: Sensed) -> Self {
+        Self {
+            last: Some(last),
+            ..Self::default()
+        }
+    }
+
+    /// The means over the last whole turn, or since the count began. `None` when no time has passed since then.
+    pub fn means(&self) -> Option<Sensed> {
+        let so_far = || (self.duration > 0.0).then(|| self.sums.map(|sum| sum / self.duration));
+        self.last.or_else(so_far)
+    }
+
+    /// The same at the beginning of a turn.
+    #[must_use]
+    pub fn begin_turn(&self) -> Self {
+        self.means().map_or_else(Self::default, Self::after)
+    }
+
+    /// Counts turns anew.
+    pub fn restart(&mut self) {
+        *self = Self::default();
+    }
+
+    /// Takes over a part of the way, during which the shaft turned by `angle` rad.
+    pub fn add(&mut self, passage: &Passage<{ Sensed::COUNT }>, angle: f64) {
+        let total = self.turned + angle;
+        let whole = ((total.abs() + ROUNDING) / TAU).floor();
+        let duration = passage.to - passage.from;
+        if whole < 1.0 || angle == 0.0 {
+            self.turned = total;
+            self.duration += duration;
+            self.sums = self.sums.plus(&Sensed(passage.integrals));
+            return;
+        }
+        // The speed counts as constant along the part, so that its angle tells the place on it.
+        let place =
+            |turns: f64| (((turns * TAU).copysign(total) - self.turned) / angle).clamp(0.0, 1.0);
+        let until = |share: f64| Sensed(passage.until(share));
+        let end = place(whole);
+        let (sums, span) = if whole > 1.0 {
+            let begin = place(whole - 1.0);
+            (until(end).minus(&until(begin)), (end - begin) * duration)
+        } else {
+            (self.sums.plus(&until(end)), self.duration + end * duration)
+        };
+        self.last = Some(sums.map(|sum| sum / span));
+        self.turned = total - (whole * TAU).copysign(total);
+        self.duration = (1.0 - end) * duration;
+        self.sums = until(1.0).minus(&until(end));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The signal `3 + cos(angle)` of a shaft that turns at `speed`, in parts of `step` s. Returns the mean's error
+    /// after each.
+    fn errors(speed: f64, step: f64, parts: usize, expected: f64) -> Vec<f64> {
+        let mut turn = TurnMeans::default();
+        let signal = |t: f64| [3.0 + (speed * t).cos(); Sensed::COUNT];
+        let integral = |t: f64| 3.0 * t + (speed * t).sin() / speed;
+        let add = |k: usize| {
+            let [from, to] = [k, k + 1].map(|k| k as f64 * step);
+            let passage = Passage {
+                from,
+                to,
+                integrals: [integral(to) - integral(from); Sensed::COUNT],
+                ends: [signal(from), signal(to)],
+            };
+            turn.add(&passage, speed * step);
+            turn.means().map_or(f64::NAN, |means| means.0[0] - expected)
+        };
+        (0..parts).map(add).collect()
+    }
+
+    #[test]
+    fn whole_turns_have_the_mean_of_the_signal() {
+        for speed in [TAU, -TAU] {
+            // Parts that end with the turn, that do not, and that are longer than a turn.
+            for (step, bound) in [(0.05, 1e-12), (0.0371, 1e-6), (1.0, 1e-12), (2.0, 1e-12)] {
+                let first = (1.0_f64 / step).ceil() as usize;
+                for error in &errors(speed, step, 80, 3.0)[first.max(1) - 1..] {
+                    assert!(error.abs() < bound, "{speed} {step}: {error:e}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_cubic_between_a_part_s_ends_is_of_fourth_order() {
+        let worst = |step: f64| {
+            let errors = errors(TAU, step, 400, 3.0);
+            errors[200..].iter().fold(0.0, |a: f64, b| a.max(b.abs()))
+        };
+        let order = (worst(0.0742) / worst(0.0371)).log2();
+        assert!(order > 3.5, "{order}");
+    }
+
+    #[test]
+    fn before_the_first_turn_ends_the_mean_is_that_so_far() {
+        let quarter = 3.0 + 2.0 / std::f64::consts::PI;
+        assert!(errors(TAU, 0.25, 1, quarter)[0].abs() < 1e-12);
+        assert_eq!(TurnMeans::default().means(), None);
+    }
+
+    #[test]
+    fn a_restart_forgets_and_a_known_turn_lasts_until_the_next() {
+        let known = Sensed([7.0; Sensed::COUNT]);
+        let mut turn = TurnMeans::after(known);
+        let part = Passage::between(0.0, 0.6, [[1.0; Sensed::COUNT]; 2]);
+        turn.add(&part, 0.6 * TAU);
+        assert_eq!(turn.means(), Some(known));
+        turn.add(&part, 0.6 * TAU);
+        let one = turn.means().map_or(0.0, |means| means.0[0]);
+        assert!((one - 1.0).abs() < 1e-12, "{one}");
+        turn.restart();
+        assert_eq!(turn.means(), None);
+    }
+}
