@@ -48,7 +48,7 @@ pub struct History {
 /// whole (Bonferroni's inequality).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Looks {
-    /// The way.
+    /// When the share is looked at.
     pub way: Way,
     /// Whether there was a look at a fixed number of points before.
     after_fixed: bool,

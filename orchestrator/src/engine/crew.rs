@@ -38,7 +38,7 @@ enum Way {
         ground: Arc<Ground>,
         /// For points with a folder of their own.
         apart: Arc<Policy>,
-        /// Whether a start value names a file of the working directory.
+        /// Whether a start value names a file in the working directory, so that points need that directory.
         here: bool,
         limits: Limits,
     },

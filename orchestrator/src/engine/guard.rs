@@ -222,8 +222,8 @@ impl Guard {
         }
     }
 
-    /// Runs points in one child. Where it is lost, the point that it was at is answered so, and another child
-    /// goes on with the others.
+    /// Runs points in one child. When the child is lost, the point that it was running is answered as lost, and
+    /// another child runs the rest.
     fn run_used(&mut self, habit: Habit, mut jobs: VecDeque<Job>) -> io::Result<()> {
         if self.used.as_ref().is_some_and(|(own, _)| *own != habit) {
             self.used = None;

@@ -315,7 +315,7 @@ pub(super) struct Policy {
     wish: Isolation,
     /// A tool stands behind the FMU.
     tool: bool,
-    /// The processes of points that are to be as independent as they can.
+    /// The most independent processes: new ones, or new ones with a folder each where the FMU changes its folder.
     strictest: Separation,
     /// All points are computed as in audits.
     auditing: bool,
@@ -408,7 +408,7 @@ impl Policy {
         self.wish
     }
 
-    /// The processes of points that are to be as independent as they can.
+    /// The most independent processes: new ones, or new ones with a folder each where the FMU changes its folder.
     pub(super) fn strictest(&self) -> Separation {
         self.strictest
     }

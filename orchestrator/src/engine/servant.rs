@@ -208,7 +208,7 @@ fn loaded(
 struct Belongings {
     threads: usize,
     descriptors: BTreeSet<String>,
-    /// Memory that is shared with others, and devices.
+    /// Names of devices and of memory mapped for several processes.
     shared: BTreeSet<String>,
 }
 

@@ -252,7 +252,8 @@ impl Slot {
         self.policy.probed(probed, begun.elapsed());
         let (probed, answer) = found?;
         let answer = match answer {
-            // New processes do not agree with each other: run the point again, without filling memory.
+            // Memory was filled to find differences, and new processes differ. The result that counts is the one
+            // without filling.
             _ if probed == Probed::Different => {
                 self.give_up_reproducing(post);
                 self.alone(job, self.policy.strictest(), post)?.0

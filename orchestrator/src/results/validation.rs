@@ -94,7 +94,7 @@ pub enum Refined {
 }
 
 impl Refined {
-    /// By which factor it gets finer each time.
+    /// The factor from one refinement to the next.
     pub fn ratio(self) -> f64 {
         match self {
             Self::Step => 2.0,

@@ -72,7 +72,7 @@ impl Schedule {
         Ok(())
     }
 
-    /// The number of steps. A last step shorter than a millionth of the others is none.
+    /// The number of steps. A remainder shorter than a millionth of a step is rounding and gets no step of its own.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     pub fn steps(&self) -> u64 {
         let (leap, even) = self.even();

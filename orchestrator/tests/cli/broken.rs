@@ -375,7 +375,7 @@ fn every_broken_archive_is_found() {
         );
         wrong.extend(amiss(&bench, name, words));
     }
-    // Beside a good one.
+    // A good binary, and beside it one that lies in the folder of another platform.
     let entries: [(&str, &[u8]); 3] = [
         ("modelDescription.xml", description.as_bytes()),
         (place, &good),

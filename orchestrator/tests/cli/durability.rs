@@ -327,7 +327,7 @@ fn a_run_that_came_to_no_point_is_begun_again() {
 fn a_point_can_be_run_again() {
     let bench = bench();
     verify(&bench, "whole", &["--points", "20"]);
-    // Even when the study has been edited since.
+    // `replay` takes the copy of the study in the folder, so an edit of the file does not matter.
     bench.write("study.toml", "");
     let said = bench.run(&["replay", "whole", "7"]);
     assert!(said.code < 2, "{}", said.err);
