@@ -57,6 +57,15 @@ impl Moments {
         }
     }
 
+    /// The moments of `factor` times x, for all x of the sample.
+    pub fn scaled(&self, factor: f64) -> Self {
+        Self {
+            count: self.count,
+            sum: factor * self.sum,
+            squares: factor * factor * self.squares,
+        }
+    }
+
     /// The same sample with zeros added until there are `count` numbers.
     pub fn among(self, count: u64) -> Self {
         Self { count, ..self }

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::decision::{Decision, Rule, randomised};
 use super::interval::LEAST_SAMPLES;
+use super::risk::Bands;
 use super::sequence::ConfidenceSequence;
 
 /// When the share of accepted points is looked at.
@@ -128,6 +129,15 @@ impl Looks {
         }
     }
 
+    /// The confidence for a guard band that is found from the same points. Each look has a part of its own of the
+    /// probability to miss it: the first one all that it has, all later ones together as much again at the most.
+    pub fn band_confidence(self, confidence: f64) -> f64 {
+        match self.unawaited {
+            0 => confidence,
+            earlier => 1.0 - (1.0 - confidence) * spent(earlier),
+        }
+    }
+
     /// The interval of the share of accepted points, given their number in each sample.
     pub fn interval(self, accepted: &[u64], points: u64, confidence: f64) -> [f64; 2] {
         match self.way {
@@ -143,7 +153,27 @@ impl Looks {
         }
     }
 
-    /// The decision by that interval.
+    /// The interval of the share that the right one of several guard bands accepts: from the least share that the widest
+    /// of them may accept to the greatest that the narrowest may.
+    pub fn interval_of_bands(self, bands: &Bands, points: u64, confidence: f64) -> [f64; 2] {
+        let [low, _] = self.interval(&bands.accepted_at_least, points, confidence);
+        let [_, high] = self.interval(&bands.accepted_at_most, points, confidence);
+        [low, high]
+    }
+
+    /// The decision by that interval: at most one of both verdicts is drawn, since no band accepts more than a narrower
+    /// one.
+    pub fn decide_by_bands(self, rule: Rule, bands: &Bands, points: u64) -> Decision {
+        let least = self.decide(rule, &bands.accepted_at_least, points);
+        let most = self.decide(rule, &bands.accepted_at_most, points);
+        match (least, most) {
+            (Decision::Verified, _) => Decision::Verified,
+            (_, Decision::NotVerified) => Decision::NotVerified,
+            _ => Decision::Inconclusive,
+        }
+    }
+
+    /// The decision by the interval for one guard band.
     pub fn decide(self, rule: Rule, accepted: &[u64], points: u64) -> Decision {
         if self.way != Way::EveryPoint {
             return rule.decide(self.interval(accepted, points, rule.confidence));

@@ -57,6 +57,15 @@ impl Measured {
         Some(self.tolerance / (2.0 * uncertainty.standard()))
     }
 
+    /// The largest probability not to conform of values with at least this [margin](Self::margin), which is 0 or more:
+    /// that of the one farthest from the measured value. `None` where no uncertainty is known.
+    pub fn most_not_conforming(&self, margin: f64) -> Option<f64> {
+        let uncertainty = self.uncertainty?;
+        let away = (self.tolerance - margin * uncertainty.expanded).max(0.0);
+        let [lower, upper] = self.limits(self.nominal + away, uncertainty);
+        Some(1.0 - super::normal::between(lower, upper))
+    }
+
     /// The errors of the measured value, in standard uncertainties, with which a model value
     /// conforms.
     fn limits(&self, value: f64, uncertainty: Uncertainty) -> [f64; 2] {

@@ -8,7 +8,11 @@
 use serde::{Deserialize, Serialize};
 
 use super::interval::{Moments, of_mean, of_part};
-use super::measured::{Assessed, Conformity, Measurement};
+use super::measured::{Assessed, Conformity, Measured, Measurement};
+
+pub use bands::Bands;
+
+mod bands;
 
 /// How far the acceptance interval is drawn in from the tolerance interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -101,6 +105,8 @@ pub struct Statement {
     pub accepted: u64,
     /// The same for each of the independent samples.
     pub accepted_by_sample: Vec<u64>,
+    /// The guard bands that may be the right one for the whole population, with what they accept.
+    pub bands: Bands,
     /// Why no point can be accepted, although some are within all tolerances.
     pub unfit: Option<Unfit>,
     /// Points within all tolerances, whatever the guard band, for each of the independent samples.
@@ -131,6 +137,7 @@ pub struct RiskTally {
     samples: usize,
     points: u64,
     within: Vec<u64>,
+    measured: Vec<Measured>,
     criteria: Vec<Acceptance>,
     all: Acceptance,
 }
@@ -150,6 +157,7 @@ impl RiskTally {
             samples,
             points: 0,
             within: vec![0; samples],
+            measured: measurement.criteria().to_vec(),
             criteria: known.map(|known| Acceptance::new(samples, known)).collect(),
             all: Acceptance::new(samples, measurement.complete()),
         }
@@ -172,8 +180,13 @@ impl RiskTally {
         self.all.add(self.guard, sample, assessed);
     }
 
-    /// The result over the points so far.
+    /// The result over the points so far; the guard bands that may be the right one with 95 %.
     pub fn statement(&self) -> Statement {
+        self.statement_at(0.95)
+    }
+
+    /// The same with another confidence for the guard bands.
+    pub fn statement_at(&self, confidence: f64) -> Statement {
         let (guard, from) = match self.guard {
             Guard::Given(factor) => (Some(factor), 0),
             // Where there is nothing to accept, no guard band is needed.
@@ -186,10 +199,18 @@ impl RiskTally {
         let parts = self.all.split(from);
         let [accepted, rejected] = parts.each_ref().map(|parts| Moments::total(parts));
         let conforming = accepted.complement().sum + rejected.complement().sum;
+        let accepted_by_sample: Vec<u64> = parts[0].iter().map(|part| part.count).collect();
+        let bands = match self.guard {
+            Guard::Limiting { risk } if self.all.known => {
+                bands::allowed(&self.all, &self.measured, risk, confidence)
+            }
+            _ => Bands::one(guard.unwrap_or(f64::INFINITY), &accepted_by_sample),
+        };
         Statement {
             guard,
             accepted: accepted.count,
-            accepted_by_sample: parts[0].iter().map(|part| part.count).collect(),
+            accepted_by_sample,
+            bands,
             unfit: self.unfit(guard, accepted.count),
             within_by_sample: self.within.clone(),
             expected_conforming: self.all.known.then_some(conforming),
@@ -326,6 +347,9 @@ impl Acceptance {
         })
     }
 }
+
+#[cfg(test)]
+mod bands_tests;
 
 #[cfg(test)]
 mod tests;

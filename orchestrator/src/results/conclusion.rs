@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use conformity::decision::{Decision, Rule, other_verdict};
 use conformity::looks::{Looks, Way};
-use conformity::risk::{Risk, Statement, Unfit};
+use conformity::risk::{Bands, Risk, Statement, Unfit};
 use conformity::sequence::{points_needed, points_needed_once};
 
 /// The verdict on the model, with what it rests on.
@@ -54,6 +54,11 @@ pub struct Requirement {
     /// How the interval was computed.
     #[serde(default)]
     pub method: String,
+    /// Where `risk` sets the guard band: the narrowest and the widest one that may be the right one of the whole space;
+    /// none for the latter where the points show of no band that it is enough. The interval of the share is right for all
+    /// of them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub guard_bands: Option<[Option<f64>; 2]>,
     /// How many verdicts were drawn from points of this study, with this one.
     #[serde(default = "one")]
     pub looks: u64,
@@ -92,6 +97,11 @@ impl Ruling {
         }
     }
 
+    /// The confidence for a guard band that is found from the points.
+    pub fn band_confidence(self) -> f64 {
+        self.looks.band_confidence(self.rule.confidence)
+    }
+
     /// The verdict with its words.
     fn verdict(self, statement: &Statement, points: u64) -> (Decision, Requirement, String) {
         let Self { rule, looks, count } = self;
@@ -99,6 +109,7 @@ impl Ruling {
             rule,
             interval: None,
             method: method(looks.way, statement.accepted_by_sample.len()),
+            guard_bands: None,
             looks: count,
             points_needed: None,
             points_needed_going_on: None,
@@ -107,18 +118,37 @@ impl Ruling {
             return undecided(self, unfit, statement, points, required);
         }
         let samples = &statement.accepted_by_sample;
-        let verdict = looks.decide(rule, samples, points);
+        let verdict = looks.decide_by_bands(rule, &statement.bands, points);
         let share = statement.accepted as f64 / points.max(1) as f64;
         let open = verdict == Decision::Inconclusive;
+        let interval = looks.interval_of_bands(&statement.bands, points, rule.confidence);
+        let given = looks.interval(samples, points, rule.confidence);
+        // What the guard band leaves open shrinks with the number of points as the interval for a given one does.
+        let widening = ((interval[1] - interval[0]) / (given[1] - given[0])).powi(2);
+        let needed = |points: Option<u64>| {
+            let points = points.filter(|_| open)?;
+            Some((points as f64 * widening).ceil() as u64)
+        };
         let required = Requirement {
-            interval: Some(looks.interval(samples, points, rule.confidence)),
-            points_needed: points_needed_once(rule, share).filter(|_| open),
-            points_needed_going_on: points_needed(looks.going_on(rule), share).filter(|_| open),
+            interval: Some(interval),
+            guard_bands: guard_bands(&statement.bands),
+            points_needed: needed(points_needed_once(rule, share)),
+            points_needed_going_on: needed(points_needed(looks.going_on(rule), share)),
             ..required
         };
         let words = by_share(verdict, &required, "");
         (verdict, required, words)
     }
+}
+
+/// The guard bands that may be the right one, unless there is one only.
+fn guard_bands(bands: &Bands) -> Option<[Option<f64>; 2]> {
+    let [narrowest, widest] = bands.factors;
+    (narrowest < widest).then(|| {
+        bands
+            .factors
+            .map(|factor| Some(factor).filter(|f| f.is_finite()))
+    })
 }
 
 /// Where no point can be accepted, although some are within all tolerances, nothing is known of the share that a better
@@ -255,6 +285,11 @@ mod tests {
             guard: Some(0.0),
             accepted,
             accepted_by_sample: vec![accepted],
+            bands: Bands {
+                factors: [0.0; 2],
+                accepted_at_least: vec![accepted],
+                accepted_at_most: vec![accepted],
+            },
             unfit: None,
             within_by_sample: vec![accepted],
             expected_conforming: None,
@@ -332,6 +367,36 @@ mod tests {
         assert_eq!(text["rule"], "share");
         assert_eq!(text["required"]["share"], 0.05);
         assert!(text["risk"].is_null());
+    }
+
+    /// The interval is that of all guard bands that may be the right one, and so are the points that it takes.
+    #[test]
+    fn a_share_is_decided_for_all_guard_bands_that_may_be_right() {
+        let rule = Ruling::once(Rule {
+            share: 0.2,
+            confidence: 0.95,
+        });
+        let given = Conclusion::new(Some(rule), &statement(30), 100);
+        let found = Statement {
+            bands: Bands {
+                factors: [0.4, f64::INFINITY],
+                accepted_at_least: vec![0],
+                accepted_at_most: vec![45],
+            },
+            ..statement(30)
+        };
+        let found = Conclusion::new(Some(rule), &found, 100);
+        assert_eq!(given.verdict, Decision::Verified);
+        assert_eq!(found.verdict, Decision::Inconclusive);
+        let [given, found] = [given, found].map(|conclusion| conclusion.required.unwrap());
+        let [low, high] = found.interval.unwrap();
+        assert!(low == 0.0 && (0.55..0.56).contains(&high), "{low} {high}");
+        assert_eq!(found.guard_bands, Some([Some(0.4), None]));
+        assert_eq!(given.guard_bands, None);
+        assert_eq!(given.points_needed, None);
+        let open = |required: Requirement| required.points_needed.unwrap();
+        let alone = points_needed_once(rule.rule, 0.3).unwrap();
+        assert!(open(found) > 8 * alone);
     }
 
     /// Of 100 points within all tolerances none can be accepted: that tells nothing of a required share of 5 %, and

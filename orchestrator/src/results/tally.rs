@@ -258,15 +258,16 @@ impl<'a> Tally<'a> {
         parameters: Vec<ParameterSummary>,
     ) -> Summary {
         let (judge, points) = (self.judge, self.points);
-        let statement = match self.grid {
-            true => self.risk.statement().without_intervals(),
-            false => self.risk.statement(),
-        };
         let ruling = judge.rule.map(|rule| Ruling {
             rule,
             looks: self.looks,
             count: self.look,
         });
+        let statement = match ruling {
+            _ if self.grid => self.risk.statement().without_intervals(),
+            Some(ruling) => self.risk.statement_at(ruling.band_confidence()),
+            None => self.risk.statement(),
+        };
         let mut conclusion = Conclusion::new(ruling, &statement, points);
         if self.grid {
             // A grid has no seed.

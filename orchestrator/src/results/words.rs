@@ -64,11 +64,12 @@ fn looked(conclusion: &Conclusion) -> Option<String> {
 
 fn guard(conclusion: &Conclusion) -> Option<String> {
     match conclusion.guard_band {
-        Some(0.0) => None,
+        Some(0.0) if bands(conclusion).is_empty() => None,
         Some(band) => Some(format!(
-            "Every tolerance is drawn in by a guard band of {} expanded uncertainties; {} points are accepted.",
+            "Every tolerance is drawn in by a guard band of {} expanded uncertainties; {} points are accepted.{}",
             short(band),
-            grouped(conclusion.accepted)
+            grouped(conclusion.accepted),
+            bands(conclusion)
         )),
         None => Some(
             "No guard band keeps the risk as low as required, so nothing is accepted: measure better or widen the \
@@ -76,6 +77,25 @@ fn guard(conclusion: &Conclusion) -> Option<String> {
                 .to_owned(),
         ),
     }
+}
+
+/// Which guard bands may be the right one of the whole space.
+fn bands(conclusion: &Conclusion) -> String {
+    let required = conclusion.required.as_ref();
+    let Some([Some(narrowest), widest]) = required.and_then(|required| required.guard_bands) else {
+        return String::new();
+    };
+    let widest = match widest {
+        Some(widest) => format!("one from {} to {}", short(narrowest), short(widest)),
+        None => format!(
+            "any from {} on: the points show of none that it is enough",
+            short(narrowest)
+        ),
+    };
+    format!(
+        " It comes from the same points; for the whole space it may be {widest}, and the interval of the share holds for \
+         all of these."
+    )
 }
 
 fn accepted(accepted: u64, risk: &Risk, summary: &Summary) -> String {
