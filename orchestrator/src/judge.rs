@@ -224,6 +224,11 @@ impl Judge {
         }
     }
 
+    /// Whether a guard band decides which points are accepted.
+    pub fn is_guarded(&self) -> bool {
+        self.guard != Guard::Given(0.0)
+    }
+
     /// How far the values are from the measured ones: the root of the sum of the squared
     /// deviations, each relative to its tolerance. The point with the least distance is the nearest one.
     pub fn distance(&self, values: &[f64]) -> f64 {
@@ -238,7 +243,7 @@ impl Judge {
 
 /// Refuses criteria whose columns in `points.csv` could not be told apart from other ones.
 fn check_columns(study: &Study) -> Result<(), StudyError> {
-    const OWN: [&str; 3] = ["point", "verified", "status"];
+    const OWN: [&str; 4] = ["point", "verified", "accepted", "status"];
     let parameters = study.parameters.keys().map(|name| name.as_ref().as_str());
     let mut columns: HashSet<String> = OWN
         .into_iter()
@@ -467,7 +472,7 @@ mod tests {
     #[test]
     fn columns_can_be_told_apart() {
         for name in [
-            "point", "verified", "status", "T.ok", "a.width", "", "a\\nb",
+            "point", "verified", "accepted", "status", "T.ok", "a.width", "", "a\\nb",
         ] {
             let text = STUDY
                 .replace("[criteria.F]", &format!("[criteria.\"{name}\"]"))

@@ -2,6 +2,7 @@
 
 use super::genz;
 use super::normal::{between, between_both};
+use super::one_factor::OneFactor;
 
 /// Standard normal errors with given correlations.
 #[derive(Clone, Debug, Default)]
@@ -10,12 +11,16 @@ pub struct JointNormal {
     twins: Vec<(usize, usize, f64)>,
     /// Errors that depend on each other, directly or through others.
     blocks: Vec<Block>,
+    /// Whether probabilities of many errors are known to about 1e-3 only.
+    roughly: bool,
 }
 
 #[derive(Clone, Debug)]
 struct Block {
     members: Vec<usize>,
     correlation: Vec<Vec<f64>>,
+    /// The part that they share, where that alone correlates them.
+    common: Option<OneFactor>,
 }
 
 impl JointNormal {
@@ -39,14 +44,28 @@ impl JointNormal {
         let own: Vec<usize> = (0..errors).filter(own).collect();
         let independent = part(&matrix, &own);
         genz::cholesky(&independent).ok_or_else(|| refusal(&independent))?;
-        let blocks = blocks(&matrix, own).into_iter().map(|members| Block {
-            correlation: part(&matrix, &members),
-            members,
+        let blocks = blocks(&matrix, own).into_iter().map(|members| {
+            let correlation = part(&matrix, &members);
+            Block {
+                common: OneFactor::of(&correlation),
+                correlation,
+                members,
+            }
         });
         Ok(Self {
             blocks: blocks.collect(),
             twins,
+            roughly: false,
         })
+    }
+
+    /// The same errors, whose probabilities are only known to about 1e-3 where they are many: enough for a mean over many
+    /// points, and much faster.
+    pub fn roughly(self) -> Self {
+        Self {
+            roughly: true,
+            ..self
+        }
     }
 
     /// The probability that all errors lie between their limits, in units of their standard
@@ -60,13 +79,13 @@ impl JointNormal {
         }
         let blocks = self.blocks.iter();
         blocks
-            .map(|block| block.probability(&lower, &upper))
+            .map(|block| block.probability(&lower, &upper, self.roughly))
             .product()
     }
 }
 
 impl Block {
-    fn probability(&self, lower: &[f64], upper: &[f64]) -> f64 {
+    fn probability(&self, lower: &[f64], upper: &[f64], roughly: bool) -> f64 {
         let pick = |values: &[f64]| {
             self.members
                 .iter()
@@ -80,7 +99,10 @@ impl Block {
                 [upper[i], upper[j]],
                 self.correlation[0][1],
             ),
-            _ => genz::probability(&self.correlation, &pick(lower), &pick(upper)),
+            _ => match &self.common {
+                Some(common) => common.probability(&pick(lower), &pick(upper)),
+                None => genz::probability(&self.correlation, &pick(lower), &pick(upper), roughly),
+            },
         }
     }
 }

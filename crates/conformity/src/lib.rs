@@ -16,6 +16,8 @@ pub mod risk;
 pub mod sequence;
 
 mod genz;
+mod lattice;
+mod one_factor;
 mod tabulated;
 
 /// The README's example, as a test.

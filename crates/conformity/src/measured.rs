@@ -116,6 +116,14 @@ impl Measurement {
         })
     }
 
+    /// The same, with joint probabilities of many correlated errors to about 1e-3 only (see [`JointNormal::roughly`]).
+    pub fn roughly(self) -> Self {
+        Self {
+            errors: self.errors.roughly(),
+            ..self
+        }
+    }
+
     /// The criteria.
     pub fn criteria(&self) -> &[Measured] {
         &self.criteria

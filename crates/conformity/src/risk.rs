@@ -42,6 +42,20 @@ impl Guard {
         criteria.all(|criterion| factor == 0.0 || criterion.margin(criterion.nominal) > factor)
     }
 
+    /// Whether a point with this margin is accepted; `found` is the guard band that limits the risk (see
+    /// [`Statement::guard`]).
+    pub fn accepts(self, margin: f64, found: Option<f64>) -> bool {
+        let from = match self {
+            Self::Given(_) => 0,
+            // A multiple of the step, but for rounding.
+            Self::Limiting { .. } => match found {
+                Some(factor) => (factor / Self::STEP).round() as usize,
+                None => return false,
+            },
+        };
+        self.widest_passed(margin).is_some_and(|step| step >= from)
+    }
+
     /// The number of the widest guard band, of those that come into question, that lets a point
     /// pass.
     fn widest_passed(self, margin: f64) -> Option<usize> {

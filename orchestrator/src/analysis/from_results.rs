@@ -31,18 +31,26 @@ pub fn read(folder: &Path) -> Result<(Summary, PointTable), FolderError> {
 /// # Errors
 /// As [`read`].
 pub fn read_some(folder: &Path, most: u64) -> Result<(Summary, PointTable), FolderError> {
+    let summary = summary(folder)?;
+    let points = Points::read_some(&folder.join("points.csv"), &summary, most)?;
+    let table = table(&summary, points);
+    Ok((summary, table))
+}
+
+/// Reads `summary.json` alone.
+///
+/// # Errors
+/// When there is no finished study in the folder, or the file is damaged.
+pub fn summary(folder: &Path) -> Result<Summary, ResultsError> {
     let path = folder.join("summary.json");
     let text = std::fs::read_to_string(&path).map_err(|error| match error.kind() {
         std::io::ErrorKind::NotFound => ResultsError::Missing(folder.to_owned()),
         _ => ResultsError::io(&path)(error),
     })?;
-    let summary: Summary = serde_json::from_str(&text).map_err(|error| ResultsError::Content {
+    serde_json::from_str(&text).map_err(|error| ResultsError::Content {
         path,
         message: error.to_string(),
-    })?;
-    let points = Points::read_some(&folder.join("points.csv"), &summary, most)?;
-    let table = table(&summary, points);
-    Ok((summary, table))
+    })
 }
 
 /// Joins a summary and its points.

@@ -1,5 +1,6 @@
 //! `judge`: applies a study's criteria to outputs that already stand in a table.
 
+use std::collections::HashSet;
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -9,6 +10,7 @@ use crate::failure::Failure;
 use crate::judge::Judge;
 use crate::report::Report;
 use crate::results::Tally;
+use crate::results::concerns;
 use crate::results::summary::{Provenance, Run};
 use crate::results::survey::Survey;
 use crate::session::{FileSet, provenance};
@@ -34,6 +36,7 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, CommandError> {
         Tally::new(&judge)
     };
     let mut survey = Survey::new(&judge, None, false);
+    let (mut seen, mut repeated) = (HashSet::new(), 0);
     let folder = options.output.as_deref();
     let mut files = folder
         .map(|folder| FileSet::new(folder, &[], &judge))
@@ -43,6 +46,10 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, CommandError> {
             *value = conversion.value(*value);
         }
         let missing = row.iter().position(|value| !value.is_finite());
+        if missing.is_none() {
+            let digits = row.iter().map(|value| value.to_bits());
+            repeated += u64::from(!seen.insert(digits.collect::<Vec<u64>>()));
+        }
         let outcome = match missing {
             None => Ok(std::mem::take(row)),
             Some(k) => Err(Failure::NotFinite(judge.criteria[k].variable.clone())),
@@ -59,6 +66,9 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, CommandError> {
     };
     let mut summary = tally.summary(study.title.clone(), provenance, Vec::new());
     survey.complete(&mut summary);
+    summary
+        .concerns
+        .extend(concerns::repeated(repeated, tally.points()));
     summary.dossier = study.dossier.clone();
     summary.run = Some(Run::since(begun, 0, 0));
     if let Some(files) = files {

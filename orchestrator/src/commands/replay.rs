@@ -1,11 +1,14 @@
 //! `replay`: runs one point of a study again, with its trajectory.
 
 use std::fs::File;
+use std::path::Path;
 use std::process::ExitCode;
 
 use super::simulate::{Columns, Isolated};
 use super::{CommandError, output};
+use crate::analysis::from_results;
 use crate::cli::Replay;
+use crate::judge::Judge;
 use crate::pipeline::Model;
 use crate::results::ResultsError;
 use crate::results::points::number;
@@ -61,15 +64,28 @@ pub(super) fn run(options: &Replay) -> Result<ExitCode, CommandError> {
         };
         text += &format!("  {} = {value} {unit}: {sign}\n", criterion.name);
     }
-    match &outcome {
-        Ok(_) => {}
-        Err(failure) => text += &format!("  failed: {failure}\n"),
+    let accepted = accepted(&options.folder, &session.judge, values);
+    match (&outcome, accepted) {
+        (Ok(_), None) => {}
+        (Ok(_), Some(true)) => text += "  accepted, with the guard band\n",
+        (Ok(_), Some(false)) => text += "  not accepted, with the guard band\n",
+        (Err(failure), _) => text += &format!("  failed: {failure}\n"),
     }
     text += &format!("trajectory in {}\n", path.display());
     output::print(&text);
-    Ok(if verdict.verified() {
+    Ok(if accepted.unwrap_or_else(|| verdict.verified()) {
         ExitCode::SUCCESS
     } else {
         ExitCode::FAILURE
     })
+}
+
+/// Whether the study's guard band lets a point pass; none where no guard band acts, or the study has not found it yet.
+fn accepted(folder: &Path, judge: &Judge, values: Option<&[f64]>) -> Option<bool> {
+    if !judge.is_guarded() {
+        return None;
+    }
+    let found = from_results::summary(folder).ok()?.conclusion?.guard_band;
+    let margin = values.map_or(f64::NEG_INFINITY, |values| judge.measurement.margin(values));
+    Some(judge.guard.accepts(margin, found))
 }

@@ -75,7 +75,7 @@ impl Judge {
             self.rule = Some(rule(study, required.as_ref())?);
             self.guard = self.guard_band(study, required)?;
         }
-        if self.guard == Guard::Given(0.0) {
+        if !self.is_guarded() {
             self.warn_of_uncertainties(study);
         }
         Ok(())

@@ -31,18 +31,21 @@ const UNITS: [(f64, f64, &str); 14] = [
     (180.0 / std::f64::consts::PI, 0.0, "rad and deg"),
 ];
 
-/// Warns of a measured value that lies beyond the values of all points, given the least and the greatest of these.
+/// Warns of a measured value that lies beyond the values of all points, given the least and the greatest of these. Values
+/// within the expanded uncertainty do not contradict it. A few points may miss it by chance, but not by a unit.
 pub fn out_of_reach(criterion: &Criterion, [low, high]: [f64; 2], points: u64) -> Option<String> {
     let nominal = criterion.nominal;
-    // Less than this is rounding, and no reason to doubt.
-    let room = 0.01 * criterion.tolerance;
-    if points < FEWEST || low > high || (low - room..=high + room).contains(&nominal) {
+    // Less than a hundredth of the tolerance is rounding, and no reason to doubt.
+    let uncertainty = criterion.uncertainty.map_or(0.0, |found| found.expanded);
+    let room = uncertainty.max(0.01 * criterion.tolerance);
+    if low > high || (low - room..=high + room).contains(&nominal) {
         return None;
     }
     let unit = criterion.unit.as_deref();
     let unit = unit.map_or_else(String::new, |unit| format!(" {unit}"));
     let hint = match mistaken_unit(criterion, [low, high]) {
         Some(units) => format!("; the values would fit if {units} had been mistaken: check `unit`"),
+        None if points < FEWEST => return None,
         None => {
             "; widen the parameters' distributions, or find out what the model misses".to_owned()
         }
@@ -53,6 +56,18 @@ pub fn out_of_reach(criterion: &Criterion, [low, high]: [f64; 2], points: u64) -
         short(low),
         short(high)
     ))
+}
+
+/// Warns of rows of a table that repeat earlier ones: each counts as an independent point. A few rows may be equal by
+/// rounding.
+pub fn repeated(repeated: u64, points: u64) -> Option<String> {
+    const FEW: u64 = 10;
+    (repeated > 0 && repeated >= points / FEW).then(|| {
+        format!(
+            "{repeated} of {points} rows have the same values of all criteria as an earlier one, and each of them counts as \
+             an independent point; remove rows that were written more than once"
+        )
+    })
 }
 
 /// Warns of a criterion whose value is the same at all points, given the least and the greatest: it only says again what
@@ -148,6 +163,31 @@ mod tests {
         );
     }
 
+    /// VIM 2.47: values within the expanded uncertainty are compatible.
+    #[test]
+    fn values_within_the_uncertainty_contradict_nothing() {
+        let sure = criterion(0.0, 1.0);
+        let t = Criterion {
+            uncertainty: Some(conformity::measured::Uncertainty {
+                expanded: 0.5,
+                coverage: 2.0,
+            }),
+            ..sure.clone()
+        };
+        assert_eq!(out_of_reach(&t, [0.017, 0.084], 200), None);
+        assert!(out_of_reach(&sure, [0.017, 0.084], 200).is_some());
+        assert!(out_of_reach(&t, [0.51, 0.7], 200).is_some());
+    }
+
+    #[test]
+    fn rows_that_repeat_others_are_named() {
+        assert_eq!(repeated(0, 5), None);
+        assert_eq!(repeated(9, 100), None);
+        let found = repeated(999, 1000).unwrap();
+        assert!(found.starts_with("999 of 1000 rows have the same values"));
+        assert!(repeated(1, 3).is_some());
+    }
+
     #[test]
     fn a_value_that_is_the_same_at_all_points_is_warned_of() {
         let t = criterion(82.0, 0.6);
@@ -168,8 +208,10 @@ mod tests {
             (300.0, 5.0, [31.0, 32.0], "rpm and rad/s"),
             (0.02, 0.001, [19.0, 20.5], "such as m and mm"),
         ] {
-            let found = out_of_reach(&criterion(nominal, tolerance), reached, 50).unwrap();
-            assert!(found.contains(units), "{nominal}: {found}");
+            for points in [3, 50] {
+                let found = out_of_reach(&criterion(nominal, tolerance), reached, points).unwrap();
+                assert!(found.contains(units), "{nominal}: {found}");
+            }
         }
     }
 }

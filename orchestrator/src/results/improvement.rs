@@ -129,7 +129,8 @@ pub(super) fn improvements(
     if points.len() < 2 {
         return None;
     }
-    let base = seen(&judge.measurement, points);
+    // Means over so many points need no exact probability of each.
+    let base = seen(&judge.measurement.clone().roughly(), points);
     let now = prospect(judge, &base);
     let mut found: Vec<(Halved, String, Vec<Seen>)> = Vec::new();
     for (k, criterion) in judge.criteria.iter().enumerate() {
@@ -214,7 +215,8 @@ fn with_half(judge: &Judge, number: usize) -> Option<Measurement> {
         expanded: 0.5 * expanded,
         coverage,
     });
-    Measurement::new(criteria, judge.measurement.correlations()).ok()
+    let changed = Measurement::new(criteria, judge.measurement.correlations()).ok()?;
+    Some(changed.roughly())
 }
 
 /// Verdict and risks over points that all count alike.

@@ -1,7 +1,7 @@
 //! `points.csv`: a row a point.
 
 use std::borrow::Cow;
-use std::io::{self, Write};
+use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
@@ -12,16 +12,23 @@ use super::summary::Summary;
 use crate::judge::{Judge, PointVerdict};
 use crate::study::plan::Input;
 use crate::table::csv_file;
+use conformity::measured::Measurement;
+use conformity::risk::Guard;
 
 /// Writes `points.csv` row by row.
 pub struct Writer<W: Write> {
     csv: csv::Writer<W>,
     record: csv::StringRecord,
+    /// Where a guard band acts. It may be known only when all points are; until then the column `accepted` holds margins.
+    margins: Option<Measurement>,
 }
+
+/// The column of the decision under a guard band.
+const ACCEPTED: &str = "accepted";
 
 impl<W: Write> Writer<W> {
     /// Begins the table: `point`, the parameters, the criteria's values, `NAME.ok` a criterion,
-    /// `verified`, `status`.
+    /// `verified`, where a guard band acts `accepted`, `status`. [`settle`] completes the table with a guard band.
     ///
     /// # Errors
     /// When it cannot be written.
@@ -37,10 +44,15 @@ impl<W: Write> Writer<W> {
             .chain(inputs.iter().map(|input| input.name.clone()))
             .chain(criteria())
             .chain(criteria().map(|name| format!("{name}.ok")))
-            .chain(["verified".to_owned(), "status".to_owned()]);
+            .chain(["verified".to_owned()])
+            .chain(judge.is_guarded().then(|| ACCEPTED.to_owned()))
+            .chain(["status".to_owned()]);
         csv.write_record(header.map(|name| csv_file::cell(&name).into_owned()))?;
-        let record = csv::StringRecord::new();
-        Ok(Self { csv, record })
+        Ok(Self {
+            csv,
+            record: csv::StringRecord::new(),
+            margins: judge.is_guarded().then(|| judge.measurement.clone()),
+        })
     }
 
     /// Writes a point. One that failed has empty cells for its values.
@@ -70,6 +82,11 @@ impl<W: Write> Writer<W> {
             record.push_field(if *passed { "true" } else { "false" });
         }
         record.push_field(if verdict.verified() { "true" } else { "false" });
+        if let Some(measurement) = &self.margins {
+            let values = outcome.as_deref().ok();
+            let margin = values.map_or(f64::NEG_INFINITY, |values| measurement.margin(values));
+            record.push_field(&number(margin));
+        }
         match outcome {
             Ok(_) => record.push_field("ok"),
             Err(failure) => record.push_field(&csv_file::cell(&failure.to_string())),
@@ -85,6 +102,40 @@ impl<W: Write> Writer<W> {
     pub fn finish(mut self) -> io::Result<()> {
         self.csv.flush()
     }
+}
+
+/// Copies a table with margins in its column `accepted`, and puts the decision there: whether a guard band accepts the
+/// margin, given the one that was found from all points.
+///
+/// # Errors
+/// When a table cannot be read or written.
+pub fn settle(
+    from: impl Read,
+    into: impl Write,
+    guard: Guard,
+    found: Option<f64>,
+) -> io::Result<()> {
+    let mut table = csv::Reader::from_reader(from);
+    let mut settled = csv::Writer::from_writer(into);
+    let header = table.headers()?.clone();
+    settled.write_record(&header)?;
+    // A parameter of the same name comes earlier.
+    let column = (0..header.len()).rev().find(|&k| &header[k] == ACCEPTED);
+    let mut record = csv::StringRecord::new();
+    while table.read_record(&mut record)? {
+        let cells = record
+            .iter()
+            .enumerate()
+            .map(|(k, cell)| match cell.parse() {
+                Ok(margin) if Some(k) == column => match guard.accepts(margin, found) {
+                    true => "true",
+                    false => "false",
+                },
+                _ => cell,
+            });
+        settled.write_record(cells)?;
+    }
+    settled.flush()
 }
 
 /// A number as text that reads back as the same number.
@@ -132,6 +183,8 @@ pub struct Points {
     pub passed: Vec<Vec<bool>>,
     /// Whether all criteria are met.
     pub verified: Vec<bool>,
+    /// Whether the guard band lets them pass, where one acts.
+    pub accepted: Option<Vec<bool>>,
     /// `ok`, or why the point failed.
     pub status: Vec<Cow<'static, str>>,
 }
@@ -160,8 +213,10 @@ impl Points {
         };
         let mut reader = csv::Reader::from_path(path).map_err(failed)?;
         let (inputs, criteria) = (summary.parameters.len(), summary.criteria.len());
-        let width = inputs + 2 * criteria + 3;
+        let verified = 1 + inputs + 2 * criteria;
         let header = reader.headers().map_err(failed)?;
+        let guarded = header.get(verified + 1) == Some(ACCEPTED);
+        let width = verified + 2 + usize::from(guarded);
         if header.len() != width {
             let message = format!("{} columns, but the summary asks for {width}", header.len());
             return Err(content(message));
@@ -170,6 +225,7 @@ impl Points {
             parameters: vec![Vec::new(); inputs],
             values: vec![Vec::new(); criteria],
             passed: vec![Vec::new(); criteria],
+            accepted: guarded.then(Vec::new),
             ..Self::default()
         };
         let damaged = |record: &csv::StringRecord| {
@@ -184,7 +240,7 @@ impl Points {
             if even.has(row) {
                 points.add(&record).ok_or_else(|| damaged(&record))?;
             } else if let Some(distance) = distance(&record, summary) {
-                let verified = record.get(width - 2) == Some("true");
+                let verified = record.get(verified) == Some("true");
                 best.offer(row, verified, distance, &record);
             }
         }
@@ -212,6 +268,9 @@ impl Points {
             merge(own, places, others);
         }
         merge(&mut self.verified, places, others.verified);
+        if let (Some(own), Some(others)) = (&mut self.accepted, others.accepted) {
+            merge(own, places, others);
+        }
         merge(&mut self.status, places, others.status);
     }
 
@@ -233,6 +292,9 @@ impl Points {
             column.push(cells.next()? == "true");
         }
         self.verified.push(cells.next()? == "true");
+        if let Some(accepted) = &mut self.accepted {
+            accepted.push(cells.next()? == "true");
+        }
         // A million points are hardly ever not ok: their texts would be a good part of the memory.
         self.status.push(match cells.next()? {
             "ok" => Cow::Borrowed("ok"),

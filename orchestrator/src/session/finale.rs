@@ -5,6 +5,7 @@ use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 
 use conformity::looks::Look;
+use conformity::risk::Guard;
 use tempfile::NamedTempFile;
 
 use super::{Ending, Front, Session, SessionError, Verification};
@@ -166,6 +167,7 @@ fn name(path: &Path) -> String {
 pub struct FileSet {
     folder: PathBuf,
     file: NamedTempFile,
+    guard: Guard,
     points: points::Writer<BufWriter<File>>,
 }
 
@@ -177,14 +179,13 @@ impl FileSet {
     pub fn new(folder: &Path, inputs: &[Input], judge: &Judge) -> Result<Self, ResultsError> {
         let begin = || -> io::Result<Self> {
             fs::create_dir_all(folder)?;
-            let file = tempfile::Builder::new()
-                .prefix(".points-")
-                .tempfile_in(folder)?;
+            let file = draft(folder)?;
             let writer = BufWriter::with_capacity(1 << 16, file.reopen()?);
             let points = points::Writer::new(writer, inputs, judge)?;
             Ok(Self {
                 folder: folder.to_owned(),
                 file,
+                guard: judge.guard,
                 points,
             })
         };
@@ -213,10 +214,37 @@ impl FileSet {
     pub fn finish(self, summary: &Summary) -> Result<(), ResultsError> {
         let path = self.folder.join("points.csv");
         self.points.finish().map_err(ResultsError::io(&path))?;
-        keep(self.file, &path)?;
+        let file = match self.guard {
+            Guard::Given(0.0) => self.file,
+            guard => {
+                let found = summary.conclusion.as_ref().and_then(|c| c.guard_band);
+                settled(&self.file, &self.folder, guard, found).map_err(ResultsError::io(&path))?
+            }
+        };
+        keep(file, &path)?;
         write_atomically(&self.folder.join("summary.json"), |out| {
             serde_json::to_writer_pretty(&mut *out, summary)?;
             writeln!(out)
         })
     }
+}
+
+/// A file that becomes one of the folder's when it is complete.
+fn draft(folder: &Path) -> io::Result<NamedTempFile> {
+    tempfile::Builder::new()
+        .prefix(".points-")
+        .tempfile_in(folder)
+}
+
+/// The table with the decisions of the guard band.
+fn settled(
+    file: &NamedTempFile,
+    folder: &Path,
+    guard: Guard,
+    found: Option<f64>,
+) -> io::Result<NamedTempFile> {
+    let settled = draft(folder)?;
+    let writer = BufWriter::with_capacity(1 << 16, settled.reopen()?);
+    points::settle(file.reopen()?, writer, guard, found)?;
+    Ok(settled)
 }

@@ -360,6 +360,37 @@ fn an_empty_line_of_a_table_is_a_failed_point() {
     assert_eq!(summary["first_failure"]["point"], 2);
 }
 
+/// `judge` looks at a table as `verify` looks at its points: a mistaken unit shows at three of them, and rows that were
+/// written twice are named.
+#[test]
+fn a_table_is_looked_at_as_the_points_of_a_study() {
+    let bench = Bench::new();
+    let concerns_of = |study: &str, table: &str| {
+        bench.write("study.toml", study);
+        bench.write("table.csv", table);
+        let said = bench.run(&["judge", "study.toml", "table.csv", "--output", "out"]);
+        assert!(said.code < 2, "{}", said.err);
+        concerns(&bench.summary("out"))
+    };
+    let celsius = STUDY
+        .replace("nominal = 0.86", "nominal = 82")
+        .replace("tolerance = 0.02", "tolerance = 1");
+    let kelvin = "Y\n355.15\n355.9\n354\n";
+    let found = concerns_of(&celsius, kelvin);
+    assert!(
+        found
+            .iter()
+            .any(|c| c.contains("degC and K had been mistaken")),
+        "{found:?}"
+    );
+    assert_eq!(concerns_of(&celsius, "Y\n81.9\n82.3\n81.2\n"), [""; 0]);
+    let found = concerns_of(STUDY, "Y\n0.861\n0.862\n0.861\n");
+    assert!(
+        found[0].starts_with("1 of 3 rows have the same values"),
+        "{found:?}"
+    );
+}
+
 #[test]
 fn a_criterion_that_no_parameter_reaches_is_warned_of() {
     let study = STUDY.replace("lag.rate", "lag.length").replace(

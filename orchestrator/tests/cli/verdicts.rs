@@ -126,6 +126,12 @@ fn the_risk_sets_the_guard_band() {
         .unwrap();
     assert!(band > 0.0 && share <= 0.3 && share > 0.29, "{band} {share}");
     assert!(summary["accepted"].as_u64() < summary["verified"].as_u64());
+    let [narrowest, widest] =
+        [0, 1].map(|k| summary["required"]["guard_bands"][k].as_f64().unwrap());
+    assert!(
+        narrowest < band && band < widest,
+        "{narrowest} {band} {widest}"
+    );
     let given = guarded.replace("risk = \"30 %\"", &format!("guard-band = {band}"));
     assert_eq!(judge(&given, 2000).1["accepted"], summary["accepted"]);
 }
@@ -307,6 +313,92 @@ fn the_page_says_what_accepting_risks() {
     assert!(page.contains("no uncertainty of Y, and nothing is assumed"));
     assert!(!page.contains("The risk of accepting") && !page.contains("Conforms %"));
     assert!(said.out.contains("no uncertainty of Y"), "{}", said.out);
+}
+
+/// The column `accepted` of a folder's points, with the values of the criterion.
+fn accepted(bench: &Bench, folder: &str) -> Vec<(f64, bool)> {
+    let table = bench.read(&format!("{folder}/points.csv"));
+    let mut reader = csv::Reader::from_reader(table.as_bytes());
+    let header = reader.headers().unwrap().clone();
+    let place = |name: &str| header.iter().position(|column| column == name).unwrap();
+    let (value, accepted) = (place("Y"), place("accepted"));
+    assert_eq!(place("verified") + 1, accepted);
+    let rows = reader.records().map(|row| {
+        let row = row.unwrap();
+        (row[value].parse().unwrap(), row[accepted].parse().unwrap())
+    });
+    rows.collect()
+}
+
+/// The guarded decision on every point stands in the table: those are accepted that lie within the tolerance less the band,
+/// as many as the summary says, whether the band is given or found, and by every command alike.
+#[test]
+fn points_tell_which_of_them_a_guard_band_accepts() {
+    let bench = Bench::new();
+    let (_, _) = verify(&bench, LAG, &[]);
+    assert!(
+        !bench
+            .read("out/points.csv")
+            .starts_with("point,lag.rate,Y,Y.ok,verified,accepted")
+    );
+    for rule in ["risk = \"3 %\"", "guard-band = 0.8"] {
+        let study = LAG.replace("share = \"5 %\"", &format!("share = \"5 %\"\n{rule}"));
+        let (_, summary) = verify(&bench, &study, &[]);
+        let band = summary["guard_band"].as_f64().unwrap();
+        let rows = accepted(&bench, "out");
+        assert!(band > 0.0 && rows.len() == 300, "{band}");
+        let limit = 0.043 - band * 0.0172;
+        for (value, accepted) in &rows {
+            assert_eq!(*accepted, (value - 0.86).abs() <= limit, "{value}");
+        }
+        let count = rows.iter().filter(|(_, accepted)| *accepted).count();
+        assert_eq!(summary["accepted"], count);
+        assert!(count > 20 && summary["verified"].as_u64().unwrap() > count as u64);
+
+        let said = bench.run(&["judge", "study.toml", "out/points.csv", "--output", "again"]);
+        assert_eq!(said.code, 0, "{}", said.err);
+        assert_eq!(
+            accepted_only(&accepted(&bench, "again")),
+            accepted_only(&rows)
+        );
+        for shard in ["1/2", "2/2"] {
+            let folder = shard.replace('/', "-");
+            bench.run(&[
+                "verify",
+                "study.toml",
+                "--shard",
+                shard,
+                "--output",
+                &folder,
+            ]);
+        }
+        bench.run(&["merge", "1-2", "2-2", "--output", "joined"]);
+        assert_eq!(
+            bench.read("joined/points.csv"),
+            bench.read("out/points.csv")
+        );
+        let page = bench.run(&["report", "out"]);
+        assert_eq!(page.code, 0, "{}", page.err);
+        for (within, code) in [(true, 0), (false, 1)] {
+            let outside = |(value, accepted): &(f64, bool)| {
+                *accepted == within && (value - 0.86).abs() <= 0.043
+            };
+            let point = rows.iter().position(outside).unwrap() + 1;
+            let said = bench.run(&["replay", "out", &point.to_string()]);
+            assert_eq!(said.code, code, "{}{}", said.out, said.err);
+            assert_eq!(
+                said.out.contains("not accepted, with the guard band"),
+                !within
+            );
+        }
+        for folder in ["1-2", "2-2", "joined", "again"] {
+            std::fs::remove_dir_all(bench.path(folder)).unwrap();
+        }
+    }
+}
+
+fn accepted_only(rows: &[(f64, bool)]) -> Vec<bool> {
+    rows.iter().map(|(_, accepted)| *accepted).collect()
 }
 
 /// The verdict of a folder with so many points, which goes on from what is there.
