@@ -110,7 +110,7 @@ impl Lattice {
                 return product;
             }
             // The number of points is a power of two.
-            let turn = GENERATORS[k % GENERATORS.len()] * point & (points - 1);
+            let turn = (GENERATORS[k % GENERATORS.len()] * point) & (points - 1);
             let place = turn as f64 * of_one + shifts[k % shifts.len()];
             let tent = (2.0 * place.fract() - 1.0).abs();
             let score = self.normal.quantile(below + tent * (to - below));
@@ -140,10 +140,10 @@ impl Lattice {
 /// Shifts in [0, 1) for so many dimensions (SplitMix64 of Steele, Lea and Flood 2014); more use them again.
 static SHIFT: LazyLock<[[f64; 64]; SHIFTS]> = LazyLock::new(|| {
     let of = |shift: usize, k: usize| {
-        let mut x = ((shift as u64) << 32 | (k as u64 + 1)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-        x = (x ^ x >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        x = (x ^ x >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((x ^ x >> 31) >> 11) as f64 * 2.0_f64.powi(-53)
+        let mut x = (((shift as u64) << 32) | (k as u64 + 1)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((x ^ (x >> 31)) >> 11) as f64 * 2.0_f64.powi(-53)
     };
     std::array::from_fn(|shift| std::array::from_fn(|k| of(shift, k)))
 });
