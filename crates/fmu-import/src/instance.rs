@@ -69,7 +69,7 @@ impl Instance {
             return Err(Call {
                 function: "fmi2Instantiate",
                 status: Status::Error,
-                message: log.last(),
+                message: log.last().or_else(|| Some(library.refusal())),
                 ended: None,
             });
         }

@@ -110,6 +110,7 @@ pub struct Library {
     pub(crate) mode: Mode,
     name: String,
     once: bool,
+    binary: PathBuf,
 }
 
 impl Library {
@@ -144,12 +145,29 @@ impl Library {
             categories,
             mode,
             name: description.model_name.clone(),
+            binary,
         })
     }
 
     /// Whether a process can hold one instance of it only, as the description says.
     pub fn is_for_one_instance(&self) -> bool {
         self.once
+    }
+
+    /// The likely cause where the FMU refuses an instance and does not say why.
+    pub(crate) fn refusal(&self) -> String {
+        let guid = &self.guid;
+        // Exporters write the GUID into the binary, with braces or without.
+        let bare = guid.trim_matches(['{', '}']);
+        let cause = match std::fs::read(&self.binary) {
+            Ok(binary) if !holds(&binary, bare.as_bytes()) => {
+                "does not occur in the binary, so the two are probably not of one export"
+            }
+            _ => "may not be that of the binary, or resources may be missing",
+        };
+        format!(
+            "the FMU refuses an instance without a message; the GUID of the description, {guid}, {cause}"
+        )
     }
 
     /// The model's name.
@@ -179,6 +197,21 @@ impl Library {
         let text = unsafe { CStr::from_ptr(text) };
         Some(text.to_string_lossy().into_owned())
     }
+}
+
+/// Whether a text stands in a file.
+fn holds(file: &[u8], text: &[u8]) -> bool {
+    let Some(first) = text.first() else {
+        return true;
+    };
+    let mut rest = file;
+    while let Some(place) = rest.iter().position(|byte| byte == first) {
+        if rest[place..].starts_with(text) {
+            return true;
+        }
+        rest = &rest[place + 1..];
+    }
+    false
 }
 
 /// A folder as `file:///...`, percent-encoded.

@@ -30,6 +30,7 @@ use std::time::Duration;
 
 use super::{CommandError, output};
 use crate::cli::{Check, Format};
+use crate::pipeline::stop;
 use crate::results::ResultsError;
 use document::Document;
 use finding::{Find, Finding, Severity};
@@ -106,7 +107,7 @@ impl Findings {
         for (rule, hit) in files.findings {
             self.add(rule, hit);
         }
-        let folder = tempfile::tempdir().map_err(ResultsError::io(&std::env::temp_dir()))?;
+        let folder = stop::scratch()?;
         let unpacked = match package.unpack(folder.path()) {
             Ok(unpacked) => unpacked,
             Err(FmuError::Archive { source, .. }) => {

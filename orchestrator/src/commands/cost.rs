@@ -9,7 +9,7 @@ use crate::cli::Means;
 use crate::engine::crew::{Crew, Place};
 use crate::engine::process::Limits;
 use crate::engine::{Event, Job, Post};
-use crate::results::ResultsError;
+use crate::pipeline::stop;
 use crate::session::Verification;
 
 /// How long the point may take; nobody waits longer for an estimate.
@@ -29,7 +29,7 @@ pub(super) fn of(
     means: &Means,
     jobs: usize,
 ) -> Result<String, CommandError> {
-    let scratch = tempfile::tempdir().map_err(ResultsError::io(&std::env::temp_dir()))?;
+    let scratch = stop::scratch()?;
     let place = match place(means, jobs)? {
         Place::Processes(limits, isolation) => {
             let time = limits.time.min(PATIENCE);

@@ -14,7 +14,7 @@ use crate::engine::working_directory;
 use crate::engine::{EngineError, Job};
 use crate::failure::Failure;
 use crate::pipeline::stop;
-use crate::results::{ResultsError, Summary};
+use crate::results::Summary;
 use crate::session::Verification;
 use crate::study::plan::Plan;
 use crate::task::{Schedule, Task};
@@ -97,7 +97,7 @@ pub(super) fn runs(
             ..Extra::default()
         });
     };
-    let scratch = tempfile::tempdir().map_err(ResultsError::io(&std::env::temp_dir()))?;
+    let scratch = stop::scratch()?;
     let fmu = verification.session.package.unpack(scratch.path())?;
     let stage = Stage {
         verification,

@@ -10,8 +10,9 @@ use crate::engine::process::Limits;
 use crate::engine::single::Recorder;
 use crate::engine::working_directory;
 use crate::pipeline::Model;
+use crate::pipeline::stop;
 use crate::results::validation::{Comparison, Numerical, Refined, refined};
-use crate::results::{Outcome, ResultsError, Summary, write_atomically};
+use crate::results::{Outcome, Summary, write_atomically};
 use crate::session::Verification;
 use crate::task::Task;
 
@@ -45,7 +46,7 @@ fn numerical(
     verification: &mut Verification,
     means: &Means,
 ) -> Result<Vec<Numerical>, CommandError> {
-    let scratch = tempfile::tempdir().map_err(ResultsError::io(&std::env::temp_dir()))?;
+    let scratch = stop::scratch()?;
     let limits = Limits {
         time: Duration::from_secs_f64(means.point_timeout.clamp(1.0, 1e9)),
         memory: 16 << 30,

@@ -10,6 +10,7 @@ use crate::cli;
 use crate::engine::process::Limits;
 use crate::engine::single::Recorder;
 use crate::engine::working_directory;
+use crate::pipeline::stop;
 use crate::report::{Report, history};
 use crate::results::summary::{BestPoint, Summary};
 use crate::results::{ResultsError, write_atomically};
@@ -162,7 +163,7 @@ fn record_apart(
     columns: &[Handle],
     put: impl FnMut(f64, &[Value]) -> Result<(), CommandError>,
 ) -> Result<(), CommandError> {
-    let scratch = tempfile::tempdir().map_err(ResultsError::io(&std::env::temp_dir()))?;
+    let scratch = stop::scratch()?;
     let fmu = package.unpack(scratch.path())?;
     let recorder = Recorder {
         fmu: &fmu,

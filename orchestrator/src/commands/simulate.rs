@@ -8,8 +8,6 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use tempfile::TempDir;
-
 use super::{CommandError, output};
 use crate::cli::Simulate;
 use crate::engine::process::Limits;
@@ -17,6 +15,8 @@ use crate::engine::single::Recorder;
 use crate::engine::working_directory;
 use crate::engine::{Answer, EngineError, Job};
 use crate::failure::Failure;
+use crate::pipeline::scratch::Scratch;
+use crate::pipeline::stop;
 use crate::results::points::number;
 use crate::results::{ResultsError, of_the_system};
 use crate::study::plan::{find, value_of};
@@ -229,14 +229,14 @@ impl TrajectoryError {
 pub(super) struct Isolated {
     fmu: PathBuf,
     name: PathBuf,
-    scratch: TempDir,
+    scratch: Scratch,
     /// Whether the FMU gets an empty working directory.
     apart: bool,
 }
 
 impl Isolated {
     pub(super) fn new(package: &mut Package) -> Result<Self, CommandError> {
-        let scratch = tempfile::tempdir().map_err(ResultsError::io(&std::env::temp_dir()))?;
+        let scratch = stop::scratch()?;
         Ok(Self {
             fmu: package.unpack(scratch.path())?,
             name: package.path().to_owned(),
@@ -289,6 +289,7 @@ impl Isolated {
             csv.write_record(&last)?;
             Ok(())
         });
+        stop::give_way();
         // Rows before the failure are kept.
         let flushed = csv.flush().map_err(TrajectoryError::Write);
         recorded.and(flushed).map(|()| last)

@@ -32,6 +32,12 @@ const HOLD: Duration = Duration::from_millis(1);
 /// tool behind the FMU is closed then, files are written, a licence is given back.
 const GRACE: Duration = Duration::from_secs(60);
 
+/// The exit code of a process of this program in which an FMU runs, when it cannot tell what it has found: unlike those
+/// with which an FMU may end it.
+pub const UNABLE: i32 = 121;
+/// Why it cannot.
+pub const MUTE: &str = "the FMU closed descriptors that it did not open, or became another program";
+
 /// Serves a supervisor over standard input and output.
 ///
 /// # Errors
@@ -413,10 +419,7 @@ impl Guard {
             Loss::Timeout => Failure::Timeout,
             Loss::Memory => Failure::OutOfMemory,
             Loss::Stopped => Failure::Crashed("the FMU stopped its own process".to_owned()),
-            Loss::Mute => Failure::Crashed(
-                "the FMU closed descriptors that it did not open, or became another program"
-                    .to_owned(),
-            ),
+            Loss::Mute => Failure::Crashed(MUTE.to_owned()),
             Loss::Garbled(broken) => Failure::Crashed(broken.to_string()),
             // Nobody is left who could read it.
             Loss::Orphaned => return Err(io::Error::other("the supervisor has gone")),
@@ -535,7 +538,7 @@ fn own_streams() -> io::Result<(OwnedFd, OwnedFd, OwnedFd)> {
 /// Ends this process and all that it has started, at once: the FMU's own destructors have no say any more.
 pub fn end(result: io::Result<()>) -> ! {
     offspring::end_all();
-    let code = i32::from(result.is_err());
+    let code = if result.is_err() { UNABLE } else { 0 };
     // SAFETY: never returns, runs no code of this process.
     unsafe { libc::_exit(code) }
 }

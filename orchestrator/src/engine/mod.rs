@@ -53,7 +53,7 @@ pub enum EngineError {
     Lost(String),
     /// Earlier results, which have been used already, do not count any more.
     #[error(
-        "the FMU gives other results in a process that has computed points before, so points on which others were built do not count; --resume computes them again, each alone"
+        "the FMU gives other results in a process that has computed points before; use --isolation fresh"
     )]
     Refuted,
     /// The same, because the FMU has changed its own folder, which all points shared.

@@ -246,10 +246,9 @@ impl Running {
         if let Some(place) = &place {
             command.current_dir(place.path()).env("PWD", place.path());
         }
-        let mut child = command
+        let mut child = marked(&mut command)
             .arg0("orchestrator")
             .arg(COMMAND)
-            .env(MARK, mark())
             // An FMU that runs Python would leave compiled modules in its own folder.
             .env("PYTHONDONTWRITEBYTECODE", "1")
             .stdin(Stdio::piped())
@@ -392,6 +391,11 @@ impl Drop for Running {
             offspring::end_marked(&mark, |pid| family.contains_key(&(pid as u32)));
         }
     }
+}
+
+/// Marks a process that this one is about to start: it ends with this one, and so does what it starts.
+pub(crate) fn marked(command: &mut Command) -> &mut Command {
+    command.env(MARK, mark())
 }
 
 /// The environment variable by which the processes of a run are known.

@@ -8,6 +8,7 @@
 mod doubt;
 pub mod folder;
 mod progress;
+pub mod scratch;
 mod shard;
 pub mod stop;
 

@@ -1,12 +1,14 @@
-//! Ctrl-C, and SIGTERM.
+//! Ctrl-C, SIGTERM and SIGHUP.
 
+use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::sync_channel;
-use std::sync::{Arc, OnceLock};
 use std::thread;
 use std::time::Duration;
 
+use super::scratch::{self, Scratch};
 use crate::engine::process;
+use crate::results::ResultsError;
 
 /// The exit code of an interrupted command.
 pub const INTERRUPTED: u8 = 130;
@@ -15,16 +17,28 @@ const PATIENCE: Duration = Duration::from_millis(600);
 /// How long it may take to end what it has started.
 const FAREWELL: Duration = Duration::from_millis(150);
 
+/// Whether a run is to end.
+static STOP: AtomicBool = AtomicBool::new(false);
+/// Whether there is a run that looks at that, and can go on later.
+static RUNS: AtomicBool = AtomicBool::new(false);
+
 /// Set by Ctrl-C: points under way are given up, no further ones are begun. The process ends within a second,
 /// whatever its threads do; the journal is sound at any time.
 pub fn flag() -> &'static AtomicBool {
-    static STOP: OnceLock<Arc<AtomicBool>> = OnceLock::new();
-    STOP.get_or_init(|| {
-        let stop = Arc::new(AtomicBool::new(false));
-        let handler = Arc::clone(&stop);
+    RUNS.store(true, Ordering::Relaxed);
+    heed();
+    &STOP
+}
+
+/// Lets signals end this process with all that it has started and all that it has unpacked. Where no run looks at the
+/// [`flag`], they do so at once.
+fn heed() {
+    static HEEDED: Once = Once::new();
+    HEEDED.call_once(|| {
         // Without a handler, Ctrl-C ends the process at once; the journal is sound all the same.
-        let _ = ctrlc::set_handler(move || {
-            if handler.swap(true, Ordering::Relaxed) {
+        let _ = ctrlc::set_handler(|| {
+            let again = STOP.swap(true, Ordering::Relaxed);
+            if again || !RUNS.load(Ordering::Relaxed) {
                 // The second Ctrl-C does not wait.
                 leave();
             }
@@ -33,8 +47,23 @@ pub fn flag() -> &'static AtomicBool {
                 leave();
             });
         });
-        stop
-    })
+    });
+}
+
+/// A folder for what is needed while a command runs; a signal removes it, too.
+///
+/// # Errors
+/// When the system says no.
+pub fn scratch() -> Result<Scratch, ResultsError> {
+    heed();
+    Scratch::new()
+}
+
+/// Does not return while a signal is ending this process: what became of the processes that it ends is no finding.
+pub fn give_way() {
+    while STOP.load(Ordering::Relaxed) && !RUNS.load(Ordering::Relaxed) {
+        thread::park();
+    }
 }
 
 /// Ends this process at once, and all that it has started.
@@ -43,10 +72,15 @@ fn leave() {
     let (done, wait) = sync_channel(1);
     thread::spawn(move || {
         process::abandon_all();
+        scratch::remove_all();
         let _ = done.send(());
     });
     let _ = wait.recv_timeout(FAREWELL);
-    eprintln!("interrupted; --resume goes on");
+    if RUNS.load(Ordering::Relaxed) {
+        eprintln!("interrupted; --resume goes on");
+    } else {
+        eprintln!("interrupted");
+    }
     // SAFETY: never returns, runs no code of this process: an FMU in it may hang in its own destructors.
     unsafe { libc::_exit(INTERRUPTED.into()) }
 }

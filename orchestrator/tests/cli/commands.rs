@@ -1,6 +1,11 @@
 //! The small commands around a study.
 
-use crate::support::Bench;
+use std::fs;
+use std::process::{Command, Stdio};
+use std::thread::sleep;
+use std::time::Duration;
+
+use crate::support::{Bench, model};
 
 #[test]
 fn a_sound_fmu_has_no_findings() {
@@ -13,12 +18,12 @@ fn a_sound_fmu_has_no_findings() {
 #[test]
 fn a_doubtful_fmu_has_findings() {
     let bench = Bench::empty();
-    let description = crate::support::model("valueReference=\"30\"", "valueReference=\"x\"");
+    let description = model("valueReference=\"30\"", "valueReference=\"x\"");
     bench.fmu("odd.fmu", &[], &description);
     let said = bench.run(&["check", "odd.fmu"]);
     assert_eq!(said.code, 1, "{}", said.out);
     assert!(said.out.contains("lag.text"), "{}", said.out);
-    let startless = crate::support::model(
+    let startless = model(
         "declaredType=\"Fault\" start=\"0\"",
         "declaredType=\"Fault\"",
     );
@@ -71,5 +76,60 @@ fn shells_get_their_completion() {
     for shell in ["bash", "zsh", "fish"] {
         let said = bench.run(&["completion", shell]);
         assert!(said.code == 0 && said.out.contains("verify"), "{shell}");
+    }
+}
+
+#[test]
+fn a_guid_that_the_binary_refuses_is_named() {
+    let bench = Bench::empty();
+    let other = "{0d9ba4ee-0000-4d1a-8d3c-2b1f0c6e5a77}";
+    let description = model("guid=\"lag\"", &format!("guid=\"{other}\""));
+    bench.fmu("other.fmu", &["SILENT"], &description);
+    let cause = format!("the GUID of the description, {other}, does not occur in the binary");
+    let said = bench.run(&["check", "other.fmu"]);
+    assert_eq!(said.code, 1);
+    assert!(said.out.contains(&cause), "{}", said.out);
+    bench
+        .run(&["simulate", "other.fmu"])
+        .is_mistake(&["fmi2Instantiate", &cause]);
+}
+
+#[test]
+fn a_check_survives_an_fmu_that_replaces_descriptors() {
+    let bench = Bench::empty();
+    bench.fmu("taking.fmu", &["TAKES_DESCRIPTORS"], &model("", ""));
+    let said = bench.run(&["check", "taking.fmu"]);
+    assert_eq!(said.code, 0, "{}", said.out);
+    assert!(said.out.contains("nothing found"), "{}", said.out);
+}
+
+#[test]
+fn a_signal_leaves_no_unpacked_fmu_behind() {
+    let bench = Bench::empty();
+    bench.fmu("hanging.fmu", &["FAULT=HANG"], &model("", ""));
+    fs::create_dir(bench.path("scratch")).unwrap();
+    let unpacked = || fs::read_dir(bench.path("scratch")).unwrap().count();
+    for command in ["simulate", "check"] {
+        for signal in ["-INT", "-TERM", "-HUP"] {
+            let mut run = bench
+                .command(&[command, "hanging.fmu"])
+                .env("TMPDIR", bench.path("scratch"))
+                .stdout(Stdio::null())
+                .stderr(Stdio::null())
+                .spawn()
+                .unwrap();
+            while unpacked() == 0 {
+                assert!(run.try_wait().unwrap().is_none());
+                sleep(Duration::from_millis(2));
+            }
+            // Somewhere while it is unpacked, loaded or simulated.
+            sleep(Duration::from_millis(100));
+            let kill = Command::new("kill")
+                .args([signal, &run.id().to_string()])
+                .status();
+            assert!(kill.unwrap().success());
+            assert_eq!(run.wait().unwrap().code(), Some(130), "{command} {signal}");
+            assert_eq!(unpacked(), 0, "{command} {signal}");
+        }
     }
 }

@@ -9,7 +9,9 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use super::probe::{COMMAND, Report, Setup};
-use crate::engine::process::program;
+use crate::engine::guard;
+use crate::engine::process::{marked, program};
+use crate::pipeline::stop;
 use fmu_import::isolation::keeper::signal_name;
 
 /// The most memory that a probe may use, bytes.
@@ -39,7 +41,7 @@ pub(super) fn run(setup: &Setup, patience: Duration, fill: Option<u8>) -> io::Re
     let heard = setup.result.with_extension("heard");
     let words = File::create(&heard)?;
     let mut command = Command::new(program()?);
-    command
+    marked(&mut command)
         .arg0("orchestrator")
         .arg(COMMAND)
         .arg(&description)
@@ -53,6 +55,7 @@ pub(super) fn run(setup: &Setup, patience: Duration, fill: Option<u8>) -> io::Re
     }
     let mut child = command.spawn()?;
     let end = wait(&mut child, patience);
+    stop::give_way();
     end_all(&mut child);
     let stage = fs::read_to_string(&setup.stage).unwrap_or_default();
     let report = fs::read(&setup.result).ok();
@@ -122,6 +125,7 @@ fn fate(end: End, heard: &Path) -> Option<String> {
     }
     match status.code() {
         Some(0) => None,
+        Some(guard::UNABLE) => Some(guard::MUTE.to_owned()),
         code => Some(format!(
             "the FMU ended its process with code {}",
             code.unwrap_or(-1)

@@ -3,10 +3,8 @@
 //! It notes what it is about to call and writes what it saw into files, so that whatever the FMU does to the process
 //! and its descriptors, the other side knows how far it came.
 
-use std::fs::File;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io;
-use std::os::unix::fs::FileExt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -85,18 +83,18 @@ pub(in crate::commands) fn serve(setup: &Path) -> io::Result<()> {
     let setup: Setup = serde_json::from_slice(&std::fs::read(setup)?)?;
     end_with(setup.supervisor)?;
     let mut probe = Probe {
-        stage: File::create(&setup.stage)?,
         report: Report::default(),
         setup: &setup,
     };
-    probe.at("loading")?;
+    probe.at("loading");
     let library = Package::open(&setup.fmu).and_then(|mut package| package.load());
     match library {
         Err(error) => probe.report.unloadable = Some(error.to_string()),
         Ok(library) => probe.live(&library)?,
     }
     probe.save()?;
-    probe.at("the end of its process")
+    probe.at("the end of its process");
+    Ok(())
 }
 
 /// Lets the kernel end this process with the one that waits for it.
@@ -114,7 +112,6 @@ fn end_with(supervisor: u32) -> io::Result<()> {
 }
 
 struct Probe<'a> {
-    stage: File,
     report: Report,
     setup: &'a Setup,
 }
@@ -127,10 +124,10 @@ struct Live {
 }
 
 impl Probe<'_> {
-    /// Notes what comes next.
-    fn at(&self, stage: &str) -> io::Result<()> {
-        self.stage.set_len(0)?;
-        self.stage.write_all_at(stage.as_bytes(), 0)
+    /// Notes what comes next. No descriptor is kept for it, since an FMU may close or replace those that it did not
+    /// open. Where the FMU leaves no room for another one, the note is missing, and nothing else.
+    fn at(&self, stage: &str) {
+        let _ = std::fs::write(&self.setup.stage, stage);
     }
 
     /// Writes what has been seen so far.
@@ -177,7 +174,7 @@ impl Probe<'_> {
         self.steps(&mut [&mut live], schedule)?;
         self.terminate(&mut live, "")?;
         self.report.runs.push(std::mem::take(&mut live.run));
-        self.at("fmi2Reset")?;
+        self.at("fmi2Reset");
         if let Err(call) = live.instance.reset() {
             live.run.failure = Some(call.to_string());
         } else {
@@ -237,7 +234,7 @@ impl Probe<'_> {
         changed: &[(u32, Value)],
         which: &str,
     ) -> io::Result<Option<Live>> {
-        self.at(&format!("{which}fmi2Instantiate"))?;
+        self.at(&format!("{which}fmi2Instantiate"));
         let instance = match Instance::new(library, "probe") {
             Ok(instance) => instance,
             Err(call) => {
@@ -265,7 +262,7 @@ impl Probe<'_> {
         changed: &[(u32, Value)],
         when: &str,
     ) -> io::Result<bool> {
-        self.at(&format!("the initialisation{when}"))?;
+        self.at(&format!("the initialisation{when}"));
         let mut begin = || -> Result<(), Call> {
             let instance = &mut live.instance;
             instance.setup_experiment(schedule.start, schedule.stop, schedule.tolerance)?;
@@ -286,7 +283,7 @@ impl Probe<'_> {
         let points = schedule.points();
         for index in 0..points.steps {
             let (time, next) = (points.at(index), points.at(index + 1));
-            self.at(&format!("fmi2DoStep at {time} s"))?;
+            self.at(&format!("fmi2DoStep at {time} s"));
             for live in lives.iter_mut().filter(|live| live.open) {
                 let Live { instance, run, .. } = &mut **live;
                 let mut at = next;
@@ -317,7 +314,7 @@ impl Probe<'_> {
             self.at(&match which.strip_prefix(' ') {
                 Some(when) => format!("fmi2Terminate {when}"),
                 None => format!("{which}fmi2Terminate"),
-            })?;
+            });
             live.run.unfinished = live.instance.terminate().err().map(|call| call.to_string());
         }
         Ok(())
@@ -326,7 +323,7 @@ impl Probe<'_> {
     /// Frees an instance, after what it showed has been written down.
     fn free(&mut self, live: Option<Live>, which: &str) -> io::Result<()> {
         self.save()?;
-        self.at(&format!("{which}fmi2FreeInstance"))?;
+        self.at(&format!("{which}fmi2FreeInstance"));
         drop(live);
         Ok(())
     }
