@@ -6,6 +6,9 @@ mod density;
 use serde::Serialize;
 use statrs::function::erf::{erfc, erfc_inv};
 
+/// The largest number below 1. Rounding must not lift a probability to 1, whose quantile may be infinite.
+pub(crate) const BELOW_ONE: f64 = 1.0_f64.next_down();
+
 /// A distribution with its numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(tag = "distribution", rename_all = "kebab-case")]
@@ -159,8 +162,7 @@ impl Distribution {
                 max,
             } => {
                 let [low, high] = self.cut();
-                // Rounding must not reach 1, whose quantile is infinite.
-                let u = (low + u * (high - low)).min(1.0 - f64::EPSILON / 2.0);
+                let u = (low + u * (high - low)).min(BELOW_ONE);
                 let value = mean + deviation * normal_quantile(u);
                 value
                     .max(min.unwrap_or(f64::NEG_INFINITY))
@@ -188,9 +190,7 @@ impl Distribution {
     pub fn at_score(&self, score: f64) -> f64 {
         match *self {
             Self::Normal { mean, deviation } => mean + deviation * score,
-            _ => {
-                self.quantile(normal_cdf(score).clamp(f64::MIN_POSITIVE, 1.0 - f64::EPSILON / 2.0))
-            }
+            _ => self.quantile(normal_cdf(score).clamp(f64::MIN_POSITIVE, BELOW_ONE)),
         }
     }
 
@@ -317,6 +317,11 @@ mod tests {
     #[test]
     fn quantiles_are_those_of_closed_forms() {
         let [_, truncated, uniform, triangular, lognormal] = all();
+        let shifted = Distribution::Triangular {
+            min: 5.0,
+            mode: 6.0,
+            max: 9.0,
+        };
         let fixed = Distribution::Fixed { value: 7.0 };
         let both = Distribution::TruncatedNormal {
             mean: 2.0,
@@ -328,6 +333,8 @@ mod tests {
             (uniform, 0.25, 0.0),
             (triangular, 0.0625, 0.5),
             (triangular, 0.75, 4.0 - 3_f64.sqrt()),
+            (shifted, 0.0625, 5.5),
+            (shifted, 0.75, 9.0 - 3_f64.sqrt()),
             (lognormal, 0.5, 2.0 / 1.0625_f64.sqrt()),
             (fixed, 0.1, 7.0),
             // A share of 0.1587 is cut away below; the normal score of 0.5793 is 0.2002.
@@ -354,6 +361,25 @@ mod tests {
                 low < high && low.is_finite() && high.is_finite(),
                 "{distribution:?}: {low} {high}"
             );
+        }
+    }
+
+    /// The score of 1 - 2^-53 is 8.2095; a normal quantity has values beyond.
+    #[test]
+    fn the_far_tail_is_neither_infinite_nor_cut_off_early() {
+        let [normal, ..] = all();
+        assert_eq!(normal.at_score(12.0), 8.0);
+        let unit = Distribution::Uniform { min: 0.0, max: 1.0 };
+        assert_eq!(unit.at_score(60.0), 1.0_f64.next_down());
+        let cut = |min| Distribution::TruncatedNormal {
+            mean: 0.0,
+            deviation: 1.0,
+            min,
+            max: None,
+        };
+        for min in [None, Some(0.1), Some(1.0), Some(3.0)] {
+            let last = cut(min).quantile(1.0_f64.next_down());
+            assert!((last - 8.2095).abs() < 1e-4, "{min:?}: {last}");
         }
     }
 

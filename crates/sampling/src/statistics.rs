@@ -186,6 +186,15 @@ mod tests {
     }
 
     #[test]
+    fn statistics_are_named_as_in_a_study() {
+        let names: Vec<String> = Statistic::ALL
+            .iter()
+            .map(|statistic| statistic.name())
+            .collect();
+        assert_eq!(names, ["final", "mean", "min", "max", "rms", "amplitude"]);
+    }
+
+    #[test]
     fn wilson_matches_published_values() {
         // Newcombe (1998), table I: 81 of 263 gives 0.2553..0.3662, 15 of 148 gives 0.0624..0.1605.
         let close = |hits, total, expected: [f64; 2]| {

@@ -4,7 +4,7 @@
 
 use nalgebra::DMatrix;
 
-use crate::distribution::{Distribution, normal_quantile};
+use crate::distribution::{BELOW_ONE, Distribution, normal_quantile};
 
 /// A matrix that mixes independent scores.
 #[derive(Clone, Debug)]
@@ -41,7 +41,7 @@ impl Correlation {
     pub fn ln_density(&self, values: &[f64], inputs: &[Distribution]) -> f64 {
         let score = |(input, &value): (&Distribution, &f64)| {
             let below = input.below(value);
-            normal_quantile(below.clamp(f64::MIN_POSITIVE, 1.0 - f64::EPSILON / 2.0))
+            normal_quantile(below.clamp(f64::MIN_POSITIVE, BELOW_ONE))
         };
         let mut free: Vec<f64> = Vec::with_capacity(values.len());
         let mut sum = 0.0;
@@ -107,6 +107,16 @@ mod tests {
         let square = (x * x - 2.0 * r * x * y + y * y) / (1.0 - r * r);
         let expected = -0.5 * (square - x * x - y * y) - 0.5 * (1.0 - r * r).ln();
         assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+    }
+
+    /// At the end of its range a quantity counts as far out as numbers below 1 tell: its score is 8.209536.
+    #[test]
+    fn the_density_at_an_end_of_the_range_is_finite() {
+        let unit = Distribution::Uniform { min: 0.0, max: 1.0 };
+        let mixed = Correlation::new(2, &[(0, 1, 0.6)]).unwrap();
+        let found = mixed.ln_density(&[1.0, 0.5], &[unit, unit]);
+        let expected = -0.5 * 8.209_536_f64.powi(2) * 0.36 / 0.64 - 0.5 * 0.64_f64.ln();
+        assert!((found - expected).abs() < 1e-5, "{found} {expected}");
     }
 
     #[test]

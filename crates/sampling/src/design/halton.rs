@@ -4,6 +4,7 @@
 
 use super::random::{self, Purpose};
 use super::rule::{Inputs, Numbers, Registered, Rule};
+use crate::distribution::BELOW_ONE;
 
 /// Bits of randomness that a digit needs.
 const BITS: f64 = 53.0;
@@ -45,23 +46,21 @@ impl Rule for Sequence {
         }
         // The digits beyond are random; rounding must not reach 1.
         let jitter = random::uniform(self.seed, Purpose::Jitter, index, dimension);
-        (value + scale * jitter).min(1.0 - f64::EPSILON / 2.0)
+        (value + scale * jitter).min(BELOW_ONE)
     }
 }
 
 impl Sequence {
     fn of(seed: u64, dimensions: usize) -> Result<Self, String> {
-        let primes = primes().take(dimensions);
-        let inputs: Vec<Radix> = primes
-            .zip(0..)
-            .map(|(base, dimension)| Radix::new(seed, base, dimension))
-            .collect();
-        if inputs.len() < dimensions {
-            let most = inputs.len();
+        let bases: Vec<u64> = primes().take(dimensions).collect();
+        if bases.len() < dimensions {
+            let most = bases.len();
             return Err(format!(
                 "a Halton sequence has at most {most} inputs, not {dimensions}"
             ));
         }
+        let radix = |(base, dimension)| Radix::new(seed, base, dimension);
+        let inputs = bases.into_iter().zip(0..).map(radix).collect();
         Ok(Self { seed, inputs })
     }
 }
@@ -125,6 +124,24 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// The point whose every digit is permuted to the largest one, and whose random rest would round up to 1.
+    #[test]
+    fn rounding_never_reaches_one() {
+        let mut rounded = 0;
+        for seed in 0..20 {
+            let sequence = Sequence::of(seed, 1).unwrap();
+            let ones = sequence.inputs[0]
+                .permutations
+                .iter()
+                .map(|digits| u64::from(digits[1] == 1));
+            let index = (0..).zip(ones).map(|(place, digit)| digit << place).sum();
+            let rest = random::uniform(seed, Purpose::Jitter, index, 0);
+            rounded += u32::from(1.0_f64.next_down() + rest * 2.0_f64.powi(-53) == 1.0);
+            assert_eq!(sequence.uniform(index, 0), 1.0_f64.next_down());
+        }
+        assert!(rounded > 0);
     }
 
     #[test]

@@ -6,6 +6,7 @@
 
 use super::random::{self, Purpose, mix};
 use super::rule::{Inputs, Numbers, Registered, Rule};
+use crate::distribution::BELOW_ONE;
 
 /// A rule for N points.
 #[derive(Clone, Debug)]
@@ -28,7 +29,7 @@ impl Rule for Hypercube {
         let slice = self.slice(index, dimension);
         let within = random::uniform(self.seed, Purpose::Jitter, index, dimension);
         // Rounding must not reach 1.
-        ((slice as f64 + within) / self.points as f64).min(1.0 - f64::EPSILON / 2.0)
+        ((slice as f64 + within) / self.points as f64).min(BELOW_ONE)
     }
 }
 

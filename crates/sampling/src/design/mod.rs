@@ -167,7 +167,7 @@ mod tests {
     #[test]
     fn seeds_differ_and_equal_seeds_agree() {
         for method in METHODS {
-            let [a, b, c] = [1, 1, 2].map(|seed| design(method, 64, seed));
+            let [a, b, c] = [1, 1, 2].map(|seed| design(method, 20, seed));
             assert_eq!(a.point(17), b.point(17));
             assert_ne!(a.point(17), c.point(17));
         }
@@ -259,6 +259,35 @@ mod tests {
         }
         let design = Design::new(&sampling(Method::Sobol, 8, 2), vec![unit]).unwrap();
         assert_eq!((design.len(), design.is_empty()), (8, false));
+    }
+
+    /// Of the four points of each net, every half and every quarter of the square holds its share.
+    #[test]
+    fn the_cube_holds_even_nets_in_turn() {
+        let points = cube(2, 8, 3, 2).unwrap();
+        assert_eq!(points.len(), 8);
+        for net in 0..2 {
+            for [columns, rows] in [[4.0, 1.0], [2.0, 2.0], [1.0, 4.0]] {
+                let cell =
+                    |p: &Vec<f64>| (p[0] * columns).floor() + columns * (p[1] * rows).floor();
+                let mut cells: Vec<f64> = points.iter().skip(net).step_by(2).map(cell).collect();
+                cells.sort_by(f64::total_cmp);
+                assert_eq!(cells, [0.0, 1.0, 2.0, 3.0], "{columns} by {rows}");
+            }
+        }
+        assert!(cube(2, 8, 3, 0).is_err());
+    }
+
+    #[test]
+    fn methods_are_named_as_in_a_study() {
+        assert_eq!(
+            Method::OptimisedLatinHypercube.name(),
+            "optimised-latin-hypercube"
+        );
+        assert_eq!(Method::named(Method::has_replicates), "sobol");
+        let extensible = Method::named(Method::is_extensible);
+        assert_eq!(extensible, "monte-carlo, sobol or halton");
+        assert_eq!(Method::named(|_| false), "");
     }
 
     #[test]

@@ -9,6 +9,7 @@
 use super::hypercube::Hypercube;
 use super::random::{self, Purpose};
 use super::rule::{Inputs, Numbers, Registered, Rule};
+use crate::distribution::BELOW_ONE;
 
 /// Above this number, random pairing already spreads the points well.
 pub(super) const MOST: u64 = 4096;
@@ -38,7 +39,7 @@ impl Rule for Spread {
         let place = usize::try_from(index).unwrap_or(0) % self.points;
         let slice = self.slices[dimension as usize][place];
         let within = random::uniform(self.seed, Purpose::Jitter, index, dimension);
-        ((f64::from(slice) + within) / self.points as f64).min(1.0 - f64::EPSILON / 2.0)
+        ((f64::from(slice) + within) / self.points as f64).min(BELOW_ONE)
     }
 }
 
@@ -232,10 +233,38 @@ mod tests {
         }
     }
 
+    /// Three points in two or three inputs: of all pairings the best one, whatever the seed. Two points have no choice:
+    /// their pairings are mirror images.
+    #[test]
+    fn of_three_points_the_best_pairing_is_found() {
+        const ORDERS: [[u32; 3]; 6] = [
+            [0, 1, 2],
+            [0, 2, 1],
+            [1, 0, 2],
+            [1, 2, 0],
+            [2, 0, 1],
+            [2, 1, 0],
+        ];
+        let orders = || ORDERS.map(Vec::from).into_iter();
+        let pairs = orders().map(|b| vec![vec![0, 1, 2], b]).collect::<Vec<_>>();
+        let triples = pairs
+            .iter()
+            .flat_map(|pair| orders().map(|c| [&pair[..], &[c]].concat()));
+        for all in [triples.collect(), pairs.clone()] {
+            let values = all.iter().map(|slices| discrepancy(slices));
+            let least = values.fold(f64::INFINITY, f64::min);
+            for seed in 0..3 {
+                let spread = Spread::of(seed, all[0].len(), 3).unwrap();
+                let found = discrepancy(&spread.slices);
+                assert!((found - least).abs() < 1e-12, "{seed}: {found} {least}");
+            }
+        }
+    }
+
     #[test]
     fn updates_do_not_drift() {
-        let start = Spread::of(1, 3, 40).unwrap();
-        let mut state = Discrepancy::new(&start.slices);
+        let start = [3, 7, 11].map(|step| (0..40).map(|i| step * i % 40).collect());
+        let mut state = Discrepancy::new(&start);
         for k in 0..1000 {
             state.exchange(k % 3, k % 40, (7 * k + 1) % 40);
         }
@@ -245,7 +274,8 @@ mod tests {
 
     #[test]
     fn too_many_points_are_refused_with_the_remedy() {
-        let error = Spread::of(1, 2, 5000).unwrap_err();
+        let error = Spread::of(1, 1, MOST + 1).unwrap_err();
         assert!(error.contains("4096") && error.contains("sobol"), "{error}");
+        assert!(Spread::of(1, 1, MOST).is_ok());
     }
 }

@@ -134,6 +134,30 @@ mod tests {
         assert_eq!(points, [0.0, 0.5, 0.75, 0.25, 0.375, 0.875, 0.625, 0.125]);
     }
 
+    /// The first numbers of an input, and those that follow by the recurrence: by Bratley and Fox (1988), "Algorithm
+    /// 659", ACM Trans. Math. Software 14, for the first one, by hand for the others.
+    #[test]
+    fn direction_numbers_follow_from_the_polynomial() {
+        let cases: [(u32, &[u32], &[u32]); 4] = [
+            // x^3 + x + 1
+            (0b01, &[1, 3, 7], &[5, 7, 43]),
+            // x^3 + x^2 + 1
+            (0b10, &[1, 1, 1], &[11, 31, 55, 61]),
+            // x^5 + x^4 + x^3 + x^2 + 1
+            (0b1110, &[1, 1, 5, 5, 17], &[63, 51]),
+            // x + 1: Pascal's triangle modulo 2
+            (0, &[1], &[3, 5, 15, 17, 51]),
+        ];
+        for (coefficients, initial, expected) in cases {
+            let all = directions(coefficients, initial);
+            let whole = (0..)
+                .zip(all)
+                .map(|(k, direction)| direction >> (BITS - 1 - k));
+            let found: Vec<u32> = whole.take(initial.len() + expected.len()).collect();
+            assert_eq!(found, [initial, expected].concat(), "{coefficients:b}");
+        }
+    }
+
     fn nets(points: u64, replicates: u64, dimensions: usize) -> Result<Nets, String> {
         let numbers = Numbers {
             points,

@@ -216,6 +216,80 @@ mod tests {
         }
     }
 
+    /// Triangles whose mode is an end have the closed forms 1 - (1 - x)^2 and x^2 on the unit interval.
+    #[test]
+    fn triangles_without_one_of_their_sides() {
+        let triangle = |mode| Distribution::Triangular {
+            min: 0.0,
+            mode,
+            max: 1.0,
+        };
+        let [falling, rising] = [0.0, 1.0].map(triangle);
+        for (x, below) in [(-1.0, 0.0), (0.0, 0.0), (0.5, 0.75), (1.0, 1.0), (2.0, 1.0)] {
+            assert_eq!(falling.below(x), below, "{x}");
+            assert_eq!(rising.below(1.0 - x), 1.0 - below, "{x}");
+        }
+        for (x, density) in [(-0.1, 0.0), (0.0, 2.0), (0.75, 0.5), (1.0, 0.0), (1.1, 0.0)] {
+            let found = [falling.ln_density(x), rising.ln_density(1.0 - x)];
+            for found in found.map(f64::exp) {
+                assert!((found - density).abs() < 1e-12, "{x}: {found}");
+            }
+        }
+    }
+
+    #[test]
+    fn limits_belong_to_the_quantity_and_nothing_beyond_them() {
+        let [_, truncated, uniform, _, lognormal] = all();
+        for (distribution, [min, max]) in [(truncated, [1.5, 3.5]), (uniform, [-1.0, 3.0])] {
+            assert_eq!(
+                [min, max].map(|end| distribution.below(end)),
+                [0.0, 1.0],
+                "{distribution:?}"
+            );
+            for end in [min, max] {
+                assert!(distribution.ln_density(end).is_finite(), "{distribution:?}");
+            }
+            for beyond in [min - 1e-9, max + 1e-9] {
+                let found = distribution.ln_density(beyond);
+                assert_eq!(found, f64::NEG_INFINITY, "{distribution:?}");
+            }
+        }
+        for value in [0.0, -1.0] {
+            assert_eq!(lognormal.below(value), 0.0);
+            assert_eq!(lognormal.ln_density(value), f64::NEG_INFINITY);
+        }
+    }
+
+    #[test]
+    fn a_fixed_quantity_is_all_in_one_place() {
+        let fixed = Distribution::Fixed { value: 7.0 };
+        assert_eq!([6.9, 7.0, 7.1].map(|x| fixed.below(x)), [0.0, 1.0, 1.0]);
+        assert_eq!([6.9, 7.0].map(|x| fixed.ln_density(x)), [0.0; 2]);
+        assert_eq!((fixed.centre(), fixed.scaled(0.5)), (7.0, fixed));
+    }
+
+    #[test]
+    fn half_the_spread_by_hand() {
+        let [_, _, uniform, triangular, _] = all();
+        let half = Distribution::Uniform { min: 0.0, max: 2.0 };
+        assert_eq!(uniform.scaled(0.5), half);
+        let half = Distribution::Triangular {
+            min: 0.5,
+            mode: 1.0,
+            max: 2.5,
+        };
+        assert_eq!(triangular.scaled(0.5), half);
+        // A mean beyond the cuts moves to the nearest value that they leave.
+        let cut = |mean, deviation| Distribution::TruncatedNormal {
+            mean,
+            deviation,
+            min: Some(1.5),
+            max: Some(3.5),
+        };
+        assert_eq!(cut(1.0, 0.5).scaled(2.0), cut(1.5, 1.0));
+        assert_eq!(cut(9.0, 0.5).scaled(2.0), cut(3.5, 1.0));
+    }
+
     #[test]
     fn a_factor_narrows_about_the_centre() {
         for distribution in all() {
