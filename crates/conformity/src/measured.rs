@@ -206,8 +206,9 @@ mod tests {
             let margin = (0.615 - (value - 82.0).abs()) / 0.5;
             assert!((found.all.margin - margin).abs() < 1e-12);
         }
-        let capability = measured(82.0, 0.615, 0.615).capability().unwrap();
-        assert!((capability - 1.0).abs() < 1e-12);
+        // Twice the standard uncertainty, 0.15, fits into the tolerance four times.
+        let capability = measured(82.0, 1.2, 0.3).capability().unwrap();
+        assert!((capability - 4.0).abs() < 1e-12);
     }
 
     #[test]
@@ -228,6 +229,9 @@ mod tests {
         };
         let measurement = Measurement::new(vec![measured(82.0, 1.0, 0.5), unknown], &[]).unwrap();
         assert!(!measurement.complete());
+        let known = vec![measured(82.0, 1.0, 0.5)];
+        assert!(Measurement::new(known, &[]).unwrap().complete());
+        assert!(!Measurement::default().complete());
         let inside = measurement.assess(&[82.5, 802.5]);
         assert_eq!(
             inside.all,

@@ -185,6 +185,12 @@ mod tests {
     }
 
     #[test]
+    fn boxes_beyond_all_rounding_have_no_probability() {
+        assert_eq!(between_both([9.0, -1.0], [10.0, 1.0], 0.5), 0.0);
+        assert_eq!(between_both([-1.0, 9.0], [1.0, 10.0], 0.5), 0.0);
+    }
+
+    #[test]
     fn equal_and_opposite_numbers() {
         let (lower, upper) = ([-1.0, 0.2], [0.5, 3.0]);
         assert_eq!(between_both(lower, upper, 1.0), between(0.2, 0.5));

@@ -32,14 +32,9 @@ impl ConfidenceSequence {
         let (k, n) = (hits as f64, points as f64);
         let best = if points == 0 { 0.5 } else { k / n };
         let evidence = |share: f64| log_ratio(k, n, share) - limit;
-        let low = match hits {
-            0 => 0.0,
-            _ => best * crossing(|part| -evidence(best * part))[0],
-        };
-        let high = match points - hits {
-            0 => 1.0,
-            _ => best + (1.0 - best) * crossing(|part| evidence(best + (1.0 - best) * part))[1],
-        };
+        let low = best * crossing(|part| -evidence(best * part))[0];
+        let rest = 1.0 - best;
+        let high = best + rest * crossing(|part| evidence(best + rest * part))[1];
         [low, high]
     }
 
@@ -139,6 +134,14 @@ mod tests {
             width = high - low;
         }
         assert!(width < 5.5 * (0.2 * 0.8 / 1e6_f64).sqrt() * 2.0, "{width}");
+    }
+
+    #[test]
+    fn the_search_for_the_least_number_ends_at_a_thousand_billion() {
+        for least in [1, 2, 3, 1000, (1 << 39) + 1, 1 << 40] {
+            assert_eq!(least_points(|n| n >= least as f64), Some(least));
+        }
+        assert_eq!(least_points(|n| n > (1_u64 << 40) as f64), None);
     }
 
     #[test]

@@ -15,6 +15,44 @@ fn decisions_follow_the_interval() {
 }
 
 #[test]
+fn decisions_are_written_as_in_a_verdict() {
+    let words = [
+        Decision::Verified,
+        Decision::NotVerified,
+        Decision::Inconclusive,
+    ];
+    let words = words.map(|decision| decision.to_string());
+    assert_eq!(words, ["verified", "not verified", "inconclusive"]);
+}
+
+/// A point in each randomisation is enough for their scatter to count, on either side; one point less is not.
+#[test]
+fn as_many_points_as_randomisations_have_a_scatter() {
+    let few = |total: u64| -> Vec<u64> {
+        let twos = (0..16).map(|k| if k < 4 { 2 } else { u64::from(k >= 8) });
+        let mut counts: Vec<u64> = twos.collect();
+        counts[15] -= 16 - total;
+        counts
+    };
+    let exact = |hits: u32| clopper_pearson(hits.into(), 512.0, 0.95);
+    let misses = |counts: &[u64]| -> Vec<u64> { counts.iter().map(|count| 32 - count).collect() };
+    assert_eq!(randomised(&few(15), 512, 0.95), exact(15));
+    assert_eq!(randomised(&misses(&few(15)), 512, 0.95), exact(497));
+    // Student's interval: four counts of 0, eight of 1 and four of 2; t is 2.131450 with 15 degrees of freedom.
+    let half = 2.131_449_5 * (8.0_f64 / 15.0 / 16.0).sqrt() / 32.0;
+    for (counts, centre) in [(few(16), 1.0 / 32.0), (misses(&few(16)), 31.0 / 32.0)] {
+        let [low, high] = randomised(&counts, 512, 0.95);
+        assert!((low - (centre - half)).abs() < 1e-9, "{low}");
+        assert!((high - (centre + half)).abs() < 1e-9, "{high}");
+    }
+    // Two equal counts have no scatter to tell of.
+    assert_eq!(
+        randomised(&[42, 42], 200, 0.95),
+        clopper_pearson(84.0, 200.0, 0.95)
+    );
+}
+
+#[test]
 fn equal_counts_tell_nothing_of_their_scatter() {
     let exact = |hits: u32, points: u32| clopper_pearson(hits.into(), points.into(), 0.95);
     assert_eq!(randomised(&[8; 16], 512, 0.95), exact(128, 512));

@@ -44,6 +44,64 @@ fn looks_at_randomised_designs_are_doublings() {
 }
 
 #[test]
+fn nets_whose_number_is_no_power_of_two_double_as_well() {
+    let doublings = history(&[]).awaiting(Way::Doublings);
+    let due = (1..=200).filter(|&points| doublings.is_due(3, points));
+    assert_eq!(due.collect::<Vec<_>>(), [48, 96, 192]);
+}
+
+/// A single look is decided by the interval for its number of points, a doubling by its part of the confidence.
+#[test]
+fn looks_at_fixed_numbers_are_decided_by_the_interval() {
+    let rule = Rule {
+        share: 0.2,
+        confidence: 0.95,
+    };
+    for hits in 0..=100 {
+        let expected = rule.decide(randomised(&[hits], 100, 0.95));
+        assert_eq!(
+            Looks::default().decide(rule, &[hits], 100),
+            expected,
+            "{hits}"
+        );
+    }
+    let doublings = history(&[]).awaiting(Way::Doublings);
+    // The first look is at 16 points; three doublings later a look has a twentieth of the doubt.
+    for hits in 0..=128 {
+        let expected = rule.decide(randomised(&[hits], 128, 1.0 - 0.05 / 20.0));
+        assert_eq!(doublings.decide(rule, &[hits], 128), expected, "{hits}");
+    }
+}
+
+#[test]
+fn going_on_after_a_fixed_number_leaves_half_of_the_doubt() {
+    let rule = Rule {
+        share: 0.2,
+        confidence: 0.95,
+    };
+    let left = |looks: Looks| {
+        let rule = looks.going_on(rule);
+        assert_eq!(rule.share, 0.2);
+        rule.confidence
+    };
+    let [none, fixed] = [history(&[]), history(&[once(100)])];
+    for looks in [Looks::default(), fixed.awaiting(Way::EveryPoint)] {
+        assert!((left(looks) - 0.975).abs() < 1e-15, "{looks:?}");
+    }
+    assert_eq!(left(none.awaiting(Way::EveryPoint)), 0.95);
+    // Half of the doubt is a confidence of its own in the interval, too.
+    let found = fixed.awaiting(Way::EveryPoint).interval(&[87], 400, 0.95);
+    let sequence = ConfidenceSequence { confidence: 0.975 };
+    let expected = sequence.interval(87, 400);
+    for k in 0..2 {
+        assert!(
+            (found[k] - expected[k]).abs() < 1e-12,
+            "{found:?} {expected:?}"
+        );
+    }
+}
+
+#[test]
 fn intervals_of_several_looks_are_wider() {
     let accepted: Vec<u64> = (0..16).map(|k| 20 + k % 5).collect();
     let width = |way: Way| {
