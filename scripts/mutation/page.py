@@ -15,7 +15,7 @@ ROOT = HERE.parent.parent
 RESULTS = ROOT / "results" / "mutants"
 RUNS = HERE / "runs.json"
 PAGE = ROOT / "docs" / "mutation.md"
-PARTS = ["solver", "statistics", "conformity", "verdict", "design", "sensitivity"]
+PARTS = ["solver", "statistics", "distribution", "design", "conformity", "verdict", "sensitivity"]
 
 HEAD = """# Mutation testing
 
@@ -52,29 +52,42 @@ def change(mutant):
     return mutant["name"].split(": ", 1)[1]
 
 
+def tried(name):
+    """All mutants of a part, and the places and outcomes of those that were tried, by the mutants' names.
+
+    A part that goes on (MUTANTS_AGAIN) leaves out what it has caught before: `tried.json` keeps it.
+    """
+    folder = RESULTS / name
+    store = folder / "tried.json"
+    outcomes = json.loads(store.read_text(encoding="utf-8")) if store.is_file() else {}
+    last = folder / "mutants.out"
+    for outcome in json.loads((last / "outcomes.json").read_text(encoding="utf-8"))["outcomes"]:
+        if outcome["scenario"] != "Baseline":
+            mutant = outcome["scenario"]["Mutant"]
+            outcomes[mutant["name"]] = [place(mutant), outcome["summary"]]
+    store.write_text(json.dumps(outcomes, indent=1) + "\n", encoding="utf-8")
+    mutants = json.loads((last / "mutants.json").read_text(encoding="utf-8"))
+    return outcomes.keys() | {mutant["name"] for mutant in mutants}, outcomes
+
+
 def read(name, reasons):
     """The counts and survivors of a part that was just run."""
-    folder = RESULTS / name / "mutants.out"
-    mutants = json.loads((folder / "mutants.json").read_text(encoding="utf-8"))
+    mutants, outcomes = tried(name)
     run = {
         "date": datetime.date.today().isoformat(),
-        "files": sorted({mutant["file"] for mutant in mutants}),
+        "files": sorted({mutant.split(":")[0] for mutant in mutants}),
         "mutants": len(mutants),
-        "tried": 0, "caught": 0, "unviable": 0, "equivalent": 0, "survivors": [],
+        "tried": len(outcomes), "caught": 0, "unviable": 0, "equivalent": 0, "survivors": [],
     }
-    for outcome in json.loads((folder / "outcomes.json").read_text(encoding="utf-8"))["outcomes"]:
-        if outcome["scenario"] == "Baseline":
-            continue
-        mutant, summary = outcome["scenario"]["Mutant"], outcome["summary"]
-        run["tried"] += 1
+    for where, summary in outcomes.values():
         if summary in ("CaughtMutant", "Timeout"):
             run["caught"] += 1
         elif summary == "Unviable":
             run["unviable"] += 1
-        elif place(mutant) in reasons:
+        elif tuple(where) in reasons:
             run["equivalent"] += 1
         else:
-            run["survivors"].append(place(mutant))
+            run["survivors"].append(where)
     return run
 
 
