@@ -190,6 +190,17 @@ mod tests {
         assert_eq!(between_both([-1.0, 9.0], [1.0, 10.0], 0.5), 0.0);
     }
 
+    /// A Gauss-Legendre rule of five nodes is exact to the ninth power: the integral of x^k from 0 to 1 is 1 / (k + 1).
+    #[test]
+    fn five_nodes_integrate_the_ninth_power() {
+        let rule: Vec<[f64; 2]> = GaussLegendre::new(5).on_unit_interval().collect();
+        for power in 0..10 {
+            let found: f64 = rule.iter().map(|[x, weight]| weight * x.powi(power)).sum();
+            let expected = 1.0 / f64::from(power + 1);
+            assert!((found - expected).abs() < 1e-14, "{power}: {found}");
+        }
+    }
+
     #[test]
     fn equal_and_opposite_numbers() {
         let (lower, upper) = ([-1.0, 0.2], [0.5, 3.0]);
