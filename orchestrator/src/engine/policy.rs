@@ -157,13 +157,13 @@ impl Conduct {
                 .to_owned(),
             count => format!(
                 "reproducible: {count} {} computed twice, the second time alone in a new process with other bytes in \
-                 unwritten memory, with the same results to the last bit ({})",
+                 unwritten memory, and came out the same to the last bit ({})",
                 if count == 1 {
                     "point was"
                 } else {
                     "points were"
                 },
-                power(count, "differs")
+                power(count)
             ),
         }
     }
@@ -175,7 +175,7 @@ impl Conduct {
             count => format!(
                 "points shared processes; {count} of them {} computed again alone, and agreed to the last bit ({})",
                 was(count),
-                power(count, "errs")
+                power(count)
             ),
         }
     }
@@ -185,13 +185,13 @@ fn was(count: u64) -> &'static str {
     if count == 1 { "was" } else { "were" }
 }
 
-/// What an audit of so many points finds.
+/// What the comparison of so many points finds.
 #[allow(clippy::cast_precision_loss)]
-fn power(audits: u64, errs: &str) -> String {
-    // 95 % of the FMUs that err in a larger share of their points would have been found.
+fn power(audits: u64) -> String {
     let share = 100.0 * (1.0 - 0.05_f64.powf(1.0 / audits as f64));
     format!(
-        "an FMU that {errs} in a share f of its points is found with probability 1-(1-f)^{audits}: 95 % for f = {share:.2} %"
+        "had {share:.2} % of all points differed, this would have been found with a probability of 95 %; a share f is \
+         found with 1-(1-f)^{audits}"
     )
 }
 
