@@ -1,7 +1,6 @@
 //! Whether the share of the sampled space that meets all criteria is as large as required.
 
 use serde::{Deserialize, Serialize};
-use statrs::function::beta::ln_beta;
 
 use super::interval::{clopper_pearson, student};
 
@@ -69,17 +68,19 @@ pub fn randomised(counts: &[u64], points: u64, confidence: f64) -> [f64; 2] {
     student(total as f64 / points as f64, &shares, confidence)
 }
 
-/// The probability that another sample of as many independent points would come to the other verdict by the one-point
-/// rule: without an accepted point where this one has some, with one where this one has none.
+/// The interval of the probability that another sample of as many independent points would come to the other verdict by
+/// the one-point rule: without an accepted point where this one has some, with one where this one has none.
 ///
-/// The share of accepted points is taken as distributed by Jeffreys' rule given the points, so that the number of
-/// accepted points of the other sample is beta-binomial (Johnson, Kemp and Kotz 2005, "Univariate Discrete
-/// Distributions", 6.2.2).
-pub fn other_verdict(accepted: u64, points: u64) -> f64 {
-    let [hits, misses, again] = [accepted, points - accepted, points].map(|n| n as f64);
-    let none =
-        (ln_beta(hits + 0.5, misses + 0.5 + again) - ln_beta(hits + 0.5, misses + 0.5)).exp();
-    if accepted > 0 { none } else { 1.0 - none }
+/// That probability follows from the share of accepted points, of which the sample tells an [interval](clopper_pearson),
+/// whatever the share was held for before. A few accepted points tell next to nothing of it.
+pub fn other_verdict(accepted: u64, points: u64, confidence: f64) -> [f64; 2] {
+    let shares = clopper_pearson(accepted as f64, points as f64, confidence);
+    let [some, none] = shares.map(|share| (1.0 - share).powf(points as f64));
+    if accepted > 0 {
+        [none, some]
+    } else {
+        [1.0 - some, 1.0 - none]
+    }
 }
 
 /// How many counts differ from the most frequent one.

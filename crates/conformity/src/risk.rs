@@ -215,7 +215,7 @@ impl RiskTally {
         let conforming = accepted.complement().sum + rejected.complement().sum;
         let accepted_by_sample: Vec<u64> = parts[0].iter().map(|part| part.count).collect();
         let bands = match self.guard {
-            Guard::Limiting { risk } if self.all.known => {
+            Guard::Limiting { risk } if self.all.known && self.within.iter().any(|&n| n > 0) => {
                 bands::allowed(&self.all, &self.measured, risk, confidence)
             }
             _ => Bands::one(guard.unwrap_or(f64::INFINITY), &accepted_by_sample),

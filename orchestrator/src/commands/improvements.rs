@@ -33,14 +33,13 @@ fn sentence(change: &Change) -> String {
         Halved::Uncertainty => "uncertainty of the measured value",
         Halved::Tolerance => "tolerance of",
     };
-    let [gain, low, high] = [
-        change.gain,
-        change.gain_interval[0],
-        change.gain_interval[1],
-    ]
-    .map(|x| 100.0 * x);
+    let interval = change.gain_interval.map_or_else(String::new, |ends| {
+        let [low, high] = ends.map(|end| 100.0 * end);
+        format!(" (95 % interval {low:.1} .. {high:.1})")
+    });
     format!(
-        "half the {what} {} gains {gain:.1} points of the share (95 % interval {low:.1} .. {high:.1})",
-        change.name
+        "half the {what} {} gains {:.1} points of the share{interval}",
+        change.name,
+        100.0 * change.gain
     )
 }

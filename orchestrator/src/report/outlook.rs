@@ -88,10 +88,16 @@ fn change(found: &Change) -> [String; 8] {
         let sign = if gain > 0.0 { "+" } else { "" };
         format!("{sign}{}", number(100.0 * gain, 2))
     };
-    let [low, high] = found.gain_interval.map(plus);
-    let interval = match found.sign() {
-        Sign::Open => format!("{low} … {high}: not distinguishable from 0"),
-        Sign::Gain | Sign::Loss => format!("{low} … {high}"),
+    let interval = match (found.gain_interval, found.sign()) {
+        (None, _) => "–".to_owned(),
+        (Some(ends), sign) => {
+            let [low, high] = ends.map(plus);
+            let open = match sign {
+                Sign::Open => ": not distinguishable from 0",
+                Sign::Gain | Sign::Loss => "",
+            };
+            format!("{low} … {high}{open}")
+        }
     };
     prospect(
         &found.name,

@@ -18,10 +18,11 @@ pub struct Conclusion {
     pub verdict_words: String,
     /// The required share and the one found; only for the rule `share`.
     pub required: Option<Requirement>,
-    /// The probability that another seed comes to the other verdict, as if its points were independent; only of the
+    /// The 95 % interval of the probability that another seed comes to the other verdict, as if points were independent;
+    /// only of the
     /// rule `one point`.
     #[serde(default)]
-    pub other_verdict_probability: Option<f64>,
+    pub other_verdict_interval: Option<[f64; 2]>,
     /// How many points are accepted: within all tolerances less the guard bands.
     pub accepted: u64,
     /// The guard band of every criterion, in expanded uncertainties; none where no guard band limits
@@ -216,7 +217,9 @@ impl Conclusion {
             rule: ruling.map_or(RuleName::OnePoint, |_| RuleName::Share),
             verdict_words: words,
             required,
-            other_verdict_probability: ruling.is_none().then(|| other_verdict(accepted, points)),
+            other_verdict_interval: ruling
+                .is_none()
+                .then(|| other_verdict(accepted, points, 0.95)),
             accepted,
             guard_band: statement.guard,
             risk: statement.all.clone(),
@@ -312,8 +315,11 @@ mod tests {
             found.verdict_words,
             "not verified by the one-point rule: 0 of 50 points"
         );
-        let other = found.other_verdict_probability.unwrap();
-        assert!((other - 0.29).abs() < 0.01, "{other}");
+        let [least, most] = found.other_verdict_interval.unwrap();
+        assert!(
+            least == 0.0 && (most - 0.975).abs() < 1e-9,
+            "{least} {most}"
+        );
     }
 
     /// Who ends a study when it suits needs a wider interval.

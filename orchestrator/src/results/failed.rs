@@ -103,7 +103,7 @@ pub(super) fn nothing_compared(conclusion: &mut Conclusion, points: u64) {
         verdict,
         verdict_words,
         required,
-        other_verdict_probability,
+        other_verdict_interval,
         risk,
         ..
     } = conclusion;
@@ -118,11 +118,12 @@ pub(super) fn nothing_compared(conclusion: &mut Conclusion, points: u64) {
     };
     if let Some(required) = required {
         required.interval = None;
+        required.guard_bands = None;
         required.points_needed = None;
         required.points_needed_going_on = None;
         "none: no point has a result".clone_into(&mut required.method);
     }
-    *other_verdict_probability = None;
+    *other_verdict_interval = None;
     *risk = None;
 }
 

@@ -12,7 +12,7 @@ use super::gain::{self, Pair};
 use crate::judge::Judge;
 use crate::study::plan::Plan;
 use conformity::decision::Decision;
-use conformity::interval::wilson;
+use conformity::interval::clopper_pearson;
 use conformity::measured::{Measured, Measurement, Uncertainty};
 use conformity::risk::Guard;
 use sampling::distribution::Distribution;
@@ -45,17 +45,13 @@ pub struct Change {
     /// By how much the probability grows that a point is accepted and conforms; where an uncertainty is not known, that
     /// it is accepted.
     pub gain: f64,
-    /// The interval of the gain, from the difference at each point. All intervals of a study hold together with 95 %.
-    #[serde(default = "nothing_known")]
-    pub gain_interval: [f64; 2],
+    /// The interval of the gain, from the difference at each point. All intervals of a study hold together with 95 %. None
+    /// of points that are no sample, such as those of a grid.
+    #[serde(default)]
+    pub gain_interval: Option<[f64; 2]>,
     /// Verdict and risks that would follow.
     #[serde(flatten)]
     pub prospect: Prospect,
-}
-
-/// The interval in summaries of earlier versions.
-fn nothing_known() -> [f64; 2] {
-    [-1.0, 1.0]
 }
 
 /// A gain against chance.
@@ -73,8 +69,8 @@ impl Change {
     /// Whether the points tell the gain from 0.
     pub fn sign(&self) -> Sign {
         match self.gain_interval {
-            [low, _] if low > 0.0 => Sign::Gain,
-            [_, high] if high < 0.0 => Sign::Loss,
+            Some([low, _]) if low > 0.0 => Sign::Gain,
+            Some([_, high]) if high < 0.0 => Sign::Loss,
             _ => Sign::Open,
         }
     }
@@ -95,8 +91,8 @@ pub enum Halved {
 pub struct Prospect {
     /// The share of accepted points.
     pub accepted: f64,
-    /// Its interval, with the confidence that the study requires, or 95 %.
-    pub interval: [f64; 2],
+    /// Its interval, with the confidence that the study requires, or 95 %; none of points that are no sample.
+    pub interval: Option<[f64; 2]>,
     /// That a point conforms; none unless every criterion has an uncertainty. So the following ones.
     pub conformance_probability: Option<f64>,
     /// That a point is accepted and does not conform.
@@ -109,6 +105,18 @@ pub struct Prospect {
     pub verdict: Option<Decision>,
     /// How many equally weighted points would tell as much.
     pub effective_points: f64,
+}
+
+impl Improvements {
+    /// The same without intervals, of points that are no sample.
+    pub(super) fn without_intervals(mut self) -> Self {
+        self.now.interval = None;
+        for change in &mut self.changes {
+            change.gain_interval = None;
+            change.prospect.interval = None;
+        }
+        self
+    }
 }
 
 /// A point as the changes see it: its weight, and what the measurement says of it.
@@ -165,13 +173,14 @@ pub(super) fn improvements(
             halved,
             name,
             gain: total(&prospect) - total(&now),
-            gain_interval: gain::interval(&pairs, confidence),
+            gain_interval: Some(gain::interval(&pairs, confidence)),
             prospect,
         }
     };
     let mut changes: Vec<Change> = found.into_iter().map(change).collect();
     changes.sort_by(|a, b| {
-        let surest = b.gain_interval[0].total_cmp(&a.gain_interval[0]);
+        let low = |change: &Change| change.gain_interval.map_or(change.gain, |[low, _]| low);
+        let surest = low(b).total_cmp(&low(a));
         b.sign().cmp(&a.sign()).then(surest)
     });
     (!changes.is_empty()).then_some(Improvements {
@@ -264,10 +273,10 @@ fn prospect(judge: &Judge, points: &[Seen]) -> Prospect {
     }) / all;
     let producer = sum(&|p| if accepted(&p) { 0.0 } else { conforming(p) }) / all;
     let confidence = judge.rule.map_or(USUAL, |rule| rule.confidence);
-    let interval = wilson(share, effective, confidence);
+    let interval = clopper_pearson(share * effective, effective, confidence);
     Prospect {
         accepted: share,
-        interval,
+        interval: Some(interval),
         conformance_probability: known.then(|| sum(&conforming) / all),
         consumer: known.then_some(consumer),
         producer: known.then_some(producer),

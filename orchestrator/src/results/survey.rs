@@ -95,7 +95,13 @@ impl<'a> Survey<'a> {
         summary.most_probable_point = self.most_probable(summary);
         let drawn = self.plan.filter(|_| self.drawn);
         if self.points > 0 {
-            summary.improvements = improvements(self.judge, drawn, &self.first);
+            let found = improvements(self.judge, drawn, &self.first);
+            // A grid is no sample.
+            let is_sample = summary.verified_interval.is_some();
+            summary.improvements = match found {
+                Some(found) if !is_sample => Some(found.without_intervals()),
+                found => found,
+            };
         }
     }
 

@@ -271,7 +271,7 @@ impl<'a> Tally<'a> {
         let mut conclusion = Conclusion::new(ruling, &statement, points);
         if self.grid {
             // A grid has no seed.
-            conclusion.other_verdict_probability = None;
+            conclusion.other_verdict_interval = None;
         }
         let compared = self.failed() < points;
         if !compared {

@@ -26,15 +26,8 @@ pub fn sentences(summary: &Summary) -> Vec<String> {
 
 /// Whether other points would say the same.
 fn firmness(conclusion: &Conclusion, summary: &Summary) -> String {
-    if let Some(probability) = conclusion.other_verdict_probability {
-        let seed = match summary.provenance.method.as_str() {
-            "table" => "Other points from the same source",
-            _ => "Another seed",
-        };
-        return format!(
-            "{seed} would come to the other verdict with a probability of {}.",
-            about(probability)
-        );
+    if let Some(interval) = conclusion.other_verdict_interval {
+        return other_verdict(interval, &summary.provenance.method);
     }
     match &conclusion.required {
         Some(Requirement {
@@ -50,6 +43,28 @@ fn firmness(conclusion: &Conclusion, summary: &Summary) -> String {
         ),
         _ => String::new(),
     }
+}
+
+/// How probably other points come to the other verdict.
+fn other_verdict([least, most]: [f64; 2], method: &str) -> String {
+    const LITTLE: f64 = 0.001;
+    let points = match method {
+        "table" => "Other points from the same source",
+        _ => "Another seed",
+    };
+    let probability = match (least, most) {
+        (_, most) if most < LITTLE => "less than 0.1 %".to_owned(),
+        (least, most) if least < LITTLE => format!("at most {} %", short(100.0 * most)),
+        (least, most) => format!("{} to {} %", short(100.0 * least), short(100.0 * most)),
+    };
+    let independent = match method {
+        "monte-carlo" | "table" => "",
+        _ => "; as if the points were independent, which those of this design are not",
+    };
+    format!(
+        "{points} would come to the other verdict with a probability of {probability} (at a confidence of 95 \
+         %{independent})."
+    )
 }
 
 /// How often the study was judged with other numbers of points.
@@ -135,16 +150,6 @@ fn unknown(summary: &Summary) -> String {
          assumed.",
         names.join(", ")
     )
-}
-
-/// A probability for a sentence: `about 35 %`, or a bound where it is next to nothing.
-fn about(probability: f64) -> String {
-    const LITTLE: f64 = 0.001;
-    if probability < LITTLE {
-        "less than 0.1 %".to_owned()
-    } else {
-        format!("about {} %", short(100.0 * probability))
-    }
 }
 
 /// A number of points that need not be whole.

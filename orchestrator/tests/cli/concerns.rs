@@ -326,7 +326,7 @@ fn a_study_whose_points_all_fail_is_inconclusive() {
         for unknown in [
             "risk",
             "expected_verified",
-            "other_verdict_probability",
+            "other_verdict_interval",
             "improvements",
         ] {
             assert!(summary[unknown].is_null(), "{unknown}");

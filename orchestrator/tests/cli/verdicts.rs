@@ -514,11 +514,14 @@ fn a_grid_has_neither_a_verdict_by_share_nor_intervals() {
     let (before, after) = grid.split_once("[verdict]\nshare = \"5 %\"\n").unwrap();
     let (said, summary) = verify(&bench, &format!("{before}{after}"), &[]);
     assert_eq!(said.code, 0, "{}", said.err);
-    assert!(!said.out.contains("95 %"), "{}", said.out);
-    assert!(!said.out.contains("seed"), "{}", said.out);
+    assert!(!said.out.contains("95 % interval"), "{}", said.out);
+    assert!(!said.out.contains("Another seed"), "{}", said.out);
     assert!(summary["verified_interval"].is_null());
     assert!(summary["criteria"]["Y"]["interval"].is_null());
     assert!(summary["risk"]["intervals"].is_null());
+    let change = &summary["improvements"]["changes"][0];
+    assert!(change["gain"].is_number() && change["gain_interval"].is_null());
+    assert!(change["accepted"].is_number() && change["interval"].is_null());
     assert!(summary["risk"]["consumer"].as_f64().unwrap() > 0.0);
     let page = std::fs::read_to_string(bench.path("out/report.html")).unwrap();
     assert!(page.contains("of a grid, without an interval"));

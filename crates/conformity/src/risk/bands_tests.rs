@@ -194,8 +194,12 @@ fn guard_bands_from_the_same_points_decide_rightly_whatever_the_population() {
     ] {
         let points = population.points;
         let looks: Vec<usize> = (0..4).map(|k| points.next_multiple_of(16) << k).collect();
-        for (nets, numbers) in [(1, &[points][..]), (16, &[1024]), (1, &looks), (16, &looks)] {
-            let [found, as_given] = wrong(&population, STUDIES, nets, numbers);
+        let mut ways = vec![(1, vec![points]), (16, vec![1024])];
+        if points <= 100 {
+            ways.extend([(1, looks.clone()), (16, looks)]);
+        }
+        for (nets, numbers) in ways {
+            let [found, as_given] = wrong(&population, STUDIES, nets, &numbers);
             println!("{population:?} {nets} {numbers:?}: {found:?}, as given {as_given:?}");
             assert!(found.iter().all(|&n| n <= STUDIES / 20), "{found:?}");
         }

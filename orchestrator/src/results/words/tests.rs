@@ -47,17 +47,21 @@ fn the_accepted_points_that_do_not_conform_are_counted() {
     assert_eq!(
         text,
         "Verified by the one-point rule: 1,000 of 10,000 points.\n\
-         Another seed would come to the other verdict with a probability of less than 0.1 %.\n\
+         Another seed would come to the other verdict with a probability of less than 0.1 % (at a confidence of 95 %).\n\
          Of the 1,000 accepted points 88.9 are expected not to conform, since the measured values are uncertain, too: \
          8.9 % (95 % interval 8.9 .. 9.2 %)."
     );
     let one = said(STUDY, 1, 9);
-    assert!(one.contains("with a probability of about 35 %"), "{one}");
+    assert!(one.contains("with a probability of 0.28 to 98 %"), "{one}");
     assert!(
         one.contains("The accepted point conforms with a probability of 91 %"),
         "{one}"
     );
     let none = said(STUDY, 0, 10);
+    assert!(
+        none.contains("with a probability of at most 98 %"),
+        "{none}"
+    );
     assert!(
         none.contains("Of all points 0.0 are expected to conform"),
         "{none}"
