@@ -3,6 +3,7 @@
 //!
 //! The speed is an input, not a state. The shaft angle is its integral in closed form, which no step size can make drift.
 
+use journal_bearing::contact::direction;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
@@ -13,6 +14,8 @@ pub struct Drive {
     pub fluctuation_amplitude: f64,
     /// Frequency of the speed fluctuation, Hz.
     pub fluctuation_frequency: f64,
+    /// Friction coefficient of the stand's support bearings, relative to the load and the journal's radius, 1.
+    pub support_friction: f64,
 }
 
 impl Default for Drive {
@@ -20,6 +23,7 @@ impl Default for Drive {
         Self {
             fluctuation_amplitude: 0.0,
             fluctuation_frequency: 0.5,
+            support_friction: 0.0,
         }
     }
 }
@@ -65,6 +69,18 @@ impl Drive {
     }
 }
 
+impl Drive {
+    /// Friction torque of the bearings that support the shaft, N.m, at a load (N) and a shaft speed (rad/s); `radius` (m) is
+    /// the journal's. The torque sensor stands between drive and shaft, so it reads this torque, too. The heat stays in the
+    /// supports.
+    ///
+    /// Rolling bearings resist with a nearly constant coefficient, `M = mu P d/2` (SKF 2018, Rolling bearings, section
+    /// B.3: 0.0015 for deep groove ball bearings, relative to their bore d).
+    pub fn support_torque(&self, load: f64, radius: f64, speed: f64) -> f64 {
+        self.support_friction * load.abs() * radius * direction(speed * radius)
+    }
+}
+
 /// The mean over x from -1 to 1 of `cos(q*x)` and of `x*sin(q*x)`.
 fn moments(q: f64) -> (f64, f64) {
     /// Below this, the series is more accurate than the closed form, in which nearly equal numbers cancel.
@@ -95,6 +111,7 @@ mod tests {
         let drive = Drive {
             fluctuation_amplitude: 0.9,
             fluctuation_frequency,
+            ..Drive::default()
         };
         let command = Command {
             time: 1.3,

@@ -232,13 +232,14 @@ impl Stand {
         let (at, drift) = self.drift(tau, [y[0], y[1]], viscosity);
         let t = self.thermal_rates(tau, &temperatures, &drift.flows);
         let [vx, vy] = drift.velocity;
+        let torque = drift.torque + self.support_torque(at.load, at.speed);
         (
             [vx, vy, t.film, t.bush, t.shaft, t.oil],
             Sensed([
                 at.load,
-                drift.torque,
-                drift.torque * at.speed,
-                self.friction_coefficient(drift.torque, at.load),
+                torque,
+                torque * at.speed,
+                self.friction_coefficient(torque, at.load),
                 temperatures.oil,
                 temperatures.bush,
             ]),
@@ -248,6 +249,12 @@ impl Stand {
     /// Rates of the unknowns, `tau` seconds into the step.
     fn rates_at(&self, tau: f64, y: &Unknowns, oil: &mut Nearby) -> Unknowns {
         self.course_at(tau, y, oil).0
+    }
+
+    /// Friction torque of the support bearings, N.m, at a load (N) and a shaft speed (rad/s).
+    fn support_torque(&self, load: f64, speed: f64) -> f64 {
+        self.drive
+            .support_torque(load, self.bearing.radius(), speed)
     }
 
     /// `M/(F_N*D/2)`, 1.
@@ -266,11 +273,12 @@ impl Stand {
             viscosity,
             motion,
         } = self.instant(tau, [y[0], y[1]], viscosity);
+        let torque = motion.torque + self.support_torque(load, speed);
         Readings {
             load_force: load,
-            friction_torque: motion.torque,
-            friction_power: motion.torque * speed,
-            friction_coefficient: self.friction_coefficient(motion.torque, load),
+            friction_torque: torque,
+            friction_power: torque * speed,
+            friction_coefficient: self.friction_coefficient(torque, load),
             oil_temperature: temperatures.oil,
             bearing_temperature: temperatures.bush,
             shaft_temperature: temperatures.shaft,

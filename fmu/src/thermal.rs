@@ -75,7 +75,7 @@ impl Default for Thermal {
             film_shaft: 58.0,
             reference_clearance: 2.0e-5,
             bush_oil: 0.124,
-            shaft_oil: 0.125,
+            shaft_oil: 0.124,
             bush_ambient: 0.0,
             shaft_ambient: 0.0,
             oil_ambient: 0.532,

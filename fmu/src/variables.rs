@@ -122,6 +122,14 @@ fn drive() -> Vec<V> {
         )
         .within(0.0, 1e3)
         .about(1.0),
+        tunable(
+            "drive.supportFriction",
+            &ONE,
+            field!(drive.support_friction),
+            "Friction coefficient of the support bearings, relative to load and journal radius; the torque sensor reads their torque, too",
+        )
+        .within(0.0, 1.0)
+        .about(1e-3),
     ]
 }
 
@@ -226,6 +234,10 @@ fn bearing() -> Vec<V> {
             .shown_in("GPa").within(0.0, 1e13).about(1e11),
         tunable("bearing.boundaryFriction", &ONE, field!(bearing.surface.boundary_friction), "Friction coefficient of touching asperities")
             .within(0.0, 10.0).about(0.1),
+        tunable("bearing.breakawayRatio", &ONE, field!(bearing.surface.breakaway_ratio), "Friction of touching asperities at breakaway over that at full sliding speed")
+            .within(0.1, 10.0).about(1.0),
+        tunable("bearing.transitionSpeed", &METRE_PER_SECOND, field!(bearing.surface.transition_speed), "Sliding speed over which friction of touching asperities falls from breakaway to its full-speed value")
+            .shown_in("mm/s").within(1e-5, 10.0).about(1e-3),
         variable("bearing.massConserving", Role::Parameter, Kind::Boolean { access: field!(bearing.resolution.mass_conserving) },
             "The oil's mass is conserved where the film ruptures; else its pressure only never falls below the bath's (Reynolds film only)"),
         parameter("bearing.sidePressure", &PASCAL, field!(bearing.resolution.side_pressure), "Pressure of the oil bath above that of the cavities (Reynolds film only)")
@@ -406,7 +418,7 @@ fn outputs() -> Vec<V> {
         output!("bearing.filmViscosity", &PASCAL_SECOND, film_viscosity, [], "Dynamic viscosity of the film").shown_in("mPa.s").within(0.0, 1e24).about(0.01),
         output!("bearing.filmTemperature", &KELVIN, film_temperature, [], "Temperature of the film").shown_in("degC").within(0.0, 1e12).about(300.0),
         output!("bearing.sideFlow", &CUBIC_METRE_PER_SECOND, side_flow, ["drive.speed", "load.externalForce"], "Oil that leaves the film at both ends").shown_in("mm3/s").within(0.0, 1e6).about(1e-7),
-        output!("bearing.contactShare", &ONE, contact_share, ["drive.speed", "load.externalForce"], "Force of the touching asperities over the load").shown_in("%").within(0.0, 1e9).about(1.0),
+        output!("bearing.contactShare", &ONE, contact_share, ["drive.speed", "load.externalForce"], "Force of the touching asperities' pressure over the load").shown_in("%").within(0.0, 1e9).about(1.0),
         output!("bearing.contactTorque", &NEWTON_METRE, contact_torque, ["drive.speed"], "Friction torque of the touching asperities").within(-1e18, 1e18).about(1.0),
         output!("thermal.shaftTemperature", &KELVIN, shaft_temperature, [], "Temperature of the shaft").shown_in("degC").within(0.0, 1e12).about(300.0),
         output("thermal.slowestTimeConstant", &SECOND, Stand::slowest_time_constant, "Slowest time constant of the heat balance at the present state, averaged over a turn; negative where a deviation grows, 0 when isothermal")

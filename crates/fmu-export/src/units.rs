@@ -66,7 +66,7 @@ units! {
     /// Mass flow.
     KILOGRAM_PER_SECOND = "kg/s", {kg: 1, s: -1}, [];
     /// Velocity.
-    METRE_PER_SECOND = "m/s", {m: 1, s: -1}, [scaled("km/h", 3.6)];
+    METRE_PER_SECOND = "m/s", {m: 1, s: -1}, [scaled("km/h", 3.6), scaled("mm/s", 1e3)];
     /// Acceleration.
     METRE_PER_SECOND_SQUARED = "m/s2", {m: 1, s: -2}, [];
     /// Energy.

@@ -1,10 +1,7 @@
 //! Friction of the journal: the film's shear and the asperities' boundary friction.
 
 use super::parameters::Bearing;
-
-/// Sliding speed at which boundary friction reaches 76 % of its full value, m/s. It smooths the jump of Coulomb's law at
-/// standstill.
-const STICTION_SPEED: f64 = 1e-3;
+use journal_bearing::contact::Contact;
 
 /// Couette part of the film's friction torque over viscosity and speed, m³: `2*pi*R^3*B/(c*sqrt(1 - e^2))`. It is exact for a
 /// full film between round, aligned surfaces (Sommerfeld 1904), and an upper bound for a ruptured one.
@@ -21,11 +18,49 @@ pub fn poiseuille(clearance: f64, load: [f64; 2], eccentricity: [f64; 2]) -> f64
     0.5 * clearance * (load[0] * eccentricity[1] - load[1] * eccentricity[0])
 }
 
-/// Boundary friction torque on the journal, N.m, at a contact pressure that integrates to `normal` N and a shaft speed of
-/// `speed` rad/s.
-pub fn boundary(bearing: &Bearing, normal: f64, speed: f64) -> f64 {
-    let sliding = speed * bearing.radius() / STICTION_SPEED;
-    bearing.surface.boundary_friction * normal * bearing.radius() * sliding.tanh()
+/// The friction of the touching asperities on a journal.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Boundary {
+    /// Friction torque on the journal, N.m.
+    pub torque: f64,
+    /// Friction heat over the friction coefficient, W: the contact pressure times the sliding speed, over the surface.
+    pub sliding: f64,
+    /// Friction heat, W.
+    pub heat: f64,
+}
+
+impl Boundary {
+    /// The friction of a contact at a friction coefficient, with a shaft speed of `speed` rad/s, at an eccentricity-ratio
+    /// vector and its rate (1/s).
+    ///
+    /// The torque is the friction coefficient times the contact pressure's integral times the radius. The heat also counts
+    /// that the contact's place moves along the bush, which changes the sliding speed by the journal's own.
+    pub fn of(
+        bearing: &Bearing,
+        contact: &Contact,
+        coefficient: f64,
+        speed: f64,
+        eccentricity: [f64; 2],
+        velocity: [f64; 2],
+    ) -> Self {
+        if contact.normal <= 0.0 {
+            return Self::default();
+        }
+        let moment = contact.normal * bearing.radius();
+        let [[x, y], [vx, vy]] = [eccentricity, velocity];
+        let length = x.hypot(y);
+        let along = if length > 0.0 {
+            bearing.radial_clearance * (x * vy - y * vx) / length
+        } else {
+            0.0
+        };
+        let sliding = moment * speed + contact.force * along;
+        Self {
+            torque: coefficient * moment,
+            sliding,
+            heat: coefficient * sliding,
+        }
+    }
 }
 
 #[cfg(test)]
@@ -39,12 +74,32 @@ mod tests {
         assert!((couette(&bearing, 0.0) / expected - 1.0).abs() < 1e-14);
     }
 
+    const TOUCH: Contact = Contact {
+        force: 90.0,
+        normal: 100.0,
+    };
+
     #[test]
     fn boundary_friction_opposes_either_direction() {
         let bearing = Bearing::default();
-        let forward = boundary(&bearing, 100.0, 31.4);
-        assert!((forward - bearing.surface.boundary_friction * 100.0 * 0.0125).abs() < 1e-12);
-        assert_eq!(boundary(&bearing, 100.0, -31.4), -forward);
-        assert_eq!(boundary(&bearing, 100.0, 0.0), 0.0);
+        let torque = |speed| {
+            let friction = bearing.contact_friction(speed);
+            Boundary::of(&bearing, &TOUCH, friction, speed, [0.9, 0.0], [0.0; 2]).torque
+        };
+        assert!((torque(31.4) - bearing.surface.boundary_friction * 100.0 * 0.0125).abs() < 1e-12);
+        assert_eq!(torque(-31.4), -torque(31.4));
+        assert_eq!(torque(0.0), 0.0);
+    }
+
+    /// A contact at the top of the y axis that moves against the rotation slides more slowly.
+    #[test]
+    fn the_contact_s_own_motion_changes_the_heat() {
+        let bearing = Bearing::default();
+        let heat = |velocity| Boundary::of(&bearing, &TOUCH, 0.05, 31.4, [0.0, 0.9], velocity).heat;
+        let change = heat([3.0, 0.0]) - heat([0.0; 2]);
+        assert!(
+            (change + 0.05 * 90.0 * 2e-5 * 3.0).abs() < 1e-12,
+            "{change}"
+        );
     }
 }

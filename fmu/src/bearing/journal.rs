@@ -33,7 +33,7 @@ pub struct Motion {
     pub torque: f64,
     /// The asperities' part of it, N.m.
     pub boundary_torque: f64,
-    /// Forces of the touching asperities.
+    /// Forces of the touching asperities' pressure.
     pub contact: Contact,
     /// Smallest film thickness, m.
     pub min_film_thickness: f64,

@@ -72,6 +72,14 @@ impl Bearing {
         0.5 * self.diameter
     }
 
+    /// Friction coefficient of the touching asperities at a shaft speed, rad/s, with its sign. Zero between smooth surfaces.
+    pub fn contact_friction(&self, speed: f64) -> f64 {
+        if self.surface.roughness == 0.0 {
+            return 0.0;
+        }
+        self.surface.friction(speed * self.radius())
+    }
+
     /// Relative clearance psi = c/R, 1.
     pub fn relative_clearance(&self) -> f64 {
         self.radial_clearance / self.radius()

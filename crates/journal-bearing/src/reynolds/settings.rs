@@ -161,10 +161,14 @@ pub struct Drive {
     pub bush_speed: f64,
     /// Viscosity of the oil at ambient pressure and low shear, Pa.s.
     pub viscosity: f64,
+    /// Friction coefficient of the touching asperities, 1: positive where the journal slides ahead of the bush. Their
+    /// friction pushes the journal against its sliding.
+    pub contact_friction: f64,
 }
 
 impl Drive {
     /// A constant load (N) on a journal that turns in a resting bush (rad/s), in oil of a viscosity (Pa.s).
+    /// Its asperities touch without friction.
     pub fn steady(load: Vector2<f64>, journal_speed: f64, viscosity: f64) -> Self {
         Self {
             load_before: load,
@@ -172,6 +176,7 @@ impl Drive {
             journal_speed,
             bush_speed: 0.0,
             viscosity,
+            contact_friction: 0.0,
         }
     }
 

@@ -1,6 +1,6 @@
 //! The mobility film: the journal's velocity follows from the load at the instant.
 
-use crate::bearing::friction;
+use crate::bearing::friction::{self, Boundary};
 use crate::bearing::journal::{Drift, Flows, JournalFilm, Motion, Setup, Situation};
 use crate::bearing::parameters::Bearing;
 use fmu_export::model::Fault;
@@ -64,16 +64,24 @@ impl Factors {
     }
 }
 
-/// The journal's motion with the film and the contact that cause it.
-struct Instant<'a> {
+/// The journal's motion under what a contact and its friction leave of the load.
+struct Push<'a> {
     /// `None` without a load on the film.
     film: Option<LookUp<'a>>,
-    /// The film's share of the load, N.
-    force: f64,
+    /// The film's share of the load, N, and its magnitude.
+    force: Vector2<f64>,
+    magnitude: f64,
+    /// The velocity in the frame that turns with the mean speed, and in the fixed one, 1/s.
+    squeeze: Vector2<f64>,
+    velocity: [f64; 2],
+    boundary: Boundary,
+}
+
+/// The journal's motion with the film and the contact that cause it.
+struct Instant<'a> {
+    push: Push<'a>,
     contact: Contact,
     couette: f64,
-    boundary_torque: f64,
-    velocity: [f64; 2],
     flows: Flows,
 }
 
@@ -106,15 +114,16 @@ impl JournalFilm for MobilityFilm {
         let ratio = x.hypot(y).min(LARGEST_ECCENTRICITY_RATIO);
         let clearance = bearing.radial_clearance;
         let now = self.prepared.instant(bearing, at, true);
-        let pressure = now.film.map_or(0.0, |film| film.max_pressure());
+        let push = &now.push;
+        let pressure = push.film.map_or(0.0, |film| film.max_pressure());
         Motion {
             eccentricity_ratio: ratio,
-            velocity: now.velocity,
+            velocity: push.velocity,
             torque: now.torque(bearing, at),
-            boundary_torque: now.boundary_torque,
+            boundary_torque: push.boundary.torque,
             contact: now.contact,
             min_film_thickness: clearance * (1.0 - ratio),
-            max_film_pressure: pressure * now.force * self.prepared.factors.pressure,
+            max_film_pressure: pressure * push.magnitude * self.prepared.factors.pressure,
             flows: now.flows,
         }
     }
@@ -123,7 +132,7 @@ impl JournalFilm for MobilityFilm {
     fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool) -> Drift {
         let now = self.prepared.instant(bearing, at, side_flow);
         Drift {
-            velocity: now.velocity,
+            velocity: now.push.velocity,
             torque: now.torque(bearing, at),
             flows: now.flows,
         }
@@ -135,67 +144,150 @@ impl Instant<'_> {
     #[inline(always)]
     fn torque(&self, bearing: &Bearing, at: &Situation) -> f64 {
         let clearance = bearing.radial_clearance;
-        let poiseuille = friction::poiseuille(clearance, [at.load, 0.0], at.eccentricity);
-        self.couette + poiseuille + self.boundary_torque
+        let film = self.push.force.into();
+        let poiseuille = friction::poiseuille(clearance, film, at.eccentricity);
+        self.couette + poiseuille + self.push.boundary.torque
     }
 }
 
 impl Prepared {
-    /// Booker's equation (1965, J. Basic Eng. 87, 537-546; eq. 2 of the paper). The film's share F of the load moves the
-    /// journal at `|F|*psi^2/(eta*B*D) * M` in a frame that turns with the mean speed of journal and bush. The paper's omega
-    /// must be that mean: half the shaft speed.
+    /// The journal at an instant; the side flow where it is asked for.
     #[inline(always)]
     fn instant(&self, bearing: &Bearing, at: &Situation, side_flow: bool) -> Instant<'_> {
         let Situation {
-            load,
-            eccentricity,
-            viscosity,
-            speed,
+            viscosity, speed, ..
         } = *at;
-        let e = Vector2::from(eccentricity);
+        let e = Vector2::from(at.eccentricity);
         let length = e.norm();
         let ratio = length.min(LARGEST_ECCENTRICITY_RATIO);
         let contact = self.contact.at(ratio);
+        let push = self.rub(bearing, at, (e, length), &contact);
+        let leaving = match &push.film {
+            Some(film) if side_flow => {
+                film.side_flow() * (push.magnitude / viscosity) * self.factors.side_flow
+            }
+            _ => 0.0,
+        };
+        let couette = viscosity * speed * self.factors.couette / (1.0 - ratio * ratio).sqrt();
+        let squeezed = bearing.radial_clearance * push.force.dot(&push.squeeze);
+        Instant {
+            // In the film's whole dissipation M*omega + F*de/dt, the terms with the mean rotation cancel.
+            flows: Flows {
+                viscous: couette * speed + squeezed,
+                boundary: push.boundary.heat,
+                side_flow: leaving,
+            },
+            push,
+            contact,
+            couette,
+        }
+    }
+
+    /// The journal's motion with the friction of its contact.
+    ///
+    /// Friction has the shaft's direction, unless the journal itself moves along the bush faster than the shaft turns, which
+    /// happens next to standstill only. There friction takes the direction of the sliding, or, where it would turn that
+    /// round, the value between that makes the contact stick. So it never drives the journal.
+    #[inline(always)]
+    fn rub(
+        &self,
+        bearing: &Bearing,
+        at: &Situation,
+        place: (Vector2<f64>, f64),
+        contact: &Contact,
+    ) -> Push<'_> {
+        let friction = if contact.normal > 0.0 {
+            bearing.contact_friction(at.speed)
+        } else {
+            0.0
+        };
+        let push = self.push(bearing, at, place, contact, friction);
+        if push.boundary.heat >= 0.0 {
+            return push;
+        }
+        Self::stick(friction.abs(), |friction| {
+            self.push(bearing, at, place, contact, friction)
+        })
+    }
+
+    /// The motion at a friction coefficient of at most `most` in either direction. The sliding falls as friction grows; the
+    /// coefficient at which it vanishes is found by the Illinois method (Dowell & Jarratt 1971, BIT 11, 168-174).
+    #[cold]
+    fn stick<'a>(most: f64, push: impl Fn(f64) -> Push<'a>) -> Push<'a> {
+        const TRIALS: usize = 50;
+        const CLOSE: f64 = 1e-12;
+        let sliding = |friction: f64| push(friction).boundary.sliding;
+        let (mut low, mut high) = (-most, most);
+        let (mut ahead, mut back) = (sliding(low), sliding(high));
+        if ahead <= 0.0 {
+            return push(low);
+        }
+        if back >= 0.0 {
+            return push(high);
+        }
+        let close = CLOSE * (ahead - back);
+        let (mut friction, mut last) = (0.0, 0.0);
+        for _ in 0..TRIALS {
+            friction = low + (high - low) * ahead / (ahead - back);
+            let slides = sliding(friction);
+            if slides.abs() <= close {
+                break;
+            }
+            let again = slides * last > 0.0;
+            if slides > 0.0 {
+                (low, ahead) = (friction, slides);
+                back *= if again { 0.5 } else { 1.0 };
+            } else {
+                (high, back) = (friction, slides);
+                ahead *= if again { 0.5 } else { 1.0 };
+            }
+            last = slides;
+        }
+        let mut stuck = push(friction);
+        stuck.boundary.heat = stuck.boundary.heat.max(0.0);
+        stuck
+    }
+
+    /// Booker's equation (1965, J. Basic Eng. 87, 537-546; eq. 2 of the paper). The film's share F of the load is what
+    /// contact and friction leave. It moves the journal at `|F|*psi^2/(eta*B*D) * M` in a frame that turns with the mean
+    /// speed of journal and bush. The paper's omega must be that mean: half the shaft speed.
+    #[inline(always)]
+    fn push(
+        &self,
+        bearing: &Bearing,
+        at: &Situation,
+        (e, length): (Vector2<f64>, f64),
+        contact: &Contact,
+        friction: f64,
+    ) -> Push<'_> {
+        let Situation { load, speed, .. } = *at;
         let (mut force, mut direction) = (Vector2::new(load, 0.0), Vector2::x());
         let mut magnitude = load;
         // Without contact the force is the load, which saves the root.
         if load < 0.0 || contact.force > 0.0 {
             if length > 0.0 {
-                force -= e * (contact.force / length);
+                let touched = e + Vector2::new(-e.y, e.x) * friction;
+                force -= touched * (contact.force / length);
             }
             magnitude = force.norm();
             direction = force / magnitude;
         }
-        let factors = &self.factors;
-        let (mut squeeze, mut leaving) = (Vector2::zeros(), 0.0);
         let slice = self.slice.as_ref().filter(|_| magnitude > 0.0);
         let film = slice.map(|slice| slice.look_up(e, length, direction));
-        if let Some(film) = &film {
-            let driven = magnitude / viscosity;
-            squeeze = film.mobility() * (driven * factors.mobility);
-            if side_flow {
-                leaving = film.side_flow() * driven * factors.side_flow;
-            }
-        }
-        let couette = viscosity * speed * factors.couette / (1.0 - ratio * ratio).sqrt();
-        let boundary_torque = if contact.normal > 0.0 {
-            friction::boundary(bearing, contact.normal, speed)
-        } else {
-            0.0
-        };
-        Instant {
+        let driven = magnitude / at.viscosity * self.factors.mobility;
+        let squeeze = film
+            .as_ref()
+            .map_or(Vector2::zeros(), |film| film.mobility() * driven);
+        let velocity = [squeeze.x - 0.5 * speed * e.y, squeeze.y + 0.5 * speed * e.x];
+        let place = at.eccentricity;
+        let boundary = Boundary::of(bearing, contact, friction, speed, place, velocity);
+        Push {
             film,
-            force: magnitude,
-            contact,
-            couette,
-            boundary_torque,
-            velocity: [squeeze.x - 0.5 * speed * e.y, squeeze.y + 0.5 * speed * e.x],
-            // In the film's whole dissipation M*omega + F*de/dt, the terms with the mean rotation cancel.
-            flows: Flows {
-                viscous: couette * speed + bearing.radial_clearance * force.dot(&squeeze),
-                boundary: boundary_torque * speed,
-                side_flow: leaving,
-            },
+            force,
+            magnitude,
+            squeeze,
+            velocity,
+            boundary,
         }
     }
 }

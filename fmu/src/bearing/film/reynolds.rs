@@ -1,6 +1,6 @@
 //! The Reynolds film at work in the stand: it takes steps of its own and carries its journal along.
 
-use crate::bearing::friction;
+use crate::bearing::friction::Boundary;
 use crate::bearing::journal::{
     Drift, Flows, Interval, JournalFilm, Motion, Setup, Situation, TransientFilm,
 };
@@ -130,9 +130,11 @@ impl TransientFilm for ReynoldsJournal {
             speed,
             viscosity,
         } = *interval;
+        let friction = bearing.contact_friction(speed);
         let drive = Drive {
             load_before: Vector2::new(load[0], 0.0),
             load_after: Vector2::new(load[1], 0.0),
+            contact_friction: friction,
             ..Drive::steady(Vector2::zeros(), speed, viscosity)
         };
         let (contact, plain) = (&self.contact, self.plain);
@@ -143,31 +145,34 @@ impl TransientFilm for ReynoldsJournal {
             .advance(duration, &drive, &aligned)
             .map_err(|error| Fault::Failed(message(&error)))?;
 
-        let ratio = self.film.eccentricity().norm();
+        let eccentricity = self.film.eccentricity();
+        let ratio = eccentricity.norm();
         let mut touch = contact.at(ratio);
         if !plain {
             touch.normal = report.contact_normal;
-            touch.force = (Vector2::new(load[1], 0.0) - report.film_load).norm();
+            let carried = (drive.load_after - report.film_load).norm();
+            touch.force = carried / 1f64.hypot(friction);
         }
-        let boundary_torque = friction::boundary(bearing, touch.normal, speed);
-        let boundary = boundary_torque * speed;
+        let velocity = report.velocity.into();
+        let place = eccentricity.into();
+        let boundary = Boundary::of(bearing, &touch, friction, speed, place, velocity);
         self.motion = Motion {
             eccentricity_ratio: ratio,
-            velocity: report.velocity.into(),
-            torque: report.journal_torque + boundary_torque,
-            boundary_torque,
+            velocity,
+            torque: report.journal_torque + boundary.torque,
+            boundary_torque: boundary.torque,
             contact: touch,
             min_film_thickness: report.smallest_gap,
             max_film_pressure: report.max_pressure,
             flows: Flows {
                 viscous: report.heat,
-                boundary,
+                boundary: boundary.heat,
                 side_flow: report.outflow,
             },
         };
         let flows = Flows {
             viscous: report.mean_heat,
-            boundary,
+            boundary: boundary.heat,
             side_flow: report.mean_outflow,
         };
         Ok((flows, report.steps))

@@ -58,7 +58,7 @@ struct Support {
 impl Support {
     fn at(eps: Vector2<f64>, geometry: &Geometry, stage: &Stage<'_>, task: &Task<'_>) -> Self {
         let settings = geometry.settings();
-        let (touch, stiffness) = touch(eps, geometry, task);
+        let (touch, stiffness) = rubbing(task, touch(eps, geometry, task));
         let air = AIR * settings.width.powi(2) / settings.diameter.powi(2);
         let turning = stage.rotation * Vector2::new(-eps.y, eps.x);
         let slip = (eps - task.start) / stage.duration - turning;
@@ -69,6 +69,20 @@ impl Support {
             touch,
         }
     }
+}
+
+/// A contact's force and stiffness with its friction. In each place friction is a multiple of the pressure and a quarter
+/// turn ahead of it on the load's side, and so are their resultants.
+fn rubbing(
+    task: &Task<'_>,
+    (force, stiffness): (Vector2<f64>, Matrix2<f64>),
+) -> (Vector2<f64>, Matrix2<f64>) {
+    let friction = task.drive.contact_friction;
+    if friction == 0.0 {
+        return (force, stiffness);
+    }
+    let turn = Matrix2::new(1.0, -friction, friction, 1.0);
+    (turn * force, turn * stiffness)
 }
 
 /// The contact of the asperities: cell by cell, or from the contact of an aligned journal.

@@ -75,6 +75,7 @@ fn live(life: Life) -> Result<(), TestCaseError> {
             journal_speed,
             bush_speed,
             viscosity: life.viscosity,
+            contact_friction: 0.0,
         };
         load_before = load_after;
         let report = film
