@@ -240,8 +240,10 @@ fn bearing() -> Vec<V> {
             .shown_in("mm/s").within(1e-5, 10.0).about(1e-3),
         variable("bearing.massConserving", Role::Parameter, Kind::Boolean { access: field!(bearing.resolution.mass_conserving) },
             "The oil's mass is conserved where the film ruptures; else its pressure only never falls below the bath's (Reynolds film only)"),
-        parameter("bearing.sidePressure", &PASCAL, field!(bearing.resolution.side_pressure), "Pressure of the oil bath above that of the cavities (Reynolds film only)")
+        parameter("bearing.sidePressure", &PASCAL, field!(bearing.resolution.side_pressure), "Pressure of the oil bath above that of the cavities, unless bearing.cavityPressure says it (Reynolds film only)")
             .shown_in("bar").within(0.0, 1e9).about(1e5),
+        parameter("bearing.cavityPressure", &PASCAL, field!(bearing.resolution.cavity_pressure), "Absolute pressure in the cavities, under an oil bath at 101,325 Pa; negative: bearing.sidePressure holds (Reynolds film only)")
+            .shown_in("kPa").within(-1.0, 101_325.0).about(1e5),
         parameter("bearing.tiltAlongLoad", &METRE, field!(bearing.resolution.tilt[0]), "Displacement of the journal's end by its tilt, along the load (Reynolds film only)")
             .shown_in("um").within(-1e-2, 1e-2).about(1e-6),
         parameter("bearing.tiltAcrossLoad", &METRE, field!(bearing.resolution.tilt[1]), "Displacement of the journal's end by its tilt, across the load (Reynolds film only)")
@@ -414,7 +416,7 @@ fn outputs() -> Vec<V> {
         output!("bearing.eccentricityRatio", &ONE, eccentricity_ratio, [], "Eccentricity of the journal over the radial clearance").within(0.0, 10.0).about(1.0),
         output!("bearing.attitudeAngle", &RADIAN, attitude_angle, [], "Angle from the load line to the eccentricity, positive in the direction of positive rotation").shown_in("deg").within(-4.0, 4.0).about(1.0),
         output!("bearing.minFilmThickness", &METRE, min_film_thickness, [], "Smallest film thickness").shown_in("um").within(0.0, 0.1).about(1e-6),
-        output!("bearing.maxFilmPressure", &PASCAL, max_film_pressure, ["drive.speed", "load.externalForce"], "Largest film pressure").shown_in("MPa").within(-1e9, 1e24).about(1e7),
+        output!("bearing.maxFilmPressure", &PASCAL, max_film_pressure, ["drive.speed", "load.externalForce"], "Largest film pressure above ambient pressure, which is that of the oil bath").shown_in("MPa").within(-1e9, 1e24).about(1e7),
         output!("bearing.filmViscosity", &PASCAL_SECOND, film_viscosity, [], "Dynamic viscosity of the film").shown_in("mPa.s").within(0.0, 1e24).about(0.01),
         output!("bearing.filmTemperature", &KELVIN, film_temperature, [], "Temperature of the film").shown_in("degC").within(0.0, 1e12).about(300.0),
         output!("bearing.sideFlow", &CUBIC_METRE_PER_SECOND, side_flow, ["drive.speed", "load.externalForce"], "Oil that leaves the film at both ends").shown_in("mm3/s").within(0.0, 1e6).about(1e-7),

@@ -414,6 +414,32 @@ fn form_error_and_tilt_reach_the_film() {
     assert!(relative(formed.min_film_thickness, plain.min_film_thickness) > 0.05);
 }
 
+/// The cavities' absolute pressure sets how far the bath, at ambient pressure, is above them.
+#[test]
+fn cavities_have_an_absolute_pressure() {
+    let end = |set: fn(&mut Stand)| {
+        let film = |stand: &mut Stand| {
+            stand.film.model = FilmModel::Reynolds;
+            stand.bearing.surface.roughness = 0.0;
+            stand.load.eccentricity = 0.0;
+            stand.thermal.isothermal = true;
+            set(stand);
+        };
+        // Until the journal is at rest, its squeezing drives the side flow.
+        run(&mut start(film), 2.0, 0.5)
+    };
+    let vacuum = end(|_| ());
+    let same = end(|stand| stand.bearing.resolution.cavity_pressure = 1325.0);
+    assert_eq!(same, vacuum);
+    let ambient = end(|stand| stand.bearing.resolution.cavity_pressure = 101_325.0);
+    let level = end(|stand| stand.bearing.resolution.side_pressure = 0.0);
+    assert_eq!(ambient, level);
+    // The bath presses oil into the film, which carries it out again.
+    let gas = end(|stand| stand.bearing.resolution.cavity_pressure = 90e3);
+    let flows = [vacuum, gas, ambient].map(|readings| readings.side_flow);
+    assert!(flows.is_sorted_by(|more, less| more > less), "{flows:?}");
+}
+
 #[test]
 fn impossible_parameters_are_named() {
     let mut stand = Stand::default();

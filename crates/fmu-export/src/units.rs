@@ -96,7 +96,7 @@ units! {
     /// Power.
     WATT = "W", {kg: 1, m: 2, s: -3}, [];
     /// Pressure.
-    PASCAL = "Pa", {kg: 1, m: -1, s: -2}, [scaled("MPa", 1e-6), scaled("GPa", 1e-9), scaled("bar", 1e-5)];
+    PASCAL = "Pa", {kg: 1, m: -1, s: -2}, [scaled("MPa", 1e-6), scaled("GPa", 1e-9), scaled("bar", 1e-5), scaled("kPa", 1e-3)];
     /// Pressure-viscosity coefficient.
     PER_PASCAL = "1/Pa", {kg: -1, m: 1, s: 2}, [scaled("1/GPa", 1e9)];
     /// Dynamic viscosity.

@@ -25,8 +25,10 @@ pub struct Bearing {
 pub struct Resolution {
     /// Whether the oil's mass is conserved where the film ruptures. If not, pressures only stay above the bath's.
     pub mass_conserving: bool,
-    /// Pressure of the oil bath above that of the cavities, Pa.
+    /// Pressure of the oil bath above that of the cavities, Pa, where `cavity_pressure` does not say it.
     pub side_pressure: f64,
+    /// Absolute pressure in the cavities, Pa; negative where it is not given.
+    pub cavity_pressure: f64,
     /// Columns of cells around the bush; 0 takes as many as the width needs.
     pub columns: i32,
     /// Rows of cells over half the width; 0 takes as many as the width needs.
@@ -57,12 +59,26 @@ impl Default for Resolution {
         Self {
             mass_conserving: true,
             side_pressure: 1e5,
+            cavity_pressure: -1.0,
             columns: 0,
             rows: 0,
             tilt: [0.0; 2],
             flow_factors: false,
             journal_roughness_share: 0.5,
         }
+    }
+}
+
+/// The standard atmosphere, Pa (ISO 2533:1975): the absolute pressure of the surroundings and so of the oil bath.
+const ATMOSPHERE: f64 = 101_325.0;
+
+impl Resolution {
+    /// Pressure of the oil bath above that of the cavities, Pa.
+    pub fn bath_above_cavities(&self) -> f64 {
+        if self.cavity_pressure < 0.0 {
+            return self.side_pressure;
+        }
+        (ATMOSPHERE - self.cavity_pressure).max(0.0)
     }
 }
 

@@ -56,7 +56,7 @@ impl JournalFilm for ReynoldsJournal {
             } else {
                 Cavitation::NonNegative
             },
-            side_pressure: resolution.side_pressure,
+            side_pressure: resolution.bath_above_cavities(),
             cells: cells(bearing),
             rheology: setup.rheology,
             profile,
