@@ -42,8 +42,7 @@ impl JointNormal {
         let twins = twins(&matrix)?;
         let own = |i: &usize| twins.iter().all(|(twin, ..)| twin != i);
         let own: Vec<usize> = (0..errors).filter(own).collect();
-        let independent = part(&matrix, &own);
-        genz::cholesky(&independent).ok_or_else(|| refusal(&independent))?;
+        let matrix = independent(matrix, &own)?;
         let blocks = blocks(&matrix, own).into_iter().map(|members| {
             let correlation = part(&matrix, &members);
             Block {
@@ -110,24 +109,22 @@ impl Block {
 const CONTRADICTION: &str = "the correlations contradict each other: no errors can have them; bring the coefficients \
                              nearer to 0";
 
-const FIXED: &str = "the correlations let one error follow from several others, as that of a product from its factors', \
-                     and such correlations cannot be integrated: leave out the criterion that follows from the others, or \
-                     bring its coefficients nearer to 0, by a thousandth or more";
-
-/// Why correlations without a Cholesky factor cannot be used.
-fn refusal(matrix: &[Vec<f64>]) -> &'static str {
-    // A little independence takes away a dependence, but no contradiction.
+/// The correlations, brought nearer to 0 by a millionth where one error follows from several others, as that of a product
+/// from its factors': then all have a density. A box's probability changes by about as little.
+fn independent(mut matrix: Vec<Vec<f64>>, own: &[usize]) -> Result<Vec<Vec<f64>>, String> {
     const LITTLE: f64 = 1e-6;
-    let mut weaker = matrix.to_vec();
-    for (i, row) in weaker.iter_mut().enumerate() {
+    if genz::cholesky(&part(&matrix, own)).is_some() {
+        return Ok(matrix);
+    }
+    for (i, row) in matrix.iter_mut().enumerate() {
         for (j, entry) in row.iter_mut().enumerate() {
             *entry *= if i == j { 1.0 } else { 1.0 - LITTLE };
         }
     }
-    if genz::cholesky(&weaker).is_some() {
-        FIXED
-    } else {
-        CONTRADICTION
+    // A little independence takes away a dependence, but no contradiction.
+    match genz::cholesky(&part(&matrix, own)) {
+        Some(_) => Ok(matrix),
+        None => Err(CONTRADICTION.to_owned()),
     }
 }
 
@@ -177,17 +174,50 @@ fn blocks(matrix: &[Vec<f64>], mut free: Vec<usize>) -> Vec<Vec<usize>> {
 mod tests {
     use super::*;
 
+    /// x1 = 0.6 x2 + 0.8 x3, as the error of a product from those of its factors: given x2, all limits are limits of x3.
     #[test]
-    fn a_dependence_is_no_contradiction() {
-        let of = |a: f64, b: f64, c: f64| {
-            JointNormal::new(3, &[(0, 1, a), (0, 2, b), (1, 2, c)]).unwrap_err()
-        };
-        // x1 = 0.6 x2 + 0.8 x3 is possible, and so are three errors that always sum up to 0.
-        for (a, b, c) in [(0.6, 0.8, 0.0), (-0.5, -0.5, -0.5)] {
-            assert!(of(a, b, c).contains("follow from several others"));
+    fn an_error_that_follows_from_two_others_limits_them() {
+        let joint = JointNormal::new(3, &[(0, 1, 0.6), (0, 2, 0.8)]).unwrap();
+        for (lower, upper) in [
+            ([-1.0, -1.5, -0.4], [0.5, 0.7, 2.0]),
+            ([0.2, -2.0, -2.0], [0.4, 2.0, 2.0]),
+            ([-3.0, -1.0, -1.0], [1.4, 1.0, 1.0]),
+            ([-0.5, 0.3, -1.0], [0.5, 1.0, 0.2]),
+        ] {
+            let [lower, upper]: [[f64; 3]; 2] = [lower, upper];
+            const STEPS: i32 = 100_000;
+            let width = (upper[1] - lower[1]) / f64::from(STEPS);
+            let given = |i: i32| {
+                let x = lower[1] + (f64::from(i) + 0.5) * width;
+                let from = ((lower[0] - 0.6 * x) / 0.8).max(lower[2]);
+                let to = ((upper[0] - 0.6 * x) / 0.8).min(upper[2]);
+                between(from, to) * (-0.5 * x * x).exp() * width
+            };
+            let expected: f64 = (0..STEPS).map(given).sum::<f64>() / std::f64::consts::TAU.sqrt();
+            let found = joint.probability(&lower, &upper);
+            assert!(
+                (found - expected).abs() < 5e-5,
+                "{lower:?}: {found} {expected}"
+            );
         }
+    }
+
+    /// Three errors with the sum 0: one of them is positive, or two of them are.
+    #[test]
+    fn errors_with_the_sum_0_are_never_all_positive() {
+        let joint = JointNormal::new(3, &[(0, 1, -0.5), (0, 2, -0.5), (1, 2, -0.5)]).unwrap();
+        let infinite = f64::INFINITY;
+        assert!(joint.probability(&[0.0; 3], &[infinite; 3]) < 5e-4);
+        let two = joint.probability(&[0.0, 0.0, -infinite], &[infinite, infinite, 0.0]);
+        assert!((two - 1.0 / 6.0).abs() < 5e-4, "{two}");
+    }
+
+    #[test]
+    fn contradictions_are_refused() {
         for (a, b, c) in [(0.7, 0.8, 0.0), (0.9, 0.9, -0.9), (-0.51, -0.51, -0.51)] {
-            assert!(of(a, b, c).contains("contradict each other"));
+            let pairs = [(0, 1, a), (0, 2, b), (1, 2, c)];
+            let error = JointNormal::new(3, &pairs).unwrap_err();
+            assert!(error.contains("contradict each other"), "{error}");
         }
     }
 

@@ -175,7 +175,8 @@ fn most_probable(summary: &Summary) -> String {
             )
         }
         None => {
-            "most probable point: not known; it needs the uncertainty of every measured value\n"
+            "most probable point: not known; it needs the uncertainty of every measured value, of which no error may \
+             follow from others\n"
                 .to_owned()
         }
     }

@@ -171,7 +171,7 @@ fn a_guard_band_from_the_same_points_decides_rightly() {
 }
 
 #[test]
-#[ignore = "ten thousand studies and more"]
+#[ignore = "takes ten minutes; run by scripts/test --long"]
 fn guard_bands_from_the_same_points_decide_rightly_whatever_the_population() {
     const STUDIES: u32 = 1000;
     let several = |criteria, population| Population {
