@@ -2,12 +2,13 @@
 """Takes over what scripts/mutants left in results/mutants into runs.json, and writes docs/mutation.md from it.
 
 A part that was not run now keeps its earlier row. Exit code 1 when a mutant of the parts just run (the arguments)
-survives that equivalent.txt does not explain.
+survives that equivalent.toml does not explain.
 """
 
 import datetime
 import json
 import sys
+import tomllib
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
@@ -22,7 +23,7 @@ HEAD = """# Mutation testing
 Written by `scripts/mutants`; edits are lost. It changes the code that decides results, one operator, constant or return
 value at a time (cargo-mutants), and runs the unit tests of that code. A mutant is *caught* when a test fails or never
 ends, *unviable* when it does not compile. One that *survives* shows a test that is missing, unless it is *equivalent*:
-no input makes it behave differently. `scripts/mutation/equivalent.txt` says why. The mutants of a part come in random
+no input makes it behave differently. `scripts/mutation/equivalent.toml` says why. The mutants of a part come in random
 order, so those *tried* are a sample of all where a run was ended early.
 
 | part | date | mutants | tried | caught | unviable | equivalent | survive |
@@ -32,12 +33,9 @@ order, so those *tried* are a sample of all where a run was ended early.
 
 def equivalents():
     """The reasons, by file, function, change and the code that is changed."""
-    reasons = {}
-    for line in (HERE / "equivalent.txt").read_text(encoding="utf-8").splitlines():
-        if line and not line.startswith("#"):
-            *key, reason = [cell.strip() for cell in line.split(" | ")]
-            reasons[tuple(key)] = reason
-    return reasons
+    text = (HERE / "equivalent.toml").read_text(encoding="utf-8")
+    entries = tomllib.loads(text)["equivalent"]
+    return {(entry["file"], entry["change"], entry["code"]): entry["why"] for entry in entries}
 
 
 def place(mutant):
@@ -52,34 +50,37 @@ def change(mutant):
     return mutant["name"].split(": ", 1)[1]
 
 
-def tried(name):
-    """All mutants of a part, and the places and outcomes of those that were tried, by the mutants' names.
+def known(name):
+    """The mutants of a part by their names, with the place and the outcome of those that were tried.
 
-    A part that goes on (MUTANTS_AGAIN) leaves out what it has caught before: `tried.json` keeps it.
+    A part that goes on (MUTANTS_AGAIN) leaves out what it has caught before: `known.json` keeps it.
     """
     folder = RESULTS / name
-    store = folder / "tried.json"
-    outcomes = json.loads(store.read_text(encoding="utf-8")) if store.is_file() else {}
-    last = folder / "mutants.out"
-    for outcome in json.loads((last / "outcomes.json").read_text(encoding="utf-8"))["outcomes"]:
-        if outcome["scenario"] != "Baseline":
-            mutant = outcome["scenario"]["Mutant"]
-            outcomes[mutant["name"]] = [place(mutant), outcome["summary"]]
-    store.write_text(json.dumps(outcomes, indent=1) + "\n", encoding="utf-8")
-    mutants = json.loads((last / "mutants.json").read_text(encoding="utf-8"))
-    return outcomes.keys() | {mutant["name"] for mutant in mutants}, outcomes
+    store = folder / "known.json"
+    mutants = json.loads(store.read_text(encoding="utf-8")) if store.is_file() else {}
+    # A run that was interrupted has not come here: its results are those before the last ones.
+    for last in filter(Path.is_dir, [folder / "mutants.out.old", folder / "mutants.out"]):
+        for mutant in json.loads((last / "mutants.json").read_text(encoding="utf-8")):
+            mutants.setdefault(mutant["name"], None)
+        for outcome in json.loads((last / "outcomes.json").read_text(encoding="utf-8"))["outcomes"]:
+            if outcome["scenario"] != "Baseline":
+                mutant = outcome["scenario"]["Mutant"]
+                mutants[mutant["name"]] = [place(mutant), outcome["summary"]]
+    store.write_text(json.dumps(mutants, indent=1) + "\n", encoding="utf-8")
+    return mutants
 
 
 def read(name, reasons):
     """The counts and survivors of a part that was just run."""
-    mutants, outcomes = tried(name)
+    mutants = known(name)
+    outcomes = [outcome for outcome in mutants.values() if outcome]
     run = {
         "date": datetime.date.today().isoformat(),
         "files": sorted({mutant.split(":")[0] for mutant in mutants}),
         "mutants": len(mutants),
         "tried": len(outcomes), "caught": 0, "unviable": 0, "equivalent": 0, "survivors": [],
     }
-    for where, summary in outcomes.values():
+    for where, summary in outcomes:
         if summary in ("CaughtMutant", "Timeout"):
             run["caught"] += 1
         elif summary == "Unviable":

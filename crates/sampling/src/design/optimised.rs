@@ -261,6 +261,25 @@ mod tests {
         }
     }
 
+    /// Of equally good pairings the first one stays: a start that cannot be better is the result.
+    #[test]
+    fn a_start_that_cannot_be_better_stays() {
+        let best = discrepancy(&Spread::of(0, 2, 3).unwrap().slices);
+        let mut kept = 0;
+        for seed in 0..20 {
+            let plain = Hypercube::of(seed, 3);
+            let slice = |i, d| u32::try_from(plain.slice(i, d)).unwrap();
+            let start: Vec<Vec<u32>> = (0..2)
+                .map(|d| (0..3).map(|i| slice(i, d)).collect())
+                .collect();
+            if discrepancy(&start) < best + 1e-12 {
+                assert_eq!(Spread::of(seed, 2, 3).unwrap().slices, start, "{seed}");
+                kept += 1;
+            }
+        }
+        assert!(kept > 2, "{kept}");
+    }
+
     #[test]
     fn updates_do_not_drift() {
         let start = [3, 7, 11].map(|step| (0..40).map(|i| step * i % 40).collect());
