@@ -193,18 +193,24 @@ impl Guard {
         {
             simulated.notices = serde_json::from_slice(said).ok();
         }
+        if let Some(why) = self.why_unfinished(parting)? {
+            let notices = simulated.notices.get_or_insert_default();
+            notices.unfinished.get_or_insert(why);
+        }
+        Ok(())
+    }
+
+    /// What went wrong after all had been computed, if anything did.
+    fn why_unfinished(&mut self, parting: &Parting) -> io::Result<Option<String>> {
         let why = match &parting.loss {
-            None => return Ok(()),
+            None => return Ok(None),
             Some(Loss::Timeout) => {
                 let patience = grace(&self.setup).as_secs_f64();
                 format!("not done after {patience} s")
             }
             Some(loss) => self.failure(loss)?.to_string(),
         };
-        let notices = simulated.notices.get_or_insert_default();
-        let why = format!("{why} (fmi2Terminate or fmi2FreeInstance)");
-        notices.unfinished.get_or_insert(why);
-        Ok(())
+        Ok(Some(format!("{why} (fmi2Terminate or fmi2FreeInstance)")))
     }
 
     /// Opens the FMU; loads it into this process where children are to have it loaded already.
@@ -395,7 +401,11 @@ impl Guard {
                 }
             }
         }
-        child.part(&mut self.keeper, grace(&self.setup));
+        let parting = child.part(&mut self.keeper, grace(&self.setup));
+        if let Some(why) = self.why_unfinished(&parting)? {
+            eprintln!("note: the simulation is whole, but its end failed: {why}");
+            self.keeper.hear();
+        }
         if self.setup.echo {
             let mut end = Vec::new();
             put_end(&End::Done, &mut end);

@@ -17,7 +17,7 @@ use tempfile::TempDir;
 
 use super::ground::Ground;
 use super::wire::{Reader, Reply, Setup, Way, put_job};
-use super::{EngineError, Job};
+use super::{EngineError, Job, working_directory};
 use crate::failure::Failure;
 use crate::task::Task;
 use fmu_import::isolation::frame::Inbox;
@@ -245,6 +245,7 @@ impl Running {
         let mut command = Command::new(program().map_err(start)?);
         if let Some(place) = &place {
             command.current_dir(place.path()).env("PWD", place.path());
+            command.envs(working_directory::lists_for_elsewhere());
         }
         let mut child = marked(&mut command)
             .arg0("orchestrator")

@@ -4,7 +4,10 @@
 //! one. But a study may name a file by a relative path, which the FMU then looks for where the user is: there points
 //! keep the user's own working directory.
 
-use std::path::Path;
+use std::env;
+use std::ffi::{OsStr, OsString};
+use std::os::unix::ffi::{OsStrExt, OsStringExt};
+use std::path::{self, Path};
 
 use crate::task::Task;
 use fmu_import::{Description, Kind, Value};
@@ -34,4 +37,59 @@ pub(super) fn named_by(description: &Description) -> bool {
 fn is_here(text: &str) -> bool {
     let path = Path::new(text);
     !text.is_empty() && path.is_relative() && path.exists()
+}
+
+/// Lists of files and folders in the environment, by which libraries, programs and modules are found.
+const LISTS: [&str; 4] = ["LD_LIBRARY_PATH", "LD_PRELOAD", "PATH", "PYTHONPATH"];
+
+/// These lists for a process in another working directory: what they name relative to this one, it would not find.
+pub(super) fn lists_for_elsewhere() -> impl Iterator<Item = (&'static str, OsString)> {
+    let named = LISTS
+        .into_iter()
+        .filter_map(|name| Some((name, env::var_os(name)?)));
+    named.map(|(name, list)| (name, from_here(name, &list)))
+}
+
+/// A list with absolute paths.
+fn from_here(name: &str, list: &OsStr) -> OsString {
+    let mut absolute = Vec::new();
+    for (number, entry) in list.as_bytes().split(|byte| *byte == b':').enumerate() {
+        if number > 0 {
+            absolute.push(b':');
+        }
+        // The loader looks for a library without a slash by itself.
+        let bare = name == "LD_PRELOAD" && !entry.contains(&b'/');
+        // Elsewhere an empty entry means the working directory.
+        let path = if entry.is_empty() {
+            Path::new(".")
+        } else {
+            Path::new(OsStr::from_bytes(entry))
+        };
+        match path::absolute(path) {
+            Ok(path) if !bare => absolute.extend(path.as_os_str().as_bytes()),
+            _ => absolute.extend(entry),
+        }
+    }
+    OsString::from_vec(absolute)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn relative_paths_become_absolute() {
+        let here = env::current_dir().unwrap();
+        let here = here.to_str().unwrap();
+        let made = |name: &str, list: &str| from_here(name, list.as_ref()).into_string().unwrap();
+        assert_eq!(
+            made("PATH", "/bin:own::/x/../y"),
+            format!("/bin:{here}/own:{here}:/x/../y")
+        );
+        assert_eq!(
+            made("LD_PRELOAD", "libm.so.6:own/a.so"),
+            format!("libm.so.6:{here}/own/a.so")
+        );
+        assert_eq!(made("LD_PRELOAD", ""), "");
+    }
 }

@@ -1,7 +1,7 @@
 //! Points share processes only where that is proven, and every result is what the FMU gives alone.
 
 use std::fs;
-use std::process::Stdio;
+use std::process::{Command, Stdio};
 use std::thread::sleep;
 use std::time::Duration;
 
@@ -180,4 +180,33 @@ fn a_label_says_on_how_many_points_it_rests() {
     }
     let (audits, basis) = basis("here", &["--in-process"]);
     assert!(audits == 0 && basis.contains("not known"), "{basis}");
+}
+
+/// Points have a working directory of their own, and what the environment names is relative to the user's.
+#[test]
+fn libraries_are_found_by_relative_paths() {
+    let bench = Bench::empty();
+    bench.fmu("lag.fmu", &["UNLOADABLE"], &model("", ""));
+    bench.write("study.toml", STUDY);
+    bench.write("helper.c", "int lag_absent;\n");
+    fs::create_dir(bench.path("own")).unwrap();
+    let compiled = Command::new("cc")
+        .args(["-shared", "-fPIC", "helper.c", "-o", "own/libhelper.so"])
+        .current_dir(bench.path(""))
+        .status();
+    assert!(compiled.unwrap().success());
+    let study = ["verify", "study.toml", "--points", "4", "--output"];
+    bench
+        .run(&[&study[..], &["without"]].concat())
+        .is_mistake(&["lag_absent"]);
+    for (folder, library) in [("path", "libhelper.so"), ("file", "own/libhelper.so")] {
+        let said: Said = bench
+            .command(&[&study[..], &[folder]].concat())
+            .env("LD_LIBRARY_PATH", "own")
+            .env("LD_PRELOAD", library)
+            .output()
+            .unwrap()
+            .into();
+        assert_eq!(said.code, 0, "{}", said.err);
+    }
 }

@@ -222,3 +222,17 @@ fn no_cell_becomes_a_formula() {
     // Numbers stay numbers.
     assert_eq!((table[1][1].as_str(), table[1][3].as_str()), ("0", "1"));
 }
+
+/// The instance is freed after the last row: what goes wrong there takes nothing away.
+#[test]
+fn a_crash_at_the_end_is_told_and_costs_nothing() {
+    let bench = Bench::new();
+    bench.fmu("freeing.fmu", &["DOUBLE_FREE"], &model("", ""));
+    let [sound, freeing] = ["lag.fmu", "freeing.fmu"]
+        .map(|fmu| good(bench.run(&["simulate", fmu, "--record", "lag.y"])));
+    assert_eq!(freeing.out, sound.out);
+    for words in ["its end failed", "SIGABRT", "fmi2FreeInstance"] {
+        assert!(freeing.err.contains(words), "{}", freeing.err);
+    }
+    assert!(!sound.err.contains("its end failed"));
+}

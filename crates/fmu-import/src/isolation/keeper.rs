@@ -115,6 +115,11 @@ impl Keeper {
         self.words.text()
     }
 
+    /// Reads what has been printed so far, and repeats it where that is wanted.
+    pub fn hear(&mut self) {
+        self.words.hear();
+    }
+
     /// Forgets what has been printed so far.
     pub fn forget(&mut self) {
         self.words.clear();
