@@ -209,6 +209,7 @@ impl Runner {
     /// When a value is not allowed, or the simulation fails.
     pub fn run(&mut self, values: &[f64]) -> Result<&[f64], Failure> {
         self.refused = false;
+        self.notices = Notices::default();
         self.allow(values)?;
         let held = self.prepared()?;
         let compare = held.reused && !self.trusted;

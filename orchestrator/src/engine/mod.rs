@@ -104,6 +104,8 @@ impl Simulated {
 /// Events of a run.
 #[derive(Debug)]
 pub enum Event {
+    /// The FMU's warnings in the point of this index, of which the next event will be that it failed.
+    Said(u64, Box<Notices>),
     /// The point of this index is done, in such a process.
     Answer(u64, Result<Simulated, Failure>, Separation),
     /// Points that were computed in such processes, or less strictly separated ones, do not count any more:
@@ -150,6 +152,9 @@ impl<'a> Post<'a> {
     }
 
     fn answer(&mut self, index: u64, found: Result<Simulated, Trouble>, separation: Separation) {
+        if let Some(notices) = found.as_ref().err().and_then(Trouble::notices) {
+            self.send(Event::Said(index, Box::new(notices.clone())));
+        }
         let answer = found.map_err(Trouble::failure);
         self.send(Event::Answer(index, answer, separation));
     }
@@ -302,7 +307,7 @@ impl Ledger {
                     self.again.take(&mut self.new);
                 }
             }
-            Event::Idle => {}
+            Event::Said(..) | Event::Idle => {}
         }
         Some(event)
     }

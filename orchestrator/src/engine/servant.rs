@@ -43,7 +43,7 @@ pub(super) fn alone(
         let mut said = vec![speech::REPLIES];
         match answer {
             Ok(values) => put_results(job.index, ready, values, Some(runner.notices()), &mut said),
-            Err(failure) => put(job.index, ready, failure, runner.was_refused(), &mut said),
+            Err(failure) => put(job.index, ready, failure, runner, &mut said),
         }
         place.send(&said);
     });
@@ -82,7 +82,7 @@ pub(super) fn serve(
                     put_results(job.index, 0.0, values, Some(notices), &mut said);
                 }
                 Err(failure) => {
-                    put(job.index, 0.0, &failure, runner.was_refused(), &mut said);
+                    put(job.index, 0.0, &failure, &runner, &mut said);
                     // After fmi2Fatal nothing may be called any more: another process goes on.
                     if let Failure::Fatal(_) = failure {
                         return place.send(&said);
@@ -103,13 +103,19 @@ pub(super) fn serve(
 }
 
 /// Appends why a point has no results.
-fn put(index: u64, start: f32, failure: &Failure, refused: bool, said: &mut Vec<u8>) {
+fn put(index: u64, start: f32, failure: &Failure, runner: &Runner, said: &mut Vec<u8>) {
     let failure = failure.clone();
-    let trouble = if refused {
+    let trouble = if runner.was_refused() {
         let licence = false;
         Trouble::Refused { failure, licence }
     } else {
-        Trouble::Failed(failure)
+        let said = runner.notices().clone();
+        let notices = Notices {
+            warnings: said.warnings,
+            first_warning: said.first_warning,
+            ..Notices::default()
+        };
+        Trouble::Failed { failure, notices }
     };
     put_trouble(index, start, &trouble, said);
 }

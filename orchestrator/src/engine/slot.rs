@@ -553,7 +553,7 @@ impl Worker for Slot {
 /// a signal from outside.
 fn speaks_of_the_fmu(found: &Found) -> bool {
     match found {
-        Ok(_) | Err(Trouble::Failed(_)) => true,
+        Ok(_) | Err(Trouble::Failed { .. }) => true,
         Err(Trouble::Lost(Failure::Crashed(text))) => {
             let by_the_fmu = ["SIGSEGV", "SIGABRT", "SIGFPE", "SIGILL", "SIGBUS"];
             by_the_fmu.iter().any(|signal| text.starts_with(signal))

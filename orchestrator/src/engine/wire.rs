@@ -86,8 +86,8 @@ pub(super) struct Reply {
 /// Why there are no results.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) enum Trouble {
-    /// The FMU failed, and said so.
-    Failed(Failure),
+    /// The FMU failed, and said so; its warnings before that.
+    Failed { failure: Failure, notices: Notices },
     /// The FMU refused an instance; whether it spoke of a licence.
     Refused { failure: Failure, licence: bool },
     /// The process ended, or had to be ended.
@@ -97,10 +97,20 @@ pub(super) enum Trouble {
 }
 
 impl Trouble {
+    /// The FMU's warnings before it failed, if there were any.
+    pub(super) fn notices(&self) -> Option<&Notices> {
+        match self {
+            Self::Failed { notices, .. } if !notices.is_empty() => Some(notices),
+            _ => None,
+        }
+    }
+
     /// The failure as the results show it.
     pub(super) fn failure(self) -> Failure {
         match self {
-            Self::Failed(failure) | Self::Refused { failure, .. } | Self::Lost(failure) => failure,
+            Self::Failed { failure, .. } | Self::Refused { failure, .. } | Self::Lost(failure) => {
+                failure
+            }
             Self::Unloadable(text) => Failure::Unloadable(text),
         }
     }
@@ -334,7 +344,8 @@ mod tests {
         #[test]
         fn what_was_put_is_read(index: u64, values: Vec<f64>, text: String, start: f32) {
             let job = Job { index, values };
-            let trouble = Trouble::Failed(Failure::Error(text));
+            let notices = Notices { warnings: index, ..Notices::default() };
+            let trouble = Trouble::Failed { failure: Failure::Error(text), notices };
             let lost = Reply { index, answer: Err(trouble.clone()), start, forkable: Some(true) };
             let mut bytes = Vec::new();
             Way::Used(Habit::Renew).put(&mut bytes);

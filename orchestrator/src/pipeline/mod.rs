@@ -12,6 +12,7 @@ pub mod scratch;
 mod shard;
 pub mod stop;
 
+use std::collections::HashMap;
 use std::fmt;
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -24,6 +25,7 @@ use crate::engine::repeats::Repeats;
 use crate::engine::{
     self, Answer, Conduct, EngineError, Event, Isolation, Job, Separation, Worker,
 };
+use crate::notices::Notices;
 use crate::results::finished::Finished;
 use crate::results::note::Note;
 use crate::results::{Journal, Outcome, ResultsError};
@@ -126,6 +128,8 @@ pub struct Pipeline<'a> {
     computed: [u64; Separation::COUNT],
     /// Points that earlier runs computed.
     before: u64,
+    /// Warnings in points of which the next event is that they failed.
+    said: HashMap<u64, Box<Notices>>,
     progress: Progress,
     synced: Instant,
 }
@@ -175,6 +179,7 @@ impl<'a> Pipeline<'a> {
             asked: 0,
             computed: [0; Separation::COUNT],
             before,
+            said: HashMap::new(),
             progress,
             synced: Instant::now(),
         }
@@ -275,7 +280,8 @@ impl<'a> Pipeline<'a> {
         Ok(match event {
             Event::Answer(index, mut answer, separation) => {
                 let found = answer.as_mut().ok();
-                let notices = found.and_then(|found| found.notices.take());
+                let beside = found.and_then(|found| found.notices.take());
+                let notices = self.said.remove(&index).or(beside);
                 let outcome = self.model.outcome(answer.map(|found| found.values));
                 let notices = notices.as_deref();
                 self.journal.append(index, &outcome, separation, notices)?;
@@ -300,6 +306,10 @@ impl<'a> Pipeline<'a> {
                 let finished = self.finished.as_ref();
                 self.before -= finished.map_or(0, |finished| finished.of(separation).len() as u64);
                 Some(Step::Void(separation))
+            }
+            Event::Said(index, notices) => {
+                self.said.insert(index, notices);
+                None
             }
             Event::Idle => {
                 self.settle()?;

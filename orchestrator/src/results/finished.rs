@@ -4,11 +4,14 @@ use std::collections::HashMap;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
+use serde::Deserialize;
+
 use super::header::Header;
 use super::lines::{Lines, open, path_in};
 use super::note::{Note, separation};
 use super::{Outcome, ResultsError};
 use crate::engine::{Conduct, Isolation, Separation};
+use crate::failure::Failure;
 use crate::notices::Notices;
 
 /// Index of a journal: the position of each finished point's line.
@@ -290,7 +293,13 @@ fn parse(line: &str) -> Option<Noted> {
             };
             Some((Ok(values.collect::<Option<_>>()?), notices))
         }
-        "failed" => Some((Err(serde_json::from_str(rest).ok()?), None)),
+        "failed" => {
+            let mut texts = serde_json::Deserializer::from_str(rest);
+            let failure = Failure::deserialize(&mut texts).ok()?;
+            // Nothing follows where nothing was said.
+            let notices = Notices::deserialize(&mut texts).ok();
+            Some((Err(failure), notices))
+        }
         _ => None,
     }
 }

@@ -14,7 +14,7 @@
 //! ```
 //!
 //! `apart`, `ok`, `forked` and `used` tell in what process a point was computed ([`Separation`]): a note may say that some of
-//! these do not count any more. What the FMU said beside the results stands behind them ([`Notices`]).
+//! these do not count any more. What the FMU said beside the results, or before it failed, stands behind them ([`Notices`]).
 //! An analysis that asks for several sets of points notes what tells each set from others, `set 0 600 5d41402a`,
 //! and at last `end`. Where a set takes the place of another one, what followed that one counts no more.
 
@@ -164,21 +164,21 @@ impl Journal {
         notices: Option<&Notices>,
     ) -> Result<(), ResultsError> {
         // Writing to a String cannot fail.
-        match outcome {
+        let _ = match outcome {
             Ok(values) => {
                 let _ = write!(self.line, "{index} {}", word(separation));
-                for value in values {
-                    let _ = write!(self.line, " {value:e}");
-                }
-                if let Some(notices) = notices {
-                    let text = serde_json::to_string(notices).unwrap_or_default();
-                    let _ = write!(self.line, " {text}");
-                }
+                values
+                    .iter()
+                    .try_for_each(|value| write!(self.line, " {value:e}"))
             }
             Err(failure) => {
                 let text = serde_json::to_string(failure).unwrap_or_default();
-                let _ = write!(self.line, "{index} failed {text}");
+                write!(self.line, "{index} failed {text}")
             }
+        };
+        if let Some(notices) = notices {
+            let text = serde_json::to_string(notices).unwrap_or_default();
+            let _ = write!(self.line, " {text}");
         }
         self.finish_line();
         self.flush_when_full()

@@ -153,8 +153,10 @@ fn what_the_fmu_said_comes_back_with_the_point() {
     };
     let points = [
         (Ok(vec![1.0, -0.5]), Some(notices.clone())),
-        (Ok(vec![]), Some(notices)),
+        (Ok(vec![]), Some(notices.clone())),
         (Ok(vec![2.0, 3.0]), None),
+        (Err(Failure::Timeout), Some(notices.clone())),
+        (Err(Failure::Error("it broke {".to_owned())), Some(notices)),
     ];
     for (index, (outcome, notices)) in (0..).zip(&points) {
         journal

@@ -154,6 +154,25 @@ fn a_warning_is_no_failure() {
 }
 
 #[test]
+fn warnings_before_a_failure_are_counted() {
+    const FAIL: u32 = 6;
+    let bench = Bench::empty();
+    bench.fmu("warning.fmu", &["WARNS"], &crate::support::model("", ""));
+    for isolation in ["fresh", "reuse"] {
+        let said = verify(&bench, "warning.fmu", FAIL, &["--isolation", isolation]);
+        assert!(status(&bench, &said).starts_with("fmi2Error"));
+        let warnings = &bench.summary("out")["warnings"];
+        assert_eq!(
+            (&warnings["points"], &warnings["first"]["point"]),
+            (&1.into(), &5.into())
+        );
+        // Once a step, up to the one that failed.
+        assert!(warnings["count"].as_u64().unwrap() > 1, "{warnings}");
+        assert!(said.out.contains("the oil is warm"), "{}", said.out);
+    }
+}
+
+#[test]
 fn an_fmu_without_reset() {
     let bench = Bench::empty();
     bench.fmu("plain.fmu", &["NO_RESET"], &crate::support::model("", ""));
