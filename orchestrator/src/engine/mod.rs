@@ -8,6 +8,7 @@
 //! what the slots find out together ([policy]).
 
 mod batch;
+pub mod conduct;
 pub mod crew;
 mod ground;
 pub mod guard;
@@ -37,7 +38,8 @@ use batch::Batches;
 use process::Gone;
 use wire::Trouble;
 
-pub use policy::{Conduct, Isolation, Separation};
+pub use conduct::Conduct;
+pub use policy::{Isolation, Separation};
 
 /// Why a run cannot go on at all. What happens to a single point is a [`Failure`].
 #[derive(Debug, Error)]
@@ -51,6 +53,11 @@ pub enum EngineError {
     /// A worker was lost and cannot be replaced.
     #[error("a worker was lost: {0}")]
     Lost(String),
+    /// Points were computed again, and no result counted.
+    #[error(
+        "points were computed again, and no result counted, because processes of the FMU differ; go on with --resume"
+    )]
+    Circling,
     /// Earlier results, which have been used already, do not count any more.
     #[error(
         "the FMU gives other results in a process that has computed points before; use --isolation fresh"
@@ -207,9 +214,15 @@ pub fn run<E: From<EngineError>>(
         watch(event, &mut ledger)
     })?;
     while let (false, Some(again)) = (over, ledger.open()) {
+        let (left, void) = (again.len(), ledger.void);
         over = pass(workers, again.into_iter(), job, stop, &mut |event| {
             watch(event, &mut ledger)
         })?;
+        // A run that gets nowhere would never end.
+        let still_open = ledger.open().map_or(0, |again| again.len());
+        if !over && ledger.void == void && still_open >= left {
+            return Err(EngineError::Circling.into());
+        }
     }
     Ok(())
 }

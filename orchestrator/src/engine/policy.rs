@@ -14,6 +14,7 @@ use std::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 
 use super::Job;
+use super::conduct::Conduct;
 use super::repeats::Repeats;
 use crate::run::Habit;
 
@@ -50,149 +51,6 @@ pub enum Separation {
 impl Separation {
     /// Number of kinds.
     pub const COUNT: usize = 4;
-}
-
-/// How the points of a run were computed, and what their audits found.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Conduct {
-    /// How points shared processes.
-    pub isolation: Isolation,
-    /// How many points were computed twice, the second time in a new process with other bytes in unwritten memory.
-    pub audits: u64,
-    /// How many of these had shared a process the first time.
-    #[serde(default)]
-    pub audits_of_shared: u64,
-    /// How many of them differed.
-    pub audit_mismatches: u64,
-    /// Whether points that are computed twice, alone, give the same.
-    pub reproducible: bool,
-    /// The first file that the FMU changed in its own folder: then each point had a folder of its own.
-    #[serde(default)]
-    pub changed_file: Option<String>,
-}
-
-impl Conduct {
-    /// Nothing was computed yet.
-    pub const NONE: Self = Self {
-        isolation: Isolation::Fresh,
-        audits: 0,
-        audits_of_shared: 0,
-        audit_mismatches: 0,
-        reproducible: true,
-        changed_file: None,
-    };
-
-    /// How all points were computed, of which some were computed so and others otherwise.
-    pub fn and(self, other: Self) -> Self {
-        Self {
-            isolation: self.isolation.max(other.isolation),
-            audits: self.audits + other.audits,
-            audits_of_shared: self.audits_of_shared + other.audits_of_shared,
-            audit_mismatches: self.audit_mismatches + other.audit_mismatches,
-            reproducible: self.reproducible && other.reproducible,
-            changed_file: self.changed_file.or(other.changed_file),
-        }
-    }
-
-    /// The findings since `before`. Where the FMU was found to change its folder meanwhile, they begin anew.
-    pub fn since(self, before: Option<&Self>) -> Self {
-        let before = before.unwrap_or(&Self::NONE);
-        Self {
-            audits: self.audits.saturating_sub(before.audits),
-            audits_of_shared: self
-                .audits_of_shared
-                .saturating_sub(before.audits_of_shared),
-            audit_mismatches: self
-                .audit_mismatches
-                .saturating_sub(before.audit_mismatches),
-            ..self
-        }
-    }
-
-    /// Remarks for a reader of the results, one sentence each.
-    pub fn remarks(&self) -> Vec<String> {
-        let mut remarks = Vec::new();
-        if let Some(file) = &self.changed_file {
-            remarks.push(format!(
-                "the FMU changes files in its own folder (the first: {file}), which later points would read; every \
-                 point ran alone in a new process, with a folder of its own"
-            ));
-        }
-        if self.reproducible && self.audit_mismatches > 0 {
-            remarks.push(format!(
-                "{} of {} points had other results when they were computed again alone in a new process; all points \
-                 were computed again, each alone",
-                self.audit_mismatches, self.audits
-            ));
-        }
-        match self.isolation {
-            Isolation::Audited => remarks.push(self.proof()),
-            Isolation::Reuse => remarks
-                .push("points shared processes without audits (--isolation reuse)".to_owned()),
-            Isolation::Fresh | Isolation::InProcess => {}
-        }
-        // What casts doubt on all results comes first, what confirms them last.
-        let place = if self.reproducible { remarks.len() } else { 0 };
-        remarks.insert(place, self.reproducibility());
-        remarks
-    }
-
-    /// Whether the FMU gives the same for the same point, and how many points say so.
-    pub fn reproducibility(&self) -> String {
-        if !self.reproducible {
-            let count = match (self.audit_mismatches, self.audits) {
-                (0, _) | (_, 0) => String::new(),
-                (differing, all) => {
-                    format!(", found in {differing} of {all} points computed twice")
-                }
-            };
-            return format!(
-                "not reproducible: the FMU gives other results for the same point in another new process{count} \
-                 (memory that it never wrote, the clock, random numbers, files outside its own folder); every point \
-                 ran alone in a new process"
-            );
-        }
-        match self.audits {
-            0 => "whether the FMU is reproducible is not known: no point was computed twice"
-                .to_owned(),
-            count => format!(
-                "reproducible: {count} {} computed twice, the second time alone in a new process with other bytes in \
-                 unwritten memory, and came out the same to the last bit ({})",
-                if count == 1 {
-                    "point was"
-                } else {
-                    "points were"
-                },
-                power(count)
-            ),
-        }
-    }
-
-    /// How far the audits prove that sharing processes changes nothing.
-    fn proof(&self) -> String {
-        match self.audits_of_shared {
-            0 => "points shared processes; there was no time for an audit".to_owned(),
-            count => format!(
-                "points shared processes; {count} of them {} computed again alone, and agreed to the last bit ({})",
-                was(count),
-                power(count)
-            ),
-        }
-    }
-}
-
-fn was(count: u64) -> &'static str {
-    if count == 1 { "was" } else { "were" }
-}
-
-/// What the comparison of so many points finds.
-#[allow(clippy::cast_precision_loss)]
-fn power(audits: u64) -> String {
-    let share = 100.0 * (1.0 - 0.05_f64.powf(1.0 / audits as f64));
-    format!(
-        "had {share:.2} % of all points differed, this would have been found with a probability of 95 %; a share f is \
-         found with 1-(1-f)^{audits}"
-    )
 }
 
 /// The next task of a worker.
@@ -233,7 +91,7 @@ const DEAR: f64 = 1.0;
 /// of two workers is no cheaper for passing twice as fast.
 const WORTH: f64 = 1.0;
 /// How long the audits of the chosen points may take together, s.
-const LITTLE: f64 = 1.0;
+const LITTLE: f64 = 5.0;
 /// How much of the time audits may take beyond that.
 const SHARE: f64 = 0.02;
 /// So many audits a worker are made in any case, and so many of its last points, where one takes less than
@@ -464,6 +322,8 @@ impl Policy {
             Probed::Nothing => {}
             Probed::Different => state.give_up_reproducing(self.strictest),
             Probed::NoForks => state.alone = Some(self.strictest),
+            // Meanwhile an audit may have shown that forks, or new processes, differ: that stays so.
+            Probed::Alike if state.alone.is_some() => {}
             Probed::Alike => {
                 state.probes += 1;
                 let long = state.probe_time > Duration::from_secs(1);
@@ -644,7 +504,12 @@ impl Policy {
             audits: state.audits.points.len() as u64,
             audits_of_shared: state.audits.shared,
             audit_mismatches: state.audits.mismatches,
-            reproducible: state.reproducible,
+            reproducible: match self.wish {
+                _ if !state.reproducible => Some(false),
+                Isolation::Reuse | Isolation::InProcess => None,
+                _ if state.audits.points.is_empty() => None,
+                _ => Some(true),
+            },
             changed_file: None,
         }
     }
@@ -670,5 +535,29 @@ impl State {
         self.reproducible = false;
         self.alone = Some(strictest);
         self.reuse = Reuse::Refused;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// While a worker probes, an audit of another one may find that new processes differ. The probe's end must not bring
+    /// forks back: their results do not count any more, so the run would never end.
+    #[test]
+    fn a_probe_that_ends_late_changes_nothing_that_is_known() {
+        for give_up in [true, false] {
+            let policy = Policy::new(Isolation::Audited, false);
+            assert_eq!(policy.plan(None), Plan::Probe);
+            match give_up {
+                true => policy.give_up_reproducing(),
+                false => policy.refute(Separation::Forked),
+            }
+            for _ in 0..PROBES {
+                policy.probed(Probed::Alike, Duration::from_secs(2));
+            }
+            assert_eq!(policy.alone(), Separation::New);
+            assert_eq!(policy.plan(None), Plan::Alone(Separation::New));
+        }
     }
 }

@@ -163,7 +163,8 @@ impl<'a> Pipeline<'a> {
                 .changed_file()
                 .into_iter()
                 .for_each(|file| crew.part(file));
-            crew.recall(finished.refuted(), finished.conduct().reproducible);
+            let differs = finished.conduct().reproducible == Some(false);
+            crew.recall(finished.refuted(), !differs);
         }
         Self {
             model,

@@ -101,7 +101,7 @@ fn what_does_not_count_is_open_again() {
         audits: 7,
         audits_of_shared: 5,
         audit_mismatches: 0,
-        reproducible: true,
+        reproducible: Some(true),
         changed_file: None,
     };
     journal.note(&Note::Conduct(audited.clone())).unwrap();
