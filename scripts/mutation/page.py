@@ -107,7 +107,7 @@ def page(runs):
         counts = [run[key] for key in ("mutants", "tried", "caught", "unviable", "equivalent")]
         cells = [name, run["date"], *counts, len(run["survivors"])]
         text += "| " + " | ".join(map(str, cells)) + " |\n"
-    text += "\n## Files\n\n"
+    text += "\n## Files\n\nThe figures are of these files, and of no others:\n\n"
     for name in (name for name in PARTS if name in runs):
         text += f"- {name}: " + ", ".join(f"`{file}`" for file in runs[name]["files"]) + "\n"
     survivors = [line for name in PARTS for line in runs.get(name, {}).get("survivors", [])]
