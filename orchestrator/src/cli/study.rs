@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use clap::builder::{RangedU64ValueParser, TypedValueParser};
 
 use super::{Means, Parts, Work, verdict_help};
 use crate::results::MOST_EXTRA_RUNS;
@@ -50,8 +51,12 @@ pub struct Verify {
     #[arg(long, conflicts_with = "shard")]
     pub validation: bool,
     /// Run at most so many points once more, with finer steps and to a later end, to see whether their values rest
-    #[arg(long, value_name = "N", default_value_t = MOST_EXTRA_RUNS)]
+    #[arg(long, value_name = "N", default_value_t = MOST_EXTRA_RUNS, value_parser = extra_runs())]
     pub extra_runs: usize,
+}
+
+fn extra_runs() -> impl TypedValueParser<Value = usize> {
+    RangedU64ValueParser::<usize>::new().range(0..=MOST_EXTRA_RUNS as u64)
 }
 
 /// Options of `replay`.

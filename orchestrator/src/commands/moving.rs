@@ -56,7 +56,10 @@ pub(super) fn observed(
     }
     let found: Vec<String> = judged
         .iter()
-        .filter_map(|criterion| Some(concerns(criterion, rest.criteria.get(&criterion.name)?)))
+        .filter_map(|criterion| {
+            let moved = rest.criteria.get(&criterion.name)?;
+            Some(concerns(criterion, moved, rest.observed.is_empty()))
+        })
         .flatten()
         .collect();
     summary.concerns.extend(found);
@@ -138,8 +141,9 @@ fn growth(time: &[f64], signal: &[f64], statistic: Statistic, [from, to]: [f64; 
     (end > first && grown.is_finite()).then(|| grown / (end - first))
 }
 
-/// What a motion means for the number that is compared with the measured value.
-fn concerns(criterion: &Criterion, moved: &Moved) -> Vec<String> {
+/// What a motion means for the number that is compared with the measured value. Without extra runs the drift is that at
+/// the rate of the end.
+fn concerns(criterion: &Criterion, moved: &Moved, without_runs: bool) -> Vec<String> {
     let Criterion {
         name,
         statistic,
@@ -164,10 +168,11 @@ fn concerns(criterion: &Criterion, moved: &Moved) -> Vec<String> {
     }
     if moved.drift.abs() > 0.5 * tolerance {
         found.push(format!(
-            "{name}: its value still moves when the run ends, by {}{unit} in a time as long as the run{} (tolerance \
+            "{name}: its value still moves when the run ends, by {}{unit} in a time as long as the run{}{} (tolerance \
              {stated_tolerance}), so the verdict depends on `stop`: simulate longer, or up to the moment of the \
              measurement",
             number(moved.drift, 3),
+            if without_runs { ", at the rate of its end" } else { "" },
             at(moved.drift_at)
         ));
     }
@@ -197,7 +202,7 @@ mod tests {
         let of = |statistic, swing, drift| {
             let mut moved = Moved::default();
             moved.add(7, swing, drift);
-            concerns(&criterion(statistic), &moved)
+            concerns(&criterion(statistic), &moved, false)
         };
         assert!(of(Statistic::Final, 0.05, 0.2).is_empty());
         let found = of(Statistic::Final, 0.07, -0.4);

@@ -130,7 +130,13 @@ fn decided(conclusion: &Conclusion) -> Option<Decided> {
         accepted: conclusion.accepted as usize,
         interval: required.interval,
         confidence: required.rule.confidence,
-        method: required.method.clone(),
+        method: match required.guard_bands {
+            Some(_) => format!(
+                "{}, over all guard bands that may be the right one",
+                required.method
+            ),
+            None => required.method.clone(),
+        },
     })
 }
 

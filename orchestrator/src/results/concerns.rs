@@ -6,7 +6,7 @@ use crate::judge::Criterion;
 const FEWEST: u64 = 10;
 
 /// Factors between units that are often mistaken for each other, and offsets.
-const UNITS: [(f64, f64, &str); 14] = [
+const UNITS: [(f64, f64, &str); 16] = [
     (1.0, 273.15, "degC and K"),
     (1.0, -273.15, "K and degC"),
     (1e6, 0.0, "MPa and Pa, or um and m"),
@@ -27,6 +27,8 @@ const UNITS: [(f64, f64, &str); 14] = [
     (1e-2, 0.0, "per cent and a share, or cm and m"),
     (std::f64::consts::TAU / 60.0, 0.0, "rpm and rad/s"),
     (60.0 / std::f64::consts::TAU, 0.0, "rad/s and rpm"),
+    (60.0, 0.0, "Hz and rpm"),
+    (1.0 / 60.0, 0.0, "rpm and Hz"),
     (std::f64::consts::PI / 180.0, 0.0, "deg and rad"),
     (180.0 / std::f64::consts::PI, 0.0, "rad and deg"),
 ];
@@ -44,7 +46,7 @@ pub fn out_of_reach(criterion: &Criterion, [low, high]: [f64; 2], points: u64) -
     let unit = criterion.unit.as_deref();
     let unit = unit.map_or_else(String::new, |unit| format!(" {unit}"));
     let hint = match mistaken_unit(criterion, [low, high]) {
-        Some(units) => format!("; the values would fit if {units} had been mistaken: check `unit`"),
+        Some(units) => format!("; their size would fit if {units} had been mistaken: check `unit`"),
         None if points < FEWEST => return None,
         None => {
             "; widen the parameters' distributions, or find out what the model misses".to_owned()
@@ -58,14 +60,25 @@ pub fn out_of_reach(criterion: &Criterion, [low, high]: [f64; 2], points: u64) -
     ))
 }
 
+/// Whether equal values can hardly come from two points. Rounded or discrete ones can: one of them has six digits at least.
+pub fn is_telling(values: &[f64]) -> bool {
+    const DIGITS: usize = 6;
+    let digits = |value: &f64| {
+        let text = format!("{value:e}");
+        let mantissa = text.split('e').next().unwrap_or_default();
+        mantissa.chars().filter(char::is_ascii_digit).count()
+    };
+    values.iter().any(|value| digits(value) >= DIGITS)
+}
+
 /// Warns of rows of a table that repeat earlier ones: each counts as an independent point. A few rows may be equal by
-/// rounding.
+/// chance.
 pub fn repeated(repeated: u64, points: u64) -> Option<String> {
     const FEW: u64 = 10;
     (repeated > 0 && repeated >= points / FEW).then(|| {
         format!(
-            "{repeated} of {points} rows have the same values of all criteria as an earlier one, and each of them counts as \
-             an independent point; remove rows that were written more than once"
+            "{repeated} of {points} rows have the same values of all criteria as an earlier one, to the last digit, and each \
+             of them counts as an independent point; if rows were written more than once, remove the copies"
         )
     })
 }
@@ -177,6 +190,15 @@ mod tests {
         assert_eq!(out_of_reach(&t, [0.017, 0.084], 200), None);
         assert!(out_of_reach(&sure, [0.017, 0.084], 200).is_some());
         assert!(out_of_reach(&t, [0.51, 0.7], 200).is_some());
+    }
+
+    #[test]
+    fn rounded_and_discrete_values_may_repeat() {
+        for values in [&[0.25, 1.0][..], &[-373.15], &[1e-9, 0.0], &[]] {
+            assert!(!is_telling(values), "{values:?}");
+        }
+        assert!(is_telling(&[1.0, 0.250_001]));
+        assert!(is_telling(&[-1.234_56e-7]));
     }
 
     #[test]

@@ -101,11 +101,8 @@ fn bands(conclusion: &Conclusion) -> String {
         return String::new();
     };
     let widest = match widest {
-        Some(widest) => format!("one from {} to {}", short(narrowest), short(widest)),
-        None => format!(
-            "any from {} on: the points show of none that it is enough",
-            short(narrowest)
-        ),
+        Some(widest) => format!("one from {narrowest:.3} to {widest:.3}"),
+        None => format!("any from {narrowest:.3} on: the points show of none that it is enough"),
     };
     format!(
         " It comes from the same points; for the whole space it may be {widest}, and the interval of the share holds for \
