@@ -60,6 +60,7 @@ fn files(bench: &Bench, folder: &str) -> (String, String, String) {
         "audits",
         "audits_of_shared",
         "audit_mismatches",
+        "reproducible",
         "reproducibility",
     ] {
         summary[how].take();
