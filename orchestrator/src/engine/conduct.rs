@@ -1,8 +1,41 @@
-//! How the points of a run were computed, and what comparisons of them showed: for summary, terminal and page.
+//! How points share processes, and what comparisons of them showed: for summary, terminal and page.
 
 use serde::{Deserialize, Serialize};
 
-use super::policy::Isolation;
+/// How points share processes, as the user wishes it and as it turned out.
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, clap::ValueEnum,
+)]
+#[serde(rename_all = "kebab-case")]
+pub enum Isolation {
+    /// Every point alone in a process of its own
+    Fresh,
+    /// Processes are used for many points once that is proven, and under audit
+    Audited,
+    /// Processes are used for many points, and not audited
+    Reuse,
+    /// All points in the process of the supervisor.
+    #[value(skip)]
+    InProcess,
+}
+
+/// In what process a point was computed, from the strictest on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum Separation {
+    /// In a new one, with an unpacked FMU of its own.
+    Apart,
+    /// In a new one.
+    New,
+    /// In a fork of one that had loaded the FMU and never instantiated it.
+    Forked,
+    /// In one that had computed other points before.
+    Used,
+}
+
+impl Separation {
+    /// Number of kinds.
+    pub const COUNT: usize = 4;
+}
 
 /// How the points of a run were computed, and what their audits found.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]

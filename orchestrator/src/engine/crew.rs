@@ -4,10 +4,10 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::Worker;
-use super::conduct::Conduct;
+use super::conduct::{Conduct, Isolation, Separation};
 use super::ground::Ground;
 use super::local::Local;
-use super::policy::{Isolation, Policy, Separation};
+use super::policy::Policy;
 use super::process::Limits;
 use super::repeats::Repeats;
 use super::slot::Slot;

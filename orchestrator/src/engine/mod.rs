@@ -38,8 +38,7 @@ use batch::Batches;
 use process::Gone;
 use wire::Trouble;
 
-pub use conduct::Conduct;
-pub use policy::{Isolation, Separation};
+pub use conduct::{Conduct, Isolation, Separation};
 
 /// Why a run cannot go on at all. What happens to a single point is a [`Failure`].
 #[derive(Debug, Error)]

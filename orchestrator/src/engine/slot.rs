@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use super::conduct::Separation;
 use super::ground::Ground;
-use super::policy::{Plan, Policy, Probed, Separation, Spent};
+use super::policy::{Plan, Policy, Probed, Spent};
 use super::process::{Gone, Limits, Process};
 use super::wire::{Reply, Trouble, Way};
 use super::{EngineError, Event, Job, Post, Simulated, Worker};
