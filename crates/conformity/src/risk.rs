@@ -7,11 +7,13 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::interval::{Moments, of_mean, of_part};
+use super::interval::Moments;
 use super::measured::{Assessed, Conformity, Measured, Measurement};
+use acceptance::Acceptance;
 
 pub use bands::Bands;
 
+mod acceptance;
 mod bands;
 
 /// How far the acceptance interval is drawn in from the tolerance interval.
@@ -201,15 +203,7 @@ impl RiskTally {
 
     /// The same with another confidence for the guard bands.
     pub fn statement_at(&self, confidence: f64) -> Statement {
-        let (guard, from) = match self.guard {
-            Guard::Given(factor) => (Some(factor), 0),
-            // Where there is nothing to accept, no guard band is needed.
-            Guard::Limiting { .. } if self.within.iter().all(|&n| n == 0) => (Some(0.0), 0),
-            Guard::Limiting { risk } => match self.all.least_step(risk) {
-                Some(step) => (Some(step as f64 * Guard::STEP), step),
-                None => (None, usize::MAX),
-            },
-        };
+        let (guard, from) = self.guard_band();
         let parts = self.all.split(from);
         let [accepted, rejected] = parts.each_ref().map(|parts| Moments::total(parts));
         let conforming = accepted.complement().sum + rejected.complement().sum;
@@ -235,6 +229,19 @@ impl RiskTally {
 }
 
 impl RiskTally {
+    /// The guard band in expanded uncertainties, and the first of the steps that it accepts.
+    fn guard_band(&self) -> (Option<f64>, usize) {
+        match self.guard {
+            Guard::Given(factor) => (Some(factor), 0),
+            // Where there is nothing to accept, no guard band is needed.
+            Guard::Limiting { .. } if self.within.iter().all(|&n| n == 0) => (Some(0.0), 0),
+            Guard::Limiting { risk } => match self.all.least_step(risk) {
+                Some(step) => (Some(step as f64 * Guard::STEP), step),
+                None => (None, usize::MAX),
+            },
+        }
+    }
+
     fn unfit(&self, guard: Option<f64>, accepted: u64) -> Option<Unfit> {
         let within = self.within.iter().any(|&n| n > 0);
         match self.guard {
@@ -245,120 +252,6 @@ impl RiskTally {
             Guard::Given(_) if within && accepted == 0 && !self.possible => Some(Unfit::Guard),
             _ => None,
         }
-    }
-}
-
-/// The points that are within a tolerance, by the widest guard band that lets them pass, and those
-/// that are not; of all, the sums of the probabilities not to conform.
-#[derive(Clone, Debug)]
-struct Acceptance {
-    samples: usize,
-    known: bool,
-    within: Vec<Vec<Moments>>,
-    outside: Vec<Moments>,
-}
-
-impl Acceptance {
-    fn new(samples: usize, known: bool) -> Self {
-        Self {
-            samples,
-            known,
-            within: Vec::new(),
-            outside: vec![Moments::default(); samples],
-        }
-    }
-
-    fn add(&mut self, guard: Guard, sample: usize, assessed: Assessed) {
-        let place = match guard.widest_passed(assessed.margin) {
-            Some(step) => {
-                if step >= self.within.len() {
-                    let none = vec![Moments::default(); self.samples];
-                    self.within.resize(step + 1, none);
-                }
-                &mut self.within[step]
-            }
-            None => &mut self.outside,
-        };
-        place[sample].add(1.0 - assessed.probability.unwrap_or(0.0));
-    }
-
-    /// The least step that keeps the probability of accepted points not to conform at or below a
-    /// limit.
-    fn least_step(&self, limit: f64) -> Option<usize> {
-        let mut accepted = Moments::default();
-        let mut least = None;
-        for (step, moments) in self.within.iter().enumerate().rev() {
-            accepted.merge(Moments::total(moments));
-            if accepted.count > 0 && accepted.mean() <= limit {
-                least = Some(step);
-            }
-        }
-        least
-    }
-
-    /// The least probability of accepted points not to conform that any guard band comes to.
-    fn least_risk(&self) -> f64 {
-        let mut accepted = Moments::default();
-        let mut least = 1.0_f64;
-        for moments in self.within.iter().rev() {
-            accepted.merge(Moments::total(moments));
-            if accepted.count > 0 {
-                least = least.min(accepted.mean());
-            }
-        }
-        least
-    }
-
-    /// The accepted and the rejected points of each sample, with the guard band of a step.
-    fn split(&self, from: usize) -> [Vec<Moments>; 2] {
-        let mut accepted = vec![Moments::default(); self.samples];
-        let mut rejected = self.outside.clone();
-        for (step, moments) in self.within.iter().enumerate() {
-            let side = if step >= from {
-                &mut accepted
-            } else {
-                &mut rejected
-            };
-            side.iter_mut()
-                .zip(moments)
-                .for_each(|(sum, more)| sum.merge(*more));
-        }
-        [accepted, rejected]
-    }
-
-    fn risk(&self, from: usize) -> Option<Risk> {
-        const CONFIDENCE: f64 = 0.95;
-        let [accepted, rejected] = self.split(from);
-        let pairs = || accepted.iter().zip(&rejected);
-        if !self.known || pairs().all(|(a, r)| a.count + r.count == 0) {
-            return None;
-        }
-        let of_all = |of: &dyn Fn(&Moments, &Moments) -> Moments| -> Vec<Moments> {
-            pairs()
-                .map(|(a, r)| of(a, r).among(a.count + r.count))
-                .collect()
-        };
-        let consumer = of_all(&|accepted, _| *accepted);
-        let producer = of_all(&|_, rejected| rejected.complement());
-        let conforming = of_all(&|accepted, rejected| {
-            let mut both = *accepted;
-            both.merge(*rejected);
-            both.complement()
-        });
-        let mean = |parts: &[Moments]| Moments::total(parts).mean();
-        let any = Moments::total(&accepted).count > 0;
-        Some(Risk {
-            consumer: mean(&consumer),
-            producer: mean(&producer),
-            conformance_probability: mean(&conforming),
-            not_conforming_given_accepted: any.then(|| mean(&accepted)),
-            intervals: Some(RiskIntervals {
-                consumer: of_mean(&consumer, CONFIDENCE),
-                producer: of_mean(&producer, CONFIDENCE),
-                conformance_probability: of_mean(&conforming, CONFIDENCE),
-                not_conforming_given_accepted: of_part(&accepted, CONFIDENCE),
-            }),
-        })
     }
 }
 
