@@ -1,15 +1,15 @@
 """Builds for this machine: with an old glibc as baseline on Linux, else with plain cargo."""
 
 import os
+from pathlib import Path
 
-from .common import PACKAGE, Failure, run, say, target_dir, venv
+from .common import PACKAGE, ROOT, Failure, run, say, target_dir, venv
 
 # Zig links against any glibc, and takes LLVM's unwinder in place of libgcc_s.
 ZIG = ["cargo-zigbuild==0.24.0", "ziglang==0.17.0"]
 ZIGBUILD = ["cargo-zigbuild"]
 GLIBC = "2.17"
-
-
+LINUX = "x86_64-unknown-linux-gnu"
 PROFILE = "fmu"
 
 
@@ -17,6 +17,17 @@ def cargo(*arguments, env=None, program=("cargo",)):
     """Builds the FMU's library, and nothing but it: optimised as a whole."""
     run([*program, "rustc", "--profile", PROFILE, "--locked", "--package", PACKAGE, "--lib",
          "--crate-type", "cdylib", *arguments], env=env or {})
+
+
+def flags(target, more=""):
+    """The environment that gives the compiler its flags for a target.
+
+    Names of this machine's folders would get into the binary, and other folders would make other bytes.
+    """
+    registry = os.environ.get("CARGO_HOME", Path.home() / ".cargo")
+    renamed = [f"--remap-path-prefix={registry}=/cargo", f"--remap-path-prefix={ROOT}=/source"]
+    variable = f"CARGO_TARGET_{target.upper().replace('-', '_')}_RUSTFLAGS"
+    return {variable: " ".join([*renamed, more]).strip()}
 
 
 def zig():
@@ -29,7 +40,6 @@ def zig():
 
 
 def linux64(row):
-    target = "x86_64-unknown-linux-gnu"
     try:
         environment = zig()
     except Failure as failure:
@@ -37,8 +47,8 @@ def linux64(row):
         row.notes.append("plain cargo, without the old glibc baseline")
         return plain(row)
     say(f"building linux64 for glibc {GLIBC}")
-    cargo("--target", f"{target}.{GLIBC}", env=environment, program=ZIGBUILD)
-    return target_dir() / target / PROFILE / "libplain_bearing_stand.so"
+    cargo("--target", f"{LINUX}.{GLIBC}", env=environment | flags(LINUX), program=ZIGBUILD)
+    return target_dir() / LINUX / PROFILE / "libplain_bearing_stand.so"
 
 
 def darwin64(row):

@@ -10,7 +10,7 @@ import re
 import shutil
 from pathlib import Path
 
-from .build import GLIBC, PROFILE, ZIGBUILD, cargo, zig
+from .build import GLIBC, PROFILE, ZIGBUILD, cargo, flags, zig
 from .common import CACHE, Failure, run, say, target_dir
 from .debian import install
 
@@ -23,26 +23,24 @@ BUILD_STD = "std,panic_unwind"
 def win64(row):
     target = "x86_64-pc-windows-gnu"
     install("gcc-mingw-w64-x86-64-win32", command="x86_64-w64-mingw32-gcc")
-    prefix = f"CARGO_TARGET_{target.upper().replace('-', '_')}"
+    linker = f"CARGO_TARGET_{target.upper().replace('-', '_')}_LINKER"
     # The C runtime and the unwinder go into the DLL: every Windows can load it.
-    flags = "-Ctarget-feature=+crt-static"
+    static = "-Ctarget-feature=+crt-static"
+    # The linker writes the time into a DLL unless it is told not to.
+    more = f"{static} -Clink-arg=-Wl,--no-insert-timestamp"
     if not fetched(target):
-        flags += f" --sysroot={sysroot(target, flags, startup_objects)}"
+        more += f" --sysroot={sysroot(target, static, startup_objects)}"
     say("building win64")
-    cargo("--target", target, env={
-        f"{prefix}_LINKER": "x86_64-w64-mingw32-gcc", f"{prefix}_RUSTFLAGS": flags})
+    cargo("--target", target, env={linker: "x86_64-w64-mingw32-gcc"} | flags(target, more))
     row.notes.append("mingw")
     return target_dir() / target / PROFILE / "plain_bearing_stand.dll"
 
 
 def aarch64(row):
     target = "aarch64-unknown-linux-gnu"
-    environment = zig()
-    if not fetched(target):
-        flags = f"--sysroot={sysroot(target, '', None)}"
-        environment["CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_RUSTFLAGS"] = flags
+    more = "" if fetched(target) else f"--sysroot={sysroot(target, '', None)}"
     say(f"building aarch64-linux for glibc {GLIBC}")
-    cargo("--target", f"{target}.{GLIBC}", env=environment, program=ZIGBUILD)
+    cargo("--target", f"{target}.{GLIBC}", env=zig() | flags(target, more), program=ZIGBUILD)
     return target_dir() / target / PROFILE / "libplain_bearing_stand.so"
 
 

@@ -1,0 +1,52 @@
+"""Verifies FMI 2.0 Co-Simulation FMUs against measurements under uncertainty.
+
+>>> from fmu_orchestrator import Study
+>>> result = Study.load("paper-table3").verify(points=50)
+>>> result.verdict.name
+'verified'
+
+The package holds the command-line program ``orchestrator`` and drives it: every result is the program's own, to the last
+bit, and lies in the same files. ``docs/python.md`` in the repository describes the package.
+"""
+
+from ._errors import Interrupted, OrchestratorError, OrchestratorWarning
+from ._files import program, shipped_fmu, shipped_studies
+from ._fmu import Check, Finding, check, inspect, simulate
+from ._function import StudyFunction
+from ._results import (
+    Analysis,
+    Estimate,
+    Identification,
+    Requirement,
+    Risks,
+    Sensitivity,
+    Verdict,
+    Verification,
+)
+from ._study import Study
+from ._table import Table
+
+__all__ = [
+    "Analysis",
+    "Check",
+    "Estimate",
+    "Finding",
+    "Identification",
+    "Interrupted",
+    "OrchestratorError",
+    "OrchestratorWarning",
+    "Requirement",
+    "Risks",
+    "Sensitivity",
+    "Study",
+    "StudyFunction",
+    "Table",
+    "Verdict",
+    "Verification",
+    "check",
+    "inspect",
+    "program",
+    "shipped_fmu",
+    "shipped_studies",
+    "simulate",
+]

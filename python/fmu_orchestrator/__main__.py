@@ -1,0 +1,35 @@
+"""The command ``orchestrator`` of an installed package: the program, which also finds the package's own studies."""
+
+import os
+import subprocess
+import sys
+
+from ._errors import OrchestratorError
+from ._files import program, study_path
+
+# Commands whose first argument is a study.
+OF_STUDIES = {"verify", "judge", "identify", "sensitivity", "robustness", "tolerances", "pareto"}
+
+
+def arguments(given: list[str]) -> list[str]:
+    """The program's arguments: ``verify paper-table3`` becomes the path of that study, where no such file exists."""
+    match given:
+        case [command, study, *rest] if command in OF_STUDIES and not study.startswith("-"):
+            return [command, str(study_path(study)), *rest]
+    return given
+
+
+def main() -> int:
+    """Becomes the program."""
+    try:
+        command = [str(program()), *arguments(sys.argv[1:])]
+    except OrchestratorError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    if os.name == "nt":
+        return subprocess.call(command)
+    os.execv(command[0], command)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

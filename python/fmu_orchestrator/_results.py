@@ -1,0 +1,278 @@
+"""Results of studies, read from the folders that the program writes."""
+
+import json
+import os
+import tempfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Literal
+
+from . import _html
+from ._errors import OrchestratorError
+from ._program import run
+from ._table import Kind, Table, read
+
+VerdictName = Literal["verified", "not verified", "inconclusive"]
+Interval = tuple[float, float]
+Keep = tempfile.TemporaryDirectory[str] | None
+
+
+def load_json(path: Path) -> Any:
+    """The content of a file of results."""
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise OrchestratorError(f"{path}: {error.strerror}") from error
+    except ValueError as error:
+        raise OrchestratorError(f"{path}: {error}") from error
+
+
+def interval(found: Any) -> Interval | None:
+    """An interval, where there is one."""
+    return None if found is None else (float(found[0]), float(found[1]))
+
+
+@dataclass(frozen=True)
+class Requirement:
+    """The share that the section ``[verdict]`` of a study requires, and the one that was found."""
+
+    share: float
+    """The required share of the sampled space, from 0 to 1."""
+    confidence: float
+    """The confidence at which it must be known."""
+    interval: Interval | None
+    """The interval of the accepted share at that confidence."""
+    points_needed: int | None
+    """Where the points do not tell: about how many would, in a study of its own."""
+
+
+@dataclass(frozen=True)
+class Risks:
+    """The global risks of JCGM 106:2012: probabilities over the sampled points and the measured values' errors."""
+
+    consumer: float
+    """A point is accepted and does not conform."""
+    producer: float
+    """A point conforms and is rejected."""
+    conformance_probability: float
+    """A point conforms."""
+    not_conforming_given_accepted: float
+    """An accepted point does not conform; NaN where no point is accepted."""
+    intervals: Mapping[str, Interval | None]
+    """Their 95 % intervals, by name."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """The answer of a study."""
+
+    name: VerdictName
+    rule: Literal["one point", "share"]
+    """How it was found: one point that meets all criteria is enough, or a share of the sampled space must."""
+    words: str
+    """Both in words."""
+    points: int
+    failed: int
+    verified: int
+    """Points that meet all criteria."""
+    accepted: int
+    """Points that a guard band accepts, too; without one the same number."""
+    share: float
+    """The share of verified points, from 0 to 1."""
+    interval: Interval | None
+    """Its 95 % interval; none of a grid, whose points are no sample."""
+    shares: Mapping[str, float]
+    """The share of points that meet a criterion, by its name."""
+    required: Requirement | None
+    """Only for the rule ``share``."""
+    risks: Risks | None
+    """Of all criteria together; none unless each of them has an uncertainty."""
+
+    def __str__(self) -> str:
+        return self.words
+
+
+def verdict(summary: Mapping[str, Any]) -> Verdict:
+    """The verdict of a ``summary.json``."""
+    return Verdict(
+        name=summary["verdict"],
+        rule=summary["rule"],
+        words=summary["verdict_words"],
+        points=summary["points"],
+        failed=summary["failed"],
+        verified=summary["verified"],
+        accepted=summary["accepted"],
+        share=summary["verified_fraction"],
+        interval=interval(summary["verified_interval"]),
+        shares={name: count["fraction"] for name, count in summary["criteria"].items()},
+        required=_requirement(summary["required"]),
+        risks=_risks(summary["risk"]),
+    )
+
+
+def _requirement(found: Any) -> Requirement | None:
+    if found is None:
+        return None
+    return Requirement(found["share"], found["confidence"], interval(found["interval"]), found.get("points_needed"))
+
+
+def _risks(found: Any) -> Risks | None:
+    if found is None:
+        return None
+    def number(name: str) -> float:
+        return float("nan") if found[name] is None else float(found[name])
+
+    return Risks(
+        consumer=number("consumer"),
+        producer=number("producer"),
+        conformance_probability=number("conformance_probability"),
+        not_conforming_given_accepted=number("not_conforming_given_accepted"),
+        intervals={name: interval(limits) for name, limits in (found["intervals"] or {}).items()},
+    )
+
+
+class Verification:
+    """A study that was verified, or a table that was judged; all of it is in ``folder``."""
+
+    def __init__(self, folder: str | os.PathLike[str], text: str = "", keep: Keep = None) -> None:
+        self.folder = Path(folder)
+        self.text = text
+        """The text that the command line prints."""
+        self.summary: dict[str, Any] = load_json(self.folder / "summary.json")
+        """The content of ``summary.json``."""
+        self.verdict = verdict(self.summary)
+        # The folder of a judgement that nobody wants to keep lives as long as its result.
+        self._keep = keep
+
+    @classmethod
+    def load(cls, folder: str | os.PathLike[str]) -> "Verification":
+        """The results that ``orchestrator verify`` has written into a folder."""
+        return cls(folder)
+
+    @cached_property
+    def points(self) -> Table:
+        """A row a point: its number, parameters, the criteria's values in the study's units, ``NAME.ok``, ``verified``,
+        where a guard band acts ``accepted``, and ``status``."""
+        return read(self.folder / "points.csv", self._kinds())
+
+    def _kinds(self) -> list[Kind]:
+        path = self.folder / "points.csv"
+        with path.open(encoding="utf-8") as file:
+            width = len(next(_rows(file)))
+        numbers = len(self.summary["parameters"]) + len(self.summary["criteria"])
+        return ["count", *["number"] * numbers, *["flag"] * (width - numbers - 2), "text"]  # type: ignore[list-item]
+
+    @property
+    def report(self) -> Path:
+        """The page with all results, which needs nothing else than a browser."""
+        return self.folder / "report.html"
+
+    @property
+    def best_point(self) -> dict[str, Any] | None:
+        """The point nearest to the measurement: its number, ``parameters`` and ``values``."""
+        best: dict[str, Any] | None = self.summary["best_point"]
+        return best
+
+    def replay(self, point: int) -> Table:
+        """Simulates one point again: its trajectory, a row a communication point."""
+        path = self.folder / f"point-{point}.csv"
+        # 1 says that the point does not meet all criteria.
+        run("replay", self.folder, str(point), f"--output={path}", results=(0, 1))
+        return read(path)
+
+    def __repr__(self) -> str:
+        return f"<Verification: {self.verdict.words}; {self.folder}>"
+
+    def _repr_html_(self) -> str:
+        return _html.verification(self.summary, self.report)
+
+
+def _rows(file: Any) -> Any:
+    import csv
+
+    return csv.reader(file)
+
+
+class Analysis:
+    """The result of an analysis; all of it is in ``folder``."""
+
+    file = ""
+
+    def __init__(self, folder: str | os.PathLike[str], text: str = "") -> None:
+        self.folder = Path(folder)
+        self.text = text
+        """The text that the command line prints."""
+        self.data: dict[str, Any] = load_json(self.folder / self.file)
+        """The content of the file of results."""
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__}: {self.folder / self.file}>"
+
+    def _repr_html_(self) -> str:
+        return _html.text(self.text or repr(self))
+
+
+class Sensitivity(Analysis):
+    """Which parameter matters."""
+
+    file = "sensitivity.json"
+
+    @property
+    def parameters(self) -> list[str]:
+        """The parameters, in the order of all lists in ``data``."""
+        return list(self.data["parameters"])
+
+    @property
+    def outputs(self) -> dict[str, dict[str, Any]]:
+        """The results by output: the criteria, and ``verified``."""
+        return {output["name"]: output for output in self.data["outputs"]}
+
+    @property
+    def dominant(self) -> dict[str, str | None]:
+        """The parameter that matters most, by output; None where the intervals overlap."""
+        return {name: output["dominant"] for name, output in self.outputs.items()}
+
+    def indices(self, output: str, order: Literal["first", "total"] = "total") -> dict[str, float]:
+        """The Sobol indices of an output, by parameter."""
+        found = self.outputs[output].get("sobol")
+        if found is None:
+            raise OrchestratorError(f"{self.folder}: no Sobol indices of {output}; use method=\"sobol\"")
+        return {name: estimate["value"] for name, estimate in zip(self.parameters, found[order], strict=True)}
+
+    @cached_property
+    def runs(self) -> Table:
+        """The runs in the order of their design, for the methods of other libraries."""
+        return read(self.folder / "sensitivity-runs.csv")
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """An identified parameter, in the study's unit."""
+
+    value: float
+    deviation: float
+    """One standard deviation: a difference, or on a logarithmic scale a factor."""
+    interval: Interval | None
+    """It holds the value with a probability of 95 %."""
+    unit: str | None
+
+
+class Identification(Analysis):
+    """The parameters that make the measured values most probable."""
+
+    file = "identification.json"
+
+    def __init__(self, folder: str | os.PathLike[str], text: str = "", converged: bool | None = None) -> None:
+        super().__init__(folder, text)
+        self.converged = converged
+        """Whether the search has come to its end; None where the results were only read."""
+
+    @property
+    def parameters(self) -> dict[str, Estimate]:
+        """The free parameters."""
+        return {
+            free["name"]: Estimate(free["value"], free["deviation"], interval(free["interval"]), free["unit"])
+            for free in self.data["free"]
+        }

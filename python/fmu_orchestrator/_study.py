@@ -1,0 +1,192 @@
+"""Studies: loaded, verified, analysed."""
+
+import os
+import tempfile
+import tomllib
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any, Literal, TypedDict, Unpack
+
+from ._errors import OrchestratorError
+from ._files import study_path
+from ._function import StudyFunction
+from ._program import Done, Value, flags, run
+from ._progress import Progress, Show
+from ._results import Identification, Sensitivity, Verification
+from ._table import Given, given
+
+# Exit codes that are answers: verified or done, not verified, inconclusive.
+ANSWERS = (0, 1, 3)
+StrPath = str | os.PathLike[str]
+
+
+class Running(TypedDict, total=False):
+    """How the points of a study run; as the options of the command line."""
+
+    fmu: StrPath | None
+    """The FMU, instead of the study's."""
+    jobs: int | None
+    """The number of parallel simulations; the number of cores unless given."""
+    isolation: Literal["fresh", "audited", "reuse"] | None
+    """How points share processes; ``audited`` unless given."""
+    in_process: bool
+    """Runs points in one process: a little faster, but a crash of the FMU ends the run."""
+    point_timeout: float | None
+    """The longest time that a point may take, s."""
+    memory_limit: str | None
+    """The most memory that a worker may take, such as ``500MB``."""
+    resume: bool
+    """Continues a run that was interrupted."""
+    progress: Show | bool | None
+    """A function of the points done and their number, which may be None; False shows nothing. Unless given, a terminal
+    and a notebook show a bar."""
+
+
+class Study:
+    """A study: an FMU, its uncertain parameters, and the criteria that it has to meet."""
+
+    def __init__(self, path: Path, content: Mapping[str, Any]) -> None:
+        self.path = path
+        self.content = content
+        """The study as its TOML file has it. The program reads the file anew for every call."""
+
+    @classmethod
+    def load(cls, path: StrPath) -> "Study":
+        """Opens the TOML file of a study. ``"paper-table3"`` and other names of `shipped_studies` open these."""
+        file = study_path(path).absolute()
+        try:
+            content = tomllib.loads(file.read_text(encoding="utf-8"))
+        except OSError as error:
+            raise OrchestratorError(f"{file}: {error.strerror}") from error
+        except ValueError as error:
+            raise OrchestratorError(f"{file}: {error}") from error
+        return cls(file, content)
+
+    @property
+    def parameters(self) -> list[str]:
+        """The parameters that vary."""
+        known = self.content.get("parameters", {})
+        return [name for name, parameter in known.items() if parameter.get("distribution") != "fixed"]
+
+    @property
+    def criteria(self) -> list[str]:
+        """The criteria."""
+        return list(self.content.get("criteria", {}))
+
+    def verify(
+        self,
+        *,
+        points: int | None = None,
+        seed: int | None = None,
+        output: StrPath | None = None,
+        points_from: Given | None = None,
+        until: str | None = None,
+        validation: bool = False,
+        extra_runs: int | None = None,
+        **running: Unpack[Running],
+    ) -> Verification:
+        """Simulates the points and judges them.
+
+        ``points`` and ``seed`` replace the study's. ``points_from`` simulates given points instead: a file, a table of
+        pandas, polars or pyarrow, or a mapping from names to values. ``until``, such as ``"verdict"`` or ``"ci 0.01"``,
+        ends when enough is known. ``output`` is the folder, ``results/`` and the study's name unless given.
+        """
+        folder = self._folder(output)
+        table = None if points_from is None else given(points_from, folder / "points-given.csv")
+        options: dict[str, Value] = {"points": points, "seed": seed, "points_from": table, "until": until}
+        options |= {"validation": validation, "extra_runs": extra_runs}
+        done = self._run("verify", folder, options, running)
+        return Verification(folder, done.text)
+
+    def judge(self, table: Given, *, output: StrPath | None = None) -> Verification:
+        """Applies the criteria to outputs in a table, without simulating: a file, or columns as `verify` takes them.
+
+        Without ``output`` the results are kept as long as the object is.
+        """
+        keep = tempfile.TemporaryDirectory(prefix="judged-") if output is None else None
+        folder = Path(keep.name if keep else output or "")
+        with tempfile.TemporaryDirectory(prefix="table-") as place:
+            file = given(table, Path(place) / "table.csv")
+            done = run("judge", self.path, file, f"--output={folder}", results=ANSWERS)
+        return Verification(folder, done.text, keep)
+
+    def sensitivity(
+        self,
+        *,
+        method: str | None = None,
+        size: int | None = None,
+        base: int | None = None,
+        morris: int | None = None,
+        estimator: Literal["jansen", "saltelli"] | None = None,
+        seed: int | None = None,
+        points_of: Verification | StrPath | None = None,
+        output: StrPath | None = None,
+        **running: Unpack[Running],
+    ) -> Sensitivity:
+        """Tells which parameter matters: ``method="sobol"`` or another one, with a design of so large a ``size``.
+
+        ``base`` and ``morris`` are short for Sobol indices of N base points and for Morris screening. ``points_of`` uses
+        the points of a finished study instead of new runs.
+        """
+        folder, source = self._folder(output), None
+        if points_of is not None:
+            source = points_of.folder if isinstance(points_of, Verification) else Path(points_of)
+            folder = source if output is None else folder
+        options: dict[str, Value] = {"method": method, "size": size, "base": base, "morris": morris}
+        options |= {"estimator": estimator, "seed": seed, "from": source}
+        done = self._run("sensitivity", folder, options, running, state="sensitivity")
+        return Sensitivity(folder, done.text)
+
+    def identify(
+        self,
+        *,
+        starts: int | None = None,
+        seed: int | None = None,
+        time_limit: float | None = None,
+        output: StrPath | None = None,
+        **running: Unpack[Running],
+    ) -> Identification:
+        """Finds the parameters that make the measured values most probable; the study needs a section ``[identify]``.
+
+        ``time_limit``, s, ends the search and takes the best so far.
+        """
+        folder = self._folder(output)
+        options: dict[str, Value] = {"starts": starts, "seed": seed, "time_limit": time_limit}
+        done = self._run("identify", folder, options, running, state="identify")
+        return Identification(folder, done.text, converged=done.code == 0)
+
+    def function(
+        self,
+        inputs: Iterable[str] | None = None,
+        outputs: str | Iterable[str] | None = None,
+        *,
+        others: Mapping[str, float] | None = None,
+        **running: Unpack[Running],
+    ) -> StudyFunction:
+        """The study as a function of arrays, for SALib, OpenTURNS, scipy and whatever else calls ``f(X)``."""
+        return StudyFunction(self, inputs, outputs, others or {}, running)
+
+    def _folder(self, output: StrPath | None) -> Path:
+        return Path("results", self.path.stem) if output is None else Path(output)
+
+    def _run(
+        self, command: str, folder: Path, options: Mapping[str, Value], running: Running, state: str = ""
+    ) -> Done:
+        settings: dict[str, Any] = {**running}
+        show = settings.pop("progress", None)
+        progress = Progress(folder / state, bool(settings.get("resume")), show)
+        try:
+            return run(
+                command,
+                self.path,
+                f"--output={folder}",
+                *flags({**options, **settings}),
+                results=ANSWERS,
+                folder=folder,
+                look=progress.look,
+            )
+        finally:
+            progress.end()
+
+    def __repr__(self) -> str:
+        return f"<Study {self.path}>"
