@@ -24,8 +24,9 @@ def flags(target, more=""):
 
     Names of this machine's folders would get into the binary, and other folders would make other bytes.
     """
-    registry = os.environ.get("CARGO_HOME", Path.home() / ".cargo")
-    renamed = [f"--remap-path-prefix={registry}=/cargo", f"--remap-path-prefix={ROOT}=/source"]
+    folders = {os.environ.get("CARGO_HOME", Path.home() / ".cargo"): "/cargo", ROOT: "/source"}
+    # Flags are told apart by spaces, so a folder that has one keeps its name.
+    renamed = [f"--remap-path-prefix={folder}={name}" for folder, name in folders.items() if " " not in str(folder)]
     variable = f"CARGO_TARGET_{target.upper().replace('-', '_')}_RUSTFLAGS"
     return {variable: " ".join([*renamed, more]).strip()}
 
