@@ -67,6 +67,16 @@ pub struct Readings {
     pub shaft_speed: f64,
     /// Shaft angle since the start, rad.
     pub shaft_angle: f64,
+    /// Radial clearance that the film sees, m.
+    pub hot_radial_clearance: f64,
+    /// Velocity of the journal along the load, m/s.
+    pub journal_velocity: f64,
+    /// Mean wear depth, m.
+    pub wear_depth: f64,
+    /// Heat flow to the surroundings, W.
+    pub ambient_heat_flow: f64,
+    /// Heat capacity of the oil bath at its temperature, J/K.
+    pub oil_bath_capacity: f64,
 }
 
 /// Applies a formula to each reading of two sets.
@@ -114,7 +124,12 @@ impl Readings {
                 contact_share,
                 contact_torque,
                 shaft_speed,
-                shaft_angle
+                shaft_angle,
+                hot_radial_clearance,
+                journal_velocity,
+                wear_depth,
+                ambient_heat_flow,
+                oil_bath_capacity
             ]
         )
     }

@@ -12,6 +12,9 @@
 //! assert!(table.at(0.95).force > 100.0); // N
 //! ```
 
+mod clearances;
+
+pub use clearances::ContactFamily;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, SQRT_2};
 
@@ -188,7 +191,7 @@ impl ContactTable {
         if surface.roughness <= 0.0 || surface.pressure_scale() <= 0.0 {
             return Self::default();
         }
-        let start = (1.0 - NO_CONTACT * surface.roughness / clearance).max(0.0);
+        let start = Self::start(surface, clearance);
         let spacing = (1.0 - start) / (NODES - 1) as f64;
         let area = 0.5 * diameter * width;
         let ratio = clearance / surface.roughness;
@@ -208,22 +211,39 @@ impl ContactTable {
         }
     }
 
+    /// Eccentricity ratio at which contact begins.
+    fn start(surface: &Surface, clearance: f64) -> f64 {
+        (1.0 - NO_CONTACT * surface.roughness / clearance).max(0.0)
+    }
+
     /// The contact at an eccentricity ratio. Beyond the table's end at 1 the last cell's cubics continue it.
     pub fn at(&self, eccentricity_ratio: f64) -> Contact {
         let position = (eccentricity_ratio - self.start) * self.per_spacing;
         if self.nodes.is_empty() || position < 0.0 {
             return Contact::default();
         }
-        let cell = (position as usize).min(self.nodes.len() - 2);
-        let t = position - cell as f64;
+        let (cell, t) = cell(position);
         let (left, right) = (&self.nodes[cell], &self.nodes[cell + 1]);
         // Where contact begins off the centre it fades in, so that the force has no jump.
-        let begins = cell == 0 && self.start > 0.0;
-        let fade = if begins { t * t * (3.0 - 2.0 * t) } else { 1.0 };
-        Contact {
-            force: fade * eccentricity_ratio * interpolate(left[0], right[0], t).exp(),
-            normal: fade * interpolate(left[1], right[1], t).exp(),
-        }
+        let fades = cell == 0 && self.start > 0.0;
+        between(left, right, t, eccentricity_ratio, fades)
+    }
+}
+
+/// The cell of a table at a position along its nodes, and the place in it. The last one continues.
+#[inline]
+fn cell(position: f64) -> (usize, f64) {
+    let cell = (position as usize).min(NODES - 2);
+    (cell, position - cell as f64)
+}
+
+/// The contact at the place `t` of a cell with these knots of resultant and normal force.
+#[inline]
+fn between(left: &[Knot; 2], right: &[Knot; 2], t: f64, ratio: f64, fades: bool) -> Contact {
+    let fade = if fades { t * t * (3.0 - 2.0 * t) } else { 1.0 };
+    Contact {
+        force: fade * ratio * interpolate(left[0], right[0], t).exp(),
+        normal: fade * interpolate(left[1], right[1], t).exp(),
     }
 }
 
