@@ -198,9 +198,7 @@ impl<'a, M: TwoScales> Averaged<'a, M> {
 
     fn rates_under(&self, t: &Vector4, worn: f64, flows: &Flows) -> Vector4 {
         let clearance = self.clearance(t, worn);
-        let rates = self
-            .model
-            .thermal_rates(&temperatures(t), clearance, flows);
+        let rates = self.model.thermal_rates(&temperatures(t), clearance, flows);
         vector(&rates)
     }
 

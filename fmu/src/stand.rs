@@ -320,7 +320,9 @@ impl Stand {
             hot_radial_clearance: clearance,
             journal_velocity: clearance * motion.velocity[0],
             wear_depth: worn(y),
-            ambient_heat_flow: self.thermal.loss(&temperatures, self.inputs.ambient_temperature.at(tau)),
+            ambient_heat_flow: self
+                .thermal
+                .loss(&temperatures, self.inputs.ambient_temperature.at(tau)),
             oil_bath_capacity: self.bath_capacity(temperatures.oil),
         }
     }

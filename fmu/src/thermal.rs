@@ -139,9 +139,6 @@ impl Thermal {
 
     /// Heat flow to the surroundings, W, which are at `ambient` K.
     pub fn loss(&self, t: &Temperatures, ambient: f64) -> f64 {
-        if self.isothermal {
-            return 0.0;
-        }
         self.bush_ambient * (t.bush - ambient)
             + self.shaft_ambient * (t.shaft - ambient)
             + self.oil_ambient * (t.oil - ambient)

@@ -17,6 +17,7 @@ mod clearances;
 pub use clearances::ContactFamily;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, SQRT_2};
+use std::sync::LazyLock;
 
 /// The asperities of both surfaces together, and their boundary friction.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -185,6 +186,10 @@ const NODES: usize = 65;
 /// Quadrature points over half the circumference (trapezoidal rule: spectral for a periodic integrand).
 const QUADRATURE: usize = 64;
 
+/// Cosines of the quadrature's points.
+static COSINES: LazyLock<[f64; QUADRATURE + 1]> =
+    LazyLock::new(|| std::array::from_fn(|k| (PI * k as f64 / QUADRATURE as f64).cos()));
+
 impl ContactTable {
     /// Tabulates the contact of a bearing with radial clearance, width and diameter in m.
     pub fn new(surface: &Surface, clearance: f64, width: f64, diameter: f64) -> Self {
@@ -263,8 +268,7 @@ fn log_integrals(e: f64, ratio: f64, spacing: f64) -> [Knot; 2] {
     // Values are relative to the largest, which may underflow by itself.
     let reference = log(ratio * (1.0 - e)).0;
     let (mut sums, mut slopes) = ([0.0; 2], [0.0; 2]);
-    for k in 0..=QUADRATURE {
-        let cos = (PI * k as f64 / QUADRATURE as f64).cos();
+    for (k, &cos) in COSINES.iter().enumerate() {
         let h = ratio * (1.0 - e * cos);
         let end = k == 0 || k == QUADRATURE;
         let (exponent, slope) = log(h);

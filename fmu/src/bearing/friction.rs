@@ -85,7 +85,16 @@ mod tests {
         let bearing = Bearing::default();
         let torque = |speed| {
             let friction = bearing.contact_friction(speed);
-            Boundary::of(&bearing, 2e-5, &TOUCH, friction, speed, [0.9, 0.0], [0.0; 2]).torque
+            Boundary::of(
+                &bearing,
+                2e-5,
+                &TOUCH,
+                friction,
+                speed,
+                [0.9, 0.0],
+                [0.0; 2],
+            )
+            .torque
         };
         assert!((torque(31.4) - bearing.surface.boundary_friction * 100.0 * 0.0125).abs() < 1e-12);
         assert_eq!(torque(-31.4), -torque(31.4));

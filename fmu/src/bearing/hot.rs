@@ -136,7 +136,9 @@ mod tests {
         let free = growth(FreeBush, |_| ());
         let alike = growth(ConstrainedBush, |e| e.housing = e.bush);
         assert!((alike - free).abs() < 1e-18, "{alike} {free}");
-        let soft = growth(ConstrainedBush, |e| e.housing_modulus = 1e-9 * e.bush_modulus);
+        let soft = growth(ConstrainedBush, |e| {
+            e.housing_modulus = 1e-9 * e.bush_modulus
+        });
         assert!((soft - free).abs() < 1e-8 * free, "{soft} {free}");
     }
 
@@ -144,7 +146,9 @@ mod tests {
     /// displacement of `-b*d` moves the bore by `-a*d*2b^2/(b^2 + a^2 - nu*(b^2 - a^2))`.
     #[test]
     fn a_rigid_housing_sets_the_outer_radius() {
-        let rigid = growth(ConstrainedBush, |e| e.housing_modulus = 1e9 * e.bush_modulus);
+        let rigid = growth(ConstrainedBush, |e| {
+            e.housing_modulus = 1e9 * e.bush_modulus
+        });
         let (a2, b2) = (12.5_f64.powi(2), 15_f64.powi(2));
         let inwards = 6.5e-6 * 60.0 * 2.0 * b2 / (b2 + a2 - 0.3 * (b2 - a2));
         let expected = 0.0125 * (18e-6 * 60.0 - inwards) - 10.0464e-6;

@@ -241,13 +241,7 @@ mod tests {
             0.2
         }
 
-        fn journal(
-            &self,
-            _: f64,
-            [x, y]: [f64; 2],
-            viscosity: f64,
-            _: f64,
-        ) -> ([f64; 2], Flows) {
+        fn journal(&self, _: f64, [x, y]: [f64; 2], viscosity: f64, _: f64) -> ([f64; 2], Flows) {
             let flows = Flows {
                 viscous: (self.0)(300.0 - viscosity.ln() / 0.03),
                 ..Flows::default()

@@ -260,7 +260,8 @@ impl Stand {
     ) -> Result<(Unknowns, Sensed), Failure> {
         const T: f64 = TEMPERATURE_ERROR;
         let integrator = DormandPrince {
-            allowed: [PLACE_ERROR, PLACE_ERROR, T, T, T, T, f64::INFINITY].map(|error| slack * error),
+            allowed: [PLACE_ERROR, PLACE_ERROR, T, T, T, T, f64::INFINITY]
+                .map(|error| slack * error),
             budget: Budget::of(STEPS),
         };
         let mut y = *start;

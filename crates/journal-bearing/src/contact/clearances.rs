@@ -35,7 +35,7 @@ pub struct ContactFamily {
 }
 
 /// Ratio of neighbouring clearances, as a logarithm.
-const SPACING: f64 = 0.02;
+const SPACING: f64 = 0.04;
 /// The clearances that have tables, over the one that was given. Beyond them the nearest counts.
 const LEAST: f64 = 0.01;
 const MOST: f64 = 100.0;
@@ -134,6 +134,8 @@ mod tests {
 
     const WIDTH: f64 = 0.019;
     const DIAMETER: f64 = 0.025;
+    /// A force, N, that matters to no bearing: where contact begins, a table fades in from a billionth of a newton.
+    const NOTHING: f64 = 1e-9;
 
     /// Against a table of that clearance, from a tenth to ten times the one given: contact all around and in a patch, next to
     /// seven roughnesses, and on both sides of it.
@@ -143,7 +145,16 @@ mod tests {
         let family = ContactFamily::new(&surface, 20e-6, WIDTH, DIAMETER);
         let seven = 7.0 * surface.roughness;
         for c in [
-            2e-6, 8e-6, 19.3e-6, 20.1e-6, 25e-6, 0.9999 * seven, 1.0001 * seven, 37e-6, 60e-6, 200e-6,
+            2e-6,
+            8e-6,
+            19.3e-6,
+            20.1e-6,
+            25e-6,
+            0.9999 * seven,
+            1.0001 * seven,
+            37e-6,
+            60e-6,
+            200e-6,
         ] {
             let table = ContactTable::new(&surface, c, WIDTH, DIAMETER);
             for e in [0.0, 1e-3, 0.1, 0.3, 0.6, 0.8, 0.9, 0.97, 0.999] {
@@ -153,7 +164,7 @@ mod tests {
                     (found.normal, expected.normal),
                 ] {
                     assert!(
-                        (found - expected).abs() <= 2e-6 * expected,
+                        (found - expected).abs() <= 1e-5 * expected + NOTHING,
                         "c = {c}, e = {e}: {found} {expected}"
                     );
                 }

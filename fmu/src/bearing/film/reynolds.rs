@@ -141,7 +141,11 @@ impl TransientFilm for ReynoldsJournal {
         };
         let (contact, plain) = (&self.contact, self.plain);
         let aligned = |ratio: f64| {
-            if plain { contact.at(ratio, clearance).force } else { 0.0 }
+            if plain {
+                contact.at(ratio, clearance).force
+            } else {
+                0.0
+            }
         };
         let report = Arc::make_mut(&mut self.film)
             .advance(duration, &drive, &aligned)
