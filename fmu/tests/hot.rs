@@ -153,8 +153,8 @@ fn the_steady_start_is_where_resolved_turns_end() {
 fn a_leap_ends_where_the_resolved_turns_end() {
     for (fit, coefficient) in [
         (ThermalClearance::FreeBush, 0.0),
-        (ThermalClearance::Off, 1e-14),
-        (ThermalClearance::ConstrainedBush, 1e-14),
+        (ThermalClearance::Off, 1e-13),
+        (ThermalClearance::ConstrainedBush, 1e-13),
     ] {
         let end = |multirate| {
             let mut stand = start(|stand| {

@@ -116,6 +116,13 @@ impl Bearing {
         self.radial_clearance + self.expansion.growth(radii, at) + worn
     }
 
+    /// Rate of the mean wear depth, m/s, while the asperities turn `heat` watts into heat at a shaft speed, rad/s.
+    pub fn wear_rate(&self, heat: f64, speed: f64) -> f64 {
+        let area = std::f64::consts::PI * self.diameter * self.width;
+        self.wear
+            .rate(heat, self.contact_friction(speed).abs(), area)
+    }
+
     /// A clearance below this, m, counts as closed: the bearing seizes.
     pub fn closed_clearance(&self) -> f64 {
         const CLOSED: f64 = 0.01;

@@ -1,13 +1,19 @@
 //! The clearance that the film sees, and its end: the seizure of a bearing whose shaft outgrows its bush.
 
 use super::Stand;
-use super::stuck::Stuck;
 use crate::thermal::Temperatures;
 use fmu_export::model::Fault;
-use std::fmt;
+use thiserror::Error;
 
 /// A clearance that closes, at the temperatures of bush and shaft.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Error)]
+#[error(
+    "the bearing seizes: with the bush at {bush:.1} K and the shaft at {shaft:.1} K, thermal expansion leaves {:.2} um of the \
+     {:.2} um of bearing.radialClearance at {reference:.1} K; raise bearing.radialClearance, or check bearing.shaftExpansion \
+     against bearing.bushExpansion and bearing.housingExpansion, or set bearing.thermalClearance = Off",
+    1e6 * hot,
+    1e6 * cold
+)]
 pub struct Seizure {
     bush: f64,
     shaft: f64,
@@ -16,25 +22,6 @@ pub struct Seizure {
     cold: f64,
     /// The temperature at which it was measured, K.
     reference: f64,
-}
-
-impl fmt::Display for Seizure {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self {
-            bush,
-            shaft,
-            reference,
-            ..
-        } = self;
-        let [hot, cold] = [self.hot, self.cold].map(|metres| metres * 1e6);
-        write!(
-            f,
-            "the bearing seizes: with the bush at {bush:.1} K and the shaft at {shaft:.1} K, thermal expansion leaves \
-             {hot:.2} um of the {cold:.2} um of bearing.radialClearance at {reference:.1} K; raise bearing.radialClearance, or \
-             check bearing.shaftExpansion against bearing.bushExpansion and bearing.housingExpansion, or set \
-             bearing.thermalClearance = Off"
-        )
-    }
 }
 
 impl Stand {
@@ -61,9 +48,9 @@ impl Stand {
     }
 
     /// Refuses a state whose clearance is closed.
-    pub(super) fn check_clearance(&self) -> Result<(), Stuck> {
+    pub(super) fn check_clearance(&self) -> Result<(), Seizure> {
         let seizure = self.seizure(&self.state.temperatures, self.state.worn);
-        seizure.map_or(Ok(()), |seizure| Err(Stuck::Seized(seizure)))
+        seizure.map_or(Ok(()), Err)
     }
 
     /// Refuses a start whose clearance is closed, and wear whose cause cannot be told.

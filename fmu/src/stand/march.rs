@@ -90,7 +90,7 @@ impl Stand {
         self.state.next_step = next_step * slack.powf(-0.2);
         self.state.worn = worn(&y);
         self.arrive(span, [y[0], y[1]], temperatures(&y));
-        self.check_clearance()
+        Ok(self.check_clearance()?)
     }
 
     /// Takes the parts of the way from the present state over into the means.

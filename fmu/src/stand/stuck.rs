@@ -19,8 +19,8 @@ pub enum Stuck {
     #[error("{0}: {1}")]
     Explained(Failure, Reason),
     /// The clearance closes.
-    #[error("{0}")]
-    Seized(Seizure),
+    #[error(transparent)]
+    Seized(#[from] Seizure),
     /// The film could not be solved.
     #[error(transparent)]
     Film(#[from] Fault),
