@@ -1,9 +1,9 @@
 //! Leaping over whole turns: the journal's orbit repeats itself in 0.2 s while the temperatures drift
 //! over minutes, so a long communication step need not resolve every turn.
 //!
-//! At a given film viscosity the journal runs on a periodic orbit. Its heat, averaged over the turn, is a
-//! smooth function of the viscosity alone, as long as speed and load repeat themselves. So a few orbits
-//! span a curve, and the temperatures follow the averaged heat with a stiff solver and error control
+//! At a given film viscosity and clearance the journal runs on a periodic orbit. Its heat, averaged over the turn, is a
+//! smooth function of these two alone, as long as speed and load repeat themselves. So a few orbits
+//! span a curve, or a family of curves where the clearance changes, and temperatures and wear follow the averaged heat with a stiff solver and error control
 //! (the averaging principle: Sanders, Verhulst & Murdock 2007, Averaging Methods in Nonlinear
 //! Dynamical Systems, ch. 2). The turn at the end is for the caller to resolve.
 //!
@@ -13,13 +13,14 @@
 //! polynomial). Where one of them is too large, there are more steps, more turns or more orbits.
 
 mod curve;
+mod curves;
 mod equilibrium;
 mod orbit;
 
 use crate::bearing::Flows;
 use crate::solver::{Budget, Failure, Rodas3};
 use crate::thermal::Temperatures;
-use curve::Curve;
+use curves::Curves;
 pub use equilibrium::{Equilibrium, NoEquilibrium, equilibrium, slowest_time_constant};
 use nalgebra::{SMatrix, SVector, Vector2};
 use orbit::Orbit;
@@ -32,6 +33,9 @@ pub enum NoLeap {
     /// The journal finds no periodic orbit at a viscosity.
     #[error("no periodic orbit at a film viscosity of {0} Pa.s")]
     NoOrbit(f64),
+    /// The clearance closes at these temperatures.
+    #[error("the clearance closes with the bush at {:.1} K and the shaft at {:.1} K", .0.bush, .0.shaft)]
+    Closed(Temperatures),
     /// An integration failed.
     #[error(transparent)]
     Integration(#[from] Failure),
@@ -41,12 +45,32 @@ pub enum NoLeap {
 pub trait TwoScales {
     /// Duration of a turn, s.
     fn period(&self) -> f64;
-    /// Rate of the eccentricity-ratio vector, 1/s, and the flows, `tau` seconds into a turn.
-    fn journal(&self, tau: f64, eccentricity: [f64; 2], viscosity: f64) -> ([f64; 2], Flows);
+    /// Rate of the eccentricity-ratio vector, 1/s, and the flows, `tau` seconds into a turn, at a film viscosity, Pa.s, and a
+    /// clearance, m.
+    fn journal(
+        &self,
+        tau: f64,
+        eccentricity: [f64; 2],
+        viscosity: f64,
+        clearance: f64,
+    ) -> ([f64; 2], Flows);
     /// Film viscosity, Pa.s, at a film temperature, K.
     fn viscosity(&self, film_temperature: f64) -> f64;
-    /// Rates of the temperatures, K/s, under given flows.
-    fn thermal_rates(&self, temperatures: &Temperatures, flows: &Flows) -> Temperatures;
+    /// Clearance, m, at these temperatures and a mean wear depth, m; positive also where it closes.
+    fn clearance(&self, temperatures: &Temperatures, worn: f64) -> f64;
+    /// Whether the clearance closes there.
+    fn is_closed(&self, temperatures: &Temperatures, worn: f64) -> bool;
+    /// Rates of the temperatures, K/s, at a clearance, m, under given flows.
+    fn thermal_rates(
+        &self,
+        temperatures: &Temperatures,
+        clearance: f64,
+        flows: &Flows,
+    ) -> Temperatures;
+    /// Whether the surfaces wear.
+    fn wears(&self) -> bool;
+    /// Rate of the wear depth, m/s, under given flows.
+    fn wear_rate(&self, flows: &Flows) -> f64;
 }
 
 /// Where a leap begins: after a turn that was resolved.
@@ -58,6 +82,8 @@ pub struct Departure {
     pub eccentricity: [f64; 2],
     /// The temperatures at its end, K.
     pub temperatures: Temperatures,
+    /// The wear depth, m.
+    pub worn: f64,
 }
 
 /// Where a leap ends.
@@ -67,6 +93,8 @@ pub struct Landing {
     pub eccentricity: [f64; 2],
     /// The temperatures, K.
     pub temperatures: Temperatures,
+    /// The wear depth, m.
+    pub worn: f64,
 }
 
 /// Leaps over `turns` whole turns.
@@ -76,23 +104,17 @@ pub fn leap(
     turns: usize,
     from: Departure,
 ) -> Result<Landing, NoLeap> {
-    let mut t = vector(&from.temperatures);
     let mean = Averaged::new(model, tolerance, &from)?;
-    let integrator = Rodas3 {
-        allowed: [DRIFT_ERROR * tolerance; 4],
-        budget: Budget::of(100_000),
-    };
     let span = turns as f64 * model.period();
-    integrator.integrate(
-        |t| mean.rates(t),
-        |t| mean.linear(t),
-        &mut t,
-        span,
-        model.period(),
-    )?;
+    let (t, worn) = if model.wears() {
+        mean.follow_wear(tolerance, span, &from)?
+    } else {
+        (mean.follow(tolerance, span, &from)?, from.worn)
+    };
     Ok(Landing {
-        eccentricity: mean.place(t[0])?.into(),
+        eccentricity: mean.place(&t, worn)?.into(),
         temperatures: temperatures(&t),
+        worn,
     })
 }
 
@@ -107,9 +129,12 @@ pub fn drift(model: &impl TwoScales, tolerance: f64, from: &Departure) -> Result
 }
 
 /// The same under flows that do not follow the temperatures.
-pub fn network(model: &impl TwoScales, temperatures_now: &Temperatures, flows: &Flows) -> Matrix4 {
-    let t = vector(temperatures_now);
-    let rates = |t: &Vector4| vector(&model.thermal_rates(&temperatures(t), flows));
+pub fn network(model: &impl TwoScales, at: &Departure, flows: &Flows) -> Matrix4 {
+    let t = vector(&at.temperatures);
+    let rates = |t: &Vector4| {
+        let t = temperatures(t);
+        vector(&model.thermal_rates(&t, model.clearance(&t, at.worn), flows))
+    };
     let here = rates(&t);
     let mut jacobian = Matrix4::zeros();
     for column in 0..4 {
@@ -124,64 +149,155 @@ pub fn network(model: &impl TwoScales, temperatures_now: &Temperatures, flows: &
 struct Averaged<'a, M> {
     model: &'a M,
     /// The orbits are found while rates are asked for.
-    curve: RefCell<Curve<'a, M>>,
+    curves: RefCell<Curves<'a, M>>,
     /// The change of a temperature from which derivatives are taken, K.
     nudge: f64,
+    /// The wear depth at the departure, m.
+    worn: f64,
 }
 
 impl<'a, M: TwoScales> Averaged<'a, M> {
     fn new(model: &'a M, tolerance: f64, from: &Departure) -> Result<Self, NoLeap> {
-        let (curve, first) = Curve::new(model, tolerance, from)?;
-        let drift = model.thermal_rates(&from.temperatures, &first.flows());
+        let Departure {
+            temperatures, worn, ..
+        } = from;
+        let (curves, first) = Curves::new(model, tolerance, from)?;
+        let clearance = model.clearance(temperatures, *worn);
+        let drift = model.thermal_rates(temperatures, clearance, &first.flows());
         Ok(Self {
             model,
-            curve: RefCell::new(curve),
+            curves: RefCell::new(curves),
             // Beside a point means ahead of it, where the orbits are needed anyway.
             nudge: NUDGE.copysign(drift.film),
+            worn: *worn,
         })
     }
 
-    /// The flows averaged over a turn at a film temperature.
-    fn flows(&self, film: f64) -> Result<Flows, NoLeap> {
-        Ok(self.orbit(film)?.flows())
+    fn clearance(&self, t: &Vector4, worn: f64) -> f64 {
+        self.model.clearance(&temperatures(t), worn)
     }
 
-    /// The orbit at a film temperature.
-    fn orbit(&self, film: f64) -> Result<Orbit, NoLeap> {
-        self.curve.borrow_mut().at(self.model.viscosity(film))
+    /// The flows averaged over a turn.
+    fn flows(&self, t: &Vector4, worn: f64) -> Result<Flows, NoLeap> {
+        Ok(self.orbit(t, worn)?.flows())
     }
 
-    /// Where the orbit at a film temperature begins.
-    fn place(&self, film: f64) -> Result<Vector2<f64>, NoLeap> {
-        self.curve.borrow_mut().place(self.model.viscosity(film))
+    /// The orbit at these temperatures and this wear depth.
+    fn orbit(&self, t: &Vector4, worn: f64) -> Result<Orbit, NoLeap> {
+        let clearance = self.clearance(t, worn);
+        let viscosity = self.model.viscosity(t[0]);
+        self.curves.borrow_mut().at(viscosity, clearance)
     }
 
-    fn rates_under(&self, t: &Vector4, flows: &Flows) -> Vector4 {
-        vector(&self.model.thermal_rates(&temperatures(t), flows))
+    /// Where that orbit begins.
+    fn place(&self, t: &Vector4, worn: f64) -> Result<Vector2<f64>, NoLeap> {
+        let clearance = self.clearance(t, worn);
+        let viscosity = self.model.viscosity(t[0]);
+        self.curves.borrow_mut().place(viscosity, clearance)
+    }
+
+    fn rates_under(&self, t: &Vector4, worn: f64, flows: &Flows) -> Vector4 {
+        let clearance = self.clearance(t, worn);
+        let rates = self.model.thermal_rates(&temperatures(t), clearance, flows);
+        vector(&rates)
     }
 
     /// The temperatures' rates, K/s.
     fn rates(&self, t: &Vector4) -> Result<Vector4, NoLeap> {
-        Ok(self.rates_under(t, &self.flows(t[0])?))
+        Ok(self.rates_under(t, self.worn, &self.flows(t, self.worn)?))
     }
 
-    /// The rates, and their derivatives over the temperatures, 1/s. The flows depend on the first one, the film's, alone.
+    /// The rates, and their derivatives over the temperatures, 1/s. The flows depend on the first one, the film's, and on
+    /// those that change the clearance.
     fn linear(&self, t: &Vector4) -> Result<(Vector4, Matrix4), NoLeap> {
-        let here = self.flows(t[0])?;
-        let at_here = self.rates_under(t, &here);
+        self.check(t, self.worn)?;
+        let here = self.flows(t, self.worn)?;
+        let clearance = self.clearance(t, self.worn);
+        let at_here = self.rates_under(t, self.worn, &here);
         let mut jacobian = Matrix4::zeros();
         for column in 0..4 {
             let mut beside = *t;
             beside[column] += self.nudge;
-            let changed = if column == 0 {
-                self.flows(beside[0])?
+            let changed = if column == 0 || self.clearance(&beside, self.worn) != clearance {
+                self.flows(&beside, self.worn)?
             } else {
                 here
             };
-            let change = self.rates_under(&beside, &changed) - at_here;
+            let change = self.rates_under(&beside, self.worn, &changed) - at_here;
             jacobian.set_column(column, &(change / self.nudge));
         }
         Ok((at_here, jacobian))
+    }
+
+    /// Ends the way where the clearance closes.
+    fn check(&self, t: &Vector4, worn: f64) -> Result<(), NoLeap> {
+        let t = temperatures(t);
+        if self.model.is_closed(&t, worn) {
+            return Err(NoLeap::Closed(t));
+        }
+        Ok(())
+    }
+
+    /// The temperatures `span` seconds later.
+    fn follow(&self, tolerance: f64, span: f64, from: &Departure) -> Result<Vector4, NoLeap> {
+        let mut t = vector(&from.temperatures);
+        let integrator = Rodas3 {
+            allowed: [DRIFT_ERROR * tolerance; 4],
+            budget: Budget::of(100_000),
+        };
+        integrator.integrate(
+            |t| self.rates(t),
+            |t| self.linear(t),
+            &mut t,
+            span,
+            self.model.period(),
+        )?;
+        Ok(t)
+    }
+
+    /// The temperatures and the wear depth `span` seconds later.
+    fn follow_wear(
+        &self,
+        tolerance: f64,
+        span: f64,
+        from: &Departure,
+    ) -> Result<(Vector4, f64), NoLeap> {
+        let mut y = vector(&from.temperatures).push(from.worn);
+        let [kelvin, metre] = [DRIFT_ERROR, WEAR_ERROR].map(|error| error * tolerance);
+        let integrator = Rodas3 {
+            allowed: [kelvin, kelvin, kelvin, kelvin, metre],
+            budget: Budget::of(100_000),
+        };
+        integrator.integrate(
+            |y| self.wearing(y),
+            |y| self.wearing_linear(y),
+            &mut y,
+            span,
+            self.model.period(),
+        )?;
+        Ok((y.fixed_rows::<4>(0).into(), y[4]))
+    }
+
+    /// The rates of temperatures and wear depth.
+    fn wearing(&self, y: &Vector5) -> Result<Vector5, NoLeap> {
+        let (t, worn) = (y.fixed_rows::<4>(0).into(), y[4]);
+        let flows = self.flows(&t, worn)?;
+        let rates = self.rates_under(&t, worn, &flows);
+        Ok(rates.push(self.model.wear_rate(&flows)))
+    }
+
+    /// The same with their derivatives.
+    fn wearing_linear(&self, y: &Vector5) -> Result<(Vector5, SMatrix<f64, 5, 5>), NoLeap> {
+        self.check(&y.fixed_rows::<4>(0).into(), y[4])?;
+        let here = self.wearing(y)?;
+        let mut jacobian = SMatrix::<f64, 5, 5>::zeros();
+        for column in 0..5 {
+            let nudge = if column < 4 { self.nudge } else { WEAR_NUDGE };
+            let mut beside = *y;
+            beside[column] += nudge;
+            jacobian.set_column(column, &((self.wearing(&beside)? - here) / nudge));
+        }
+        Ok((here, jacobian))
     }
 }
 
@@ -189,9 +305,14 @@ impl<'a, M: TwoScales> Averaged<'a, M> {
 const NUDGE: f64 = 1e-3;
 /// The error allowed in each temperature per step, K, at a relative tolerance of one.
 const DRIFT_ERROR: f64 = 6000.0;
+/// The same of the wear depth, m, and the change of it from which derivatives are taken.
+const WEAR_ERROR: f64 = 1e-3;
+const WEAR_NUDGE: f64 = 1e-10;
 
 /// The temperatures of film, bush, shaft and oil, K, or their rates, K/s.
 pub type Vector4 = SVector<f64, 4>;
+/// The same and the wear depth, m, or its rate, m/s.
+type Vector5 = SVector<f64, 5>;
 /// Derivatives of the temperatures' rates, 1/s.
 pub type Matrix4 = SMatrix<f64, 4, 4>;
 

@@ -67,6 +67,16 @@ pub struct Readings {
     pub shaft_speed: f64,
     /// Shaft angle since the start, rad.
     pub shaft_angle: f64,
+    /// Radial clearance that the film sees, m.
+    pub hot_radial_clearance: f64,
+    /// Velocity of the journal along the load, m/s.
+    pub journal_velocity: f64,
+    /// Mean wear depth, m.
+    pub wear_depth: f64,
+    /// Heat flow to the surroundings, W.
+    pub ambient_heat_flow: f64,
+    /// Heat capacity of the oil bath at its temperature, J/K.
+    pub oil_bath_capacity: f64,
 }
 
 /// Applies a formula to each reading of two sets.
@@ -114,17 +124,22 @@ impl Readings {
                 contact_share,
                 contact_torque,
                 shaft_speed,
-                shaft_angle
+                shaft_angle,
+                hot_radial_clearance,
+                journal_velocity,
+                wear_depth,
+                ambient_heat_flow,
+                oil_bath_capacity
             ]
         )
     }
 }
 
 /// A force over the load, 1, such as the friction coefficient `M/(F_N*D/2)` (the paper's formula for mu_fr, with the M
-/// that is missing in print). Zero without a load. Near zero load the ratio is cut off at the largest value that the
-/// variables' ranges allow.
+/// that is missing in print). Zero without a load. Near zero load the ratio is cut off a little below the largest value that
+/// the variables' ranges allow, so that its means, which are rounded, stay within them, too.
 pub fn over_load(force: f64, load: f64) -> f64 {
-    const MOST: f64 = 1e9;
+    const MOST: f64 = 0.999e9;
     if load == 0.0 {
         return 0.0;
     }

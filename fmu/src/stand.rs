@@ -8,9 +8,10 @@
 //!                                                └───── oil ◄─ temperatures ◄─┘
 //! ```
 //!
-//! The unknowns of the time integration are the journal's eccentricity-ratio vector and the four temperatures. The shaft
-//! angle is not one of them: it follows from the speed in closed form.
+//! The unknowns of the time integration are the journal's eccentricity-ratio vector, the four temperatures and the wear depth.
+//! The shaft angle is not one of them: it follows from the speed in closed form.
 
+mod clearance;
 mod inputs;
 mod march;
 mod slowest;
@@ -58,6 +59,8 @@ struct State {
     eccentricity: [f64; 2],
     /// The nodes' temperatures, K.
     temperatures: Temperatures,
+    /// Mean wear depth, m.
+    worn: f64,
     /// The internal step to try next, s.
     next_step: f64,
     /// The sensors' means over the last turn.
@@ -97,11 +100,11 @@ pub struct Stand {
     slowest: slowest::Remembered,
 }
 
-/// The unknowns: eccentricity ratio along x and y, temperatures of film, bush, shaft and oil.
-type Unknowns = [f64; 6];
+/// The unknowns: eccentricity ratio along x and y, temperatures of film, bush, shaft and oil, wear depth.
+type Unknowns = [f64; 7];
 
-/// The error of each unknown that a relative tolerance of one allows: the whole clearance, 100 K.
-const SCALES: Unknowns = [1.0, 1.0, 100.0, 100.0, 100.0, 100.0];
+/// The error of each unknown that a relative tolerance of one allows: the whole clearance, 100 K, 10 um.
+const SCALES: Unknowns = [1.0, 1.0, 100.0, 100.0, 100.0, 100.0, 1e-5];
 
 /// The log category for the set-up and the steps.
 const EVENTS: &str = "logEvents";
@@ -115,6 +118,7 @@ struct Instant {
     angle: f64,
     load: f64,
     viscosity: f64,
+    clearance: f64,
     motion: Motion,
 }
 
@@ -156,20 +160,19 @@ impl Stand {
 
     /// The friction heat that goes into film, bush and shaft at the present communication point, W.
     pub fn heat(&self) -> f64 {
-        let [ex, ey, film, ..] = unknowns(&self.state);
-        let flows = self
-            .instant(0.0, [ex, ey], self.fluid.viscosity(film))
-            .motion
-            .flows;
+        let flows = self.instant(0.0, &unknowns(&self.state)).motion.flows;
         flows.viscous + flows.boundary
     }
 
     /// The upper half of Fig. 3: drive, load mechanism and bearing, `tau` seconds into the step.
-    fn instant(&self, tau: f64, eccentricity: [f64; 2], viscosity: f64) -> Instant {
+    fn instant(&self, tau: f64, y: &Unknowns) -> Instant {
         let (speed, angle, load) = self.driven(tau);
+        let viscosity = self.fluid.viscosity(temperatures(y).film);
+        let clearance = self.clearance(&temperatures(y), worn(y));
         let at = Situation {
             load,
-            eccentricity,
+            eccentricity: [y[0], y[1]],
+            clearance,
             viscosity,
             speed,
         };
@@ -179,17 +182,25 @@ impl Stand {
             angle,
             load,
             viscosity,
+            clearance,
             motion,
         }
     }
 
     /// The part of [`instant`](Self::instant) that the time integration needs, with the situation that it is one of.
-    fn drift(&self, tau: f64, eccentricity: [f64; 2], viscosity: f64) -> (Situation, Drift) {
+    fn drift(
+        &self,
+        tau: f64,
+        eccentricity: [f64; 2],
+        viscosity: f64,
+        clearance: f64,
+    ) -> (Situation, Drift) {
         let (speed, _, load) = self.driven(tau);
         let felt = self.thermal.fresh_oil != 0.0 && !self.thermal.isothermal;
         let at = Situation {
             load,
             eccentricity,
+            clearance,
             viscosity,
             speed,
         };
@@ -205,11 +216,16 @@ impl Stand {
         (speed, angle, load)
     }
 
-    /// The lower half of Fig. 3: rates of the temperatures from friction heat and heat transfer, K/s.
-    fn thermal_rates(&self, tau: f64, temperatures: &Temperatures, flows: &Flows) -> Temperatures {
+    /// The lower half of Fig. 3: rates of the temperatures from friction heat and heat transfer, K/s, at a clearance, m.
+    fn thermal_rates(
+        &self,
+        tau: f64,
+        temperatures: &Temperatures,
+        clearance: f64,
+        flows: &Flows,
+    ) -> Temperatures {
         let oil = &self.fluid;
         let film = temperatures.film;
-        let bath_mass = self.thermal.oil_volume * oil.density_15;
         let heat = Heat {
             viscous: flows.viscous,
             boundary: flows.boundary,
@@ -218,23 +234,31 @@ impl Stand {
                 0.0 => 0.0,
                 flow => flow * oil.density(film) * oil.heat_capacity(film),
             },
-            bath: bath_mass * oil.heat_capacity(temperatures.oil),
+            bath: self.bath_capacity(temperatures.oil),
             ambient: self.inputs.ambient_temperature.at(tau),
-            clearance: self.bearing.radial_clearance,
+            clearance,
         };
         self.thermal.rates(temperatures, &heat)
+    }
+
+    /// Heat capacity of the oil bath at its temperature (K), J/K.
+    fn bath_capacity(&self, oil: f64) -> f64 {
+        let mass = self.thermal.oil_volume * self.fluid.density_15;
+        mass * self.fluid.heat_capacity(oil)
     }
 
     /// Rates of the unknowns, and what the physical stand's sensors read, `tau` seconds into the step.
     fn course_at(&self, tau: f64, y: &Unknowns, oil: &mut Nearby) -> (Unknowns, Sensed) {
         let temperatures = temperatures(y);
         let viscosity = oil.viscosity(&self.fluid, temperatures.film);
-        let (at, drift) = self.drift(tau, [y[0], y[1]], viscosity);
-        let t = self.thermal_rates(tau, &temperatures, &drift.flows);
+        let clearance = self.clearance(&temperatures, worn(y));
+        let (at, drift) = self.drift(tau, [y[0], y[1]], viscosity, clearance);
+        let t = self.thermal_rates(tau, &temperatures, clearance, &drift.flows);
+        let wear = self.bearing.wear_rate(drift.flows.boundary, at.speed);
         let [vx, vy] = drift.velocity;
         let torque = drift.torque + self.support_torque(at.load, at.speed);
         (
-            [vx, vy, t.film, t.bush, t.shaft, t.oil],
+            [vx, vy, t.film, t.bush, t.shaft, t.oil, wear],
             Sensed([
                 at.load,
                 torque,
@@ -265,14 +289,14 @@ impl Stand {
     /// The sensors' readings, `tau` seconds into the step.
     fn read(&self, tau: f64, y: &Unknowns) -> Readings {
         let temperatures = temperatures(y);
-        let viscosity = self.fluid.viscosity(temperatures.film);
         let Instant {
             speed,
             angle,
             load,
             viscosity,
+            clearance,
             motion,
-        } = self.instant(tau, [y[0], y[1]], viscosity);
+        } = self.instant(tau, y);
         let torque = motion.torque + self.support_torque(load, speed);
         Readings {
             load_force: load,
@@ -293,6 +317,13 @@ impl Stand {
             contact_torque: motion.boundary_torque,
             shaft_speed: speed,
             shaft_angle: angle,
+            hot_radial_clearance: clearance,
+            journal_velocity: clearance * motion.velocity[0],
+            wear_depth: worn(y),
+            ambient_heat_flow: self
+                .thermal
+                .loss(&temperatures, self.inputs.ambient_temperature.at(tau)),
+            oil_bath_capacity: self.bath_capacity(temperatures.oil),
         }
     }
 
@@ -311,7 +342,7 @@ fn unknowns(state: &State) -> Unknowns {
         temperatures: t,
         ..
     } = state;
-    [e[0], e[1], t.film, t.bush, t.shaft, t.oil]
+    [e[0], e[1], t.film, t.bush, t.shaft, t.oil, state.worn]
 }
 
 fn temperatures(y: &Unknowns) -> Temperatures {
@@ -321,6 +352,11 @@ fn temperatures(y: &Unknowns) -> Temperatures {
         shaft: y[4],
         oil: y[5],
     }
+}
+
+/// The mean wear depth, m.
+fn worn(y: &Unknowns) -> f64 {
+    y[6]
 }
 
 impl Model for Stand {
@@ -355,8 +391,10 @@ impl Model for Stand {
         self.fluid = self.oil.properties(experiment)?;
         self.check_oil()?;
         self.nearby = Nearby::default();
+        let temperatures = self.thermal.initial();
         self.film.start(&Setup {
             bearing: &self.bearing,
+            clearance: self.clearance(&temperatures, 0.0),
             rheology: self.oil.thickening.rheology(),
             experiment,
         })?;
@@ -364,10 +402,12 @@ impl Model for Stand {
             time: experiment.start,
             angle: 0.0,
             eccentricity: [0.0, 0.0],
-            temperatures: self.thermal.initial(),
+            temperatures,
+            worn: 0.0,
             next_step: FIRST_STEP,
             means: TurnMeans::default(),
         };
+        self.check_wear_and_clearance()?;
         self.settle(log)?;
         self.update()?;
         log.log(
@@ -377,7 +417,7 @@ impl Model for Stand {
                  tolerance {:e}",
                 experiment.start,
                 self.film.model,
-                self.bearing.radial_clearance,
+                self.readings.hot_radial_clearance,
                 self.readings.film_viscosity,
                 self.readings.film_temperature,
                 self.readings.load_force,

@@ -137,6 +137,13 @@ impl Thermal {
         self.bush_ambient + self.shaft_ambient + self.oil_ambient > 0.0
     }
 
+    /// Heat flow to the surroundings, W, which are at `ambient` K.
+    pub fn loss(&self, t: &Temperatures, ambient: f64) -> f64 {
+        self.bush_ambient * (t.bush - ambient)
+            + self.shaft_ambient * (t.shaft - ambient)
+            + self.oil_ambient * (t.oil - ambient)
+    }
+
     /// Rates of the nodes' temperatures, K/s: the energy balance of each node.
     pub fn rates(&self, t: &Temperatures, heat: &Heat) -> Temperatures {
         if self.isothermal {

@@ -9,7 +9,7 @@
 mod declare;
 mod references;
 
-use crate::bearing::{FILM, FilmModel};
+use crate::bearing::{FILM, FilmModel, ThermalClearance};
 use crate::oil::{PressureLaw, ShearLaw};
 use crate::stand::Stand;
 use crate::thermal::Initialization;
@@ -64,6 +64,12 @@ fmu_export::enumerations! {
         Newtonian = 1 "The viscosity does not depend on the shear rate",
         Cross = 2 "Cross (1965)",
         Carreau = 3 "Carreau (1972)"
+    ];
+    /// How temperatures change the clearance.
+    THERMAL_CLEARANCE = "ThermalClearance", "Thermal expansion in the clearance", [
+        Off = 1 "The clearance is as it was measured",
+        FreeBush = 2 "Bush and shaft expand freely",
+        ConstrainedBush = 3 "The bush is pressed into a housing, which holds it"
     ];
     /// The temperatures at the start.
     INITIALIZATION = "Initialization", "Temperatures at the start", [
@@ -215,8 +221,26 @@ fn film_model() -> Access<Stand, i32, i32> {
 
 fn bearing() -> Vec<V> {
     vec![
-        parameter("bearing.radialClearance", &METRE, field!(bearing.radial_clearance), "Radial clearance h")
+        parameter("bearing.radialClearance", &METRE, field!(bearing.radial_clearance), "Radial clearance h as it was measured, see bearing.thermalClearance")
             .shown_in("mm").within(1e-7, 1e-2).about(2e-5),
+        choice!("bearing.thermalClearance", THERMAL_CLEARANCE, ThermalClearance { Off = 1, FreeBush = 2, ConstrainedBush = 3 }, bearing.expansion.thermal_clearance,
+            "Thermal expansion in the clearance that the film sees"),
+        parameter("bearing.referenceTemperature", &KELVIN, field!(bearing.expansion.reference), "Temperature at which bearing.radialClearance was measured")
+            .shown_in("degC").within(200.0, 600.0).about(300.0),
+        parameter("bearing.bushExpansion", &PER_KELVIN, field!(bearing.expansion.bush), "Coefficient of thermal expansion of the bush")
+            .within(0.0, 1e-3).about(1e-5),
+        parameter("bearing.shaftExpansion", &PER_KELVIN, field!(bearing.expansion.shaft), "Coefficient of thermal expansion of the shaft")
+            .within(0.0, 1e-3).about(1e-5),
+        parameter("bearing.housingExpansion", &PER_KELVIN, field!(bearing.expansion.housing), "Coefficient of thermal expansion of the housing, which has the bush's temperature (constrained bush only)")
+            .within(0.0, 1e-3).about(1e-5),
+        parameter("bearing.bushWall", &METRE, field!(bearing.expansion.wall), "Wall thickness of the bush (constrained bush only)")
+            .shown_in("mm").within(1e-6, 1.0).about(1e-3),
+        parameter("bearing.bushModulus", &PASCAL, field!(bearing.expansion.bush_modulus), "Young's modulus of the bush (constrained bush only)")
+            .shown_in("GPa").within(1e6, 1e13).about(1e11),
+        parameter("bearing.housingModulus", &PASCAL, field!(bearing.expansion.housing_modulus), "Young's modulus of the housing (constrained bush only)")
+            .shown_in("GPa").within(1e6, 1e13).about(1e11),
+        parameter("bearing.wearCoefficient", &SQUARE_METRE_PER_NEWTON, field!(bearing.wear.coefficient), "Specific wear rate of the touching asperities: worn volume over force and sliding distance; 0 switches wear off")
+            .shown_in("mm3/(N.m)").within(0.0, 1e-9).about(1e-16),
         parameter("bearing.width", &METRE, field!(bearing.width), "Bearing width B")
             .shown_in("mm").within(1e-4, 10.0).about(0.02),
         parameter("bearing.diameter", &METRE, field!(bearing.diameter), "Diameter D of the bush")
@@ -422,6 +446,11 @@ fn outputs() -> Vec<V> {
         output!("bearing.sideFlow", &CUBIC_METRE_PER_SECOND, side_flow, ["drive.speed", "load.externalForce"], "Oil that leaves the film at both ends").shown_in("mm3/s").within(0.0, 1e6).about(1e-7),
         output!("bearing.contactShare", &ONE, contact_share, ["drive.speed", "load.externalForce"], "Force of the touching asperities' pressure over the load").shown_in("%").within(0.0, 1e9).about(1.0),
         output!("bearing.contactTorque", &NEWTON_METRE, contact_torque, ["drive.speed"], "Friction torque of the touching asperities").within(-1e18, 1e18).about(1.0),
+        output!("bearing.hotRadialClearance", &METRE, hot_radial_clearance, [], "Radial clearance that the film sees: with thermal expansion and wear").shown_in("um").within(0.0, 1e9).about(1e-5),
+        output!("bearing.wearDepth", &METRE, wear_depth, [], "Mean depth by which wear has opened the clearance").shown_in("um").within(0.0, 1e9).about(1e-6),
+        output!("bearing.journalVelocity", &METRE_PER_SECOND, journal_velocity, ["drive.speed", "load.externalForce"], "Velocity of the journal along the load line").shown_in("mm/s").within(-1e12, 1e12).about(1e-4),
+        output!("thermal.ambientHeatFlow", &WATT, ambient_heat_flow, ["thermal.ambientTemperature"], "Heat flow to the surroundings").within(-1e18, 1e18).about(10.0),
+        output!("thermal.oilBathCapacity", &JOULE_PER_KELVIN, oil_bath_capacity, [], "Heat capacity of the oil bath at its temperature").within(0.0, 1e18).about(500.0),
         output!("thermal.shaftTemperature", &KELVIN, shaft_temperature, [], "Temperature of the shaft").shown_in("degC").within(0.0, 1e12).about(300.0),
         output("thermal.slowestTimeConstant", &SECOND, Stand::slowest_time_constant, "Slowest time constant of the heat balance at the present state, averaged over a turn; negative where a deviation grows, 0 when isothermal")
             .depends_on(&["drive.speed", "load.externalForce", "thermal.ambientTemperature"]).within(-1e12, 1e12).about(1e3),

@@ -142,6 +142,7 @@ fn energy_is_closed(stand: &Stand) -> Result<(), TestCaseError> {
     let at = Situation {
         load,
         eccentricity: e,
+        clearance: stand.readings().hot_radial_clearance,
         viscosity: stand.readings().film_viscosity,
         speed,
     };

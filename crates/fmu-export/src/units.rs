@@ -99,6 +99,8 @@ units! {
     PASCAL = "Pa", {kg: 1, m: -1, s: -2}, [scaled("MPa", 1e-6), scaled("GPa", 1e-9), scaled("bar", 1e-5), scaled("kPa", 1e-3)];
     /// Pressure-viscosity coefficient.
     PER_PASCAL = "1/Pa", {kg: -1, m: 1, s: 2}, [scaled("1/GPa", 1e9)];
+    /// Specific wear rate: worn volume over force and sliding distance.
+    SQUARE_METRE_PER_NEWTON = "m2/N", {kg: -1, m: 1, s: 2}, [scaled("mm3/(N.m)", 1e9)];
     /// Dynamic viscosity.
     PASCAL_SECOND = "Pa.s", {kg: 1, m: -1, s: -1}, [scaled("mPa.s", 1e3)];
     /// Kinematic viscosity.
@@ -111,6 +113,8 @@ units! {
     CUBIC_METRE_PER_SECOND = "m3/s", {m: 3, s: -1}, [scaled("mm3/s", 1e9)];
     /// Temperature.
     KELVIN = "K", {k: 1}, [DisplayUnit { name: "degC", factor: 1.0, offset: -273.15 }];
+    /// Coefficient of thermal expansion.
+    PER_KELVIN = "1/K", {k: -1}, [];
     /// Heat capacity of a body.
     JOULE_PER_KELVIN = "J/K", {kg: 1, m: 2, s: -2, k: -1}, [];
     /// Thermal conductance between two bodies.

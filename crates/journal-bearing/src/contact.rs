@@ -12,8 +12,12 @@
 //! assert!(table.at(0.95).force > 100.0); // N
 //! ```
 
+mod clearances;
+
+pub use clearances::ContactFamily;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, SQRT_2};
+use std::sync::LazyLock;
 
 /// The asperities of both surfaces together, and their boundary friction.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -182,13 +186,17 @@ const NODES: usize = 65;
 /// Quadrature points over half the circumference (trapezoidal rule: spectral for a periodic integrand).
 const QUADRATURE: usize = 64;
 
+/// Cosines of the quadrature's points.
+static COSINES: LazyLock<[f64; QUADRATURE + 1]> =
+    LazyLock::new(|| std::array::from_fn(|k| (PI * k as f64 / QUADRATURE as f64).cos()));
+
 impl ContactTable {
     /// Tabulates the contact of a bearing with radial clearance, width and diameter in m.
     pub fn new(surface: &Surface, clearance: f64, width: f64, diameter: f64) -> Self {
         if surface.roughness <= 0.0 || surface.pressure_scale() <= 0.0 {
             return Self::default();
         }
-        let start = (1.0 - NO_CONTACT * surface.roughness / clearance).max(0.0);
+        let start = Self::start(surface, clearance);
         let spacing = (1.0 - start) / (NODES - 1) as f64;
         let area = 0.5 * diameter * width;
         let ratio = clearance / surface.roughness;
@@ -208,22 +216,39 @@ impl ContactTable {
         }
     }
 
+    /// Eccentricity ratio at which contact begins.
+    fn start(surface: &Surface, clearance: f64) -> f64 {
+        (1.0 - NO_CONTACT * surface.roughness / clearance).max(0.0)
+    }
+
     /// The contact at an eccentricity ratio. Beyond the table's end at 1 the last cell's cubics continue it.
     pub fn at(&self, eccentricity_ratio: f64) -> Contact {
         let position = (eccentricity_ratio - self.start) * self.per_spacing;
         if self.nodes.is_empty() || position < 0.0 {
             return Contact::default();
         }
-        let cell = (position as usize).min(self.nodes.len() - 2);
-        let t = position - cell as f64;
+        let (cell, t) = cell(position);
         let (left, right) = (&self.nodes[cell], &self.nodes[cell + 1]);
         // Where contact begins off the centre it fades in, so that the force has no jump.
-        let begins = cell == 0 && self.start > 0.0;
-        let fade = if begins { t * t * (3.0 - 2.0 * t) } else { 1.0 };
-        Contact {
-            force: fade * eccentricity_ratio * interpolate(left[0], right[0], t).exp(),
-            normal: fade * interpolate(left[1], right[1], t).exp(),
-        }
+        let fades = cell == 0 && self.start > 0.0;
+        between(left, right, t, eccentricity_ratio, fades)
+    }
+}
+
+/// The cell of a table at a position along its nodes, and the place in it. The last one continues.
+#[inline]
+fn cell(position: f64) -> (usize, f64) {
+    let cell = (position as usize).min(NODES - 2);
+    (cell, position - cell as f64)
+}
+
+/// The contact at the place `t` of a cell with these knots of resultant and normal force.
+#[inline]
+fn between(left: &[Knot; 2], right: &[Knot; 2], t: f64, ratio: f64, fades: bool) -> Contact {
+    let fade = if fades { t * t * (3.0 - 2.0 * t) } else { 1.0 };
+    Contact {
+        force: fade * ratio * interpolate(left[0], right[0], t).exp(),
+        normal: fade * interpolate(left[1], right[1], t).exp(),
     }
 }
 
@@ -243,8 +268,7 @@ fn log_integrals(e: f64, ratio: f64, spacing: f64) -> [Knot; 2] {
     // Values are relative to the largest, which may underflow by itself.
     let reference = log(ratio * (1.0 - e)).0;
     let (mut sums, mut slopes) = ([0.0; 2], [0.0; 2]);
-    for k in 0..=QUADRATURE {
-        let cos = (PI * k as f64 / QUADRATURE as f64).cos();
+    for (k, &cos) in COSINES.iter().enumerate() {
         let h = ratio * (1.0 - e * cos);
         let end = k == 0 || k == QUADRATURE;
         let (exponent, slope) = log(h);

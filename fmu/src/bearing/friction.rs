@@ -30,13 +30,14 @@ pub struct Boundary {
 }
 
 impl Boundary {
-    /// The friction of a contact at a friction coefficient, with a shaft speed of `speed` rad/s, at an eccentricity-ratio
-    /// vector and its rate (1/s).
+    /// The friction of a contact at a radial clearance (m) and a friction coefficient, with a shaft speed of `speed` rad/s, at
+    /// an eccentricity-ratio vector and its rate (1/s).
     ///
     /// The torque is the friction coefficient times the contact pressure's integral times the radius. The heat also counts
     /// that the contact's place moves along the bush, which changes the sliding speed by the journal's own.
     pub fn of(
         bearing: &Bearing,
+        clearance: f64,
         contact: &Contact,
         coefficient: f64,
         speed: f64,
@@ -50,7 +51,7 @@ impl Boundary {
         let [[x, y], [vx, vy]] = [eccentricity, velocity];
         let length = x.hypot(y);
         let along = if length > 0.0 {
-            bearing.radial_clearance * (x * vy - y * vx) / length
+            clearance * (x * vy - y * vx) / length
         } else {
             0.0
         };
@@ -84,7 +85,16 @@ mod tests {
         let bearing = Bearing::default();
         let torque = |speed| {
             let friction = bearing.contact_friction(speed);
-            Boundary::of(&bearing, &TOUCH, friction, speed, [0.9, 0.0], [0.0; 2]).torque
+            Boundary::of(
+                &bearing,
+                2e-5,
+                &TOUCH,
+                friction,
+                speed,
+                [0.9, 0.0],
+                [0.0; 2],
+            )
+            .torque
         };
         assert!((torque(31.4) - bearing.surface.boundary_friction * 100.0 * 0.0125).abs() < 1e-12);
         assert_eq!(torque(-31.4), -torque(31.4));
@@ -95,7 +105,8 @@ mod tests {
     #[test]
     fn the_contact_s_own_motion_changes_the_heat() {
         let bearing = Bearing::default();
-        let heat = |velocity| Boundary::of(&bearing, &TOUCH, 0.05, 31.4, [0.0, 0.9], velocity).heat;
+        let heat =
+            |velocity| Boundary::of(&bearing, 2e-5, &TOUCH, 0.05, 31.4, [0.0, 0.9], velocity).heat;
         let change = heat([3.0, 0.0]) - heat([0.0; 2]);
         assert!(
             (change + 0.05 * 90.0 * 2e-5 * 3.0).abs() < 1e-12,

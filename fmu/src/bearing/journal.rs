@@ -58,19 +58,23 @@ pub struct Drift {
 pub struct Setup<'a> {
     /// The bearing.
     pub bearing: &'a Bearing,
+    /// Radial clearance at the start, m.
+    pub clearance: f64,
     /// The oil's laws over pressure and shear rate.
     pub rheology: Rheology,
     /// Where the files are that parameters name.
     pub experiment: &'a Experiment<'a>,
 }
 
-/// Load, position, oil and speed at one instant. The bush is at rest.
+/// Load, position, clearance, oil and speed at one instant. The bush is at rest.
 #[derive(Clone, Copy, Debug)]
 pub struct Situation {
     /// Load along x, N.
     pub load: f64,
     /// Eccentricity-ratio vector, 1.
     pub eccentricity: [f64; 2],
+    /// Radial clearance, m. Its own change is far too slow to squeeze oil.
+    pub clearance: f64,
     /// Viscosity of the oil at ambient pressure and low shear, Pa.s.
     pub viscosity: f64,
     /// Shaft speed, rad/s.
@@ -118,6 +122,8 @@ pub struct Interval {
     pub load: [f64; 2],
     /// Shaft speed, rad/s.
     pub speed: f64,
+    /// Radial clearance, m.
+    pub clearance: f64,
     /// Viscosity of the oil at ambient pressure and low shear, Pa.s.
     pub viscosity: f64,
 }

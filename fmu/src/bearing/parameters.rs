@@ -1,12 +1,14 @@
 //! The bearing's parameters.
 
+use super::hot::Expansion;
+use super::wear::Wear;
 use journal_bearing::contact::Surface;
 use serde::{Deserialize, Serialize};
 
 /// The bearing's parameters, apart from the choice of the [film model](super::FilmModel).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Bearing {
-    /// Radial clearance c, m.
+    /// Radial clearance as it was measured, m.
     pub radial_clearance: f64,
     /// Width B, m.
     pub width: f64,
@@ -16,6 +18,10 @@ pub struct Bearing {
     pub profile_file: String,
     /// The surfaces' asperities.
     pub surface: Surface,
+    /// How temperatures change the clearance.
+    pub expansion: Expansion,
+    /// How the surfaces wear.
+    pub wear: Wear,
     /// How a Reynolds film is solved.
     pub resolution: Resolution,
 }
@@ -49,6 +55,8 @@ impl Default for Bearing {
             diameter: 0.025,
             profile_file: String::new(),
             surface: Surface::default(),
+            expansion: Expansion::default(),
+            wear: Wear::default(),
             resolution: Resolution::default(),
         }
     }
@@ -96,8 +104,28 @@ impl Bearing {
         self.surface.friction(speed * self.radius())
     }
 
-    /// Relative clearance psi = c/R, 1.
+    /// Relative clearance psi = c/R, 1, as it was measured.
     pub fn relative_clearance(&self) -> f64 {
         self.radial_clearance / self.radius()
+    }
+
+    /// The clearance that expansion and wear leave at temperatures of bush and shaft (K) and a mean wear depth (m). It may be
+    /// negative: then the shaft is larger than the bore.
+    pub fn hot_clearance(&self, at: [f64; 2], worn: f64) -> f64 {
+        let radii = [self.radius(), self.radius() - self.radial_clearance];
+        self.radial_clearance + self.expansion.growth(radii, at) + worn
+    }
+
+    /// Rate of the mean wear depth, m/s, while the asperities turn `heat` watts into heat at a shaft speed, rad/s.
+    pub fn wear_rate(&self, heat: f64, speed: f64) -> f64 {
+        let area = std::f64::consts::PI * self.diameter * self.width;
+        self.wear
+            .rate(heat, self.contact_friction(speed).abs(), area)
+    }
+
+    /// A clearance below this, m, counts as closed: the bearing seizes.
+    pub fn closed_clearance(&self) -> f64 {
+        const CLOSED: f64 = 0.01;
+        CLOSED * self.radial_clearance
     }
 }

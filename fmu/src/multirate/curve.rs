@@ -9,6 +9,8 @@ use nalgebra::{Matrix2, SMatrix, Vector2};
 /// Orbits over the logarithm of the viscosity.
 pub(super) struct Curve<'a, M> {
     model: &'a M,
+    /// The clearance of all its orbits, m.
+    clearance: f64,
     tolerance: f64,
     /// Pairs of ln(viscosity) and orbit, in ascending order.
     nodes: Vec<(f64, Orbit)>,
@@ -82,17 +84,19 @@ impl Aim {
 }
 
 impl<'a, M: TwoScales> Curve<'a, M> {
-    /// A curve with its first orbit.
+    /// A curve at a clearance, m, with its first orbit.
     pub(super) fn new(
         model: &'a M,
         tolerance: f64,
+        clearance: f64,
         from: &Departure,
     ) -> Result<(Self, Orbit), NoLeap> {
         let viscosity = model.viscosity(from.temperatures.film);
         let end = Vector2::from(from.eccentricity);
-        let (_, flows) = model.journal(0.0, from.eccentricity, viscosity);
+        let (_, flows) = model.journal(0.0, from.eccentricity, viscosity, clearance);
         let mut curve = Self {
             model,
+            clearance,
             tolerance,
             nodes: Vec::new(),
             latest: viscosity.ln(),
@@ -117,6 +121,30 @@ impl<'a, M: TwoScales> Curve<'a, M> {
         let first = curve.search_from(viscosity, end, turn, Aim::Heat)?;
         curve.nodes.push((viscosity.ln(), first));
         Ok((curve, first))
+    }
+
+    /// The same at another clearance, with an orbit at a viscosity that begins near `guess`.
+    pub(super) fn beside(
+        &self,
+        clearance: f64,
+        viscosity: f64,
+        guess: Vector2<f64>,
+    ) -> Result<Self, NoLeap> {
+        let mut curve = Self {
+            clearance,
+            nodes: Vec::new(),
+            latest: viscosity.ln(),
+            piece: None,
+            ..*self
+        };
+        let first = curve.search(viscosity, guess, Aim::Heat)?;
+        curve.nodes.push((viscosity.ln(), first));
+        Ok(curve)
+    }
+
+    /// The clearance, m.
+    pub(super) fn clearance(&self) -> f64 {
+        self.clearance
     }
 
     /// From less than a turn's own error nothing is to be learnt about the slope.
@@ -254,7 +282,7 @@ impl<'a, M: TwoScales> Curve<'a, M> {
     fn turn(&mut self, viscosity: f64, start: Vector2<f64>) -> Result<Orbit, Failure> {
         let period = self.model.period();
         let rates = |tau: f64, y: &[f64; 2]| {
-            let (velocity, flows) = self.model.journal(tau, *y, viscosity);
+            let (velocity, flows) = self.model.journal(tau, *y, viscosity, self.clearance);
             (velocity, [flows.viscous, flows.boundary, flows.side_flow])
         };
         let integrator = DormandPrince {

@@ -1,4 +1,5 @@
-//! The thermal equilibrium that is reached from given temperatures, on the averaged heat balance.
+//! The thermal equilibrium that is reached from given temperatures, on the averaged heat balance. Wear, which never rests, is
+//! held at the departure's depth.
 //!
 //! There may be several equilibria: friction that grows as the oil warms can hold a hot state beside a cold one. Newton's
 //! method alone would find any of them. So the temperatures first follow their averaged drift, with error control, until an
@@ -187,15 +188,17 @@ fn settled<M: TwoScales>(
     t: &Vector4,
     drift: Matrix4,
 ) -> Result<Equilibrium, NoEquilibrium> {
-    let place = mean.place(t[0])?;
+    let place = mean.place(t, mean.worn)?;
+    let mut beside = *t;
+    beside[0] += mean.nudge;
     let [ahead, here] =
-        [mean.orbit(t[0] + mean.nudge)?, mean.orbit(t[0])?].map(|orbit| orbit.place());
+        [mean.orbit(&beside, mean.worn)?, mean.orbit(t, mean.worn)?].map(|orbit| orbit.place());
     Ok(Equilibrium {
         eccentricity: place.into(),
         temperatures: temperatures(t),
         drift,
         shift: (ahead - here) / mean.nudge,
-        slope: mean.curve.borrow().slope(),
+        slope: mean.curves.borrow().slope(),
     })
 }
 
@@ -238,7 +241,7 @@ mod tests {
             0.2
         }
 
-        fn journal(&self, _: f64, [x, y]: [f64; 2], viscosity: f64) -> ([f64; 2], Flows) {
+        fn journal(&self, _: f64, [x, y]: [f64; 2], viscosity: f64, _: f64) -> ([f64; 2], Flows) {
             let flows = Flows {
                 viscous: (self.0)(300.0 - viscosity.ln() / 0.03),
                 ..Flows::default()
@@ -251,7 +254,23 @@ mod tests {
             (-0.03 * (film_temperature - 300.0)).exp()
         }
 
-        fn thermal_rates(&self, t: &Temperatures, flows: &Flows) -> Temperatures {
+        fn clearance(&self, _: &Temperatures, _: f64) -> f64 {
+            1.0
+        }
+
+        fn is_closed(&self, _: &Temperatures, _: f64) -> bool {
+            false
+        }
+
+        fn wears(&self) -> bool {
+            false
+        }
+
+        fn wear_rate(&self, _: &Flows) -> f64 {
+            0.0
+        }
+
+        fn thermal_rates(&self, t: &Temperatures, _: f64, flows: &Flows) -> Temperatures {
             Temperatures {
                 film: (flows.viscous - (t.film - 300.0)) / 10.0,
                 bush: 300.0 - t.bush,
@@ -271,6 +290,7 @@ mod tests {
                 shaft: 300.0,
                 oil: 300.0,
             },
+            worn: 0.0,
         }
     }
 

@@ -1,9 +1,9 @@
 //! Communication steps: turn by turn, or with a leap over whole turns.
 
 use super::stuck::Stuck;
-use super::{EVENTS, Inputs, SCALES, Stand, State, Unknowns, temperatures, unknowns};
+use super::{EVENTS, Inputs, SCALES, Stand, State, Unknowns, temperatures, unknowns, worn};
 use crate::bearing::{Flows, Interval};
-use crate::multirate::{self, Departure, Landing, TwoScales};
+use crate::multirate::{self, Departure, Landing, NoLeap, TwoScales};
 use crate::sensors::{Sensed, TurnMeans};
 use crate::solver::{Budget, DormandPrince, Passage, Quadrature};
 use crate::thermal::Temperatures;
@@ -82,14 +82,15 @@ impl Stand {
             means = self.state.means;
             let observe = self.counting_turns(&mut means);
             let anew = self.resolve_stiffly(span, &integrator.allowed, observe);
-            y = anew.map_err(|_| self.explain(failure, &y, 0..6))?;
+            y = anew.map_err(|_| self.explain(failure, &y, 0..7))?;
         }
         self.nearby = oil;
         self.state.means = means;
         // The step size is proportional to the fifth root of the allowed error.
         self.state.next_step = next_step * slack.powf(-0.2);
+        self.state.worn = worn(&y);
         self.arrive(span, [y[0], y[1]], temperatures(&y));
-        Ok(())
+        Ok(self.check_clearance()?)
     }
 
     /// Takes the parts of the way from the present state over into the means.
@@ -124,6 +125,7 @@ impl Stand {
                 duration: step,
                 load,
                 speed,
+                clearance: self.clearance(&self.state.temperatures, self.state.worn),
                 viscosity,
             };
             let Some(film) = self.film.transient() else {
@@ -135,8 +137,10 @@ impl Stand {
                 .checked_sub(taken)
                 .ok_or_else(|| self.crawling(done as f64 * step, span))?;
             let temperatures = self.warm(step, &flows)?;
+            self.state.worn += step * self.bearing.wear_rate(flows.boundary, speed);
             let angle = self.state.angle;
             self.arrive(step, eccentricity, temperatures);
+            self.check_clearance()?;
             let now = self.sense();
             let part = Passage::between(0.0, step, [before.0, now.0]);
             self.state.means.add(&part, self.state.angle - angle);
@@ -165,10 +169,15 @@ impl Stand {
             budget: Budget::of(WARMING_STEPS),
         };
         let mut t = pack(self.state.temperatures);
-        let rates = |tau: f64, t: &[f64; 4]| pack(self.thermal_rates(tau, &unpack(t), flows));
+        let worn = self.state.worn;
+        let rates = |tau: f64, t: &[f64; 4]| {
+            let t = unpack(t);
+            pack(self.thermal_rates(tau, &t, self.clearance(&t, worn), flows))
+        };
         let done = integrator.integrate(rates, &mut t, span, &mut span.clone());
         let [ex, ey] = self.state.eccentricity;
-        done.map_err(|failure| self.explain(failure, &[ex, ey, t[0], t[1], t[2], t[3]], 2..6))?;
+        let y = [ex, ey, t[0], t[1], t[2], t[3], worn];
+        done.map_err(|failure| self.explain(failure, &y, 2..6))?;
         Ok(unpack(&t))
     }
 
@@ -206,22 +215,30 @@ impl Stand {
             let State {
                 eccentricity,
                 temperatures,
+                worn,
                 ..
             } = self.state;
             let from = Departure {
                 before: start,
                 eccentricity,
                 temperatures,
+                worn,
             };
             match multirate::leap(self, self.solver.tolerance, turns, from) {
                 Ok(landing) => {
                     let Landing {
                         eccentricity,
                         temperatures,
+                        worn,
                     } = landing;
+                    self.state.worn = worn;
                     self.arrive(turns as f64 * period, eccentricity, temperatures);
                     self.state.means.restart();
                     slack = LANDING_SLACK;
+                }
+                Err(NoLeap::Closed(at)) => {
+                    self.state.temperatures = at;
+                    self.check_clearance()?;
                 }
                 Err(reason) => log.log(
                     EVENTS,
@@ -260,8 +277,14 @@ impl TwoScales for Stand {
         self.period()
     }
 
-    fn journal(&self, tau: f64, eccentricity: [f64; 2], viscosity: f64) -> ([f64; 2], Flows) {
-        let (_, drift) = self.drift(tau, eccentricity, viscosity);
+    fn journal(
+        &self,
+        tau: f64,
+        eccentricity: [f64; 2],
+        viscosity: f64,
+        clearance: f64,
+    ) -> ([f64; 2], Flows) {
+        let (_, drift) = self.drift(tau, eccentricity, viscosity, clearance);
         (drift.velocity, drift.flows)
     }
 
@@ -269,7 +292,29 @@ impl TwoScales for Stand {
         self.fluid.viscosity(film_temperature)
     }
 
-    fn thermal_rates(&self, temperatures: &Temperatures, flows: &Flows) -> Temperatures {
-        self.thermal_rates(0.0, temperatures, flows)
+    fn clearance(&self, temperatures: &Temperatures, worn: f64) -> f64 {
+        self.clearance(temperatures, worn)
+    }
+
+    fn is_closed(&self, temperatures: &Temperatures, worn: f64) -> bool {
+        self.seizure(temperatures, worn).is_some()
+    }
+
+    fn thermal_rates(
+        &self,
+        temperatures: &Temperatures,
+        clearance: f64,
+        flows: &Flows,
+    ) -> Temperatures {
+        self.thermal_rates(0.0, temperatures, clearance, flows)
+    }
+
+    fn wears(&self) -> bool {
+        self.bearing.wear.coefficient > 0.0
+    }
+
+    fn wear_rate(&self, flows: &Flows) -> f64 {
+        let speed = self.inputs.speed.value;
+        self.bearing.wear_rate(flows.boundary, speed)
     }
 }

@@ -84,18 +84,20 @@ impl Stand {
             before: [0.0; 2],
             eccentricity: [0.0; 2],
             temperatures: *at,
+            worn: self.state.worn,
         };
         let drift = if self.inputs.speed.value == 0.0 {
             // At rest there is no friction heat.
-            multirate::network(self, at, &Flows::default())
+            multirate::network(self, &from, &Flows::default())
         } else {
             let fast = still.with_a_fast_film().ok();
             let averaged = fast.and_then(|fast| multirate::drift(&fast, TOLERANCE, &from).ok());
             // Without an orbit, the friction counts as constant.
             averaged.unwrap_or_else(|| {
                 let viscosity = self.fluid.viscosity(at.film);
-                let (_, drift) = self.drift(0.0, self.state.eccentricity, viscosity);
-                multirate::network(self, at, &drift.flows)
+                let clearance = self.clearance(at, self.state.worn);
+                let (_, drift) = self.drift(0.0, self.state.eccentricity, viscosity, clearance);
+                multirate::network(self, &from, &drift.flows)
             })
         };
         multirate::slowest_time_constant(&drift)

@@ -11,8 +11,10 @@
 //! For the Reynolds film the mobility film's balance chooses the equilibrium and gives J. Every turn of the refinement is one
 //! of the Reynolds film, so that its own heat is balanced.
 
-use super::{EVENTS, Stand, State, Unknowns, temperatures, unknowns};
-use crate::multirate::{self, Departure, Equilibrium, Matrix4, NoEquilibrium, Vector4, vector};
+use super::{EVENTS, Stand, State, Unknowns, unknowns};
+use crate::multirate::{
+    self, Departure, Equilibrium, Matrix4, NoEquilibrium, NoLeap, Vector4, vector,
+};
 use crate::sensors::{Sensed, TurnMeans};
 use crate::solver::{Budget, DormandPrince, Failure, Quadrature};
 use crate::thermal::Initialization;
@@ -56,10 +58,19 @@ impl Stand {
             return Ok(());
         }
         self.check_steadiness()?;
+        // Wear never rests: the steady state is that of the bearing before it wears.
+        let wear = std::mem::take(&mut self.bearing.wear);
+        let settled = self.settle_unworn(log);
+        self.bearing.wear = wear;
+        settled
+    }
+
+    fn settle_unworn(&mut self, log: &mut dyn Log) -> Result<(), Fault> {
         let from = Departure {
             before: self.state.eccentricity,
             eccentricity: self.state.eccentricity,
             temperatures: self.state.temperatures,
+            worn: self.state.worn,
         };
         let fast = self.clone().with_a_fast_film()?;
         let found =
@@ -112,6 +123,10 @@ impl Stand {
             NoEquilibrium::Runaway { .. } => refusal(format_args!(
                 "{why}: friction heats more than thermal.oilAmbientConductance and the other conductances let out"
             )),
+            NoEquilibrium::Orbit(NoLeap::Closed(at)) => match self.seizure(at, self.state.worn) {
+                Some(seizure) => refusal(seizure),
+                None => refusal(why),
+            },
             NoEquilibrium::Unstable { .. } => refusal(format_args!(
                 "{why}: set thermal.initialBearingTemperature away from it"
             )),
@@ -125,7 +140,7 @@ impl Stand {
         self.state.temperatures = found.temperatures;
         let near = unknowns(&self.state);
         let period = self.period();
-        let slow = Vector4::from_row_slice(&near[2..]);
+        let slow = Vector4::from_row_slice(&near[2..6]);
         let settle = settling(&found.drift, period);
         let mut step = period / 100.0;
         let quick = (0.0..QUICK).contains(&multirate::slowest_time_constant(&found.drift));
@@ -138,8 +153,8 @@ impl Stand {
             let slack = if turn <= rough_turns { ROUGH } else { 1.0 };
             let (end, means) = self
                 .steady_turn(&start, slack, &mut step)
-                .map_err(|failure| refusal(self.explain(failure, &start, 0..6)))?;
-            let miss = SVector::<f64, 6>::from(end) - SVector::from(start);
+                .map_err(|failure| refusal(self.explain(failure, &start, 0..7)))?;
+            let miss = SVector::<f64, 7>::from(end) - SVector::from(start);
             let warmer = if self.thermal.isothermal {
                 Vector4::zeros()
             } else {
@@ -164,12 +179,12 @@ impl Stand {
                 break;
             };
             let e = from + closer + shift;
-            let t = Vector4::from_row_slice(&start[2..]) + warmer;
+            let t = Vector4::from_row_slice(&start[2..6]) + warmer;
             if !((t - slow).amax() < FARTHEST && e.norm() < 1.0) {
                 break;
             }
             self.state.eccentricity = e.into();
-            self.state.temperatures = temperatures(&[e.x, e.y, t[0], t[1], t[2], t[3]]);
+            self.state.temperatures = multirate::temperatures(&t);
             if turn > rough_turns && warmer.amax() < CLOSE && place.norm() < CLOSE_PLACE {
                 self.state.means = TurnMeans::after(means);
                 return Ok(turn);
@@ -228,6 +243,7 @@ impl Stand {
             before: [0.0; 2],
             eccentricity: [0.0; 2],
             temperatures: multirate::temperatures(t),
+            worn: self.state.worn,
         };
         let drift = multirate::drift(self, AVERAGED, &from).map_err(refusal)?;
         settling(&drift, self.period())
@@ -244,7 +260,8 @@ impl Stand {
     ) -> Result<(Unknowns, Sensed), Failure> {
         const T: f64 = TEMPERATURE_ERROR;
         let integrator = DormandPrince {
-            allowed: [PLACE_ERROR, PLACE_ERROR, T, T, T, T].map(|error| slack * error),
+            allowed: [PLACE_ERROR, PLACE_ERROR, T, T, T, T, f64::INFINITY]
+                .map(|error| slack * error),
             budget: Budget::of(STEPS),
         };
         let mut y = *start;

@@ -8,8 +8,8 @@ use crate::solver::{Budget, Failure, Passage, Rodas3};
 use nalgebra::{SMatrix, SVector};
 
 /// The unknowns and the time, s: with the time among the unknowns, the system is autonomous.
-type Extended = SVector<f64, 7>;
-type Jacobian = SMatrix<f64, 7, 7>;
+type Extended = SVector<f64, 8>;
+type Jacobian = SMatrix<f64, 8, 8>;
 
 /// Step of the differences for the Jacobian: relative to an unknown's scale, and in seconds.
 const NUDGE: f64 = 1e-8;
@@ -30,9 +30,9 @@ impl Stand {
         allowed: &Unknowns,
         mut observe: impl FnMut(&Passage<{ Sensed::COUNT }>),
     ) -> Result<Unknowns, Failure> {
-        let [ex, ey, film, bush, shaft, bath] = *allowed;
+        let [ex, ey, film, bush, shaft, bath, worn] = *allowed;
         let integrator = Rodas3 {
-            allowed: [ex, ey, film, bush, shaft, bath, f64::INFINITY],
+            allowed: [ex, ey, film, bush, shaft, bath, worn, f64::INFINITY],
             budget: Budget {
                 at_once: STEPS_AT_ONCE,
                 per_second: STEPS_PER_SECOND + STEPS_PER_TURN / self.period(),
@@ -40,13 +40,13 @@ impl Stand {
             },
         };
         let mut x = Extended::zeros();
-        x.as_mut_slice()[..6].copy_from_slice(&unknowns(&self.state));
+        x.as_mut_slice()[..7].copy_from_slice(&unknowns(&self.state));
         let (mut oil, mut oil_beside, mut oil_there) = (self.nearby, self.nearby, self.nearby);
         let mut before = None;
         let mut pass = |x: &Extended| {
-            let (_, Sensed(now)) = self.course_at(x[6], &first_six(x), &mut oil_there);
-            if let Some((from, sensed)) = before.replace((x[6], now)) {
-                observe(&Passage::between(from, x[6], [sensed, now]));
+            let (_, Sensed(now)) = self.course_at(x[7], &state_of(x), &mut oil_there);
+            if let Some((from, sensed)) = before.replace((x[7], now)) {
+                observe(&Passage::between(from, x[7], [sensed, now]));
             }
         };
         let rates = |x: &Extended| Ok(self.extended_rates(x, &mut oil));
@@ -57,12 +57,12 @@ impl Stand {
         };
         integrator.integrate(rates, linear, &mut x, span, FIRST_STEP)?;
         pass(&x);
-        Ok(first_six(&x))
+        Ok(state_of(&x))
     }
 
     fn extended_rates(&self, x: &Extended, oil: &mut Nearby) -> Extended {
         let mut rates = Extended::repeat(1.0);
-        rates.as_mut_slice()[..6].copy_from_slice(&self.rates_at(x[6], &first_six(x), oil));
+        rates.as_mut_slice()[..7].copy_from_slice(&self.rates_at(x[7], &state_of(x), oil));
         rates
     }
 
@@ -70,7 +70,7 @@ impl Stand {
     fn linearised(&self, x: &Extended, oil: &mut Nearby) -> (Extended, Jacobian) {
         let here = self.extended_rates(x, oil);
         let mut jacobian = Jacobian::zeros();
-        for column in 0..7 {
+        for column in 0..8 {
             let scale = SCALES.get(column).unwrap_or(&1.0);
             let mut beside = *x;
             // The journal is moved towards the middle, as there may be no room towards the bush.
@@ -82,9 +82,9 @@ impl Stand {
     }
 }
 
-fn first_six(x: &Extended) -> Unknowns {
-    let [ex, ey, film, bush, shaft, bath, _] = (*x).into();
-    [ex, ey, film, bush, shaft, bath]
+fn state_of(x: &Extended) -> Unknowns {
+    let [ex, ey, film, bush, shaft, bath, worn, _] = (*x).into();
+    [ex, ey, film, bush, shaft, bath, worn]
 }
 
 #[cfg(test)]
@@ -108,7 +108,7 @@ mod tests {
         stand.solver.tolerance = 1e-9;
         assert!(stand.resolve(0.3).is_ok());
         let explicit = unknowns(&stand.state);
-        for i in 0..6 {
+        for i in 0..7 {
             let apart = (implicit[i] - explicit[i]).abs() / SCALES[i];
             assert!(apart < 1e-6, "{i}: {implicit:?} {explicit:?}");
         }

@@ -1,6 +1,7 @@
 //! Reasons why a step failed: which unknown changes too fast, and which parameter makes it so.
 
-use super::{SCALES, Stand, Unknowns};
+use super::clearance::Seizure;
+use super::{SCALES, Stand, Unknowns, temperatures, worn};
 use crate::oil::Nearby;
 use crate::solver::Failure;
 use fmu_export::model::{Fault, Kind, Model};
@@ -17,6 +18,9 @@ pub enum Stuck {
     /// The time integration failed, and this is probably why.
     #[error("{0}: {1}")]
     Explained(Failure, Reason),
+    /// The clearance closes.
+    #[error(transparent)]
+    Seized(#[from] Seizure),
     /// The film could not be solved.
     #[error(transparent)]
     Film(#[from] Fault),
@@ -151,6 +155,9 @@ impl Stand {
 
     /// Finds the reason of a failure at unknowns `y`, of which those in the range `among` were integrated.
     pub(super) fn explain(&self, failure: Failure, y: &Unknowns, among: Range<usize>) -> Stuck {
+        if let Some(seizure) = self.seizure(&temperatures(y), worn(y)) {
+            return Stuck::Seized(seizure);
+        }
         if let Failure::SpanTooLong { .. } = failure {
             return Stuck::Integration(failure);
         }
@@ -180,13 +187,14 @@ impl Stand {
 
     /// The unknown that settles fastest after a small disturbance, and its rate, 1/s; none if that is not finite.
     fn fastest(&self, at: &Place) -> Option<(&'static str, f64)> {
-        const NAMES: [&str; 6] = [
+        const NAMES: [&str; 7] = [
             "the journal",
             "the journal",
             "the film's temperature",
             "the bush's temperature",
             "the shaft's temperature",
             "the oil bath's temperature",
+            "the wear depth",
         ];
         const NUDGE: f64 = 1e-7;
         let mut oil = Nearby::default();

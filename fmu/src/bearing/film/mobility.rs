@@ -4,7 +4,7 @@ use crate::bearing::friction::{self, Boundary};
 use crate::bearing::journal::{Drift, Flows, JournalFilm, Motion, Setup, Situation};
 use crate::bearing::parameters::Bearing;
 use fmu_export::model::Fault;
-use journal_bearing::contact::{Contact, ContactTable};
+use journal_bearing::contact::{Contact, ContactFamily};
 use journal_bearing::mobility::{LookUp, MapError, MobilityMap, MobilitySlice, SliceFamily};
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
@@ -28,13 +28,13 @@ pub struct MobilityFilm {
 /// All that follows from the bearing's parameters.
 #[derive(Debug, Default)]
 struct Prepared {
-    contact: ContactTable,
+    contact: ContactFamily,
     factors: Factors,
     /// `None` before the bearing is prepared.
     slice: Option<MobilitySlice>,
 }
 
-/// Factors of the dimensionless quantities.
+/// Factors of the dimensionless quantities, at the clearance as it was measured.
 #[derive(Clone, Copy, Debug, Default)]
 struct Factors {
     /// `psi^2/(B*D)`, 1/m²: of the mobility, times force over viscosity.
@@ -97,7 +97,7 @@ impl JournalFilm for MobilityFilm {
             .as_ref()
             .map_err(|error| Fault::Failed(error.to_string()))?;
         self.prepared = Arc::new(Prepared {
-            contact: ContactTable::new(
+            contact: ContactFamily::new(
                 &bearing.surface,
                 bearing.radial_clearance,
                 bearing.width,
@@ -112,14 +112,14 @@ impl JournalFilm for MobilityFilm {
     fn motion(&self, bearing: &Bearing, at: &Situation) -> Motion {
         let [x, y] = at.eccentricity;
         let ratio = x.hypot(y).min(LARGEST_ECCENTRICITY_RATIO);
-        let clearance = bearing.radial_clearance;
+        let clearance = at.clearance;
         let now = self.prepared.instant(bearing, at, true);
         let push = &now.push;
         let pressure = push.film.map_or(0.0, |film| film.max_pressure());
         Motion {
             eccentricity_ratio: ratio,
             velocity: push.velocity,
-            torque: now.torque(bearing, at),
+            torque: now.torque(at),
             boundary_torque: push.boundary.torque,
             contact: now.contact,
             min_film_thickness: clearance * (1.0 - ratio),
@@ -133,7 +133,7 @@ impl JournalFilm for MobilityFilm {
         let now = self.prepared.instant(bearing, at, side_flow);
         Drift {
             velocity: now.push.velocity,
-            torque: now.torque(bearing, at),
+            torque: now.torque(at),
             flows: now.flows,
         }
     }
@@ -142,10 +142,9 @@ impl JournalFilm for MobilityFilm {
 impl Instant<'_> {
     /// Friction torque on the journal, N.m.
     #[inline(always)]
-    fn torque(&self, bearing: &Bearing, at: &Situation) -> f64 {
-        let clearance = bearing.radial_clearance;
+    fn torque(&self, at: &Situation) -> f64 {
         let film = self.push.force.into();
-        let poiseuille = friction::poiseuille(clearance, film, at.eccentricity);
+        let poiseuille = friction::poiseuille(at.clearance, film, at.eccentricity);
         self.couette + poiseuille + self.push.boundary.torque
     }
 }
@@ -155,21 +154,28 @@ impl Prepared {
     #[inline(always)]
     fn instant(&self, bearing: &Bearing, at: &Situation, side_flow: bool) -> Instant<'_> {
         let Situation {
-            viscosity, speed, ..
+            viscosity,
+            speed,
+            clearance,
+            ..
         } = *at;
+        // Over the measured clearance.
+        let wider = clearance / bearing.radial_clearance;
         let e = Vector2::from(at.eccentricity);
         let length = e.norm();
         let ratio = length.min(LARGEST_ECCENTRICITY_RATIO);
-        let contact = self.contact.at(ratio);
+        let contact = self.contact.at(ratio, clearance);
         let push = self.rub(bearing, at, (e, length), &contact);
         let leaving = match &push.film {
             Some(film) if side_flow => {
-                film.side_flow() * (push.magnitude / viscosity) * self.factors.side_flow
+                let factor = self.factors.side_flow * wider * wider * wider;
+                film.side_flow() * (push.magnitude / viscosity) * factor
             }
             _ => 0.0,
         };
-        let couette = viscosity * speed * self.factors.couette / (1.0 - ratio * ratio).sqrt();
-        let squeezed = bearing.radial_clearance * push.force.dot(&push.squeeze);
+        let factor = self.factors.couette / wider;
+        let couette = viscosity * speed * factor / (1.0 - ratio * ratio).sqrt();
+        let squeezed = clearance * push.force.dot(&push.squeeze);
         Instant {
             // In the film's whole dissipation M*omega + F*de/dt, the terms with the mean rotation cancel.
             flows: Flows {
@@ -274,13 +280,17 @@ impl Prepared {
         }
         let slice = self.slice.as_ref().filter(|_| magnitude > 0.0);
         let film = slice.map(|slice| slice.look_up(e, length, direction));
-        let driven = magnitude / at.viscosity * self.factors.mobility;
+        let wider = at.clearance / bearing.radial_clearance;
+        let driven = magnitude / at.viscosity * (self.factors.mobility * wider * wider);
         let squeeze = film
             .as_ref()
             .map_or(Vector2::zeros(), |film| film.mobility() * driven);
         let velocity = [squeeze.x - 0.5 * speed * e.y, squeeze.y + 0.5 * speed * e.x];
         let place = at.eccentricity;
-        let boundary = Boundary::of(bearing, contact, friction, speed, place, velocity);
+        let clearance = at.clearance;
+        let boundary = Boundary::of(
+            bearing, clearance, contact, friction, speed, place, velocity,
+        );
         Push {
             film,
             force,

@@ -6,7 +6,7 @@ use crate::bearing::journal::{
 };
 use crate::bearing::parameters::{Bearing, Resolution};
 use fmu_export::model::{Experiment, Fault};
-use journal_bearing::contact::ContactTable;
+use journal_bearing::contact::ContactFamily;
 use journal_bearing::profile::Profile;
 use journal_bearing::reynolds::{
     Cavitation, Drive, FilmError, FilmSettings, FilmState, Grid, ReynoldsFilm, RoughFilm,
@@ -27,8 +27,8 @@ pub struct ReynoldsJournal {
     plain: bool,
     /// The contact of a round, aligned journal; follows from the bearing's parameters.
     #[serde(skip)]
-    contact: Arc<ContactTable>,
-    /// State and motion that [`keep`](TransientFilm::keep) remembers.
+    contact: Arc<ContactFamily>,
+    /// State, motion and clearance that [`keep`](TransientFilm::keep) remembers.
     #[serde(skip)]
     kept: Kept,
 }
@@ -36,7 +36,7 @@ pub struct ReynoldsJournal {
 /// The state that [`keep`](TransientFilm::keep) remembers. It matters within one step only, so that clones go without it:
 /// a host may save a state before every step.
 #[derive(Debug, Default)]
-struct Kept(Option<Box<(FilmState, Motion)>>);
+struct Kept(Option<Box<(FilmState, Motion, f64)>>);
 
 impl Clone for Kept {
     fn clone(&self) -> Self {
@@ -69,7 +69,7 @@ impl JournalFilm for ReynoldsJournal {
             } else {
                 RoughFilm::MeanGap
             },
-            ..FilmSettings::new(bearing.width, bearing.diameter, bearing.radial_clearance)
+            ..FilmSettings::new(bearing.width, bearing.diameter, setup.clearance)
         };
         let film = ReynoldsFilm::new(settings).map_err(|error| Fault::Invalid(message(&error)))?;
         let motion = Motion {
@@ -88,7 +88,7 @@ impl JournalFilm for ReynoldsJournal {
     }
 
     fn prepare(&mut self, bearing: &Bearing) -> Result<(), Fault> {
-        self.contact = Arc::new(ContactTable::new(
+        self.contact = Arc::new(ContactFamily::new(
             &bearing.surface,
             bearing.radial_clearance,
             bearing.width,
@@ -128,8 +128,10 @@ impl TransientFilm for ReynoldsJournal {
             duration,
             load,
             speed,
+            clearance,
             viscosity,
         } = *interval;
+        self.widen(clearance)?;
         let friction = bearing.contact_friction(speed);
         let drive = Drive {
             load_before: Vector2::new(load[0], 0.0),
@@ -139,7 +141,11 @@ impl TransientFilm for ReynoldsJournal {
         };
         let (contact, plain) = (&self.contact, self.plain);
         let aligned = |ratio: f64| {
-            if plain { contact.at(ratio).force } else { 0.0 }
+            if plain {
+                contact.at(ratio, clearance).force
+            } else {
+                0.0
+            }
         };
         let report = Arc::make_mut(&mut self.film)
             .advance(duration, &drive, &aligned)
@@ -147,7 +153,7 @@ impl TransientFilm for ReynoldsJournal {
 
         let eccentricity = self.film.eccentricity();
         let ratio = eccentricity.norm();
-        let mut touch = contact.at(ratio);
+        let mut touch = contact.at(ratio, clearance);
         if !plain {
             touch.normal = report.contact_normal;
             let carried = (drive.load_after - report.film_load).norm();
@@ -155,7 +161,7 @@ impl TransientFilm for ReynoldsJournal {
         }
         let velocity = report.velocity.into();
         let place = eccentricity.into();
-        let boundary = Boundary::of(bearing, &touch, friction, speed, place, velocity);
+        let boundary = Boundary::of(bearing, clearance, &touch, friction, speed, place, velocity);
         self.motion = Motion {
             eccentricity_ratio: ratio,
             velocity,
@@ -183,18 +189,35 @@ impl TransientFilm for ReynoldsJournal {
             Some(kept) => {
                 self.film.copy_state_to(&mut kept.0);
                 kept.1 = self.motion;
+                kept.2 = self.film.settings().clearance;
             }
-            none => *none = Some(Box::new((self.film.state(), self.motion))),
+            none => {
+                let clearance = self.film.settings().clearance;
+                *none = Some(Box::new((self.film.state(), self.motion, clearance)));
+            }
         }
     }
 
     fn take_back(&mut self) {
-        // The state is this film's own, so that it fits.
-        if let Some(kept) = &self.kept.0
-            && Arc::make_mut(&mut self.film).restore(&kept.0).is_ok()
-        {
-            self.motion = kept.1;
+        // State and clearance are this film's own, so that they fit.
+        if let Some(kept) = &self.kept.0 {
+            let film = Arc::make_mut(&mut self.film);
+            if film.restore(&kept.0).is_ok() && film.set_clearance(kept.2).is_ok() {
+                self.motion = kept.1;
+            }
         }
+    }
+}
+
+impl ReynoldsJournal {
+    /// Takes over the clearance of an interval, m.
+    fn widen(&mut self, clearance: f64) -> Result<(), Fault> {
+        if clearance == self.film.settings().clearance {
+            return Ok(());
+        }
+        Arc::make_mut(&mut self.film)
+            .set_clearance(clearance)
+            .map_err(|error| Fault::Failed(message(&error)))
     }
 }
 

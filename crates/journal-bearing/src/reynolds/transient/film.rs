@@ -103,6 +103,21 @@ impl ReynoldsFilm {
         self.work.place(eps)
     }
 
+    /// Gives the bearing another radial clearance, m, as it changes with temperature or wear. Eccentricity ratio and content
+    /// stay as they are: the clearance should change little between two intervals, since the squeeze of its own change is
+    /// not in the film.
+    ///
+    /// # Errors
+    /// Returns [`FilmError::Setting`] for a clearance that is not positive, and [`FilmError::NoGap`] when form error and tilt
+    /// leave no gap; the film is then as before.
+    pub fn set_clearance(&mut self, clearance: f64) -> Result<(), FilmError> {
+        if !(clearance.is_finite() && clearance > 0.0) {
+            let (name, value) = ("clearance", clearance);
+            return Err(FilmError::Setting { name, value });
+        }
+        self.work.set_clearance(clearance)
+    }
+
     /// The settings.
     pub fn settings(&self) -> &FilmSettings {
         self.work.settings()

@@ -30,18 +30,29 @@ impl Geometry {
         let tilted = settings.tilt != [0.0; 2];
         let grid = if tilted { half.whole_width() } else { half };
         let cells = Cells::new(grid, width_to_diameter, settings.cavitation);
-        let form = Form {
-            tilt: Vector2::from(settings.tilt) / settings.clearance,
-            roughness: settings.film_roughness(),
-            ..Form::default()
-        };
+        let form = Form::default();
         let gap = Gap::new(&cells);
-        Ok(Self {
+        let mut geometry = Self {
             settings,
             cells,
             form,
             gap,
-        })
+        };
+        geometry.scale();
+        Ok(geometry)
+    }
+
+    /// Gives the bearing another radial clearance, m. Form error and gap are as before until they are computed anew.
+    pub fn set_clearance(&mut self, clearance: f64) {
+        self.settings.clearance = clearance;
+        self.scale();
+    }
+
+    /// Relates tilt and roughness to the clearance.
+    fn scale(&mut self) {
+        let settings = &self.settings;
+        self.form.tilt = Vector2::from(settings.tilt) / settings.clearance;
+        self.form.roughness = settings.film_roughness();
     }
 
     /// The settings.

@@ -79,6 +79,20 @@ impl Workspace {
         self.arrive();
     }
 
+    /// Gives the bearing another radial clearance, m. Eccentricity ratio and content stay as they are.
+    pub fn set_clearance(&mut self, clearance: f64) -> Result<(), FilmError> {
+        let before = self.settings().clearance;
+        self.geometry.set_clearance(clearance);
+        self.arrive();
+        if self.geometry.is_open() {
+            return Ok(());
+        }
+        let error = FilmError::NoGap(self.state.eps.norm());
+        self.geometry.set_clearance(before);
+        self.arrive();
+        Err(error)
+    }
+
     /// Computes what follows from the state alone.
     fn arrive(&mut self) {
         self.linear.discard();

@@ -261,3 +261,34 @@ fn a_tilted_journal_is_nearest_at_its_end() {
     assert!(matches!(error, FilmError::Touches(_)), "{error}");
     assert!(error.to_string().contains("give the surfaces a roughness"));
 }
+
+/// A film whose clearance changes comes to rest where one that always had that clearance does. A clearance that leaves a tilted
+/// journal no room is refused, and changes nothing.
+#[test]
+fn a_film_takes_another_clearance() {
+    let drive = Drive::steady(Vector2::new(750.0, 0.0), SPEED, VISCOSITY);
+    let mut film = stand(Cavitation::MassConserving);
+    film.advance(1.5, &drive, &smooth).unwrap();
+    film.set_clearance(26e-6).unwrap();
+    film.advance(1.5, &drive, &smooth).unwrap();
+    let settings = FilmSettings::new(0.019, 0.025, 26e-6);
+    let mut other = ReynoldsFilm::new(settings).unwrap();
+    other.advance(1.5, &drive, &smooth).unwrap();
+    let apart = (film.eccentricity() - other.eccentricity()).norm();
+    assert!(apart < 1e-4, "{apart}");
+    assert!((film.smallest_gap() / other.smallest_gap() - 1.0).abs() < 2e-3);
+
+    let tilted = FilmSettings {
+        tilt: [8e-6, 0.0],
+        ..FilmSettings::new(0.019, 0.025, 20e-6)
+    };
+    let mut film = ReynoldsFilm::new(tilted).unwrap();
+    let before = film.smallest_gap();
+    assert!((before - 12e-6).abs() < 1e-9, "{before}");
+    film.set_clearance(16e-6).unwrap();
+    assert!((film.smallest_gap() - 8e-6).abs() < 1e-9);
+    for closed in [7e-6, 0.0, f64::NAN] {
+        film.set_clearance(closed).unwrap_err();
+        assert!((film.smallest_gap() - 8e-6).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,204 @@
+//! The contact of a journal whose clearance changes: tables at several clearances, and polynomials between them.
+
+use super::{Contact, ContactTable, Knot, NO_CONTACT, NODES, Surface};
+use std::sync::OnceLock;
+
+/// The contact of an aligned, round journal over its eccentricity ratio and its radial clearance.
+///
+/// Tables stand at clearances of equal ratios, and are made where they are first needed. Between them, the knots of a
+/// contact follow cubic polynomials over the logarithm of the clearance. The tables' places are fixed, so that a contact does not
+/// depend on which ones were made before. One of them lies at seven roughnesses, where contact begins to reach around the whole
+/// bush; no polynomial crosses it.
+///
+/// # Examples
+/// ```
+/// use journal_bearing::contact::{ContactFamily, ContactTable, Surface};
+///
+/// let surface = Surface { roughness: 5e-6, ..Surface::default() };
+/// // Clearance, width and diameter in m.
+/// let family = ContactFamily::new(&surface, 20e-6, 0.019, 0.025);
+/// let table = ContactTable::new(&surface, 23e-6, 0.019, 0.025);
+/// let (found, expected) = (family.at(0.8, 23e-6), table.at(0.8));
+/// assert!((found.force / expected.force - 1.0).abs() < 1e-5);
+/// ```
+#[derive(Debug, Default)]
+pub struct ContactFamily {
+    surface: Surface,
+    /// The clearance that was given, m, and its own table.
+    clearance: f64,
+    own: ContactTable,
+    width: f64,
+    diameter: f64,
+    /// The number of the first of `tables`, counted from the one at seven roughnesses.
+    first: i32,
+    tables: Vec<OnceLock<ContactTable>>,
+}
+
+/// Ratio of neighbouring clearances, as a logarithm.
+const SPACING: f64 = 0.04;
+/// The clearances that have tables, over the one that was given. Beyond them the nearest counts.
+const LEAST: f64 = 0.01;
+const MOST: f64 = 100.0;
+/// Tables that a polynomial passes through.
+const THROUGH: usize = 4;
+
+impl ContactFamily {
+    /// The contact of a bearing with radial clearance, width and diameter in m, and of others like it with clearances from
+    /// a hundredth to the hundredfold of this one.
+    pub fn new(surface: &Surface, clearance: f64, width: f64, diameter: f64) -> Self {
+        let own = ContactTable::new(surface, clearance, width, diameter);
+        let middle = (clearance / (NO_CONTACT * surface.roughness)).ln() / SPACING;
+        let touches = !own.nodes.is_empty();
+        let bound = |ratio: f64| (middle + ratio.ln() / SPACING).floor();
+        // Both sides have room for a whole polynomial, also where the one at seven roughnesses cuts them short.
+        let (first, last) = if touches {
+            (bound(LEAST) - 4.0, bound(MOST) + 5.0)
+        } else {
+            (0.0, 0.0)
+        };
+        let count = (last - first) as usize;
+        Self {
+            surface: surface.clone(),
+            clearance,
+            own,
+            width,
+            diameter,
+            first: first as i32,
+            tables: (0..count).map(|_| OnceLock::new()).collect(),
+        }
+    }
+
+    /// The contact at an eccentricity ratio and a clearance, m.
+    #[inline]
+    pub fn at(&self, eccentricity_ratio: f64, clearance: f64) -> Contact {
+        if clearance == self.clearance || self.tables.is_empty() {
+            return self.own.at(eccentricity_ratio);
+        }
+        self.between(eccentricity_ratio, clearance)
+    }
+
+    /// The same between tables.
+    fn between(&self, eccentricity_ratio: f64, clearance: f64) -> Contact {
+        let clearance = clearance.clamp(LEAST * self.clearance, MOST * self.clearance);
+        let start = ContactTable::start(&self.surface, clearance);
+        let position = (eccentricity_ratio - start) * ((NODES - 1) as f64 / (1.0 - start));
+        if position < 0.0 {
+            return Contact::default();
+        }
+        let (cell, t) = super::cell(position);
+        let x = (clearance / (NO_CONTACT * self.surface.roughness)).ln() / SPACING;
+        let below = x.floor() as i32;
+        let lowest = if below >= 0 {
+            (below - 1).max(0)
+        } else {
+            (below - 1).min(1 - THROUGH as i32)
+        };
+        let mut knots = [[Knot::default(); 2]; 2];
+        for j in 0..THROUGH as i32 {
+            let weight = weight(x - f64::from(lowest), j);
+            let nodes = &self.table(lowest + j).nodes;
+            for (sum, node) in knots.iter_mut().zip(&nodes[cell..]) {
+                for (sum, knot) in sum.iter_mut().zip(node) {
+                    sum.value += weight * knot.value;
+                    sum.slope += weight * knot.slope;
+                }
+            }
+        }
+        let fades = cell == 0 && start > 0.0;
+        super::between(&knots[0], &knots[1], t, eccentricity_ratio, fades)
+    }
+
+    /// The table with this number.
+    fn table(&self, number: i32) -> &ContactTable {
+        let last = self.tables.len() - 1;
+        let index = usize::try_from(number - self.first).unwrap_or(0).min(last);
+        self.tables[index].get_or_init(|| {
+            let steps = f64::from(self.first) + index as f64;
+            let clearance = NO_CONTACT * self.surface.roughness * (steps * SPACING).exp();
+            ContactTable::new(&self.surface, clearance, self.width, self.diameter)
+        })
+    }
+}
+
+/// Lagrange's weight of the node `j` of [`THROUGH`] nodes at 0, 1, ..., at the place `x`.
+fn weight(x: f64, j: i32) -> f64 {
+    (0..THROUGH as i32)
+        .filter(|k| *k != j)
+        .map(|k| (x - f64::from(k)) / f64::from(j - k))
+        .product()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WIDTH: f64 = 0.019;
+    const DIAMETER: f64 = 0.025;
+    /// A force, N, that matters to no bearing: where contact begins, a table fades in from a billionth of a newton.
+    const NOTHING: f64 = 1e-9;
+
+    /// Against a table of that clearance, from a tenth to ten times the one given: contact all around and in a patch, next to
+    /// seven roughnesses, and on both sides of it.
+    #[test]
+    fn other_clearances_have_the_contact_of_their_own_tables() {
+        let surface = Surface::default();
+        let family = ContactFamily::new(&surface, 20e-6, WIDTH, DIAMETER);
+        let seven = 7.0 * surface.roughness;
+        for c in [
+            2e-6,
+            8e-6,
+            19.3e-6,
+            20.1e-6,
+            25e-6,
+            0.9999 * seven,
+            1.0001 * seven,
+            37e-6,
+            60e-6,
+            200e-6,
+        ] {
+            let table = ContactTable::new(&surface, c, WIDTH, DIAMETER);
+            for e in [0.0, 1e-3, 0.1, 0.3, 0.6, 0.8, 0.9, 0.97, 0.999] {
+                let (found, expected) = (family.at(e, c), table.at(e));
+                for (found, expected) in [
+                    (found.force, expected.force),
+                    (found.normal, expected.normal),
+                ] {
+                    assert!(
+                        (found - expected).abs() <= 1e-5 * expected + NOTHING,
+                        "c = {c}, e = {e}: {found} {expected}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_given_clearance_has_its_own_table() {
+        let surface = Surface::default();
+        let family = ContactFamily::new(&surface, 20e-6, WIDTH, DIAMETER);
+        let table = ContactTable::new(&surface, 20e-6, WIDTH, DIAMETER);
+        assert_eq!(family.at(0.87, 20e-6), table.at(0.87));
+    }
+
+    /// The order in which clearances were visited does not matter.
+    #[test]
+    fn a_contact_does_not_depend_on_earlier_ones() {
+        let surface = Surface::default();
+        let fresh = || ContactFamily::new(&surface, 20e-6, WIDTH, DIAMETER);
+        let used = fresh();
+        for c in [30e-6, 10e-6, 22e-6, 1e-9, 1.0] {
+            assert!(used.at(0.9, c).force.is_finite(), "{c}");
+        }
+        assert_eq!(used.at(0.9, 21e-6), fresh().at(0.9, 21e-6));
+    }
+
+    #[test]
+    fn smooth_surfaces_do_not_touch_at_any_clearance() {
+        let smooth = Surface {
+            roughness: 0.0,
+            ..Surface::default()
+        };
+        let family = ContactFamily::new(&smooth, 20e-6, WIDTH, DIAMETER);
+        assert_eq!(family.at(0.999, 1e-6), Contact::default());
+    }
+}
