@@ -121,6 +121,9 @@ pub struct Identify {
     /// How many starts are screened, instead of the study's number
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub starts: Option<u64>,
+    /// Also predict each case from the others (leave one out), beside the fit and a plain regression
+    #[arg(long)]
+    pub cross_validate: bool,
     /// The seed of the starts, instead of the study's
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub seed: Option<u64>,

@@ -9,8 +9,10 @@ use super::{CommandError, asking, output};
 use crate::cli::Identify;
 use crate::engine::crew::Crew;
 use crate::identify::bind::Bound;
+use crate::identify::cross::outcome::{CrossValidation, Found};
+use crate::identify::cross::{self, Whole, cross_validate};
 use crate::identify::error::BindError;
-use crate::identify::local::End;
+use crate::identify::local::{End, Minimum};
 use crate::identify::model::FmuModel;
 use crate::identify::objective::Objective;
 use crate::identify::outcome::IdentificationOutcome;
@@ -47,6 +49,13 @@ pub(super) fn run(options: &Identify) -> Result<ExitCode, CommandError> {
             BindError::Study(error) => CommandError::from(error),
             BindError::Table(error) => CommandError::from(error),
         })?;
+    if options.cross_validate && bound.problem.cases.len() < 2 {
+        let message = "there is one case only, and nothing to predict it from; give more under `cases` in [identify]";
+        return Err(CommandError::Option {
+            option: "cross-validate",
+            message: message.to_owned(),
+        });
+    }
     let folder = asking::folder(
         options.work.output.as_deref(),
         &options.work.study,
@@ -83,9 +92,11 @@ pub(super) fn run(options: &Identify) -> Result<ExitCode, CommandError> {
     pipeline.end()?;
     write(&folder, &study, &outcome)?;
     write_cases(&folder, &study, &settings, &outcome)?;
+    let validation = outcome.cross_validation.as_ref();
     output::print(&format!(
-        "{}results in {}\n",
+        "{}{}results in {}\n",
         text::summary(&outcome),
+        validation.map_or_else(String::new, cross::text::summary),
         folder.display()
     ));
     Ok(match outcome.end {
@@ -106,14 +117,19 @@ fn settings(options: &Identify, study: &Study) -> Result<Identification, Command
 
 /// The request to keep beside the journal, for `--resume`.
 fn request(options: &Identify) -> Request {
-    let Identify { starts, seed, .. } = options;
+    let Identify {
+        starts,
+        seed,
+        cross_validate,
+        ..
+    } = options;
     Request {
         study: options.work.study.clone(),
         fmu: options.work.means.fmu.clone(),
         seed: *seed,
         analysis: Some(Asking {
             name: NAME.to_owned(),
-            options: serde_json::json!({ "starts": starts }),
+            options: serde_json::json!({ "starts": starts, "cross-validate": cross_validate }),
         }),
         ..Request::default()
     }
@@ -165,17 +181,49 @@ fn find(
     });
     let found = found.and_then(|(minimum, progress)| {
         let posterior = Posterior::at(&objective, &minimum)?;
-        Ok(IdentificationOutcome::new(
-            &bound.problem,
-            &minimum,
-            &posterior,
-            &progress,
-        ))
+        let outcome = IdentificationOutcome::new(&bound.problem, &minimum, &posterior, &progress);
+        let cross_validation = options
+            .cross_validate
+            .then(|| validate(bound, &model, settings, &minimum, limits.deadline));
+        Ok(IdentificationOutcome {
+            cross_validation: cross_validation.transpose()?,
+            ..outcome
+        })
     });
     found.map_err(|error: SearchError| match model.halted() {
         Some(halt) => halt.into(),
         None => CommandError::Search(error.to_string()),
     })
+}
+
+/// Predicts each case from the others.
+fn validate(
+    bound: &Bound,
+    model: &FmuModel<'_, '_>,
+    settings: &Identification,
+    minimum: &Minimum,
+    deadline: Option<Instant>,
+) -> Result<CrossValidation, SearchError> {
+    let problem = &bound.problem;
+    let whole = Whole {
+        problem,
+        model,
+        difference: settings.difference,
+        minimum,
+        iterations: settings.iterations.max(1),
+        deadline,
+    };
+    let of = problem.cases.len();
+    let folds = cross_validate(&whole, &|case| {
+        model.say(format!("case {} of {of} left out", case + 1));
+    })?;
+    Ok(CrossValidation::new(&Found {
+        problem,
+        free: &problem.free_values(&minimum.places),
+        fitted: &minimum.misfit.predicted,
+        known: &bound.known,
+        folds: &folds,
+    }))
 }
 
 /// How far a search has got, for people.
@@ -217,6 +265,24 @@ fn write(
         .to_string_lossy();
     write_atomically(&folder.join("optimum.toml"), |out| {
         write!(out, "{}", text::fixed_section(&name, outcome))
+    })?;
+    let path = folder.join("cross-validation.csv");
+    let Some(validation) = &outcome.cross_validation else {
+        // One of an earlier run would be taken for this one's.
+        return match std::fs::remove_file(&path) {
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+                Err(ResultsError::io(&path)(error).into())
+            }
+            _ => Ok(()),
+        };
+    };
+    write_atomically(&path, |out| {
+        let mut table = csv::Writer::from_writer(out);
+        table.write_record(cross::text::HEAD)?;
+        for row in cross::text::rows(validation) {
+            table.write_record(row.iter().map(|text| csv_file::cell(text).into_owned()))?;
+        }
+        table.flush()
     })?;
     Ok(())
 }

@@ -4,7 +4,8 @@
 //! - [`problem`] says what is to be found, and from what;
 //! - [`objective`] is the weighted sum of squares over all cases;
 //! - [`local`] goes down to the nearest minimum, [`search`] finds the deepest one;
-//! - [`posterior`] says how well the data determine it.
+//! - [`posterior`] says how well the data determine it;
+//! - [`cross`] leaves out one case at a time and predicts it from the others.
 //!
 //! These know nothing of FMUs: a model is anything that implements [`problem::Simulate`].
 //!
@@ -14,6 +15,7 @@
 
 pub mod bind;
 mod cases;
+pub mod cross;
 pub mod error;
 pub mod local;
 pub mod model;

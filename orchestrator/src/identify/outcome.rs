@@ -3,6 +3,7 @@
 use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
+use super::cross::outcome::CrossValidation;
 use super::local::{End, Minimum};
 use super::posterior::{Direction, Posterior, UNDETERMINED};
 use super::problem::Problem;
@@ -40,6 +41,9 @@ pub struct IdentificationOutcome {
     pub worst: Vec<WorstOutcome>,
     /// The local searches.
     pub search: SearchOutcome,
+    /// Each case predicted from the others, where that was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cross_validation: Option<CrossValidation>,
 }
 
 /// A free parameter.
@@ -182,6 +186,7 @@ impl IdentificationOutcome {
                 .map(|q| worst(problem, minimum, q))
                 .collect(),
             search: searches(progress),
+            cross_validation: None,
         }
     }
 }

@@ -193,6 +193,13 @@ pub fn digits(number: f64) -> Digits {
 /// A number, shown with the given count of significant digits.
 pub struct Digits(f64, i32);
 
+impl Digits {
+    /// A number with so many significant digits.
+    pub fn of(number: f64, significant: i32) -> Self {
+        Self(number, significant)
+    }
+}
+
 impl std::fmt::Display for Digits {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let significant = self.1;

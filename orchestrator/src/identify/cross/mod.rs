@@ -1,0 +1,296 @@
+//! Cross-validation: each case is predicted from the others.
+//!
+//! A fit can follow the very cases that it was made from, so its misfits say little about other ones. Here one case is
+//! left out at a time, the free parameters are found from the others, and the case that was left out is predicted with
+//! them (leave one out; Stone 1974, Cross-validatory choice and assessment of statistical predictions, J. Royal
+//! Statistical Society B 36, 111-147). Each search begins at the fit to all cases.
+//!
+//! Nothing but its interval is known of a latent parameter of the case that is left out. The prediction is therefore
+//! the mean over the interval. Beside it stands what the case says itself when the free parameters stay as they are:
+//! the latent values that it needs, and whether they lie within the interval.
+
+pub mod outcome;
+pub mod regression;
+#[cfg(test)]
+mod tests;
+pub mod text;
+
+use std::time::Instant;
+
+use super::local::{End, Limits, Minimum, minimise};
+use super::objective::{Differences, Objective};
+use super::problem::{Case, Interval, NoPrediction, Prediction, Problem, Query, Simulate};
+
+/// Points over the intervals of latent parameters that a prediction is averaged over.
+const POINTS: usize = 16;
+
+/// How far beyond its interval a latent parameter is searched, in half-widths.
+const BEYOND: f64 = 1.0;
+
+/// What cross-validation starts from.
+#[derive(Clone, Copy)]
+pub struct Whole<'a> {
+    /// The problem with all cases.
+    pub problem: &'a Problem,
+    /// The model.
+    pub model: &'a dyn Simulate,
+    /// How far apart simulations stand for a derivative, as a part of the distance between the bounds.
+    pub difference: f64,
+    /// The fit to all cases: where each search begins.
+    pub minimum: &'a Minimum,
+    /// The most iterations of a search.
+    pub iterations: usize,
+    /// When time is up.
+    pub deadline: Option<Instant>,
+}
+
+/// A case that was left out.
+#[derive(Clone, Debug)]
+pub struct Fold {
+    /// Why the search over the other cases ended.
+    pub end: End,
+    /// The free parameters from the other cases.
+    pub free: Vec<f64>,
+    /// The prediction of the case.
+    pub forecast: Forecast,
+    /// What the case says of its own latent parameters; `None` where it has none.
+    pub own: Option<Own>,
+}
+
+/// A prediction over all values that latent parameters may have.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Forecast {
+    /// Means, one a quantity.
+    pub mean: Vec<f64>,
+    /// Standard deviations, one a quantity: 0 without latent parameters.
+    pub deviation: Vec<f64>,
+    /// How many of the simulations over the intervals failed; they are left out.
+    pub failed: usize,
+}
+
+/// The latent parameters that fit a case best, with free parameters from the others.
+#[derive(Clone, Debug)]
+pub struct Own {
+    /// The most probable values within the intervals.
+    pub within: Vec<f64>,
+    /// Predictions there.
+    pub predicted: Vec<f64>,
+    /// The most probable values when each interval is twice as wide.
+    pub needed: Vec<f64>,
+    /// The case's sums of squares: within the intervals, and with the values needed.
+    pub squares: [f64; 2],
+}
+
+/// Leaves each case out in turn, and tells which one is at work. A case that cannot be predicted has a message instead.
+///
+/// # Errors
+/// When there are no further predictions.
+pub fn cross_validate(
+    whole: &Whole<'_>,
+    observe: &dyn Fn(usize),
+) -> Result<Vec<Result<Fold, String>>, NoPrediction> {
+    let cases = 0..whole.problem.cases.len();
+    let fold = |case| {
+        observe(case);
+        match fold(whole, case) {
+            Ok(fold) => Ok(Ok(fold)),
+            Err(NoPrediction::Here(message)) => Ok(Err(message)),
+            Err(NoPrediction::Stopped) => Err(NoPrediction::Stopped),
+        }
+    };
+    cases.map(fold).collect()
+}
+
+fn fold(whole: &Whole<'_>, case: usize) -> Result<Fold, NoPrediction> {
+    let minimum = without(whole, case)?;
+    if minimum.end == End::Time {
+        // What is there is still the fit to all cases, or on the way from it: no prediction.
+        return Err(NoPrediction::Here(
+            "the time limit came before the search over the other cases had ended".to_owned(),
+        ));
+    }
+    let places = &minimum.places[..whole.problem.free.len()];
+    let free = whole.problem.free_values(places);
+    Ok(Fold {
+        end: minimum.end,
+        forecast: forecast(whole, case, &free)?,
+        own: own(whole, case, places)?,
+        free,
+    })
+}
+
+/// Some of the cases of a model.
+struct Part<'a> {
+    model: &'a dyn Simulate,
+    cases: Vec<usize>,
+}
+
+impl Simulate for Part<'_> {
+    fn simulate(&self, queries: &[Query]) -> Result<Vec<Prediction>, NoPrediction> {
+        let whole = |query: &Query| Query {
+            case: self.cases[query.case],
+            ..query.clone()
+        };
+        self.model
+            .simulate(&queries.iter().map(whole).collect::<Vec<_>>())
+    }
+}
+
+/// The free parameters from all cases but one.
+fn without(whole: &Whole<'_>, left_out: usize) -> Result<Minimum, NoPrediction> {
+    let cases: Vec<usize> = (0..whole.problem.cases.len())
+        .filter(|&case| case != left_out)
+        .collect();
+    let mut places = whole.minimum.places.clone();
+    places.drain(whole.problem.latents_of(left_out));
+    let problem = part(whole.problem, &cases);
+    let model = Part {
+        model: whole.model,
+        cases,
+    };
+    let objective = Objective::new(&problem, &model, whole.difference);
+    let limits = Limits {
+        iterations: whole.iterations,
+        decrease: 1e-4,
+        deadline: whole.deadline,
+    };
+    let near = minimise(&objective, places, &[], Differences::Forward, &limits)?;
+    let limits = Limits {
+        decrease: 1e-7,
+        ..limits
+    };
+    minimise(&objective, near.places, &[], Differences::Central, &limits)
+}
+
+/// The problem with some of its cases.
+fn part(problem: &Problem, cases: &[usize]) -> Problem {
+    Problem {
+        cases: cases
+            .iter()
+            .map(|&case| problem.cases[case].clone())
+            .collect(),
+        ..problem.clone()
+    }
+}
+
+/// The prediction of a case: the mean over all values that its latent parameters may have.
+fn forecast(whole: &Whole<'_>, case: usize, free: &[f64]) -> Result<Forecast, NoPrediction> {
+    let intervals = &whole.problem.cases[case].latents;
+    let queries: Vec<Query> = lattice(intervals.len())
+        .iter()
+        .map(|places| Query {
+            case,
+            free: free.to_vec(),
+            latents: values(intervals, places),
+        })
+        .collect();
+    let mut found = Vec::new();
+    let mut message = String::new();
+    for prediction in whole.model.simulate(&queries)? {
+        match prediction {
+            Ok(predicted) if predicted.iter().all(|value| value.is_finite()) => {
+                found.push(predicted);
+            }
+            Ok(_) => message = "a prediction is not a finite number".to_owned(),
+            Err(error) => message = error,
+        }
+    }
+    if found.is_empty() {
+        return Err(NoPrediction::Here(message));
+    }
+    let n = found.len() as f64;
+    let column = |k: usize| found.iter().map(move |row| row[k]);
+    let mean: Vec<f64> = (0..whole.problem.quantities.len())
+        .map(|k| column(k).sum::<f64>() / n)
+        .collect();
+    let squares = |k: usize| column(k).map(|v| (v - mean[k]).powi(2)).sum::<f64>() / n;
+    Ok(Forecast {
+        deviation: (0..mean.len()).map(|k| squares(k).sqrt()).collect(),
+        mean,
+        failed: queries.len() - found.len(),
+    })
+}
+
+fn values(intervals: &[Interval], places: &[f64]) -> Vec<f64> {
+    let pairs = intervals.iter().zip(places);
+    pairs
+        .map(|(interval, &place)| interval.value(place))
+        .collect()
+}
+
+/// Evenly spread places between the ends of intervals: the midpoint rule for one of them, and beside it a lattice with
+/// the powers of an irrational number (Kronecker's) for further ones.
+fn lattice(dimensions: usize) -> Vec<Vec<f64>> {
+    const IRRATIONAL: f64 = 0.618_033_988_749_894_9;
+    if dimensions == 0 {
+        return vec![Vec::new()];
+    }
+    let place = |i: usize, k: usize| match k {
+        0 => (i as f64 + 0.5) / POINTS as f64,
+        _ => (0.5 + i as f64 * IRRATIONAL.powi(k as i32)).fract(),
+    };
+    (0..POINTS)
+        .map(|i| (0..dimensions).map(|k| place(i, k)).collect())
+        .collect()
+}
+
+/// What a case says of its latent parameters with given free ones (as places).
+fn own(whole: &Whole<'_>, case: usize, free: &[f64]) -> Result<Option<Own>, NoPrediction> {
+    let alone = &whole.problem.cases[case];
+    if alone.latents.is_empty() {
+        return Ok(None);
+    }
+    let held = |intervals: Vec<Interval>| {
+        let problem = Problem {
+            cases: vec![Case {
+                latents: intervals,
+                ..alone.clone()
+            }],
+            ..whole.problem.clone()
+        };
+        latents(whole, case, &problem, free).map(|minimum| (problem, minimum))
+    };
+    let (narrow, within) = held(alone.latents.clone())?;
+    let (wide, needed) = held(alone.latents.iter().map(widened).collect())?;
+    let squares = |minimum: &Minimum| {
+        let data = minimum.misfit.residuals.rows(0, alone.measured.len());
+        data.norm_squared()
+    };
+    Ok(Some(Own {
+        within: narrow.latent_values(0, &within.places),
+        needed: wide.latent_values(0, &needed.places),
+        squares: [squares(&within), squares(&needed)],
+        predicted: within.misfit.predicted.into_iter().flatten().collect(),
+    }))
+}
+
+fn widened(interval: &Interval) -> Interval {
+    let more = 0.5 * BEYOND * (interval.max - interval.min);
+    Interval {
+        min: interval.min - more,
+        max: interval.max + more,
+    }
+}
+
+/// The latent parameters of a problem of one case, its free parameters held.
+fn latents(
+    whole: &Whole<'_>,
+    case: usize,
+    problem: &Problem,
+    free: &[f64],
+) -> Result<Minimum, NoPrediction> {
+    let model = Part {
+        model: whole.model,
+        cases: vec![case],
+    };
+    let objective = Objective::new(problem, &model, whole.difference);
+    let mut places = free.to_vec();
+    places.resize(problem.unknowns(), 0.5);
+    let held: Vec<usize> = (0..free.len()).collect();
+    let limits = Limits {
+        iterations: whole.iterations,
+        decrease: 1e-6,
+        deadline: whole.deadline,
+    };
+    minimise(&objective, places, &held, Differences::Central, &limits)
+}
