@@ -38,7 +38,7 @@ def simulate(
     settings = [f"--set={name}={text_of(value)}" for name, value in (values or {}).items()]
     with tempfile.TemporaryDirectory(prefix="simulation-") as folder:
         options["output"] = file = Path(folder) / "trajectory.csv"
-        options["input"] = None if inputs is None else given(inputs, Path(folder) / "inputs.csv")
+        options["input"] = None if inputs is None else given(inputs, Path(folder))
         run("simulate", fmu, *settings, *flags(options))
         return read(file)
 

@@ -276,3 +276,21 @@ class Identification(Analysis):
             free["name"]: Estimate(free["value"], free["deviation"], interval(free["interval"]), free["unit"])
             for free in self.data["free"]
         }
+
+
+class Robustness(Analysis):
+    """How far parameters may move."""
+
+    file = "robustness.json"
+
+
+class Tolerances(Analysis):
+    """The widest tolerances of the parameters at which the model still conforms."""
+
+    file = "tolerances.json"
+
+
+class Pareto(Analysis):
+    """The trade-off between criteria."""
+
+    file = "pareto.json"

@@ -12,12 +12,14 @@ from ._files import study_path
 from ._function import StudyFunction
 from ._program import Done, Value, flags, run
 from ._progress import Progress, Show
-from ._results import Identification, Sensitivity, Verification
+from ._results import Identification, Pareto, Robustness, Sensitivity, Tolerances, Verification
 from ._table import Given, given
 
 # Exit codes that are answers: verified or done, not verified, inconclusive.
 ANSWERS = (0, 1, 3)
 StrPath = str | os.PathLike[str]
+# A finished study, or its folder.
+Points = Verification | StrPath
 
 
 class Running(TypedDict, total=False):
@@ -92,7 +94,7 @@ class Study:
         ends when enough is known. ``output`` is the folder, ``results/`` and the study's name unless given.
         """
         folder = self._folder(output)
-        table = None if points_from is None else given(points_from, folder / "points-given.csv")
+        table = None if points_from is None else given(points_from, folder)
         options: dict[str, Value] = {"points": points, "seed": seed, "points_from": table, "until": until}
         options |= {"validation": validation, "extra_runs": extra_runs}
         done = self._run("verify", folder, options, running)
@@ -106,7 +108,7 @@ class Study:
         keep = tempfile.TemporaryDirectory(prefix="judged-") if output is None else None
         folder = Path(keep.name if keep else output or "")
         with tempfile.TemporaryDirectory(prefix="table-") as place:
-            file = given(table, Path(place) / "table.csv")
+            file = given(table, Path(place))
             done = run("judge", self.path, file, f"--output={folder}", results=ANSWERS)
         return Verification(folder, done.text, keep)
 
@@ -119,7 +121,7 @@ class Study:
         morris: int | None = None,
         estimator: Literal["jansen", "saltelli"] | None = None,
         seed: int | None = None,
-        points_of: Verification | StrPath | None = None,
+        points_of: Points | None = None,
         output: StrPath | None = None,
         **running: Unpack[Running],
     ) -> Sensitivity:
@@ -128,10 +130,7 @@ class Study:
         ``base`` and ``morris`` are short for Sobol indices of N base points and for Morris screening. ``points_of`` uses
         the points of a finished study instead of new runs.
         """
-        folder, source = self._folder(output), None
-        if points_of is not None:
-            source = points_of.folder if isinstance(points_of, Verification) else Path(points_of)
-            folder = source if output is None else folder
+        source, folder = self._folders(points_of, output)
         options: dict[str, Value] = {"method": method, "size": size, "base": base, "morris": morris}
         options |= {"estimator": estimator, "seed": seed, "from": source}
         done = self._run("sensitivity", folder, options, running, state="sensitivity")
@@ -155,6 +154,60 @@ class Study:
         done = self._run("identify", folder, options, running, state="identify")
         return Identification(folder, done.text, converged=done.code == 0)
 
+    def robustness(
+        self,
+        points_of: Points | None = None,
+        *,
+        level: float | None = None,
+        confirm: int | None = None,
+        seed: int | None = None,
+        output: StrPath | None = None,
+        **running: Unpack[Running],
+    ) -> Robustness:
+        """Tells how far parameters may move, from the points of a finished study.
+
+        ``level`` is the verification probability that the box and the ellipsoid must hold; ``confirm`` runs so many new
+        points in each.
+        """
+        source, folder = self._folders(points_of, output)
+        options: dict[str, Value] = {"from": source, "level": level, "confirm": confirm, "seed": seed}
+        done = self._run("robustness", folder, options, running, state="robustness")
+        return Robustness(folder, done.text)
+
+    def tolerances(
+        self,
+        points_of: Points | None = None,
+        *,
+        points: int | None = None,
+        confirm: int | None = None,
+        seed: int | None = None,
+        output: StrPath | None = None,
+        **running: Unpack[Running],
+    ) -> Tolerances:
+        """Finds the widest tolerances of the parameters at which the model still conforms; the section ``[verdict]`` or
+        ``[tolerances]`` states the wanted share. The points of a finished study are used first."""
+        source, folder = self._folders(points_of, output)
+        options: dict[str, Value] = {"from": source, "points": points, "confirm": confirm, "seed": seed}
+        done = self._run("tolerances", folder, options, running, state="tolerances")
+        return Tolerances(folder, done.text)
+
+    def pareto(
+        self,
+        points_of: Points | None = None,
+        *,
+        generations: int | None = None,
+        population: int | None = None,
+        seed: int | None = None,
+        output: StrPath | None = None,
+        **running: Unpack[Running],
+    ) -> Pareto:
+        """Shows the trade-off between criteria among the points of a finished study, or with ``generations`` by a
+        search."""
+        source, folder = self._folders(points_of, output)
+        options: dict[str, Value] = {"from": source, "generations": generations, "population": population, "seed": seed}
+        done = self._run("pareto", folder, options, running, state="pareto")
+        return Pareto(folder, done.text)
+
     def function(
         self,
         inputs: Iterable[str] | None = None,
@@ -168,6 +221,13 @@ class Study:
 
     def _folder(self, output: StrPath | None) -> Path:
         return Path("results", self.path.stem) if output is None else Path(output)
+
+    def _folders(self, points_of: Points | None, output: StrPath | None) -> tuple[Path | None, Path]:
+        """The folder of the points that an analysis uses, where one is given, and that of its results."""
+        if points_of is None:
+            return None, self._folder(output)
+        source = points_of.folder if isinstance(points_of, Verification) else Path(points_of)
+        return source, source if output is None else Path(output)
 
     def _run(
         self, command: str, folder: Path, options: Mapping[str, Value], running: Running, state: str = ""

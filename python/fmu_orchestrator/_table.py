@@ -5,7 +5,9 @@ import math
 import os
 from array import array
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from hashlib import sha256
 from html import escape
+from io import StringIO
 from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TextIO
@@ -151,8 +153,9 @@ def unquoted(cell: str) -> str:
 Given = str | os.PathLike[str] | Mapping[str, Sequence[Any]] | Table | Any
 
 
-def given(table: Given, path: Path) -> Path:
-    """A table as a file: the file itself, or the columns of a table of pandas, polars, pyarrow or a mapping as ``path``."""
+def given(table: Given, folder: Path) -> Path:
+    """A table as a file: the file itself, or one in ``folder`` with the columns of a table of pandas, polars, pyarrow or
+    a mapping."""
     if isinstance(table, str | os.PathLike):
         return Path(table)
     names = getattr(table, "column_names", None)
@@ -160,14 +163,16 @@ def given(table: Given, path: Path) -> Path:
         names = getattr(table, "columns", None)
     if names is None:
         names = table.keys()
-    chosen = [str(name) for name in names]
+    content = StringIO(newline="")
+    writer = csv.writer(content)
+    writer.writerow([str(name) for name in names])
     columns = [_listed(table[name]) for name in names]
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with path.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(chosen)
-        for row in zip(*columns, strict=True):
-            writer.writerow([_written(value) for value in row])
+    writer.writerows(map(_written, row) for row in zip(*columns, strict=True))
+    text = content.getvalue().encode()
+    folder.mkdir(parents=True, exist_ok=True)
+    # An interrupted run goes on with the table that it began with, so another table gets another name.
+    path = folder / f"table-{sha256(text).hexdigest()[:8]}.csv"
+    path.write_bytes(text)
     return path
 
 

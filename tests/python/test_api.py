@@ -152,6 +152,27 @@ def test_sensitivity_is_the_command_lines(verified, tmp_path):
         existing.indices("F_N")
 
 
+@pytest.mark.parametrize("name, options", [
+    ("robustness", {"level": 0.5, "confirm": 4, "seed": 3}), ("pareto", {"seed": 2}),
+    ("pareto", {"generations": 2, "population": 6})])
+def test_other_analyses_are_the_command_lines(name, options, verified, tmp_path):
+    existing = {} if "generations" in options else {"points_of": verified}
+    ours = getattr(Study.load(PAPER), name)(**existing, **options, output=tmp_path / "ours")
+    flags = [f"--{key}={value}" for key, value in options.items()]
+    flags += [f"--from={verified.folder}"] if existing else []
+    done = command(name, PAPER, *flags, "--output", tmp_path / "theirs")
+    assert ours.data == json.loads((tmp_path / "theirs" / f"{name}.json").read_text())
+    assert ours.text.replace(str(ours.folder), "") == done.stdout.replace(str(tmp_path / "theirs"), "")
+
+
+def test_tolerances_are_the_command_lines(tmp_path):
+    study = tmp_path / "study.toml"
+    study.write_text(PAPER.read_text().replace("../dist", str(ROOT / "dist")) + '\n[tolerances]\nshare = "30 %"\n')
+    ours = Study.load(study).tolerances(points=64, confirm=16, output=tmp_path / "ours")
+    command("tolerances", study, "--points", 64, "--confirm", 16, "--output", tmp_path / "theirs")
+    assert ours.data == json.loads((tmp_path / "theirs" / "tolerances.json").read_text())
+
+
 IDENTIFY = """
 fmu = "{fmu}"
 [simulation]
@@ -425,6 +446,14 @@ def test_the_command_finds_the_packages_studies(tmp_path):
     missing = {**environment, "FMU_ORCHESTRATOR_PROGRAM": str(tmp_path / "none")}
     done = subprocess.run([*call, "--help"], env=missing, capture_output=True, text=True)
     assert done.returncode == 2 and "there is no program" in done.stderr
+
+
+def test_the_packages_own_example(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    example = (ROOT / "python" / "README.md").read_text().split("```")[1].removeprefix("python\n")
+    found = {}
+    exec(example, found)
+    assert found["result"].verdict.points == 50 and (tmp_path / "results/paper-table3/report.html").is_file()
 
 
 def test_types():
