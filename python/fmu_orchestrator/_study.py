@@ -140,6 +140,7 @@ class Study:
         self,
         *,
         starts: int | None = None,
+        cross_validate: bool = False,
         seed: int | None = None,
         time_limit: float | None = None,
         output: StrPath | None = None,
@@ -147,10 +148,12 @@ class Study:
     ) -> Identification:
         """Finds the parameters that make the measured values most probable; the study needs a section ``[identify]``.
 
-        ``time_limit``, s, ends the search and takes the best so far.
+        ``cross_validate`` also predicts each case from the others. ``time_limit``, s, ends the search and takes the best so
+        far.
         """
         folder = self._folder(output)
-        options: dict[str, Value] = {"starts": starts, "seed": seed, "time_limit": time_limit}
+        options: dict[str, Value] = {"starts": starts, "cross_validate": cross_validate}
+        options |= {"seed": seed, "time_limit": time_limit}
         done = self._run("identify", folder, options, running, state="identify")
         return Identification(folder, done.text, converged=done.code == 0)
 

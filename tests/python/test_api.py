@@ -1,7 +1,9 @@
 """The Python package: its results are the command line's, to the last bit, and other libraries take them."""
 
+import inspect
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -25,6 +27,7 @@ import fmu_orchestrator  # noqa: E402
 from fmu_orchestrator import (  # noqa: E402
     Interrupted, OrchestratorError, OrchestratorWarning, Study, Verification, _arrow)
 from fmu_orchestrator._progress import Journal  # noqa: E402
+from fmu_orchestrator._study import Running  # noqa: E402
 from fmu_orchestrator._table import parse  # noqa: E402
 
 PAPER = ROOT / "studies" / "paper-table3.toml"
@@ -446,6 +449,18 @@ def test_the_command_finds_the_packages_studies(tmp_path):
     missing = {**environment, "FMU_ORCHESTRATOR_PROGRAM": str(tmp_path / "none")}
     done = subprocess.run([*call, "--help"], env=missing, capture_output=True, text=True)
     assert done.returncode == 2 and "there is no program" in done.stderr
+
+
+# What Python has in other ways: files of its own, results that are read, functions.
+OTHERWISE = {"help", "output", "from", "shard", "dry-run", "parquet", "png"}
+
+
+@pytest.mark.parametrize("name", ["verify", "judge", "sensitivity", "robustness", "tolerances", "pareto", "identify"])
+def test_no_option_of_the_command_line_is_missing(name):
+    options = set(re.findall(r"^ +(?:-\w, )?--([\w-]+)", command(name, "--help").stdout, re.MULTILINE)) - OTHERWISE
+    method = getattr(Study, name)
+    known = {*inspect.signature(method).parameters, *Running.__annotations__}
+    assert {option.replace("-", "_") for option in options} <= known
 
 
 def test_the_packages_own_example(tmp_path, monkeypatch):
