@@ -11,7 +11,7 @@ from array import array
 from collections.abc import Iterator, Mapping
 from itertools import accumulate, count
 from math import isnan
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, cast
 
 Column: TypeAlias = "array[float] | array[int] | list[bool] | list[str]"
 
@@ -133,9 +133,12 @@ def _address(buffer: Any) -> int | None:
 
 def _bits(flags: list[bool]) -> bytes:
     """Flags, eight to a byte, the first in the lowest bit."""
-    padded = flags + [False] * (-len(flags) % 8)
-    eights = (padded[place : place + 8] for place in range(0, len(padded), 8))
-    return bytes(sum(flag << bit for bit, flag in enumerate(eight)) for eight in eights)
+    ones = bytes(flags) + bytes(-len(flags) % 8)
+    packed = 0
+    # All bytes at once: each holds 0 or 1, so a shift by less than eight stays within it.
+    for bit in range(8):
+        packed |= int.from_bytes(ones[bit::8], "little") << bit
+    return packed.to_bytes(len(ones) // 8, "little")
 
 
 def _form(column: Column) -> bytes:
@@ -147,11 +150,11 @@ def _form(column: Column) -> bytes:
 def _buffers(column: Column) -> tuple[list[Any], int]:
     """The buffers of a column, and how many of its cells are null."""
     if isinstance(column, array):
-        there = [not isnan(value) for value in column] if column.typecode == "d" else []
-        nulls = there.count(False)
-        return [_bits(there) if nulls else None, column], nulls
+        nulls = sum(map(isnan, column)) if column.typecode == "d" else 0
+        there = _bits([not isnan(value) for value in column]) if nulls else None
+        return [there, column], nulls
     if _form(column) == b"b":
-        return [None, _bits([bool(flag) for flag in column])], 0
+        return [None, _bits(cast("list[bool]", column))], 0
     texts = [str(text).encode() for text in column]
     return [None, array("i", accumulate(map(len, texts), initial=0)), b"".join(texts)], 0
 

@@ -268,13 +268,14 @@ def test_libraries_take_tables_as_they_are():
         table["y"]
 
 
-@pytest.mark.parametrize("rows", [0, 1, 8, 9])
+@pytest.mark.parametrize("rows", [0, 1, 8, 9, 30])
 def test_tables_of_any_length(rows):
-    text = ["a,b,c\n", *(f"{k},true,{'x' * k}\n" for k in range(rows))]
+    flags = [k % 3 == 1 for k in range(rows)]
+    text = ["a,b,c\n", *(f"{k},{str(flag).lower()},{'x' * k}\n" for k, flag in enumerate(flags))]
     arrow = pyarrow.table(parse(iter(text), ["number", "flag", "text"]))
     arrow.validate(full=True)
     assert arrow.num_rows == rows and arrow["c"].to_pylist() == ["x" * k for k in range(rows)]
-    assert arrow["b"].to_pylist() == [True] * rows
+    assert arrow["b"].to_pylist() == flags
 
 
 def test_what_others_have_taken_is_released():
