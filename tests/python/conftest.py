@@ -70,3 +70,12 @@ def stand(unpacked, description):
             stack.callback(instance.freeInstance)
             return instance
         yield make
+
+
+@pytest.fixture(scope="module")
+def verified(tmp_path_factory):
+    """A verification by the Python package."""
+    from python_package import PAPER
+    from fmu_orchestrator import Study
+    folder = tmp_path_factory.mktemp("verified")
+    return Study.load(PAPER).verify(points=60, seed=5, output=folder / "ours")

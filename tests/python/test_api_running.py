@@ -1,0 +1,121 @@
+"""Runs of the Python package: Ctrl-C, progress, and the command that it installs."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from python_package import ENVIRONMENT, same
+
+from fmu_orchestrator import OrchestratorError, Study
+from fmu_orchestrator._progress import Journal
+
+LONG = """
+fmu = "{fmu}"
+[simulation]
+stop = 10
+step = 0.001
+[design]
+method = "halton"
+points = {points}
+[parameters."bearing.radialClearance"]
+distribution = "normal"
+mean = 0.02
+deviation = 0.002
+unit = "mm"
+[criteria.P]
+variable = "sensor.frictionPower"
+statistic = "mean"
+nominal = 14
+tolerance = "50 %"
+"""
+RUNNER = """
+import sys
+from fmu_orchestrator import Interrupted, Study
+try:
+    Study.load(sys.argv[1]).verify(output=sys.argv[2], jobs=2)
+except Interrupted as stop:
+    print(stop)
+    sys.exit(77)
+"""
+
+
+def interrupt(arguments, journal, send):
+    """Sends Ctrl-C when points are done."""
+    process = subprocess.Popen([sys.executable, "-c", RUNNER, *map(str, arguments)], stdout=subprocess.PIPE, text=True,
+                               env=ENVIRONMENT, start_new_session=True)
+    end = time.monotonic() + 60
+    while time.monotonic() < end and process.poll() is None:
+        if journal.is_file() and journal.read_bytes().count(b"\n") > 3:
+            send(process.pid, signal.SIGINT)
+            break
+        time.sleep(0.005)
+    said, _ = process.communicate(timeout=60)
+    return process, said
+
+
+def session(leader):
+    """The processes of a session."""
+    found = []
+    for entry in Path("/proc").iterdir():
+        try:
+            # What follows the name in brackets: state, parent, group, session.
+            if entry.name.isdigit() and int((entry / "stat").read_text().rpartition(")")[2].split()[3]) == leader:
+                found.append(entry.name)
+        except OSError:  # gone meanwhile
+            continue
+    return found
+
+
+# A notebook's stop may reach Python alone; on a terminal Ctrl-C reaches the program, too.
+@pytest.mark.parametrize("send", [os.kill, os.killpg])
+def test_ctrl_c_keeps_what_is_done(send, fmu, tmp_path):
+    study = tmp_path / "study.toml"
+    study.write_text(LONG.format(fmu=fmu, points=40))
+    folder = tmp_path / "out"
+    process, said = interrupt([study, folder], folder / "journal.txt", send)
+    assert process.returncode == 77 and said.strip() == f"interrupted; resume=True goes on in {folder}"
+    # Nothing of the run is left: neither its processes, which belong to its session, nor its folders.
+    assert session(process.pid) == []
+    assert not list(folder.glob(".running-*"))
+    done = Journal(folder, resume=True)
+    assert done.look() and 0 < done.done < 40 and done.total == 40
+    with pytest.raises(OrchestratorError, match="--resume"):
+        Study.load(study).verify(output=folder)
+    whole = Study.load(study).verify(output=folder, resume=True)
+    assert whole.summary["run"]["computed"] == 40 - done.done
+    same(folder, Study.load(study).verify(output=tmp_path / "whole").folder)
+
+
+def test_progress_is_told(fmu, tmp_path, monkeypatch):
+    monkeypatch.setattr("fmu_orchestrator._progress.QUIET", 0.0)
+    monkeypatch.setattr("fmu_orchestrator._program.GLANCE", 0.01)
+    study = tmp_path / "study.toml"
+    study.write_text(LONG.format(fmu=fmu, points=20))
+    told = []
+    for attempt in range(2):
+        told.clear()
+        Study.load(study).verify(output=tmp_path / "out", progress=lambda *counts: told.append(counts))
+        # The second run replaces the journal that is there, and does not begin with its 20 points.
+        assert told and told[0][0] < 20 and {total for _, total in told} == {20}
+        assert [done for done, _ in told] == sorted(done for done, _ in told)
+    journal = Journal(tmp_path / "out", resume=True)
+    assert journal.look() and journal.done == 20
+
+
+def test_the_command_finds_the_packages_studies(tmp_path):
+    call = [sys.executable, "-m", "fmu_orchestrator"]
+    done = subprocess.run([*call, "verify", "paper-table3", "--points", "3", "--seed", "2"], cwd=tmp_path,
+                          env=ENVIRONMENT, capture_output=True, text=True)
+    assert done.returncode in (0, 1) and (tmp_path / "results/paper-table3/report.html").is_file(), done.stderr
+    # A file of the user's own comes first, and other commands' arguments stay as they are.
+    (tmp_path / "rig").write_text("none")
+    for arguments in [["verify", "rig"], ["check", "paper-table3"]]:
+        done = subprocess.run([*call, *arguments], cwd=tmp_path, env=ENVIRONMENT, capture_output=True, text=True)
+        assert done.returncode == 2 and done.stderr.startswith(f"error: {arguments[1]}"), done.stderr
+    missing = {**ENVIRONMENT, "FMU_ORCHESTRATOR_PROGRAM": str(tmp_path / "none")}
+    done = subprocess.run([*call, "--help"], env=missing, capture_output=True, text=True)
+    assert done.returncode == 2 and "there is no program" in done.stderr
