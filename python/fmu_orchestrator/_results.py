@@ -142,7 +142,11 @@ class Verification:
         """The text that the command line prints."""
         self.summary: dict[str, Any] = load_json(self.folder / "summary.json")
         """The content of ``summary.json``."""
-        self.verdict = verdict(self.summary)
+        try:
+            self.verdict = verdict(self.summary)
+        except KeyError as missing:
+            path = self.folder / "summary.json"
+            raise OrchestratorError(f"{path}: no {missing}, as an earlier version wrote it; verify the study again") from None
         # The folder of a judgement that nobody wants to keep lives as long as its result.
         self._keep = keep
 
@@ -155,14 +159,13 @@ class Verification:
     def points(self) -> Table:
         """A row a point: its number, parameters, the criteria's values in the study's units, ``NAME.ok``, ``verified``,
         where a guard band acts ``accepted``, and ``status``."""
-        return read(self.folder / "points.csv", self._kinds())
+        return read(self.folder / "points.csv", self._kinds)
 
-    def _kinds(self) -> list[Kind]:
-        path = self.folder / "points.csv"
-        with path.open(encoding="utf-8") as file:
-            width = len(next(_rows(file)))
+    def _kinds(self, width: int) -> list[Kind]:
+        """The types of the columns of ``points.csv``."""
         numbers = len(self.summary["parameters"]) + len(self.summary["criteria"])
-        return ["count", *["number"] * numbers, *["flag"] * (width - numbers - 2), "text"]  # type: ignore[list-item]
+        kinds: list[Kind] = ["count"]
+        return kinds + ["number"] * numbers + ["flag"] * (width - numbers - 2) + ["text"]
 
     @property
     def report(self) -> Path:
@@ -187,12 +190,6 @@ class Verification:
 
     def _repr_html_(self) -> str:
         return _html.verification(self.summary, self.report)
-
-
-def _rows(file: Any) -> Any:
-    import csv
-
-    return csv.reader(file)
 
 
 class Analysis:

@@ -4,7 +4,7 @@ import csv
 import math
 import os
 from array import array
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from hashlib import sha256
 from html import escape
 from io import StringIO
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 Kind = Literal["count", "number", "flag", "text"]
+Kinds = Sequence[Kind] | Callable[[int], Sequence[Kind]] | None
 # Rows that are text at a time.
 GROUP = 1 << 14
 SHOWN = 10
@@ -98,8 +99,8 @@ def _cell(value: object) -> str:
     return str(value)
 
 
-def read(path: Path, kinds: Sequence[Kind] | None = None) -> Table:
-    """Reads a csv file of the program; ``kinds`` are the types of its columns, else they are found from the cells."""
+def read(path: Path, kinds: Kinds = None) -> Table:
+    """Reads a csv file of the program."""
     try:
         with path.open(encoding="utf-8", newline="") as file:
             return parse(file, kinds)
@@ -107,16 +108,18 @@ def read(path: Path, kinds: Sequence[Kind] | None = None) -> Table:
         raise OrchestratorError(f"{path}: {error.strerror}") from error
 
 
-def parse(file: TextIO, kinds: Sequence[Kind] | None = None) -> Table:
-    """Reads a table of the program."""
+def parse(file: TextIO, kinds: Kinds = None) -> Table:
+    """Reads a table of the program; ``kinds`` are the types of its columns, or what says them of a number of columns, else
+    they are found from the cells."""
     reader = csv.reader(file)
     header = [unquoted(name) for name in next(reader, [])]
-    given = kinds or ["text"] * len(header)
-    columns = [_empty(kind) for kind in given]
+    known = kinds(len(header)) if callable(kinds) else kinds
+    chosen: Sequence[Kind] = known or ["text"] * len(header)
+    columns = [_empty(kind) for kind in chosen]
     while rows := list(islice(reader, GROUP)):
-        for column, kind, cells in zip(columns, given, zip(*rows, strict=True), strict=True):
+        for column, kind, cells in zip(columns, chosen, zip(*rows, strict=True), strict=True):
             _extend(column, kind, cells)
-    if kinds is None:
+    if known is None:
         columns = [_found(column) for column in columns]
     return Table(dict(zip(header, columns, strict=True)))
 

@@ -48,6 +48,13 @@ def test_the_verdict_is_the_summarys(verified):
     assert Verification.load(verified.folder).verdict == verdict
 
 
+def test_results_of_an_earlier_version(verified, tmp_path):
+    summary = {key: value for key, value in verified.summary.items() if key != "verdict"}
+    (tmp_path / "summary.json").write_text(json.dumps(summary))
+    with pytest.raises(OrchestratorError, match="no 'verdict', as an earlier version wrote it"):
+        Verification.load(tmp_path)
+
+
 def test_a_notebook_shows_verdict_and_report(verified):
     html = verified._repr_html_()
     assert verified.verdict.words in html and "iframe srcdoc" in html
