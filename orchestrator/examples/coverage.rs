@@ -7,10 +7,9 @@ use orchestrator::analysis::sensitivity::functions::{
     ishigami, ishigami_indices, sobol_g, sobol_g_indices,
 };
 use orchestrator::analysis::sensitivity::method::FirstOrder;
-use orchestrator::analysis::sensitivity::sobol::{design, indices, replicates};
+use orchestrator::analysis::sensitivity::sobol::{design, indices};
 use rayon::prelude::*;
-use sampling::design::{Design, Method, Sampling};
-use sampling::distribution::Distribution;
+use sampling::design::cube;
 
 /// A function with its exact indices.
 struct Case {
@@ -67,23 +66,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-fn cube(
-    points: u64,
-    dimensions: usize,
-    seed: u64,
-    replicates: u64,
-) -> Result<Vec<Vec<f64>>, String> {
-    let settings = Sampling {
-        method: Method::Sobol,
-        points,
-        seed,
-        replicates,
-    };
-    let unit = Distribution::Uniform { min: 0.0, max: 1.0 };
-    let design = Design::new(&settings, vec![unit; dimensions])?;
-    Ok((0..points).map(|index| design.point(index)).collect())
-}
-
 fn indices_held(
     case: &Case,
     base: u64,
@@ -92,9 +74,9 @@ fn indices_held(
 ) -> Result<(), String> {
     let d = case.dimensions;
     let one = |seed: u64| -> Result<Vec<f64>, String> {
-        let pairs = cube(base, 2 * d, 1000 + seed, replicates(base))?;
+        let pairs = cube(2 * d, base, 1000 + seed, 1)?;
         let outputs: Vec<f64> = design(&pairs).iter().map(|u| (case.function)(u)).collect();
-        let found = indices(&outputs, d, estimator, replicates(base)).ok_or("too few points")?;
+        let found = indices(&outputs, d, estimator).ok_or("too few points")?;
         let exact = case.first.iter().chain(&case.total);
         let all = found.first.iter().chain(&found.total).zip(exact);
         Ok(all
@@ -124,7 +106,7 @@ fn share_held(points: u64, share: f64, repetitions: u64) -> Result<(), String> {
     let side = (2.0 * share).min(1.0).cbrt();
     let verified = |u: &[f64]| u[..3].iter().all(|v| *v < side) && u[3] + u[6] < 1.0;
     let one = |seed: u64| -> Result<[f64; 3], String> {
-        let cube = cube(points, 7, 5000 + seed, REPLICATES)?;
+        let cube = cube(7, points, 5000 + seed, REPLICATES)?;
         let mut counts = [0_u64; REPLICATES as usize];
         for (index, u) in cube.iter().enumerate() {
             counts[index % counts.len()] += u64::from(verified(u));

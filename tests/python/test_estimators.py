@@ -62,6 +62,18 @@ def test_sobol_indices_equal_salib(indices, name):
         np.testing.assert_allclose(values(found["first"]), expected["S1"], rtol=0, atol=1e-10)
 
 
+@pytest.mark.parametrize("name", [*CRITERIA, "verified"])
+def test_sobol_intervals_are_no_wider_than_salibs_bootstrap(indices, name):
+    estimator, outputs, columns, names = indices
+    # A thousand resamples leave an error of 2 % in SALib's widths.
+    theirs = sobol.analyze(problem(names), columns[name], calc_second_order=False, num_resamples=1000, seed=1)
+    found = outputs[name]["sobol"]
+    orders = [("total", "ST_conf")] + [("first", "S1_conf")] * (estimator == "saltelli")
+    for order, width in orders:
+        half = np.array([(estimate["high"] - estimate["low"]) / 2 for estimate in found[order]])
+        assert np.all(half <= 1.1 * theirs[width]), (half, theirs[width])
+
+
 @pytest.mark.parametrize("order", ["first", "total"])
 @pytest.mark.parametrize("name", CRITERIA)
 def test_sobol_indices_agree_with_openturns(indices, name, order):

@@ -13,12 +13,11 @@ pub type Told = Map<String, Value>;
 #[serde(rename_all = "kebab-case")]
 pub enum FirstOrder {
     /// V - mean((f_B - f_AB)^2) / 2: Jansen (1999), "Analysis of variance designs for model output",
-    /// Computer Physics Communications 117, 35-43. Surer where the index is large, and where the
-    /// output has a heavy tail.
-    #[default]
+    /// Computer Physics Communications 117, 35-43. Surer where the output has a heavy tail.
     Jansen,
-    /// mean(f_B (f_AB - f_A)): Saltelli et al. (2010), table 2 (b). Surer for a parameter without
+    /// mean(f_B (f_AB - f_A)): Saltelli et al. (2010), table 2 (b). Surer for smooth outputs and for a parameter without
     /// influence, of which it is exactly 0.
+    #[default]
     Saltelli,
 }
 

@@ -10,7 +10,7 @@ use super::method::{FirstOrder, FromRuns, Measure, Settled, Told, read};
 use sampling::statistics::moments::mean;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
-use statrs::distribution::{ContinuousCDF, StudentsT};
+use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 /// Sobol indices by runs of their own.
 #[derive(Clone, Copy, Debug)]
@@ -38,8 +38,8 @@ impl FromRuns for Sobol {
     }
 
     fn design(&self, parameters: usize, settled: &Settled) -> Result<Vec<Vec<f64>>, String> {
-        let replicates = replicates(settled.size);
-        let pairs = sampling::design::cube(2 * parameters, settled.size, settled.seed, replicates)?;
+        // A single net fills the space more evenly than several small ones of as many points together.
+        let pairs = sampling::design::cube(2 * parameters, settled.size, settled.seed, 1)?;
         Ok(design(&pairs))
     }
 
@@ -51,19 +51,17 @@ impl FromRuns for Sobol {
             .collect()
     }
 
-    fn done(&self, parameters: usize, runs: usize, settled: &Settled) -> String {
+    fn done(&self, parameters: usize, runs: usize, _settled: &Settled) -> String {
         format!(
-            "Sobol indices from {} base points in {} randomisations ({runs} runs); rank correlations and PAWN of their plain sample",
+            "Sobol indices from {} base points ({runs} runs); rank correlations and PAWN of their plain sample",
             runs / (parameters + 2),
-            replicates(settled.size),
         )
     }
 
     fn tell(&self, design: &[Vec<f64>], values: &[f64], settled: &Settled) -> Told {
         let parameters = design.first().map_or(0, Vec::len);
-        let replicates = replicates(settled.size);
-        let found = indices(values, parameters, settled.estimator, replicates);
-        let growing = convergence(values, parameters, settled.estimator, replicates);
+        let found = indices(values, parameters, settled.estimator);
+        let growing = convergence(values, parameters, settled.estimator);
         let totals = |s: Indices| s.total.iter().map(|e| e.value).collect::<Vec<f64>>();
         let growing: Vec<_> = growing.into_iter().map(|(n, s)| (n, totals(s))).collect();
         let [sobol, convergence] = [json!(found), json!(growing)];
@@ -102,12 +100,6 @@ pub fn design(pairs: &[Vec<f64>]) -> Vec<Vec<f64>> {
     rows
 }
 
-/// The number of independently scrambled nets from which the base points should come: as many as
-/// Student's quantile asks for, as long as each keeps some points.
-pub fn replicates(base: u64) -> u64 {
-    (base / 8).clamp(2, 16)
-}
-
 /// Sobol indices of one output.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Indices {
@@ -121,94 +113,140 @@ pub struct Indices {
     pub failed: usize,
 }
 
-/// Model values that belong to one base point: at A, at each A_B^(i), at B.
-struct Rows<'a> {
-    values: &'a [f64],
-    width: usize,
-}
-
-impl Rows<'_> {
-    fn a(&self, j: usize) -> f64 {
-        self.values[j * self.width]
-    }
-    fn ab(&self, j: usize, i: usize) -> f64 {
-        self.values[j * self.width + 1 + i]
-    }
-    fn b(&self, j: usize) -> f64 {
-        self.values[j * self.width + self.width - 1]
-    }
-}
-
 /// Computes the indices from the outputs of the rows of [`design`], in its order.
 ///
 /// The outputs are first shifted to mean 0, because the estimators are biased for others. A base
 /// point of which A, B or A_B^(i) has no finite value is left out for parameter i; the variance is
 /// that of the finite values of A and B. All indices of a constant output are 0.
 ///
-/// The base points belong to `replicates` independent randomisations in turn: point j to
-/// j mod `replicates`. The intervals are Student's, from the indices with each randomisation left out
-/// (delete-a-group jackknife; Kott 2001, "The delete-a-group jackknife", J. Official Statistics 17).
-/// A bootstrap of the points would not know how evenly a quasi-random sample fills the space.
-///
-/// Returns `None` where the number of outputs is no multiple of `parameters + 2`, or fewer than
-/// two randomisations have complete base points.
-pub fn indices(
-    outputs: &[f64],
-    parameters: usize,
-    estimator: FirstOrder,
-    replicates: u64,
-) -> Option<Indices> {
+/// Returns `None` where the number of outputs is no multiple of `parameters + 2`, or where all complete base points lie
+/// in one block (see [`half_width`]).
+pub fn indices(outputs: &[f64], parameters: usize, estimator: FirstOrder) -> Option<Indices> {
     let width = parameters + 2;
     if parameters == 0 || outputs.is_empty() || !outputs.len().is_multiple_of(width) {
         return None;
     }
     let finite: Vec<f64> = outputs.iter().copied().filter(|v| v.is_finite()).collect();
-    let centre = mean(&finite);
-    let centred: Vec<f64> = outputs.iter().map(|v| v - centre).collect();
-    let rows = Rows {
-        values: &centred,
-        width,
-    };
-    let n = outputs.len() / width;
-    let ends: Vec<usize> = (0..n)
-        .filter(|&j| rows.a(j).is_finite() && rows.b(j).is_finite())
+    let shift = mean(&finite);
+    let rows: Vec<Vec<f64>> = outputs
+        .chunks(width)
+        .map(|row| row.iter().map(|v| v - shift).collect())
         .collect();
+    let variances = variances(&rows);
     let mut result = Indices {
         first: vec![],
         total: vec![],
         used: vec![],
         failed: outputs.len() - finite.len(),
     };
-    for i in 0..parameters {
-        let complete: Vec<usize> = ends
-            .iter()
-            .copied()
-            .filter(|&j| rows.ab(j, i).is_finite())
-            .collect();
-        let (first, total) = estimate(&rows, &complete, &ends, i, estimator);
-        let without = |group: u64| {
-            let others = |points: &[usize]| -> Vec<usize> {
-                let keep = |j: &&usize| **j as u64 % replicates != group;
-                points.iter().filter(keep).copied().collect()
+    for i in 1..=parameters {
+        let of = |term: fn(f64, f64, f64) -> f64| -> Vec<f64> {
+            let term = |row: &Vec<f64>| {
+                let (a, ab, b) = (row[0], row[i], row[width - 1]);
+                let complete = (a + ab + b).is_finite();
+                if complete { term(a, ab, b) } else { f64::NAN }
             };
-            let (points, ends) = (others(&complete), others(&ends));
-            let part = points.len() < complete.len() && !points.is_empty();
-            part.then(|| estimate(&rows, &points, &ends, i, estimator))
+            rows.iter().map(term).collect()
         };
-        let parts: Vec<(f64, f64)> = (0..replicates).filter_map(without).collect();
-        let student = StudentsT::new(0.0, 1.0, parts.len() as f64 - 1.0).ok()?;
-        let around = |value: f64, parts: Vec<f64>| {
-            Estimate::around(value, student.inverse_cdf(0.975) * jackknife(&parts))
+        let total = of(|a, ab, _| (a - ab).powi(2) / 2.0);
+        let (first, offset) = match estimator {
+            FirstOrder::Saltelli => (of(|a, ab, b| b * (ab - a)), 0.0),
+            FirstOrder::Jansen => (of(|_, ab, b| -(b - ab).powi(2) / 2.0), 1.0),
         };
+        let estimate = |terms: &[f64], offset: f64| {
+            let ratio = ratio(terms, &variances, |_| true);
+            let half = half_width(terms, &variances, ratio)?;
+            // Without any variance nothing explains it.
+            let value = if ratio.is_finite() {
+                offset + ratio
+            } else {
+                0.0
+            };
+            Some(Estimate::around(value, half))
+        };
+        result.first.push(estimate(&first, offset)?);
+        result.total.push(estimate(&total, 0.0)?);
         result
-            .first
-            .push(around(first, parts.iter().map(|p| p.0).collect()));
-        result
-            .total
-            .push(around(total, parts.iter().map(|p| p.1).collect()));
-        result.used.push(complete.len());
+            .used
+            .push(total.iter().filter(|term| term.is_finite()).count());
     }
     Some(result)
+}
+
+/// Each base point's part of the output's variance, from A and B; not a number where one of them has no value, and 0
+/// everywhere where the output is constant but for rounding.
+fn variances(rows: &[Vec<f64>]) -> Vec<f64> {
+    let ends = rows.iter().map(|row| (row[0], row[row.len() - 1]));
+    let known: Vec<f64> = ends
+        .clone()
+        .filter(|(a, b)| (a + b).is_finite())
+        .map(|(a, b)| (a + b) / 2.0)
+        .collect();
+    let centre = mean(&known);
+    let part = |(a, b): (f64, f64)| ((a - centre).powi(2) + (b - centre).powi(2)) / 2.0;
+    let parts: Vec<f64> = ends.map(part).collect();
+    let finite: Vec<f64> = parts.iter().copied().filter(|v| v.is_finite()).collect();
+    if mean(&finite) <= f64::EPSILON * centre.powi(2).max(f64::MIN_POSITIVE) {
+        return parts.into_iter().map(|part| 0.0 * part).collect();
+    }
+    parts
+}
+
+/// The mean of the terms divided by that of the variances, over the finite ones of the base points to keep.
+fn ratio(terms: &[f64], variances: &[f64], keep: impl Fn(usize) -> bool) -> f64 {
+    let mean = |numbers: &[f64]| {
+        let kept = numbers
+            .iter()
+            .enumerate()
+            .filter(|(j, v)| keep(*j) && v.is_finite());
+        let (count, sum) = kept.fold((0.0, 0.0), |(n, sum), (_, v)| (n + 1.0, sum + v));
+        sum / count
+    };
+    mean(terms) / mean(variances)
+}
+
+/// Half the width of a ratio's 95 % interval: the smaller of two that are both wide enough.
+///
+/// - Student's, from the ratio with each of sixteen blocks of consecutive points left out (delete-a-group jackknife; Kott
+///   2001, "The delete-a-group jackknife", J. Official Statistics 17). Each block of a scrambled net is a scrambled net of
+///   its own. All together they fill the space more evenly than as many independent ones would, of which this is the
+///   interval.
+/// - The normal one of as many independent points, by linearisation (Efron 1982, "The jackknife, the bootstrap and other
+///   resampling plans", chapter 6), which is what a bootstrap comes to. A net is better than independent points, except
+///   for an output as rough as pass or fail, for which it is hardly better.
+///
+/// `None` where fewer than two blocks have complete points.
+fn half_width(terms: &[f64], variances: &[f64], ratio_of_all: f64) -> Option<f64> {
+    const BLOCKS: usize = 16;
+    let points = terms.len();
+    let block = |j: usize| j * BLOCKS / points;
+    let mut filled = [false; BLOCKS];
+    let complete = (0..points).filter(|&j| terms[j].is_finite());
+    complete.clone().for_each(|j| filled[block(j)] = true);
+    let filled: Vec<usize> = (0..BLOCKS).filter(|&k| filled[k]).collect();
+    let student = StudentsT::new(0.0, 1.0, filled.len() as f64 - 1.0).ok()?;
+    if !ratio_of_all.is_finite() {
+        return Some(0.0);
+    }
+    let without = |&left_out: &usize| ratio(terms, variances, |j| block(j) != left_out);
+    let without: Vec<f64> = filled.iter().map(without).collect();
+    let known: Vec<f64> = variances
+        .iter()
+        .copied()
+        .filter(|v| v.is_finite())
+        .collect();
+    let (n, share) = (
+        known.len() as f64,
+        known.len() as f64 / complete.count() as f64,
+    );
+    let influence = |(term, variance): (&f64, &f64)| {
+        let term = if term.is_finite() { share * term } else { 0.0 };
+        (term - ratio_of_all * variance).powi(2)
+    };
+    let pairs = terms.iter().zip(variances).filter(|(_, v)| v.is_finite());
+    let independent = pairs.map(influence).sum::<f64>().sqrt() / (n * mean(&known));
+    let normal = Normal::standard().inverse_cdf(0.975);
+    Some((student.inverse_cdf(0.975) * jackknife(&without)).min(normal * independent))
 }
 
 /// The standard error of an estimate from its values with each group left out.
@@ -218,55 +256,11 @@ fn jackknife(without: &[f64]) -> f64 {
     ((n - 1.0) / n * squares).sqrt()
 }
 
-/// First-order and total index of one parameter over some base points, with the variance of others.
-fn estimate(
-    rows: &Rows<'_>,
-    points: &[usize],
-    ends: &[usize],
-    i: usize,
-    estimator: FirstOrder,
-) -> (f64, f64) {
-    let n = points.len() as f64;
-    let m = 2.0 * ends.len() as f64;
-    let centre = ends.iter().map(|&j| rows.a(j) + rows.b(j)).sum::<f64>() / m;
-    let v = ends
-        .iter()
-        .map(|&j| (rows.a(j) - centre).powi(2) + (rows.b(j) - centre).powi(2))
-        .sum::<f64>()
-        / m;
-    if v <= f64::EPSILON * centre.powi(2).max(f64::MIN_POSITIVE) {
-        return (0.0, 0.0);
-    }
-    let total = points
-        .iter()
-        .map(|&j| (rows.a(j) - rows.ab(j, i)).powi(2))
-        .sum::<f64>()
-        / (2.0 * n);
-    let first = match estimator {
-        FirstOrder::Saltelli => {
-            points
-                .iter()
-                .map(|&j| rows.b(j) * (rows.ab(j, i) - rows.a(j)))
-                .sum::<f64>()
-                / n
-        }
-        FirstOrder::Jansen => {
-            v - points
-                .iter()
-                .map(|&j| (rows.b(j) - rows.ab(j, i)).powi(2))
-                .sum::<f64>()
-                / (2.0 * n)
-        }
-    };
-    (first / v, total / v)
-}
-
 /// Indices from growing parts of the design, to show convergence: base points, indices.
 pub fn convergence(
     outputs: &[f64],
     parameters: usize,
     estimator: FirstOrder,
-    replicates: u64,
 ) -> Vec<(usize, Indices)> {
     let width = parameters + 2;
     let n = outputs.len() / width;
@@ -277,7 +271,7 @@ pub fn convergence(
         .into_iter()
         .filter_map(|m| {
             let part = &outputs[..m * width];
-            Some((m, indices(part, parameters, estimator, replicates)?))
+            Some((m, indices(part, parameters, estimator)?))
         })
         .collect()
 }
@@ -287,20 +281,10 @@ mod tests {
     use super::super::functions::{ishigami, ishigami_indices, sobol_g, sobol_g_indices};
     use super::*;
     use rand::{RngExt, SeedableRng, rngs::StdRng};
-    use sampling::design::{Design, Method, Sampling};
-    use sampling::distribution::Distribution;
 
     /// Pairs as the command takes them.
     fn scrambled_pairs(base: u64, d: usize, seed: u64) -> Vec<Vec<f64>> {
-        let design = Sampling {
-            method: Method::Sobol,
-            points: base,
-            seed,
-            replicates: replicates(base),
-        };
-        let unit = Distribution::Uniform { min: 0.0, max: 1.0 };
-        let design = Design::new(&design, vec![unit; 2 * d]).unwrap();
-        (0..base).map(|index| design.point(index)).collect()
+        sampling::design::cube(2 * d, base, seed, 1).unwrap()
     }
 
     fn random_pairs(n: usize, d: usize, seed: u64) -> Vec<Vec<f64>> {
@@ -331,7 +315,7 @@ mod tests {
     #[test]
     fn equal_to_salib_on_the_same_design() {
         let y = evaluate(&lattice(256, 3), ishigami);
-        let s = indices(&y, 3, FirstOrder::Saltelli, 16).unwrap();
+        let s = indices(&y, 3, FirstOrder::Saltelli).unwrap();
         for (i, (first, total)) in SALIB_ISHIGAMI.into_iter().enumerate() {
             assert!(
                 (s.first[i].value - first).abs() < 1e-10,
@@ -356,7 +340,7 @@ mod tests {
         let (first, total) = ishigami_indices();
         let y = evaluate(&random_pairs(40_000, 3, 5), ishigami);
         for estimator in [FirstOrder::Saltelli, FirstOrder::Jansen] {
-            let s = indices(&y, 3, estimator, 16).unwrap();
+            let s = indices(&y, 3, estimator).unwrap();
             for (found, exact) in s.first.iter().zip(first).chain(s.total.iter().zip(total)) {
                 assert!(
                     (found.value - exact).abs() < 0.03,
@@ -366,7 +350,8 @@ mod tests {
         }
     }
 
-    /// The short form of `cargo run --release --example coverage`.
+    /// The short form of `cargo run --release --example coverage`. The intervals are those of blocks or of independent
+    /// points, both of which scatter more than a whole net, so they hold more often than they say.
     #[test]
     fn intervals_hold_the_exact_indices_in_95_per_cent_of_repetitions() {
         const REPETITIONS: u64 = 200;
@@ -380,18 +365,45 @@ mod tests {
                 .filter(|(found, exact)| found.contains(**exact))
                 .count() as f64
         };
-        let (mut ishigami_held, mut g_held) = (0.0, 0.0);
-        for seed in 0..REPETITIONS {
-            let y = evaluate(&scrambled_pairs(BASE, 3, 1000 + seed), ishigami);
-            let s = indices(&y, 3, FirstOrder::Jansen, replicates(BASE)).unwrap();
-            ishigami_held += count(&s, &hf, &ht) / (6 * REPETITIONS) as f64;
-            let y = evaluate(&scrambled_pairs(BASE, 4, 2000 + seed), |u| sobol_g(u, &a));
-            let s = indices(&y, 4, FirstOrder::Jansen, replicates(BASE)).unwrap();
-            g_held += count(&s, &gf, &gt) / (8 * REPETITIONS) as f64;
+        for estimator in [FirstOrder::Saltelli, FirstOrder::Jansen] {
+            let (mut ishigami_held, mut g_held) = (0.0, 0.0);
+            for seed in 0..REPETITIONS {
+                let y = evaluate(&scrambled_pairs(BASE, 3, 1000 + seed), ishigami);
+                let s = indices(&y, 3, estimator).unwrap();
+                ishigami_held += count(&s, &hf, &ht) / (6 * REPETITIONS) as f64;
+                let y = evaluate(&scrambled_pairs(BASE, 4, 2000 + seed), |u| sobol_g(u, &a));
+                let s = indices(&y, 4, estimator).unwrap();
+                g_held += count(&s, &gf, &gt) / (8 * REPETITIONS) as f64;
+            }
+            for coverage in [ishigami_held, g_held] {
+                assert!(coverage >= 0.95, "{ishigami_held} {g_held}");
+            }
         }
-        for coverage in [ishigami_held, g_held] {
-            assert!((coverage - 0.95).abs() <= 0.03, "{ishigami_held} {g_held}");
+    }
+
+    /// Root mean square of the errors of all indices of a linear function of six parameters from 8,192 runs. SALib 1.6
+    /// with scipy's scrambled nets comes to 0.0011 and 0.0010 over 60 seeds; the goal is 1.2 times that.
+    #[test]
+    fn a_linear_function_is_told_as_exactly_as_by_others() {
+        const SEEDS: u64 = 30;
+        let weights = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0];
+        let squares: f64 = weights.iter().map(|w| w * w).sum();
+        let linear = |u: &[f64]| u.iter().zip(weights).map(|(u, w)| u * w).sum();
+        let mut errors = [0.0, 0.0];
+        for seed in 0..SEEDS {
+            let y = evaluate(&scrambled_pairs(1024, 6, seed), linear);
+            let s = indices(&y, 6, FirstOrder::default()).unwrap();
+            for (k, w) in weights.iter().enumerate() {
+                let exact = w * w / squares;
+                errors[0] += (s.first[k].value - exact).powi(2);
+                errors[1] += (s.total[k].value - exact).powi(2);
+            }
         }
+        let [first, total] = errors.map(|e| (e / (6 * SEEDS) as f64).sqrt());
+        assert!(
+            first <= 1.2 * 0.0011 && total <= 1.2 * 0.0010,
+            "{first} {total}"
+        );
     }
 
     #[test]
@@ -402,7 +414,7 @@ mod tests {
             y[k] = f64::NAN;
         }
         let failed = y.iter().filter(|v| v.is_nan()).count();
-        let s = indices(&y, 3, FirstOrder::Saltelli, 16).unwrap();
+        let s = indices(&y, 3, FirstOrder::Saltelli).unwrap();
         assert_eq!(s.failed, failed);
         assert!(s.used.iter().all(|&u| u < 20_000 && u > 19_000));
         for (found, exact) in s.first.iter().zip(first) {
@@ -412,22 +424,19 @@ mod tests {
 
     #[test]
     fn a_constant_output_depends_on_nothing() {
-        let s = indices(&[7.0; 40], 3, FirstOrder::Saltelli, 16).unwrap();
+        let s = indices(&[7.0; 40], 3, FirstOrder::Saltelli).unwrap();
         assert!(s.first.iter().chain(&s.total).all(|e| e.value == 0.0));
-        assert_eq!(indices(&[1.0; 41], 3, FirstOrder::Saltelli, 16), None);
+        assert_eq!(indices(&[1.0; 41], 3, FirstOrder::Saltelli), None);
     }
 
     #[test]
     fn convergence_ends_with_the_whole_design() {
         let y = evaluate(&random_pairs(256, 3, 3), ishigami);
-        let steps = convergence(&y, 3, FirstOrder::Saltelli, 16);
+        let steps = convergence(&y, 3, FirstOrder::Saltelli);
         assert_eq!(
             steps.iter().map(|s| s.0).collect::<Vec<_>>(),
             [32, 64, 128, 256]
         );
-        assert_eq!(
-            steps[3].1,
-            indices(&y, 3, FirstOrder::Saltelli, 16).unwrap()
-        );
+        assert_eq!(steps[3].1, indices(&y, 3, FirstOrder::Saltelli).unwrap());
     }
 }
