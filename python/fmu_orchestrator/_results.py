@@ -256,6 +256,15 @@ class Estimate:
     unit: str | None
 
 
+@dataclass(frozen=True)
+class Optimum:
+    """A set of parameters that could be the right one."""
+
+    weight: float
+    """Its part of the posterior probability of all that were found."""
+    parameters: dict[str, Estimate]
+
+
 class Identification(Analysis):
     """The parameters that make the measured values most probable."""
 
@@ -267,12 +276,23 @@ class Identification(Analysis):
         """Whether the search has come to its end; None where the results were only read."""
 
     @property
+    def optima(self) -> list[Optimum]:
+        """All sets of parameters that could be the right one, the most probable first. Where there are several, none of
+        them is *the* value."""
+        # Earlier versions told of one only.
+        found = self.data.get("optima") or [{"weight": 1.0, "free": self.data["free"]}]
+        return [Optimum(optimum["weight"], _estimates(optimum["free"])) for optimum in found]
+
+    @property
     def parameters(self) -> dict[str, Estimate]:
-        """The free parameters."""
-        return {
-            free["name"]: Estimate(free["value"], free["deviation"], interval(free["interval"]), free["unit"])
-            for free in self.data["free"]
-        }
+        """The free parameters at the first optimum; see `optima` whether it is the only one."""
+        return _estimates(self.data["free"])
+
+
+def _estimates(free: list[Any]) -> dict[str, Estimate]:
+    return {
+        one["name"]: Estimate(one["value"], one["deviation"], interval(one["interval"]), one["unit"]) for one in free
+    }
 
 
 class Robustness(Analysis):

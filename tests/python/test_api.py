@@ -182,6 +182,8 @@ def test_an_identification_is_the_command_lines(fmu, tmp_path):
     assert ours.converged == (done.returncode == 0)
     found = ours.parameters["oil.viscosityScale"]
     assert found.interval[0] < found.value < found.interval[1]
+    assert ours.optima[0].parameters == ours.parameters
+    assert sum(optimum.weight for optimum in ours.optima) == pytest.approx(1)
     power = fmu_orchestrator.simulate(fmu, {"oil.viscosityScale": found.value}, stop=1, step=1)["sensor.frictionPower"]
     assert power[-1] == pytest.approx(14, rel=0.01)
 
