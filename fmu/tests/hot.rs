@@ -155,6 +155,27 @@ fn the_steady_start_is_where_resolved_turns_end() {
     }
 }
 
+/// A turn of the Reynolds film from its steady start leaves the temperatures as they are, with the clearance that belongs to them.
+#[test]
+fn the_reynolds_film_starts_steadily_too() {
+    let mut stand = start(|stand| {
+        bronze(stand);
+        stand.film.model = FilmModel::Reynolds;
+        stand.bearing.expansion.thermal_clearance = ThermalClearance::FreeBush;
+        stand.thermal.initialization = Initialization::SteadyState;
+    });
+    let before = *stand.readings();
+    stand.advance(0.0, TURN, &mut ()).unwrap();
+    let after = *stand.readings();
+    for (before, after) in temperatures(&before).into_iter().zip(temperatures(&after)) {
+        assert!((before - after).abs() < 1e-6, "{before} K, {after} K");
+    }
+    let [bush, shaft] = [after.bearing_temperature, after.shaft_temperature].map(|t| t - 293.15);
+    let expected = 2e-5 + 0.0125 * 18e-6 * bush - 0.01248 * 11.5e-6 * shaft;
+    assert!((after.hot_radial_clearance / expected - 1.0).abs() < 1e-9);
+    assert!(after.hot_radial_clearance > 2.4e-5);
+}
+
 /// A leap against resolved turns, while the clearance grows and wears: within one percent of the paper's tolerances
 /// (Table 2).
 #[test]
