@@ -154,6 +154,15 @@ fn set(stand: &mut Stand, name: &str, value: &Value) {
         ) => {
             set(stand, value);
         }
+        (
+            Kind::Enumeration {
+                access: Access { set: Some(set), .. },
+                ..
+            },
+            Value::Integer(item),
+        ) => {
+            set(stand, item);
+        }
         _ => panic!("{name} cannot be set to {value:?}"),
     }
 }

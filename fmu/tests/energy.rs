@@ -43,6 +43,8 @@ fn the_work_of_5000_seconds_is_heat_out_and_heat_stored() {
     stand.thermal.initial_oil = 295.15;
     stand.thermal.bush_ambient = 0.02;
     stand.bearing.expansion.thermal_clearance = ThermalClearance::ConstrainedBush;
+    stand.bearing.expansion.bush = 18e-6;
+    stand.bearing.expansion.bush_modulus = 110e9;
     stand.bearing.expansion.housing = 23e-6;
     stand.bearing.wear.coefficient = 1e-15;
     stand.initialise(&NO_FILES, &mut ()).unwrap();

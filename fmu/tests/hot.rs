@@ -39,6 +39,12 @@ fn light(stand: &mut Stand) {
     stand.thermal.oil_volume = 3e-5;
 }
 
+/// A bush of bronze.
+fn bronze(stand: &mut Stand) {
+    stand.bearing.expansion.bush = 18e-6;
+    stand.bearing.expansion.bush_modulus = 110e9;
+}
+
 /// Means of the temperatures over the turn that follows.
 fn means(stand: &mut Stand, begin: f64) -> [f64; 4] {
     const PARTS: usize = 200;
@@ -82,6 +88,7 @@ fn both_films_see_the_hot_clearance() {
             *stand.readings()
         };
         let expanded = run(|stand, _| {
+            bronze(stand);
             stand.bearing.expansion.thermal_clearance = ThermalClearance::FreeBush;
         });
         let measured = run(|stand, hot| stand.bearing.radial_clearance = hot);
@@ -114,6 +121,7 @@ fn the_steady_start_is_where_resolved_turns_end() {
     ] {
         let set = |stand: &mut Stand| {
             light(stand);
+            bronze(stand);
             stand.bearing.expansion.thermal_clearance = fit;
             stand.bearing.radial_clearance = 1.6e-5;
             stand.bearing.expansion.housing = 23e-6;
@@ -147,6 +155,27 @@ fn the_steady_start_is_where_resolved_turns_end() {
     }
 }
 
+/// A turn of the Reynolds film from its steady start leaves the temperatures as they are, with the clearance that belongs to them.
+#[test]
+fn the_reynolds_film_starts_steadily_too() {
+    let mut stand = start(|stand| {
+        bronze(stand);
+        stand.film.model = FilmModel::Reynolds;
+        stand.bearing.expansion.thermal_clearance = ThermalClearance::FreeBush;
+        stand.thermal.initialization = Initialization::SteadyState;
+    });
+    let before = *stand.readings();
+    stand.advance(0.0, TURN, &mut ()).unwrap();
+    let after = *stand.readings();
+    for (before, after) in temperatures(&before).into_iter().zip(temperatures(&after)) {
+        assert!((before - after).abs() < 1e-6, "{before} K, {after} K");
+    }
+    let [bush, shaft] = [after.bearing_temperature, after.shaft_temperature].map(|t| t - 293.15);
+    let expected = 2e-5 + 0.0125 * 18e-6 * bush - 0.01248 * 11.5e-6 * shaft;
+    assert!((after.hot_radial_clearance / expected - 1.0).abs() < 1e-9);
+    assert!(after.hot_radial_clearance > 2.4e-5);
+}
+
 /// A leap against resolved turns, while the clearance grows and wears: within one percent of the paper's tolerances
 /// (Table 2).
 #[test]
@@ -158,6 +187,7 @@ fn a_leap_ends_where_the_resolved_turns_end() {
     ] {
         let end = |multirate| {
             let mut stand = start(|stand| {
+                bronze(stand);
                 stand.solver.multirate = multirate;
                 stand.bearing.expansion.thermal_clearance = fit;
                 stand.bearing.wear.coefficient = coefficient;
@@ -323,6 +353,7 @@ fn wear_needs_friction_to_follow_from() {
 fn a_saved_state_goes_on_bit_for_bit() {
     for film in [FilmModel::Mobility, FilmModel::Reynolds] {
         let mut stand = start(|stand| {
+            bronze(stand);
             stand.film.model = film;
             stand.bearing.expansion.thermal_clearance = ThermalClearance::ConstrainedBush;
             stand.bearing.wear.coefficient = 1e-13;

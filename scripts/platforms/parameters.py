@@ -70,7 +70,8 @@ def study_values(description, path):
     variables = {variable.get("name"): typed(variable) for variable in description.iter("ScalarVariable")}
     found = {}
     for name, spread in study.get("parameters", {}).items():
-        found[name] = in_si(description, variables[name], spread.get("mean", spread.get("value")), spread.get("unit"))
+        nominal = next(spread[key] for key in ("mean", "value", "mode") if key in spread)
+        found[name] = in_si(description, variables[name], nominal, spread.get("unit"))
     for name, value in study.get("fixed", {}).items():
         if variables[name].tag == "Enumeration":
             found[name] = item_value(description, variables[name], value)
