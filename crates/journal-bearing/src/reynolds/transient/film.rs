@@ -4,6 +4,7 @@ use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
 use super::diagnostics::Diagnostics;
+use super::periodic::PeriodicSearch;
 use super::stage::NoSolution;
 use super::state::State;
 use super::step::{Step, Stepper};
@@ -173,6 +174,19 @@ impl ReynoldsFilm {
         }
         self.work.restore(state);
         Ok(())
+    }
+
+    /// Begins the search for the periodic orbit of a load that repeats itself: the first turn starts here.
+    pub fn seek_orbit(&self) -> PeriodicSearch {
+        PeriodicSearch::new(self.work.state())
+    }
+
+    /// Ends a turn of a search, and moves the film to where the next one should begin. Returns by how much the turn missed its
+    /// beginning: the change of the eccentricity ratio and of the content's mean square, 1. Mass is not conserved in between.
+    pub fn end_turn(&mut self, search: &mut PeriodicSearch) -> f64 {
+        let (start, miss) = search.next(self.work.state());
+        self.work.restore(start);
+        miss
     }
 
     /// Lets `interval` seconds pass under `drive`, in internal steps of controlled error.
