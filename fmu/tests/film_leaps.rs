@@ -62,6 +62,11 @@ fn run(set: impl Fn(&mut Stand), multirate: bool, span: f64) -> (Readings, Messa
     let mut stand = Stand::default();
     set(&mut stand);
     stand.film.model = FilmModel::Reynolds;
+    // Half as many columns take half the time, and leaps do not know of them.
+    (
+        stand.bearing.resolution.columns,
+        stand.bearing.resolution.rows,
+    ) = (48, 6);
     stand.solver.multirate = multirate;
     let mut log = Messages::default();
     stand.initialise(&NO_FILES, &mut log).unwrap();
@@ -94,7 +99,7 @@ fn check(set: impl Fn(&mut Stand), span: f64) -> usize {
 
 #[test]
 fn a_leap_is_what_resolved_turns_are() {
-    // The rig, and a point of Table 3: 200 turns each.
+    // The rig, and a point of Table 3.
     for set in [|_: &mut Stand| (), table3] {
         let turns = check(set, 40.0);
         assert!(turns < 30, "{turns} of 200 turns were needed");

@@ -172,8 +172,8 @@ pub trait TransientFilm {
     /// Begins the search for the periodic orbit under a load that repeats itself: the first turn starts here.
     fn seek_orbit(&mut self);
 
-    /// Ends a turn of the search, and moves journal and oil to where the next one should begin. Returns by how much the turn
-    /// missed its beginning, as a share of the clearance.
+    /// Ends a turn of the search, and moves journal and oil to where the next one should begin. Returns how far that is from
+    /// where this turn began, as a share of the clearance and of its content.
     fn end_turn(&mut self) -> f64;
 
     /// Remembers the present state for [`take_back`](Self::take_back).

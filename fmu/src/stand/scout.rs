@@ -30,7 +30,7 @@ const LEAST: f64 = 2e-5;
 const MOST: f64 = 1e-2;
 /// Temperatures at the most at which the film's turns are needed.
 const PLACES: usize = 12;
-/// The approach to the orbit shrinks at least by this factor in two turns.
+/// In two turns the approach to the orbit shrinks to this share of itself at the most.
 const SLOWEST: f64 = 0.97;
 
 /// Why there was no leap.
@@ -197,12 +197,12 @@ impl Scout {
             let Some(film) = ahead.film.transient() else {
                 break;
             };
-            let miss = film.end_turn();
+            let moved = film.end_turn();
             ahead.state.eccentricity = film.eccentricity();
             let change = before.map_or(f64::INFINITY, |before| {
                 ahead.surprise(&before, &turn.flows, &temperatures)
             });
-            if change < close && miss < NEAR {
+            if change < close && moved < NEAR {
                 return Ok(turn.flows);
             }
             before = Some(turn.flows);

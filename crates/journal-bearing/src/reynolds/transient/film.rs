@@ -181,12 +181,13 @@ impl ReynoldsFilm {
         PeriodicSearch::new(self.work.state())
     }
 
-    /// Ends a turn of a search, and moves the film to where the next one should begin. Returns by how much the turn missed its
-    /// beginning: the change of the eccentricity ratio and of the content's mean square, 1. Mass is not conserved in between.
+    /// Ends a turn of a search, and moves the film to where the next one should begin. Returns how far that is from where this
+    /// turn began: the change of eccentricity ratio and content, root of the sum of both mean squares, 1. It is next to zero on
+    /// the orbit. Mass is not conserved when the film is moved.
     pub fn end_turn(&mut self, search: &mut PeriodicSearch) -> f64 {
-        let (start, miss) = search.next(self.work.state());
+        let (start, moved) = search.next(self.work.state());
         self.work.restore(start);
-        miss
+        moved
     }
 
     /// Lets `interval` seconds pass under `drive`, in internal steps of controlled error.

@@ -24,8 +24,15 @@ const LEAST_GAP: f64 = 0.5;
 pub struct PeriodicSearch {
     /// Where the present turn began.
     start: State,
-    /// Misses and ends of the last turns, the latest one last.
-    turns: Vec<(DVector<f64>, DVector<f64>)>,
+    /// The last turns, the latest one last.
+    turns: Vec<Turn>,
+}
+
+/// By how much a turn missed its beginning, and where it ended.
+#[derive(Clone, Debug)]
+struct Turn {
+    miss: DVector<f64>,
+    end: DVector<f64>,
 }
 
 impl PeriodicSearch {
@@ -36,20 +43,20 @@ impl PeriodicSearch {
         }
     }
 
-    /// Takes over the end of a turn. Returns where the next one should begin, and by how much the turn missed its
-    /// beginning: the change of eccentricity ratio and content, root of the sum of both mean squares.
+    /// Takes over the end of a turn. Returns where the next one should begin, and how far that is from where this one began:
+    /// change of eccentricity ratio and content, root of the sum of both mean squares.
     pub(super) fn next(&mut self, end: &State) -> (&State, f64) {
         let (from, to) = (unknowns(&self.start), unknowns(end));
         let miss = &to - &from;
         let size = miss.norm();
-        let astray = |(last, _): &(DVector<f64>, _)| size > ASTRAY * last.norm();
+        let astray = |last: &Turn| size > ASTRAY * last.miss.norm();
         if self.turns.last().is_some_and(astray) {
             self.turns.clear();
         }
         if self.turns.len() == DEPTH {
             self.turns.remove(0);
         }
-        self.turns.push((miss, to));
+        self.turns.push(Turn { miss, end: to });
         self.start.copy_from(end);
         if let Some(mixed) = self.mixed() {
             take_over(&mixed, end, &mut self.start);
@@ -60,21 +67,21 @@ impl PeriodicSearch {
 
     /// The combination of the ends whose misses cancel best; `None` for a single turn.
     fn mixed(&self) -> Option<DVector<f64>> {
-        let ((miss, end), before) = self.turns.split_last()?;
+        let (last, before) = self.turns.split_last()?;
         if before.is_empty() {
             return None;
         }
-        let differences = |of: fn(&(DVector<f64>, DVector<f64>)) -> &DVector<f64>| {
+        let differences = |of: fn(&Turn) -> &DVector<f64>| {
             let steps: Vec<_> = (self.turns.windows(2))
                 .map(|pair| of(&pair[1]) - of(&pair[0]))
                 .collect();
             DMatrix::from_columns(&steps)
         };
-        let of_misses = differences(|turn| &turn.0);
+        let of_misses = differences(|turn| &turn.miss);
         let svd = of_misses.svd(true, true);
         let weakest = WEAKEST * svd.singular_values.max();
-        let weights = svd.solve(miss, weakest).ok()?;
-        let mixed = end - differences(|turn| &turn.1) * weights;
+        let weights = svd.solve(&last.miss, weakest).ok()?;
+        let mixed = &last.end - differences(|turn| &turn.end) * weights;
         mixed.iter().all(|x| x.is_finite()).then_some(mixed)
     }
 }
