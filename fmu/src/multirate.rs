@@ -12,6 +12,7 @@
 //! with the slope that earlier turns have shown), and the curve's between the orbits (by the last term of its
 //! polynomial). Where one of them is too large, there are more steps, more turns or more orbits.
 
+mod correction;
 mod curve;
 mod curves;
 mod equilibrium;
@@ -20,6 +21,7 @@ mod orbit;
 use crate::bearing::Flows;
 use crate::solver::{Budget, Failure, Rodas3};
 use crate::thermal::Temperatures;
+pub use correction::{CLOSEST, Correction};
 use curves::Curves;
 pub use equilibrium::{Equilibrium, NoEquilibrium, equilibrium, slowest_time_constant};
 use nalgebra::{SMatrix, SVector, Vector2};
@@ -109,13 +111,40 @@ pub fn leap(
     let (t, worn) = if model.wears() {
         mean.follow_wear(tolerance, span, &from)?
     } else {
-        (mean.follow(tolerance, span, &from)?, from.worn)
+        (mean.follow(tolerance, span, &from, |_| ())?, from.worn)
     };
     Ok(Landing {
         eccentricity: mean.place(&t, worn)?.into(),
         temperatures: temperatures(&t),
         worn,
     })
+}
+
+/// The temperatures on their way over `turns` whole turns without wear, from its beginning to its end.
+///
+/// # Errors
+/// When there is no orbit at a temperature, the clearance closes, or an integration fails.
+pub fn way(
+    model: &impl TwoScales,
+    tolerance: f64,
+    turns: usize,
+    from: &Departure,
+) -> Result<Vec<Temperatures>, NoLeap> {
+    let mean = Averaged::new(model, tolerance, from)?;
+    let mut way = Vec::new();
+    let span = turns as f64 * model.period();
+    let end = mean.follow(tolerance, span, from, |t| way.push(temperatures(t)))?;
+    way.push(temperatures(&end));
+    Ok(way)
+}
+
+/// The flows averaged over a turn at the temperatures of the departure.
+///
+/// # Errors
+/// When there is no orbit there.
+pub fn flows(model: &impl TwoScales, tolerance: f64, at: &Departure) -> Result<Flows, NoLeap> {
+    let (_, orbit) = Curves::new(model, tolerance, at)?;
+    Ok(orbit.flows())
 }
 
 /// Derivatives of the rates of the temperatures, 1/s, under the heat averaged over a turn.
@@ -238,8 +267,14 @@ impl<'a, M: TwoScales> Averaged<'a, M> {
         Ok(())
     }
 
-    /// The temperatures `span` seconds later.
-    fn follow(&self, tolerance: f64, span: f64, from: &Departure) -> Result<Vector4, NoLeap> {
+    /// The temperatures `span` seconds later; `pass` sees those at the beginning of each step.
+    fn follow(
+        &self,
+        tolerance: f64,
+        span: f64,
+        from: &Departure,
+        mut pass: impl FnMut(&Vector4),
+    ) -> Result<Vector4, NoLeap> {
         let mut t = vector(&from.temperatures);
         let integrator = Rodas3 {
             allowed: [DRIFT_ERROR * tolerance; 4],
@@ -247,7 +282,10 @@ impl<'a, M: TwoScales> Averaged<'a, M> {
         };
         integrator.integrate(
             |t| self.rates(t),
-            |t| self.linear(t),
+            |t| {
+                pass(t);
+                self.linear(t)
+            },
             &mut t,
             span,
             self.model.period(),

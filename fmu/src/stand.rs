@@ -12,8 +12,10 @@
 //! The shaft angle is not one of them: it follows from the speed in closed form.
 
 mod clearance;
+mod film_leap;
 mod inputs;
 mod march;
+mod scout;
 mod slowest;
 mod steady;
 mod stiff;

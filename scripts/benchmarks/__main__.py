@@ -69,6 +69,8 @@ def measure(size):
     for study, found, count in [("paper-table3.toml", errors, points), ("rig.toml", mixed, few)]:
         sections.append((f"The errors of leaps: {study}", f"Over {count} points of `studies/{study}`, in per cent of the "
                          "criterion's tolerance.", page.errors(found)))
+    say("leaps of the Reynolds film")
+    sections.append(("Leaps of the Reynolds film", FILM_LEAPS, parts.film_leaps()))
     say("boundary")
     sections.append(("FMU doStep / direct Rust call of the stand", BOUNDARY, parts.boundary(size, stand)))
     say("isolation")
@@ -103,6 +105,8 @@ MULTIRATE = """\
 `solver.multirate` on (the default) and off. Both times include a point's share of the journal, the tables and the page.
 The goal is 50 and the aim 200 at the points of Table 3. Their thick film lets even the resolved turns take large steps; the
 rig's mixed lubrication does not."""
+FILM_LEAPS = """\
+`bearing.film = Reynolds`, 150 s from the given temperatures in one step, with `solver.multirate` on and off."""
 BOUNDARY = """\
 `fmu/examples/direct.rs` calls the stand without FMI; the minimal loop steps the packaged FMU. Both read one output after
 each step. The comparison of a 150 s step includes initialisation and uses default parameters."""

@@ -114,6 +114,31 @@ def multirate(scale):
     return rows, [(errors(leaping, resolved, scale.points), scale.points), (errors(here, there, mixed), mixed)]
 
 
+REYNOLDS = '"bearing.film" = "Reynolds"\n'
+
+
+def film_studies():
+    """Studies with the Reynolds film, each with leaps and with every turn resolved."""
+    return {"paper-table3.toml": (table3("film-leaping", fixed=REYNOLDS), table3("film-resolved", fixed=REYNOLDS + RESOLVED)),
+            "rig.toml": (rig("film-rig-leaping", fixed=REYNOLDS), rig("film-rig-resolved", fixed=REYNOLDS + RESOLVED))}
+
+
+def film_leaps():
+    """The same for the Reynolds film. Resolved points take some ten seconds, so that few of them are measured, once."""
+    rows = []
+    few, many = 3, 20
+    for study, (leaping, resolved) in film_studies().items():
+        times = [[longer(lambda count: alone(file, count), 1, count)()] for file, count in [(leaping, many), (resolved, few)]]
+        [[leaps], [turns]] = times
+        note = f"resolved {turns:.1f} s; {many} and {few} points"
+        rows.append(Row(f"{study}, 150 s with leaps, CPU time a point", Ratio([leaps]), unit=" s", note=note,
+                        **at_most(Ratio([leaps]), 0.5)))
+        for error in errors(leaping, resolved, few):
+            rows.append(Row(f"{study}: largest error of {error.name}, of its tolerance", Ratio([error.worst]), unit=" %",
+                            note=f"{few} points; `scripts/film-leaps` for more", **at_most(Ratio([error.worst]), 1)))
+    return rows
+
+
 def leap(scale, name, leaping, resolved, words=("leaping", "resolved")):
     """Runs with leaps against runs without, each a study and its points; what the orchestrator does for a point
     is included."""

@@ -22,6 +22,36 @@ pub struct Flows {
     pub side_flow: f64,
 }
 
+impl Flows {
+    /// The whole friction heat, W.
+    pub fn heat(&self) -> f64 {
+        self.viscous + self.boundary
+    }
+
+    /// The flows times a factor.
+    pub fn times(&self, factor: f64) -> Self {
+        Self {
+            viscous: self.viscous * factor,
+            boundary: self.boundary * factor,
+            side_flow: self.side_flow * factor,
+        }
+    }
+
+    /// The sum with other flows.
+    pub fn plus(&self, other: &Self) -> Self {
+        Self {
+            viscous: self.viscous + other.viscous,
+            boundary: self.boundary + other.boundary,
+            side_flow: self.side_flow + other.side_flow,
+        }
+    }
+
+    /// The difference from other flows.
+    pub fn minus(&self, other: &Self) -> Self {
+        self.plus(&other.times(-1.0))
+    }
+}
+
 /// The journal at one instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Motion {
@@ -138,6 +168,13 @@ pub trait TransientFilm {
     /// # Errors
     /// When the film cannot be solved; it is then as before.
     fn advance(&mut self, bearing: &Bearing, interval: &Interval) -> Result<(Flows, usize), Fault>;
+
+    /// Begins the search for the periodic orbit under a load that repeats itself: the first turn starts here.
+    fn seek_orbit(&mut self);
+
+    /// Ends a turn of the search, and moves journal and oil to where the next one should begin. Returns how far that is from
+    /// where this turn began, as a share of the clearance and of its content.
+    fn end_turn(&mut self) -> f64;
 
     /// Remembers the present state for [`take_back`](Self::take_back).
     fn keep(&mut self);

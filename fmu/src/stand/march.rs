@@ -1,5 +1,6 @@
 //! Communication steps: turn by turn, or with a leap over whole turns.
 
+use super::scout::Turn;
 use super::stuck::Stuck;
 use super::{EVENTS, Inputs, SCALES, Stand, State, Unknowns, temperatures, unknowns, worn};
 use crate::bearing::{Flows, Interval};
@@ -11,6 +12,8 @@ use fmu_export::model::Log;
 
 /// Shorter communication steps, in turns, are resolved turn by turn.
 const FEWEST_TURNS: f64 = 12.0;
+/// The same with a film that takes steps of its own.
+const FEWEST_TURNS_OF_A_FILM: f64 = 40.0;
 /// Turns that are resolved after a leap.
 const TURNS_AT_THE_END: usize = 1;
 /// The journal is near its orbit if a turn moves it by less than this share of the clearance.
@@ -25,6 +28,9 @@ const LANDING_SLACK: f64 = 10.0;
 const LOOSEST: f64 = 1e-3;
 /// Least number of steps of a transient film in a turn: load and speed vary linearly within one.
 const FILM_STEPS_PER_TURN: f64 = 100.0;
+/// The steps in the turns that lead a leap are longer by this factor. It changes their heat by 5e-5 and the journal's place by
+/// 3e-5 of the clearance (the rig, and Table 3).
+const ROUGH_STEPS: f64 = 3.0;
 /// The longest step of a transient film, s.
 const LONGEST_FILM_STEP: f64 = 2e-3;
 /// Internal steps that may be taken before any time has passed. The rig takes some tens to get going.
@@ -52,7 +58,7 @@ impl Stand {
     fn resolve_within(&mut self, slack: f64, span: f64) -> Result<(), Stuck> {
         let slack = slack.min(LOOSEST / self.solver.tolerance).max(1.0);
         if self.film.is_transient() {
-            return self.resolve_transient(span);
+            return self.resolve_transient(span, 1.0).map(|_| ());
         }
         let integrator = DormandPrince {
             allowed: SCALES.map(|scale| slack * self.solver.tolerance * scale),
@@ -107,9 +113,15 @@ impl Stand {
         }
     }
 
-    /// Lets `span` seconds pass with a transient film: in each step first the film advances, then the temperatures.
-    fn resolve_transient(&mut self, span: f64) -> Result<(), Stuck> {
-        let longest = LONGEST_FILM_STEP.min(self.period() / FILM_STEPS_PER_TURN);
+    /// Lets a turn pass with a transient film, in longer steps than those of other turns: its mean heat hardly depends on them.
+    pub(super) fn resolve_turn(&mut self) -> Result<Turn, Stuck> {
+        self.resolve_transient(self.period(), ROUGH_STEPS)
+    }
+
+    /// Lets `span` seconds pass with a transient film, in steps that are `longer` by a factor: in each of them first the film
+    /// advances, then the temperatures. Returns means over the span.
+    fn resolve_transient(&mut self, span: f64, longer: f64) -> Result<Turn, Stuck> {
+        let longest = longer * LONGEST_FILM_STEP.min(self.period() / FILM_STEPS_PER_TURN);
         let steps = (span / longest).ceil().max(1.0);
         if steps > MOST_FILM_STEPS {
             return Err(Stuck::TooLong(steps));
@@ -117,6 +129,7 @@ impl Stand {
         let step = span / steps;
         let mut spare = FILM_STEPS_AT_ONCE;
         let mut before = self.sense();
+        let mut mean = Turn::default();
         for done in 0..steps as usize {
             let load = [0.0, step].map(|tau| self.driven(tau).2);
             let speed = self.drive.speed(&self.command(), 0.5 * step);
@@ -136,6 +149,7 @@ impl Stand {
             spare = (spare + FILM_STEPS_PER_STEP)
                 .checked_sub(taken)
                 .ok_or_else(|| self.crawling(done as f64 * step, span))?;
+            mean.add(&flows, self.state.temperatures.film, 1.0 / steps);
             let temperatures = self.warm(step, &flows)?;
             self.state.worn += step * self.bearing.wear_rate(flows.boundary, speed);
             let angle = self.state.angle;
@@ -146,7 +160,7 @@ impl Stand {
             self.state.means.add(&part, self.state.angle - angle);
             before = now;
         }
-        Ok(())
+        Ok(mean)
     }
 
     /// What the physical stand's sensors read at present.
@@ -182,7 +196,7 @@ impl Stand {
     }
 
     /// Ends a part of the step: takes the unknowns over, and moves time, angle and inputs on by `span` seconds.
-    fn arrive(&mut self, span: f64, eccentricity: [f64; 2], temperatures: Temperatures) {
+    pub(super) fn arrive(&mut self, span: f64, eccentricity: [f64; 2], temperatures: Temperatures) {
         self.state.angle += self.drive.turned(&self.command(), span);
         self.state.time += span;
         self.state.eccentricity = eccentricity;
@@ -196,6 +210,9 @@ impl Stand {
     /// resolved, then it leaps, and the last turns are resolved. If there is no leap, the log says why, and all turns
     /// are resolved.
     pub(super) fn leap(&mut self, span: f64, log: &mut dyn Log) -> Result<(), Stuck> {
+        if self.film.is_transient() {
+            return self.leap_with_film(span, log);
+        }
         let before = self.state;
         let period = self.period();
         let mut slack = 1.0;
@@ -260,11 +277,16 @@ impl Stand {
         let steady = [speed, external_force, ambient_temperature]
             .iter()
             .all(|input| input.slope == 0.0);
+        let fewest = if self.film.is_transient() {
+            FEWEST_TURNS_OF_A_FILM
+        } else {
+            FEWEST_TURNS
+        };
         self.solver.multirate
             && steady
             && self.drive.fluctuation_amplitude == 0.0
-            && !self.film.is_transient()
-            && span > FEWEST_TURNS * self.period()
+            && !(self.film.is_transient() && self.wears())
+            && span > fewest * self.period()
     }
 
     pub(super) fn period(&self) -> f64 {

@@ -34,4 +34,4 @@ pub use quasi_static::{Boundary, Carried, NotConverged, QuasiStatic};
 pub use roughness::{RoughFilm, pressure_flow_factor, shear_flow_factor};
 pub use settings::{Cavitation, Drive, FilmError, FilmSettings};
 pub use stress::{pressure_stress_factor, shear_stress_factor, sliding_stress_factor};
-pub use transient::{Diagnostics, FilmState, ReynoldsFilm};
+pub use transient::{Diagnostics, FilmState, PeriodicSearch, ReynoldsFilm};

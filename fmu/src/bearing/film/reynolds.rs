@@ -9,7 +9,8 @@ use fmu_export::model::{Experiment, Fault};
 use journal_bearing::contact::ContactFamily;
 use journal_bearing::profile::Profile;
 use journal_bearing::reynolds::{
-    Cavitation, Drive, FilmError, FilmSettings, FilmState, Grid, ReynoldsFilm, RoughFilm,
+    Cavitation, Drive, FilmError, FilmSettings, FilmState, Grid, PeriodicSearch, ReynoldsFilm,
+    RoughFilm,
 };
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
@@ -30,15 +31,23 @@ pub struct ReynoldsJournal {
     contact: Arc<ContactFamily>,
     /// State, motion and clearance that [`keep`](TransientFilm::keep) remembers.
     #[serde(skip)]
-    kept: Kept,
+    kept: Passing<(FilmState, Motion, f64)>,
+    /// The search for the periodic orbit, while there is one.
+    #[serde(skip)]
+    search: Passing<PeriodicSearch>,
 }
 
-/// The state that [`keep`](TransientFilm::keep) remembers. It matters within one step only, so that clones go without it:
-/// a host may save a state before every step.
-#[derive(Debug, Default)]
-struct Kept(Option<Box<(FilmState, Motion, f64)>>);
+/// Something that matters within one step only, so that clones go without it: a host may save a state before every step.
+#[derive(Debug)]
+struct Passing<T>(Option<Box<T>>);
 
-impl Clone for Kept {
+impl<T> Default for Passing<T> {
+    fn default() -> Self {
+        Self(None)
+    }
+}
+
+impl<T> Clone for Passing<T> {
     fn clone(&self) -> Self {
         Self::default()
     }
@@ -81,7 +90,8 @@ impl JournalFilm for ReynoldsJournal {
             motion,
             plain,
             contact: Arc::default(),
-            kept: Kept::default(),
+            kept: Passing::default(),
+            search: Passing::default(),
         };
         film.prepare(bearing)?;
         Ok(film)
@@ -182,6 +192,17 @@ impl TransientFilm for ReynoldsJournal {
             side_flow: report.mean_outflow,
         };
         Ok((flows, report.steps))
+    }
+
+    fn seek_orbit(&mut self) {
+        self.search = Passing(Some(Box::new(self.film.seek_orbit())));
+    }
+
+    fn end_turn(&mut self) -> f64 {
+        let search = self.search.0.as_mut();
+        search.map_or(f64::INFINITY, |search| {
+            Arc::make_mut(&mut self.film).end_turn(search)
+        })
     }
 
     fn keep(&mut self) {

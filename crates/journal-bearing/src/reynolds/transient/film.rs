@@ -4,6 +4,7 @@ use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
 use super::diagnostics::Diagnostics;
+use super::periodic::PeriodicSearch;
 use super::stage::NoSolution;
 use super::state::State;
 use super::step::{Step, Stepper};
@@ -173,6 +174,20 @@ impl ReynoldsFilm {
         }
         self.work.restore(state);
         Ok(())
+    }
+
+    /// Begins the search for the periodic orbit of a load that repeats itself: the first turn starts here.
+    pub fn seek_orbit(&self) -> PeriodicSearch {
+        PeriodicSearch::new(self.work.state())
+    }
+
+    /// Ends a turn of a search, and moves the film to where the next one should begin. Returns how far that is from where this
+    /// turn began: the change of eccentricity ratio and content, root of the sum of both mean squares, 1. It is next to zero on
+    /// the orbit. Mass is not conserved when the film is moved.
+    pub fn end_turn(&mut self, search: &mut PeriodicSearch) -> f64 {
+        let (start, moved) = search.next(self.work.state());
+        self.work.restore(start);
+        moved
     }
 
     /// Lets `interval` seconds pass under `drive`, in internal steps of controlled error.

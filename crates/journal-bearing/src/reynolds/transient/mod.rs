@@ -7,6 +7,7 @@
 //! * `asperities`, `forces`, `way`: the journal in it.
 //! * `newton`, `landing`: the solution of one implicit stage.
 //! * `compression`, `evaluation`, `step`: one internal step of two stages, with its forces, flows and balances.
+//! * `periodic`: the search for the orbit that a turn of the load leads back to.
 //! * `film`: intervals of controlled error, and the public face.
 
 mod active_set;
@@ -26,6 +27,7 @@ mod lanes;
 mod linear;
 mod liquid;
 mod newton;
+mod periodic;
 mod stage;
 mod state;
 mod step;
@@ -40,3 +42,4 @@ mod tests;
 
 pub use diagnostics::Diagnostics;
 pub use film::{FilmState, ReynoldsFilm};
+pub use periodic::PeriodicSearch;

@@ -3,3 +3,4 @@
 mod compression;
 mod film;
 mod lives;
+mod periodic;

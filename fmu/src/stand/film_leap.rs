@@ -1,0 +1,88 @@
+//! Leaps of a film that takes steps of its own: turns of its approach to its orbit, the leap, and the turns of its landing.
+
+use super::scout::{NoFilmLeap, SETTLED, Scout, Turn, share};
+use super::stuck::Stuck;
+use super::{EVENTS, Stand};
+use crate::multirate::{Departure, NoLeap};
+use fmu_export::model::Log;
+
+/// Turns that are resolved before a leap at the most: as a number, and as a share of all.
+const APPROACH_TURNS: usize = 48;
+const APPROACH_SHARE: f64 = 0.2;
+/// Turns that are resolved after it.
+const LANDING_TURNS: usize = 2;
+
+impl Stand {
+    /// Lets `span` seconds pass with a leap over most of its turns. If there is none, the log says why, and all turns are
+    /// resolved.
+    pub(super) fn leap_with_film(&mut self, span: f64, log: &mut dyn Log) -> Result<(), Stuck> {
+        let (before, film) = (self.state, self.film.clone());
+        match self.leap_over_most(span) {
+            Ok(scout) => log.log(
+                EVENTS,
+                format_args!(
+                    "{} turns of the film at {} temperatures led the leap",
+                    scout.turns,
+                    scout.known.len()
+                ),
+            ),
+            Err(NoFilmLeap::Averaged(NoLeap::Closed(at))) => {
+                self.state.temperatures = at;
+                self.check_clearance()?;
+            }
+            Err(reason) => {
+                log.log(
+                    EVENTS,
+                    format_args!("no leap, all turns are resolved: {reason}"),
+                );
+                self.state = before;
+                self.film.clone_from(&film);
+            }
+        }
+        let done = self.resolve(span - (self.state.time - before.time));
+        if done.is_err() {
+            self.film = film;
+            self.film.keep();
+        }
+        done
+    }
+
+    /// Leaps over all but the last turns of `span` seconds.
+    fn leap_over_most(&mut self, span: f64) -> Result<Scout, NoFilmLeap> {
+        let period = self.period();
+        let whole = (span / period) as usize;
+        let most = APPROACH_TURNS.min((APPROACH_SHARE * whole as f64) as usize);
+        let mut resolved = Vec::new();
+        while resolved.len() < most && !repeats(&resolved, share(SETTLED, self)) {
+            resolved.push(self.resolve_turn()?);
+        }
+        let mut scout = Scout::new(self)?;
+        scout.look(self.state.temperatures)?;
+        scout.see_the_approach(&resolved)?;
+        let from = Departure {
+            before: self.state.eccentricity,
+            eccentricity: self.state.eccentricity,
+            temperatures: self.state.temperatures,
+            worn: self.state.worn,
+        };
+        let turns = whole - resolved.len() - LANDING_TURNS;
+        let end = scout.lead(turns, &from)?;
+        if let Some(film) = scout.nearest(&end) {
+            self.film = film;
+        }
+        let film = self.film.transient();
+        let eccentricity = film.map_or(from.eccentricity, |film| film.eccentricity());
+        self.arrive(turns as f64 * period, eccentricity, end);
+        self.state.means.restart();
+        Ok(scout)
+    }
+}
+
+/// Whether the last two turns have the same heat.
+fn repeats(turns: &[Turn], close: f64) -> bool {
+    let [.., before, last] = turns else {
+        return false;
+    };
+    let change = last.flows.minus(&before.flows);
+    change.viscous.abs() + change.boundary.abs() < close * last.flows.heat()
+}

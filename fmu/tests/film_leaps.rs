@@ -1,0 +1,107 @@
+//! Leaps of the Reynolds film against turns that are all resolved.
+
+#![allow(clippy::unwrap_used)]
+
+use fmu_export::model::{Experiment, Log, Model};
+use plain_bearing_stand::bearing::FilmModel;
+use plain_bearing_stand::sensors::Readings;
+use plain_bearing_stand::stand::Stand;
+use std::fmt;
+
+const NO_FILES: Experiment<'static> = Experiment {
+    start: 0.0,
+    stop: None,
+    tolerance: None,
+    resources: None,
+};
+
+#[derive(Default)]
+struct Messages(String);
+
+impl Log for Messages {
+    fn log(&mut self, _: &'static str, message: fmt::Arguments<'_>) {
+        self.0 += &format!("{message}\n");
+    }
+}
+
+impl Messages {
+    /// The number that stands before these words.
+    fn number(&self, words: &str) -> usize {
+        let before = self
+            .0
+            .split(words)
+            .next()
+            .filter(|text| text.len() < self.0.len());
+        let number = before.and_then(|text| text.split_whitespace().last());
+        number
+            .and_then(|number| number.parse().ok())
+            .unwrap_or_else(|| panic!("{}", self.0))
+    }
+}
+
+/// The fixed values of studies/paper-table3.toml: thick oil, a film with a heat capacity.
+fn table3(stand: &mut Stand) {
+    stand.bearing.surface.roughness = 0.0;
+    stand.oil.viscosity_scale = 70.71;
+    let thermal = &mut stand.thermal;
+    thermal.fresh_oil = 0.0;
+    thermal.film_capacity = 116.0;
+    thermal.film_bush = 0.1034;
+    thermal.film_shaft = 0.2951;
+    thermal.bush_capacity = 215.2;
+    thermal.shaft_capacity = 47.87;
+    thermal.bush_oil = 0.02625;
+    thermal.shaft_oil = 0.39;
+    thermal.oil_ambient = 0.5131;
+    thermal.initial_film_rise = -12.76;
+    thermal.initial_shaft_rise = 24.83;
+}
+
+/// The readings after `span` seconds in one step, and what the stand said.
+fn run(set: impl Fn(&mut Stand), multirate: bool, span: f64) -> (Readings, Messages) {
+    let mut stand = Stand::default();
+    set(&mut stand);
+    stand.film.model = FilmModel::Reynolds;
+    // Half as many columns take half the time, and leaps do not know of them.
+    (
+        stand.bearing.resolution.columns,
+        stand.bearing.resolution.rows,
+    ) = (48, 6);
+    stand.solver.multirate = multirate;
+    let mut log = Messages::default();
+    stand.initialise(&NO_FILES, &mut log).unwrap();
+    stand.advance(0.0, span, &mut log).unwrap();
+    (*stand.readings(), log)
+}
+
+/// One per cent of the tolerances of studies/paper-table3.toml: T_oil, T_bearing (K), F_N (N) and P_fr (W).
+fn check(set: impl Fn(&mut Stand), span: f64) -> usize {
+    let (leapt, log) = run(&set, true, span);
+    let (resolved, _) = run(&set, false, span);
+    for (found, expected, bound) in [
+        (leapt.oil_temperature, resolved.oil_temperature, 0.005),
+        (
+            leapt.bearing_temperature,
+            resolved.bearing_temperature,
+            0.006,
+        ),
+        (leapt.load_force, resolved.load_force, 0.5),
+        (leapt.friction_power, resolved.friction_power, 0.03),
+    ] {
+        assert!(
+            (found - expected).abs() < bound,
+            "{found} {expected}: {}",
+            log.0
+        );
+    }
+    log.number(" turns of the film")
+}
+
+#[test]
+fn a_leap_is_what_resolved_turns_are() {
+    // The rig, and a point of Table 3.
+    for set in [|_: &mut Stand| (), table3] {
+        let turns = check(set, 40.0);
+        assert!(turns < 30, "{turns} of 200 turns were needed");
+    }
+}
