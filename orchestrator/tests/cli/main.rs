@@ -13,6 +13,7 @@ mod interrupted;
 mod isolation;
 mod mistakes;
 mod mutations;
+mod optima;
 mod reuse;
 mod simulate;
 mod support;
