@@ -31,6 +31,11 @@ pub(super) trait Analysis {
         None
     }
 
+    /// Whether it keeps correlated parameters together.
+    fn takes_correlations(&self) -> bool {
+        false
+    }
+
     /// Asks for the points and says what they tell; tables of its own go into `folder`.
     fn find(
         &self,
@@ -88,7 +93,7 @@ pub(super) fn open(work: &Work, analysis: &dyn Analysis) -> Result<Session, Comm
         }),
         ..Request::default()
     })?;
-    if !session.plan.is_independent() {
+    if !session.plan.is_independent() && !analysis.takes_correlations() {
         let message = "this analysis takes every parameter on its own, and correlated ones cannot be changed alone; remove \
                        [[correlations]]";
         return Err(session.study.error(message).into());

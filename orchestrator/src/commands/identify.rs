@@ -1,6 +1,7 @@
 //! `identify`: finds the parameters that make the FMU's outputs most probable.
 
-use std::path::{Path, PathBuf};
+mod files;
+
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
@@ -16,16 +17,14 @@ use crate::identify::local::{End, Minimum};
 use crate::identify::model::FmuModel;
 use crate::identify::objective::Objective;
 use crate::identify::outcome::IdentificationOutcome;
-use crate::identify::posterior::Posterior;
 use crate::identify::search::{self, Progress, SearchError, search};
 use crate::identify::text;
 use crate::pipeline::Pipeline;
 use crate::pipeline::folder::RunFolder;
-use crate::results::{Header, ResultsError, write_atomically};
+use crate::results::{Header, ResultsError};
 use crate::session::{Asking, Request};
 use crate::study::Identification;
 use crate::study::Study;
-use crate::table::csv_file::{self, CsvFile, reason};
 use fmu_import::{Package, digest};
 use sampling::design::{Design, Method, Sampling};
 use sampling::distribution::Distribution;
@@ -90,8 +89,7 @@ pub(super) fn run(options: &Identify) -> Result<ExitCode, CommandError> {
         }
     };
     pipeline.end()?;
-    write(&folder, &study, &outcome)?;
-    write_cases(&folder, &study, &settings, &outcome)?;
+    files::write(&folder, &study, &settings, &outcome)?;
     let validation = outcome.cross_validation.as_ref();
     output::print(&format!(
         "{}{}results in {}\n",
@@ -142,7 +140,7 @@ fn header(
     settings: &Identification,
 ) -> Result<Header, CommandError> {
     let table = settings.cases.as_ref().map(|path| {
-        let path = beside(study, path.as_ref());
+        let path = files::beside(study, path.as_ref());
         std::fs::read(&path).map_err(ResultsError::io(&path))
     });
     Ok(Header {
@@ -175,16 +173,16 @@ fn find(
     };
     let model = FmuModel::new(bound, pipeline);
     let objective = Objective::new(&bound.problem, &model, settings.difference);
-    let searches = starts.len() + limits.descents.min(starts.len());
     let found = search(&objective, &starts, &limits, &|progress| {
-        model.say(so_far(progress, searches));
+        model.say(so_far(progress));
     });
-    let found = found.and_then(|(minimum, progress)| {
-        let posterior = Posterior::at(&objective, &minimum)?;
-        let outcome = IdentificationOutcome::new(&bound.problem, &minimum, &posterior, &progress);
+    let found = found.and_then(|(optima, progress)| {
+        let outcome = IdentificationOutcome::new(&bound.problem, &optima, &progress);
+        let (first, outcome) = optima.first().zip(outcome).ok_or(SearchError::NoTime)?;
+        let minimum = &first.minimum;
         let cross_validation = options
             .cross_validate
-            .then(|| validate(bound, &model, settings, &minimum, limits.deadline));
+            .then(|| validate(bound, &model, settings, minimum, limits.deadline));
         Ok(IdentificationOutcome {
             cross_validation: cross_validation.transpose()?,
             ..outcome
@@ -227,12 +225,15 @@ fn validate(
 }
 
 /// How far a search has got, for people.
-fn so_far(progress: &Progress, searches: usize) -> String {
-    let done = progress.screened.len() + progress.descents.len();
+fn so_far(progress: &Progress) -> String {
     let best = progress.best().map_or_else(String::new, |best| {
         format!(", sum of squares {:.4}", best.cost)
     });
-    format!("{done} of {searches} searches{best}")
+    format!(
+        "{} starts screened, {} followed down{best}",
+        progress.screened.len(),
+        progress.descents.len()
+    )
 }
 
 /// Starts from a scrambled Sobol net between the bounds.
@@ -247,92 +248,4 @@ fn starts(study: &Study, settings: &Identification) -> Result<Vec<Vec<f64>>, Com
     let design = Design::new(&design, vec![place; settings.free.len()])
         .map_err(|message| study.error(format!("[identify] {message}")))?;
     Ok((0..design.len()).map(|index| design.point(index)).collect())
-}
-
-fn write(
-    folder: &Path,
-    study: &Study,
-    outcome: &IdentificationOutcome,
-) -> Result<(), CommandError> {
-    write_atomically(&folder.join("identification.json"), |out| {
-        serde_json::to_writer_pretty(&mut *out, outcome)?;
-        writeln!(out)
-    })?;
-    let name = study
-        .path()
-        .file_name()
-        .unwrap_or_default()
-        .to_string_lossy();
-    write_atomically(&folder.join("optimum.toml"), |out| {
-        write!(out, "{}", text::fixed_section(&name, outcome))
-    })?;
-    let path = folder.join("cross-validation.csv");
-    let Some(validation) = &outcome.cross_validation else {
-        // One of an earlier run would be taken for this one's.
-        return match std::fs::remove_file(&path) {
-            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-                Err(ResultsError::io(&path)(error).into())
-            }
-            _ => Ok(()),
-        };
-    };
-    write_atomically(&path, |out| {
-        let mut table = csv::Writer::from_writer(out);
-        table.write_record(cross::text::HEAD)?;
-        for row in cross::text::rows(validation) {
-            table.write_record(row.iter().map(|text| csv_file::cell(text).into_owned()))?;
-        }
-        table.flush()
-    })?;
-    Ok(())
-}
-
-/// The table of cases with the latent parameters' most probable values in place of what it had.
-fn write_cases(
-    folder: &Path,
-    study: &Study,
-    settings: &Identification,
-    outcome: &IdentificationOutcome,
-) -> Result<(), CommandError> {
-    let Some(path) = &settings.cases else {
-        return Ok(());
-    };
-    let path = beside(study, path.as_ref());
-    let failed = |error: csv::Error| ResultsError::Content {
-        path: path.clone(),
-        message: reason(&error),
-    };
-    let mut reader = CsvFile::open(&path, Some(b'#')).map_err(failed)?.reader;
-    let header = reader.headers().map_err(failed)?.clone();
-    let latents = settings.latent.values();
-    let places: Vec<Option<usize>> = latents
-        .map(|latent| {
-            header
-                .iter()
-                .position(|name| Some(csv_file::text(name)) == latent.column.as_deref())
-        })
-        .collect();
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    let safe = |text: &str| csv_file::cell(csv_file::text(text)).into_owned();
-    let names = header.iter().map(safe);
-    writer.write_record(names).map_err(failed)?;
-    for (record, case) in reader.records().zip(&outcome.cases) {
-        let mut cells: Vec<String> = record.map_err(failed)?.iter().map(str::to_owned).collect();
-        for (place, latent) in places.iter().zip(&case.latents) {
-            if let Some(cell) = place.and_then(|place| cells.get_mut(place)) {
-                *cell = text::digits(latent.value).to_string();
-            }
-        }
-        writer
-            .write_record(cells.iter().map(|text| safe(text)))
-            .map_err(failed)?;
-    }
-    let bytes = writer.into_inner().unwrap_or_default();
-    write_atomically(&folder.join("cases.csv"), |out| out.write_all(&bytes))?;
-    Ok(())
-}
-
-/// A path that the study gives relative to itself.
-fn beside(study: &Study, path: &Path) -> PathBuf {
-    study.path().parent().unwrap_or("".as_ref()).join(path)
 }

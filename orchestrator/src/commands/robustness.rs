@@ -22,7 +22,7 @@ use crate::session::Session;
 use crate::study::Study;
 use crate::study::plan::Plan;
 use confirm::Confirmation;
-use sampling::design::cube;
+use sampling::design::{Design, Method, Sampling, cube};
 
 pub(super) const NAME: &str = "robustness";
 
@@ -55,8 +55,11 @@ pub(super) fn run(options: &cli::Robustness) -> Result<ExitCode, CommandError> {
         let message = "without new runs there is nothing to resume or to share; add --confirm N";
         return Err(option("confirm", message));
     }
-    // Without the FMU there are no new runs, but all else can be told.
-    let session = session.ok();
+    // Without the FMU there are no new runs, but all else can be told, unless it takes the study's correlations.
+    let session = match session {
+        Err(error) if !study.correlations.is_empty() => return Err(error),
+        other => other.ok(),
+    };
     let plan = session.as_ref().map(|session| &session.plan);
     let (origin, points, cloud) = analysis.known(&study, plan)?;
     let result = analysis.stated(&points, &cloud)?;
@@ -143,6 +146,10 @@ impl Analysis for Stated {
         })
     }
 
+    fn takes_correlations(&self) -> bool {
+        true
+    }
+
     fn find(
         &self,
         session: &Session,
@@ -174,12 +181,26 @@ fn cloud(
     const SIZE: u64 = 32_768;
     let own = || table.parameters.iter().map(|p| &p.name);
     match plan {
+        Some(plan) if plan.inputs.iter().map(|i| &i.name).eq(own()) && !plan.is_independent() => {
+            let points = joint(plan, SIZE, seed).map_err(|m| option("seed", &m))?;
+            Ok((0..SIZE).map(|index| points.point(index)).collect())
+        }
         Some(plan) if plan.inputs.iter().map(|i| &i.name).eq(own()) => {
             let cube = cube(plan.varied().len(), SIZE, seed, 1).map_err(|m| option("seed", &m))?;
             Ok(cube.iter().map(|u| plan.from_cube(u)).collect())
         }
         _ => Ok(region::cloud(&rows(table), seed)),
     }
+}
+
+/// Independent points of the study's joint distribution, correlations included.
+fn joint(plan: &Plan, points: u64, seed: u64) -> Result<Design, String> {
+    plan.design(&Sampling {
+        method: Method::MonteCarlo,
+        points,
+        seed,
+        ..Sampling::default()
+    })
 }
 
 /// How runs of the model compare with a stated probability, in words.
@@ -202,7 +223,7 @@ fn evidence(stated: f64, own: Confirmed, fresh: Option<Confirmed>) -> String {
 }
 
 fn text(result: &Robustness) -> String {
-    let mut out = String::from("surrogates, by leave-one-out");
+    let mut out = format!("{}\n\nsurrogates, by leave-one-out", result.answer.words());
     if result.further_runs > 0 {
         let further = result.further_runs;
         out += &format!(" (refined with {further} further runs in box and ellipsoid)");

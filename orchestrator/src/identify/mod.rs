@@ -3,7 +3,8 @@
 //!
 //! - [`problem`] says what is to be found, and from what;
 //! - [`objective`] is the weighted sum of squares over all cases;
-//! - [`local`] goes down to the nearest minimum, [`search`] finds the deepest one;
+//! - [`local`] goes down to the nearest minimum, [`search`] does so from many starts;
+//! - [`optima`] tells which of the ends are distinct, and what part of the posterior each has;
 //! - [`posterior`] says how well the data determine it;
 //! - [`cross`] leaves out one case at a time and predicts it from the others.
 //!
@@ -20,6 +21,9 @@ pub mod error;
 pub mod local;
 pub mod model;
 pub mod objective;
+pub mod optima;
+#[cfg(test)]
+mod optima_tests;
 pub mod outcome;
 pub mod posterior;
 pub mod problem;

@@ -5,8 +5,9 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::cross::outcome::CrossValidation;
 use super::local::{End, Minimum};
+use super::optima::Optimum;
 use super::posterior::{Direction, Posterior, UNDETERMINED};
-use super::problem::Problem;
+use super::problem::{Interval, Latent, Problem};
 use super::search::Progress;
 use crate::study::identification::Spacing;
 
@@ -16,9 +17,14 @@ const NINETY_FIVE: f64 = 1.959_964;
 /// An unknown closer to its bound than this part of their distance counts as at it.
 const AT_BOUND: f64 = 1e-6;
 
-/// The result of an identification.
+/// The result of an identification. Where there are several optima, `free`, `correlations`, `directions`, `cases`,
+/// `worst` and the sums are those of the first of them, which has the largest part of the posterior.
 #[derive(Clone, Debug, Serialize)]
 pub struct IdentificationOutcome {
+    /// Whether several distinct sets of parameters could be the right one: then none of them is the value.
+    pub ambiguous: bool,
+    /// All of them.
+    pub optima: Vec<OptimumOutcome>,
     /// Why the last search ended.
     pub end: End,
     /// The sum of the weighted squares of all misfits: data and priors.
@@ -44,6 +50,23 @@ pub struct IdentificationOutcome {
     /// Each case predicted from the others, where that was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cross_validation: Option<CrossValidation>,
+}
+
+/// A set of parameters that could be the right one: a minimum of the sum of squares.
+#[derive(Clone, Debug, Serialize)]
+pub struct OptimumOutcome {
+    /// Its part of the posterior probability of all optima found, by their Gaussian approximations.
+    pub weight: f64,
+    /// The sum of squares.
+    pub cost: f64,
+    /// Why its search ended.
+    pub end: End,
+    /// How many local searches ended at it.
+    pub reached: usize,
+    /// The free parameters.
+    pub free: Vec<FreeOutcome>,
+    /// The latent parameters of the cases.
+    pub latents: Vec<Vec<LatentOutcome>>,
 }
 
 /// A free parameter.
@@ -145,13 +168,11 @@ pub struct SearchOutcome {
 }
 
 impl IdentificationOutcome {
-    /// Gathers what was found.
-    pub fn new(
-        problem: &Problem,
-        minimum: &Minimum,
-        posterior: &Posterior,
-        progress: &Progress,
-    ) -> Self {
+    /// Gathers what was found. `None` of no optimum.
+    pub fn new(problem: &Problem, optima: &[Optimum], progress: &Progress) -> Option<Self> {
+        let Optimum {
+            minimum, posterior, ..
+        } = optima.first()?;
         let n = problem.free.len();
         let values = problem.values();
         let cost = minimum.misfit.cost();
@@ -164,7 +185,9 @@ impl IdentificationOutcome {
         let degrees_of_freedom = minimum.misfit.residuals.len().saturating_sub(inside);
         let probability = ChiSquared::new(degrees_of_freedom as f64).ok();
         let correlation = |a| (0..n).map(|b| posterior.correlation(a, b)).collect();
-        Self {
+        Some(Self {
+            ambiguous: optima.len() > 1,
+            optima: optima.iter().map(|own| optimum(problem, own)).collect(),
             end: minimum.end,
             cost,
             data_cost,
@@ -187,7 +210,25 @@ impl IdentificationOutcome {
                 .collect(),
             search: searches(progress),
             cross_validation: None,
-        }
+        })
+    }
+}
+
+fn optimum(problem: &Problem, own: &Optimum) -> OptimumOutcome {
+    let Optimum {
+        minimum, posterior, ..
+    } = own;
+    OptimumOutcome {
+        weight: own.weight,
+        cost: minimum.misfit.cost(),
+        end: minimum.end,
+        reached: own.reached,
+        free: (0..problem.free.len())
+            .map(|index| free(problem, minimum, posterior, index))
+            .collect(),
+        latents: (0..problem.cases.len())
+            .map(|case| latents(problem, minimum, posterior, case))
+            .collect(),
     }
 }
 
@@ -235,16 +276,6 @@ fn direction(problem: &Problem, direction: &Direction) -> DirectionOutcome {
 
 fn case(problem: &Problem, minimum: &Minimum, posterior: &Posterior, index: usize) -> CaseOutcome {
     let case = &problem.cases[index];
-    let unknowns = problem.latents_of(index);
-    let latent = |((latent, interval), unknown): ((_, &super::problem::Interval), usize)| {
-        let latent: &super::problem::Latent = latent;
-        LatentOutcome {
-            name: latent.name.clone(),
-            value: interval.value(minimum.places[unknown]),
-            deviation: posterior.deviation(unknown) * (interval.max - interval.min),
-            interval: [interval.min, interval.max],
-        }
-    };
     let residual = |((quantity, measured), &predicted): (
         (&super::problem::Quantity, &super::problem::Measured),
         &f64,
@@ -260,13 +291,7 @@ fn case(problem: &Problem, minimum: &Minimum, posterior: &Posterior, index: usiz
     let predicted = &minimum.misfit.predicted[index];
     CaseOutcome {
         label: case.label.clone(),
-        latents: problem
-            .latents
-            .iter()
-            .zip(&case.latents)
-            .zip(unknowns)
-            .map(latent)
-            .collect(),
+        latents: latents(problem, minimum, posterior, index),
         residuals: problem
             .quantities
             .iter()
@@ -275,6 +300,25 @@ fn case(problem: &Problem, minimum: &Minimum, posterior: &Posterior, index: usiz
             .map(residual)
             .collect(),
     }
+}
+
+fn latents(
+    problem: &Problem,
+    minimum: &Minimum,
+    posterior: &Posterior,
+    index: usize,
+) -> Vec<LatentOutcome> {
+    let intervals = problem.latents.iter().zip(&problem.cases[index].latents);
+    let latent = |((latent, interval), unknown): ((&Latent, &Interval), usize)| LatentOutcome {
+        name: latent.name.clone(),
+        value: interval.value(minimum.places[unknown]),
+        deviation: posterior.deviation(unknown) * (interval.max - interval.min),
+        interval: [interval.min, interval.max],
+    };
+    intervals
+        .zip(problem.latents_of(index))
+        .map(latent)
+        .collect()
 }
 
 fn worst(problem: &Problem, minimum: &Minimum, quantity: usize) -> WorstOutcome {

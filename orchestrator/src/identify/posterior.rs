@@ -6,7 +6,7 @@
 //! direction by direction: the eigenvectors of the posterior covariance in units of the prior's
 //! (Spantini et al. 2015, SIAM J. Sci. Comput. 37, A2451-A2487, section 2).
 
-use nalgebra::{Cholesky, DMatrix};
+use nalgebra::{Cholesky, DMatrix, DVector};
 use serde::Serialize;
 
 use super::local::Minimum;
@@ -26,6 +26,10 @@ pub const UNDETERMINED: f64 = 0.5;
 pub struct Posterior {
     /// Covariance of all unknowns, the free parameters first.
     pub covariance: DMatrix<f64>,
+    /// Its inverse.
+    precision: DMatrix<f64>,
+    /// The logarithm of the posterior's volume (the root of the covariance's determinant) but for a constant.
+    pub log_volume: f64,
     /// Precision of the free parameters' places before the measurement.
     pub prior: Vec<f64>,
     /// Directions in the space of the free parameters, the least determined first.
@@ -65,11 +69,13 @@ impl Posterior {
             precision[(index, index)] += UNIFORM;
         }
         let rough = "the curvature at the minimum is not positive: the simulations are too rough";
-        let covariance = Cholesky::new(precision)
-            .ok_or_else(|| NoPrediction::Here(rough.to_owned()))?
-            .inverse();
+        let factor =
+            Cholesky::new(precision.clone()).ok_or_else(|| NoPrediction::Here(rough.to_owned()))?;
+        let covariance = factor.inverse();
         let directions = directions(&covariance, &prior);
         Ok(Self {
+            log_volume: -factor.l_dirty().diagonal().map(f64::ln).sum(),
+            precision,
             covariance,
             prior,
             directions,
@@ -79,6 +85,12 @@ impl Posterior {
     /// The standard deviation of an unknown's place.
     pub fn deviation(&self, unknown: usize) -> f64 {
         self.covariance[(unknown, unknown)].sqrt()
+    }
+
+    /// The squared distance of two sets of places, in standard deviations of the posterior.
+    pub fn distance(&self, a: &[f64], b: &[f64]) -> f64 {
+        let way = DVector::from_iterator(a.len(), a.iter().zip(b).map(|(a, b)| a - b));
+        (&self.precision * &way).dot(&way)
     }
 
     /// The correlation of two unknowns.

@@ -6,6 +6,7 @@ use statrs::distribution::{ContinuousCDF, Normal};
 
 use super::local::Minimum;
 use super::objective::Objective;
+use super::optima::Optimum;
 use super::posterior::Posterior;
 use super::problem::{
     Case, Free, Interval, Latent, Measured, NoPrediction, Prediction, Problem, Quantity, Query,
@@ -125,9 +126,10 @@ fn identify(objective: &Objective<'_>) -> (Minimum, Posterior) {
         deadline: None,
     };
     let starts = starts(objective.problem.free.len(), 32);
-    let (minimum, _) = search(objective, &starts, &settings, &|_| ()).unwrap();
-    let posterior = Posterior::at(objective, &minimum).unwrap();
-    (minimum, posterior)
+    let (mut optima, _) = search(objective, &starts, &settings, &|_| ()).unwrap();
+    assert_eq!(optima.len(), 1, "there is one minimum");
+    let only = optima.remove(0);
+    (only.minimum, only.posterior)
 }
 
 #[test]
@@ -235,11 +237,17 @@ fn a_search_asks_for_the_same_points_again_and_goes_on_where_it_stopped() {
         };
         let objective = Objective::new(&problem, &model, 1e-4);
         match search(&objective, &starts, &settings, &|_| ()) {
-            Ok((minimum, _)) => break minimum,
+            Ok((optima, _)) => break optima,
             Err(SearchError::Stopped) => stops += 1,
             Err(error) => panic!("{error}"),
         }
     };
     assert!(stops > 2, "{stops}");
-    assert_eq!(whole.places, resumed.places);
+    let places = |optima: &[Optimum]| -> Vec<Vec<f64>> {
+        optima
+            .iter()
+            .map(|own| own.minimum.places.clone())
+            .collect()
+    };
+    assert_eq!(places(&whole), places(&resumed));
 }

@@ -1,4 +1,4 @@
-//! The deepest minimum: many local searches from a space-filling set of starts.
+//! The deepest minima: many local searches from a space-filling set of starts.
 //!
 //! Multi-start Levenberg-Marquardt is the strategy that served best in the comparison of Raue et
 //! al. 2013 (Lessons learned from quantitative dynamical modeling in systems biology, PLoS ONE 8,
@@ -8,14 +8,17 @@
 
 use std::time::Instant;
 
+use statrs::function::gamma::ln_gamma;
+
 use super::local::{End, Limits, Minimum, minimise};
 use super::objective::{Differences, Objective};
+use super::optima::{Optima, Optimum};
 use super::problem::NoPrediction;
 
 /// How much to search.
 #[derive(Clone, Copy, Debug)]
 pub struct Effort {
-    /// How many of the screened starts are followed down to a minimum.
+    /// How many of the screened starts are followed down for each minimum that is found.
     pub descents: usize,
     /// The most iterations of each.
     pub iterations: usize,
@@ -92,7 +95,8 @@ impl From<NoPrediction> for SearchError {
 /// How many simulations are requested at a time while starts are screened.
 const TOGETHER: usize = 64;
 
-/// Searches from starts (free parameters as places), and tells how far it has got.
+/// Searches from starts (free parameters as places), and tells how far it has got. What comes back are the distinct
+/// minima that could be the right one, that with the largest part of the posterior first.
 ///
 /// # Errors
 /// When nothing can be simulated, or time is up before anything was.
@@ -101,7 +105,7 @@ pub fn search(
     starts: &[Vec<f64>],
     settings: &Effort,
     observe: &dyn Fn(&Progress),
-) -> Result<(Minimum, Progress), SearchError> {
+) -> Result<(Vec<Optimum>, Progress), SearchError> {
     let in_time = || {
         settings
             .deadline
@@ -125,35 +129,66 @@ pub fn search(
     if progress.screened.is_empty() {
         return Err(SearchError::NoTime);
     }
-    let ranked = ranked(&progress.screened);
-    let Some(&first) = ranked.first() else {
+    let order = order(starts, &progress.screened);
+    let Some(&first) = order.first() else {
         return Err(SearchError::NoStart(progress.screened.len(), last_error));
     };
+    let deepest = Limits {
+        iterations: 2 * settings.iterations,
+        decrease: 1e-7,
+        deadline: settings.deadline,
+    };
+    let mut optima = Optima::new(objective, deepest);
+    let mut queue = order.into_iter();
+    // As many descents for each minimum: where there are several, there may be more.
+    while progress.descents.len() < settings.descents * optima.count().max(1) {
+        let quota = settings.descents * optima.count().max(1) - progress.descents.len();
+        let batch: Vec<usize> = queue.by_ref().take(quota).collect();
+        if batch.is_empty() || !in_time() {
+            break;
+        }
+        let ends = descend(objective, starts, &batch, settings, &mut progress, observe)?;
+        for end in ends {
+            optima.add(&end.places, end.cost)?;
+        }
+    }
+    if optima.count() == 0 {
+        let start = unknowns(objective, &starts[first]);
+        let cost = objective.misfit(&start)?.cost();
+        optima.add(&start, cost)?;
+    }
+    let mut found = optima.weighed();
+    if !in_time() {
+        // Further minima may have been missed.
+        found.iter_mut().for_each(|own| own.minimum.end = End::Time);
+    }
+    Ok((found, progress))
+}
+
+/// Follows starts down; the ends come with the deepest first.
+fn descend(
+    objective: &Objective<'_>,
+    starts: &[Vec<f64>],
+    batch: &[usize],
+    settings: &Effort,
+    progress: &mut Progress,
+    observe: &dyn Fn(&Progress),
+) -> Result<Vec<Found>, SearchError> {
     let limits = Limits {
         iterations: settings.iterations,
         decrease: 1e-4,
         deadline: settings.deadline,
     };
-    for &start in ranked.iter().take(settings.descents) {
-        if progress
-            .descents
-            .iter()
-            .any(|descent| descent.start == start)
-            || !in_time()
-        {
-            continue;
-        }
+    let mut ends: Vec<Found> = Vec::new();
+    for &start in batch {
         let from = unknowns(objective, &starts[start]);
         let minimum = match minimise(objective, from, &[], Differences::Forward, &limits) {
             Err(NoPrediction::Stopped) => return Err(SearchError::Stopped),
             other => other.ok(),
         };
         // One that time cut short is no minimum.
-        if minimum
-            .as_ref()
-            .is_some_and(|minimum| minimum.end == End::Time)
-            && progress.best().is_some()
-        {
+        let cut = |minimum: &Minimum| minimum.end == End::Time;
+        if minimum.as_ref().is_some_and(cut) && progress.best().is_some() {
             break;
         }
         let found = minimum.map(|minimum| Found {
@@ -161,18 +196,12 @@ pub fn search(
             places: minimum.places,
             end: minimum.end,
         });
+        ends.extend(found.clone());
         progress.descents.push(Descent { start, found });
-        observe(&progress);
+        observe(progress);
     }
-    let from = progress.best().map(|found| found.places.clone());
-    let from = from.unwrap_or_else(|| unknowns(objective, &starts[first]));
-    let limits = Limits {
-        iterations: 2 * settings.iterations,
-        decrease: 1e-7,
-        ..limits
-    };
-    let minimum = minimise(objective, from, &[], Differences::Central, &limits)?;
-    Ok((minimum, progress))
+    ends.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    Ok(ends)
 }
 
 /// All unknowns at a start: latent parameters begin in the middle of their intervals.
@@ -182,13 +211,36 @@ fn unknowns(objective: &Objective<'_>, free: &[f64]) -> Vec<f64> {
     places
 }
 
-/// The starts that could be simulated, the best first.
-fn ranked(screened: &[Option<f64>]) -> Vec<usize> {
-    let mut order: Vec<(usize, f64)> = screened
-        .iter()
-        .enumerate()
-        .filter_map(|(i, cost)| Some((i, (*cost)?)))
-        .collect();
-    order.sort_by(|a, b| a.1.total_cmp(&b.1));
-    order.into_iter().map(|(index, _)| index).collect()
+/// The starts that could be simulated, in the order in which they are followed. Those without a better one near them
+/// come first: they lead to different minima, while the best of all may all lead to the same. Near is what multi-level
+/// single linkage calls so (Rinnooy Kan & Timmer 1987, Stochastic global optimization methods II, Mathematical
+/// Programming 39, 57-78, equation 3 with sigma = 2). Among each kind the best come first.
+fn order(starts: &[Vec<f64>], screened: &[Option<f64>]) -> Vec<usize> {
+    let costs = screened.iter().enumerate();
+    let mut ranked: Vec<(usize, f64)> = costs.filter_map(|(i, cost)| Some((i, (*cost)?))).collect();
+    ranked.sort_by(|a, b| a.1.total_cmp(&b.1));
+    let near = linkage(ranked.len(), starts.first().map_or(0, Vec::len));
+    let square = |a: usize, b: usize| -> f64 {
+        let pairs = starts[a].iter().zip(&starts[b]);
+        pairs.map(|(a, b)| (a - b).powi(2)).sum()
+    };
+    let leads = |place: usize| {
+        let better = &ranked[..place];
+        let own = ranked[place].0;
+        better
+            .iter()
+            .all(|&(other, _)| square(own, other) > near * near)
+    };
+    let places = 0..ranked.len();
+    let (first, later): (Vec<usize>, Vec<usize>) = places.partition(|&place| leads(place));
+    let indexes = first.into_iter().chain(later);
+    indexes.map(|place| ranked[place].0).collect()
+}
+
+/// The critical distance of multi-level single linkage in the unit cube.
+fn linkage(starts: usize, dimensions: usize) -> f64 {
+    const SIGMA: f64 = 2.0;
+    let (n, d) = (starts.max(1) as f64, dimensions.max(1) as f64);
+    let part = SIGMA * n.ln() / n;
+    ((ln_gamma(1.0 + 0.5 * d) + part.ln()) / d).exp() / std::f64::consts::PI.sqrt()
 }

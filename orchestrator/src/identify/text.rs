@@ -6,9 +6,15 @@ use super::local::End;
 use super::outcome::{FreeOutcome, IdentificationOutcome};
 
 /// The free parameters as the section `[fixed]` of a study.
-pub fn fixed_section(study: &str, outcome: &IdentificationOutcome) -> String {
-    let mut text = format!("# The optimum of {study}.\n[fixed]\n");
-    for free in &outcome.free {
+pub fn fixed_section(study: &str, place: usize, outcome: &IdentificationOutcome) -> String {
+    let mut text = match outcome.optima.len() {
+        0 | 1 => format!("# The optimum of {study}.\n[fixed]\n"),
+        of => format!(
+            "# Optimum {} of {of} of {study}: the data do not tell which.\n[fixed]\n",
+            place + 1
+        ),
+    };
+    for free in outcome.optima.get(place).iter().flat_map(|own| &own.free) {
         let number = digits(free.value);
         let _ = match &free.unit {
             Some(unit) if unit != "1" => writeln!(text, "\"{}\" = \"{number} {unit}\"", free.name),
@@ -21,16 +27,40 @@ pub fn fixed_section(study: &str, outcome: &IdentificationOutcome) -> String {
 /// A summary for people.
 pub fn summary(outcome: &IdentificationOutcome) -> String {
     let mut text = String::new();
-    parameters(&mut text, outcome);
+    if outcome.ambiguous {
+        several(&mut text, outcome);
+    } else {
+        parameters(&mut text, &outcome.free);
+    }
     undetermined(&mut text, outcome);
     residuals(&mut text, outcome);
     goodness(&mut text, outcome);
     text
 }
 
-fn parameters(text: &mut String, outcome: &IdentificationOutcome) {
-    let width = outcome
-        .free
+/// All optima, where no single one is the value.
+fn several(text: &mut String, outcome: &IdentificationOutcome) {
+    let _ = writeln!(
+        text,
+        "{} distinct sets of parameters fit the measured values, and none of them is \"the\" value: further \
+         measurements must decide.",
+        outcome.optima.len()
+    );
+    for (place, own) in outcome.optima.iter().enumerate() {
+        let _ = writeln!(
+            text,
+            "\noptimum {}: {:.3} % of the posterior, sum of squares {}, reached by {} searches",
+            place + 1,
+            100.0 * own.weight,
+            digits(own.cost),
+            own.reached
+        );
+        parameters(text, &own.free);
+    }
+}
+
+fn parameters(text: &mut String, parameters: &[FreeOutcome]) {
+    let width = parameters
         .iter()
         .map(|free| free.name.len())
         .max()
@@ -40,7 +70,7 @@ fn parameters(text: &mut String, outcome: &IdentificationOutcome) {
         "{:width$}  {:>11}  95 % interval",
         "parameter", "value"
     );
-    for free in &outcome.free {
+    for free in parameters {
         let unit = free
             .unit
             .as_deref()
@@ -75,11 +105,19 @@ fn undetermined(text: &mut String, outcome: &IdentificationOutcome) {
         .iter()
         .filter(|d| d.undetermined)
         .collect();
+    let beside = if outcome.ambiguous {
+        " at optimum 1"
+    } else {
+        ""
+    };
     if open.is_empty() {
-        let _ = writeln!(text, "\nThe data determine every parameter.");
+        // Around each of several optima they may do so; which one is right they do not tell.
+        if !outcome.ambiguous {
+            let _ = writeln!(text, "\nThe data determine every parameter.");
+        }
         return;
     }
-    let _ = writeln!(text, "\nThe data do not determine:");
+    let _ = writeln!(text, "\nThe data do not determine{beside}:");
     for direction in open {
         let left = 100.0 * direction.left;
         let names: Vec<String> = direction
@@ -104,6 +142,9 @@ fn undetermined(text: &mut String, outcome: &IdentificationOutcome) {
 }
 
 fn residuals(text: &mut String, outcome: &IdentificationOutcome) {
+    if outcome.ambiguous {
+        let _ = write!(text, "\nAt optimum 1:");
+    }
     let _ = write!(text, "\n{:>8}", "case");
     if let Some(first) = outcome.cases.first() {
         for latent in &first.latents {
@@ -165,23 +206,31 @@ fn goodness(text: &mut String, outcome: &IdentificationOutcome) {
             "the model misses the measurement by more than the stated accuracies allow"
         );
     }
-    let close = search
-        .minima
-        .iter()
-        .filter(|cost| **cost < 1.05 * outcome.cost + 0.1)
-        .count();
     let _ = writeln!(
         text,
-        "{} starts screened ({} failed), {} followed down, {close} of these to about this minimum",
+        "{} starts screened ({} failed), {} followed down, {}",
         search.screened,
         search.failed,
-        search.minima.len()
+        search.minima.len(),
+        ends(outcome)
     );
     if outcome.end != End::Converged {
         let _ = writeln!(
             text,
             "the search ended before it converged; --resume goes on"
         );
+    }
+}
+
+/// Where the local searches ended.
+fn ends(outcome: &IdentificationOutcome) -> String {
+    match &outcome.optima[..] {
+        [only] => format!("{} of these to this minimum", only.reached),
+        several => {
+            let reached = several.iter().map(|own| own.reached.to_string());
+            let reached: Vec<String> = reached.collect();
+            format!("of these {} to the optima above", reached.join(", "))
+        }
     }
 }
 

@@ -13,6 +13,8 @@ mod interrupted;
 mod isolation;
 mod mistakes;
 mod mutations;
+mod optima;
+mod regions;
 mod reuse;
 mod simulate;
 mod support;

@@ -39,6 +39,19 @@ impl Bench {
         self.folder.path().join(name)
     }
 
+    /// A folder with `functions.fmu` in it: analytic functions of x1 to x30.
+    pub fn functions() -> Self {
+        let bench = Self::empty();
+        let binary = bench.compiled("functions", &[]);
+        let description = functions();
+        let entries: [(&str, &[u8]); 2] = [
+            ("modelDescription.xml", description.as_bytes()),
+            ("binaries/linux64/functions.so", &binary),
+        ];
+        bench.zip("functions.fmu", &entries);
+        bench
+    }
+
     /// Compiles the fixture with these macros and packs it with a model description.
     pub fn fmu(&self, name: &str, macros: &[&str], description: &str) {
         let binary = self.binary(macros);
@@ -51,13 +64,18 @@ impl Bench {
 
     /// The fixture, compiled with these macros.
     pub fn binary(&self, macros: &[&str]) -> Vec<u8> {
-        let source = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/fixtures/lag.c");
-        let binary = self.path("lag.so");
+        self.compiled("lag", macros)
+    }
+
+    fn compiled(&self, fixture: &str, macros: &[&str]) -> Vec<u8> {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/fixtures");
+        let source = format!("{folder}/{fixture}.c");
+        let binary = self.path(&format!("{fixture}.so"));
         let status = Command::new("cc")
             .args(["-shared", "-fPIC", "-O2", "-o"])
             .arg(&binary)
             .args(macros.iter().map(|name| format!("-D{name}")))
-            .args([source, "-lm"])
+            .args([&source, "-lm"])
             .status()
             .unwrap();
         assert!(status.success());
@@ -118,6 +136,40 @@ impl Said {
             assert!(self.err.contains(word), "no `{word}` in: {}", self.err);
         }
     }
+}
+
+/// The outputs of `functions.c`, from value reference 101 on.
+const OUTPUTS: [&str; 6] = ["wave", "first", "second", "ripple", "product", "radius"];
+
+/// The model description of `functions.c`.
+fn functions() -> String {
+    let parameter = |k: usize| {
+        format!(
+            r#"<ScalarVariable name="x{k}" valueReference="{k}" causality="parameter" variability="fixed"><Real start="0.5"/></ScalarVariable>"#
+        )
+    };
+    let output = |(k, name): (usize, &&str)| {
+        let reference = 101 + k;
+        format!(
+            r#"<ScalarVariable name="{name}" valueReference="{reference}" causality="output"><Real/></ScalarVariable>"#
+        )
+    };
+    let variables: String = (1..=30)
+        .map(parameter)
+        .chain(OUTPUTS.iter().enumerate().map(output))
+        .collect();
+    let unknowns: String = (31..31 + OUTPUTS.len())
+        .map(|index| format!(r#"<Unknown index="{index}"/>"#))
+        .collect();
+    format!(
+        r#"<?xml version="1.0" encoding="UTF-8"?>
+<fmiModelDescription fmiVersion="2.0" modelName="Functions" guid="functions">
+<CoSimulation modelIdentifier="functions" canHandleVariableCommunicationStepSize="true"/>
+<DefaultExperiment startTime="0" stopTime="1" stepSize="1"/>
+<ModelVariables>{variables}</ModelVariables>
+<ModelStructure><Outputs>{unknowns}</Outputs><InitialUnknowns>{unknowns}</InitialUnknowns></ModelStructure>
+</fmiModelDescription>"#
+    )
 }
 
 /// The model description with a part replaced, or several, which stand between `&&` then.

@@ -4,6 +4,8 @@
 //! From existing points, by surrogates whose cross-validated errors are stated and taken into
 //! account: a point counts as verified with the probability that its true criteria lie inside.
 
+pub mod answer;
+pub mod boxes;
 pub mod combinations;
 pub mod maps;
 pub mod margins;
@@ -11,7 +13,9 @@ pub mod region;
 pub mod surrogate;
 
 use crate::analysis::table::{CriterionColumn, PointTable};
+use boxes::Sample;
 use rayon::prelude::*;
+use region::{Ellipsoid, Region};
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, Normal};
 use surrogate::{Quality, Surrogate};
@@ -32,10 +36,13 @@ pub struct Robustness {
     /// Runs beyond the study's points that the surrogates were refined with.
     #[serde(default)]
     pub further_runs: usize,
-    /// The largest box found; `None` where the level is reached nowhere.
-    pub region: Option<region::Region>,
+    /// Whether there is such a box, as far as it is known.
+    #[serde(default)]
+    pub answer: answer::Answer,
+    /// The largest box found.
+    pub region: Option<Region>,
     /// The largest ellipsoid found.
-    pub ellipsoid: Option<region::Ellipsoid>,
+    pub ellipsoid: Option<Ellipsoid>,
     /// Regions in which hardly any point is verified.
     #[serde(default)]
     pub unsafe_combinations: Vec<combinations::Combination>,
@@ -211,8 +218,11 @@ pub fn refined(
     let verdicts: Vec<f64> = cloud.par_iter().map(|x| stand.probability(x)).collect();
     // One half to search with, the other to state what was found: a search flatters its own sample.
     let half = cloud.len() / 2;
-    let ((seen, unseen), (seen_verdicts, unseen_verdicts)) =
-        (cloud.split_at(half), verdicts.split_at(half));
+    let sample = |range: std::ops::Range<usize>| Sample {
+        points: &cloud[range.clone()],
+        verdicts: &verdicts[range],
+    };
+    let (seen, unseen) = (sample(0..half), sample(half..cloud.len()));
     let mut result = Robustness {
         parameters: table.parameters.iter().map(|p| p.name.clone()).collect(),
         units: table.parameters.iter().map(|p| p.unit.clone()).collect(),
@@ -224,8 +234,20 @@ pub fn refined(
         maps: maps::maps(table, &stand, &inputs),
         level,
         further_runs: fitted.len().saturating_sub(table.len()),
-        region: region::largest_box(seen, seen_verdicts, level),
-        ellipsoid: region::largest_ellipsoid(seen, seen_verdicts, level),
+        answer: answer::Answer::default(),
+        region: firm(
+            level,
+            |target, before: Option<&Region>| match before {
+                None => boxes::largest_box(&seen, target),
+                Some(before) => boxes::tightened(&seen, target, before),
+            },
+            &unseen,
+        ),
+        ellipsoid: firm(
+            level,
+            |target, _| region::largest_ellipsoid(seen.points, seen.verdicts, target),
+            &unseen,
+        ),
         unsafe_combinations: combinations::combinations(
             &stand,
             &combinations::Cloud {
@@ -239,11 +261,9 @@ pub fn refined(
         warnings: vec![],
     };
     if let Some(region) = &mut result.region {
-        region.state(unseen, unseen_verdicts);
         region.confirmed = region.confirm(&inputs, &table.verified);
     }
     if let Some(ellipsoid) = &mut result.ellipsoid {
-        ellipsoid.state(unseen, unseen_verdicts);
         ellipsoid.confirmed = ellipsoid.confirm(&inputs, &table.verified);
     }
     for (name, quality) in &result.criteria {
@@ -254,12 +274,57 @@ pub fn refined(
             ));
         }
     }
-    if result.region.is_none() {
-        result.warnings.push(format!(
-            "no box holds a verification probability of {level}: the criteria leave too little room"
-        ));
+    result.answer = answer::Answer::new(&result, &stand, &cloud, &verdicts, &table.verified);
+    if let Some(warning) = result.answer.warning(level) {
+        result.warnings.push(warning);
     }
     Some(result)
+}
+
+/// A region of which a probability can be stated.
+trait Stated: Sized {
+    fn state(&mut self, sample: &Sample<'_>) -> f64;
+}
+
+impl Stated for Region {
+    fn state(&mut self, sample: &Sample<'_>) -> f64 {
+        Self::state(self, sample.points, sample.verdicts);
+        self.probability
+    }
+}
+
+impl Stated for Ellipsoid {
+    fn state(&mut self, sample: &Sample<'_>) -> f64 {
+        Self::state(self, sample.points, sample.verdicts);
+        self.probability
+    }
+}
+
+/// Searches until what a sample states that the search has not seen is no less than the level: where it is less, the
+/// search asks for so much more.
+fn firm<R: Stated>(
+    level: f64,
+    search: impl Fn(f64, Option<&R>) -> Option<R>,
+    unseen: &Sample<'_>,
+) -> Option<R> {
+    const TRIES: usize = 12;
+    let (mut target, mut before) = (level, None);
+    for _ in 0..TRIES {
+        let mut region = search(target, before.as_ref())?;
+        let stated = region.state(unseen);
+        if stated >= level {
+            return Some(region);
+        }
+        // Not a number where the other sample has no point inside: too small to be told.
+        let missing = if stated.is_finite() {
+            level - stated
+        } else {
+            1.0
+        };
+        target = (target + 1.2 * missing).min(0.5 * (target + 1.0));
+        before = Some(region);
+    }
+    None
 }
 
 #[cfg(test)]

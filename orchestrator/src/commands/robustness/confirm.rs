@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::super::CommandError;
-use super::option;
+use super::{joint, option};
 use crate::analysis::from_results;
 use crate::analysis::robustness::region::{Confirmed, Ellipsoid, Region};
 use crate::analysis::robustness::{Robustness, refined, rows};
@@ -58,6 +58,10 @@ impl Confirmation<'_, '_> {
                 _ => break,
             }
         }
+        let region = result.region.as_ref();
+        if let Some((fresh, stated)) = region.map(|region| (region.fresh, region.probability)) {
+            result.answer = result.answer.clone().after(fresh, stated);
+        }
         Ok(result)
     }
 
@@ -106,11 +110,17 @@ impl Confirmation<'_, '_> {
         inside: impl Fn(&[f64]) -> bool,
     ) -> Result<Vec<Vec<f64>>, CommandError> {
         let plan = &self.session.plan;
+        // Far from the seeds that people give to studies.
+        let seed = !self.seed.wrapping_mul(2 * ROUNDS).wrapping_add(sequence);
+        if !plan.is_independent() {
+            let points = joint(plan, MOST_DRAWS, seed).map_err(|m| option("confirm", &m))?;
+            let draws = (0..MOST_DRAWS).map(|index| points.point(index));
+            return Ok(draws.filter(|x| inside(x)).take(self.points).collect());
+        }
         let sampling = Sampling {
             method: Method::MonteCarlo,
             points: MOST_DRAWS,
-            // Far from the seeds that people give to studies.
-            seed: !self.seed.wrapping_mul(2 * ROUNDS).wrapping_add(sequence),
+            seed,
             ..Sampling::default()
         };
         let unit = Distribution::Uniform { min: 0.0, max: 1.0 };

@@ -1,0 +1,118 @@
+//! Whether there is a region that holds the level: found, not found, or impossible. These are three answers: a search
+//! that fails has shown nothing.
+
+use serde::{Deserialize, Serialize};
+
+use super::boxes::SEARCHES;
+use super::combinations::CEILING;
+use super::{Robustness, Stand, TRUSTED};
+
+/// Whether there is a box that holds the level.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", tag = "answer")]
+pub enum Answer {
+    /// A box was found; nothing has been run in it yet.
+    #[default]
+    Found,
+    /// A box was found, and fresh runs of the model inside do not contradict what is stated of it.
+    Confirmed,
+    /// A box was found, and fresh runs of the model contradict what is stated of it.
+    Refuted,
+    /// The search found none. That does not show that there is none.
+    NotFound {
+        /// Places from which it searched.
+        searches: usize,
+        /// Of the study's own points so many are verified.
+        verified: usize,
+        /// The highest probability of verification at any sampled place, by the surrogates.
+        highest: f64,
+    },
+    /// There is none, as far as the surrogates can be trusted.
+    Impossible {
+        /// Places at which they were asked.
+        places: usize,
+        /// The highest probability of verification at any of them.
+        highest: f64,
+        /// The criterion that is met least.
+        criterion: String,
+    },
+}
+
+impl Answer {
+    /// The answer to a search. It is impossible where surrogates that can be trusted leave no place a chance, and none of
+    /// the study's points is verified.
+    pub(super) fn new(
+        result: &Robustness,
+        stand: &Stand,
+        cloud: &[Vec<f64>],
+        verdicts: &[f64],
+        verified: &[bool],
+    ) -> Self {
+        if result.region.is_some() {
+            return Self::Found;
+        }
+        let highest = verdicts.iter().copied().fold(0.0, f64::max);
+        let verified = verified.iter().filter(|ok| **ok).count();
+        let mut criteria = result.criteria.iter();
+        let trusted = criteria.all(|(_, quality)| quality.predicted >= TRUSTED);
+        if trusted && verified == 0 && highest < CEILING {
+            return Self::Impossible {
+                places: cloud.len(),
+                highest,
+                criterion: stand.least_met(cloud.iter()),
+            };
+        }
+        Self::NotFound {
+            searches: SEARCHES,
+            verified,
+            highest,
+        }
+    }
+
+    /// The answer in a line.
+    pub fn words(&self) -> &'static str {
+        match self {
+            Self::Found => "a box was found; --confirm N runs the model in it",
+            Self::Confirmed => "a box was found, and fresh runs confirm it",
+            Self::Refuted => "a box was found, but fresh runs contradict it",
+            Self::NotFound { .. } => {
+                "no box was found by this search; that does not show that there is none"
+            }
+            Self::Impossible { .. } => "no box is possible",
+        }
+    }
+
+    /// The answer once fresh runs have been made.
+    pub fn after(self, fresh: Option<super::region::Confirmed>, stated: f64) -> Self {
+        match (self, fresh) {
+            (Self::Found, Some(fresh)) if fresh.interval[1] < stated => Self::Refuted,
+            (Self::Found, Some(fresh)) if fresh.points > 0 => Self::Confirmed,
+            (own, _) => own,
+        }
+    }
+
+    /// What the reader should know where there is no box.
+    pub(super) fn warning(&self, level: f64) -> Option<String> {
+        match self {
+            Self::NotFound {
+                searches,
+                verified,
+                highest,
+            } => Some(format!(
+                "no box with a verification probability of {level} was found from {searches} places; that does not show \
+                 that there is none: {verified} of the study's points are verified, and the surrogates give up to \
+                 {highest:.3} at a place; verify more points, or ask for a lower --level"
+            )),
+            Self::Impossible {
+                places,
+                highest,
+                criterion,
+            } => Some(format!(
+                "no box can hold a verification probability of {level}: at none of {places} sampled places is it above \
+                 {highest:.2e}, none of the study's points is verified, and {criterion} is met least; a box's \
+                 probability is the mean over its places"
+            )),
+            _ => None,
+        }
+    }
+}

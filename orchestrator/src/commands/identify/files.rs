@@ -1,0 +1,145 @@
+//! The files of an identification.
+
+use std::path::{Path, PathBuf};
+
+use super::super::CommandError;
+use crate::identify::outcome::IdentificationOutcome;
+use crate::identify::{cross, text};
+use crate::results::{ResultsError, write_atomically};
+use crate::study::{Identification, Study};
+use crate::table::csv_file::{self, CsvFile, reason};
+
+/// Writes all files.
+pub(super) fn write(
+    folder: &Path,
+    study: &Study,
+    settings: &Identification,
+    outcome: &IdentificationOutcome,
+) -> Result<(), CommandError> {
+    write_atomically(&folder.join("identification.json"), |out| {
+        serde_json::to_writer_pretty(&mut *out, outcome)?;
+        writeln!(out)
+    })?;
+    let name = study
+        .path()
+        .file_name()
+        .unwrap_or_default()
+        .to_string_lossy();
+    let optima = outcome.optima.len();
+    for place in 0..optima {
+        let section = text::fixed_section(&name, place, outcome);
+        let file = numbered("optimum", "toml", place, optima);
+        write_atomically(&folder.join(file), |out| out.write_all(section.as_bytes()))?;
+    }
+    for (stem, ending) in [("optimum", "toml"), ("cases", "csv")] {
+        remove_others(folder, stem, ending, optima)?;
+    }
+    for place in 0..optima {
+        write_cases(folder, study, settings, outcome, place)?;
+    }
+    write_validation(folder, outcome)
+}
+
+/// The name of a file of one optimum: where there are several, none has the plain name.
+fn numbered(stem: &str, ending: &str, place: usize, optima: usize) -> String {
+    match optima {
+        1 => format!("{stem}.{ending}"),
+        _ => format!("{stem}-{}.{ending}", place + 1),
+    }
+}
+
+/// Removes files of an earlier search that found another number of optima: they would be taken for this one's.
+fn remove_others(
+    folder: &Path,
+    stem: &str,
+    ending: &str,
+    optima: usize,
+) -> Result<(), CommandError> {
+    if optima != 1 {
+        remove(&folder.join(format!("{stem}.{ending}")))?;
+    }
+    let mut number = if optima == 1 { 1 } else { optima + 1 };
+    while folder.join(format!("{stem}-{number}.{ending}")).exists() {
+        remove(&folder.join(format!("{stem}-{number}.{ending}")))?;
+        number += 1;
+    }
+    Ok(())
+}
+
+fn remove(path: &Path) -> Result<(), CommandError> {
+    match std::fs::remove_file(path) {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+            Err(ResultsError::io(path)(error).into())
+        }
+        _ => Ok(()),
+    }
+}
+
+fn write_validation(folder: &Path, outcome: &IdentificationOutcome) -> Result<(), CommandError> {
+    let path = folder.join("cross-validation.csv");
+    let Some(validation) = &outcome.cross_validation else {
+        // One of an earlier run would be taken for this one's.
+        return remove(&path);
+    };
+    write_atomically(&path, |out| {
+        let mut table = csv::Writer::from_writer(out);
+        table.write_record(cross::text::HEAD)?;
+        for row in cross::text::rows(validation) {
+            table.write_record(row.iter().map(|text| csv_file::cell(text).into_owned()))?;
+        }
+        table.flush()
+    })?;
+    Ok(())
+}
+
+/// The table of cases with the latent parameters' most probable values in place of what it had.
+fn write_cases(
+    folder: &Path,
+    study: &Study,
+    settings: &Identification,
+    outcome: &IdentificationOutcome,
+    optimum: usize,
+) -> Result<(), CommandError> {
+    let Some(path) = &settings.cases else {
+        return Ok(());
+    };
+    let path = beside(study, path.as_ref());
+    let failed = |error: csv::Error| ResultsError::Content {
+        path: path.clone(),
+        message: reason(&error),
+    };
+    let mut reader = CsvFile::open(&path, Some(b'#')).map_err(failed)?.reader;
+    let header = reader.headers().map_err(failed)?.clone();
+    let latents = settings.latent.values();
+    let places: Vec<Option<usize>> = latents
+        .map(|latent| {
+            header
+                .iter()
+                .position(|name| Some(csv_file::text(name)) == latent.column.as_deref())
+        })
+        .collect();
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let safe = |text: &str| csv_file::cell(csv_file::text(text)).into_owned();
+    let names = header.iter().map(safe);
+    writer.write_record(names).map_err(failed)?;
+    for (record, case) in reader.records().zip(&outcome.optima[optimum].latents) {
+        let mut cells: Vec<String> = record.map_err(failed)?.iter().map(str::to_owned).collect();
+        for (place, latent) in places.iter().zip(case) {
+            if let Some(cell) = place.and_then(|place| cells.get_mut(place)) {
+                *cell = text::digits(latent.value).to_string();
+            }
+        }
+        writer
+            .write_record(cells.iter().map(|text| safe(text)))
+            .map_err(failed)?;
+    }
+    let bytes = writer.into_inner().unwrap_or_default();
+    let file = numbered("cases", "csv", optimum, outcome.optima.len());
+    write_atomically(&folder.join(file), |out| out.write_all(&bytes))?;
+    Ok(())
+}
+
+/// A path that the study gives relative to itself.
+pub(super) fn beside(study: &Study, path: &Path) -> PathBuf {
+    study.path().parent().unwrap_or("".as_ref()).join(path)
+}

@@ -1,0 +1,225 @@
+//! The distinct minima among the ends of local searches, and how much of the posterior each of them holds.
+//!
+//! Two ends are at one minimum when a way leads from one to the other that never rises much: near each other, in units
+//! of the posterior; else along the straight line; else, as a valley may be curved, through the minimum that is found
+//! from the middle of the line. Equal sums of squares say nothing of that: they are just as equal at two
+//! different exact solutions.
+//!
+//! The mass of each minimum is that of its Gaussian approximation (Laplace's method; Tierney & Kadane 1986, Accurate
+//! approximations for posterior moments and marginal densities, J. American Statistical Association 81, 82-86), of
+//! which only the part between the bounds counts.
+
+use statrs::distribution::{ContinuousCDF, Normal};
+
+use super::local::{Limits, Minimum, minimise};
+use super::objective::{Differences, Misfit, Objective};
+use super::posterior::Posterior;
+use super::problem::NoPrediction;
+
+/// Minima whose sum of squares is larger than the least by more have a density of less than 1e-4 of the greatest.
+const RELEVANT: f64 = 18.5;
+
+/// A way between two places of one minimum may rise by so much: the density falls to 0.6 of the lower end's.
+const BARRIER: f64 = 1.0;
+
+/// Places on a straight line at which it is looked for a barrier.
+const BETWEEN: usize = 7;
+
+/// How often a way may be bent in its middle.
+const BENDS: usize = 3;
+
+/// A minimum with its part of the posterior.
+#[derive(Clone, Debug)]
+pub struct Optimum {
+    /// The minimum.
+    pub minimum: Minimum,
+    /// The posterior around it.
+    pub posterior: Posterior,
+    /// How many local searches ended at it.
+    pub reached: usize,
+    /// Its part of the posterior probability of all minima.
+    pub weight: f64,
+}
+
+/// A place with its sum of squares.
+#[derive(Clone, Copy)]
+struct Place<'a> {
+    places: &'a [f64],
+    cost: f64,
+}
+
+impl<'a> From<&'a Minimum> for Place<'a> {
+    fn from(minimum: &'a Minimum) -> Self {
+        Self {
+            places: &minimum.places,
+            cost: minimum.misfit.cost(),
+        }
+    }
+}
+
+/// The distinct minima found so far.
+pub struct Optima<'a, 'b> {
+    objective: &'a Objective<'b>,
+    /// How far each minimum is followed down.
+    limits: Limits,
+    found: Vec<Optimum>,
+}
+
+impl<'a, 'b> Optima<'a, 'b> {
+    /// None yet.
+    pub fn new(objective: &'a Objective<'b>, limits: Limits) -> Self {
+        Self {
+            objective,
+            limits,
+            found: Vec::new(),
+        }
+    }
+
+    /// How many minima could be the right one.
+    pub fn count(&self) -> usize {
+        let least = self.least();
+        let relevant = |optimum: &&Optimum| optimum.minimum.misfit.cost() <= least + RELEVANT;
+        self.found.iter().filter(relevant).count()
+    }
+
+    fn least(&self) -> f64 {
+        let costs = self.found.iter().map(|own| own.minimum.misfit.cost());
+        costs.fold(f64::INFINITY, f64::min)
+    }
+
+    /// Adds the end of a local search: to the minimum that it belongs to, or as a new one. Ends that are too improbable
+    /// to matter are left out.
+    ///
+    /// # Errors
+    /// When there are no further predictions, or those around a minimum fail.
+    pub fn add(&mut self, places: &[f64], cost: f64) -> Result<(), NoPrediction> {
+        if cost > self.least() + RELEVANT {
+            return Ok(());
+        }
+        let end = Place { places, cost };
+        if let Some(known) = self.same(end)?
+            && self.found[known].minimum.misfit.cost() <= cost
+        {
+            self.found[known].reached += 1;
+            return Ok(());
+        }
+        let start = places.to_vec();
+        let limits = &self.limits;
+        let minimum = minimise(self.objective, start, &[], Differences::Central, limits)?;
+        let known = self.same(Place::from(&minimum))?;
+        let reached = known.map_or(0, |known| self.found[known].reached) + 1;
+        match known {
+            Some(known) if self.found[known].minimum.misfit.cost() <= minimum.misfit.cost() => {
+                self.found[known].reached = reached;
+            }
+            _ => {
+                let optimum = Optimum {
+                    posterior: Posterior::at(self.objective, &minimum)?,
+                    minimum,
+                    reached,
+                    weight: 0.0,
+                };
+                match known {
+                    Some(known) => self.found[known] = optimum,
+                    None => self.found.push(optimum),
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The minimum that a place belongs to.
+    fn same(&self, end: Place<'_>) -> Result<Option<usize>, NoPrediction> {
+        let distance = |own: &Optimum| own.posterior.distance(&own.minimum.places, end.places);
+        let distances = self.found.iter().map(distance).enumerate();
+        let mut order: Vec<(usize, f64)> = distances.collect();
+        order.sort_by(|a, b| a.1.total_cmp(&b.1));
+        for (index, distance) in order {
+            let own = Place::from(&self.found[index].minimum);
+            if distance <= 1.0 || self.connected(own, end, BENDS)? {
+                return Ok(Some(index));
+            }
+        }
+        Ok(None)
+    }
+
+    /// Whether a way without a barrier leads from one place to the other.
+    fn connected(&self, a: Place<'_>, b: Place<'_>, bends: usize) -> Result<bool, NoPrediction> {
+        let most = a.cost.max(b.cost) + BARRIER;
+        let at = |part: f64| -> Vec<f64> {
+            let pairs = a.places.iter().zip(b.places);
+            pairs.map(|(a, b)| a + part * (b - a)).collect()
+        };
+        let line: Vec<Vec<f64>> = (1..=BETWEEN)
+            .map(|k| at(k as f64 / (BETWEEN + 1) as f64))
+            .collect();
+        let misfits = self.objective.misfits(&line)?;
+        let low = |misfit: &Result<Misfit, String>| {
+            misfit.as_ref().is_ok_and(|misfit| misfit.cost() <= most)
+        };
+        if misfits.iter().all(low) {
+            return Ok(true);
+        }
+        if bends == 0 {
+            return Ok(false);
+        }
+        let limits = Limits {
+            decrease: 1e-4,
+            ..self.limits
+        };
+        let middle = minimise(self.objective, at(0.5), &[], Differences::Forward, &limits);
+        let middle = match middle {
+            Ok(middle) => middle,
+            Err(NoPrediction::Here(_)) => return Ok(false),
+            Err(NoPrediction::Stopped) => return Err(NoPrediction::Stopped),
+        };
+        let middle = Place::from(&middle);
+        if middle.cost > most || !between(a.places, middle.places, b.places) {
+            return Ok(false);
+        }
+        Ok(self.connected(a, middle, bends - 1)? && self.connected(middle, b, bends - 1)?)
+    }
+
+    /// The minima that matter, those with the largest part of the posterior first.
+    pub fn weighed(self) -> Vec<Optimum> {
+        let least = self.least();
+        let mut found = self.found;
+        found.retain(|own| own.minimum.misfit.cost() <= least + RELEVANT);
+        let mass = |own: &Optimum| {
+            let density = -0.5 * (own.minimum.misfit.cost() - least);
+            density + own.posterior.log_volume + log_inside(own)
+        };
+        let masses: Vec<f64> = found.iter().map(mass).collect();
+        let most = masses.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let sum: f64 = masses.iter().map(|mass| (mass - most).exp()).sum();
+        for (own, mass) in found.iter_mut().zip(&masses) {
+            own.weight = (mass - most).exp() / sum;
+        }
+        found.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+        found
+    }
+}
+
+/// Whether a place is on the way between two others: nearer to each than they are to each other, and at neither.
+fn between(a: &[f64], middle: &[f64], b: &[f64]) -> bool {
+    const AT_AN_END: f64 = 0.05;
+    let distance = |x: &[f64], y: &[f64]| {
+        let squares = x.iter().zip(y).map(|(x, y)| (x - y).powi(2));
+        squares.sum::<f64>().sqrt()
+    };
+    let way = distance(a, b);
+    [distance(a, middle), distance(middle, b)]
+        .iter()
+        .all(|part| (AT_AN_END * way..way).contains(part))
+}
+
+/// The logarithm of the part of a Gaussian posterior that lies between the bounds, one unknown after the other.
+fn log_inside(own: &Optimum) -> f64 {
+    let normal = Normal::standard();
+    let part = |(unknown, place): (usize, &f64)| {
+        let deviation = own.posterior.deviation(unknown);
+        normal.cdf((1.0 - place) / deviation) - normal.cdf(-place / deviation)
+    };
+    let parts = own.minimum.places.iter().enumerate().map(part);
+    parts.map(f64::ln).sum()
+}
