@@ -119,7 +119,7 @@ class Study:
         size: int | None = None,
         base: int | None = None,
         morris: int | None = None,
-        estimator: Literal["jansen", "saltelli"] | None = None,
+        estimator: Literal["combined", "jansen", "saltelli"] | None = None,
         seed: int | None = None,
         points_of: Points | None = None,
         output: StrPath | None = None,

@@ -32,7 +32,7 @@ pub struct Sensitivity {
     /// Morris screening with R trajectories
     #[arg(long, value_name = "R")]
     pub morris: Option<u64>,
-    /// How first-order Sobol indices are estimated [default: the study's, or saltelli]
+    /// How first-order Sobol indices are estimated [default: the study's, or combined]
     #[arg(long, value_enum)]
     pub estimator: Option<FirstOrder>,
     /// The seed [default: the study's, or 1]

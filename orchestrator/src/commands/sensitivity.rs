@@ -71,8 +71,12 @@ impl Runs {
     fn new(options: &cli::Sensitivity, study: &Study) -> Result<Self, CommandError> {
         let said = &study.sensitivity;
         let estimator = said.estimator.as_ref().map(|name| {
-            FirstOrder::from_str(name.as_ref(), false)
-                .map_err(|_| study.error_at(name, "the estimators are `jansen` and `saltelli`"))
+            FirstOrder::from_str(name.as_ref(), false).map_err(|_| {
+                study.error_at(
+                    name,
+                    "the estimators are `combined`, `jansen` and `saltelli`",
+                )
+            })
         });
         let method = said.method.as_ref().map(|name| {
             let known = named(name.as_ref());

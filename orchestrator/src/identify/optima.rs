@@ -28,6 +28,10 @@ const BETWEEN: usize = 7;
 /// How often a way may be bent in its middle.
 const BENDS: usize = 3;
 
+/// Steps down from the middle of a straight line into the valley beside it. Few are enough to fall into it; along it the
+/// way leads back to one of the ends.
+const STEPS_DOWN: usize = 8;
+
 /// A minimum with its part of the posterior.
 #[derive(Clone, Debug)]
 pub struct Optimum {
@@ -164,6 +168,7 @@ impl<'a, 'b> Optima<'a, 'b> {
             return Ok(false);
         }
         let limits = Limits {
+            iterations: STEPS_DOWN,
             decrease: 1e-4,
             ..self.limits
         };

@@ -14,7 +14,7 @@ pub struct SensitivityText {
     pub method: Option<Spanned<String>>,
     /// How much is run: base points of `sobol`, trajectories of `morris`.
     pub size: Option<u64>,
-    /// How first-order Sobol indices are estimated: `jansen`, or `saltelli`.
+    /// How first-order Sobol indices are estimated: `combined`, `jansen`, or `saltelli`.
     pub estimator: Option<Spanned<String>>,
     /// The seed of the runs.
     pub seed: Option<u64>,

@@ -290,7 +290,7 @@ fn values_for_single_commands() {
         "sobol, morris",
     ]);
     say("[sensitivity]\nestimator = \"sobol\"", &sensitivity)
-        .is_mistake(&["study.toml:20:13", "`jansen` and `saltelli`"]);
+        .is_mistake(&["study.toml:20:13", "`combined`, `jansen` and `saltelli`"]);
     say("", &["sensitivity", "study.toml", "--method", "moris"])
         .is_mistake(&["--method", "sobol, morris"]);
     say("[robustness]\nlevel = 2", &["robustness", "study.toml"])

@@ -12,12 +12,16 @@ pub type Told = Map<String, Value>;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum FirstOrder {
+    /// The weighted mean of both others that scatters least, with weights from the same runs: their difference has the
+    /// mean 0, so that it is a control variate (Lavenberg & Welch 1981, "A perspective on the use of control variables
+    /// to increase the efficiency of Monte Carlo simulations", Management Science 27, 322-335).
+    #[default]
+    Combined,
     /// V - mean((f_B - f_AB)^2) / 2: Jansen (1999), "Analysis of variance designs for model output",
     /// Computer Physics Communications 117, 35-43. Surer where the output has a heavy tail.
     Jansen,
-    /// mean(f_B (f_AB - f_A)): Saltelli et al. (2010), table 2 (b). Surer for smooth outputs and for a parameter without
+    /// mean(f_B (f_AB - f_A)): Saltelli et al. (2010), table 2 (b). Surer for a parameter without
     /// influence, of which it is exactly 0.
-    #[default]
     Saltelli,
 }
 

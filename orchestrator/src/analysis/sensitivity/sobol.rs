@@ -149,9 +149,12 @@ pub fn indices(outputs: &[f64], parameters: usize, estimator: FirstOrder) -> Opt
             rows.iter().map(term).collect()
         };
         let total = of(|a, ab, _| (a - ab).powi(2) / 2.0);
+        let saltelli = || of(|a, ab, b| b * (ab - a));
+        let jansen = || of(|_, ab, b| -(b - ab).powi(2) / 2.0);
         let (first, offset) = match estimator {
-            FirstOrder::Saltelli => (of(|a, ab, b| b * (ab - a)), 0.0),
-            FirstOrder::Jansen => (of(|_, ab, b| -(b - ab).powi(2) / 2.0), 1.0),
+            FirstOrder::Combined => combined(&saltelli(), &jansen(), &variances),
+            FirstOrder::Saltelli => (saltelli(), 0.0),
+            FirstOrder::Jansen => (jansen(), 1.0),
         };
         let estimate = |terms: &[f64], offset: f64| {
             let ratio = ratio(terms, &variances, |_| true);
@@ -171,6 +174,34 @@ pub fn indices(outputs: &[f64], parameters: usize, estimator: FirstOrder) -> Opt
             .push(total.iter().filter(|term| term.is_finite()).count());
     }
     Some(result)
+}
+
+/// The terms of the weighted mean of two estimators that scatters least, and the weight of the second.
+fn combined(first: &[f64], second: &[f64], variances: &[f64]) -> (Vec<f64>, f64) {
+    let deviations = |terms: &[f64]| -> Vec<f64> {
+        let ratio = ratio(terms, variances, |_| true);
+        let pairs = terms.iter().zip(variances);
+        pairs.map(|(term, v)| term - ratio * v).collect()
+    };
+    let (own, other) = (deviations(first), deviations(second));
+    let pairs = own
+        .iter()
+        .zip(&other)
+        .map(|(own, other)| (own, other - own));
+    let finite = pairs.filter(|(own, difference)| (*own + difference).is_finite());
+    let sums = finite.fold([0.0, 0.0], |[product, square], (own, difference)| {
+        [product + own * difference, square + difference.powi(2)]
+    });
+    let weight = -sums[0] / sums[1];
+    // Both are the same where nothing scatters.
+    let weight = if weight.is_finite() {
+        weight.clamp(0.0, 1.0)
+    } else {
+        0.5
+    };
+    let pairs = first.iter().zip(second);
+    let terms = pairs.map(|(a, b)| (1.0 - weight) * a + weight * b);
+    (terms.collect(), weight)
 }
 
 /// Each base point's part of the output's variance, from A and B; not a number where one of them has no value, and 0
@@ -339,7 +370,11 @@ mod tests {
     fn both_estimators_converge_to_the_exact_indices() {
         let (first, total) = ishigami_indices();
         let y = evaluate(&random_pairs(40_000, 3, 5), ishigami);
-        for estimator in [FirstOrder::Saltelli, FirstOrder::Jansen] {
+        for estimator in [
+            FirstOrder::Combined,
+            FirstOrder::Saltelli,
+            FirstOrder::Jansen,
+        ] {
             let s = indices(&y, 3, estimator).unwrap();
             for (found, exact) in s.first.iter().zip(first).chain(s.total.iter().zip(total)) {
                 assert!(
@@ -365,7 +400,11 @@ mod tests {
                 .filter(|(found, exact)| found.contains(**exact))
                 .count() as f64
         };
-        for estimator in [FirstOrder::Saltelli, FirstOrder::Jansen] {
+        for estimator in [
+            FirstOrder::Combined,
+            FirstOrder::Saltelli,
+            FirstOrder::Jansen,
+        ] {
             let (mut ishigami_held, mut g_held) = (0.0, 0.0);
             for seed in 0..REPETITIONS {
                 let y = evaluate(&scrambled_pairs(BASE, 3, 1000 + seed), ishigami);
