@@ -157,6 +157,8 @@ struct State {
     proof: Vec<Proof>,
     reproducible: bool,
     audits: Audits,
+    /// How many points were computed alone.
+    alone_so_far: usize,
     /// How long a point takes alone, s: the latest ones count most.
     time: Option<f64>,
     /// How long a point takes in a new process, s.
@@ -199,6 +201,7 @@ impl Policy {
                 proof: Vec::new(),
                 reproducible: true,
                 audits: Audits::default(),
+                alone_so_far: 0,
                 time: None,
                 time_of_new: 0.0,
                 dear: tool,
@@ -270,7 +273,8 @@ impl Policy {
         }
         // The trial runs each point three times and starts a process; it must stay a small part of what is left.
         const PART: usize = 20;
-        let left = left.unwrap_or(usize::MAX);
+        // A search asks for few points at a time: one that has asked for so many will probably ask for as many again.
+        let left = left.map_or(usize::MAX, |left| left.max(state.alone_so_far));
         let enough = if state.dear { 4 } else { 3 * PART * wanted };
         let mean = state.mean();
         left > enough && left as f64 * mean > WORTH
@@ -316,6 +320,7 @@ impl Policy {
         took: Option<f64>,
     ) {
         let mut state = self.state();
+        state.alone_so_far += 1;
         if let (true, Some(took)) = (separation == self.strictest, took) {
             state.time_of_new = took;
         }
@@ -522,5 +527,30 @@ mod tests {
             assert_eq!(policy.alone(), Separation::New);
             assert_eq!(policy.plan(None), Plan::Alone(Separation::New));
         }
+    }
+
+    /// A search asks for a few points, looks at them, and asks again.
+    #[test]
+    fn a_search_that_asks_for_few_points_at_a_time_earns_reuse() {
+        const TAKES: f64 = 0.01;
+        let policy = Policy::new(Isolation::Audited, false);
+        for _ in 0..PROBES {
+            assert_eq!(policy.plan(Some(10)), Plan::Probe);
+            policy.probed(Probed::Alike, Duration::ZERO);
+        }
+        let job = Job {
+            index: 0,
+            values: vec![1.0],
+        };
+        let mut points = 0;
+        while let Plan::Alone(separation) = policy.plan(Some(10)) {
+            policy.note(&job, &[1.0], separation, Some(TAKES));
+            points += 1;
+            assert!(points < 1000);
+        }
+        assert_eq!(
+            (policy.plan(Some(10)), points),
+            (Plan::Alone(Separation::Forked), 481)
+        );
     }
 }

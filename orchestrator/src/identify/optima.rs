@@ -86,6 +86,11 @@ impl<'a, 'b> Optima<'a, 'b> {
         self.found.iter().filter(relevant).count()
     }
 
+    /// Whether nothing was found yet that is as deep.
+    pub fn is_deeper(&self, cost: f64) -> bool {
+        cost < self.least()
+    }
+
     fn least(&self) -> f64 {
         let costs = self.found.iter().map(|own| own.minimum.misfit.cost());
         costs.fold(f64::INFINITY, f64::min)

@@ -149,7 +149,10 @@ pub fn search(
         }
         let ends = descend(objective, starts, &batch, settings, &mut progress, observe)?;
         for end in ends {
-            optima.add(&end.places, end.cost)?;
+            // A search that was still on its way down has found no minimum; only the deepest is followed further.
+            if end.end == End::Converged || optima.is_deeper(end.cost) {
+                optima.add(&end.places, end.cost)?;
+            }
         }
     }
     if optima.count() == 0 {
