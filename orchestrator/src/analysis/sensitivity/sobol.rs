@@ -120,7 +120,7 @@ pub struct Indices {
 /// that of the finite values of A and B. All indices of a constant output are 0.
 ///
 /// Returns `None` where the number of outputs is no multiple of `parameters + 2`, or where all complete base points lie
-/// in one block (see [`half_width`]).
+/// in one of the sixteen blocks that the intervals are made from.
 pub fn indices(outputs: &[f64], parameters: usize, estimator: FirstOrder) -> Option<Indices> {
     let width = parameters + 2;
     if parameters == 0 || outputs.is_empty() || !outputs.len().is_multiple_of(width) {
