@@ -1,15 +1,6 @@
 //! Batch verification of FMI 2.0 Co-Simulation FMUs against measurements when both the
 //! parameters and the measurement are uncertain.
 
-/// Writes a line to standard error. Where nobody reads that any more it is lost, and the work goes on; `eprintln!` would
-/// panic.
-#[macro_export]
-macro_rules! tell {
-    ($($what:tt)*) => {{
-        let _ = std::io::Write::write_fmt(&mut std::io::stderr(), format_args!("{}\n", format_args!($($what)*)));
-    }};
-}
-
 pub mod analysis;
 pub mod cli;
 pub mod commands;
@@ -28,3 +19,4 @@ pub mod source;
 pub mod study;
 pub mod table;
 pub mod task;
+pub mod tell;

@@ -10,7 +10,7 @@ fn main() -> ExitCode {
     match commands::run(Cli::parse()) {
         Ok(code) => code,
         Err(error) => {
-            orchestrator::tell!("error: {error}");
+            orchestrator::tell::line!("error: {error}");
             ExitCode::from(commands::MISTAKE)
         }
     }

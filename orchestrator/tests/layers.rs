@@ -14,7 +14,7 @@ use arrows::{Tree, circles};
 
 /// The orchestrator's modules, from the ground up.
 const FLOORS: [&[&str]; 13] = [
-    &["names", "failure", "notices"],
+    &["names", "failure", "notices", "tell"],
     &["table", "task"],
     &["run"],
     &["engine", "study"],

@@ -92,7 +92,7 @@ fn join_verification(
     // Shards that grow and are joined again know of it, where they can be written to.
     for folder in folders {
         if looked.write(folder).is_err() {
-            crate::tell!(
+            crate::tell::line!(
                 "note: {} does not take a note of this verdict; join its points in the same --output",
                 folder.display()
             );

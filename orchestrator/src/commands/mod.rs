@@ -125,7 +125,7 @@ pub enum CommandError {
 pub fn run(cli: Cli) -> Result<ExitCode, CommandError> {
     match dispatch(cli) {
         Err(CommandError::Halted(halt @ Halt::Interrupted { .. })) => {
-            crate::tell!("{halt}");
+            crate::tell::line!("{halt}");
             Ok(ExitCode::from(INTERRUPTED))
         }
         Err(CommandError::Halted(halt @ Halt::Shard(_))) => {
@@ -168,7 +168,7 @@ fn proven<T>(
 ) -> Result<ExitCode, CommandError> {
     match run(&options) {
         Err(CommandError::Halted(Halt::Engine(EngineError::Refuted))) => {
-            crate::tell!(
+            crate::tell::line!(
                 "note: the FMU gives other results in a process that has computed points before: all points are \
                  computed again, each alone"
             );
@@ -196,6 +196,6 @@ fn verdict(summary: &Summary) -> ExitCode {
 /// Says what the user should know of a study that can be used all the same.
 fn warn(judge: &Judge) {
     for warning in &judge.warnings {
-        crate::tell!("warning: {warning}");
+        crate::tell::line!("warning: {warning}");
     }
 }

@@ -67,7 +67,7 @@ pub(super) fn keep_trajectory(
         other => {
             let _ = fs::remove_file(&trajectory);
             if let Err(error) = other {
-                crate::tell!("note: the page shows no trajectory of the best point: {error}");
+                crate::tell::line!("note: the page shows no trajectory of the best point: {error}");
             }
         }
     }

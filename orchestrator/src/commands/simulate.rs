@@ -156,11 +156,11 @@ impl Columns {
         let locals = all(Causality::Local);
         match locals.len() {
             _ if !aloud => {}
-            0 => crate::tell!(
+            0 => crate::tell::line!(
                 "note: the FMU has neither outputs nor local variables, so only the time is recorded; --record \
                  chooses others"
             ),
-            count => crate::tell!(
+            count => crate::tell::line!(
                 "note: the FMU has no outputs, so its {count} local variables are recorded; --record chooses others"
             ),
         }

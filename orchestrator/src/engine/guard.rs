@@ -403,7 +403,7 @@ impl Guard {
         }
         let parting = child.part(&mut self.keeper, grace(&self.setup));
         if let Some(why) = self.why_unfinished(&parting)? {
-            crate::tell!("note: the simulation is whole, but its end failed: {why}");
+            crate::tell::line!("note: the simulation is whole, but its end failed: {why}");
             self.keeper.hear();
         }
         if self.setup.echo {

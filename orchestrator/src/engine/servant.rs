@@ -160,20 +160,20 @@ pub(super) fn record(
     place.send(&said);
     runner.end();
     if let Some(error) = &runner.notices().unfinished {
-        crate::tell!("note: the simulation is whole, but its end failed: {error}");
+        crate::tell::line!("note: the simulation is whole, but its end failed: {error}");
     }
 }
 
 /// Tells whoever watches what a trajectory does not show. Standard error is shown to the user.
 fn tell(notices: &Notices) {
     if let Some(time) = notices.ended {
-        crate::tell!(
+        crate::tell::line!(
             "note: the FMU ended the simulation at {time} s (fmi2Discard with fmi2Terminated)"
         );
     }
     if notices.warnings > 0 {
         let first = notices.first_warning.as_deref().unwrap_or_default();
-        crate::tell!(
+        crate::tell::line!(
             "note: warnings of the FMU: {}; the first: {first}",
             notices.warnings
         );

@@ -77,9 +77,9 @@ fn leave() {
     });
     let _ = wait.recv_timeout(FAREWELL);
     if RUNS.load(Ordering::Relaxed) {
-        crate::tell!("interrupted; --resume goes on");
+        crate::tell::line!("interrupted; --resume goes on");
     } else {
-        crate::tell!("interrupted");
+        crate::tell::line!("interrupted");
     }
     // SAFETY: never returns, runs no code of this process: an FMU in it may hang in its own destructors.
     unsafe { libc::_exit(INTERRUPTED.into()) }
