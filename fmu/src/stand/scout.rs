@@ -19,7 +19,7 @@ use thiserror::Error;
 
 /// Turns at the most until the film is on its orbit.
 const ORBIT_TURNS: usize = 40;
-/// The heat repeats itself if it changes from turn to turn by less than this share of it, at a relative tolerance of one.
+/// The heat repeats itself when one turn differs from the next by less than this many relative tolerances, of its own size.
 pub(super) const SETTLED: f64 = 100.0;
 /// The film is on its orbit if the search moves its next beginning by less than this: eccentricity ratio and content.
 const NEAR: f64 = 5e-4;

@@ -263,7 +263,7 @@ fn thinnest(
     best
 }
 
-/// Moves the limits out in small steps, one after the other in turn, while the level holds.
+/// Moves each limit out by a small step in turn, as long as the level holds.
 fn paste(sample: &Sample<'_>, scale: &Scale, level: f64, limits: &mut Limits) {
     const STEP: f64 = 0.005;
     let mut open: Vec<(usize, usize)> = (0..limits.len()).flat_map(|k| [(k, 0), (k, 1)]).collect();
