@@ -6,6 +6,7 @@ pub mod cli;
 pub mod commands;
 pub mod engine;
 pub mod failure;
+pub mod files;
 pub mod identify;
 pub mod judge;
 pub mod names;

@@ -8,13 +8,13 @@
 mod arrows;
 
 use std::collections::BTreeSet;
-use std::path::Path;
 
 use arrows::{Tree, circles};
 
 /// The orchestrator's modules, from the ground up.
-const FLOORS: [&[&str]; 13] = [
+const FLOORS: [&[&str]; 14] = [
     &["names", "failure", "notices", "tell"],
+    &["files"],
     &["table", "task"],
     &["run"],
     &["engine", "study"],
@@ -30,7 +30,7 @@ const FLOORS: [&[&str]; 13] = [
 ];
 
 /// The sources in which no files may import each other in a circle.
-const HOUSES: [&str; 8] = [
+const HOUSES: [&str; 7] = [
     "../crates/conformity/src",
     "../crates/fmu-export/src",
     "../crates/fmu-import/src",
@@ -38,7 +38,6 @@ const HOUSES: [&str; 8] = [
     "../crates/sampling/src",
     "../fmu/src",
     "src",
-    "../python/src",
 ];
 
 /// Files that are meant to know each other: the stand has variables, and these say where in the stand they are.
@@ -76,7 +75,7 @@ fn no_arrow_goes_back_up() {
 #[test]
 fn no_files_import_each_other_in_a_circle() {
     let mut found = Vec::new();
-    for house in HOUSES.iter().filter(|house| Path::new(house).exists()) {
+    for house in HOUSES {
         for circle in circles(&Tree::read(house.as_ref())) {
             let meant = MEANT.iter().any(|meant| {
                 let known = |file: &String| meant.iter().any(|start| file.starts_with(start));

@@ -1,9 +1,9 @@
 """A study as a function of arrays."""
 
 import tempfile
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 from ._errors import OrchestratorError
 
@@ -11,7 +11,33 @@ if TYPE_CHECKING:
     import numpy
     from numpy.typing import ArrayLike, NDArray
 
-    from ._study import Running, Study
+    from ._table import Table
+
+
+class Verified(Protocol):
+    """What a function reads of a finished study."""
+
+    @property
+    def points(self) -> "Table":
+        """A row a point."""
+
+
+class Verifiable(Protocol):
+    """What a function needs of a study."""
+
+    path: Path
+
+    @property
+    def parameters(self) -> list[str]:
+        """The parameters that vary."""
+
+    @property
+    def criteria(self) -> list[str]:
+        """The criteria."""
+
+    @property
+    def verify(self) -> Callable[..., Verified]:
+        """Simulates points, as `Study.verify` does."""
 
 
 class StudyFunction:
@@ -24,11 +50,11 @@ class StudyFunction:
 
     def __init__(
         self,
-        study: "Study",
+        study: Verifiable,
         inputs: Iterable[str] | None,
         outputs: str | Iterable[str] | None,
         others: Mapping[str, float],
-        running: "Running",
+        running: Mapping[str, Any],
     ) -> None:
         self._study = study
         self._running = running
@@ -62,7 +88,7 @@ class StudyFunction:
     def _values(self, points: "NDArray[numpy.float64]") -> "NDArray[numpy.float64]":
         columns: dict[str, Any] = {name: points[:, k] for k, name in enumerate(self.inputs)}
         columns |= {name: [value] * len(points) for name, value in self.others.items()}
-        running: Running = {"progress": False, **self._running}
+        running = {"progress": False, **self._running}
         with tempfile.TemporaryDirectory(prefix="points-") as folder:
             # Whether values rest is no question of a single call.
             result = self._study.verify(points_from=columns, output=Path(folder) / "run", extra_runs=0, **running)
@@ -76,7 +102,7 @@ def _listed(names: str | Iterable[str]) -> list[str]:
     return [names] if isinstance(names, str) else list(names)
 
 
-def _check(kind: str, names: list[str], known: list[str], study: "Study") -> None:
+def _check(kind: str, names: list[str], known: list[str], study: Verifiable) -> None:
     for name in names:
         if name not in known:
             raise OrchestratorError(f"{study.path}: no {kind} `{name}`; there are {', '.join(known)}")

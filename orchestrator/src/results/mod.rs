@@ -37,6 +37,7 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 use crate::failure::Failure;
+use crate::files::reason;
 
 pub use edges::MOST_EXTRA_RUNS;
 pub use header::Header;
@@ -56,7 +57,7 @@ type Row = (Vec<f64>, Option<Vec<f64>>);
 #[derive(Debug, Error)]
 pub enum ResultsError {
     /// The system says no.
-    #[error("{path}: {}", reason(.source))]
+    #[error("{path}: {}", reason(path, .source))]
     Io {
         /// The file or folder.
         path: PathBuf,
@@ -108,22 +109,6 @@ pub enum ResultsError {
         /// The problem.
         message: String,
     },
-}
-
-/// The operating system's message, with a remedy where we know one.
-fn reason(error: &io::Error) -> String {
-    let full = [
-        io::ErrorKind::StorageFull,
-        io::ErrorKind::QuotaExceeded,
-        io::ErrorKind::FileTooLarge,
-    ];
-    if full.contains(&error.kind()) {
-        format!(
-            "{error}: nothing more can be written; make room and run the command again, with --resume where it has it"
-        )
-    } else {
-        error.to_string()
-    }
 }
 
 impl ResultsError {

@@ -5,13 +5,14 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
+use crate::files::reason;
 use crate::names::{did_you_mean, nearest};
 
 /// Why a study cannot be used.
 #[derive(Debug, Error)]
 pub enum StudyError {
     /// The file cannot be read.
-    #[error("{path}: {}", reading(.source))]
+    #[error("{path}: {}", reason(path, .source))]
     Read {
         /// The study.
         path: PathBuf,
@@ -38,14 +39,6 @@ pub enum StudyError {
         /// The problem and its remedy.
         message: String,
     },
-}
-
-fn reading(error: &io::Error) -> String {
-    match error.kind() {
-        io::ErrorKind::NotFound => "no such file".to_owned(),
-        io::ErrorKind::InvalidData => "not a text file in UTF-8".to_owned(),
-        _ => error.to_string(),
-    }
 }
 
 /// A text in which errors have a place.

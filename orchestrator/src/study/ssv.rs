@@ -11,6 +11,7 @@ use thiserror::Error;
 
 use super::Setting;
 use super::values::{find, value_of};
+use crate::files::reason;
 use fmu_import::{Description, Value};
 
 pub use write::write;
@@ -20,7 +21,7 @@ pub(crate) use write::{Xml, document, printable};
 #[derive(Debug, Error)]
 pub enum SsvError {
     /// The file cannot be read.
-    #[error("{path}: {source}")]
+    #[error("{path}: {}", reason(path, .source))]
     Read {
         /// The file.
         path: PathBuf,

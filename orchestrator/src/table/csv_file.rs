@@ -6,6 +6,8 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, Seek};
 use std::path::Path;
 
+use crate::files;
+
 /// A csv file that is being read.
 #[derive(Debug)]
 pub struct CsvFile {
@@ -115,13 +117,13 @@ fn is_formula(text: &str) -> bool {
 }
 
 /// Why a file cannot be read, for people.
-pub fn reason(error: &csv::Error) -> String {
+pub fn reason(path: &Path, error: &csv::Error) -> String {
     let line = |position: &Option<csv::Position>| {
         let line = position.as_ref().map_or(0, csv::Position::line);
         format!("line {}", line.max(1))
     };
     match error.kind() {
-        csv::ErrorKind::Io(error) => error.to_string(),
+        csv::ErrorKind::Io(error) => files::reason(path, error),
         csv::ErrorKind::Utf8 { pos, .. } => {
             format!("{} is no text in UTF-8; save the table so", line(pos))
         }

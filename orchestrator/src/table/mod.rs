@@ -17,7 +17,7 @@ use parquet::ParquetFile;
 #[derive(Debug, Error)]
 pub enum TableError {
     /// The file cannot be read.
-    #[error("{path}: {}", reason(.source))]
+    #[error("{path}: {}", reason(path, .source))]
     Read {
         /// The table.
         path: PathBuf,

@@ -3,6 +3,7 @@
 use std::fs::File;
 use std::path::Path;
 
+use crate::files;
 use parquet::errors::ParquetError;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::{Field, Row};
@@ -18,7 +19,7 @@ impl ParquetFile {
     /// # Errors
     /// When there is none, or it is none of Parquet.
     pub fn open(path: &Path) -> Result<Self, String> {
-        let file = File::open(path).map_err(|error| error.to_string())?;
+        let file = File::open(path).map_err(|error| files::reason(path, &error))?;
         let reader = SerializedFileReader::new(file).map_err(|error| one_line(&error))?;
         Ok(Self { reader })
     }

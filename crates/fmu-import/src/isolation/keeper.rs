@@ -266,19 +266,31 @@ impl Child {
         Loss::Mute
     }
 
-    /// Lets a child that has answered end by itself, but not longer than `grace`; then ends it.
+    /// Lets a child that has answered end by itself, but not longer than `grace`; then ends it. It closes its pipe before
+    /// it writes what the FMU has printed or put into files, so the closed pipe is not its end.
     pub fn part(mut self, keeper: &mut Keeper, grace: Duration) -> Parting {
         let until = Instant::now() + grace;
+        let mut open = true;
         let mut loss = Some(Loss::Timeout);
         while Instant::now() < until {
-            match self.is_ready(keeper) {
-                Ok(true) if matches!(self.answers.read(), Ok(true)) => continue,
+            let arrived = if open {
+                self.is_ready(keeper)
+            } else {
+                keeper.words.hear();
+                std::thread::sleep(Duration::from_micros(50));
+                Ok(false)
+            };
+            match arrived {
+                Ok(true) => {
+                    open = matches!(self.answers.read(), Ok(true));
+                    continue;
+                }
                 Ok(false) => match self.state() {
                     State::Running => continue,
                     State::Stopped => loss = Some(Loss::Stopped),
                     State::Ended(_) => loss = None,
                 },
-                _ => loss = None,
+                Err(_) => loss = None,
             }
             break;
         }
@@ -287,6 +299,8 @@ impl Child {
             words = Some(payload);
         }
         let status = self.finish();
+        // The last that it printed is in the pipe still.
+        keeper.words.hear();
         Parting {
             words,
             loss: loss.or_else(|| status.and_then(unusual)),

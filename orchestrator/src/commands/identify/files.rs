@@ -106,7 +106,7 @@ fn write_cases(
     let path = beside(study, path.as_ref());
     let failed = |error: csv::Error| ResultsError::Content {
         path: path.clone(),
-        message: reason(&error),
+        message: reason(&path, &error),
     };
     let mut reader = CsvFile::open(&path, Some(b'#')).map_err(failed)?.reader;
     let header = reader.headers().map_err(failed)?.clone();

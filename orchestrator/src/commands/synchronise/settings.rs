@@ -16,7 +16,7 @@ use crate::table::csv_file::{self, CsvFile, reason};
 #[derive(Debug, Error)]
 pub enum SettingsError {
     /// A file cannot be read.
-    #[error("{path}: {source}")]
+    #[error("{path}: {}", crate::files::reason(path, .source))]
     Io {
         /// The file.
         path: PathBuf,
@@ -32,7 +32,7 @@ pub enum SettingsError {
         message: String,
     },
     /// The recording is no table.
-    #[error("{path}: {}", reason(.source))]
+    #[error("{path}: {}", reason(path, .source))]
     Csv {
         /// The file.
         path: PathBuf,

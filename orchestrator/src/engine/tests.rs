@@ -1,0 +1,132 @@
+use super::*;
+
+/// Doubles its first value; fails where that is negative.
+struct Doubling;
+
+impl Worker for Doubling {
+    fn run(&mut self, jobs: &[Job], post: &mut Post<'_>) -> Result<(), EngineError> {
+        for job in jobs {
+            let value = job.values[0];
+            let answer = if value < 0.0 {
+                Err(Failure::Timeout)
+            } else {
+                Ok(vec![2.0 * value].into())
+            };
+            post.send(Event::Answer(job.index, answer, Separation::Used));
+            if post.is_over() {
+                break;
+            }
+        }
+        Ok(())
+    }
+}
+
+fn workers(count: usize) -> Vec<Box<dyn Worker>> {
+    (0..count)
+        .map(|_| Box::new(Doubling) as Box<dyn Worker>)
+        .collect()
+}
+
+#[allow(clippy::cast_precision_loss)]
+fn job(index: u64) -> Job {
+    Job {
+        index,
+        values: vec![index as f64 - 3.0],
+    }
+}
+
+fn none(_: Separation) -> Vec<u64> {
+    Vec::new()
+}
+
+#[test]
+#[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss)]
+fn every_point_is_answered_once() {
+    let mut seen = vec![0; 10_000];
+    let stop = AtomicBool::new(false);
+    run::<EngineError>(&mut workers(3), 0..10_000, &job, &none, &stop, |event| {
+        let Event::Answer(index, answer, _) = event else {
+            return Ok(ControlFlow::Continue(()));
+        };
+        seen[index as usize] += 1;
+        match answer {
+            Ok(found) => assert_eq!(found.values[0], 2.0 * (index as f64 - 3.0)),
+            Err(_) => assert!(index < 3),
+        }
+        Ok(ControlFlow::Continue(()))
+    })
+    .unwrap();
+    assert!(seen.iter().all(|&count| count == 1));
+}
+
+#[test]
+fn a_run_ends_early_when_asked_to() {
+    let stop = AtomicBool::new(false);
+    let mut count = 0;
+    run::<EngineError>(&mut workers(2), 0..1_000_000, &job, &none, &stop, |event| {
+        count += u64::from(matches!(event, Event::Answer(..)));
+        Ok(if count == 10 {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        })
+    })
+    .unwrap();
+    assert!((10..900_000).contains(&count), "{count}");
+}
+
+/// Finds after a thousand points that used processes err: 1e9 too much from the hundredth point on.
+struct Erring(u64);
+
+impl Worker for Erring {
+    fn run(&mut self, jobs: &[Job], post: &mut Post<'_>) -> Result<(), EngineError> {
+        for job in jobs {
+            self.0 += 1;
+            let (value, separation) = match self.0 {
+                ..100 => (0.0, Separation::Used),
+                100..1000 => (1e9, Separation::Used),
+                _ => (0.0, Separation::Forked),
+            };
+            if self.0 == 1000 {
+                post.send(Event::Void(Separation::Used));
+            }
+            let answer = Ok(vec![value + job.values[0]].into());
+            post.send(Event::Answer(job.index, answer, separation));
+        }
+        Ok(())
+    }
+}
+
+#[test]
+#[allow(clippy::cast_precision_loss)]
+fn what_does_not_count_is_computed_again() {
+    let mut workers: Vec<Box<dyn Worker>> = vec![Box::new(Erring(0)), Box::new(Erring(0))];
+    let mut values = vec![f64::NAN; 5000];
+    let earlier = |_| vec![7];
+    let open = (0..5000).filter(|index| *index != 7);
+    let stop = AtomicBool::new(false);
+    run::<EngineError>(&mut workers, open, &job, &earlier, &stop, |event| {
+        if let Event::Answer(index, answer, _) = event {
+            values[index as usize] = answer.unwrap().values[0];
+        }
+        Ok(ControlFlow::Continue(()))
+    })
+    .unwrap();
+    // A point of an earlier run comes again, too.
+    assert!((0..5000).all(|index| values[index] == index as f64 - 3.0));
+}
+
+#[test]
+fn sets_of_indexes() {
+    let mut set = Indexes::default();
+    for index in [0, 63, 64, 1000] {
+        set.insert(index);
+    }
+    set.remove(63);
+    set.remove(100_000);
+    let mut other = Indexes::default();
+    other.insert(70_000);
+    set.take(&mut other);
+    assert_eq!(set.iter().collect::<Vec<_>>(), [0, 64, 1000, 70_000]);
+    assert_eq!(other.iter().count(), 0);
+}
