@@ -167,7 +167,7 @@ fn errors_have_their_place() {
     let wrong = STUDY.replace("\"0.75 %\"", "\"-1 degC\"");
     assert_eq!(
         judge(&wrong).unwrap_err(),
-        "s.toml:3:19: T: the tolerance -1 degC must be a positive, finite number"
+        "s.toml:3:15: T: the tolerance -1 degC must be a positive, finite number"
     );
     for tolerance in ["1e308 %", "0 %", "0 N", "-7 %"] {
         let error = judge(&STUDY.replace("7 %", tolerance)).unwrap_err();
