@@ -187,7 +187,7 @@ fn errors_have_their_place() {
     let wrong = STUDY.replace("nominal = 82", "nominal = nan");
     assert_eq!(
         judge(&wrong).unwrap_err(),
-        "s.toml:3:19: T: the nominal value NaN is not a finite number"
+        "s.toml:3:15: T: the nominal value NaN is not a finite number"
     );
     let wrong = STUDY.replace("nominal = 82", "nominal = 0");
     assert!(judge(&wrong).unwrap_err().contains("give it without %"));
