@@ -124,6 +124,9 @@ pub struct Identify {
     /// Also predict each case from the others (leave one out), beside the fit and a plain regression
     #[arg(long)]
     pub cross_validate: bool,
+    /// Draw this many sets of parameters from the posterior, too: several modes and curved valleys as they are
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub posterior: Option<u64>,
     /// The seed of the starts, instead of the study's
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub seed: Option<u64>,

@@ -1,6 +1,7 @@
 //! `identify`: finds the parameters that make the FMU's outputs most probable.
 
 mod files;
+mod posterior;
 
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
@@ -17,6 +18,7 @@ use crate::identify::local::{End, Minimum};
 use crate::identify::model::FmuModel;
 use crate::identify::objective::Objective;
 use crate::identify::outcome::IdentificationOutcome;
+use crate::identify::sample::{self, Sample};
 use crate::identify::search::{self, Progress, SearchError, search};
 use crate::identify::text;
 use crate::pipeline::Pipeline;
@@ -55,6 +57,12 @@ pub(super) fn run(options: &Identify) -> Result<ExitCode, CommandError> {
             message: message.to_owned(),
         });
     }
+    posterior::check(
+        &study,
+        &settings,
+        &bound.problem,
+        options.posterior.is_some(),
+    )?;
     let folder = asking::folder(
         options.work.output.as_deref(),
         &options.work.study,
@@ -81,8 +89,8 @@ pub(super) fn run(options: &Identify) -> Result<ExitCode, CommandError> {
     )
     .repeating(settings.seed, None);
     let found = find(options, &study, &settings, &bound, &mut pipeline);
-    let outcome = match found {
-        Ok(outcome) => outcome,
+    let (outcome, sample) = match found {
+        Ok(found) => found,
         Err(error) => {
             pipeline.pause()?;
             return Err(error);
@@ -90,10 +98,15 @@ pub(super) fn run(options: &Identify) -> Result<ExitCode, CommandError> {
     };
     pipeline.end()?;
     files::write(&folder, &study, &settings, &outcome)?;
+    posterior::write(&folder, &bound.problem, sample.as_ref())?;
     let validation = outcome.cross_validation.as_ref();
     output::print(&format!(
-        "{}{}results in {}\n",
+        "{}{}{}results in {}\n",
         text::summary(&outcome),
+        outcome
+            .posterior
+            .as_ref()
+            .map_or_else(String::new, sample::text::summary),
         validation.map_or_else(String::new, cross::text::summary),
         folder.display()
     ));
@@ -110,6 +123,9 @@ fn settings(options: &Identify, study: &Study) -> Result<Identification, Command
     })?;
     settings.starts = options.starts.unwrap_or(settings.starts);
     settings.seed = options.seed.unwrap_or(settings.seed);
+    if let Some(particles) = options.posterior {
+        settings.posterior = Some(toml::Spanned::new(0..0, particles));
+    }
     Ok(settings)
 }
 
@@ -119,6 +135,7 @@ fn request(options: &Identify) -> Request {
         starts,
         seed,
         cross_validate,
+        posterior,
         ..
     } = options;
     Request {
@@ -127,7 +144,7 @@ fn request(options: &Identify) -> Request {
         seed: *seed,
         analysis: Some(Asking {
             name: NAME.to_owned(),
-            options: serde_json::json!({ "starts": starts, "cross-validate": cross_validate }),
+            options: serde_json::json!({ "starts": starts, "cross-validate": cross_validate, "posterior": posterior }),
         }),
         ..Request::default()
     }
@@ -162,7 +179,7 @@ fn find(
     settings: &Identification,
     bound: &Bound,
     pipeline: &mut Pipeline<'_>,
-) -> Result<IdentificationOutcome, CommandError> {
+) -> Result<(IdentificationOutcome, Option<Sample>), CommandError> {
     let starts = starts(study, settings)?;
     let limits = search::Effort {
         descents: settings.descents.max(1),
@@ -183,10 +200,19 @@ fn find(
         let cross_validation = options
             .cross_validate
             .then(|| validate(bound, &model, settings, minimum, limits.deadline));
-        Ok(IdentificationOutcome {
+        let mut outcome = IdentificationOutcome {
             cross_validation: cross_validation.transpose()?,
             ..outcome
-        })
+        };
+        let sample = posterior::sampled(
+            &objective,
+            &optima,
+            settings,
+            limits.deadline,
+            &mut outcome,
+            &|text| model.say(text),
+        )?;
+        Ok((outcome, sample))
     });
     found.map_err(|error: SearchError| match model.halted() {
         Some(halt) => halt.into(),

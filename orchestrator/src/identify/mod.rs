@@ -6,6 +6,7 @@
 //! - [`local`] goes down to the nearest minimum, [`search`] does so from many starts;
 //! - [`optima`] tells which of the ends are distinct, and what part of the posterior each has;
 //! - [`posterior`] says how well the data determine it;
+//! - [`sample`] draws from the posterior where its normal approximation will not do;
 //! - [`cross`] leaves out one case at a time and predicts it from the others.
 //!
 //! These know nothing of FMUs: a model is anything that implements [`problem::Simulate`].
@@ -29,5 +30,6 @@ pub mod posterior;
 pub mod problem;
 #[cfg(test)]
 mod recovery_tests;
+pub mod sample;
 pub mod search;
 pub mod text;

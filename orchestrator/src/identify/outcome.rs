@@ -8,6 +8,7 @@ use super::local::{End, Minimum};
 use super::optima::Optimum;
 use super::posterior::{Direction, Posterior, UNDETERMINED};
 use super::problem::{Interval, Latent, Problem};
+use super::sample::outcome::PosteriorOutcome;
 use super::search::Progress;
 use crate::study::identification::Spacing;
 
@@ -50,6 +51,9 @@ pub struct IdentificationOutcome {
     /// Each case predicted from the others, where that was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cross_validation: Option<CrossValidation>,
+    /// A sample of the posterior, where that was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub posterior: Option<PosteriorOutcome>,
 }
 
 /// A set of parameters that could be the right one: a minimum of the sum of squares.
@@ -210,6 +214,7 @@ impl IdentificationOutcome {
                 .collect(),
             search: searches(progress),
             cross_validation: None,
+            posterior: None,
         })
     }
 }

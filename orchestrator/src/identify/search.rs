@@ -75,6 +75,9 @@ pub enum SearchError {
     /// Time was up before anything was found.
     #[error("the time limit ended the search before the first start was simulated")]
     NoTime,
+    /// The posterior could not be sampled.
+    #[error("{0}")]
+    Sample(String),
     /// There are no further predictions.
     #[error("the search was stopped")]
     Stopped,

@@ -139,6 +139,13 @@ fn undetermined(text: &mut String, outcome: &IdentificationOutcome) {
             ),
         };
     }
+    if outcome.posterior.is_none() {
+        let _ = writeln!(
+            text,
+            "  the intervals above are normal approximations, which may hold less often than 95 % then; --posterior 1000 \
+             samples the posterior"
+        );
+    }
 }
 
 fn residuals(text: &mut String, outcome: &IdentificationOutcome) {

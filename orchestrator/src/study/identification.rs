@@ -20,6 +20,17 @@ pub enum Spacing {
     Log,
 }
 
+/// Where the posterior's sample starts. The sample has the same distribution with either.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PosteriorStart {
+    /// Half of the particles around the optima, half from the prior: few runs.
+    #[default]
+    Optima,
+    /// All particles from the prior: more runs, and no reliance on the search.
+    Prior,
+}
+
 /// Unknown parameters, measurements, and the effort of the search.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
@@ -38,6 +49,11 @@ pub struct Identification {
     /// Seed of the random starts.
     #[serde(default = "seed")]
     pub seed: u64,
+    /// Particles of the posterior's sample; none is made without this.
+    pub posterior: Option<Spanned<u64>>,
+    /// Where that sample starts.
+    #[serde(default)]
+    pub posterior_start: PosteriorStart,
     /// How far apart simulations stand for a derivative, as a part of the distance between the bounds.
     #[serde(default = "difference")]
     pub difference: f64,

@@ -94,6 +94,12 @@ const CROSS_VALIDATION: Analysis = Analysis {
     files: &["identification.json", "cross-validation.csv"],
 };
 
+const POSTERIOR: Analysis = Analysis {
+    command: &["identify", "identify.toml", "--posterior", "200"],
+    state: "identify",
+    files: &["identification.json", "posterior.csv"],
+};
+
 /// The lag's answer to four inputs, with an unknown rate.
 const CASES: &str = "point,u,y\n3,0.5,0.434\n5,1,0.866\n8,1.5,1.29\n9,2,1.73\n";
 
@@ -292,6 +298,11 @@ fn robustness_goes_on() {
 #[test]
 fn identification_goes_on() {
     IDENTIFICATION.stop_and_resume(6, &BOTH);
+}
+
+#[test]
+fn a_posterior_sample_goes_on() {
+    POSTERIOR.stop_and_resume(4, &BOTH);
 }
 
 #[test]

@@ -90,3 +90,80 @@ fn a_product_is_one_valley_and_not_determined() {
     let found = json(&bench, "out/identification.json");
     assert_eq!(found["optima"].as_array().unwrap().len(), 1);
 }
+
+#[test]
+fn a_sample_of_the_posterior_holds_all_modes_and_can_be_predicted_from() {
+    let bench = Bench::functions();
+    bench.write("study.toml", STUDY);
+    let said = bench.run(&[
+        "identify",
+        "study.toml",
+        "--posterior",
+        "600",
+        "--output",
+        "out",
+    ]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    for words in [
+        "posterior sample: 600 particles (8 independent groups agree",
+        "near optimum 6: ",
+        " or 3.0",
+    ] {
+        assert!(said.out.contains(words), "no `{words}` in {}", said.out);
+    }
+    let sample = &json(&bench, "out/identification.json")["posterior"];
+    assert_eq!(sample["trusted"], true);
+    assert_eq!(sample["free"][0]["intervals"].as_array().unwrap().len(), 6);
+    let table = bench.read("out/posterior.csv");
+    assert!(
+        table.starts_with("# x1 in 1\npoint,x1,log_likelihood\n1,"),
+        "{table}"
+    );
+    assert_eq!(table.lines().count(), 602);
+    // The file is a table of points: what the model predicts with them is what was measured.
+    let study = r#"
+fmu = "functions.fmu"
+[simulation]
+stop = 1
+[parameters.x1]
+distribution = "uniform"
+min = 0.1
+max = 3.1
+[criteria.W]
+variable = "wave"
+nominal = 0.5
+tolerance = 0.04
+"#;
+    bench.write("predict.toml", study);
+    let predict = [
+        "verify",
+        "predict.toml",
+        "--points-from",
+        "out/posterior.csv",
+    ];
+    let said = bench.run(&[&predict[..], &["--output", "predicted"]].concat());
+    assert_eq!(said.code, 0, "{}", said.err);
+    let summary = bench.summary("predicted");
+    assert_eq!(summary["points"], 600);
+    // Two standard deviations to both sides: 95.4 %.
+    let share = summary["verified_fraction"].as_f64().unwrap();
+    assert!((share - 0.954).abs() < 0.03, "{share}");
+    // Without the option an earlier sample goes.
+    let said = bench.run(&["identify", "study.toml", "--output", "out"]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    assert!(!bench.path("out/posterior.csv").exists());
+    assert!(json(&bench, "out/identification.json")["posterior"].is_null());
+    bench
+        .run(&["identify", "study.toml", "--posterior", "20"])
+        .is_mistake(&["--posterior", "20 particles", "give 200 or more"]);
+    let few = STUDY.replace(
+        "[identify.free.x1]",
+        "[identify]\nposterior = 20\n[identify.free.x1]",
+    );
+    bench.write("few.toml", &few);
+    bench.run(&["identify", "few.toml"]).is_mistake(&[
+        "few.toml:6",
+        "20 particles",
+        "give 200 or more",
+    ]);
+}

@@ -66,7 +66,7 @@ fn remove_others(
     Ok(())
 }
 
-fn remove(path: &Path) -> Result<(), CommandError> {
+pub(super) fn remove(path: &Path) -> Result<(), CommandError> {
     match std::fs::remove_file(path) {
         Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
             Err(ResultsError::io(path)(error).into())

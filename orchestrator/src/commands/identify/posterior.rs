@@ -1,0 +1,120 @@
+//! `identify --posterior`: a sample of the posterior, and its file.
+
+use std::path::Path;
+use std::time::Instant;
+
+use super::super::CommandError;
+use super::files::remove;
+use crate::identify::local::End;
+use crate::identify::objective::Objective;
+use crate::identify::optima::Optimum;
+use crate::identify::outcome::IdentificationOutcome;
+use crate::identify::problem::Problem;
+use crate::identify::sample::outcome::PosteriorOutcome;
+use crate::identify::sample::{FEWEST, Sample, SampleError, Settings, sample, text};
+use crate::identify::search::SearchError;
+use crate::results::write_atomically;
+use crate::study::identification::PosteriorStart;
+use crate::study::{Identification, Study};
+use crate::table::csv_file;
+
+/// The most particles: more would be the table's work, not the posterior's.
+const MOST: u64 = 1_000_000;
+
+/// Particles that each unknown needs: with fewer, the moves cannot follow the sample's shape.
+const EACH: u64 = 20;
+
+/// The name of the table of particles.
+const FILE: &str = "posterior.csv";
+
+/// Refuses numbers of particles that would say nothing.
+pub(super) fn check(
+    study: &Study,
+    settings: &Identification,
+    problem: &Problem,
+    by_option: bool,
+) -> Result<(), CommandError> {
+    let Some(particles) = &settings.posterior else {
+        return Ok(());
+    };
+    let unknowns = problem.unknowns() as u64;
+    let fewest = FEWEST.max(EACH * unknowns);
+    let number = *particles.as_ref();
+    if (fewest..=MOST).contains(&number) {
+        return Ok(());
+    }
+    let message = format!(
+        "{number} particles: with {unknowns} unknowns, give {fewest} or more, and at most {MOST}"
+    );
+    Err(match by_option {
+        true => CommandError::Option {
+            option: "posterior",
+            message,
+        },
+        false => study.error_at(particles, message).into(),
+    })
+}
+
+/// Samples the posterior where that is asked for. Where time is up before that is done there is no sample, and the outcome
+/// says so.
+pub(super) fn sampled(
+    objective: &Objective<'_>,
+    optima: &[Optimum],
+    settings: &Identification,
+    deadline: Option<Instant>,
+    outcome: &mut IdentificationOutcome,
+    say: &dyn Fn(String),
+) -> Result<Option<Sample>, SearchError> {
+    let Some(particles) = &settings.posterior else {
+        return Ok(None);
+    };
+    let seeds = match settings.posterior_start {
+        PosteriorStart::Optima => optima,
+        PosteriorStart::Prior => &[],
+    };
+    let settings = Settings {
+        particles: *particles.as_ref(),
+        seed: settings.seed,
+        deadline,
+    };
+    let observe = |exponent: f64, step: usize| {
+        say(format!(
+            "posterior with exponent {exponent:.2e}, step {step}"
+        ));
+    };
+    match sample(objective, seeds, &settings, &observe) {
+        Ok(sample) => {
+            outcome.posterior = Some(PosteriorOutcome::new(objective, optima, &sample));
+            Ok(Some(sample))
+        }
+        Err(SampleError::Time) => {
+            outcome.end = End::Time;
+            Ok(None)
+        }
+        Err(SampleError::Prediction(error)) => Err(error.into()),
+        Err(error) => Err(SearchError::Sample(error.to_string())),
+    }
+}
+
+/// Writes the table of particles. Without a sample an earlier one's goes: it would be taken for this one's.
+pub(super) fn write(
+    folder: &Path,
+    problem: &Problem,
+    sample: Option<&Sample>,
+) -> Result<(), CommandError> {
+    let path = folder.join(FILE);
+    let Some(sample) = sample else {
+        return remove(&path);
+    };
+    write_atomically(&path, |out| {
+        writeln!(out, "# {}", text::units(problem))?;
+        let mut table = csv::Writer::from_writer(out);
+        let head = text::head(problem);
+        table.write_record(head.iter().map(|name| csv_file::cell(name).into_owned()))?;
+        for row in text::rows(problem, sample) {
+            table.write_record(row)?;
+        }
+        table.flush()
+    })?;
+    Ok(())
+}

@@ -1,0 +1,268 @@
+//! Mixtures of normal distributions: where a sample starts, and how its particles move.
+//!
+//! A mixture fitted to the particles near each of some anchors follows several modes and curved valleys alike: each of
+//! its parts has the shape that the sample has there.
+
+use nalgebra::{Cholesky, DMatrix, DVector};
+use rand::RngExt;
+use rand::rngs::StdRng;
+use rand::seq::SliceRandom;
+use rand_distr::StandardNormal;
+
+/// One normal distribution.
+#[derive(Clone, Debug)]
+struct Part {
+    weight: f64,
+    mean: Vec<f64>,
+    /// Cholesky factor of the covariance, row by row up to the diagonal, and its inverse.
+    factor: Vec<Vec<f64>>,
+    inverse: Vec<Vec<f64>>,
+    /// The logarithm of the density at the mean.
+    peak: f64,
+}
+
+impl Part {
+    fn new(weight: f64, mean: &DVector<f64>, covariance: DMatrix<f64>) -> Option<Self> {
+        let factor = Cholesky::new(covariance)?.l();
+        let inverse = factor.clone().try_inverse()?;
+        let volume: f64 = factor.diagonal().iter().map(|v| v.ln()).sum();
+        let peak = -volume - 0.5 * mean.len() as f64 * std::f64::consts::TAU.ln();
+        peak.is_finite().then(|| Self {
+            weight,
+            mean: mean.iter().copied().collect(),
+            factor: rows(&factor),
+            inverse: rows(&inverse),
+            peak,
+        })
+    }
+
+    /// The logarithm of the density at a place, with all deviations `scale` times as large.
+    fn log_density(&self, place: &[f64], scale: f64) -> f64 {
+        self.log_between(&self.mean, place, scale)
+    }
+
+    /// The logarithm of the density of a step, with all deviations `scale` times as large.
+    fn log_between(&self, from: &[f64], to: &[f64], scale: f64) -> f64 {
+        let squares = squared(&self.inverse, from, to) / (scale * scale);
+        self.peak - 0.5 * squares - from.len() as f64 * scale.ln()
+    }
+
+    /// A place from a normal distribution of this shape about another centre.
+    fn draw(&self, centre: &[f64], scale: f64, random: &mut StdRng) -> Vec<f64> {
+        let normal: Vec<f64> = centre
+            .iter()
+            .map(|_| random.sample(StandardNormal))
+            .collect();
+        let rows = centre.iter().zip(&self.factor);
+        rows.map(|(centre, row)| {
+            let step = row.iter().zip(&normal).map(|(a, z)| a * z);
+            centre + scale * step.sum::<f64>()
+        })
+        .collect()
+    }
+}
+
+/// The rows of a lower triangular matrix, up to the diagonal.
+fn rows(triangle: &DMatrix<f64>) -> Vec<Vec<f64>> {
+    let row = |i: usize| (0..=i).map(|j| triangle[(i, j)]).collect();
+    (0..triangle.nrows()).map(row).collect()
+}
+
+/// The squared length of a way that a triangular matrix is applied to.
+fn squared(triangle: &[Vec<f64>], from: &[f64], to: &[f64]) -> f64 {
+    let mut sum = 0.0;
+    for row in triangle {
+        let mut entry = 0.0;
+        for ((a, from), to) in row.iter().zip(from).zip(to) {
+            entry += a * (to - from);
+        }
+        sum += entry * entry;
+    }
+    sum
+}
+
+/// A mixture of normal distributions.
+#[derive(Clone, Debug)]
+pub(super) struct Mixture {
+    parts: Vec<Part>,
+}
+
+/// The largest number of parts that are fitted to particles.
+const MOST_PARTS: f64 = 32.0;
+
+/// Particles for each unknown that the covariance of a part needs.
+const PARTICLES: f64 = 3.0;
+
+/// Parts overlap: each is fitted to this many times its share of the particles.
+const OVERLAP: f64 = 1.5;
+
+impl Mixture {
+    /// Normal distributions with weights, means and covariances; those that are no covariances are left out.
+    pub(super) fn new(parts: Vec<(f64, DVector<f64>, DMatrix<f64>)>) -> Option<Self> {
+        let parts = parts.into_iter();
+        let mut parts: Vec<Part> = parts
+            .filter_map(|(weight, mean, covariance)| Part::new(weight, &mean, covariance))
+            .filter(|part| part.weight > 0.0)
+            .collect();
+        let all: f64 = parts.iter().map(|part| part.weight).sum();
+        parts.iter_mut().for_each(|part| part.weight /= all);
+        (!parts.is_empty()).then_some(Self { parts })
+    }
+
+    /// A mixture that has the shape of weighted points: each part has mean and covariance of the points nearest to one
+    /// of them.
+    pub(super) fn fitted(points: &[&[f64]], weights: &[f64], random: &mut StdRng) -> Option<Self> {
+        let d = points.first()?.len();
+        let effective = 1.0 / weights.iter().map(|w| w * w).sum::<f64>();
+        let count = (effective / (PARTICLES * (d + 1) as f64)).floor();
+        let count = count.clamp(1.0, MOST_PARTS) as usize;
+        let all: Vec<usize> = (0..points.len()).collect();
+        let (_, whole) = moments(points, weights, &all);
+        let least = (effective.min(2.0 * (d + 1) as f64)) as usize;
+        let share = (OVERLAP / count as f64).min(1.0);
+        let metric = Cholesky::new(floored(whole.clone(), &whole))
+            .and_then(|factor| factor.l().try_inverse())?;
+        let metric = rows(&metric);
+        let parts = anchors(weights, count, random).into_iter().map(|anchor| {
+            let near = nearest(points, weights, &metric, anchor, share, least);
+            let (mean, covariance) = moments(points, weights, &near);
+            (1.0, mean, floored(covariance, &whole))
+        });
+        Self::new(parts.collect())
+    }
+
+    /// The logarithm of the density, with all deviations `scale` times as large.
+    pub(super) fn log_density(&self, place: &[f64], scale: f64) -> f64 {
+        let parts = self.parts.iter();
+        log_sum(parts.map(|part| part.weight.ln() + part.log_density(place, scale)))
+    }
+
+    /// The parts that a place belongs to, as logarithms of probabilities. Wider parts than those fitted make the change
+    /// from one to the next gentle, so that a move from one to another can be undone.
+    fn shares(&self, place: &[f64]) -> Vec<f64> {
+        const GENTLE: f64 = 2.0;
+        let parts = self.parts.iter();
+        let logs = parts.map(|part| part.weight.ln() + part.log_density(place, GENTLE));
+        let mut logs: Vec<f64> = logs.collect();
+        let all = log_sum(logs.iter().copied());
+        logs.iter_mut().for_each(|log| *log -= all);
+        logs
+    }
+
+    /// A place from the mixture, with all deviations `scale` times as large; `level` from 0 to 1 chooses the part.
+    pub(super) fn draw(&self, level: f64, scale: f64, random: &mut StdRng) -> Vec<f64> {
+        let part = &self.parts[chosen(self.parts.iter().map(|part| part.weight), level)];
+        part.draw(&part.mean, scale, random)
+    }
+
+    /// A step from a place in the shape that the mixture has there.
+    pub(super) fn step(&self, place: &[f64], scale: f64, random: &mut StdRng) -> Vec<f64> {
+        let shares = self.shares(place);
+        let part = chosen(shares.iter().map(|log| log.exp()), random.random());
+        self.parts[part].draw(place, scale, random)
+    }
+
+    /// The logarithm of the density of such a step.
+    pub(super) fn log_step(&self, from: &[f64], to: &[f64], scale: f64) -> f64 {
+        let parts = self.parts.iter().zip(self.shares(from));
+        log_sum(parts.map(|(part, share)| share + part.log_between(from, to, scale)))
+    }
+}
+
+/// The logarithm of a sum of exponentials.
+pub(super) fn log_sum(logs: impl Iterator<Item = f64>) -> f64 {
+    let logs: Vec<f64> = logs.collect();
+    let most = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    if !most.is_finite() {
+        return most;
+    }
+    most + logs.iter().map(|log| (log - most).exp()).sum::<f64>().ln()
+}
+
+/// The index at which the weights' sum reaches a level from 0 to 1.
+pub(super) fn chosen(weights: impl Iterator<Item = f64>, level: f64) -> usize {
+    let mut sum = 0.0;
+    let mut last = 0;
+    for (index, weight) in weights.enumerate() {
+        if weight > 0.0 {
+            last = index;
+            sum += weight;
+            if sum > level {
+                break;
+            }
+        }
+    }
+    last
+}
+
+/// Points in number `count`, spread evenly over the weights in a random order.
+fn anchors(weights: &[f64], count: usize, random: &mut StdRng) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..weights.len()).collect();
+    order.shuffle(random);
+    let first: f64 = random.random();
+    let levels = (0..count).map(|k| (k as f64 + first) / count as f64);
+    levels
+        .map(|level| order[chosen(order.iter().map(|&index| weights[index]), level)])
+        .collect()
+}
+
+/// The points nearest to one of them: so many that they hold a share of the weight, and at least `least`.
+fn nearest(
+    points: &[&[f64]],
+    weights: &[f64],
+    metric: &[Vec<f64>],
+    anchor: usize,
+    share: f64,
+    least: usize,
+) -> Vec<usize> {
+    let weighty = (0..points.len()).filter(|&index| weights[index] > 0.0);
+    let mut near: Vec<(f64, usize)> = weighty
+        .map(|index| (squared(metric, points[anchor], points[index]), index))
+        .collect();
+    near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let mut sum = 0.0;
+    let mut kept = Vec::new();
+    for (_, index) in near {
+        if sum >= share && kept.len() >= least {
+            break;
+        }
+        sum += weights[index];
+        kept.push(index);
+    }
+    kept
+}
+
+/// Mean and covariance of some of the weighted points.
+fn moments(points: &[&[f64]], weights: &[f64], which: &[usize]) -> (DVector<f64>, DMatrix<f64>) {
+    let d = points.first().map_or(0, |point| point.len());
+    let all: f64 = which.iter().map(|&index| weights[index]).sum();
+    let mut mean = DVector::zeros(d);
+    for &index in which {
+        for (mean, value) in mean.iter_mut().zip(points[index]) {
+            *mean += value * weights[index] / all;
+        }
+    }
+    let mut covariance = DMatrix::zeros(d, d);
+    for &index in which {
+        let way: Vec<f64> = points[index]
+            .iter()
+            .zip(&mean)
+            .map(|(a, b)| a - b)
+            .collect();
+        for (i, a) in way.iter().enumerate() {
+            for (j, b) in way.iter().enumerate() {
+                covariance[(i, j)] += a * b * weights[index] / all;
+            }
+        }
+    }
+    (mean, covariance)
+}
+
+/// A covariance that can be inverted, also where points lie on one line.
+fn floored(mut covariance: DMatrix<f64>, whole: &DMatrix<f64>) -> DMatrix<f64> {
+    for index in 0..covariance.nrows() {
+        covariance[(index, index)] *= 1.0 + 1e-9;
+        covariance[(index, index)] += 1e-12 * whole[(index, index)] + 1e-28;
+    }
+    covariance
+}

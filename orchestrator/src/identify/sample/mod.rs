@@ -1,0 +1,479 @@
+//! A sample of the posterior: particles that go from a known distribution to the posterior in steps.
+//!
+//! Sequential Monte Carlo (Del Moral, Doucet & Jasra 2006, Sequential Monte Carlo samplers, J. Royal Statistical Society
+//! B 68, 411-436). Particles start in a distribution that can be drawn from. They pass distributions whose logarithm lies
+//! between it and the posterior; each next one is as far away as the effective number of particles allows. At each of
+//! them particles are resampled and then moved by Metropolis steps. The steps are shaped by the particles themselves
+//! (`mixture`), so they fit several modes and curved valleys.
+//!
+//! The start is the prior, or a mixture of the prior and of the normal approximations at the optima that were found. The
+//! mixture saves runs and changes nothing about the target: each particle is weighted against the density that it was
+//! drawn from, and the prior's part bounds the weights (defensive importance sampling; Hesterberg 1995, Weighted average
+//! importance sampling and defensive mixture distributions, Technometrics 37, 185-194).
+//!
+//! The particles form groups. Resampling never crosses groups, so each gives an estimate of everything by itself, and the
+//! estimates' scatter says how far the sample can be trusted. Each step of all particles is one batch of runs.
+
+#[cfg(test)]
+mod coverage_tests;
+mod mixture;
+mod moves;
+pub mod outcome;
+mod region;
+mod target;
+#[cfg(test)]
+mod tests;
+pub mod text;
+
+use std::time::Instant;
+
+use nalgebra::DVector;
+use rand::rngs::StdRng;
+use rand::{RngExt, SeedableRng};
+
+use super::objective::Objective;
+use super::optima::Optimum;
+use super::problem::NoPrediction;
+use mixture::{Mixture, chosen, log_sum};
+use moves::Mover;
+use target::Target;
+
+/// The groups that the particles form: two in each part.
+pub const GROUPS: usize = 8;
+
+/// Parts of the sample whose moves are shaped by their own particles alone. Were they shaped by all, a mode that one part
+/// has found would come to the others through the moves, and all would agree although none is right.
+const PARTS: usize = 4;
+
+/// The smallest number of particles: below it a group's moments say nothing.
+pub const FEWEST: u64 = 200;
+
+/// The next distribution is so far away that this part of the particles remains effective.
+const EFFECTIVE: f64 = 0.5;
+
+/// The prior's part of the particles, where the start is a mixture with the optima.
+const DEFENCE: f64 = 0.5;
+
+/// The optima's covariances are widened by this factor: a start should be wider than its target.
+const WIDER: f64 = 1.5;
+
+/// Particles are moved until no more than this part of them stands where it stood: on the way, and at the end.
+const UNMOVED: [f64; 2] = [0.1, 0.02];
+
+/// The most moves at one distribution.
+const MOST_MOVES: usize = 60;
+
+/// The most distributions: a model that needs more is not sampled by this method.
+const MOST_STAGES: usize = 300;
+
+/// How a sample is made.
+#[derive(Clone, Copy, Debug)]
+pub struct Settings {
+    /// How many particles there are, about.
+    pub particles: u64,
+    /// Seed of all random numbers.
+    pub seed: u64,
+    /// When time is up.
+    pub deadline: Option<Instant>,
+}
+
+/// Why there is no sample.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SampleError {
+    /// No particle could be simulated.
+    #[error("a run failed at each of the {0} places where the posterior's sample starts")]
+    NoStart(usize),
+    /// The method does not get on.
+    #[error(
+        "the posterior's sample came no further than an exponent of {0:.2e} in {MOST_STAGES} stages"
+    )]
+    Stuck(f64),
+    /// Time was up.
+    #[error("the time limit ended the posterior's sample")]
+    Time,
+    /// There are no further predictions.
+    #[error("{0}")]
+    Prediction(NoPrediction),
+}
+
+impl From<NoPrediction> for SampleError {
+    fn from(error: NoPrediction) -> Self {
+        Self::Prediction(error)
+    }
+}
+
+/// A place in the space of all unknowns.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Particle {
+    /// The unknowns, as places between their bounds.
+    pub places: Vec<f64>,
+    /// The logarithm of the prior density.
+    pub log_prior: f64,
+    /// The logarithm of the likelihood.
+    pub log_likelihood: f64,
+    /// The logarithm of the density of the start.
+    log_start: f64,
+    /// The number of the particle at the start that this one comes from.
+    ancestor: usize,
+}
+
+impl Particle {
+    /// The logarithm of the posterior over the start's density; minus infinity where the posterior is 0.
+    fn log_ratio(&self) -> f64 {
+        if self.log_prior.is_finite() && self.log_likelihood.is_finite() {
+            self.log_prior + self.log_likelihood - self.log_start
+        } else {
+            f64::NEG_INFINITY
+        }
+    }
+}
+
+/// One of the distributions on the way.
+#[derive(Clone, Copy, Debug, serde::Serialize)]
+pub struct Stage {
+    /// The posterior's exponent: 0 at the start, 1 at the posterior.
+    pub exponent: f64,
+    /// Steps of all particles.
+    pub moves: usize,
+    /// The part of the steps that were accepted.
+    pub acceptance: f64,
+    /// The part of the particles that no step has moved.
+    pub unmoved: f64,
+    /// How many particles of the start have descendants.
+    pub ancestors: usize,
+}
+
+/// A sample of the posterior.
+#[derive(Clone, Debug)]
+pub struct Sample {
+    /// The particles, all of equal weight.
+    pub particles: Vec<Particle>,
+    /// The groups before they were joined, all of the same size, with the logarithm of each one's evidence.
+    pub groups: Vec<(f64, Vec<Particle>)>,
+    /// The distributions on the way.
+    pub stages: Vec<Stage>,
+    /// At how many places the model was asked.
+    pub evaluated: u64,
+    /// At how many of them a run failed: their likelihood counts as 0.
+    pub failed: u64,
+}
+
+/// Samples the posterior; with `optima` the start is a mixture of their normal approximations and the prior. `observe`
+/// hears how far it is.
+///
+/// # Errors
+/// When nothing can be simulated, when time is up, or when there are no further predictions.
+pub fn sample(
+    objective: &Objective<'_>,
+    optima: &[Optimum],
+    settings: &Settings,
+    observe: &dyn Fn(f64, usize),
+) -> Result<Sample, SampleError> {
+    let target = Target::new(objective);
+    let mut walk = Walk::begin(&target, optima, settings)?;
+    while walk.exponent < 1.0 {
+        if walk.stages.len() >= MOST_STAGES {
+            return Err(SampleError::Stuck(walk.exponent));
+        }
+        walk.stage(observe)?;
+    }
+    let evidences = walk.evidences.clone();
+    let groups = evidences.into_iter().zip(walk.groups());
+    let groups: Vec<(f64, Vec<Particle>)> = groups.collect();
+    walk.join(observe)?;
+    let (evaluated, failed) = target.counts();
+    Ok(Sample {
+        particles: walk.particles,
+        groups,
+        stages: walk.stages,
+        evaluated,
+        failed,
+    })
+}
+
+/// The start's density: the prior, or its mixture with normal distributions.
+struct Start {
+    /// The normal distributions, with their part of each group.
+    seeds: Option<(Mixture, f64)>,
+}
+
+impl Start {
+    fn log_density(&self, log_prior: f64, places: &[f64]) -> f64 {
+        match &self.seeds {
+            None => log_prior,
+            Some((mixture, part)) => {
+                let prior = log_prior + (1.0 - part).ln();
+                let seeds = mixture.log_density(places, 1.0) + part.ln();
+                log_sum([prior, seeds].into_iter())
+            }
+        }
+    }
+}
+
+/// A sample on its way.
+struct Walk<'a> {
+    target: &'a Target<'a>,
+    start: Start,
+    random: StdRng,
+    deadline: Option<Instant>,
+    exponent: f64,
+    /// Group by group.
+    particles: Vec<Particle>,
+    /// The logarithm of each group's evidence.
+    evidences: Vec<f64>,
+    /// The moves of each part.
+    movers: Vec<Mover>,
+    stages: Vec<Stage>,
+}
+
+impl<'a> Walk<'a> {
+    fn begin(
+        target: &'a Target<'a>,
+        optima: &[Optimum],
+        settings: &Settings,
+    ) -> Result<Self, SampleError> {
+        let mut random = StdRng::seed_from_u64(settings.seed);
+        let size = (settings.particles.max(FEWEST) as usize).div_ceil(GROUPS);
+        let seeded = (size as f64 * (1.0 - DEFENCE)).round() as usize;
+        let part = seeded as f64 / size as f64;
+        let seeds = seeds(optima).map(|mixture| (mixture, part));
+        let start = Start { seeds };
+        let mut places = Vec::with_capacity(GROUPS * size);
+        for _ in 0..GROUPS {
+            let shift: f64 = random.random();
+            for index in 0..size {
+                places.push(match &start.seeds {
+                    Some((mixture, _)) if index < seeded => {
+                        let level = (index as f64 + shift) / seeded as f64;
+                        mixture.draw(level, 1.0, &mut random)
+                    }
+                    _ => target.draw(&mut random),
+                });
+            }
+        }
+        let mut walk = Self {
+            target,
+            start,
+            random,
+            deadline: settings.deadline,
+            exponent: 0.0,
+            particles: Vec::new(),
+            evidences: vec![0.0; GROUPS],
+            movers: vec![Mover::new(target.unknowns()); PARTS],
+            stages: Vec::new(),
+        };
+        walk.particles = walk.weighed(places)?;
+        for (index, particle) in walk.particles.iter_mut().enumerate() {
+            particle.ancestor = index;
+        }
+        match walk.particles.iter().any(|own| own.log_ratio().is_finite()) {
+            true => Ok(walk),
+            false => Err(SampleError::NoStart(walk.particles.len())),
+        }
+    }
+
+    /// Particles at these places: one batch of runs.
+    fn weighed(&self, places: Vec<Vec<f64>>) -> Result<Vec<Particle>, SampleError> {
+        if self.deadline.is_some_and(|end| Instant::now() >= end) {
+            return Err(SampleError::Time);
+        }
+        let likelihoods = self.target.log_likelihoods(&places)?;
+        let weighed = places.into_iter().zip(likelihoods);
+        let weighed = weighed.map(|(places, log_likelihood)| {
+            let log_prior = self.target.log_prior(&places);
+            Particle {
+                log_start: self.start.log_density(log_prior, &places),
+                log_prior,
+                log_likelihood,
+                ancestor: 0,
+                places,
+            }
+        });
+        Ok(weighed.collect())
+    }
+
+    fn size(&self) -> usize {
+        self.particles.len() / GROUPS
+    }
+
+    fn groups(&self) -> Vec<Vec<Particle>> {
+        let groups = self.particles.chunks(self.size());
+        groups.map(<[Particle]>::to_vec).collect()
+    }
+
+    /// Goes on to the next distribution.
+    fn stage(&mut self, observe: &dyn Fn(f64, usize)) -> Result<(), SampleError> {
+        let ratios: Vec<f64> = self.particles.iter().map(Particle::log_ratio).collect();
+        let step = step(&ratios, 1.0 - self.exponent);
+        let last = step >= 1.0 - self.exponent;
+        self.exponent = if last { 1.0 } else { self.exponent + step };
+        let logs: Vec<f64> = ratios.iter().map(|ratio| times(step, *ratio)).collect();
+        let size = self.size();
+        for (evidence, logs) in self.evidences.iter_mut().zip(logs.chunks(size)) {
+            *evidence += log_sum(logs.iter().copied()) - (size as f64).ln();
+        }
+        let all = log_sum(logs.iter().copied());
+        let weights: Vec<f64> = logs.iter().map(|log| (log - all).exp()).collect();
+        self.shape(&weights);
+        let mut kept = Vec::with_capacity(self.particles.len());
+        for (particles, weights) in self.particles.chunks(size).zip(weights.chunks(size)) {
+            kept.extend(resampled(particles, weights, size, &mut self.random));
+        }
+        self.particles = kept;
+        self.settle(UNMOVED[usize::from(last)], observe)
+    }
+
+    /// Shapes each part's moves after its weighted particles.
+    fn shape(&mut self, weights: &[f64]) {
+        let size = self.particles.len() / self.movers.len();
+        let parts = self.particles.chunks(size).zip(weights.chunks(size));
+        for (mover, (particles, weights)) in self.movers.iter_mut().zip(parts) {
+            let all: f64 = weights.iter().sum();
+            let weights: Vec<f64> = weights.iter().map(|weight| weight / all).collect();
+            let places: Vec<&[f64]> = particles.iter().map(|own| &own.places[..]).collect();
+            let fitted = (all > 0.0)
+                .then(|| Mixture::fitted(&places, &weights, &mut self.random))
+                .flatten();
+            if let Some(mixture) = fitted {
+                mover.shape(mixture);
+            }
+        }
+    }
+
+    /// Joins the groups: each has the part of the sample that its evidence has of all evidence.
+    fn join(&mut self, observe: &dyn Fn(f64, usize)) -> Result<(), SampleError> {
+        let size = self.size();
+        let all = log_sum(self.evidences.iter().copied());
+        let parts = self.evidences.iter().map(|log| (log - all).exp());
+        let parts = parts.flat_map(|part| std::iter::repeat_n(part / size as f64, size));
+        let weights: Vec<f64> = parts.collect();
+        self.movers.truncate(1);
+        self.shape(&weights);
+        let count = self.particles.len();
+        self.particles = resampled(&self.particles, &weights, count, &mut self.random);
+        self.settle(UNMOVED[1], observe)
+    }
+
+    /// One step of all particles, in one batch of runs; tells which have moved.
+    fn step(&mut self) -> Result<Vec<bool>, SampleError> {
+        let size = self.particles.len() / self.movers.len();
+        let parts = self.particles.chunks(size).zip(&self.movers);
+        let mut proposals = Vec::with_capacity(self.particles.len());
+        for (particles, mover) in parts {
+            proposals.extend(mover.propose(particles, &mut self.random));
+        }
+        let places = proposals.iter().map(|own| own.places.clone()).collect();
+        let there = self.weighed(places)?;
+        let mut taken = Vec::with_capacity(there.len());
+        let parts = self.particles.chunks_mut(size).zip(&mut self.movers);
+        let proposed = there.chunks(size).zip(proposals.chunks(size));
+        for ((particles, mover), (there, proposals)) in parts.zip(proposed) {
+            let random = &mut self.random;
+            taken.extend(mover.decide(particles, there, proposals, self.exponent, random));
+        }
+        Ok(taken)
+    }
+
+    /// Moves the particles until few of them stand where they stood.
+    fn settle(&mut self, unmoved: f64, observe: &dyn Fn(f64, usize)) -> Result<(), SampleError> {
+        let count = self.particles.len();
+        let mut moved = vec![false; count];
+        let (mut moves, mut accepted) = (0, 0);
+        let still =
+            |moved: &[bool]| moved.iter().filter(|moved| !**moved).count() as f64 / count as f64;
+        while moves < MOST_MOVES && (moves < 2 || still(&moved) > unmoved) {
+            observe(self.exponent, moves + 1);
+            let taken = self.step()?;
+            for (moved, taken) in moved.iter_mut().zip(taken) {
+                *moved |= taken;
+                accepted += usize::from(taken);
+            }
+            moves += 1;
+        }
+        let mut ancestors: Vec<usize> = self.particles.iter().map(|own| own.ancestor).collect();
+        ancestors.sort_unstable();
+        ancestors.dedup();
+        self.stages.push(Stage {
+            exponent: self.exponent,
+            moves,
+            acceptance: accepted as f64 / (count * moves) as f64,
+            unmoved: still(&moved),
+            ancestors: ancestors.len(),
+        });
+        Ok(())
+    }
+}
+
+/// The normal approximations at the optima.
+fn seeds(optima: &[Optimum]) -> Option<Mixture> {
+    // Their weights are estimates: none should start with next to nothing.
+    const LEAST: f64 = 0.05;
+    let parts = optima.iter().map(|own| {
+        let mean = DVector::from_column_slice(&own.minimum.places);
+        let weight = own.weight.max(LEAST);
+        (weight, mean, &own.posterior.covariance * WIDER)
+    });
+    Mixture::new(parts.collect())
+}
+
+/// The product, with 0 times minus infinity left at minus infinity.
+fn times(step: f64, log: f64) -> f64 {
+    if log.is_finite() { step * log } else { log }
+}
+
+/// The next step of the exponent: the whole rest, or as far as half of the particles that can have descendants remain
+/// effective.
+fn step(ratios: &[f64], rest: f64) -> f64 {
+    let alive = ratios.iter().copied().filter(|ratio| ratio.is_finite());
+    let alive: Vec<f64> = alive.collect();
+    let most = alive.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let effective = |step: f64| {
+        let weights = alive.iter().map(|ratio| (step * (ratio - most)).exp());
+        let (sum, squares) =
+            weights.fold((0.0, 0.0), |(sum, squares), w| (sum + w, squares + w * w));
+        sum * sum / squares
+    };
+    let wanted = EFFECTIVE * alive.len() as f64;
+    if effective(rest) >= wanted {
+        return rest;
+    }
+    let (mut low, mut high) = (0.0, rest);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if effective(middle) >= wanted {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    // The last halving leaves less than one could tell from 0 only where the ratios differ beyond all measure.
+    if low > 0.0 { low } else { high }
+}
+
+/// Particles drawn in proportion to their weights, evenly spread over these (systematic resampling; Kitagawa 1996, Monte
+/// Carlo filter and smoother, J. Computational and Graphical Statistics 5, 1-25).
+fn resampled(
+    particles: &[Particle],
+    weights: &[f64],
+    count: usize,
+    random: &mut StdRng,
+) -> Vec<Particle> {
+    let all: f64 = weights.iter().sum();
+    if all <= 0.0 {
+        // A group without a living particle has no evidence: its particles wait until the groups are joined.
+        return particles.to_vec();
+    }
+    let first: f64 = random.random();
+    let mut kept = Vec::with_capacity(count);
+    let (mut index, mut sum) = (0, weights[0]);
+    let last = chosen(weights.iter().copied(), f64::INFINITY);
+    for k in 0..count {
+        let level = (k as f64 + first) / count as f64 * all;
+        while sum <= level && index < last {
+            index += 1;
+            sum += weights[index];
+        }
+        kept.push(particles[index].clone());
+    }
+    kept
+}
