@@ -62,6 +62,8 @@ pub enum Command {
     Merge(Merge),
     /// Writes the completion script of a shell to standard output
     Completion(Completion),
+    /// Writes manual pages into a folder: one of the program and one of each command
+    Manual(Manual),
     /// Runs points for another process of this program
     #[command(hide = true)]
     Worker,
@@ -93,4 +95,12 @@ pub enum Command {
 pub struct Completion {
     /// The shell
     pub shell: clap_complete::Shell,
+}
+
+/// Options of `manual`.
+#[derive(Debug, Args)]
+#[command(after_help = "Example: orchestrator manual ~/.local/share/man/man1")]
+pub struct Manual {
+    /// The folder; it is made if it is not there
+    pub folder: PathBuf,
 }

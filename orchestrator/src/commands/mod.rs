@@ -14,6 +14,7 @@ mod init;
 mod inspect;
 mod judge;
 mod limits;
+mod manual;
 mod means;
 mod merge;
 mod moving;
@@ -142,6 +143,7 @@ fn dispatch(cli: Cli) -> Result<ExitCode, CommandError> {
         Command::Check(options) => check::run(&options),
         Command::Init(options) => init::run(&options),
         Command::Completion(options) => Ok(completion::run(&options)),
+        Command::Manual(options) => manual::run(&options),
         Command::Simulate(options) => simulate::run(&options),
         Command::Verify(options) => verify::run(&options),
         Command::Identify(options) => proven(options, identify::run, |o| &mut o.work),

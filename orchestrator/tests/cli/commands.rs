@@ -80,6 +80,23 @@ fn shells_get_their_completion() {
 }
 
 #[test]
+fn every_command_has_a_manual_page() {
+    let bench = Bench::empty();
+    let said = bench.run(&["manual", "share/man1"]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    assert!(bench.read("share/man1/orchestrator.1").contains("verify"));
+    assert!(
+        bench
+            .read("share/man1/orchestrator-verify.1")
+            .contains("shard")
+    );
+    // Commands that only the program itself gives are nobody's to read about.
+    assert!(!bench.path("share/man1/orchestrator-worker.1").exists());
+    bench.write("file", "");
+    bench.run(&["manual", "file"]).is_mistake(&["file: "]);
+}
+
+#[test]
 fn a_guid_that_the_binary_refuses_is_named() {
     let bench = Bench::empty();
     let other = "{0d9ba4ee-0000-4d1a-8d3c-2b1f0c6e5a77}";
