@@ -1,5 +1,5 @@
 //! Correlated inputs: independent normal scores are mixed by the Cholesky factor of the correlation matrix
-//! (a Gaussian copula; Nataf 1962, Iman and Conover 1982 for samples). For normal inputs the coefficients are
+//! (a Gaussian copula; Nataf 1962). For normal inputs the coefficients are
 //! the usual ones of Pearson; for others they are those of the normal scores.
 
 use nalgebra::DMatrix;
@@ -59,6 +59,15 @@ impl Correlation {
         sum
     }
 
+    /// The matrix of the coefficients of some of the inputs.
+    pub(super) fn among(&self, inputs: &[usize]) -> DMatrix<f64> {
+        let coefficient = |a: usize, b: usize| -> f64 {
+            let pairs = self.rows[inputs[a]].iter().zip(&self.rows[inputs[b]]);
+            pairs.map(|(x, y)| x * y).sum()
+        };
+        DMatrix::from_fn(inputs.len(), inputs.len(), coefficient)
+    }
+
     /// The inputs' values from independent numbers in (0, 1), one for each input.
     pub(super) fn values(&self, uniform: &[f64], inputs: &[Distribution]) -> Vec<f64> {
         let scores: Vec<f64> = uniform.iter().map(|&u| normal_quantile(u)).collect();
@@ -86,6 +95,15 @@ impl Correlation {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_coefficients_of_some_inputs_are_those_given() {
+        let mixed = Correlation::new(4, &[(0, 1, 0.6), (1, 3, -0.3), (0, 3, 0.2)]).unwrap();
+        let found = mixed.among(&[0, 1, 3]);
+        let expected =
+            DMatrix::from_row_slice(3, 3, &[1.0, 0.6, 0.2, 0.6, 1.0, -0.3, 0.2, -0.3, 1.0]);
+        assert!((found - expected).amax() < 1e-12);
+    }
 
     #[test]
     fn contradictions_are_refused() {

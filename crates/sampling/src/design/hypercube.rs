@@ -6,7 +6,7 @@
 
 use super::random::{self, Purpose, mix};
 use super::rule::{Inputs, Numbers, Registered, Rule};
-use crate::distribution::BELOW_ONE;
+use super::slices::coordinate;
 
 /// A rule for N points.
 #[derive(Clone, Debug)]
@@ -18,6 +18,8 @@ pub(super) struct Hypercube {
 }
 
 impl Registered for Hypercube {
+    const STRATIFIED: bool = true;
+
     fn new(numbers: &Numbers, _: &Inputs) -> Result<Self, String> {
         Ok(Self::of(numbers.seed, numbers.points))
     }
@@ -28,8 +30,7 @@ impl Rule for Hypercube {
     fn uniform(&self, index: u64, dimension: u32) -> f64 {
         let slice = self.slice(index, dimension);
         let within = random::uniform(self.seed, Purpose::Jitter, index, dimension);
-        // Rounding must not reach 1.
-        ((slice as f64 + within) / self.points as f64).min(BELOW_ONE)
+        coordinate(slice as f64, within, self.points as f64)
     }
 }
 

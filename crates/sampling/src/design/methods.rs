@@ -45,6 +45,13 @@ macro_rules! methods {
                 }
             }
 
+            /// Whether each of N equally probable slices of every input holds one of N points.
+            pub(super) fn is_stratified(self) -> bool {
+                match self {
+                    $(Self::$method => <$rule as rule::Registered>::STRATIFIED,)*
+                }
+            }
+
             /// The rule for the points of a study.
             pub(super) fn rule(self, numbers: &Numbers, inputs: &Inputs) -> Result<Arc<dyn Rule>, String> {
                 Ok(match self {

@@ -5,6 +5,7 @@
 //! on the levels: these are the same for shards, workers and interrupted runs, but cannot be extended.
 
 pub mod correlation;
+mod discrepancy;
 mod factorial;
 mod halton;
 mod hypercube;
@@ -15,7 +16,9 @@ mod optimised;
 mod random;
 pub mod rule;
 mod sampling;
+mod slices;
 mod sobol;
+mod stratified;
 
 use std::sync::Arc;
 
@@ -54,12 +57,18 @@ impl Design {
             let with = Method::named(Method::has_replicates);
             return Err(format!("replicates need method = {with}; remove them"));
         }
-        let rule = sampling.method.rule(&sampling.numbers(), &inputs)?;
+        let mut rule = sampling.method.rule(&sampling.numbers(), &inputs)?;
+        let points = rule.points().unwrap_or(sampling.points);
+        let mut correlation = inputs.correlation.clone();
+        if let Some(wanted) = correlation.take_if(|_| sampling.method.is_stratified()) {
+            let numbers = (sampling.seed, points);
+            rule = Arc::new(stratified::correlated(&*rule, numbers, &wanted, &inputs)?);
+        }
         Ok(Self {
-            points: rule.points().unwrap_or(sampling.points),
+            points,
             rule,
             inputs: inputs.distributions,
-            correlation: inputs.correlation,
+            correlation,
         })
     }
 

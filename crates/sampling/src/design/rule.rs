@@ -38,6 +38,9 @@ pub trait Registered: Rule + Sized + 'static {
     /// Whether the points can belong in turn to independent randomisations.
     const REPLICATES: bool = false;
 
+    /// Whether each of N equally probable slices of every input holds one of N points, which correlations must keep.
+    const STRATIFIED: bool = false;
+
     /// The rule for the points of a study.
     ///
     /// # Errors

@@ -40,7 +40,7 @@ impl Rule for Nets {
 }
 
 impl Nets {
-    fn of(numbers: &Numbers, dimensions: usize) -> Result<Self, String> {
+    pub(super) fn of(numbers: &Numbers, dimensions: usize) -> Result<Self, String> {
         if numbers.points / numbers.replicates > 1 << BITS {
             return Err(format!("a Sobol net has at most 2^{BITS} points"));
         }

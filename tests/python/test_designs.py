@@ -1,0 +1,55 @@
+"""The points of designs as the program runs them, against SciPy's."""
+
+import csv
+import json
+import subprocess
+
+import numpy as np
+import pytest
+from scipy.stats import norm, qmc
+from test_acceptance import PROGRAM, ROOT
+
+NAMES = [f"thermal.{part}Temperature" for part in ["initialOil", "initialBearing", "ambient"]]
+NAMES += ["bearing.radialClearance", "bearing.width", "oil.density15", "load.preload"]
+STARTS = [321.15, 355.15, 295.15, 2e-5, 0.019, 880, 48]
+
+
+def points(folder, method, count, seed, more=""):
+    """A design's points in the unit cube."""
+    text = f"fmu = {json.dumps(str(ROOT / 'dist' / 'PlainBearingStand.fmu'))}\n[simulation]\nstop = 0.01\nstep = 0.01\n"
+    text += f"[design]\nmethod = '{method}'\npoints = {count}\nseed = {seed}\n"
+    for name, start in zip(NAMES, STARTS):
+        text += f"[parameters.\"{name}\"]\ndistribution = 'uniform'\nmin = {start}\nmax = {1.01 * start}\n"
+    text += "[criteria.F]\nvariable = 'sensor.loadForce'\nnominal = 0\ntolerance = 1e9\n"
+    (folder / "study.toml").write_text(text + more)
+    command = [PROGRAM, "verify", folder / "study.toml", "--output", folder / f"out-{count}-{seed}"]
+    subprocess.run(command, check=True, capture_output=True)
+    with (folder / f"out-{count}-{seed}" / "points.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    low = np.array(STARTS)
+    return (np.array([[float(row[name]) for name in NAMES] for row in rows]) - low) / (0.01 * low)
+
+
+@pytest.mark.parametrize("count", [50, 200, 1000])
+def test_optimised_hypercubes_are_no_less_even_than_scipys(tmp_path, count):
+    seeds = [1, 2, 3] if count < 1000 else [1]
+    ours = [points(tmp_path, "optimised-latin-hypercube", count, seed) for seed in seeds]
+    theirs = [qmc.LatinHypercube(7, optimization="random-cd", rng=seed).random(count) for seed in seeds]
+    worst, best = max(map(qmc.discrepancy, ours)), min(map(qmc.discrepancy, theirs))
+    assert worst <= best, (worst, best)
+    for column in ours[0].T:
+        assert np.array_equal(np.sort(np.floor(column * count)), np.arange(count))
+
+
+@pytest.mark.parametrize("method", ["latin-hypercube", "optimised-latin-hypercube"])
+def test_correlated_hypercubes_keep_their_slices(tmp_path, method):
+    pairs = {(0, 1): 0.8, (0, 3): -0.5, (5, 6): 0.3}
+    more = "".join(f"[[correlations]]\nbetween = {json.dumps([NAMES[a], NAMES[b]])}\ncoefficient = {r}\n"
+                   for (a, b), r in pairs.items())
+    found = points(tmp_path, method, 200, 5, more)
+    for column in found.T:
+        assert np.array_equal(np.sort(np.floor(column * 200)), np.arange(200))
+    wanted = np.eye(7)
+    for (a, b), r in pairs.items():
+        wanted[a, b] = wanted[b, a] = r
+    np.testing.assert_allclose(np.corrcoef(norm.ppf(found).T), wanted, rtol=0, atol=0.015)
