@@ -6,6 +6,7 @@
 
 pub mod design;
 pub mod distribution;
+pub mod rare;
 pub mod statistics;
 
 /// The README's example, as a test.

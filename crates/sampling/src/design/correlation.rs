@@ -68,6 +68,13 @@ impl Correlation {
         DMatrix::from_fn(inputs.len(), inputs.len(), coefficient)
     }
 
+    /// The inputs' values from independent standard normal scores, one for each input.
+    pub fn at_scores(&self, scores: &[f64], inputs: &[Distribution]) -> Vec<f64> {
+        let mixed = |row: &Vec<f64>| row.iter().zip(scores).map(|(w, s)| w * s).sum();
+        let pairs = self.rows.iter().zip(inputs);
+        pairs.map(|(row, input)| input.at_score(mixed(row))).collect()
+    }
+
     /// The inputs' values from independent numbers in (0, 1), one for each input.
     pub(super) fn values(&self, uniform: &[f64], inputs: &[Distribution]) -> Vec<f64> {
         let scores: Vec<f64> = uniform.iter().map(|&u| normal_quantile(u)).collect();
@@ -148,5 +155,6 @@ mod tests {
         let values = mixed.values(&[0.3, 0.9], &[normal, normal]);
         assert!((values[0] - a).abs() < 1e-12);
         assert!((values[1] - (0.6 * a + 0.8 * b)).abs() < 1e-12);
+        assert_eq!(mixed.at_scores(&[a, b], &[normal, normal]), values);
     }
 }

@@ -13,7 +13,7 @@ mod hypercube;
 mod lasting_tests;
 mod methods;
 mod optimised;
-mod random;
+pub(crate) mod random;
 pub mod rule;
 mod sampling;
 mod slices;

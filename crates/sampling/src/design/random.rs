@@ -6,7 +6,7 @@ use super::rule::{Inputs, Numbers, Registered, Rule};
 
 /// Independent points.
 #[derive(Debug)]
-pub(super) struct Independent {
+pub(crate) struct Independent {
     seed: u64,
 }
 
@@ -27,7 +27,7 @@ impl Rule for Independent {
 
 /// Purpose of a random number; different purposes never share numbers.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Purpose {
+pub(crate) enum Purpose {
     /// The coordinates of a point.
     Point = 0,
     /// Permutations of a Latin hypercube.
@@ -36,21 +36,23 @@ pub(super) enum Purpose {
     Jitter = 2,
     /// Exchanges that spread a Latin hypercube.
     Swap = 3,
+    /// The moves of a search.
+    Search = 4,
 }
 
 /// A number in the open interval (0, 1).
-pub(super) fn uniform(seed: u64, purpose: Purpose, index: u64, dimension: u32) -> f64 {
+pub(crate) fn uniform(seed: u64, purpose: Purpose, index: u64, dimension: u32) -> f64 {
     to_unit(bits(seed, purpose, index, dimension))
 }
 
 /// The middle of one of 2^52 slices of (0, 1): never 0, never 1.
 #[allow(clippy::cast_precision_loss)]
-pub(super) fn to_unit(bits: u64) -> f64 {
+pub(crate) fn to_unit(bits: u64) -> f64 {
     ((bits >> 12) as f64 + 0.5) * 2.0_f64.powi(-52)
 }
 
 /// 64 random bits.
-pub(super) fn bits(seed: u64, purpose: Purpose, index: u64, dimension: u32) -> u64 {
+pub(crate) fn bits(seed: u64, purpose: Purpose, index: u64, dimension: u32) -> u64 {
     let counter = [low(index), high(index), dimension, purpose as u32];
     let [a, b, ..] = philox(counter, [low(seed), high(seed)]);
     u64::from(b) << 32 | u64::from(a)
@@ -58,7 +60,7 @@ pub(super) fn bits(seed: u64, purpose: Purpose, index: u64, dimension: u32) -> u
 
 /// A fast bijective mixer of 64 bits (Stafford's variant 13 of the MurmurHash3 finaliser, as in
 /// SplitMix64 of Steele, Lea, Flood 2014).
-pub(super) fn mix(mut x: u64) -> u64 {
+pub(crate) fn mix(mut x: u64) -> u64 {
     x = (x ^ x >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     x = (x ^ x >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
     x ^ x >> 31

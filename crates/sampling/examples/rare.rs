@@ -1,0 +1,330 @@
+//! How exact rare shares are, and how often their 95 % intervals hold, for events whose share is known:
+//! `cargo run --release -p sampling --example rare -- 50` (repetitions; then the runs of each, and names of cases).
+
+use std::convert::Infallible;
+use std::f64::consts::{PI, SQRT_2};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::thread;
+
+use sampling::design::correlation::Correlation;
+use sampling::distribution::Distribution;
+use sampling::rare::{Answer, Judged, Method, Search, share};
+use statrs::function::erf::erfc;
+
+/// An event: its level falls to 0.
+struct Case {
+    name: &'static str,
+    dimensions: usize,
+    exact: f64,
+    level: Box<dyn Fn(&[f64]) -> f64 + Sync>,
+    is_binary: bool,
+}
+
+const RARE: f64 = 1e-9;
+
+fn below(z: f64) -> f64 {
+    0.5 * erfc(-z / SQRT_2)
+}
+
+fn density(z: f64) -> f64 {
+    (-0.5 * z * z).exp() / (2.0 * PI).sqrt()
+}
+
+/// The probability of an interval, exact in both tails.
+fn between(low: f64, high: f64) -> f64 {
+    if low > 0.0 {
+        below(-low) - below(-high)
+    } else {
+        below(high) - below(low)
+    }
+}
+
+/// Simpson's rule.
+fn integral(f: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
+    const N: u32 = 40_000;
+    let h = (high - low) / f64::from(N);
+    let weight = |k: u32| match k {
+        0 | N => 1.0,
+        k if k % 2 == 1 => 4.0,
+        _ => 2.0,
+    };
+    (0..=N).map(|k| weight(k) * f(low + h * f64::from(k))).sum::<f64>() * h / 3.0
+}
+
+/// Where a falling function has a value.
+fn falls_to(value: f64, f: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if f(middle) > value {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    0.5 * (low + high)
+}
+
+/// The score that is exceeded with a probability.
+fn exceeded(probability: f64) -> f64 {
+    falls_to(probability, |z| below(-z), 0.0, 30.0)
+}
+
+fn case(
+    name: &'static str,
+    dimensions: usize,
+    exact: f64,
+    level: impl Fn(&[f64]) -> f64 + Sync + 'static,
+) -> Case {
+    Case {
+        name,
+        dimensions,
+        exact,
+        level: Box::new(level),
+        is_binary: false,
+    }
+}
+
+fn linear(name: &'static str, dimensions: usize) -> Case {
+    let limit = exceeded(RARE);
+    let root = (dimensions as f64).sqrt();
+    case(name, dimensions, RARE, move |u| limit - u.iter().sum::<f64>() / root)
+}
+
+/// u2 beyond a parabola that opens away from the centre (`bend` > 0) or around it.
+fn parabola(name: &'static str, bend: f64) -> Case {
+    let reach = |b: f64| {
+        integral(|x| density(x) * below(-b - bend * (x - 0.1).powi(2)), -14.0, 14.0)
+    };
+    let b = falls_to(RARE, reach, 1.0, 14.0);
+    case(name, 2, reach(b), move |u| b + bend * (u[0] - 0.1).powi(2) - u[1])
+}
+
+/// Opposite regions, one ten times as probable as the other.
+fn uneven() -> Case {
+    let [near, far] = [10.0 / 11.0, 1.0 / 11.0].map(|part| exceeded(part * RARE));
+    case("two regions, 10 to 1, of 7", 7, RARE, move |u| (near - u[0]).min(far + u[0]))
+}
+
+/// The series system with four branches: two curved, two plane; each with a quarter of the share.
+fn branches() -> Case {
+    let curved = |c: f64| integral(|t| density(t) * 2.0 * below(-c - 0.2 * t * t), -14.0, 14.0);
+    let c = falls_to(RARE / 2.0, curved, 1.0, 9.0);
+    let plane = exceeded(RARE / 4.0);
+    let exact = 2.0 * below(-plane)
+        + integral(|t| density(t) * 2.0 * below(-c - 0.2 * t * t), -plane, plane);
+    case("four branches", 2, exact, move |u| {
+        let (s, t) = ((u[0] + u[1]) / SQRT_2, (u[0] - u[1]) / SQRT_2);
+        (c + 0.2 * t * t - s.abs()).min(plane - t.abs())
+    })
+}
+
+/// So many criteria at once: v1 = u1, vk = uk + 0.3 (u1^2 - 1), each 0.7 within its tolerance; turned in space.
+fn bands(name: &'static str, criteria: usize, dimensions: usize, scales: &'static [f64]) -> Case {
+    const PLACE: f64 = 0.7;
+    const BEND: f64 = 0.3;
+    let of = move |k: usize| scales[k % scales.len()];
+    let exact = move |tolerance: f64| {
+        let inside = |x: f64| {
+            let shift = PLACE - BEND * (x * x - 1.0);
+            let others = (1..criteria).map(|k| between(shift - tolerance * of(k), shift + tolerance * of(k)));
+            density(x) * others.product::<f64>()
+        };
+        integral(inside, PLACE - tolerance * of(0), PLACE + tolerance * of(0))
+    };
+    let ln = falls_to(-RARE, |ln: f64| -exact(ln.exp()), -25.0, 0.0);
+    let tolerance = ln.exp();
+    case(name, dimensions, exact(tolerance), move |u| {
+        let v = reflected(u);
+        let bend = BEND * (v[0] * v[0] - 1.0);
+        let deviation = |k: usize| {
+            let own = if k == 0 { v[0] } else { v[k] + bend };
+            (own - PLACE).abs() / (tolerance * of(k))
+        };
+        (0..criteria).map(deviation).fold(0.0, f64::max) - 1.0
+    })
+}
+
+/// A rotation of the space: a reflection at a plane that is parallel to no axis.
+fn reflected(u: &[f64]) -> Vec<f64> {
+    let normal: Vec<f64> = (0..u.len()).map(|k| 1.0 + 0.3 * k as f64).collect();
+    let square: f64 = normal.iter().map(|n| n * n).sum();
+    let along: f64 = normal.iter().zip(u).map(|(n, x)| n * x).sum();
+    let pairs = u.iter().zip(&normal);
+    pairs.map(|(x, n)| x - 2.0 * along / square * n).collect()
+}
+
+/// A thin ring, which no mixture follows.
+fn ring(name: &'static str, exact: f64) -> Case {
+    const RADIUS: f64 = 1.5;
+    // exp(-r^2 / 2) is the probability beyond r.
+    let of = |half: f64| 2.0 * (-0.5 * (RADIUS * RADIUS + half * half)).exp() * (RADIUS * half).sinh();
+    let half = falls_to(-exact, |half: f64| -of(half), 0.0, 0.5);
+    case(name, 2, exact, move |u| (u[0].hypot(u[1]) - RADIUS).abs() / half - 1.0)
+}
+
+/// The sum of three uniform parameters is small: a corner, in which it has the share e^3 / 6.
+fn uniform() -> Case {
+    let limit = (6.0 * RARE).cbrt();
+    let unit = Distribution::Uniform { min: 0.0, max: 1.0 };
+    case("corner of 3 uniform", 3, RARE, move |u| {
+        u.iter().map(|&z| unit.at_score(z)).sum::<f64>() - limit
+    })
+}
+
+/// The product of five lognormal parameters is large: the sum of their logarithms is normal.
+fn lognormal() -> Case {
+    let each = Distribution::Lognormal { mean: 2.0, deviation: 0.5 };
+    let variance = (1.0_f64 + 0.0625).ln();
+    let limit = 5.0 * (2.0_f64.ln() - 0.5 * variance) + exceeded(RARE) * (5.0 * variance).sqrt();
+    case("product of 5 lognormal", 5, RARE, move |u| {
+        limit.exp() - u.iter().map(|&z| each.at_score(z)).product::<f64>()
+    })
+}
+
+/// The sum of two normal parameters that are cut at three deviations.
+fn truncated() -> Case {
+    let cut = Distribution::TruncatedNormal {
+        mean: 0.0,
+        deviation: 1.0,
+        min: Some(-3.0),
+        max: Some(3.0),
+    };
+    let all = between(-3.0, 3.0);
+    let beyond = move |s: f64| {
+        integral(|x| density(x) / all * between(s - x, 3.0) / all, s - 3.0, 3.0)
+    };
+    let limit = falls_to(RARE, beyond, 2.0, 5.9999);
+    case("sum of 2 truncated", 2, beyond(limit), move |u| {
+        limit - u.iter().map(|&z| cut.at_score(z)).sum::<f64>()
+    })
+}
+
+/// A sum of correlated parameters: correlations of 0.8 and -0.5.
+fn correlated() -> Option<Case> {
+    let mixed = Correlation::new(3, &[(0, 1, 0.8), (1, 2, -0.5)]).ok()?;
+    let normal = Distribution::Normal { mean: 1.0, deviation: 2.0 };
+    let deviation = 2.0 * (3.0 + 2.0 * (0.8_f64 - 0.5)).sqrt();
+    let limit = 3.0 + deviation * exceeded(RARE);
+    Some(case("sum of 3 correlated", 3, RARE, move |u| {
+        limit - mixed.at_scores(u, &[normal; 3]).iter().sum::<f64>()
+    }))
+}
+
+/// Only whether the event happens is known.
+fn binary(mut case: Case, name: &'static str) -> Case {
+    case.is_binary = true;
+    case.name = name;
+    case
+}
+
+fn cases() -> Vec<Case> {
+    let limit = exceeded(RARE / 2.0);
+    let mut cases = vec![
+        linear("linear, 2", 2),
+        linear("linear, 7", 7),
+        linear("linear, 30", 30),
+        parabola("curved away", 0.5),
+        parabola("curved around: two lobes", -0.15),
+        case("two regions of 2", 2, RARE, move |u| limit - u[0].abs()),
+        uneven(),
+        branches(),
+        bands("band, 2 criteria of 7", 2, 7, &[1.0]),
+        bands("band, 3 criteria of 7", 3, 7, &[1.0]),
+        bands("band, 5 criteria of 7", 5, 7, &[1.0]),
+        bands("band, 5 uneven of 7", 5, 7, &[1.0, 0.1, 3.0, 0.3]),
+        bands("band, 5 criteria of 30", 5, 30, &[1.0]),
+        uniform(),
+        lognormal(),
+        truncated(),
+        ring("thin ring of 2, 1e-5", 1e-5),
+        ring("thin ring of 2, 1e-7", 1e-7),
+        binary(linear("", 2), "linear, 2, yes or no"),
+        binary(linear("", 7), "linear, 7, yes or no"),
+        binary(branches(), "four branches, yes or no"),
+    ];
+    cases.extend(correlated());
+    cases
+}
+
+fn answer(case: &Case, runs: u64, seed: u64) -> Answer {
+    let search = Search {
+        dimensions: case.dimensions,
+        runs,
+        seed,
+        confidence: 0.95,
+        is_binary: case.is_binary,
+    };
+    let mut ask = |points: &[Vec<f64>]| {
+        let judged = points.iter().map(|point| {
+            let level = (case.level)(point);
+            Judged {
+                level: if case.is_binary { 0.0 } else { level },
+                met: level <= 0.0,
+                failed: false,
+            }
+        });
+        Ok::<_, Infallible>(judged.collect())
+    };
+    match share(&search, &mut ask) {
+        Ok(answer) => answer,
+        Err(error) => match error {},
+    }
+}
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let number = |k: usize, usual: u64| arguments.get(k).and_then(|a| a.parse().ok()).unwrap_or(usual);
+    let (repetitions, runs) = (number(0, 50), number(1, 100_000));
+    println!("| event | exact share | told | rms error | interval holds | too low | runs (most) | regions |");
+    println!("|---|---|---|---|---|---|---|---|");
+    for case in cases() {
+        let wanted = &arguments[arguments.len().min(2)..];
+        if !wanted.is_empty() && !wanted.iter().any(|name| case.name.contains(name)) {
+            continue;
+        }
+        let (next, answers) = (AtomicU64::new(0), Mutex::new(Vec::new()));
+        thread::scope(|scope| {
+            for _ in 0..thread::available_parallelism().map_or(2, Into::into) {
+                scope.spawn(|| {
+                    loop {
+                        let number = next.fetch_add(1, Ordering::Relaxed);
+                        if number >= repetitions {
+                            break;
+                        }
+                        let answer = answer(&case, runs, 1000 + number);
+                        if let Ok(mut answers) = answers.lock() {
+                            answers.push(answer);
+                        }
+                    }
+                });
+            }
+        });
+        println!("{}", row(&case, &answers.into_inner().unwrap_or_default()));
+    }
+}
+
+fn row(case: &Case, answers: &[Answer]) -> String {
+    let told: Vec<_> = answers.iter().filter_map(|answer| answer.share.as_ref()).collect();
+    let interval = |share: &sampling::rare::Share| share.interval.unwrap_or([f64::NAN; 2]);
+    let count = |holds: &dyn Fn([f64; 2]) -> bool| {
+        told.iter().filter(|share| holds(interval(share))).count() as f64 / told.len() as f64
+    };
+    let square: f64 = told.iter().map(|share| (share.value / case.exact - 1.0).powi(2)).sum();
+    let repeated = told.iter().filter(|share| share.method == Method::Repeated).count();
+    let most = answers.iter().map(|answer| answer.runs).max().unwrap_or(0);
+    let mean = |of: &dyn Fn(&Answer) -> f64| answers.iter().map(of).sum::<f64>() / answers.len() as f64;
+    format!(
+        "| {} | {:.2e} | {} of {}{} | {:.1} % | {:.1} % | {:.1} % | {:.0} ({most}) | {:.1} |",
+        case.name,
+        case.exact,
+        told.len(),
+        answers.len(),
+        if repeated > 0 { format!(", {repeated} repeated") } else { String::new() },
+        100.0 * (square / told.len() as f64).sqrt(),
+        100.0 * count(&|[low, high]| low <= case.exact && case.exact <= high),
+        100.0 * count(&|[_, high]| high < case.exact),
+        mean(&|answer| answer.runs as f64),
+        mean(&|answer| answer.regions.len() as f64),
+    )
+}

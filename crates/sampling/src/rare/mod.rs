@@ -1,0 +1,296 @@
+//! Shares that are too small to be counted among plain samples.
+//!
+//! Points are standard normal scores, one for each parameter; the caller turns them into parameters and runs the model.
+//! [`share`] takes these steps, and every set of points that it asks for depends on the answers to the earlier ones only:
+//!
+//! 1. Plain points. Where the event is frequent, counting is the better method.
+//! 2. Regions of the event are looked for by levels that come nearer to it (`explore`), or, where the model says only
+//!    whether the event happens, by points drawn wider (`widen`).
+//! 3. A mixture of normal distributions is fitted to what was found, and its independent draws give the share with its
+//!    interval (`weigh`).
+//! 4. Where no mixture follows the shape of the event, independent searches give it (`repeat`).
+//!
+//! A region that no chain has reached is not counted, and nothing can tell that there is none.
+
+mod explore;
+mod mixture;
+mod moves;
+mod random;
+mod repeat;
+mod runs;
+mod scatter;
+mod separate;
+#[cfg(test)]
+mod tests;
+mod weigh;
+mod widen;
+
+use explore::{Found, explore};
+use random::Random;
+use runs::Runs;
+
+/// The result of a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Judged {
+    /// How far the point is from the event: smaller is nearer, in any unit.
+    pub level: f64,
+    /// Whether the event happens.
+    pub met: bool,
+    /// Whether the run failed, so that it has no level.
+    pub failed: bool,
+}
+
+impl Judged {
+    /// The level for the search: that of the event is below all others, that of a failed run above.
+    fn rank(&self) -> f64 {
+        if self.met {
+            f64::NEG_INFINITY
+        } else if self.failed || self.level.is_nan() {
+            f64::INFINITY
+        } else {
+            self.level.clamp(f64::MIN, f64::MAX)
+        }
+    }
+}
+
+/// Runs points, given as standard normal scores, and tells what came of them, in their order.
+pub type Ask<'a, E> = &'a mut dyn FnMut(&[Vec<f64>]) -> Result<Vec<Judged>, E>;
+
+/// What is looked for, and at what cost.
+#[derive(Clone, Copy, Debug)]
+pub struct Search {
+    /// Parameters that vary.
+    pub dimensions: usize,
+    /// The largest number of runs; at least [`FEWEST_RUNS`].
+    pub runs: u64,
+    /// The seed of the points.
+    pub seed: u64,
+    /// The probability with which the interval shall hold the share.
+    pub confidence: f64,
+    /// Whether runs tell only whether the event happens, not how far it is.
+    pub is_binary: bool,
+}
+
+/// With fewer runs nothing rare is found.
+pub const FEWEST_RUNS: u64 = 5000;
+/// Counting is the better method from this share on.
+pub const FREQUENT: f64 = 1e-3;
+
+/// How a share was found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// Plain points were counted.
+    Counted,
+    /// Weighted draws from a mixture.
+    Weighted,
+    /// The mean of independent searches.
+    Repeated,
+}
+
+/// Points that were drawn from the parameters' own distribution.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Plain {
+    /// How many.
+    pub runs: u64,
+    /// In how many of them the event happened.
+    pub met: u64,
+    /// How many failed.
+    pub failed: u64,
+}
+
+/// A part of the event.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RegionShare {
+    /// Its share of the space.
+    pub share: f64,
+    /// The mean of its points, in standard normal scores.
+    pub centre: Vec<f64>,
+}
+
+/// A point at which the event happens.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Weighted {
+    /// The point.
+    pub scores: Vec<f64>,
+    /// The share that it stands for. All together are the share of the event.
+    pub weight: f64,
+}
+
+/// A share and how sure it is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Share {
+    /// The estimate.
+    pub value: f64,
+    /// Its interval; none where plain points are counted ([`Answer::plain`]), whose interval is that of a count.
+    pub interval: Option<[f64; 2]>,
+    /// The relative standard error.
+    pub error: f64,
+    /// As many independent points that meet the event would tell as much.
+    pub effective: f64,
+    /// How it was found.
+    pub method: Method,
+}
+
+/// What a search came to.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Answer {
+    /// The share; none where it could not be told.
+    pub share: Option<Share>,
+    /// A rough number where the share itself could not be told: it has no interval.
+    pub rough: Option<f64>,
+    /// Runs that were made.
+    pub runs: u64,
+    /// Plain points among them, with those in which the event is counted.
+    pub plain: Plain,
+    /// The levels on the way to the event, with the share of the space that reaches them, roughly.
+    pub levels: Vec<(f64, f64)>,
+    /// Draws wider than the parameters' own distribution, and how many of them met the event; for a binary event.
+    pub wider: Plain,
+    /// Regions that were found, the largest first.
+    pub regions: Vec<RegionShare>,
+    /// Points that meet the event.
+    pub sample: Vec<Weighted>,
+}
+
+/// The share of the space in which an event happens.
+///
+/// # Errors
+/// Those of `ask`.
+pub fn share<E>(search: &Search, ask: Ask<'_, E>) -> Result<Answer, E> {
+    // A fiftieth of the runs is a population, 2,000 points at most: a region that takes a hundredth of it is not lost.
+    let size = (search.runs / 50).clamp(100, 2000);
+    let mut runs = Runs::new(ask, search.runs);
+    let mut random = Random::new(search.seed);
+    let mut answer = Answer::default();
+    let points = plain(search, size, &mut random);
+    let results = runs.of(&points)?;
+    answer.count(&points, &results);
+    let is_frequent = |plain: Plain| plain.met >= 10 && plain.met as f64 >= FREQUENT * plain.runs as f64;
+    if is_frequent(answer.plain) {
+        return counted(search, answer, runs, &mut random);
+    }
+    let found = if search.is_binary {
+        widen::widen(search.dimensions, size, &mut runs, &mut random, &mut answer.wider)?
+    } else {
+        let ranks = results.iter().map(Judged::rank).collect();
+        // What is left must do for the draws.
+        let most = search.runs / 2;
+        explore((points, ranks), most, true, &mut runs, &mut random)?
+    };
+    answer.levels.clone_from(&found.levels);
+    let rough: f64 = found.regions.iter().map(|region| region.share).sum();
+    if rough >= FREQUENT || found.regions.is_empty() && search.is_binary {
+        return counted(search, answer, runs, &mut random);
+    }
+    if found.regions.is_empty() {
+        answer.runs = runs.made;
+        return Ok(answer);
+    }
+    answer.rough = Some(rough);
+    measured(search, &found, size, answer, runs, &mut random)
+}
+
+/// The share by draws from a mixture, or else by further searches.
+fn measured<E>(
+    search: &Search,
+    found: &Found,
+    size: u64,
+    mut answer: Answer,
+    mut runs: Runs<'_, E>,
+    random: &mut Random,
+) -> Result<Answer, E> {
+    /// A larger error of the draws says that the mixture does not follow the event.
+    const LARGE: f64 = 0.1;
+    /// The search errs by less than this factor.
+    const FAR: f64 = 5.0;
+    let rough: f64 = found.regions.iter().map(|region| region.share).sum();
+    let proposal = weigh::propose(&found.regions, size, &mut runs, random)?;
+    let trusted = proposal.filter(|proposal| {
+        let agrees = search.is_binary || proposal.share > rough / FAR;
+        agrees && proposal.expected_error(runs.left()) <= LARGE
+    });
+    if let Some(proposal) = trusted {
+        let measured = proposal.measure(search.confidence, &mut runs, random)?;
+        answer.share = Some(Share {
+            value: measured.share,
+            interval: Some(measured.interval),
+            error: measured.error,
+            effective: measured.effective,
+            method: Method::Weighted,
+        });
+        answer.regions = measured.regions;
+        answer.sample = measured.sample;
+    } else if !search.is_binary {
+        let levels = found.levels.len();
+        let repeated = repeat::repeat(search.dimensions, levels, search.confidence, &mut runs, random)?;
+        if let Some(repeated) = repeated {
+            answer.share = Some(Share {
+                value: repeated.share,
+                interval: Some(repeated.interval),
+                error: repeated.error,
+                effective: 1.0 / (repeated.error * repeated.error),
+                method: Method::Repeated,
+            });
+            answer.sample = repeated.sample;
+        }
+    }
+    if answer.share.is_some() {
+        answer.rough = None;
+    }
+    answer.runs = runs.made;
+    Ok(answer)
+}
+
+/// Counts the event among fresh plain points: as many as tell a frequent one well, or all that are left.
+fn counted<E>(
+    search: &Search,
+    mut answer: Answer,
+    mut runs: Runs<'_, E>,
+    random: &mut Random,
+) -> Result<Answer, E> {
+    /// So many hits leave a relative error of 5 %.
+    const HITS: f64 = 400.0;
+    let first = answer.plain;
+    answer.plain = Plain::default();
+    answer.sample = Vec::new();
+    let expected = (first.met.max(1) as f64 / first.runs as f64).min(1.0);
+    let count = ((HITS / expected).ceil() as u64).min(runs.left());
+    let points = plain(search, count, random);
+    let results = runs.of(&points)?;
+    answer.count(&points, &results);
+    answer.runs = runs.made;
+    let Plain { runs: all, met, .. } = answer.plain;
+    if met > 0 {
+        let value = met as f64 / all as f64;
+        answer.share = Some(Share {
+            value,
+            interval: None,
+            error: ((1.0 - value) / met as f64).sqrt(),
+            effective: met as f64,
+            method: Method::Counted,
+        });
+        answer.sample.iter_mut().for_each(|point| point.weight = 1.0 / all as f64);
+    }
+    Ok(answer)
+}
+
+fn plain(search: &Search, count: u64, random: &mut Random) -> Vec<Vec<f64>> {
+    (0..count).map(|_| random.normals(search.dimensions)).collect()
+}
+
+impl Answer {
+    /// Counts plain points.
+    fn count(&mut self, points: &[Vec<f64>], results: &[Judged]) {
+        for (point, result) in points.iter().zip(results) {
+            self.plain.runs += 1;
+            self.plain.met += u64::from(result.met);
+            self.plain.failed += u64::from(result.failed);
+            if result.met {
+                self.sample.push(Weighted {
+                    scores: point.clone(),
+                    weight: 0.0,
+                });
+            }
+        }
+    }
+}

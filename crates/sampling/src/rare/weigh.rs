@@ -1,0 +1,204 @@
+//! The share of the event by importance sampling: points are drawn from a mixture that was fitted to the event, and each
+//! counts by the ratio of its density under the standard normal distribution to that under the mixture (Kurtz and Song
+//! 2013, "Cross-entropy-based adaptive importance sampling using Gaussian mixture").
+//!
+//! The last draws are independent of all that the mixture was fitted to, and their number is fixed before they are made.
+//! So their mean is the share without bias, as far as the mixture reaches.
+
+use statrs::distribution::{ContinuousCDF, Normal};
+
+use super::explore::Population;
+use super::mixture::{Mixture, ln_standard};
+use super::random::Random;
+use super::runs::Runs;
+use super::scatter::effective;
+use super::{RegionShare, Weighted};
+
+/// Components for one region.
+const MOST_PARTS: usize = 6;
+/// The number of trials after which the mixture is fitted anew, and one more.
+const TRIALS: usize = 3;
+/// The mixture cannot be trusted when fewer draws of a trial meet the event.
+const FEWEST_HITS: usize = 30;
+/// The relative standard error that is enough.
+const ENOUGH: f64 = 0.05;
+/// The estimated number of draws for that is rough, so more are made.
+const RESERVE: f64 = 4.0;
+const FEWEST_DRAWS: u64 = 4000;
+
+/// A mixture that is ready for the last draws.
+#[derive(Debug)]
+pub(super) struct Proposal {
+    mixture: Mixture,
+    regions: usize,
+    /// The variance of the weights over the square of their mean, as the last trial has it.
+    scatter: f64,
+    /// The share as the last trial has it.
+    pub(super) share: f64,
+}
+
+/// Draws from a mixture.
+struct Drawn {
+    points: Vec<Vec<f64>>,
+    /// Zero for those that do not meet the event.
+    weights: Vec<f64>,
+}
+
+impl Drawn {
+    fn mean(&self) -> f64 {
+        self.weights.iter().sum::<f64>() / self.weights.len() as f64
+    }
+
+    /// The variance of the weights over the square of their mean.
+    fn scatter(&self) -> f64 {
+        let (mean, count) = (self.mean(), self.weights.len() as f64);
+        let squares: f64 = self.weights.iter().map(|w| (w - mean).powi(2)).sum();
+        squares / (count - 1.0) / (mean * mean)
+    }
+
+    fn hits(self) -> (Vec<Vec<f64>>, Vec<f64>) {
+        let pairs = self.points.into_iter().zip(self.weights);
+        pairs.filter(|(_, weight)| *weight > 0.0).unzip()
+    }
+}
+
+fn draw<E>(
+    mixture: &Mixture,
+    count: u64,
+    runs: &mut Runs<'_, E>,
+    random: &mut Random,
+) -> Result<Drawn, E> {
+    let from = mixture.defended();
+    let points: Vec<Vec<f64>> = (0..count).map(|_| from.draw(random)).collect();
+    let results = runs.of(&points)?;
+    let weight = |(point, met): (&Vec<f64>, bool)| {
+        if met {
+            (ln_standard(point) - from.ln_density(point)).exp()
+        } else {
+            0.0
+        }
+    };
+    let met = results.iter().map(|result| result.met);
+    let weights = points.iter().zip(met).map(weight).collect();
+    Ok(Drawn { points, weights })
+}
+
+/// Fits a mixture to the populations of the regions, and improves it by trials of so many draws. None where the event is
+/// met too seldom.
+pub(super) fn propose<E>(
+    regions: &[Population],
+    trial: u64,
+    runs: &mut Runs<'_, E>,
+    random: &mut Random,
+) -> Result<Option<Proposal>, E> {
+    let all: f64 = regions.iter().map(|region| region.share).sum();
+    // What a population's size says of its region is rough: no region begins with less than half of its turn.
+    let least = 0.5 / regions.len() as f64;
+    let mut mixture = Mixture::default();
+    for (number, region) in regions.iter().enumerate() {
+        let ones = vec![1.0; region.points.len()];
+        let own = Mixture::fit(&region.points, &ones, MOST_PARTS, random);
+        mixture.add(own, (region.share / all).max(least), number);
+    }
+    mixture.normalise();
+    for number in 1..=TRIALS {
+        if runs.left() < trial {
+            return Ok(None);
+        }
+        let drawn = draw(&mixture, trial, runs, random)?;
+        let (share, scatter) = (drawn.mean(), drawn.scatter());
+        let (points, mut weights) = drawn.hits();
+        if points.len() < FEWEST_HITS {
+            return Ok(None);
+        }
+        if number == TRIALS {
+            return Ok(Some(Proposal {
+                mixture,
+                regions: regions.len(),
+                scatter,
+                share,
+            }));
+        }
+        cap(&mut weights);
+        if regions.len() == 1 {
+            mixture = Mixture::fit(&points, &weights, MOST_PARTS, random);
+        } else {
+            mixture.refit(&points, &weights);
+        }
+    }
+    Ok(None)
+}
+
+/// Lowers the few largest weights to the largest of the others, so that no fit follows a few points.
+fn cap(weights: &mut [f64]) {
+    let mut sorted = weights.to_vec();
+    sorted.sort_by(|a, b| b.total_cmp(a));
+    let few = ((weights.len() as f64).sqrt() / 3.0) as usize;
+    let Some(&most) = sorted.get(few.max(1)) else {
+        return;
+    };
+    weights.iter_mut().for_each(|w| *w = w.min(most));
+}
+
+/// The share with its interval, and what it rests on.
+#[derive(Debug)]
+pub(super) struct Measured {
+    pub(super) share: f64,
+    pub(super) interval: [f64; 2],
+    pub(super) error: f64,
+    pub(super) effective: f64,
+    pub(super) regions: Vec<RegionShare>,
+    pub(super) sample: Vec<Weighted>,
+}
+
+impl Proposal {
+    /// The relative standard error that so many draws would leave.
+    pub(super) fn expected_error(&self, draws: u64) -> f64 {
+        (self.scatter / draws.max(1) as f64).sqrt()
+    }
+
+    /// Makes the last draws, as many as are left at most.
+    pub(super) fn measure<E>(
+        &self,
+        confidence: f64,
+        runs: &mut Runs<'_, E>,
+        random: &mut Random,
+    ) -> Result<Measured, E> {
+        let wanted = (RESERVE * self.scatter / (ENOUGH * ENOUGH)).ceil() as u64;
+        let count = wanted.max(FEWEST_DRAWS).min(runs.left());
+        let drawn = draw(&self.mixture, count, runs, random)?;
+        let share = drawn.mean();
+        let error = (drawn.scatter() / count as f64).sqrt();
+        let effective = effective(&drawn.weights);
+        let (points, weights) = drawn.hits();
+        let mut regions = vec![RegionShare::default(); self.regions];
+        for (point, weight) in points.iter().zip(&weights) {
+            let own = &mut regions[self.mixture.region(point)];
+            own.share += weight / count as f64;
+            own.centre.resize(point.len(), 0.0);
+            for (centre, x) in own.centre.iter_mut().zip(point) {
+                *centre += weight / count as f64 * x;
+            }
+        }
+        for region in &mut regions {
+            let share = region.share;
+            region.centre.iter_mut().for_each(|c| *c /= share);
+        }
+        regions.retain(|region| region.share > 0.0);
+        regions.sort_by(|a, b| b.share.total_cmp(&a.share));
+        let pairs = points.into_iter().zip(weights);
+        let sample = pairs.map(|(scores, weight)| Weighted {
+            scores,
+            weight: weight / count as f64,
+        });
+        let half = Normal::standard().inverse_cdf(0.5 + 0.5 * confidence) * error;
+        Ok(Measured {
+            share,
+            interval: [share * (-half).exp(), (share * half.exp()).min(1.0)],
+            error,
+            effective,
+            regions,
+            sample: sample.collect(),
+        })
+    }
+}
