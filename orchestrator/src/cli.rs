@@ -12,7 +12,7 @@ use clap::{Args, Parser, Subcommand};
 pub use analysis::{Pareto, Robustness, Sensitivity, Synchronise, Tolerances};
 pub use fmu::{Check, Format, Init, Inspect, Simulate};
 pub use running::{Means, Parts, Work};
-pub use study::{Identify, Judge, Merge, Replay, Report, Verify};
+pub use study::{Identify, Judge, Merge, RareEvent, Replay, Report, Verify};
 
 /// Verifies FMI 2.0 Co-Simulation FMUs against measurements under uncertainty.
 #[derive(Debug, Parser)]

@@ -49,7 +49,11 @@ fn integral(f: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
         k if k % 2 == 1 => 4.0,
         _ => 2.0,
     };
-    (0..=N).map(|k| weight(k) * f(low + h * f64::from(k))).sum::<f64>() * h / 3.0
+    (0..=N)
+        .map(|k| weight(k) * f(low + h * f64::from(k)))
+        .sum::<f64>()
+        * h
+        / 3.0
 }
 
 /// Where a falling function has a value.
@@ -88,22 +92,32 @@ fn case(
 fn linear(name: &'static str, dimensions: usize) -> Case {
     let limit = exceeded(RARE);
     let root = (dimensions as f64).sqrt();
-    case(name, dimensions, RARE, move |u| limit - u.iter().sum::<f64>() / root)
+    case(name, dimensions, RARE, move |u| {
+        limit - u.iter().sum::<f64>() / root
+    })
 }
 
 /// u2 beyond a parabola that opens away from the centre (`bend` > 0) or around it.
 fn parabola(name: &'static str, bend: f64) -> Case {
     let reach = |b: f64| {
-        integral(|x| density(x) * below(-b - bend * (x - 0.1).powi(2)), -14.0, 14.0)
+        integral(
+            |x| density(x) * below(-b - bend * (x - 0.1).powi(2)),
+            -14.0,
+            14.0,
+        )
     };
     let b = falls_to(RARE, reach, 1.0, 14.0);
-    case(name, 2, reach(b), move |u| b + bend * (u[0] - 0.1).powi(2) - u[1])
+    case(name, 2, reach(b), move |u| {
+        b + bend * (u[0] - 0.1).powi(2) - u[1]
+    })
 }
 
 /// Opposite regions, one ten times as probable as the other.
 fn uneven() -> Case {
     let [near, far] = [10.0 / 11.0, 1.0 / 11.0].map(|part| exceeded(part * RARE));
-    case("two regions, 10 to 1, of 7", 7, RARE, move |u| (near - u[0]).min(far + u[0]))
+    case("two regions, 10 to 1, of 7", 7, RARE, move |u| {
+        (near - u[0]).min(far + u[0])
+    })
 }
 
 /// The series system with four branches: two curved, two plane; each with a quarter of the share.
@@ -112,7 +126,11 @@ fn branches() -> Case {
     let c = falls_to(RARE / 2.0, curved, 1.0, 9.0);
     let plane = exceeded(RARE / 4.0);
     let exact = 2.0 * below(-plane)
-        + integral(|t| density(t) * 2.0 * below(-c - 0.2 * t * t), -plane, plane);
+        + integral(
+            |t| density(t) * 2.0 * below(-c - 0.2 * t * t),
+            -plane,
+            plane,
+        );
     case("four branches", 2, exact, move |u| {
         let (s, t) = ((u[0] + u[1]) / SQRT_2, (u[0] - u[1]) / SQRT_2);
         (c + 0.2 * t * t - s.abs()).min(plane - t.abs())
@@ -127,7 +145,8 @@ fn bands(name: &'static str, criteria: usize, dimensions: usize, scales: &'stati
     let exact = move |tolerance: f64| {
         let inside = |x: f64| {
             let shift = PLACE - BEND * (x * x - 1.0);
-            let others = (1..criteria).map(|k| between(shift - tolerance * of(k), shift + tolerance * of(k)));
+            let others = (1..criteria)
+                .map(|k| between(shift - tolerance * of(k), shift + tolerance * of(k)));
             density(x) * others.product::<f64>()
         };
         integral(inside, PLACE - tolerance * of(0), PLACE + tolerance * of(0))
@@ -158,9 +177,12 @@ fn reflected(u: &[f64]) -> Vec<f64> {
 fn ring(name: &'static str, exact: f64) -> Case {
     const RADIUS: f64 = 1.5;
     // exp(-r^2 / 2) is the probability beyond r.
-    let of = |half: f64| 2.0 * (-0.5 * (RADIUS * RADIUS + half * half)).exp() * (RADIUS * half).sinh();
+    let of =
+        |half: f64| 2.0 * (-0.5 * (RADIUS * RADIUS + half * half)).exp() * (RADIUS * half).sinh();
     let half = falls_to(-exact, |half: f64| -of(half), 0.0, 0.5);
-    case(name, 2, exact, move |u| (u[0].hypot(u[1]) - RADIUS).abs() / half - 1.0)
+    case(name, 2, exact, move |u| {
+        (u[0].hypot(u[1]) - RADIUS).abs() / half - 1.0
+    })
 }
 
 /// The sum of three uniform parameters is small: a corner, in which it has the share e^3 / 6.
@@ -174,7 +196,10 @@ fn uniform() -> Case {
 
 /// The product of five lognormal parameters is large: the sum of their logarithms is normal.
 fn lognormal() -> Case {
-    let each = Distribution::Lognormal { mean: 2.0, deviation: 0.5 };
+    let each = Distribution::Lognormal {
+        mean: 2.0,
+        deviation: 0.5,
+    };
     let variance = (1.0_f64 + 0.0625).ln();
     let limit = 5.0 * (2.0_f64.ln() - 0.5 * variance) + exceeded(RARE) * (5.0 * variance).sqrt();
     case("product of 5 lognormal", 5, RARE, move |u| {
@@ -192,7 +217,11 @@ fn truncated() -> Case {
     };
     let all = between(-3.0, 3.0);
     let beyond = move |s: f64| {
-        integral(|x| density(x) / all * between(s - x, 3.0) / all, s - 3.0, 3.0)
+        integral(
+            |x| density(x) / all * between(s - x, 3.0) / all,
+            s - 3.0,
+            3.0,
+        )
     };
     let limit = falls_to(RARE, beyond, 2.0, 5.9999);
     case("sum of 2 truncated", 2, beyond(limit), move |u| {
@@ -203,7 +232,10 @@ fn truncated() -> Case {
 /// A sum of correlated parameters: correlations of 0.8 and -0.5.
 fn correlated() -> Option<Case> {
     let mixed = Correlation::new(3, &[(0, 1, 0.8), (1, 2, -0.5)]).ok()?;
-    let normal = Distribution::Normal { mean: 1.0, deviation: 2.0 };
+    let normal = Distribution::Normal {
+        mean: 1.0,
+        deviation: 2.0,
+    };
     let deviation = 2.0 * (3.0 + 2.0 * (0.8_f64 - 0.5)).sqrt();
     let limit = 3.0 + deviation * exceeded(RARE);
     Some(case("sum of 3 correlated", 3, RARE, move |u| {
@@ -274,9 +306,16 @@ fn answer(case: &Case, runs: u64, seed: u64) -> Answer {
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let number = |k: usize, usual: u64| arguments.get(k).and_then(|a| a.parse().ok()).unwrap_or(usual);
+    let number = |k: usize, usual: u64| {
+        arguments
+            .get(k)
+            .and_then(|a| a.parse().ok())
+            .unwrap_or(usual)
+    };
     let (repetitions, runs) = (number(0, 50), number(1, 100_000));
-    println!("| event | exact share | told | rms error | interval holds | too low | runs (most) | regions |");
+    println!(
+        "| event | exact share | told | rms error | interval holds | too low | runs (most) | regions |"
+    );
     println!("|---|---|---|---|---|---|---|---|");
     for case in cases() {
         let wanted = &arguments[arguments.len().min(2)..];
@@ -305,22 +344,36 @@ fn main() {
 }
 
 fn row(case: &Case, answers: &[Answer]) -> String {
-    let told: Vec<_> = answers.iter().filter_map(|answer| answer.share.as_ref()).collect();
+    let told: Vec<_> = answers
+        .iter()
+        .filter_map(|answer| answer.share.as_ref())
+        .collect();
     let interval = |share: &sampling::rare::Share| share.interval.unwrap_or([f64::NAN; 2]);
     let count = |holds: &dyn Fn([f64; 2]) -> bool| {
         told.iter().filter(|share| holds(interval(share))).count() as f64 / told.len() as f64
     };
-    let square: f64 = told.iter().map(|share| (share.value / case.exact - 1.0).powi(2)).sum();
-    let repeated = told.iter().filter(|share| share.method == Method::Repeated).count();
+    let square: f64 = told
+        .iter()
+        .map(|share| (share.value / case.exact - 1.0).powi(2))
+        .sum();
+    let repeated = told
+        .iter()
+        .filter(|share| share.method == Method::Repeated)
+        .count();
     let most = answers.iter().map(|answer| answer.runs).max().unwrap_or(0);
-    let mean = |of: &dyn Fn(&Answer) -> f64| answers.iter().map(of).sum::<f64>() / answers.len() as f64;
+    let mean =
+        |of: &dyn Fn(&Answer) -> f64| answers.iter().map(of).sum::<f64>() / answers.len() as f64;
     format!(
         "| {} | {:.2e} | {} of {}{} | {:.1} % | {:.1} % | {:.1} % | {:.0} ({most}) | {:.1} |",
         case.name,
         case.exact,
         told.len(),
         answers.len(),
-        if repeated > 0 { format!(", {repeated} repeated") } else { String::new() },
+        if repeated > 0 {
+            format!(", {repeated} repeated")
+        } else {
+            String::new()
+        },
         100.0 * (square / told.len() as f64).sqrt(),
         100.0 * count(&|[low, high]| low <= case.exact && case.exact <= high),
         100.0 * count(&|[_, high]| high < case.exact),

@@ -2,12 +2,13 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
 use clap::builder::{RangedU64ValueParser, TypedValueParser};
+use clap::{Args, ValueEnum};
 
 use super::{Means, Parts, Work, verdict_help};
 use crate::results::MOST_EXTRA_RUNS;
 use crate::session::Until;
+use serde::Serialize;
 
 /// Options of `verify`.
 #[derive(Debug, Args)]
@@ -50,9 +51,32 @@ pub struct Verify {
     /// Run some points with finer communication steps, too, to tell the numerical uncertainty (ASME V&V 20)
     #[arg(long, conflicts_with = "shard")]
     pub validation: bool,
+    /// Find a share that is too small to be counted among sampled points, with at most --points runs [default: 100000]:
+    /// that of verified points, of points that miss a criterion, or of runs that fail
+    #[arg(
+        long,
+        value_enum,
+        value_name = "OF",
+        num_args = 0..=1,
+        default_missing_value = "verified",
+        conflicts_with_all = ["until", "validation", "points_from", "shard", "parquet", "dry_run"]
+    )]
+    pub rare: Option<RareEvent>,
     /// Run at most so many points once more, with finer steps and to a later end, to see whether their values rest
     #[arg(long, value_name = "N", default_value_t = MOST_EXTRA_RUNS, value_parser = extra_runs())]
     pub extra_runs: usize,
+}
+
+/// A share that `verify --rare` finds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum RareEvent {
+    /// Points that meet all criteria
+    Verified,
+    /// Points whose run ends and that miss a criterion
+    NotConforming,
+    /// Points whose run fails
+    Failed,
 }
 
 fn extra_runs() -> impl TypedValueParser<Value = usize> {

@@ -57,6 +57,8 @@ pub(super) struct AnalysisResult {
     pub(super) text: String,
     /// The name of its file.
     pub(super) file: &'static str,
+    /// What it says of the model; 0 unless it is a verdict.
+    pub(super) code: ExitCode,
     result: serde_json::Value,
 }
 
@@ -84,6 +86,7 @@ impl AnalysisResult {
             origin,
             text,
             file,
+            code: ExitCode::SUCCESS,
             result,
         })
     }
@@ -112,6 +115,6 @@ impl AnalysisResult {
         }
         let text = &self.text;
         output::print(&format!("{text}\nresults in {}\n", folder.display()));
-        Ok(ExitCode::SUCCESS)
+        Ok(self.code)
     }
 }

@@ -20,6 +20,7 @@ mod merge;
 mod moving;
 mod output;
 mod pareto;
+mod rare;
 mod refine;
 mod replay;
 mod report;
@@ -145,7 +146,12 @@ fn dispatch(cli: Cli) -> Result<ExitCode, CommandError> {
         Command::Completion(options) => Ok(completion::run(&options)),
         Command::Manual(options) => manual::run(&options),
         Command::Simulate(options) => simulate::run(&options),
-        Command::Verify(options) => verify::run(&options),
+        Command::Verify(options) => match options.rare {
+            Some(event) => proven(rare::Options::new(options, event), rare::run, |o| {
+                &mut o.work
+            }),
+            None => verify::run(&options),
+        },
         Command::Identify(options) => proven(options, identify::run, |o| &mut o.work),
         Command::Judge(options) => judge::run(&options),
         Command::Replay(options) => replay::run(&options),
@@ -186,8 +192,11 @@ fn proven<T>(
 
 /// 0 when the model is verified, 1 when it is not, 3 when the points do not tell.
 fn verdict(summary: &Summary) -> ExitCode {
+    exit_code(summary.conclusion.as_ref().map(|found| found.verdict))
+}
+
+fn exit_code(verdict: Option<Decision>) -> ExitCode {
     const INCONCLUSIVE: u8 = 3;
-    let verdict = summary.conclusion.as_ref().map(|found| found.verdict);
     match verdict {
         Some(Decision::Inconclusive) => ExitCode::from(INCONCLUSIVE),
         Some(Decision::Verified) => ExitCode::SUCCESS,

@@ -107,6 +107,24 @@ impl Plan {
         self.inputs.iter().map(value).collect()
     }
 
+    /// The parameters at independent standard normal scores of those that vary, correlated as the study says.
+    pub fn at_scores(&self, scores: &[f64]) -> Vec<f64> {
+        let mut given = scores.iter().copied();
+        let score = |input: &Input| {
+            let own = input.distribution.varies().then(|| given.next());
+            own.flatten().unwrap_or(0.0)
+        };
+        let all: Vec<f64> = self.inputs.iter().map(score).collect();
+        let inputs = || self.inputs.iter().map(|input| input.distribution);
+        match &self.correlation {
+            Some(correlation) => correlation.at_scores(&all, &inputs().collect::<Vec<_>>()),
+            None => inputs()
+                .zip(all)
+                .map(|(input, z)| input.at_score(z))
+                .collect(),
+        }
+    }
+
     /// Whether every parameter varies on its own.
     pub fn is_independent(&self) -> bool {
         self.correlation.is_none()

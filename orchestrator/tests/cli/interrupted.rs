@@ -100,6 +100,12 @@ const POSTERIOR: Analysis = Analysis {
     files: &["identification.json", "posterior.csv"],
 };
 
+const RARE: Analysis = Analysis {
+    command: &["verify", "rare.toml", "--rare", "--points", "5000"],
+    state: "rare",
+    files: &["rare.json", "rare.csv"],
+};
+
 /// The lag's answer to four inputs, with an unknown rate.
 const CASES: &str = "point,u,y\n3,0.5,0.434\n5,1,0.866\n8,1.5,1.29\n9,2,1.73\n";
 
@@ -162,6 +168,12 @@ fn bench() -> Bench {
         &cases.replace("value = 0.86", "column = \"y\""),
     );
     bench.write("cases.csv", CASES);
+    // The rate must be five deviations above its mean.
+    let (one, _) = STUDY.split_once("[criteria.Z]").unwrap();
+    let rare = one
+        .replace("0.86", "0.95")
+        .replace("tolerance = 0.02", "tolerance = 0.005");
+    bench.write("rare.toml", &rare);
     let said = bench.run(&["verify", "study.toml", "--output", "verified"]);
     assert_eq!(said.code, 0, "{}", said.err);
     bench
@@ -293,6 +305,11 @@ fn pareto_goes_on() {
 #[test]
 fn robustness_goes_on() {
     ROBUSTNESS.stop_and_resume(6, &BOTH);
+}
+
+#[test]
+fn a_rare_share_goes_on() {
+    RARE.stop_and_resume(6, &BOTH);
 }
 
 #[test]

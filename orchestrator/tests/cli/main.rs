@@ -14,6 +14,7 @@ mod isolation;
 mod mistakes;
 mod mutations;
 mod optima;
+mod rare;
 mod regions;
 mod reuse;
 mod simulate;

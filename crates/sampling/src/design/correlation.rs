@@ -72,7 +72,9 @@ impl Correlation {
     pub fn at_scores(&self, scores: &[f64], inputs: &[Distribution]) -> Vec<f64> {
         let mixed = |row: &Vec<f64>| row.iter().zip(scores).map(|(w, s)| w * s).sum();
         let pairs = self.rows.iter().zip(inputs);
-        pairs.map(|(row, input)| input.at_score(mixed(row))).collect()
+        pairs
+            .map(|(row, input)| input.at_score(mixed(row)))
+            .collect()
     }
 
     /// The inputs' values from independent numbers in (0, 1), one for each input.

@@ -120,12 +120,7 @@ impl Mixture {
     }
 
     /// A mixture of so many components; none where some of them would rest on too few points.
-    fn of(
-        count: usize,
-        points: &[Vec<f64>],
-        weights: &[f64],
-        random: &mut Random,
-    ) -> Option<Self> {
+    fn of(count: usize, points: &[Vec<f64>], weights: &[f64], random: &mut Random) -> Option<Self> {
         const STEPS: usize = 40;
         let mut parts = beginning(count, points, weights, random);
         let mut last = f64::NEG_INFINITY;

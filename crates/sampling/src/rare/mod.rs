@@ -165,12 +165,19 @@ pub fn share<E>(search: &Search, ask: Ask<'_, E>) -> Result<Answer, E> {
     let points = plain(search, size, &mut random);
     let results = runs.of(&points)?;
     answer.count(&points, &results);
-    let is_frequent = |plain: Plain| plain.met >= 10 && plain.met as f64 >= FREQUENT * plain.runs as f64;
+    let is_frequent =
+        |plain: Plain| plain.met >= 10 && plain.met as f64 >= FREQUENT * plain.runs as f64;
     if is_frequent(answer.plain) {
         return counted(search, answer, runs, &mut random);
     }
     let found = if search.is_binary {
-        widen::widen(search.dimensions, size, &mut runs, &mut random, &mut answer.wider)?
+        widen::widen(
+            search.dimensions,
+            size,
+            &mut runs,
+            &mut random,
+            &mut answer.wider,
+        )?
     } else {
         let ranks = results.iter().map(Judged::rank).collect();
         // What is left must do for the draws.
@@ -222,7 +229,13 @@ fn measured<E>(
         answer.sample = measured.sample;
     } else if !search.is_binary {
         let levels = found.levels.len();
-        let repeated = repeat::repeat(search.dimensions, levels, search.confidence, &mut runs, random)?;
+        let repeated = repeat::repeat(
+            search.dimensions,
+            levels,
+            search.confidence,
+            &mut runs,
+            random,
+        )?;
         if let Some(repeated) = repeated {
             answer.share = Some(Share {
                 value: repeated.share,
@@ -269,13 +282,18 @@ fn counted<E>(
             effective: met as f64,
             method: Method::Counted,
         });
-        answer.sample.iter_mut().for_each(|point| point.weight = 1.0 / all as f64);
+        answer
+            .sample
+            .iter_mut()
+            .for_each(|point| point.weight = 1.0 / all as f64);
     }
     Ok(answer)
 }
 
 fn plain(search: &Search, count: u64, random: &mut Random) -> Vec<Vec<f64>> {
-    (0..count).map(|_| random.normals(search.dimensions)).collect()
+    (0..count)
+        .map(|_| random.normals(search.dimensions))
+        .collect()
 }
 
 impl Answer {

@@ -61,12 +61,7 @@ pub(super) fn parts<E>(
 }
 
 /// Ways from points of one cluster to near ones of another.
-fn ways(
-    points: &[Vec<f64>],
-    a: &[usize],
-    b: &[usize],
-    random: &mut Random,
-) -> Vec<Vec<Vec<f64>>> {
+fn ways(points: &[Vec<f64>], a: &[usize], b: &[usize], random: &mut Random) -> Vec<Vec<Vec<f64>>> {
     let mut ways = Vec::new();
     for _ in 0..PAIRS {
         let from = &points[a[random.below(a.len())]];

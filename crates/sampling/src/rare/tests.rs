@@ -1,1 +1,167 @@
+use std::convert::Infallible;
+
 use super::*;
+
+fn search(dimensions: usize, runs: u64, seed: u64) -> Search {
+    Search {
+        dimensions,
+        runs,
+        seed,
+        confidence: 0.95,
+        is_binary: false,
+    }
+}
+
+/// The answer for an event whose level falls to 0, and the sets of points that it asked for.
+fn asked(search: &Search, level: impl Fn(&[f64]) -> f64) -> (Answer, Vec<Vec<Vec<f64>>>) {
+    let mut sets = Vec::new();
+    let mut ask = |points: &[Vec<f64>]| {
+        sets.push(points.to_vec());
+        let judged = points.iter().map(|point| {
+            let level = level(point);
+            Judged {
+                level: if search.is_binary { 0.0 } else { level },
+                met: level <= 0.0,
+                failed: level.is_nan(),
+            }
+        });
+        Ok::<_, Infallible>(judged.collect())
+    };
+    let answer = match share(search, &mut ask) {
+        Ok(answer) => answer,
+        Err(error) => match error {},
+    };
+    (answer, sets)
+}
+
+/// 5.997807 is exceeded with a probability of 1e-9.
+const LIMIT: f64 = 5.997_807_015_007_686;
+
+#[test]
+fn the_tail_of_a_normal_number_is_told_with_its_interval() {
+    for seed in 1..=3 {
+        let (answer, _) = asked(&search(7, 30_000, seed), |u| LIMIT - u[3]);
+        let found = answer.share.unwrap();
+        assert_eq!(found.method, Method::Weighted);
+        let [low, high] = found.interval.unwrap();
+        // Twice the interval of 95 %: 1 of 10,000 right estimates is outside.
+        let wide = [low * low / found.value, high * high / found.value];
+        assert!(wide[0] < 1e-9 && 1e-9 < wide[1], "{found:?}");
+        assert!(found.error < 0.05, "{found:?}");
+        assert!(answer.runs <= 30_000);
+        let sum: f64 = answer.sample.iter().map(|point| point.weight).sum();
+        assert!((sum / found.value - 1.0).abs() < 1e-9);
+        assert_eq!(answer.regions.len(), 1);
+        // The mean of what lies beyond the limit is a little beyond it; the others stay at 0.
+        let centre = &answer.regions[0].centre;
+        assert!((centre[3] - 6.16).abs() < 0.05, "{centre:?}");
+        assert!(
+            centre
+                .iter()
+                .enumerate()
+                .all(|(k, x)| k == 3 || x.abs() < 0.2)
+        );
+    }
+}
+
+#[test]
+fn both_of_two_regions_are_found_and_told_apart() {
+    for seed in 1..=3 {
+        let (answer, _) = asked(&search(2, 60_000, seed), |u| LIMIT - u[0].abs());
+        assert_eq!(answer.regions.len(), 2);
+        let found = answer.share.unwrap();
+        assert!((found.value / 2e-9 - 1.0).abs() < 0.2, "{found:?}");
+        for region in &answer.regions {
+            assert!((region.share / 1e-9 - 1.0).abs() < 0.3, "{region:?}");
+        }
+    }
+}
+
+/// 0.25 is exceeded in 40 % of the cases, 3.5 in 2.3e-4.
+#[test]
+fn what_is_frequent_is_counted() {
+    let (answer, _) = asked(&search(2, 20_000, 1), |u| 0.25 - u[0]);
+    let found = answer.share.unwrap();
+    assert_eq!((found.method, found.interval), (Method::Counted, None));
+    assert!((found.value - 0.4013).abs() < 0.1);
+    let rare = asked(&search(2, 20_000, 1), |u| 3.5 - u[0])
+        .0
+        .share
+        .unwrap();
+    assert_eq!(rare.method, Method::Weighted);
+    assert!((rare.value / 2.326e-4 - 1.0).abs() < 0.25, "{rare:?}");
+}
+
+#[test]
+fn an_event_that_runs_only_say_yes_or_no_to_is_found_by_wider_draws() {
+    for seed in 1..=2 {
+        let binary = Search {
+            is_binary: true,
+            ..search(4, 60_000, seed)
+        };
+        let (answer, _) = asked(&binary, |u| LIMIT - u[1]);
+        let found = answer.share.clone().unwrap();
+        assert!((found.value / 1e-9 - 1.0).abs() < 0.25, "{found:?}");
+        assert!(answer.wider.met > 0 && answer.plain.met == 0);
+    }
+}
+
+#[test]
+fn what_never_happens_is_not_told() {
+    // No level leads anywhere.
+    let (flat, _) = asked(&search(3, 5000, 1), |_| 1.0);
+    assert_eq!((flat.share, flat.rough, flat.levels.len()), (None, None, 0));
+    assert_eq!(flat.plain.met, 0);
+    // The runs do not go so deep.
+    let (deep, _) = asked(&search(3, 5000, 1), |u| 30.0 - u[0]);
+    assert_eq!(deep.share, None);
+    let (level, share) = deep.levels.last().copied().unwrap();
+    assert!(
+        level > 0.0 && share > 0.0 && share < 1e-2,
+        "{level} {share}"
+    );
+    assert!(deep.runs <= 5000);
+    // Wider draws do not find it, and all that is left is counted.
+    let binary = Search {
+        is_binary: true,
+        ..search(3, 5000, 1)
+    };
+    let (none, _) = asked(&binary, |u| 30.0 - u[0]);
+    assert_eq!((none.share, none.wider.met), (None, 0));
+    assert_eq!(none.runs, 5000);
+    assert!(none.plain.runs > 1000 && none.plain.met == 0);
+}
+
+/// Failed runs are no part of the event, and the way to it leads around them.
+#[test]
+fn failed_runs_are_counted_apart() {
+    let (answer, _) = asked(&search(2, 30_000, 1), |u| {
+        if u[1] > 1.0 { f64::NAN } else { LIMIT - u[0] }
+    });
+    let found = answer.share.unwrap();
+    // The other parameter is below 1 in 84.13 %.
+    assert!((found.value / 0.8413e-9 - 1.0).abs() < 0.2, "{found:?}");
+    let failed = answer.plain.failed as f64 / answer.plain.runs as f64;
+    assert!((failed - 0.1587).abs() < 0.06, "{failed}");
+}
+
+#[test]
+fn a_search_is_the_same_whenever_it_is_run() {
+    let again = |seed| asked(&search(3, 8000, seed), |u| 4.0 - u[0] - 0.1 * u[1]).1;
+    assert_eq!(again(5), again(5));
+    assert_ne!(again(5), again(6));
+}
+
+/// A thin ring: what lies within 4e-6 of the distance 1.5 has a share of about 3.9e-6. No mixture follows it.
+#[test]
+fn a_shape_that_no_mixture_follows_is_told_by_repeated_searches() {
+    let half = 4e-6;
+    let exact = 2.0 * (-0.5_f64 * 2.25).exp() * 1.5 * half;
+    let (answer, _) = asked(&search(2, 100_000, 3), |u| {
+        (u[0].hypot(u[1]) - 1.5).abs() / half - 1.0
+    });
+    let found = answer.share.unwrap();
+    assert_eq!(found.method, Method::Repeated);
+    let [low, high] = found.interval.unwrap();
+    assert!(low < exact && exact < high, "{found:?} {exact}");
+}

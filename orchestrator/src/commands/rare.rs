@@ -1,0 +1,245 @@
+//! `verify --rare`: shares that are too small to be counted among sampled points.
+
+mod statement;
+
+use std::collections::HashMap;
+use std::path::Path;
+use std::process::ExitCode;
+
+use serde::Serialize;
+
+use super::asking::{self, Analysis, PointSet};
+use super::finding::AnalysisResult;
+use super::{CommandError, exit_code};
+use crate::cli::{RareEvent, Verify, Work};
+use crate::judge::Judge;
+use crate::pipeline::{Halt, Pipeline};
+use crate::results::points::number;
+use crate::results::{Outcome, ResultsError, write_atomically};
+use crate::session::Session;
+use crate::table::csv_file;
+use sampling::rare::{self, Answer, FEWEST_RUNS, Judged, Search};
+use statement::{Statement, confidence};
+
+const NAME: &str = "rare";
+const RESULT: &str = "rare.json";
+const TABLE: &str = "rare.csv";
+const USUAL_RUNS: u64 = 100_000;
+
+/// What is asked for.
+#[derive(Debug)]
+pub(super) struct Options {
+    pub(super) work: Work,
+    event: RareEvent,
+    points: Option<u64>,
+    seed: Option<u64>,
+}
+
+impl Options {
+    pub(super) fn new(options: Verify, event: RareEvent) -> Self {
+        Self {
+            event,
+            points: options.points,
+            seed: options.seed,
+            work: Work {
+                study: options.study,
+                output: options.output,
+                means: options.means,
+                parts: options.parts,
+            },
+        }
+    }
+}
+
+pub(super) fn run(options: &Options) -> Result<ExitCode, CommandError> {
+    let points = options.points.unwrap_or(USUAL_RUNS);
+    if points < FEWEST_RUNS {
+        return Err(CommandError::Option {
+            option: "points",
+            message: format!(
+                "a rare share takes at least {FEWEST_RUNS} runs; give more, or leave it out"
+            ),
+        });
+    }
+    let mut analysis = Rare {
+        event: options.event,
+        points,
+        seed: 1,
+    };
+    let session = asking::open(&options.work, &analysis)?;
+    analysis.seed = options.seed.unwrap_or(session.study.design.seed);
+    super::warn(&session.judge);
+    if session.judge.is_guarded() {
+        let message = "--rare counts points by their tolerances alone, and a guard band decides otherwise; remove `risk` \
+                       and `guard-band` under [verdict]";
+        return Err(session.study.error(message).into());
+    }
+    let Work {
+        study,
+        output,
+        parts,
+        ..
+    } = &options.work;
+    let folder = asking::folder(output.as_deref(), study, parts, None);
+    asking::run(session, &analysis, &options.work, &folder)
+}
+
+/// A search for a rare share.
+#[derive(Debug, Serialize)]
+struct Rare {
+    event: RareEvent,
+    /// The largest number of runs.
+    points: u64,
+    seed: u64,
+}
+
+impl Rare {
+    /// What a run means for the search.
+    fn judge(&self, judge: &Judge, outcome: &Outcome) -> Judged {
+        let values = outcome.as_deref().ok();
+        let verified = judge.verdict(values).verified();
+        let failed = values.is_none();
+        let deviation = values.map_or(f64::INFINITY, |values| deviation(judge, values));
+        match self.event {
+            RareEvent::Verified => Judged {
+                level: deviation,
+                met: verified,
+                failed,
+            },
+            RareEvent::NotConforming => Judged {
+                level: -deviation,
+                met: !failed && !verified,
+                failed,
+            },
+            RareEvent::Failed => Judged {
+                level: 0.0,
+                met: failed,
+                failed,
+            },
+        }
+    }
+}
+
+/// The largest deviation from a measured value, in its tolerance.
+fn deviation(judge: &Judge, values: &[f64]) -> f64 {
+    let pairs = judge.criteria.iter().zip(values);
+    pairs
+        .map(|(criterion, value)| (value - criterion.nominal).abs() / criterion.tolerance)
+        .fold(0.0, f64::max)
+}
+
+impl Analysis for Rare {
+    fn name(&self) -> &'static str {
+        NAME
+    }
+
+    fn options(&self) -> serde_json::Value {
+        serde_json::json!(self)
+    }
+
+    fn points(&self, _: &Session) -> Result<PointSet, CommandError> {
+        Ok(PointSet {
+            seed: self.seed,
+            // The search ends when it knows enough.
+            points: None,
+            method: format!("{:?} with at most {} runs", self.event, self.points),
+            table: None,
+        })
+    }
+
+    fn one_piece(&self) -> Option<&'static str> {
+        Some("each set of points depends on the ones before; run it in one piece")
+    }
+
+    fn takes_correlations(&self) -> bool {
+        true
+    }
+
+    fn find(
+        &self,
+        session: &Session,
+        pipeline: &mut Pipeline<'_>,
+        folder: &Path,
+    ) -> Result<AnalysisResult, CommandError> {
+        let Session { plan, judge, .. } = session;
+        let search = Search {
+            dimensions: plan.varied().len(),
+            runs: self.points,
+            seed: self.seed,
+            confidence: confidence(self.event, judge.rule),
+            is_binary: self.event == RareEvent::Failed,
+        };
+        // The outcomes at points of the event, which go into the table.
+        let mut met: HashMap<Vec<u64>, Outcome> = HashMap::new();
+        let mut ask = |scores: &[Vec<f64>]| -> Result<Vec<Judged>, Halt> {
+            let points: Vec<Vec<f64>> = scores.iter().map(|own| plan.at_scores(own)).collect();
+            let outcomes = pipeline.ask(&points)?;
+            let mut results = Vec::with_capacity(outcomes.len());
+            for (own, outcome) in scores.iter().zip(outcomes) {
+                let judged = self.judge(judge, &outcome);
+                if judged.met {
+                    met.insert(bits(own), outcome);
+                }
+                results.push(judged);
+            }
+            Ok(results)
+        };
+        let answer = rare::share(&search, &mut ask)?;
+        write_table(&folder.join(TABLE), session, &answer, &met)?;
+        let statement = Statement::new(self.event, &search, &answer, session);
+        let text = statement.text();
+        let mut result = AnalysisResult::new(&statement, asking::origin(session)?, text, RESULT)?;
+        result.code = match (statement.verdict, self.event) {
+            (Some(verdict), _) => exit_code(Some(verdict)),
+            // One verified point is enough.
+            (None, RareEvent::Verified) if answer.sample.is_empty() => exit_code(None),
+            (None, _) => ExitCode::SUCCESS,
+        };
+        Ok(result)
+    }
+}
+
+fn bits(scores: &[f64]) -> Vec<u64> {
+    scores.iter().map(|score| score.to_bits()).collect()
+}
+
+/// The points of the event that the share rests on, each with the share that it stands for.
+fn write_table(
+    path: &Path,
+    session: &Session,
+    answer: &Answer,
+    outcomes: &HashMap<Vec<u64>, Outcome>,
+) -> Result<(), ResultsError> {
+    let Session { plan, judge, .. } = session;
+    write_atomically(path, |out| {
+        let mut table = csv::Writer::from_writer(out);
+        let parameters = plan.inputs.iter().map(|input| input.name.as_str());
+        let criteria = judge
+            .criteria
+            .iter()
+            .map(|criterion| criterion.name.as_str());
+        let header = ["weight"]
+            .into_iter()
+            .chain(parameters)
+            .chain(criteria)
+            .chain(["status"]);
+        table.write_record(header.map(|name| csv_file::cell(name).into_owned()))?;
+        for point in &answer.sample {
+            let mut record = vec![number(point.weight)];
+            record.extend(plan.at_scores(&point.scores).into_iter().map(number));
+            match outcomes.get(&bits(&point.scores)) {
+                Some(Ok(values)) => {
+                    record.extend(values.iter().map(|&value| number(value)));
+                    record.push("ok".to_owned());
+                }
+                Some(Err(failure)) => {
+                    record.extend(judge.criteria.iter().map(|_| String::new()));
+                    record.push(csv_file::cell(&failure.to_string()).into_owned());
+                }
+                None => continue,
+            }
+            table.write_record(record)?;
+        }
+        table.flush()
+    })
+}
