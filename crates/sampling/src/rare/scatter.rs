@@ -42,18 +42,13 @@ impl Scatter {
             for (c, (x, m)) in centred.iter_mut().zip(point.iter().zip(&mean)) {
                 *c = x - m;
             }
-            for i in 0..dimensions {
-                let scaled = weight / sum * centred[i];
-                for j in 0..=i {
-                    matrix[(i, j)] += scaled * centred[j];
+            for (i, a) in centred.iter().enumerate() {
+                for (j, b) in centred[..=i].iter().enumerate() {
+                    matrix[(i, j)] += weight / sum * a * b;
                 }
             }
         }
-        for i in 0..dimensions {
-            for j in 0..i {
-                matrix[(j, i)] = matrix[(i, j)];
-            }
-        }
+        matrix.fill_upper_triangle_with_lower_triangle();
         let eigen = matrix.symmetric_eigen();
         let axes: Vec<Vec<f64>> = (0..dimensions)
             .map(|k| eigen.eigenvectors.column(k).iter().copied().collect())

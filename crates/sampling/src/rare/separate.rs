@@ -92,7 +92,7 @@ fn arc(from: &[f64], to: &[f64], part: f64) -> Vec<f64> {
     let (a, b) = (length(from), length(to));
     let product: f64 = from.iter().zip(to).map(|(x, y)| x * y).sum();
     let angle = (product / (a * b)).clamp(-1.0, 1.0).acos();
-    if !(angle.sin() > 1e-9) {
+    if angle.is_nan() || angle.sin() <= 1e-9 {
         return straight(from, to, part);
     }
     let radius = (a + part * (b - a)) / angle.sin();
