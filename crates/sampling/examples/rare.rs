@@ -12,12 +12,15 @@ use sampling::distribution::Distribution;
 use sampling::rare::{Answer, Judged, Method, Search, share};
 use statrs::function::erf::erfc;
 
+/// The level of a point.
+type Level = Box<dyn Fn(&[f64]) -> f64 + Sync>;
+
 /// An event: its level falls to 0.
 struct Case {
     name: &'static str,
     dimensions: usize,
     exact: f64,
-    level: Box<dyn Fn(&[f64]) -> f64 + Sync>,
+    level: Level,
     is_binary: bool,
 }
 
