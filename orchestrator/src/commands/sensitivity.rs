@@ -11,7 +11,7 @@ use super::asking::{self, Analysis, PointSet};
 use super::finding::{self, AnalysisResult};
 use crate::analysis::from_results;
 use crate::analysis::sensitivity::Estimate;
-use crate::analysis::sensitivity::method::{self, FirstOrder, Settled};
+use crate::analysis::sensitivity::method::{self, FirstOrder, Measure, Settled};
 use crate::analysis::sensitivity::methods::{RUNS, named};
 use crate::analysis::sensitivity::study::{Output, Sensitivity, from_points, from_runs};
 use crate::analysis::table::PointTable;
@@ -27,6 +27,12 @@ use crate::table::csv_file;
 
 pub(super) const NAME: &str = "sensitivity";
 
+/// The meaning of the numbers from points of correlated parameters.
+const CORRELATED: &str = "the parameters are correlated, so PAWN, rank correlations and the distance of verified points tell \
+    how much the value of a parameter says of the output, with all that it says of the parameters that it is correlated with: \
+    one without any influence may be called the most important. Partial correlations (PRCC) take the others' linear relation \
+    between ranks away, and no other";
+
 pub(super) fn run(options: &cli::Sensitivity) -> Result<ExitCode, CommandError> {
     let cli::Work {
         study: path,
@@ -37,8 +43,11 @@ pub(super) fn run(options: &cli::Sensitivity) -> Result<ExitCode, CommandError> 
     let study = Study::read(path)?;
     let analysis = Runs::new(options, &study)?;
     if let Some(folder) = &options.from {
-        let (summary, table) = finding::points_of(folder, &study)?;
-        let result = from_points(&table, analysis.seed);
+        let (summary, table) = finding::every_value_of(folder, &study)?;
+        let mut result = from_points(&table, analysis.seed);
+        if !study.correlations.is_empty() {
+            result.warnings.insert(0, CORRELATED.to_owned());
+        }
         let text = text(&result);
         let finding = AnalysisResult::new(
             &result,
@@ -233,11 +242,8 @@ fn keep_runs(folder: &Path, rows: &PointTable) -> Result<(), CommandError> {
 /// A table an output.
 fn text(result: &Sensitivity) -> String {
     let mut out = format!("{}\n", result.method);
-    if result.failed > 0 {
-        out += &format!(
-            "{} of {} runs failed; their comparisons are left out\n",
-            result.failed, result.runs
-        );
+    for warning in &result.warnings {
+        out += &format!("warning: {warning}\n");
     }
     for output in &result.outputs {
         out += &format!("\n{}\n", output.name);
@@ -264,9 +270,17 @@ fn rows(parameters: &[String], output: &Output) -> String {
         ),
     };
     let shown = output.shown();
+    let bounds = |m: &Measure, k: usize| {
+        let bounds = m.bounds.as_ref().map(|bounds| bounds[k]);
+        bounds.map_or_else(String::new, |[low, high]| {
+            format!(" {{{} .. {}}}", number(low, 3), number(high, 3))
+        })
+    };
     let row = |(k, name): (usize, &String)| {
-        let measures = shown.iter();
-        let cells = measures.map(|m| format!("  {} {}", m.name, interval(&m.estimates[k])));
+        let cells = shown.iter().map(|m| {
+            let interval = interval(&m.estimates[k]);
+            format!("  {} {interval}{}", m.name, bounds(m, k))
+        });
         format!("  {name:width$}{}\n", cells.collect::<String>())
     };
     parameters.iter().enumerate().map(row).collect()

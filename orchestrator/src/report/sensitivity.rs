@@ -15,6 +15,7 @@ pub const FILE: &str = "sensitivity.json";
 #[derive(Serialize)]
 pub struct View {
     method: String,
+    warnings: Vec<String>,
     outputs: Vec<OutputView>,
     verdict: Vec<[String; 5]>,
 }
@@ -30,10 +31,6 @@ struct OutputView {
 
 /// Prepares a result for the template; `table` knows the parameters' units.
 pub fn view(result: &Sensitivity, table: &PointTable) -> View {
-    let failed = match result.failed {
-        0 => String::new(),
-        n => format!(" {n} runs failed; the comparisons that need them are left out."),
-    };
     let split = |(name, s): (&String, &crate::analysis::sensitivity::regional::Split)| {
         let known = table.parameters.iter().find(|p| p.name == *name);
         let unit = known.map_or("", |p| p.unit.as_str());
@@ -47,7 +44,8 @@ pub fn view(result: &Sensitivity, table: &PointTable) -> View {
         ]
     };
     View {
-        method: format!("{}.{failed}", result.method),
+        method: format!("{}.", result.method),
+        warnings: result.warnings.clone(),
         outputs: result
             .outputs
             .iter()
@@ -73,12 +71,10 @@ pub fn plots(result: &Sensitivity) -> Vec<(String, String)> {
 
 fn output(parameters: &[String], output: &Output) -> OutputView {
     let shown = output.shown();
-    let rows = parameters.iter().enumerate().map(|(k, name)| {
-        (
-            name.clone(),
-            shown.iter().map(|m| interval(&m.estimates[k])).collect(),
-        )
-    });
+    let rows = parameters
+        .iter()
+        .enumerate()
+        .map(|(k, name)| (name.clone(), shown.iter().map(|m| interval(m, k)).collect()));
     OutputView {
         name: output.name.clone(),
         svg: bars(&output.name, parameters, &shown),
@@ -91,16 +87,20 @@ fn output(parameters: &[String], output: &Output) -> OutputView {
     }
 }
 
-fn interval(e: &Estimate) -> String {
-    if e.low.is_nan() {
-        return number(e.value, 3);
+fn interval(measure: &Measure, parameter: usize) -> String {
+    let Estimate { value, low, high } = measure.estimates[parameter];
+    let value = number(value, 3);
+    if low.is_nan() {
+        return value;
     }
-    format!(
-        "{} ({} … {})",
-        number(e.value, 3),
-        number(e.low, 2),
-        number(e.high, 2)
-    )
+    let interval = format!("{value} ({} … {})", number(low, 2), number(high, 2));
+    match &measure.bounds {
+        Some(bounds) => {
+            let [low, high] = bounds[parameter].map(|end| number(end, 2));
+            format!("{interval} {{{low} … {high}}}")
+        }
+        None => interval,
+    }
 }
 
 /// Horizontal bars with whiskers, the most important parameter on top.

@@ -16,6 +16,7 @@ mod mutations;
 mod optima;
 mod regions;
 mod reuse;
+mod sensitivities;
 mod simulate;
 mod support;
 mod verdicts;

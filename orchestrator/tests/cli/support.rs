@@ -139,7 +139,9 @@ impl Said {
 }
 
 /// The outputs of `functions.c`, from value reference 101 on.
-const OUTPUTS: [&str; 6] = ["wave", "first", "second", "ripple", "product", "radius"];
+const OUTPUTS: [&str; 8] = [
+    "wave", "first", "second", "ripple", "product", "radius", "linear", "holed",
+];
 
 /// The model description of `functions.c`.
 fn functions() -> String {

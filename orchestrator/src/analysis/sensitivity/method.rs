@@ -96,6 +96,9 @@ pub struct Measure {
     pub drawn: bool,
     /// The value that a parameter without influence may reach by chance.
     pub chance: Option<f64>,
+    /// Where runs failed: the least and the largest numbers of the model with values everywhere, if those of the failed runs
+    /// lie within the range of the others.
+    pub bounds: Option<Vec<[f64; 2]>>,
 }
 
 impl Measure {
@@ -106,7 +109,28 @@ impl Measure {
             estimates,
             drawn: true,
             chance: None,
+            bounds: None,
         }
+    }
+
+    /// With such bounds.
+    pub fn within(self, bounds: Option<Vec<[f64; 2]>>) -> Self {
+        Self { bounds, ..self }
+    }
+
+    /// The estimates with the intervals that an order of importance has to rest on.
+    pub fn surest(&self) -> Vec<Estimate> {
+        let Some(bounds) = &self.bounds else {
+            return self.estimates.clone();
+        };
+        let pairs = self.estimates.iter().zip(bounds);
+        pairs
+            .map(|(estimate, &[low, high])| Estimate {
+                low: low.min(estimate.low),
+                high: high.max(estimate.high),
+                ..*estimate
+            })
+            .collect()
     }
 
     /// A measure that stands in the table only.

@@ -1,6 +1,9 @@
 //! How often the stated 95 % intervals hold the exact value:
 //! `cargo run --release --example coverage -- 200` (repetitions).
 
+mod failures;
+mod screening;
+
 use conformity::decision::randomised;
 use conformity::interval::clopper_pearson;
 use orchestrator::analysis::sensitivity::functions::{
@@ -20,6 +23,28 @@ struct Case {
     total: Vec<f64>,
 }
 
+impl Case {
+    fn new(
+        name: &'static str,
+        dimensions: usize,
+        function: fn(&[f64]) -> f64,
+        first: &[f64],
+        total: &[f64],
+    ) -> Self {
+        Self {
+            name,
+            dimensions,
+            function,
+            first: first.to_vec(),
+            total: total.to_vec(),
+        }
+    }
+}
+
+fn percent(share: f64) -> f64 {
+    100.0 * share
+}
+
 const G: [f64; 4] = [0.0, 1.0, 4.5, 9.0];
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -27,20 +52,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (first, total) = ishigami_indices();
     let (g_first, g_total) = sobol_g_indices(&G);
     let cases = [
-        Case {
-            name: "Ishigami",
-            dimensions: 3,
-            function: ishigami,
-            first: first.to_vec(),
-            total: total.to_vec(),
-        },
-        Case {
-            name: "Sobol's g",
-            dimensions: 4,
-            function: |u| sobol_g(u, &G),
-            first: g_first,
-            total: g_total,
-        },
+        Case::new("Ishigami", 3, ishigami, &first, &total),
+        Case::new("Sobol's g", 4, |u| sobol_g(u, &G), &g_first, &g_total),
     ];
     println!("Sobol indices: % of {repetitions} intervals that hold the exact index");
     for case in &cases {
@@ -63,6 +76,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     ] {
         share_held(points, share, repetitions)?;
     }
+    failures::print(repetitions)?;
+    screening::print(repetitions)?;
     Ok(())
 }
 
