@@ -1,8 +1,10 @@
 //! How often the stated 95 % intervals hold the exact value:
-//! `cargo run --release --example coverage -- 200` (repetitions).
+//! `cargo run --release --example coverage -- 200` (repetitions), with `-- 200 shapley` one part of it: `sobol`, `share`,
+//! `failures`, `morris`, `shapley`.
 
 mod failures;
 mod screening;
+mod shapley;
 
 use conformity::decision::randomised;
 use conformity::interval::clopper_pearson;
@@ -47,8 +49,28 @@ fn percent(share: f64) -> f64 {
 
 const G: [f64; 4] = [0.0, 1.0, 4.5, 9.0];
 
+/// A part of the output, given the number of repetitions.
+type Part = fn(u64) -> Result<(), String>;
+
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let repetitions = std::env::args().nth(1).unwrap_or("200".into()).parse()?;
+    let wanted = std::env::args().nth(2);
+    let parts: [(&str, Part); 5] = [
+        ("sobol", indices_hold),
+        ("share", shares_hold),
+        ("failures", failures::print),
+        ("morris", screening::print),
+        ("shapley", shapley::print),
+    ];
+    for (name, part) in parts {
+        if wanted.as_ref().is_none_or(|wanted| wanted == name) {
+            part(repetitions)?;
+        }
+    }
+    Ok(())
+}
+
+fn indices_hold(repetitions: u64) -> Result<(), String> {
     let (first, total) = ishigami_indices();
     let (g_first, g_total) = sobol_g_indices(&G);
     let cases = [
@@ -63,6 +85,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             }
         }
     }
+    Ok(())
+}
+
+fn shares_hold(repetitions: u64) -> Result<(), String> {
     println!(
         "\nVerified share of a Sobol design with 16 replicates: % of {repetitions} intervals that hold it,"
     );
@@ -76,8 +102,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     ] {
         share_held(points, share, repetitions)?;
     }
-    failures::print(repetitions)?;
-    screening::print(repetitions)?;
     Ok(())
 }
 

@@ -80,7 +80,10 @@ fn output(parameters: &[String], output: &Output) -> OutputView {
         svg: bars(&output.name, parameters, &shown),
         note: match &output.dominant {
             Some(name) => format!("{name} matters most."),
-            None => "The intervals overlap: no parameter can be called the most important.".into(),
+            None => {
+                let reason = output.undecided();
+                format!("{}{}.", reason[..1].to_uppercase(), &reason[1..])
+            }
         },
         heads: shown.iter().map(|m| m.name.to_owned()).collect(),
         rows: rows.collect(),
@@ -120,7 +123,7 @@ fn bars(output: &str, parameters: &[String], shown: &[Measure]) -> String {
     let finite = |v: f64| if v.is_finite() { v } else { 0.0 };
     let most = measures
         .iter()
-        .flat_map(|m| &m.estimates)
+        .flat_map(|m| m.surest())
         .map(|e| finite(e.high))
         .fold(1e-12, f64::max);
     let (left, width, band) = (170.0, 560.0, 16.0 * measures.len() as f64 + 12.0);
@@ -159,6 +162,15 @@ fn bars(output: &str, parameters: &[String], shown: &[Measure]) -> String {
                 high = at(e.high),
                 c = y + 5.5
             );
+            if let Some([low, high]) = measure.bounds.as_ref().map(|bounds| bounds[k]) {
+                let _ = write!(
+                    out,
+                    "<path class=\"limit\" d=\"M{:.1},{c:.1}H{:.1}\"/>",
+                    at(low),
+                    at(high),
+                    c = y + 5.5
+                );
+            }
         }
     }
     if let Some(limit) = first.chance {

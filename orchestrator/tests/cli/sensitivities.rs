@@ -165,6 +165,60 @@ fn numbers_of_correlated_parameters_are_told_apart() {
 }
 
 #[test]
+fn shapley_effects_divide_the_variance_among_correlated_parameters() {
+    let bench = Bench::functions();
+    let correlated = "[[correlations]]\nbetween = [\"x1\", \"x4\"]\ncoefficient = 0.9\n";
+    let study = format!("{HEAD}{}{correlated}", criteria(&["linear", "first"]));
+    bench.write("study.toml", &study);
+    let sobol = bench.run(&["sensitivity", "study.toml", "--base", "16"]);
+    sobol.is_mistake(&["correlated ones cannot be changed alone", "--shapley N"]);
+    let (said, found) = sensitive(&bench, &study, &["--shapley", "256"]);
+    assert_eq!(found["runs"], 256 * 8);
+    assert!(
+        said.out.contains("warning: the parameters are correlated"),
+        "{}",
+        said.out
+    );
+    let effects = |name: &str| -> Vec<f64> {
+        let effects = output(&found, name)["shapley"]["effects"]
+            .as_array()
+            .unwrap();
+        effects
+            .iter()
+            .map(|effect| number(&effect["value"]))
+            .collect()
+    };
+    for name in ["linear", "first"] {
+        assert!((effects(name).iter().sum::<f64>() - 1.0).abs() < 1e-9);
+    }
+    // x1 explains all of its own output, and x4 some 0.8 of it; half of what both explain goes to each.
+    let first = effects("first");
+    assert!(
+        (first[3] - 0.4).abs() < 0.05 && first[1].abs() < 0.03,
+        "{first:?}"
+    );
+    let linear = effects("linear");
+    assert!((linear[1] - 4.0 / 14.0).abs() < 0.03 && (linear[2] - 9.0 / 14.0).abs() < 0.05);
+    // A part of a study, and the whole of it again.
+    let part = ["sensitivity", "study.toml", "--shapley", "256", "--shard"];
+    for shard in ["1/2", "2/2"] {
+        let folder = format!("part-{}", &shard[..1]);
+        let said = bench.run(&[&part[..], &[shard, "--output", &folder]].concat());
+        assert_eq!(said.code, 0, "{}", said.err);
+    }
+    let parts = [
+        "merge",
+        "part-1/sensitivity",
+        "part-2/sensitivity",
+        "--output",
+        "whole",
+    ];
+    let said = bench.run(&parts);
+    assert_eq!(said.code, 0, "{}", said.err);
+    assert_eq!(result(&bench, "whole")["outputs"], found["outputs"]);
+}
+
+#[test]
 fn screening_bounds_what_failed_runs_hide() {
     let bench = Bench::functions();
     let study = format!("{HEAD}{}", criteria(&["holed"]));

@@ -1,6 +1,6 @@
 //! Sensitivity methods, one a file: which parameter matters, and how much.
 //!
-//! [`sobol`] and [`morris`] need runs of their own design; [`rank`], [`pawn`] and [`regional`]
+//! [`sobol`], [`morris`] and [`shapley`] need runs of their own design; [`rank`], [`pawn`] and [`regional`]
 //! work on any points that already exist. A failed run (a value that is not finite) is left out with the comparisons that
 //! need it. The result says how many there were, what the numbers then mean, and between which bounds they would lie if
 //! the failed runs had values ([`lost`]). Whether a run failed is an output of its own ([`study`]).
@@ -15,6 +15,7 @@ pub mod pawn;
 pub mod rank;
 pub mod ratio;
 pub mod regional;
+pub mod shapley;
 pub mod sobol;
 pub mod study;
 

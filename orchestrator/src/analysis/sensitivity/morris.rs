@@ -6,7 +6,7 @@
 //! Environmental Modelling & Software 22, 1509-1518.
 
 use super::Estimate;
-use super::method::{FromRuns, Measure, Settled, Told, read};
+use super::method::{FromRuns, Measure, Settled, Space, Told, read};
 use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use sampling::statistics::moments::{mean, variance};
@@ -38,19 +38,19 @@ impl FromRuns for Morris {
         20
     }
 
-    fn runs(&self, parameters: u64, size: u64) -> u64 {
-        size * (parameters + 1)
+    fn runs(&self, space: &Space, size: u64) -> u64 {
+        size * (space.parameters as u64 + 1)
     }
 
     /// The ends of a distribution may reach far; the grid covers its middle 98 %.
-    fn design(&self, parameters: usize, settled: &Settled) -> Result<Vec<Vec<f64>>, String> {
+    fn design(&self, space: &Space, settled: &Settled) -> Result<Vec<Vec<f64>>, String> {
         let trajectories = usize::try_from(settled.size).map_err(|error| error.to_string())?;
-        let cube = design(parameters, trajectories, LEVELS, settled.seed);
+        let cube = design(space.parameters, trajectories, LEVELS, settled.seed);
         let middle = |row: &Vec<f64>| row.iter().map(|u| 0.01 + 0.98 * u).collect();
         Ok(cube.iter().map(middle).collect())
     }
 
-    fn plain_sample(&self, _: usize, _: usize) -> Vec<usize> {
+    fn plain_sample(&self, _: usize, _: usize, _: &Settled) -> Vec<usize> {
         Vec::new()
     }
 
@@ -161,7 +161,7 @@ pub fn effects(rows: &[Vec<f64>], outputs: &[f64]) -> Option<Vec<Effect>> {
             .fold(high - low, |_, end| (high - end).max(end - low));
         found[changed].lost.push((widest / step).abs());
     }
-    found.iter().map(|found| summary(found)).collect()
+    found.iter().map(summary).collect()
 }
 
 fn summary(Found { effects, lost }: &Found) -> Option<Effect> {

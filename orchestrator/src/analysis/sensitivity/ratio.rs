@@ -51,11 +51,25 @@ impl<T: IntoIterator<Item = f64>> FromIterator<T> for Parts {
 /// Each base point's part of the variance, from the values of its independent runs; 0 everywhere where these are constant
 /// but for rounding.
 pub fn variance(points: &[[f64; 2]]) -> Parts {
+    let centre = centre(points);
+    let square = |value: f64| (value - centre).powi(2);
+    let parts = points.iter().map(|point| point.map(square)).collect();
+    but_for_rounding(parts, centre)
+}
+
+/// The same from the difference of each two, of which both must have a value.
+pub fn paired_variance(points: &[[f64; 2]]) -> Parts {
+    let parts = Parts::of(points.iter().map(|[a, b]| (a - b).powi(2) / 2.0));
+    but_for_rounding(parts, centre(points))
+}
+
+fn centre(points: &[[f64; 2]]) -> f64 {
     let known: Vec<f64> = points.iter().flatten().copied().collect();
     let known: Vec<f64> = known.into_iter().filter(|v| v.is_finite()).collect();
-    let centre = mean(&known);
-    let square = |value: f64| (value - centre).powi(2);
-    let parts: Parts = points.iter().map(|point| point.map(square)).collect();
+    mean(&known)
+}
+
+fn but_for_rounding(parts: Parts, centre: f64) -> Parts {
     let [sum, count] = parts.total(|_| true);
     let least = f64::EPSILON * centre.powi(2).max(f64::MIN_POSITIVE);
     if sum > least * count {

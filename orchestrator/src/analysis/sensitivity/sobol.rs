@@ -7,7 +7,7 @@
 
 use super::Estimate;
 use super::lost::{self, Triple};
-use super::method::{FirstOrder, FromRuns, Measure, Settled, Told, read};
+use super::method::{FirstOrder, FromRuns, Measure, Settled, Space, Told, read};
 use super::ratio::{self, Parts};
 use sampling::statistics::moments::mean;
 use serde::{Deserialize, Serialize};
@@ -34,18 +34,18 @@ impl FromRuns for Sobol {
         256
     }
 
-    fn runs(&self, parameters: u64, size: u64) -> u64 {
-        size * (parameters + 2)
+    fn runs(&self, space: &Space, size: u64) -> u64 {
+        size * (space.parameters as u64 + 2)
     }
 
-    fn design(&self, parameters: usize, settled: &Settled) -> Result<Vec<Vec<f64>>, String> {
+    fn design(&self, space: &Space, settled: &Settled) -> Result<Vec<Vec<f64>>, String> {
         // A single net fills the space more evenly than several small ones of as many points together.
-        let pairs = sampling::design::cube(2 * parameters, settled.size, settled.seed, 1)?;
+        let pairs = sampling::design::cube(2 * space.parameters, settled.size, settled.seed, 1)?;
         Ok(design(&pairs))
     }
 
     /// The rows of A and B.
-    fn plain_sample(&self, parameters: usize, rows: usize) -> Vec<usize> {
+    fn plain_sample(&self, parameters: usize, rows: usize, _: &Settled) -> Vec<usize> {
         let width = parameters + 2;
         (0..rows)
             .filter(|k| k % width == 0 || k % width == width - 1)

@@ -61,6 +61,19 @@ impl Output {
     }
 }
 
+impl Output {
+    /// Why no parameter is called the most important.
+    pub fn undecided(&self) -> &'static str {
+        let bounded = self.shown().first().is_some_and(|m| m.bounds.is_some());
+        match bounded {
+            true => {
+                "the bounds overlap: with other values of the failed runs another parameter could be the most important"
+            }
+            false => "the intervals overlap: no parameter can be called the most important",
+        }
+    }
+}
+
 /// The parameter whose first measure is largest, where the intervals leave no doubt.
 fn most_important(shown: &[Measure], parameters: &[String]) -> Option<String> {
     let first = shown.iter().find(|measure| measure.drawn)?;
@@ -123,7 +136,7 @@ pub fn from_runs(
     settled: &Settled,
 ) -> Sensitivity {
     let parameters = rows.parameters.len();
-    let plain = method.plain_sample(parameters, rows.len());
+    let plain = method.plain_sample(parameters, rows.len(), settled);
     let outputs = outputs(rows);
     let values = |(name, values): &(String, Vec<f64>)| {
         let plain = plain.iter().map(|&k| values[k]);
