@@ -91,7 +91,7 @@ impl Problem {
         // No estimate of a share of the variance is near this.
         let (mut low, mut high) = (0.0, 8.0);
         let slack = if sense > 0.0 { self.slack } else { 0.0 };
-        for _ in 0..50 {
+        for _ in 0..40 {
             let t = 0.5 * (low + high);
             let open = self.open.iter().map(|row| {
                 let row = self.worst(*row, t, sense);
@@ -122,8 +122,8 @@ impl Problem {
             (false, false) => far,
         };
         let or_any = |value: f64| match value.is_finite() {
-            true => vec![value],
-            false => vec![low, high],
+            true => [value; 2],
+            false => [low, high],
         };
         let mut best = (f64::NEG_INFINITY, [base, mixed, apart]);
         let mut offer = |base: f64, mixed: f64| {
