@@ -5,9 +5,9 @@ use orchestrator::analysis::sensitivity::Estimate;
 use orchestrator::analysis::sensitivity::functions::{
     ishigami, ishigami_indices, sobol_g, sobol_g_indices,
 };
-use orchestrator::analysis::sensitivity::method::FirstOrder;
-use orchestrator::analysis::sensitivity::morris;
+use orchestrator::analysis::sensitivity::method::{FirstOrder, Settled};
 use orchestrator::analysis::sensitivity::sobol::{Indices, design, indices};
+use orchestrator::analysis::sensitivity::{morris, shapley};
 use rayon::prelude::*;
 use sampling::design::cube;
 
@@ -183,7 +183,7 @@ fn held(case: &Case, base: u64, place: Place, part: f64, repetitions: u64) -> Re
 fn failing(base: u64, share: f64, repetitions: u64) -> Result<(), String> {
     let side = share.sqrt();
     let exact = [side / (1.0 + side), 1.0 / (1.0 + side)];
-    let one = |seed: u64| -> Result<[f64; 4], String> {
+    let one = |seed: u64| -> Result<[f64; 5], String> {
         let rows = design(&cube(6, base, 4000 + seed, 1)?);
         let fails = |u: &Vec<f64>| f64::from(u8::from(u[0].min(u[1]) > 1.0 - side));
         let flags: Vec<f64> = rows.iter().map(fails).collect();
@@ -195,27 +195,37 @@ fn failing(base: u64, share: f64, repetitions: u64) -> Result<(), String> {
             both as f64 / 2.0
         };
         let idle = f64::from(u8::from(found.total[2].contains(0.0)));
+        let settled = Settled {
+            size: base,
+            estimator: FirstOrder::default(),
+            seed,
+        };
+        let rows = shapley::design(&cube(6, base, 5000 + seed, 1)?, None, seed)?;
+        let flags: Vec<f64> = rows.iter().map(fails).collect();
+        let divided = shapley::effects(&flags, 3, &settled).ok_or("too few points")?;
         let told = found.total[0].low.min(found.total[1].low) > found.total[2].high;
         Ok([
             held(&found.first, exact[0]),
             held(&found.total, exact[1]),
             idle,
             f64::from(u8::from(told)),
+            held(&divided.effects, 0.5),
         ])
     };
-    let all: Vec<[f64; 4]> = (0..repetitions)
+    let all: Vec<[f64; 5]> = (0..repetitions)
         .into_par_iter()
         .map(one)
         .collect::<Result<_, _>>()?;
     let mean = |k: usize| percent(all.iter().map(|r| r[k]).sum::<f64>() / repetitions as f64);
     println!(
         "  `failed`, {base:>4} base points, {:>2.0} % fail in a corner of two of three parameters: first order {:>5.1}, total {:>5.1}, \
-         of the third {:>5.1}; the two are told from the third in {:>5.1}",
+         of the third {:>5.1}; the two are told from the third in {:>5.1}; Shapley effects {:>5.1}",
         percent(share),
         mean(0),
         mean(1),
         mean(2),
         mean(3),
+        mean(4),
     );
     Ok(())
 }

@@ -13,6 +13,7 @@ pub mod methods;
 pub mod morris;
 pub mod pawn;
 pub mod rank;
+mod rare;
 pub mod ratio;
 pub mod regional;
 pub mod shapley;

@@ -8,6 +8,7 @@
 use super::Estimate;
 use super::lost::{self, Triple};
 use super::method::{FirstOrder, FromRuns, Measure, Settled, Space, Told, read};
+use super::rare;
 use super::ratio::{self, Parts};
 use sampling::statistics::moments::mean;
 use serde::{Deserialize, Serialize};
@@ -173,7 +174,8 @@ pub fn indices(outputs: &[f64], parameters: usize, estimator: FirstOrder) -> Opt
             FirstOrder::Jansen => (jansen(), 1.0),
         };
         let first = ratio::estimate(&Parts::of(first), &variance, offset)?;
-        result.first.push(first);
+        let pairs = || rows.iter().map(|row| [row[i], row[width - 1]]);
+        result.first.push(rare::widened(first, &ends, pairs));
         result.total.push(ratio::estimate(&total, &variance, 0.0)?);
         result.used.push(total.used());
     }
