@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use fmu_import::{Call, Status};
 
 /// Why a point has no result. Its text is the `status` column of `points.csv`.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Failure {
     /// A parameter's value is not allowed by the FMU's description.
     OutOfRange(String),
@@ -17,8 +17,8 @@ pub enum Failure {
     Error(String),
     /// The FMU returned `fmi2Fatal`, with its message.
     Fatal(String),
-    /// A result is not a finite number; its variable.
-    NotFinite(String),
+    /// A result is not a finite number.
+    NotFinite(Partial),
     /// The worker process died of a signal; its name, and the last words of the FMU.
     Crashed(String),
     /// The FMU ended its process; the exit code, and its last words.
@@ -29,6 +29,48 @@ pub enum Failure {
     Timeout,
     /// The worker process took too much memory.
     OutOfMemory,
+}
+
+/// Results of which some are no finite numbers.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(from = "Written")]
+pub struct Partial {
+    /// The first variable without a finite value.
+    pub variable: String,
+    /// All results; `None` where there is no finite number. Empty where they are not known.
+    pub values: Vec<Option<f64>>,
+}
+
+impl Partial {
+    /// Results of which some are no finite numbers; the first of these belongs to `variable`.
+    pub fn new(variable: &str, values: &[f64]) -> Self {
+        let finite = |&value: &f64| Some(value).filter(|value| value.is_finite());
+        Self {
+            variable: variable.to_owned(),
+            values: values.iter().map(finite).collect(),
+        }
+    }
+}
+
+/// A journal may hold the variable alone, as older versions wrote it.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Written {
+    Variable(String),
+    Whole {
+        variable: String,
+        values: Vec<Option<f64>>,
+    },
+}
+
+impl From<Written> for Partial {
+    fn from(written: Written) -> Self {
+        let (variable, values) = match written {
+            Written::Variable(variable) => (variable, Vec::new()),
+            Written::Whole { variable, values } => (variable, values),
+        };
+        Self { variable, values }
+    }
 }
 
 impl std::error::Error for Failure {}
@@ -47,6 +89,25 @@ impl Failure {
             Status::Unknown(number) => Self::Error(format!("unknown status {number}: {text}")),
             _ => Self::Error(text),
         }
+    }
+
+    /// The result of this number, where the run has that one although others are no finite numbers.
+    pub fn value(&self, number: usize) -> Option<f64> {
+        match self {
+            Self::NotFinite(partial) => partial.values.get(number).copied().flatten(),
+            _ => None,
+        }
+    }
+
+    /// The failure with its results in other units.
+    pub fn converted(mut self, convert: impl FnOnce(&mut [f64])) -> Self {
+        if let Self::NotFinite(partial) = &mut self {
+            let values = partial.values.iter();
+            let mut values: Vec<f64> = values.map(|value| value.unwrap_or(f64::NAN)).collect();
+            convert(&mut values);
+            *partial = Partial::new(&partial.variable, &values);
+        }
+        self
     }
 
     /// The class under which `summary.json` counts it.
@@ -74,8 +135,8 @@ impl fmt::Display for Failure {
             | Self::Discard(text)
             | Self::Error(text)
             | Self::Fatal(text)
-            | Self::NotFinite(text)
             | Self::Crashed(text) => write!(f, "{class}: {text}"),
+            Self::NotFinite(partial) => write!(f, "{class}: {}", partial.variable),
             Self::Exited(code, words) => {
                 let words = if words.is_empty() {
                     String::new()
@@ -90,5 +151,30 @@ impl fmt::Display for Failure {
             Self::Unloadable(text) => f.write_str(text),
             Self::Timeout | Self::OutOfMemory => f.write_str(class),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn results_that_a_run_has_come_back_from_a_journal() {
+        let failure = Failure::NotFinite(Partial::new("b", &[0.1, f64::NAN, f64::INFINITY]));
+        let text = serde_json::to_string(&failure).unwrap();
+        assert_eq!(serde_json::from_str::<Failure>(&text).unwrap(), failure);
+        assert_eq!(
+            [0, 1, 2, 3].map(|k| failure.value(k)),
+            [Some(0.1), None, None, None]
+        );
+        let doubled = failure.converted(|values| values.iter_mut().for_each(|v| *v *= 2.0));
+        assert_eq!(doubled.value(0), Some(0.2));
+    }
+
+    #[test]
+    fn a_journal_of_an_older_version_is_understood() {
+        let failure: Failure = serde_json::from_str(r#"{"NotFinite":"b"}"#).unwrap();
+        assert_eq!(failure.to_string(), "not finite: b");
+        assert_eq!(failure.value(0), None);
     }
 }

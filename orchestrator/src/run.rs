@@ -11,7 +11,7 @@ mod windows;
 use std::sync::Arc;
 use std::time::Instant;
 
-use crate::failure::Failure;
+use crate::failure::{Failure, Partial};
 use crate::notices::Notices;
 use crate::task::Task;
 use fmu_import::{Call, Content, End, Instance, Library, State, Warnings};
@@ -187,7 +187,10 @@ impl Runner {
     /// Refuses results that are no numbers.
     fn finite(&self) -> Result<(), Failure> {
         match self.results.iter().position(|value| !value.is_finite()) {
-            Some(index) => Err(Failure::NotFinite(self.task.observed[index].name.clone())),
+            Some(index) => {
+                let variable = &self.task.observed[index].name;
+                Err(Failure::NotFinite(Partial::new(variable, &self.results)))
+            }
             None => Ok(()),
         }
     }

@@ -223,7 +223,7 @@ class Sensitivity(Analysis):
 
     @property
     def outputs(self) -> dict[str, dict[str, Any]]:
-        """The results by output: the criteria, and ``verified``."""
+        """The results by output: the criteria, ``verified``, and where runs failed ``failed``."""
         return {output["name"]: output for output in self.data["outputs"]}
 
     @property

@@ -119,6 +119,7 @@ class Study:
         size: int | None = None,
         base: int | None = None,
         morris: int | None = None,
+        shapley: int | None = None,
         estimator: Literal["combined", "jansen", "saltelli"] | None = None,
         seed: int | None = None,
         points_of: Points | None = None,
@@ -127,11 +128,13 @@ class Study:
     ) -> Sensitivity:
         """Tells which parameter matters: ``method="sobol"`` or another one, with a design of so large a ``size``.
 
-        ``base`` and ``morris`` are short for Sobol indices of N base points and for Morris screening. ``points_of`` uses
-        the points of a finished study instead of new runs.
+        ``base``, ``morris`` and ``shapley`` are short for Sobol indices of N base points, Morris screening, and Shapley
+        effects of N base points, which take correlated parameters, too. ``points_of`` uses the points of a finished study
+        instead of new runs.
         """
         source, folder = self._folders(points_of, output)
-        options: dict[str, Value] = {"method": method, "size": size, "base": base, "morris": morris}
+        options: dict[str, Value] = {"method": method, "size": size}
+        options |= {"base": base, "morris": morris, "shapley": shapley}
         options |= {"estimator": estimator, "seed": seed, "from": source}
         done = self._run("sensitivity", folder, options, running, state="sensitivity")
         return Sensitivity(folder, done.text)

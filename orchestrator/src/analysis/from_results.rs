@@ -18,7 +18,8 @@ pub enum FolderError {
     Points(#[from] PointsError),
 }
 
-/// Reads `summary.json` and `points.csv` of a finished study.
+/// Reads `summary.json` and `points.csv` of a finished study. Points that failed have no values, even of the criteria that
+/// their runs have a result of.
 ///
 /// # Errors
 /// When there is no finished study in the folder, or one of the files is damaged.
@@ -33,6 +34,21 @@ pub fn read(folder: &Path) -> Result<(Summary, PointTable), FolderError> {
 pub fn read_some(folder: &Path, most: u64) -> Result<(Summary, PointTable), FolderError> {
     let summary = summary(folder)?;
     let points = Points::read_some(&folder.join("points.csv"), &summary, most)?;
+    let mut table = table(&summary, points);
+    let failed: Vec<usize> = (0..table.len()).filter(|&i| !table.completed(i)).collect();
+    for criterion in &mut table.criteria {
+        failed.iter().for_each(|&i| criterion.values[i] = f64::NAN);
+    }
+    Ok((summary, table))
+}
+
+/// The same with all values that failed points have.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_every_value(folder: &Path) -> Result<(Summary, PointTable), FolderError> {
+    let summary = summary(folder)?;
+    let points = Points::read(&folder.join("points.csv"), &summary)?;
     let table = table(&summary, points);
     Ok((summary, table))
 }
@@ -93,6 +109,15 @@ pub fn table(summary: &Summary, points: Points) -> PointTable {
     }
 }
 
+/// A criterion's value of a run; not a number where it has none. Other criteria of the run may have values all the same.
+fn value(outcome: &Outcome, criterion: usize) -> f64 {
+    let value = match outcome {
+        Ok(values) => values.get(criterion).copied(),
+        Err(failure) => failure.value(criterion),
+    };
+    value.unwrap_or(f64::NAN)
+}
+
 /// The table of runs that an analysis made itself: the parameters that vary, and the criteria.
 pub fn from_runs(
     inputs: &[Input],
@@ -123,10 +148,7 @@ pub fn from_runs(
             lower: c.nominal - c.tolerance,
             upper: c.nominal + c.tolerance,
             group: c.group.clone(),
-            values: outcomes
-                .iter()
-                .map(|o| o.as_ref().map_or(f64::NAN, |values| values[j]))
-                .collect(),
+            values: outcomes.iter().map(|outcome| value(outcome, j)).collect(),
             ok: verdicts.iter().map(|v| v.passed[j]).collect(),
         });
     PointTable {

@@ -18,20 +18,23 @@ pub struct Sensitivity {
     #[command(flatten)]
     pub work: Work,
     /// Use the points of a finished study instead of new runs
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["method", "size", "base", "morris", "fmu", "jobs", "resume", "shard"])]
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["method", "size", "base", "morris", "shapley", "fmu", "jobs", "resume", "shard"])]
     pub from: Option<PathBuf>,
-    /// The method, such as sobol or morris [default: the study's, or sobol]
-    #[arg(long, value_name = "NAME", conflicts_with_all = ["base", "morris"])]
+    /// The method, such as sobol, morris or shapley [default: the study's, or sobol]
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["base", "morris", "shapley"])]
     pub method: Option<String>,
     /// The size of its design [default: the study's, or the method's usual one]
-    #[arg(long, value_name = "N", conflicts_with_all = ["base", "morris"])]
+    #[arg(long, value_name = "N", conflicts_with_all = ["base", "morris", "shapley"])]
     pub size: Option<u64>,
     /// Sobol indices from N base points, which needs N (p + 2) runs for p parameters
-    #[arg(long, value_name = "N", conflicts_with = "morris")]
+    #[arg(long, value_name = "N", conflicts_with_all = ["morris", "shapley"])]
     pub base: Option<u64>,
-    /// Morris screening with R trajectories
-    #[arg(long, value_name = "R")]
+    /// Morris screening with R trajectories, which needs R (p + 1) runs
+    #[arg(long, value_name = "R", conflicts_with = "shapley")]
     pub morris: Option<u64>,
+    /// Shapley effects, for correlated parameters, too, from N base points: N (p + 1) runs, N 2 p where correlated
+    #[arg(long, value_name = "N")]
+    pub shapley: Option<u64>,
     /// How first-order Sobol indices are estimated [default: the study's, or combined]
     #[arg(long, value_enum)]
     pub estimator: Option<FirstOrder>,

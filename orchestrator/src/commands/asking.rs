@@ -95,7 +95,7 @@ pub(super) fn open(work: &Work, analysis: &dyn Analysis) -> Result<Session, Comm
     })?;
     if !session.plan.is_independent() && !analysis.takes_correlations() {
         let message = "this analysis takes every parameter on its own, and correlated ones cannot be changed alone; remove \
-                       [[correlations]]";
+                       [[correlations]], or use `sensitivity STUDY --shapley N`, which keeps them together";
         return Err(session.study.error(message).into());
     }
     Ok(session)

@@ -25,6 +25,22 @@ pub(super) fn points_of(
     study: &Study,
 ) -> Result<(Summary, PointTable), CommandError> {
     let (summary, table) = from_results::read(folder)?;
+    belongs(&summary, folder, study)?;
+    Ok((summary, table))
+}
+
+/// The same with all values that failed points have.
+pub(super) fn every_value_of(
+    folder: &Path,
+    study: &Study,
+) -> Result<(Summary, PointTable), CommandError> {
+    let (summary, table) = from_results::read_every_value(folder)?;
+    belongs(&summary, folder, study)?;
+    Ok((summary, table))
+}
+
+/// Refuses points of another study.
+fn belongs(summary: &Summary, folder: &Path, study: &Study) -> Result<(), CommandError> {
     if study.digest() != summary.provenance.study_sha256 {
         return Err(CommandError::Option {
             option: "from",
@@ -36,7 +52,7 @@ pub(super) fn points_of(
             ),
         });
     }
-    Ok((summary, table))
+    Ok(())
 }
 
 /// A digest that identifies the points of a finished study.

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use super::{CommandError, dossier, improvements, output, report, table, verdict};
 use crate::cli;
-use crate::failure::Failure;
+use crate::failure::{Failure, Partial};
 use crate::judge::Judge;
 use crate::report::Report;
 use crate::results::Tally;
@@ -52,7 +52,10 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, CommandError> {
         }
         let outcome = match missing {
             None => Ok(std::mem::take(row)),
-            Some(k) => Err(Failure::NotFinite(judge.criteria[k].variable.clone())),
+            Some(k) => Err(Failure::NotFinite(Partial::new(
+                &judge.criteria[k].variable,
+                row,
+            ))),
         };
         let verdict = tally.add(label, &[], &outcome);
         survey.add(label, &[], &outcome);

@@ -4,6 +4,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use clap::ValueEnum;
+use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
 use super::CommandError;
@@ -11,7 +12,7 @@ use super::asking::{self, Analysis, PointSet};
 use super::finding::{self, AnalysisResult};
 use crate::analysis::from_results;
 use crate::analysis::sensitivity::Estimate;
-use crate::analysis::sensitivity::method::{self, FirstOrder, Settled};
+use crate::analysis::sensitivity::method::{self, FirstOrder, Measure, Settled, Space};
 use crate::analysis::sensitivity::methods::{RUNS, named};
 use crate::analysis::sensitivity::study::{Output, Sensitivity, from_points, from_runs};
 use crate::analysis::table::PointTable;
@@ -23,9 +24,17 @@ use crate::results::origin::Origin;
 use crate::results::{ResultsError, points, write_atomically};
 use crate::session::Session;
 use crate::study::Study;
+use crate::study::plan::Plan;
 use crate::table::csv_file;
 
 pub(super) const NAME: &str = "sensitivity";
+
+/// The meaning of the numbers from points of correlated parameters.
+const CORRELATED: &str = "the parameters are correlated, so PAWN, rank correlations and the distance of verified points tell \
+    how much the value of a parameter says of the output, with all that it says of the parameters that it is correlated with: \
+    one without any influence may be called the most important. Partial correlations (PRCC) take the others' linear relation \
+    between ranks away, and no other. Shapley effects (`sensitivity STUDY --shapley N`) divide the variance among correlated \
+    parameters";
 
 pub(super) fn run(options: &cli::Sensitivity) -> Result<ExitCode, CommandError> {
     let cli::Work {
@@ -37,8 +46,11 @@ pub(super) fn run(options: &cli::Sensitivity) -> Result<ExitCode, CommandError> 
     let study = Study::read(path)?;
     let analysis = Runs::new(options, &study)?;
     if let Some(folder) = &options.from {
-        let (summary, table) = finding::points_of(folder, &study)?;
-        let result = from_points(&table, analysis.seed);
+        let (summary, table) = finding::every_value_of(folder, &study)?;
+        let mut result = from_points(&table, analysis.seed);
+        if !study.correlations.is_empty() {
+            result.warnings.insert(0, CORRELATED.to_owned());
+        }
         let text = text(&result);
         let finding = AnalysisResult::new(
             &result,
@@ -118,11 +130,16 @@ impl cli::Sensitivity {
     fn method_and_size(
         &self,
     ) -> Result<(Option<&'static dyn method::FromRuns>, Option<u64>), CommandError> {
-        let chosen = match (&self.method, self.base, self.morris) {
-            (Some(name), ..) => (Some(name.as_str()), self.size),
-            (None, Some(base), _) => (Some("sobol"), Some(base)),
-            (None, None, Some(trajectories)) => (Some("morris"), Some(trajectories)),
-            (None, None, None) => (None, self.size),
+        let sizes = [
+            ("sobol", self.base),
+            ("morris", self.morris),
+            ("shapley", self.shapley),
+        ];
+        let by_size = sizes.into_iter().find(|(_, size)| size.is_some());
+        let chosen = match (&self.method, by_size) {
+            (Some(name), _) => (Some(name.as_str()), self.size),
+            (None, Some((name, size))) => (Some(name), size),
+            (None, None) => (None, self.size),
         };
         let method = chosen.0.map(named).transpose();
         Ok((
@@ -141,6 +158,11 @@ impl Analysis for Runs {
         serde_json::json!(self)
     }
 
+    fn takes_correlations(&self) -> bool {
+        self.method()
+            .is_ok_and(|method| method.takes_correlations())
+    }
+
     fn points(&self, session: &Session) -> Result<PointSet, CommandError> {
         let method = self.method()?;
         // One run tells nothing of how sure it is.
@@ -148,10 +170,9 @@ impl Analysis for Runs {
             let message = format!("{} is too few; at least 2 are needed", self.size);
             return Err(option(method.option(), message));
         }
-        let parameters = session.plan.varied().len() as u64;
         Ok(PointSet {
             seed: self.seed,
-            points: Some(method.runs(parameters, self.size)),
+            points: Some(method.runs(&space(&session.plan), self.size)),
             method: method.title(self.size),
             table: None,
         })
@@ -164,13 +185,15 @@ impl Analysis for Runs {
         folder: &Path,
     ) -> Result<AnalysisResult, CommandError> {
         let method = self.method()?;
-        let parameters = session.plan.varied().len();
         let design = method
-            .design(parameters, &self.settled())
+            .design(&space(&session.plan), &self.settled())
             .map_err(|message| option(method.option(), message))?;
         let rows = simulate(session, pipeline, &design)?;
         keep_runs(folder, &rows)?;
-        let result = from_runs(method, &design, &rows, &self.settled());
+        let mut result = from_runs(method, &design, &rows, &self.settled());
+        if !session.plan.is_independent() {
+            result.warnings.insert(0, CORRELATED.to_owned());
+        }
         let origin = asking::origin(session)?;
         AnalysisResult::new(&result, origin, text(&result), sensitivity::FILE)
     }
@@ -178,6 +201,20 @@ impl Analysis for Runs {
 
 fn option(option: &'static str, message: String) -> CommandError {
     CommandError::Option { option, message }
+}
+
+/// The parameters that vary, with their correlations.
+fn space(plan: &Plan) -> Space {
+    let varied = plan.varied();
+    let correlation = plan.correlation().map(|correlation| {
+        DMatrix::from_fn(varied.len(), varied.len(), |a, b| {
+            correlation.coefficient(varied[a], varied[b])
+        })
+    });
+    Space {
+        parameters: varied.len(),
+        correlation,
+    }
 }
 
 /// Simulates points of the unit cube of the parameters that vary.
@@ -233,20 +270,15 @@ fn keep_runs(folder: &Path, rows: &PointTable) -> Result<(), CommandError> {
 /// A table an output.
 fn text(result: &Sensitivity) -> String {
     let mut out = format!("{}\n", result.method);
-    if result.failed > 0 {
-        out += &format!(
-            "{} of {} runs failed; their comparisons are left out\n",
-            result.failed, result.runs
-        );
+    for warning in &result.warnings {
+        out += &format!("warning: {warning}\n");
     }
     for output in &result.outputs {
         out += &format!("\n{}\n", output.name);
         out += &rows(&result.parameters, output);
         out += &match &output.dominant {
             Some(name) => format!("most important: {name}\n"),
-            None => {
-                "the intervals overlap: no parameter can be called the most important\n".to_owned()
-            }
+            None => format!("{}\n", output.undecided()),
         };
     }
     out
@@ -264,9 +296,17 @@ fn rows(parameters: &[String], output: &Output) -> String {
         ),
     };
     let shown = output.shown();
+    let bounds = |m: &Measure, k: usize| {
+        let bounds = m.bounds.as_ref().map(|bounds| bounds[k]);
+        bounds.map_or_else(String::new, |[low, high]| {
+            format!(" {{{} .. {}}}", number(low, 3), number(high, 3))
+        })
+    };
     let row = |(k, name): (usize, &String)| {
-        let measures = shown.iter();
-        let cells = measures.map(|m| format!("  {} {}", m.name, interval(&m.estimates[k])));
+        let cells = shown.iter().map(|m| {
+            let interval = interval(&m.estimates[k]);
+            format!("  {} {interval}{}", m.name, bounds(m, k))
+        });
         format!("  {name:width$}{}\n", cells.collect::<String>())
     };
     parameters.iter().enumerate().map(row).collect()

@@ -15,6 +15,7 @@ pub const FILE: &str = "sensitivity.json";
 #[derive(Serialize)]
 pub struct View {
     method: String,
+    warnings: Vec<String>,
     outputs: Vec<OutputView>,
     verdict: Vec<[String; 5]>,
 }
@@ -30,10 +31,6 @@ struct OutputView {
 
 /// Prepares a result for the template; `table` knows the parameters' units.
 pub fn view(result: &Sensitivity, table: &PointTable) -> View {
-    let failed = match result.failed {
-        0 => String::new(),
-        n => format!(" {n} runs failed; the comparisons that need them are left out."),
-    };
     let split = |(name, s): (&String, &crate::analysis::sensitivity::regional::Split)| {
         let known = table.parameters.iter().find(|p| p.name == *name);
         let unit = known.map_or("", |p| p.unit.as_str());
@@ -47,7 +44,8 @@ pub fn view(result: &Sensitivity, table: &PointTable) -> View {
         ]
     };
     View {
-        method: format!("{}.{failed}", result.method),
+        method: format!("{}.", result.method),
+        warnings: result.warnings.clone(),
         outputs: result
             .outputs
             .iter()
@@ -73,34 +71,39 @@ pub fn plots(result: &Sensitivity) -> Vec<(String, String)> {
 
 fn output(parameters: &[String], output: &Output) -> OutputView {
     let shown = output.shown();
-    let rows = parameters.iter().enumerate().map(|(k, name)| {
-        (
-            name.clone(),
-            shown.iter().map(|m| interval(&m.estimates[k])).collect(),
-        )
-    });
+    let rows = parameters
+        .iter()
+        .enumerate()
+        .map(|(k, name)| (name.clone(), shown.iter().map(|m| interval(m, k)).collect()));
     OutputView {
         name: output.name.clone(),
         svg: bars(&output.name, parameters, &shown),
         note: match &output.dominant {
             Some(name) => format!("{name} matters most."),
-            None => "The intervals overlap: no parameter can be called the most important.".into(),
+            None => {
+                let reason = output.undecided();
+                format!("{}{}.", reason[..1].to_uppercase(), &reason[1..])
+            }
         },
         heads: shown.iter().map(|m| m.name.to_owned()).collect(),
         rows: rows.collect(),
     }
 }
 
-fn interval(e: &Estimate) -> String {
-    if e.low.is_nan() {
-        return number(e.value, 3);
+fn interval(measure: &Measure, parameter: usize) -> String {
+    let Estimate { value, low, high } = measure.estimates[parameter];
+    let value = number(value, 3);
+    if low.is_nan() {
+        return value;
     }
-    format!(
-        "{} ({} … {})",
-        number(e.value, 3),
-        number(e.low, 2),
-        number(e.high, 2)
-    )
+    let interval = format!("{value} ({} … {})", number(low, 2), number(high, 2));
+    match &measure.bounds {
+        Some(bounds) => {
+            let [low, high] = bounds[parameter].map(|end| number(end, 2));
+            format!("{interval} {{{low} … {high}}}")
+        }
+        None => interval,
+    }
 }
 
 /// Horizontal bars with whiskers, the most important parameter on top.
@@ -120,7 +123,7 @@ fn bars(output: &str, parameters: &[String], shown: &[Measure]) -> String {
     let finite = |v: f64| if v.is_finite() { v } else { 0.0 };
     let most = measures
         .iter()
-        .flat_map(|m| &m.estimates)
+        .flat_map(|m| m.surest())
         .map(|e| finite(e.high))
         .fold(1e-12, f64::max);
     let (left, width, band) = (170.0, 560.0, 16.0 * measures.len() as f64 + 12.0);
@@ -159,6 +162,15 @@ fn bars(output: &str, parameters: &[String], shown: &[Measure]) -> String {
                 high = at(e.high),
                 c = y + 5.5
             );
+            if let Some([low, high]) = measure.bounds.as_ref().map(|bounds| bounds[k]) {
+                let _ = write!(
+                    out,
+                    "<path class=\"limit\" d=\"M{:.1},{c:.1}H{:.1}\"/>",
+                    at(low),
+                    at(high),
+                    c = y + 5.5
+                );
+            }
         }
     }
     if let Some(limit) = first.chance {

@@ -55,7 +55,7 @@ impl<W: Write> Writer<W> {
         })
     }
 
-    /// Writes a point. One that failed has empty cells for its values.
+    /// Writes a point. Cells are empty for values that are no finite numbers, or that a failed point does not have.
     ///
     /// # Errors
     /// When it cannot be written.
@@ -76,7 +76,10 @@ impl<W: Write> Writer<W> {
             Ok(values) => values
                 .iter()
                 .for_each(|&value| record.push_field(&number(value))),
-            Err(_) => verdict.passed.iter().for_each(|_| record.push_field("")),
+            Err(failure) => (0..verdict.passed.len()).for_each(|k| {
+                let value = failure.value(k).map(number);
+                record.push_field(&value.unwrap_or_default());
+            }),
         }
         for passed in &verdict.passed {
             record.push_field(if *passed { "true" } else { "false" });
@@ -176,8 +179,8 @@ pub struct Points {
     pub labels: Vec<u64>,
     /// A column a parameter, in the order of [`Summary::parameters`].
     pub parameters: Vec<Vec<f64>>,
-    /// A column a criterion, in the order of [`Summary::criteria`]; not a number where the point
-    /// failed.
+    /// A column a criterion, in the order of [`Summary::criteria`]; not a number where the point has no value. One that
+    /// failed may have values of some criteria.
     pub values: Vec<Vec<f64>>,
     /// Whether the criterion is met, in the same order.
     pub passed: Vec<Vec<bool>>,

@@ -109,10 +109,13 @@ impl Model for Session {
     }
 
     fn outcome(&self, answer: Answer) -> Outcome {
-        answer.map(|mut values| {
-            self.plan.to_study(&mut values);
-            values
-        })
+        match answer {
+            Ok(mut values) => {
+                self.plan.to_study(&mut values);
+                Ok(values)
+            }
+            Err(failure) => Err(failure.converted(|values| self.plan.to_study(values))),
+        }
     }
 
     fn is_verified(&self, outcome: &Outcome) -> bool {

@@ -125,6 +125,11 @@ impl Plan {
         }
     }
 
+    /// How the parameters are correlated, if they are, by their places among the inputs.
+    pub fn correlation(&self) -> Option<&Correlation> {
+        self.correlation.as_ref()
+    }
+
     /// Whether every parameter varies on its own.
     pub fn is_independent(&self) -> bool {
         self.correlation.is_none()

@@ -10,9 +10,9 @@ use super::{Name, Quantity};
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct SensitivityText {
-    /// The method: `sobol`, or `morris`.
+    /// The method: `sobol`, `morris`, or `shapley`.
     pub method: Option<Spanned<String>>,
-    /// How much is run: base points of `sobol`, trajectories of `morris`.
+    /// How much is run: base points of `sobol` and `shapley`, trajectories of `morris`.
     pub size: Option<u64>,
     /// How first-order Sobol indices are estimated: `combined`, `jansen`, or `saltelli`.
     pub estimator: Option<Spanned<String>>,

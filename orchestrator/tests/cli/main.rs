@@ -17,6 +17,7 @@ mod optima;
 mod rare;
 mod regions;
 mod reuse;
+mod sensitivities;
 mod simulate;
 mod support;
 mod verdicts;

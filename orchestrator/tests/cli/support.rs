@@ -139,8 +139,8 @@ impl Said {
 }
 
 /// The outputs of `functions.c`, from value reference 101 on.
-const OUTPUTS: [&str; 7] = [
-    "wave", "first", "second", "ripple", "product", "radius", "gap",
+const OUTPUTS: [&str; 9] = [
+    "wave", "first", "second", "ripple", "product", "radius", "gap", "linear", "holed",
 ];
 
 /// The model description of `functions.c`.

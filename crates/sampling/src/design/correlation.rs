@@ -36,6 +36,12 @@ impl Correlation {
         })
     }
 
+    /// The correlation coefficient of the normal scores of two inputs.
+    pub fn coefficient(&self, a: usize, b: usize) -> f64 {
+        let pairs = self.rows[a].iter().zip(&self.rows[b]);
+        pairs.map(|(x, y)| x * y).sum()
+    }
+
     /// The logarithm of what the correlations change at the density of independent inputs, at these values: that of the
     /// Gaussian copula.
     pub fn ln_density(&self, values: &[f64], inputs: &[Distribution]) -> f64 {
@@ -119,6 +125,17 @@ mod tests {
         let pairs = [(0, 1, 0.9), (1, 2, 0.9), (0, 2, -0.9)];
         let error = Correlation::new(3, &pairs).unwrap_err();
         assert!(error.contains("contradict"), "{error}");
+    }
+
+    #[test]
+    fn coefficients_are_the_given_ones() {
+        let mixed = Correlation::new(3, &[(0, 1, 0.6), (1, 2, -0.3)]).unwrap();
+        let expected = [[1.0, 0.6, 0.0], [0.6, 1.0, -0.3], [0.0, -0.3, 1.0]];
+        for (a, row) in expected.iter().enumerate() {
+            for (b, coefficient) in row.iter().enumerate() {
+                assert!((mixed.coefficient(a, b) - coefficient).abs() < 1e-12);
+            }
+        }
     }
 
     /// The density of two normal numbers with the correlation 0.6, over that of independent ones.

@@ -266,6 +266,9 @@ pub fn refined(
     if let Some(ellipsoid) = &mut result.ellipsoid {
         ellipsoid.confirmed = ellipsoid.confirm(&inputs, &table.verified);
     }
+    result
+        .warnings
+        .extend(unseen_failures(table, &inputs, result.region.as_ref()));
     for (name, quality) in &result.criteria {
         if quality.predicted < TRUSTED {
             result.warnings.push(format!(
@@ -279,6 +282,31 @@ pub fn refined(
         result.warnings.push(warning);
     }
     Some(result)
+}
+
+/// Warns of failed points: the surrogates are fitted to the others.
+fn unseen_failures(
+    table: &PointTable,
+    inputs: &[Vec<f64>],
+    region: Option<&Region>,
+) -> Option<String> {
+    let failed: Vec<&Vec<f64>> = (0..table.len())
+        .filter(|&i| !table.completed(i))
+        .map(|i| &inputs[i])
+        .collect();
+    if failed.is_empty() {
+        return None;
+    }
+    let inside = region.map_or_else(String::new, |region| {
+        let inside = failed.iter().filter(|x| region.contains(x)).count();
+        format!("; {inside} of them lie in the box")
+    });
+    Some(format!(
+        "{} of {} points failed{inside}. The surrogates do not know where the model fails: all probabilities, maps and margins \
+         are those of a model that has values everywhere. Failed points and failed runs of --confirm count as not verified",
+        failed.len(),
+        table.len(),
+    ))
 }
 
 /// A region of which a probability can be stated.

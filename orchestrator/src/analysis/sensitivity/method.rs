@@ -1,5 +1,6 @@
 //! The interface of a sensitivity method.
 
+use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
@@ -23,6 +24,15 @@ pub enum FirstOrder {
     /// mean(f_B (f_AB - f_A)): Saltelli et al. (2010), table 2 (b). Surer for a parameter without
     /// influence, of which it is exactly 0.
     Saltelli,
+}
+
+/// The parameters that vary.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Space {
+    /// How many they are.
+    pub parameters: usize,
+    /// The correlations of their normal scores, where there are any.
+    pub correlation: Option<DMatrix<f64>>,
 }
 
 /// How much is run, and how it is analysed.
@@ -52,18 +62,23 @@ pub trait FromRuns: Sync {
     /// The size where none is asked for.
     fn usual_size(&self) -> u64;
 
-    /// How many runs this size needs for this number of parameters.
-    fn runs(&self, parameters: u64, size: u64) -> u64;
+    /// Whether it keeps correlated parameters together.
+    fn takes_correlations(&self) -> bool {
+        false
+    }
+
+    /// How many runs this size needs for these parameters.
+    fn runs(&self, space: &Space, size: u64) -> u64;
 
     /// The points to be run, in the unit cube of the parameters.
     ///
     /// # Errors
-    /// When there is no design of this size for this number of parameters.
-    fn design(&self, parameters: usize, settled: &Settled) -> Result<Vec<Vec<f64>>, String>;
+    /// When there is no design of this size for these parameters.
+    fn design(&self, space: &Space, settled: &Settled) -> Result<Vec<Vec<f64>>, String>;
 
     /// The rows of the design that are a plain sample of the parameters, for the methods for any points. Empty where
     /// there are none.
-    fn plain_sample(&self, parameters: usize, rows: usize) -> Vec<usize>;
+    fn plain_sample(&self, parameters: usize, rows: usize, settled: &Settled) -> Vec<usize>;
 
     /// Method and cost in words, after `runs` runs.
     fn done(&self, parameters: usize, runs: usize, settled: &Settled) -> String;
@@ -96,6 +111,9 @@ pub struct Measure {
     pub drawn: bool,
     /// The value that a parameter without influence may reach by chance.
     pub chance: Option<f64>,
+    /// Where runs failed: the least and the largest numbers of the model with values everywhere, if those of the failed runs
+    /// lie within the range of the others.
+    pub bounds: Option<Vec<[f64; 2]>>,
 }
 
 impl Measure {
@@ -106,7 +124,28 @@ impl Measure {
             estimates,
             drawn: true,
             chance: None,
+            bounds: None,
         }
+    }
+
+    /// With such bounds.
+    pub fn within(self, bounds: Option<Vec<[f64; 2]>>) -> Self {
+        Self { bounds, ..self }
+    }
+
+    /// The estimates with the intervals that an order of importance has to rest on.
+    pub fn surest(&self) -> Vec<Estimate> {
+        let Some(bounds) = &self.bounds else {
+            return self.estimates.clone();
+        };
+        let pairs = self.estimates.iter().zip(bounds);
+        pairs
+            .map(|(estimate, &[low, high])| Estimate {
+                low: low.min(estimate.low),
+                high: high.max(estimate.high),
+                ..*estimate
+            })
+            .collect()
     }
 
     /// A measure that stands in the table only.

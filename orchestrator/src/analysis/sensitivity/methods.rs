@@ -4,10 +4,10 @@
 //! line in `sensitivity/mod.rs`, and its name in a list below. The command, the terminal and the page show its results.
 
 use super::method::{FromPoints, FromRuns};
-use super::{morris, pawn, rank, sobol};
+use super::{morris, pawn, rank, shapley, sobol};
 
 /// Methods that need runs of their own; the first one is the usual one.
-pub const RUNS: &[&dyn FromRuns] = &[&sobol::Sobol, &morris::Morris];
+pub const RUNS: &[&dyn FromRuns] = &[&sobol::Sobol, &morris::Morris, &shapley::Shapley];
 
 /// Methods for any points.
 pub const VIEWS: &[&dyn FromPoints] = &[&rank::Ranks, &pawn::Slices];

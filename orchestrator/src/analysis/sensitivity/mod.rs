@@ -1,16 +1,22 @@
 //! Sensitivity methods, one a file: which parameter matters, and how much.
 //!
-//! [`sobol`] and [`morris`] need runs of their own design; [`rank`], [`pawn`] and [`regional`]
-//! work on any points that already exist. A failed run (a value that is not finite) is left out
-//! together with the runs it would be compared with, and the result says how many there were.
+//! [`sobol`], [`morris`] and [`shapley`] need runs of their own design; [`rank`], [`pawn`] and [`regional`]
+//! work on any points that already exist. A failed run (a value that is not finite) is left out with the comparisons that
+//! need it. The result says how many there were, what the numbers then mean, and between which bounds they would lie if
+//! the failed runs had values ([`lost`]). Whether a run failed is an output of its own ([`study`]).
 
+mod failures;
 pub mod functions;
+pub mod lost;
 pub mod method;
 pub mod methods;
 pub mod morris;
 pub mod pawn;
 pub mod rank;
+mod rare;
+pub mod ratio;
 pub mod regional;
+pub mod shapley;
 pub mod sobol;
 pub mod study;
 

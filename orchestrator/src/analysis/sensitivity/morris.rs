@@ -6,18 +6,16 @@
 //! Environmental Modelling & Software 22, 1509-1518.
 
 use super::Estimate;
-use super::method::{FromRuns, Measure, Settled, Told, read};
+use super::method::{FromRuns, Measure, Settled, Space, Told, read};
 use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use sampling::statistics::moments::{mean, variance};
-use sampling::statistics::share::Z95;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
+use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// Levels of the grid.
 const LEVELS: usize = 4;
-/// Resamples of the intervals.
-const RESAMPLES: usize = 200;
 
 /// Morris screening by runs of its own.
 #[derive(Clone, Copy, Debug)]
@@ -40,19 +38,19 @@ impl FromRuns for Morris {
         20
     }
 
-    fn runs(&self, parameters: u64, size: u64) -> u64 {
-        size * (parameters + 1)
+    fn runs(&self, space: &Space, size: u64) -> u64 {
+        size * (space.parameters as u64 + 1)
     }
 
     /// The ends of a distribution may reach far; the grid covers its middle 98 %.
-    fn design(&self, parameters: usize, settled: &Settled) -> Result<Vec<Vec<f64>>, String> {
+    fn design(&self, space: &Space, settled: &Settled) -> Result<Vec<Vec<f64>>, String> {
         let trajectories = usize::try_from(settled.size).map_err(|error| error.to_string())?;
-        let cube = design(parameters, trajectories, LEVELS, settled.seed);
+        let cube = design(space.parameters, trajectories, LEVELS, settled.seed);
         let middle = |row: &Vec<f64>| row.iter().map(|u| 0.01 + 0.98 * u).collect();
         Ok(cube.iter().map(middle).collect())
     }
 
-    fn plain_sample(&self, _: usize, _: usize) -> Vec<usize> {
+    fn plain_sample(&self, _: usize, _: usize, _: &Settled) -> Vec<usize> {
         Vec::new()
     }
 
@@ -65,7 +63,7 @@ impl FromRuns for Morris {
         let parameters = rows.first().map_or(0, Vec::len);
         let trajectories = rows.len() / (parameters + 1);
         let cube = design(parameters, trajectories, LEVELS, settled.seed);
-        let effects = effects(&cube, values, RESAMPLES, settled.seed);
+        let effects = effects(&cube, values);
         Told::from_iter([("morris".to_owned(), json!(effects))])
     }
 
@@ -73,8 +71,12 @@ impl FromRuns for Morris {
         let effects: Option<Vec<Effect>> = read(told, "morris");
         effects.map_or_else(Vec::new, |effects| {
             let alone = |value| Estimate::around(value, f64::NAN);
+            // A parameter whose effects are all there has its interval.
+            let ends = |e: &Effect| e.mu_star_bounds.unwrap_or([e.mu_star.low, e.mu_star.high]);
+            let lost = effects.iter().any(|e| e.mu_star_bounds.is_some());
+            let bounds = lost.then(|| effects.iter().map(ends).collect());
             vec![
-                Measure::drawn("mu*", effects.iter().map(|e| e.mu_star).collect()),
+                Measure::drawn("mu*", effects.iter().map(|e| e.mu_star).collect()).within(bounds),
                 Measure::listed("sigma", effects.iter().map(|e| alone(e.sigma)).collect()),
             ]
         })
@@ -113,61 +115,84 @@ pub fn design(parameters: usize, trajectories: usize, levels: usize, seed: u64) 
 pub struct Effect {
     /// Mean effect: the output's change for a parameter's change over its whole range.
     pub mu: f64,
-    /// Mean of the effects' magnitudes: importance, with a bootstrap interval.
+    /// Mean of the effects' magnitudes: importance, with Student's interval.
     pub mu_star: Estimate,
+    /// Where runs failed: the least and the largest mu* if the failed runs had values between the smallest and the largest
+    /// that were seen. Null without failed runs.
+    #[serde(default)]
+    pub mu_star_bounds: Option<[f64; 2]>,
     /// Standard deviation of the effects: large where the parameter interacts or acts non-linearly.
     pub sigma: f64,
     /// The number of effects; steps from or to a failed run have none.
     pub used: usize,
 }
 
+/// Magnitudes of the effects of one parameter.
+#[derive(Clone, Debug, Default)]
+struct Found {
+    effects: Vec<f64>,
+    /// The largest magnitudes that effects of failed runs could have.
+    lost: Vec<f64>,
+}
+
 /// Computes the effects from the rows of [`design`] and their outputs.
 ///
 /// Returns `None` where the lengths do not match, or a parameter has fewer than two effects.
-pub fn effects(
-    rows: &[Vec<f64>],
-    outputs: &[f64],
-    resamples: usize,
-    seed: u64,
-) -> Option<Vec<Effect>> {
+pub fn effects(rows: &[Vec<f64>], outputs: &[f64]) -> Option<Vec<Effect>> {
     let parameters = rows.first()?.len();
     if rows.len() != outputs.len() || !rows.len().is_multiple_of(parameters + 1) {
         return None;
     }
-    let mut found = vec![Vec::new(); parameters];
+    let known = || outputs.iter().copied().filter(|v| v.is_finite());
+    let low = known().fold(f64::INFINITY, f64::min);
+    let high = known().fold(f64::NEG_INFINITY, f64::max);
+    let mut found = vec![Found::default(); parameters];
     for k in (1..rows.len()).filter(|k| k % (parameters + 1) != 0) {
         let changed = (0..parameters).find(|&i| rows[k][i] != rows[k - 1][i])?;
-        let effect = (outputs[k] - outputs[k - 1]) / (rows[k][changed] - rows[k - 1][changed]);
+        let step = rows[k][changed] - rows[k - 1][changed];
+        let effect = (outputs[k] - outputs[k - 1]) / step;
         if effect.is_finite() {
-            found[changed].push(effect);
+            found[changed].effects.push(effect);
+            continue;
         }
+        let ends = [outputs[k - 1], outputs[k]].into_iter();
+        let widest = ends
+            .filter(|v| v.is_finite())
+            .fold(high - low, |_, end| (high - end).max(end - low));
+        found[changed].lost.push((widest / step).abs());
     }
-    let mut random = StdRng::seed_from_u64(seed);
-    found
-        .iter()
-        .map(|effects| summary(effects, resamples, &mut random))
-        .collect()
+    found.iter().map(summary).collect()
 }
 
-fn summary(effects: &[f64], resamples: usize, random: &mut StdRng) -> Option<Effect> {
+fn summary(Found { effects, lost }: &Found) -> Option<Effect> {
     if effects.len() < 2 {
         return None;
     }
     let sizes: Vec<f64> = effects.iter().map(|e| e.abs()).collect();
-    let again: Vec<f64> = (0..resamples)
-        .map(|_| {
-            (0..sizes.len())
-                .map(|_| sizes[random.random_range(0..sizes.len())])
-                .sum::<f64>()
-                / sizes.len() as f64
-        })
-        .collect();
+    let mu_star = with_interval(&sizes)?;
+    let with = |others: Vec<f64>| with_interval(&[sizes.clone(), others].concat());
+    let mu_star_bounds = match lost.is_empty() {
+        true => None,
+        false => Some([
+            with(vec![0.0; lost.len()])?.low.max(0.0),
+            with(lost.clone())?.high,
+        ]),
+    };
     Some(Effect {
         mu: mean(effects),
-        mu_star: Estimate::around(mean(&sizes), Z95 * variance(&again, 1).sqrt()),
+        mu_star,
+        mu_star_bounds,
         sigma: variance(effects, 1).sqrt(),
         used: effects.len(),
     })
+}
+
+/// The mean of independent numbers, with Student's interval.
+fn with_interval(numbers: &[f64]) -> Option<Estimate> {
+    let n = numbers.len() as f64;
+    let student = StudentsT::new(0.0, 1.0, n - 1.0).ok()?;
+    let half = student.inverse_cdf(0.975) * (variance(numbers, 1) / n).sqrt();
+    Some(Estimate::around(mean(numbers), half))
 }
 
 #[cfg(test)]
@@ -178,7 +203,7 @@ mod tests {
     fn a_linear_function_has_its_slopes_as_effects() {
         let rows = design(3, 10, 4, 1);
         let y: Vec<f64> = rows.iter().map(|u| 2.0 * u[0] - 5.0 * u[1] + 1.0).collect();
-        let e = effects(&rows, &y, 50, 1).unwrap();
+        let e = effects(&rows, &y).unwrap();
         for (effect, slope) in e.iter().zip([2.0, -5.0, 0.0]) {
             assert!((effect.mu - slope).abs() < 1e-12);
             assert!((effect.mu_star.value - f64::abs(slope)).abs() < 1e-12);
@@ -191,7 +216,7 @@ mod tests {
     fn an_interaction_shows_as_sigma() {
         let rows = design(2, 40, 4, 2);
         let y: Vec<f64> = rows.iter().map(|u| (u[0] - 0.5) * (u[1] - 0.5)).collect();
-        let e = effects(&rows, &y, 50, 1).unwrap();
+        let e = effects(&rows, &y).unwrap();
         assert!(e.iter().all(|e| e.sigma > 0.3 && e.mu.abs() < 0.25));
     }
 
@@ -200,9 +225,13 @@ mod tests {
         let rows = design(3, 10, 4, 1);
         let mut y: Vec<f64> = rows.iter().map(|u| u[0]).collect();
         y[1] = f64::NAN;
-        let e = effects(&rows, &y, 50, 1).unwrap();
+        let e = effects(&rows, &y).unwrap();
         assert_eq!(e.iter().map(|e| e.used).sum::<usize>(), 28);
         assert!((e[0].mu - 1.0).abs() < 1e-12);
+        // The output lies between 0 and 1, so that no effect is larger than 1.5, and mu* may be less than 1.
+        let bounds: Vec<_> = e.iter().filter_map(|e| e.mu_star_bounds).collect();
+        assert!(!bounds.is_empty());
+        assert!(bounds.iter().all(|[low, high]| *low >= 0.0 && *high < 1.5));
     }
 
     #[test]

@@ -20,16 +20,16 @@ pub struct Split {
     pub failing: f64,
 }
 
-/// Compares every parameter over points that pass and that do not. Points for which `counted` is
-/// false (failed runs) are left out. `None` where either side has no point.
-pub fn split(parameters: &[&[f64]], pass: &[bool], counted: &[bool]) -> Option<Vec<Split>> {
+/// Compares every parameter over points that pass and that do not, failed runs among them. `None` where either side has no
+/// point.
+pub fn split(parameters: &[&[f64]], pass: &[bool]) -> Option<Vec<Split>> {
     parameters
         .iter()
         .map(|values| {
             let side = |wanted: bool| -> Vec<f64> {
                 sorted(
                     (0..pass.len())
-                        .filter(|&j| counted[j] && pass[j] == wanted && values[j].is_finite())
+                        .filter(|&j| pass[j] == wanted && values[j].is_finite())
                         .map(|j| values[j])
                         .collect(),
                 )
@@ -58,10 +58,10 @@ mod tests {
         let decides: Vec<f64> = (0..200).map(f64::from).collect();
         let other: Vec<f64> = (0..200).map(|k| f64::from(k * 37 % 200)).collect();
         let pass: Vec<bool> = decides.iter().map(|v| *v < 60.0).collect();
-        let s = split(&[&decides, &other], &pass, &[true; 200]).unwrap();
+        let s = split(&[&decides, &other], &pass).unwrap();
         assert_eq!(s[0].distance, 1.0);
         assert!(s[0].chance < 1e-9 && s[0].passing < s[0].failing);
         assert!(s[1].distance < 0.15 && s[1].chance > 0.3, "{s:?}");
-        assert_eq!(split(&[&decides], &[true; 200], &[true; 200]), None);
+        assert_eq!(split(&[&decides], &[true; 200]), None);
     }
 }

@@ -6,11 +6,13 @@
 //! parameter i the sample A_B^(i), which is A with column i from B.
 
 use super::Estimate;
-use super::method::{FirstOrder, FromRuns, Measure, Settled, Told, read};
+use super::lost::{self, Triple};
+use super::method::{FirstOrder, FromRuns, Measure, Settled, Space, Told, read};
+use super::rare;
+use super::ratio::{self, Parts};
 use sampling::statistics::moments::mean;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
-use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 /// Sobol indices by runs of their own.
 #[derive(Clone, Copy, Debug)]
@@ -33,18 +35,18 @@ impl FromRuns for Sobol {
         256
     }
 
-    fn runs(&self, parameters: u64, size: u64) -> u64 {
-        size * (parameters + 2)
+    fn runs(&self, space: &Space, size: u64) -> u64 {
+        size * (space.parameters as u64 + 2)
     }
 
-    fn design(&self, parameters: usize, settled: &Settled) -> Result<Vec<Vec<f64>>, String> {
+    fn design(&self, space: &Space, settled: &Settled) -> Result<Vec<Vec<f64>>, String> {
         // A single net fills the space more evenly than several small ones of as many points together.
-        let pairs = sampling::design::cube(2 * parameters, settled.size, settled.seed, 1)?;
+        let pairs = sampling::design::cube(2 * space.parameters, settled.size, settled.seed, 1)?;
         Ok(design(&pairs))
     }
 
     /// The rows of A and B.
-    fn plain_sample(&self, parameters: usize, rows: usize) -> Vec<usize> {
+    fn plain_sample(&self, parameters: usize, rows: usize, _: &Settled) -> Vec<usize> {
         let width = parameters + 2;
         (0..rows)
             .filter(|k| k % width == 0 || k % width == width - 1)
@@ -75,8 +77,8 @@ impl FromRuns for Sobol {
         let found: Option<Indices> = read(told, "sobol");
         found.map_or_else(Vec::new, |found| {
             vec![
-                Measure::drawn("total", found.total),
-                Measure::drawn("first order", found.first),
+                Measure::drawn("total", found.total).within(found.total_bounds),
+                Measure::drawn("first order", found.first).within(found.first_bounds),
             ]
         })
     }
@@ -107,7 +109,14 @@ pub struct Indices {
     pub first: Vec<Estimate>,
     /// Total index of every parameter.
     pub total: Vec<Estimate>,
-    /// Base points of which every value of the parameter's comparison was there.
+    /// Where runs failed: the least and the largest first-order index of the model with values everywhere, if those of the
+    /// failed runs lie between the smallest and the largest that were seen. Null without failed runs.
+    #[serde(default)]
+    pub first_bounds: Option<Vec<[f64; 2]>>,
+    /// The same of the total indices.
+    #[serde(default)]
+    pub total_bounds: Option<Vec<[f64; 2]>>,
+    /// Base points of which both runs of the parameter's total index have values.
     pub used: Vec<usize>,
     /// Runs without a finite value.
     pub failed: usize,
@@ -115,9 +124,12 @@ pub struct Indices {
 
 /// Computes the indices from the outputs of the rows of [`design`], in its order.
 ///
-/// The outputs are first shifted to mean 0, because the estimators are biased for others. A base
-/// point of which A, B or A_B^(i) has no finite value is left out for parameter i; the variance is
-/// that of the finite values of A and B. All indices of a constant output are 0.
+/// The outputs are first shifted to mean 0, because the estimators are biased for others. All indices of a constant output
+/// are 0.
+///
+/// Where runs failed, the indices are conditional: the variance is that of the runs of A and B that have values; the total
+/// index is the mean of (f_A - f_AB)^2 / 2 over the pairs that both have one, over that variance; the first-order index is
+/// 1 minus the same of f_B and f_AB (Jansen's form, whatever the estimator: the others need three runs at a time).
 ///
 /// Returns `None` where the number of outputs is no multiple of `parameters + 2`, or where all complete base points lie
 /// in one of the sixteen blocks that the intervals are made from.
@@ -128,163 +140,68 @@ pub fn indices(outputs: &[f64], parameters: usize, estimator: FirstOrder) -> Opt
     }
     let finite: Vec<f64> = outputs.iter().copied().filter(|v| v.is_finite()).collect();
     let shift = mean(&finite);
+    let failed = outputs.len() - finite.len();
     let rows: Vec<Vec<f64>> = outputs
         .chunks(width)
         .map(|row| row.iter().map(|v| v - shift).collect())
         .collect();
-    let variances = variances(&rows);
+    let ends: Vec<[f64; 2]> = rows.iter().map(|row| [row[0], row[width - 1]]).collect();
+    let variance = ratio::variance(&ends);
+    let estimator = match failed {
+        0 => estimator,
+        _ => FirstOrder::Jansen,
+    };
     let mut result = Indices {
         first: vec![],
         total: vec![],
+        first_bounds: None,
+        total_bounds: None,
         used: vec![],
-        failed: outputs.len() - finite.len(),
+        failed,
     };
     for i in 1..=parameters {
         let of = |term: fn(f64, f64, f64) -> f64| -> Vec<f64> {
-            let term = |row: &Vec<f64>| {
-                let (a, ab, b) = (row[0], row[i], row[width - 1]);
-                let complete = (a + ab + b).is_finite();
-                if complete { term(a, ab, b) } else { f64::NAN }
-            };
-            rows.iter().map(term).collect()
+            let each = rows.iter();
+            each.map(|row| term(row[0], row[i], row[width - 1]))
+                .collect()
         };
-        let total = of(|a, ab, _| (a - ab).powi(2) / 2.0);
+        let total = Parts::of(of(|a, ab, _| (a - ab).powi(2) / 2.0));
         let saltelli = || of(|a, ab, b| b * (ab - a));
         let jansen = || of(|_, ab, b| -(b - ab).powi(2) / 2.0);
         let (first, offset) = match estimator {
-            FirstOrder::Combined => combined(&saltelli(), &jansen(), &variances),
+            FirstOrder::Combined => ratio::combined(&saltelli(), &jansen(), &variance),
             FirstOrder::Saltelli => (saltelli(), 0.0),
             FirstOrder::Jansen => (jansen(), 1.0),
         };
-        let estimate = |terms: &[f64], offset: f64| {
-            let ratio = ratio(terms, &variances, |_| true);
-            let half = half_width(terms, &variances, ratio)?;
-            // Without any variance nothing explains it.
-            let value = if ratio.is_finite() {
-                offset + ratio
-            } else {
-                0.0
-            };
-            Some(Estimate::around(value, half))
-        };
-        result.first.push(estimate(&first, offset)?);
-        result.total.push(estimate(&total, 0.0)?);
-        result
-            .used
-            .push(total.iter().filter(|term| term.is_finite()).count());
+        let first = ratio::estimate(&Parts::of(first), &variance, offset)?;
+        let pairs = || rows.iter().map(|row| [row[i], row[width - 1]]);
+        result.first.push(rare::widened(first, &ends, pairs));
+        result.total.push(ratio::estimate(&total, &variance, 0.0)?);
+        result.used.push(total.used());
+    }
+    if failed > 0 {
+        let range = [f64::min as fn(f64, f64) -> f64, f64::max]
+            .map(|ends| finite.iter().copied().fold(finite[0], ends) - shift);
+        result.bound(&rows, range);
     }
     Some(result)
 }
 
-/// The terms of the weighted mean of two estimators that scatters least, and the weight of the second.
-fn combined(first: &[f64], second: &[f64], variances: &[f64]) -> (Vec<f64>, f64) {
-    let deviations = |terms: &[f64]| -> Vec<f64> {
-        let ratio = ratio(terms, variances, |_| true);
-        let pairs = terms.iter().zip(variances);
-        pairs.map(|(term, v)| term - ratio * v).collect()
-    };
-    let (own, other) = (deviations(first), deviations(second));
-    let pairs = own
-        .iter()
-        .zip(&other)
-        .map(|(own, other)| (own, other - own));
-    let finite = pairs.filter(|(own, difference)| (*own + difference).is_finite());
-    let sums = finite.fold([0.0, 0.0], |[product, square], (own, difference)| {
-        [product + own * difference, square + difference.powi(2)]
-    });
-    let weight = -sums[0] / sums[1];
-    // Both are the same where nothing scatters.
-    let weight = if weight.is_finite() {
-        weight.clamp(0.0, 1.0)
-    } else {
-        0.5
-    };
-    let pairs = first.iter().zip(second);
-    let terms = pairs.map(|(a, b)| (1.0 - weight) * a + weight * b);
-    (terms.collect(), weight)
-}
-
-/// Each base point's part of the output's variance, from A and B; not a number where one of them has no value, and 0
-/// everywhere where the output is constant but for rounding.
-fn variances(rows: &[Vec<f64>]) -> Vec<f64> {
-    let ends = rows.iter().map(|row| (row[0], row[row.len() - 1]));
-    let known: Vec<f64> = ends
-        .clone()
-        .filter(|(a, b)| (a + b).is_finite())
-        .map(|(a, b)| (a + b) / 2.0)
-        .collect();
-    let centre = mean(&known);
-    let part = |(a, b): (f64, f64)| ((a - centre).powi(2) + (b - centre).powi(2)) / 2.0;
-    let parts: Vec<f64> = ends.map(part).collect();
-    let finite: Vec<f64> = parts.iter().copied().filter(|v| v.is_finite()).collect();
-    if mean(&finite) <= f64::EPSILON * centre.powi(2).max(f64::MIN_POSITIVE) {
-        return parts.into_iter().map(|part| 0.0 * part).collect();
+impl Indices {
+    /// Finds what the indices could be with values of the failed runs within a range.
+    fn bound(&mut self, rows: &[Vec<f64>], range: [f64; 2]) {
+        let last = self.first.len() + 1;
+        let share = |compared: usize, i: usize| {
+            let triple = |row: &Vec<f64>| [row[compared], row[i], row[last - compared]];
+            let rows: Vec<Triple> = rows.iter().map(triple).collect();
+            lost::bounds(&rows, range)
+        };
+        let within = |ends: [f64; 2]| ends.map(|end| end.clamp(0.0, 1.0));
+        let total = (1..last).map(|i| share(0, i).map(within));
+        self.total_bounds = total.collect();
+        let first = (1..last).map(|i| share(last, i).map(|[low, high]| [1.0 - high, 1.0 - low]));
+        self.first_bounds = first.map(|ends| ends.map(within)).collect();
     }
-    parts
-}
-
-/// The mean of the terms divided by that of the variances, over the finite ones of the base points to keep.
-fn ratio(terms: &[f64], variances: &[f64], keep: impl Fn(usize) -> bool) -> f64 {
-    let mean = |numbers: &[f64]| {
-        let kept = numbers
-            .iter()
-            .enumerate()
-            .filter(|(j, v)| keep(*j) && v.is_finite());
-        let (count, sum) = kept.fold((0.0, 0.0), |(n, sum), (_, v)| (n + 1.0, sum + v));
-        sum / count
-    };
-    mean(terms) / mean(variances)
-}
-
-/// Half the width of a ratio's 95 % interval: the smaller of two that are both wide enough.
-///
-/// - Student's, from the ratio with each of sixteen blocks of consecutive points left out (delete-a-group jackknife; Kott
-///   2001, "The delete-a-group jackknife", J. Official Statistics 17). Each block of a scrambled net is a scrambled net of
-///   its own. All together they fill the space more evenly than as many independent ones would, of which this is the
-///   interval.
-/// - The normal one of as many independent points, by linearisation (Efron 1982, "The jackknife, the bootstrap and other
-///   resampling plans", chapter 6), which is what a bootstrap comes to. A net is better than independent points, except
-///   for an output as rough as pass or fail, for which it is hardly better.
-///
-/// `None` where fewer than two blocks have complete points.
-fn half_width(terms: &[f64], variances: &[f64], ratio_of_all: f64) -> Option<f64> {
-    const BLOCKS: usize = 16;
-    let points = terms.len();
-    let block = |j: usize| j * BLOCKS / points;
-    let mut filled = [false; BLOCKS];
-    let complete = (0..points).filter(|&j| terms[j].is_finite());
-    complete.clone().for_each(|j| filled[block(j)] = true);
-    let filled: Vec<usize> = (0..BLOCKS).filter(|&k| filled[k]).collect();
-    let student = StudentsT::new(0.0, 1.0, filled.len() as f64 - 1.0).ok()?;
-    if !ratio_of_all.is_finite() {
-        return Some(0.0);
-    }
-    let without = |&left_out: &usize| ratio(terms, variances, |j| block(j) != left_out);
-    let without: Vec<f64> = filled.iter().map(without).collect();
-    let known: Vec<f64> = variances
-        .iter()
-        .copied()
-        .filter(|v| v.is_finite())
-        .collect();
-    let (n, share) = (
-        known.len() as f64,
-        known.len() as f64 / complete.count() as f64,
-    );
-    let influence = |(term, variance): (&f64, &f64)| {
-        let term = if term.is_finite() { share * term } else { 0.0 };
-        (term - ratio_of_all * variance).powi(2)
-    };
-    let pairs = terms.iter().zip(variances).filter(|(_, v)| v.is_finite());
-    let independent = pairs.map(influence).sum::<f64>().sqrt() / (n * mean(&known));
-    let normal = Normal::standard().inverse_cdf(0.975);
-    Some((student.inverse_cdf(0.975) * jackknife(&without)).min(normal * independent))
-}
-
-/// The standard error of an estimate from its values with each group left out.
-fn jackknife(without: &[f64]) -> f64 {
-    let (n, centre) = (without.len() as f64, mean(without));
-    let squares: f64 = without.iter().map(|v| (v - centre).powi(2)).sum();
-    ((n - 1.0) / n * squares).sqrt()
 }
 
 /// Indices from growing parts of the design, to show convergence: base points, indices.

@@ -2,7 +2,7 @@
 
 use super::method::{FirstOrder, FromRuns, Measure, Settled, Told};
 use super::methods::{RUNS, VIEWS};
-use super::{dominant, regional};
+use super::{dominant, failures, regional};
 use crate::analysis::table::PointTable;
 use serde::{Deserialize, Serialize};
 
@@ -15,9 +15,12 @@ pub struct Sensitivity {
     pub method: String,
     /// Runs that it rests on.
     pub runs: usize,
-    /// Runs without a result.
+    /// Runs that did not give all results.
     pub failed: usize,
-    /// The criteria, and at the end `verified`.
+    /// Caveats for the reader.
+    #[serde(default)]
+    pub warnings: Vec<String>,
+    /// The criteria, then `verified`, and where runs failed `failed`: whether a run failed.
     pub outputs: Vec<Output>,
     /// Regional sensitivity of pass or fail, for each parameter. Empty where all points pass or none does.
     pub verdict: Vec<regional::Split>,
@@ -28,6 +31,9 @@ pub struct Sensitivity {
 pub struct Output {
     /// The output's name.
     pub name: String,
+    /// Runs that have no value of it.
+    #[serde(default)]
+    pub missing: usize,
     /// The methods' results under their keys; null where a method was not used or had too few points.
     #[serde(flatten)]
     pub told: Told,
@@ -55,25 +61,44 @@ impl Output {
     }
 }
 
+impl Output {
+    /// Why no parameter is called the most important.
+    pub fn undecided(&self) -> &'static str {
+        let bounded = self.shown().first().is_some_and(|m| m.bounds.is_some());
+        match bounded {
+            true => {
+                "the bounds overlap: with other values of the failed runs another parameter could be the most important"
+            }
+            false => "the intervals overlap: no parameter can be called the most important",
+        }
+    }
+}
+
 /// The parameter whose first measure is largest, where the intervals leave no doubt.
 fn most_important(shown: &[Measure], parameters: &[String]) -> Option<String> {
     let first = shown.iter().find(|measure| measure.drawn)?;
-    Some(parameters[dominant(&first.estimates)?].clone())
+    Some(parameters[dominant(&first.surest())?].clone())
 }
 
 /// Analyses existing points, whatever their design.
 pub fn from_points(table: &PointTable, seed: u64) -> Sensitivity {
+    let mut result = of_points(table, outputs(table), seed);
+    result.warnings = failures::warnings(table, None);
+    result
+}
+
+fn of_points(table: &PointTable, outputs: Vec<(String, Vec<f64>)>, seed: u64) -> Sensitivity {
     let columns: Vec<&[f64]> = table
         .parameters
         .iter()
         .map(|p| p.values.as_slice())
         .collect();
-    let completed: Vec<bool> = (0..table.len()).map(|i| table.completed(i)).collect();
     let parameters: Vec<String> = table.parameters.iter().map(|p| p.name.clone()).collect();
     let output = |(name, values): (String, Vec<f64>)| {
         let views = VIEWS.iter().map(|view| view.tell(&columns, &values, seed));
         let mut output = Output {
             name,
+            missing: failures::missing(&values),
             told: unused(seed),
             dominant: None,
         };
@@ -82,11 +107,12 @@ pub fn from_points(table: &PointTable, seed: u64) -> Sensitivity {
         output
     };
     Sensitivity {
-        outputs: outputs(table).into_iter().map(output).collect(),
+        outputs: outputs.into_iter().map(output).collect(),
         method: "Rank correlations and PAWN of existing points".into(),
         runs: table.len(),
-        failed: failed(table),
-        verdict: regional::split(&columns, &table.verified, &completed).unwrap_or_default(),
+        failed: failures::failed(table),
+        warnings: Vec::new(),
+        verdict: regional::split(&columns, &table.verified).unwrap_or_default(),
         parameters,
     }
 }
@@ -110,40 +136,48 @@ pub fn from_runs(
     settled: &Settled,
 ) -> Sensitivity {
     let parameters = rows.parameters.len();
-    let plain = method.plain_sample(parameters, rows.len());
-    let mut result = from_points(&rows.subset(&plain), settled.seed);
-    for (output, (_, values)) in result.outputs.iter_mut().zip(outputs(rows)) {
-        let told = method.tell(design, &values, settled);
+    let plain = method.plain_sample(parameters, rows.len(), settled);
+    let outputs = outputs(rows);
+    let values = |(name, values): &(String, Vec<f64>)| {
+        let plain = plain.iter().map(|&k| values[k]);
+        (name.clone(), plain.collect())
+    };
+    let seen = outputs.iter().map(values).collect();
+    let mut result = of_points(&rows.subset(&plain), seen, settled.seed);
+    for (output, (_, values)) in result.outputs.iter_mut().zip(&outputs) {
+        let told = method.tell(design, values, settled);
         output.dominant = most_important(&method.shown(&told), &result.parameters);
+        output.missing = failures::missing(values);
         output.told.extend(told);
     }
     result.runs = rows.len();
-    result.failed = failed(rows);
+    result.failed = failures::failed(rows);
+    result.warnings = failures::warnings(rows, Some(method));
     result.method = method.done(parameters, rows.len(), settled);
     result
 }
 
-fn failed(table: &PointTable) -> usize {
-    (0..table.len()).filter(|&k| !table.completed(k)).count()
-}
-
-/// The criteria's values, and 1 or 0 for verified or not; not a number for failed runs.
+/// The criteria's values; 1 or 0 for verified or not, where a run that failed is not; and 1 or 0 for failed or not, where
+/// any run failed.
 fn outputs(table: &PointTable) -> Vec<(String, Vec<f64>)> {
-    let verdict = |i: usize| {
-        if table.completed(i) {
-            f64::from(u8::from(table.verified[i]))
-        } else {
-            f64::NAN
-        }
+    let flags = |flag: &dyn Fn(usize) -> bool| {
+        let flags = (0..table.len()).map(flag);
+        flags.map(|flag| f64::from(u8::from(flag))).collect()
     };
     let criteria = table
         .criteria
         .iter()
         .map(|c| (c.name.clone(), c.values.clone()));
-    criteria
-        .chain([(
-            "verified".to_owned(),
-            (0..table.len()).map(verdict).collect(),
-        )])
-        .collect()
+    let verified = ("verified".to_owned(), flags(&|i| table.verified[i]));
+    let failed = (failures::failed(table) > 0).then(|| {
+        // A criterion may have this name.
+        let taken = table.criteria.iter().any(|c| c.name == failures::OUTPUT);
+        let name = if taken {
+            "the run failed"
+        } else {
+            failures::OUTPUT
+        };
+        (name.to_owned(), flags(&|i| !table.completed(i)))
+    });
+    criteria.chain([verified]).chain(failed).collect()
 }

@@ -1,5 +1,10 @@
 //! How often the stated 95 % intervals hold the exact value:
-//! `cargo run --release --example coverage -- 200` (repetitions).
+//! `cargo run --release --example coverage -- 200` (repetitions), with `-- 200 shapley` one part of it: `sobol`, `share`,
+//! `failures`, `morris`, `shapley`.
+
+mod failures;
+mod screening;
+mod shapley;
 
 use conformity::decision::randomised;
 use conformity::interval::clopper_pearson;
@@ -20,27 +25,57 @@ struct Case {
     total: Vec<f64>,
 }
 
+impl Case {
+    fn new(
+        name: &'static str,
+        dimensions: usize,
+        function: fn(&[f64]) -> f64,
+        first: &[f64],
+        total: &[f64],
+    ) -> Self {
+        Self {
+            name,
+            dimensions,
+            function,
+            first: first.to_vec(),
+            total: total.to_vec(),
+        }
+    }
+}
+
+fn percent(share: f64) -> f64 {
+    100.0 * share
+}
+
 const G: [f64; 4] = [0.0, 1.0, 4.5, 9.0];
+
+/// A part of the output, given the number of repetitions.
+type Part = fn(u64) -> Result<(), String>;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let repetitions = std::env::args().nth(1).unwrap_or("200".into()).parse()?;
+    let wanted = std::env::args().nth(2);
+    let parts: [(&str, Part); 5] = [
+        ("sobol", indices_hold),
+        ("share", shares_hold),
+        ("failures", failures::print),
+        ("morris", screening::print),
+        ("shapley", shapley::print),
+    ];
+    for (name, part) in parts {
+        if wanted.as_ref().is_none_or(|wanted| wanted == name) {
+            part(repetitions)?;
+        }
+    }
+    Ok(())
+}
+
+fn indices_hold(repetitions: u64) -> Result<(), String> {
     let (first, total) = ishigami_indices();
     let (g_first, g_total) = sobol_g_indices(&G);
     let cases = [
-        Case {
-            name: "Ishigami",
-            dimensions: 3,
-            function: ishigami,
-            first: first.to_vec(),
-            total: total.to_vec(),
-        },
-        Case {
-            name: "Sobol's g",
-            dimensions: 4,
-            function: |u| sobol_g(u, &G),
-            first: g_first,
-            total: g_total,
-        },
+        Case::new("Ishigami", 3, ishigami, &first, &total),
+        Case::new("Sobol's g", 4, |u| sobol_g(u, &G), &g_first, &g_total),
     ];
     println!("Sobol indices: % of {repetitions} intervals that hold the exact index");
     for case in &cases {
@@ -50,6 +85,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             }
         }
     }
+    Ok(())
+}
+
+fn shares_hold(repetitions: u64) -> Result<(), String> {
     println!(
         "\nVerified share of a Sobol design with 16 replicates: % of {repetitions} intervals that hold it,"
     );

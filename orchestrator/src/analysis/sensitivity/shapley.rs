@@ -1,0 +1,543 @@
+//! Shapley effects: the output's variance, divided among the parameters. They sum to 1 and are none negative, also where
+//! parameters are correlated, for which Sobol indices mean nothing.
+//!
+//! Owen (2014), "Sobol' indices and Shapley value", SIAM/ASA J. Uncertainty Quantification 2, 245-251; Song, Nelson & Staum
+//! (2016), "Shapley effects for global sensitivity analysis", same journal 4, 1060-1083; for dependent parameters Owen &
+//! Prieur (2017), same journal 5, 986-1002.
+//!
+//! Design: two independent samples A and B. For an order of the parameters, and each beginning u of it, a run at the point
+//! whose parameters u are those of A, and whose others are distributed as B given these. In normal scores that point is
+//! b + S_u (S_uu)^-1 (a_u - b_u) with the correlations S (Matheron's rule; Chilès & Delfiner 2012, "Geostatistics", section
+//! 7.3), so that one run serves all orders with the same beginning. The parameter that the order adds to u explains the
+//! difference of (f_A - f_u)^2 / 2 before and after. Where parameters are independent, B serves as a base, too, and the mean
+//! of both is (f_after - f_before) (f_A - f_B) / 2, after Goda (2021), "A simple algorithm for global sensitivity analysis with
+//! Shapley effects", Reliability Engineering & System Safety 213, 107702.
+
+use super::Estimate;
+use super::method::{FromRuns, Measure, Settled, Space, Told, read};
+use super::ratio::{self, Parts};
+use nalgebra::{DMatrix, DVector};
+use rand::seq::SliceRandom;
+use rand::{SeedableRng, rngs::StdRng};
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+use statrs::distribution::{ContinuousCDF, Normal};
+
+/// Up to so many correlated parameters, each base point has all their orders.
+const ALL_ORDERS: usize = 3;
+
+/// Shapley effects by runs of its own.
+#[derive(Clone, Copy, Debug)]
+pub struct Shapley;
+
+impl FromRuns for Shapley {
+    fn name(&self) -> &'static str {
+        "shapley"
+    }
+
+    fn option(&self) -> &'static str {
+        "shapley"
+    }
+
+    fn title(&self, size: u64) -> String {
+        format!("Shapley effects from {size} base points")
+    }
+
+    fn usual_size(&self) -> u64 {
+        256
+    }
+
+    fn takes_correlations(&self) -> bool {
+        true
+    }
+
+    fn runs(&self, space: &Space, size: u64) -> u64 {
+        size * width(space.parameters, space.correlation.is_some()) as u64
+    }
+
+    fn design(&self, space: &Space, settled: &Settled) -> Result<Vec<Vec<f64>>, String> {
+        let pairs = sampling::design::cube(2 * space.parameters, settled.size, settled.seed, 1)?;
+        design(&pairs, space.correlation.as_ref(), settled.seed)
+    }
+
+    /// The rows of A and B.
+    fn plain_sample(&self, _: usize, rows: usize, settled: &Settled) -> Vec<usize> {
+        let width = rows / settled.size.max(1) as usize;
+        (0..rows).filter(|k| k % width < 2).collect()
+    }
+
+    fn done(&self, _: usize, runs: usize, settled: &Settled) -> String {
+        format!(
+            "{} ({runs} runs); rank correlations and PAWN of their plain sample",
+            self.title(settled.size)
+        )
+    }
+
+    fn tell(&self, design: &[Vec<f64>], values: &[f64], settled: &Settled) -> Told {
+        let parameters = design.first().map_or(0, Vec::len);
+        let found = effects(values, parameters, settled);
+        Told::from_iter([("shapley".to_owned(), json!(found))])
+    }
+
+    fn shown(&self, told: &Told) -> Vec<Measure> {
+        let found: Option<Effects> = read(told, "shapley");
+        let measure = found.map(|found| {
+            Measure::drawn("Shapley effect", found.effects).within(found.effects_bounds)
+        });
+        measure.into_iter().collect()
+    }
+}
+
+/// Runs of each base point.
+fn width(parameters: usize, correlated: bool) -> usize {
+    match (correlated, parameters) {
+        (true, 2..=ALL_ORDERS) => 1 << parameters,
+        (true, d) if d > ALL_ORDERS => 2 * d,
+        (_, d) => d + 1,
+    }
+}
+
+/// The orders of a base point: a random one, where parameters are correlated with its reverse, or all if they are few.
+fn orders(parameters: usize, correlated: bool, random: &mut StdRng) -> Vec<Vec<usize>> {
+    let mut order: Vec<usize> = (0..parameters).collect();
+    if correlated && parameters <= ALL_ORDERS {
+        return permutations(&order);
+    }
+    order.shuffle(random);
+    let reverse: Vec<usize> = order.iter().rev().copied().collect();
+    match correlated {
+        true => vec![order, reverse],
+        false => vec![order],
+    }
+}
+
+fn permutations(of: &[usize]) -> Vec<Vec<usize>> {
+    if of.is_empty() {
+        return vec![Vec::new()];
+    }
+    let with = |&first: &usize| {
+        let rest: Vec<usize> = of.iter().copied().filter(|&k| k != first).collect();
+        let rest = permutations(&rest).into_iter();
+        rest.map(move |rest| [vec![first], rest].concat())
+    };
+    of.iter().flat_map(with).collect()
+}
+
+/// The first `count` parameters of an order, as a set.
+fn beginning(order: &[usize], count: usize) -> Vec<usize> {
+    let mut set = order[..count].to_vec();
+    set.sort_unstable();
+    set
+}
+
+/// The distinct beginnings of some orders, but for the empty one and the whole.
+fn beginnings(orders: &[Vec<usize>]) -> Vec<Vec<usize>> {
+    let mut found: Vec<Vec<usize>> = Vec::new();
+    for order in orders {
+        for count in 1..order.len() {
+            let set = beginning(order, count);
+            if !found.contains(&set) {
+                found.push(set);
+            }
+        }
+    }
+    found
+}
+
+/// The rows of the design in the unit cube, for every pair in the order A, B, mixed points.
+///
+/// `pairs` are points of a sample of 2 d dimensions: the first d are A's, the last d are B's. The correlations are those of
+/// normal scores.
+///
+/// # Errors
+/// When the correlations contradict each other.
+pub fn design(
+    pairs: &[Vec<f64>],
+    correlation: Option<&DMatrix<f64>>,
+    seed: u64,
+) -> Result<Vec<Vec<f64>>, String> {
+    let mut random = StdRng::seed_from_u64(seed);
+    let factor = match correlation {
+        Some(matrix) => {
+            let factor = matrix.clone().cholesky();
+            Some(factor.ok_or("the correlations contradict each other")?.l())
+        }
+        None => None,
+    };
+    let mut rows = Vec::new();
+    for pair in pairs {
+        let (a, b) = pair.split_at(pair.len() / 2);
+        let sets = beginnings(&orders(a.len(), correlation.is_some(), &mut random));
+        let (Some(matrix), Some(factor)) = (correlation, &factor) else {
+            rows.extend([a.to_vec(), b.to_vec()]);
+            rows.extend(sets.iter().map(|set| {
+                let mut mixed = b.to_vec();
+                set.iter().for_each(|&k| mixed[k] = a[k]);
+                mixed
+            }));
+            continue;
+        };
+        let [a, b] = [a, b].map(|u| factor * DVector::from_iterator(u.len(), u.iter().map(score)));
+        rows.extend([places(&a), places(&b)]);
+        for set in &sets {
+            let mixed = given(&a, &b, set, matrix);
+            rows.push(places(
+                &mixed.ok_or("the correlations contradict each other")?,
+            ));
+        }
+    }
+    Ok(rows)
+}
+
+/// The normal score of a place in the unit interval.
+fn score(place: &f64) -> f64 {
+    const END: f64 = 1e-12;
+    Normal::standard().inverse_cdf(place.clamp(END, 1.0 - END))
+}
+
+/// The places of normal scores in the unit cube.
+fn places(scores: &DVector<f64>) -> Vec<f64> {
+    let normal = Normal::standard();
+    scores.iter().map(|&score| normal.cdf(score)).collect()
+}
+
+/// Scores that are those of `a` in a set, and elsewhere those of `b` moved to what is to be expected then.
+fn given(
+    a: &DVector<f64>,
+    b: &DVector<f64>,
+    set: &[usize],
+    matrix: &DMatrix<f64>,
+) -> Option<DVector<f64>> {
+    let known = DVector::from_iterator(set.len(), set.iter().map(|&k| a[k] - b[k]));
+    let among = DMatrix::from_fn(set.len(), set.len(), |i, j| matrix[(set[i], set[j])]);
+    let weights = among.cholesky()?.solve(&known);
+    let mut mixed = b + matrix.select_columns(set) * weights;
+    set.iter().for_each(|&k| mixed[k] = a[k]);
+    Some(mixed)
+}
+
+/// Shapley effects of one output.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Effects {
+    /// Each parameter's part of the variance. Without failed runs they sum to 1.
+    pub effects: Vec<Estimate>,
+    /// Where runs failed: bounds of the effects of the model with values everywhere, if those of the failed runs lie between
+    /// the smallest and the largest that were seen. Null without failed runs.
+    pub effects_bounds: Option<Vec<[f64; 2]>>,
+    /// Base points of which all runs that the parameter's effect needs have values.
+    pub used: Vec<usize>,
+    /// Runs without a finite value.
+    pub failed: usize,
+}
+
+/// Computes the effects from the outputs of the rows of a [`design`] with the same size and seed, in its order. All effects of
+/// a constant output are 0.
+///
+/// `None` where the number of outputs fits no such design, or too few runs have values.
+pub fn effects(outputs: &[f64], parameters: usize, settled: &Settled) -> Option<Effects> {
+    let width = outputs.len().checked_div(settled.size as usize)?;
+    if parameters == 0 || width * settled.size as usize != outputs.len() {
+        return None;
+    }
+    let correlated = width != self::width(parameters, false);
+    if width != self::width(parameters, correlated) {
+        return None;
+    }
+    let (mut terms, mut ends) = (vec![Vec::new(); parameters], Vec::new());
+    let mut random = StdRng::seed_from_u64(settled.seed);
+    for values in outputs.chunks(width) {
+        let orders = orders(parameters, correlated, &mut random);
+        let steps = steps(values, &orders);
+        ends.push([values[0], values[1]]);
+        for (terms, steps) in terms.iter_mut().zip(steps) {
+            terms.push(steps);
+        }
+    }
+    let of = |[before, after, a, b]: &[f64; 4]| match correlated {
+        true => (after - before) * (a - (after + before) / 2.0),
+        false => (after - before) * (a - b) / 2.0,
+    };
+    let mean = |steps: &Vec<[f64; 4]>| steps.iter().map(of).sum::<f64>() / steps.len() as f64;
+    let variance = ratio::paired_variance(&ends);
+    let failed = outputs.iter().filter(|v| !v.is_finite()).count();
+    let mut found = Effects {
+        effects: vec![],
+        effects_bounds: None,
+        used: vec![],
+        failed,
+    };
+    for steps in &terms {
+        let over = Parts::of(steps.iter().map(mean));
+        found.used.push(over.used());
+        found.effects.push(ratio::estimate(&over, &variance, 0.0)?);
+    }
+    if failed > 0 {
+        let bounds = terms
+            .iter()
+            .map(|steps| bounds(steps, &ends, correlated, outputs));
+        found.effects_bounds = bounds.collect();
+    }
+    Some(found)
+}
+
+/// For each parameter the outputs before and after it is added in each order, and those of A and B.
+fn steps(values: &[f64], orders: &[Vec<usize>]) -> Vec<Vec<[f64; 4]>> {
+    let sets = beginnings(orders);
+    let [a, b] = [values[0], values[1]];
+    let mut steps = vec![Vec::new(); orders[0].len()];
+    for order in orders {
+        let mut before = b;
+        for (count, &added) in (1..).zip(order) {
+            let place = sets.iter().position(|set| *set == beginning(order, count));
+            // The whole set is A.
+            let after = place.map_or(a, |place| values[2 + place]);
+            steps[added].push([before, after, a, b]);
+            before = after;
+        }
+    }
+    steps
+}
+
+/// An interval of numbers.
+#[derive(Clone, Copy)]
+struct Range(f64, f64);
+
+impl Range {
+    fn minus(self, other: Self) -> Self {
+        Self(self.0 - other.1, self.1 - other.0)
+    }
+
+    fn plus(self, other: Self) -> Self {
+        Self(self.0 + other.0, self.1 + other.1)
+    }
+
+    fn times(self, other: Self) -> Self {
+        let products = [
+            self.0 * other.0,
+            self.0 * other.1,
+            self.1 * other.0,
+            self.1 * other.1,
+        ];
+        Self(
+            products.into_iter().fold(f64::INFINITY, f64::min),
+            products.into_iter().fold(f64::NEG_INFINITY, f64::max),
+        )
+    }
+
+    fn half(self) -> Self {
+        Self(self.0 / 2.0, self.1 / 2.0)
+    }
+}
+
+/// Bounds of an effect, by interval arithmetic: wider than necessary.
+fn bounds(
+    steps: &[Vec<[f64; 4]>],
+    ends: &[[f64; 2]],
+    correlated: bool,
+    outputs: &[f64],
+) -> Option<[f64; 2]> {
+    let known = || outputs.iter().copied().filter(|v| v.is_finite());
+    let (low, high) = (
+        known().fold(f64::INFINITY, f64::min),
+        known().fold(f64::NEG_INFINITY, f64::max),
+    );
+    let range = |value: f64| match value.is_finite() {
+        true => Range(value, value),
+        false => Range(low, high),
+    };
+    let term = |values: &[f64; 4]| {
+        let [before, after, a, b] = values.map(range);
+        let other = match correlated {
+            true => a.minus(after).plus(a.minus(before)).half(),
+            false => a.minus(b).half(),
+        };
+        after.minus(before).times(other)
+    };
+    let over = |end: fn(Range) -> f64| -> Parts {
+        let mean = |steps: &Vec<[f64; 4]>| {
+            steps.iter().map(|step| end(term(step))).sum::<f64>() / steps.len() as f64
+        };
+        Parts::of(steps.iter().map(mean))
+    };
+    let square = |end: fn(f64, f64) -> f64| -> Parts {
+        Parts::of(ends.iter().map(|values| {
+            let [a, b] = values.map(range);
+            let Range(least, most) = a.minus(b);
+            end(least, most).powi(2) / 2.0
+        }))
+    };
+    let least = square(|low, high| {
+        if low * high <= 0.0 {
+            0.0
+        } else {
+            low.abs().min(high.abs())
+        }
+    });
+    let most = square(|low, high| low.abs().max(high.abs()));
+    let (below, above) = (over(|range| range.0), over(|range| range.1));
+    let end = |over: &Parts, sign: f64| {
+        // A positive number is least over the largest, a negative one over the least.
+        let under = match sign * ratio::ratio(over, &most, |_| true) > 0.0 {
+            true => &least,
+            false => &most,
+        };
+        let ratio = ratio::ratio(over, under, |_| true);
+        let half = ratio::half_width(over, under, ratio)?;
+        Some((ratio + sign * half).clamp(0.0, 1.0))
+    };
+    Some([end(&below, -1.0)?, end(&above, 1.0)?])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::functions::{ishigami, ishigami_indices};
+    use super::super::method::FirstOrder;
+    use super::*;
+    use sampling::design::cube;
+
+    fn settled(size: u64, seed: u64) -> Settled {
+        Settled {
+            size,
+            estimator: FirstOrder::default(),
+            seed,
+        }
+    }
+
+    fn run(
+        parameters: usize,
+        correlation: Option<&DMatrix<f64>>,
+        settled: &Settled,
+        function: impl Fn(&[f64]) -> f64,
+    ) -> Effects {
+        let pairs = cube(2 * parameters, settled.size, settled.seed, 1).unwrap();
+        let rows = design(&pairs, correlation, settled.seed).unwrap();
+        let width = width(parameters, correlation.is_some());
+        assert_eq!(rows.len(), settled.size as usize * width);
+        let outputs: Vec<f64> = rows.iter().map(|u| function(u)).collect();
+        effects(&outputs, parameters, settled).unwrap()
+    }
+
+    fn scores(u: &[f64]) -> Vec<f64> {
+        u.iter().map(score).collect()
+    }
+
+    /// Neighbours have the correlation r.
+    fn chain(parameters: usize, r: f64) -> DMatrix<f64> {
+        DMatrix::from_fn(parameters, parameters, |a, b| match a.abs_diff(b) {
+            0 => 1.0,
+            1 => r,
+            _ => 0.0,
+        })
+    }
+
+    fn sum(found: &Effects) -> f64 {
+        found.effects.iter().map(|e| e.value).sum()
+    }
+
+    /// Independent: half of first-order and total indices, since Ishigami's function has interactions of two only.
+    #[test]
+    fn effects_of_independent_parameters_are_those_of_their_interactions() {
+        let found = run(3, None, &settled(4096, 3), ishigami);
+        let (first, total) = ishigami_indices();
+        for ((found, first), total) in found.effects.iter().zip(first).zip(total) {
+            assert!(
+                (found.value - (first + total) / 2.0).abs() < 0.02,
+                "{found:?}"
+            );
+        }
+        assert!((sum(&found) - 1.0).abs() < 1e-12);
+    }
+
+    /// z1 z2 + z1 with the correlation r: V = 2 + r^2, of which z1 explains 1 + 2 r^2 and z2 3 r^2.
+    #[test]
+    fn effects_of_two_correlated_parameters_are_the_exact_ones() {
+        let r = 0.7;
+        let function = |u: &[f64]| {
+            let z = scores(u);
+            z[0] * z[1] + z[0]
+        };
+        let found = run(2, Some(&chain(2, r)), &settled(8192, 1), function);
+        let variance = 2.0 + r * r;
+        let exact = [1.5 / variance, (0.5 + r * r) / variance];
+        for (found, exact) in found.effects.iter().zip(exact) {
+            assert!((found.value - exact).abs() < 0.02, "{found:?} {exact}");
+        }
+        assert!((sum(&found) - 1.0).abs() < 1e-12);
+    }
+
+    /// Owen & Prieur (2017), section 4.2: a linear function of normal numbers; z5 and z6 are correlated, the others free, so
+    /// that each of the two has its own part, and half of what they share and of their interplay.
+    #[test]
+    fn effects_of_a_linear_function_are_those_of_the_closed_form() {
+        let (r, weights) = (0.6, [1.0, 2.0, 0.0, 1.0, 2.0, 1.0]);
+        let mut matrix = DMatrix::identity(6, 6);
+        (matrix[(4, 5)], matrix[(5, 4)]) = (r, r);
+        let function = |u: &[f64]| scores(u).iter().zip(weights).map(|(z, w)| z * w).sum();
+        let found = run(6, Some(&matrix), &settled(4096, 2), function);
+        let [a, b]: [f64; 2] = [2.0, 1.0];
+        let rest = (1.0 - r * r) * (a * a - b * b) / 2.0;
+        let joint = a * a + b * b + 2.0 * r * a * b;
+        let variance = 6.0 + joint;
+        let exact = [1.0, 4.0, 0.0, 1.0, joint / 2.0 + rest, joint / 2.0 - rest];
+        for (found, exact) in found.effects.iter().zip(exact) {
+            assert!(
+                (found.value - exact / variance).abs() < 0.015,
+                "{found:?} {}",
+                exact / variance
+            );
+        }
+        assert!((sum(&found) - 1.0).abs() < 1e-12);
+    }
+
+    /// Points whose scores in a set are given have the distribution of all: the means and products of scores tell.
+    #[test]
+    fn mixed_points_are_distributed_as_all_others() {
+        let matrix = chain(4, 0.5);
+        let pairs = cube(8, 4096, 9, 1).unwrap();
+        let rows = design(&pairs, Some(&matrix), 9).unwrap();
+        for place in [0, 1, 2, 4, 7] {
+            let rows: Vec<Vec<f64>> = rows
+                .iter()
+                .skip(place)
+                .step_by(8)
+                .map(|u| scores(u))
+                .collect();
+            for a in 0..4 {
+                for b in 0..4 {
+                    let mean = rows.iter().map(|z| z[a] * z[b]).sum::<f64>() / rows.len() as f64;
+                    assert!(
+                        (mean - matrix[(a, b)]).abs() < 0.05,
+                        "{place} {a} {b} {mean}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn failed_runs_leave_bounds_that_hold_the_effects() {
+        let exact = [1.0, 4.0, 9.0].map(|v| v / 14.0);
+        let hole = |u: &[f64]| match u[0] > 0.9 && u[1] > 0.8 {
+            true => f64::NAN,
+            false => u[0] + 2.0 * u[1] + 3.0 * u[2],
+        };
+        let found = run(3, None, &settled(512, 4), hole);
+        assert!(found.failed > 10 && found.used.iter().all(|&used| used < 512));
+        let bounds = found.effects_bounds.unwrap();
+        for (bounds, exact) in bounds.iter().zip(exact) {
+            assert!(
+                bounds[0] <= exact && exact <= bounds[1],
+                "{bounds:?} {exact}"
+            );
+            assert!(bounds[1] - bounds[0] < 0.9, "{bounds:?}");
+        }
+    }
+
+    #[test]
+    fn a_constant_output_depends_on_nothing() {
+        let found = run(3, None, &settled(64, 1), |_| 7.1);
+        assert!(found.effects.iter().all(|e| e.value == 0.0 && e.low == 0.0));
+        assert_eq!(effects(&[1.0; 65], 3, &settled(64, 1)), None);
+        assert_eq!(effects(&[], 0, &settled(0, 1)), None);
+    }
+}

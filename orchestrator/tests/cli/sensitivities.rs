@@ -1,0 +1,235 @@
+//! `sensitivity` on analytic functions: failures that cost one output only.
+
+use serde_json::Value;
+
+use crate::support::{Bench, Said};
+
+const HEAD: &str = r#"
+fmu = "functions.fmu"
+[simulation]
+stop = 1
+[design]
+method = "sobol"
+points = 512
+[parameters]
+x1 = { distribution = "uniform", min = 0, max = 1 }
+x2 = { distribution = "uniform", min = 0, max = 1 }
+x3 = { distribution = "uniform", min = 0, max = 1 }
+x4 = { distribution = "uniform", min = 0, max = 1 }
+"#;
+
+fn criteria(names: &[&str]) -> String {
+    let criterion = |name: &&str| {
+        format!("[criteria.{name}]\nvariable = \"{name}\"\nnominal = 1\ntolerance = 0.9\n")
+    };
+    names.iter().map(criterion).collect()
+}
+
+fn result(bench: &Bench, folder: &str) -> Value {
+    serde_json::from_str(&bench.read(&format!("{folder}/sensitivity.json"))).unwrap()
+}
+
+fn sensitive(bench: &Bench, study: &str, more: &[&str]) -> (Said, Value) {
+    bench.write("study.toml", study);
+    let command = ["sensitivity", "study.toml", "--output", "s"];
+    let said = bench.run(&[&command[..], more].concat());
+    assert_eq!(said.code, 0, "{}", said.err);
+    (said, result(bench, "s"))
+}
+
+fn output<'a>(result: &'a Value, name: &str) -> &'a Value {
+    let outputs = result["outputs"].as_array().unwrap();
+    let found = outputs.iter().find(|output| output["name"] == name);
+    found.unwrap_or_else(|| panic!("no `{name}` in {result}"))
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap()
+}
+
+#[test]
+fn a_failure_of_one_output_costs_that_output_only() {
+    let bench = Bench::functions();
+    let study = format!("{HEAD}{}", criteria(&["linear"]));
+    let (_, alone) = sensitive(&bench, &study, &["--base", "128"]);
+    assert!(alone["warnings"].as_array().unwrap().is_empty());
+    std::fs::remove_dir_all(bench.path("s")).unwrap();
+    let study = format!("{HEAD}{}", criteria(&["linear", "holed"]));
+    let (said, both) = sensitive(&bench, &study, &["--base", "128"]);
+    let linear = output(&both, "linear");
+    assert_eq!(linear["missing"], 0);
+    assert_eq!(linear["sobol"], output(&alone, "linear")["sobol"]);
+    let holed = output(&both, "holed");
+    let missing = number(&holed["missing"]);
+    assert!(missing > 20.0 && both["failed"] == missing, "{both}");
+    for words in [
+        "holed: ",
+        " of 768 runs have no value of it",
+        "lie between",
+        "{",
+    ] {
+        assert!(said.out.contains(words), "no `{words}` in {}", said.out);
+    }
+    // Without failures both are 0.5.
+    for k in [0, 2] {
+        let bounds = &holed["sobol"]["total_bounds"][k];
+        assert!(
+            number(&bounds[0]) < 0.5 && number(&bounds[1]) > 0.5,
+            "{bounds}"
+        );
+    }
+    // The runs' table has the values that there are.
+    let runs = bench.read("s/sensitivity-runs.csv");
+    let failed: Vec<&str> = runs
+        .lines()
+        .filter(|line| line.contains("not finite"))
+        .collect();
+    assert!(
+        failed
+            .iter()
+            .all(|line| line.ends_with(",,false,not finite: holed"))
+    );
+    assert_eq!(failed.len() as f64, missing);
+    // The corner is one of x1 and x2.
+    let total = |k: usize| &output(&both, "failed")["sobol"]["total"][k];
+    for k in [0, 1] {
+        assert!(number(&total(k)["low"]) > 0.3, "{}", total(k));
+    }
+    assert!([2, 3].iter().all(|&k| number(&total(k)["value"]) == 0.0));
+}
+
+#[test]
+fn points_of_a_study_keep_the_values_that_a_failed_run_has() {
+    let bench = Bench::functions();
+    bench.write(
+        "study.toml",
+        &format!("{HEAD}{}", criteria(&["linear", "holed"])),
+    );
+    assert!(bench.run(&["verify", "study.toml", "--output", "out"]).code < 2);
+    let said = bench.run(&["sensitivity", "study.toml", "--from", "out"]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    let found = result(&bench, "out");
+    assert_eq!(output(&found, "linear")["missing"], 0);
+    assert_eq!(output(&found, "linear")["ranks"]["used"], 512);
+    let missing = number(&output(&found, "holed")["missing"]);
+    assert!(missing > 20.0, "{missing}");
+    assert_eq!(output(&found, "holed")["ranks"]["used"], 512.0 - missing);
+    // Most important for whether a run fails: x1 or x2, of which none is told from the other.
+    let median = |k: usize| number(&output(&found, "failed")["ranks"]["spearman"][k]["value"]);
+    assert!(median(0).min(median(1)) > 0.2 && median(2).abs().max(median(3).abs()) < 0.15);
+    assert!(
+        bench
+            .read("out/report.html")
+            .contains("runs have no value of it")
+    );
+    // Surrogates are told of, too.
+    let said = bench.run(&["robustness", "study.toml", "--from", "out"]);
+    assert!(
+        said.out.contains("of 512 points failed"),
+        "{}{}",
+        said.out,
+        said.err
+    );
+}
+
+#[test]
+fn numbers_of_correlated_parameters_are_told_apart() {
+    let bench = Bench::functions();
+    let correlated = "[[correlations]]\nbetween = [\"x1\", \"x4\"]\ncoefficient = 0.9\n";
+    let study = format!("{HEAD}{}", criteria(&["first"]));
+    for (section, told) in [("", false), (correlated, true)] {
+        bench.write("study.toml", &format!("{study}{section}"));
+        let folder = if told { "correlated" } else { "free" };
+        assert!(
+            bench
+                .run(&["verify", "study.toml", "--output", folder])
+                .code
+                < 2
+        );
+        let said = bench.run(&["sensitivity", "study.toml", "--from", folder]);
+        assert_eq!(
+            said.out.contains("warning: the parameters are correlated"),
+            told,
+            "{}",
+            said.out
+        );
+        let found = result(&bench, folder);
+        assert_eq!(
+            found["warnings"].as_array().unwrap().len(),
+            usize::from(told)
+        );
+        // The model does not know x4.
+        let ranks = &output(&found, "first")["ranks"]["spearman"][3]["value"];
+        assert_eq!(number(ranks) > 0.8, told);
+    }
+}
+
+#[test]
+fn shapley_effects_divide_the_variance_among_correlated_parameters() {
+    let bench = Bench::functions();
+    let correlated = "[[correlations]]\nbetween = [\"x1\", \"x4\"]\ncoefficient = 0.9\n";
+    let study = format!("{HEAD}{}{correlated}", criteria(&["linear", "first"]));
+    bench.write("study.toml", &study);
+    let sobol = bench.run(&["sensitivity", "study.toml", "--base", "16"]);
+    sobol.is_mistake(&["correlated ones cannot be changed alone", "--shapley N"]);
+    let (said, found) = sensitive(&bench, &study, &["--shapley", "256"]);
+    assert_eq!(found["runs"], 256 * 8);
+    assert!(
+        said.out.contains("warning: the parameters are correlated"),
+        "{}",
+        said.out
+    );
+    let effects = |name: &str| -> Vec<f64> {
+        let effects = output(&found, name)["shapley"]["effects"]
+            .as_array()
+            .unwrap();
+        effects
+            .iter()
+            .map(|effect| number(&effect["value"]))
+            .collect()
+    };
+    for name in ["linear", "first"] {
+        assert!((effects(name).iter().sum::<f64>() - 1.0).abs() < 1e-9);
+    }
+    // x1 explains all of its own output, and x4 some 0.8 of it; half of what both explain goes to each.
+    let first = effects("first");
+    assert!(
+        (first[3] - 0.4).abs() < 0.05 && first[1].abs() < 0.03,
+        "{first:?}"
+    );
+    let linear = effects("linear");
+    assert!((linear[1] - 4.0 / 14.0).abs() < 0.03 && (linear[2] - 9.0 / 14.0).abs() < 0.05);
+    // A part of a study, and the whole of it again.
+    let part = ["sensitivity", "study.toml", "--shapley", "256", "--shard"];
+    for shard in ["1/2", "2/2"] {
+        let folder = format!("part-{}", &shard[..1]);
+        let said = bench.run(&[&part[..], &[shard, "--output", &folder]].concat());
+        assert_eq!(said.code, 0, "{}", said.err);
+    }
+    let parts = [
+        "merge",
+        "part-1/sensitivity",
+        "part-2/sensitivity",
+        "--output",
+        "whole",
+    ];
+    let said = bench.run(&parts);
+    assert_eq!(said.code, 0, "{}", said.err);
+    assert_eq!(result(&bench, "whole")["outputs"], found["outputs"]);
+}
+
+#[test]
+fn screening_bounds_what_failed_runs_hide() {
+    let bench = Bench::functions();
+    let study = format!("{HEAD}{}", criteria(&["holed"]));
+    let (_, found) = sensitive(&bench, &study, &["--morris", "30"]);
+    let effects = &output(&found, "holed")["morris"];
+    // mu* is the slope times the width: 0.98, and no more than what the range allows.
+    for k in [0, 2] {
+        let bounds = &effects[k]["mu_star_bounds"];
+        assert!(
+            number(&bounds[0]) < 0.98 && number(&bounds[1]) > 0.98,
+            "{effects}"
+        );
+    }
+}
