@@ -135,14 +135,14 @@ fn delays_between_samples_have_no_bias_and_intervals_hold() {
         (Load::Turns(0.64), [200.0, 20.0], 0.05, 1.5e-4),
         (Load::Random(60.0), [200.0, 20.0], 0.05, 1e-4),
     ] {
-        let [bias, rms, held] = trial(load, shape, noise, NONE, 60);
+        let [bias, rms, held] = trial(load, shape, noise, NONE, 20);
         assert!(rms < error, "{load:?} {shape:?}: {rms}");
         assert!(
-            bias.abs() < 4.0 * rms / 60f64.sqrt(),
+            bias.abs() < 4.0 * rms / 20f64.sqrt(),
             "{load:?}: {bias} {rms}"
         );
-        // 95 % of 60: 52 or fewer have a chance of 1 in 100.
-        assert!(held > 0.87, "{load:?}: {held}");
+        // 95 % of 20: 15 or fewer have a chance of 3 in 1000.
+        assert!(held > 0.75, "{load:?}: {held}");
     }
 }
 
@@ -159,9 +159,9 @@ fn related(one: Load, other: Load, shape: [f64; 2], seeds: u64) -> u64 {
 #[test]
 fn unrelated_signals_get_no_delay() {
     for other in [Load::Random(40.0), Load::Other] {
-        let found = related(Load::Turns(0.64), other, [200.0, 10.0], 100);
-        // 1 of 100 is expected at most; 5 have a chance of 1 in 300.
-        assert!(found <= 4, "{other:?}: {found}");
+        let found = related(Load::Turns(0.64), other, [200.0, 10.0], 30);
+        // 3 of 30 have a chance of 1 in 300 where 1 % is taken for related.
+        assert!(found <= 2, "{other:?}: {found}");
     }
 }
 
