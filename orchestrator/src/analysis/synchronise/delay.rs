@@ -80,17 +80,19 @@ pub fn find(pair: Pair<'_>, longest: f64, turn: Option<f64>) -> Result<Delay, Si
     let least = (least.ceil() as usize).max(10);
     let mut width = turn.map_or(LEAST_WIDTH, |turn| turn / step / WIDTHS_A_TURN);
     width = width.max(LEAST_WIDTH);
-    let mut found: Option<(Delay, f64)> = None;
+    // A kernel of a tenth of a turn still lets the turn itself through.
+    let widest = 8.0 * width;
+    let mut found = None;
     while let Some(search) = Search::new(pair, width, reach, least) {
         let (delay, half) = search.delay(step);
-        found = Some((delay, half));
-        if half <= 0.3 * width || !half.is_finite() {
+        found = Some(delay);
+        if half <= 0.3 * width || width >= widest {
             break;
         }
         width *= 2.0;
     }
     let usable = pair.load.values.len();
-    found.map(|(delay, _)| delay).ok_or(SignalError::TooShort {
+    found.ok_or(SignalError::TooShort {
         name: "load".into(),
         found: usable,
         needed: LEAST_BLOCKS * least + 2 * (reach + 20.0 * LEAST_WIDTH).ceil() as usize,
