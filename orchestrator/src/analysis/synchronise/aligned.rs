@@ -237,7 +237,7 @@ impl Aligned {
         if delay.delay.is_none() {
             warnings.push(format!(
                 "these signals are not related: chance alone explains how far the torque follows the load (probability \
-                 {:.2}; below 0.01 they would count as related), so the torque is not shifted",
+                 {:.3}; below 0.005 they would count as related), so the torque is not shifted",
                 delay.chance
             ));
         } else if delay.at_edge {

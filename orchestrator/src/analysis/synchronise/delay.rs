@@ -57,7 +57,7 @@ const LEAST_BLOCKS: usize = 8;
 /// Student's degrees of freedom of the interval: half the blocks, since they do not tell equally much.
 const FREEDOM: f64 = 8.0;
 /// Signals count as related when unrelated ones seem so at most this often. Slowly wandering signals are less independent
-/// from block to block than the test takes them for, hence half of the 1 % that is stated.
+/// from block to block than the test takes them for, hence a quarter of the 2 % that are stated.
 const CHANCE: f64 = 0.005;
 /// The least deviation of the kernel in samples: the noise that it leaves depends on the shift by less than 1e-9.
 const LEAST_WIDTH: f64 = 1.5;
