@@ -1,5 +1,7 @@
 //! `synchronise`: from measured time series to criteria, and a page that shows how.
 
+mod mistake;
+mod recorded;
 mod settings;
 
 use std::path::Path;
@@ -12,7 +14,7 @@ use crate::report::recording;
 use crate::results::{ResultsError, write_atomically};
 use settings::Settings;
 
-pub use settings::SettingsError;
+pub use mistake::SettingsError;
 
 const NO_POWER: &str = "\n# No criterion on the friction power (torque times speed): for one, name the variable of the FMU\n\
     # in the settings, power = { variable = \"...\" }.\n";

@@ -20,13 +20,13 @@ const SHOWN: f64 = 1.0;
 struct Page {
     title: String,
     style: &'static str,
-    delay: [String; 3],
+    delay: Option<[String; 3]>,
     before: String,
     after: String,
     friction: [String; 2],
     smoothing: String,
     window: String,
-    parts: usize,
+    blocks: usize,
     warnings: Vec<String>,
     figures: Vec<Figure>,
     rows: Vec<Row>,
@@ -108,16 +108,18 @@ fn page(recording: &RigRecording, result: &Synchronised, title: &str, amplitudes
             include_str!("assets/plot.css"),
             include_str!("assets/report.css")
         ),
-        delay: [delay.delay.value, delay.delay.low, delay.delay.high].map(milliseconds),
-        before: per_cent(delay.before),
-        after: per_cent(delay.after),
+        delay: delay
+            .delay
+            .map(|d| [d.value, d.low, d.high].map(milliseconds)),
+        before: per_cent(result.friction_scatter[0]),
+        after: per_cent(result.friction_scatter[1]),
         friction: [
             number(result.mean_friction.value, 4),
             number(result.mean_friction.expanded(), 2),
         ],
         smoothing: recording.smoothing.to_string(),
         window: format!("{} … {} s", number(ends[0], 5), number(ends[1], 5)),
-        parts: delay.parts.len(),
+        blocks: delay.blocks,
         warnings: result.warnings.clone(),
         figures: figures(result),
         rows: result.findings.iter().filter(shown).map(row).collect(),
@@ -234,7 +236,7 @@ fn figures(result: &Synchronised) -> Vec<Figure> {
     signals.into_iter().flatten().collect()
 }
 
-/// The scatter of the friction coefficient by the delay, with the least and its interval.
+/// How much of the torque the load does not explain by the delay, with the least and its interval.
 fn search(result: &Synchronised) -> Option<Figure> {
     let (delays, scatter): (Vec<f64>, Vec<f64>) = result
         .delay
@@ -242,14 +244,16 @@ fn search(result: &Synchronised) -> Option<Figure> {
         .iter()
         .map(|(delay, scatter)| (1e3 * delay, 100.0 * scatter))
         .unzip();
-    let name = "Scatter of the friction coefficient by the delay";
-    let found = &result.delay.delay;
+    let name = "What the load does not explain of the torque, by the delay";
     let trace = Trace {
         class: "line",
         time: &delays,
         values: &scatter,
     };
     let marks = |frame: &Frame| {
+        let Some(found) = &result.delay.delay else {
+            return String::new();
+        };
         let at = |s: f64| frame.x.clamped(1e3 * s);
         let (low, high) = (at(found.low), at(found.high));
         format!(
@@ -265,7 +269,7 @@ fn search(result: &Synchronised) -> Option<Figure> {
         svg: plot(
             name,
             "torque later than load (ms)",
-            "standard deviation / mean (%)",
+            "unexplained part of the standard deviation (%)",
             &[trace],
             marks,
         )?,

@@ -449,6 +449,49 @@ fn mistakes_of_a_recording_are_named() {
     say("\"25 mm\"", "\"-25 mm\"").is_mistake(&["diameter must be positive"]);
 }
 
+/// Time stamps, units below the header, decimal commas, and no unit in the settings.
+#[test]
+fn a_recording_as_loggers_write_it() {
+    let bench = Bench::empty();
+    let mut text = String::from("t;F;M;T\n;kN;N.m;degC\n");
+    for row in recording().lines().skip(1) {
+        let cells: Vec<&str> = row.split(',').collect();
+        let k: u32 = cells[0].parse().unwrap();
+        let rest = cells[1..].join(";").replace('.', ",");
+        let (second, part) = (50 + k / 1000, k % 1000);
+        let (minute, second) = (59 + second / 60, second % 60);
+        let (hour, minute) = (23 + minute / 60, minute % 60);
+        let (day, hour) = (21 + hour / 24, hour % 24);
+        text +=
+            &format!("2026-11-{day}T{hour:02}:{minute:02}:{second:02}.{part:03}+01:00;{rest}\n");
+    }
+    bench.write("measured.csv", &text);
+    let settings = SETTINGS
+        .replace(", unit = \"ms\"", "")
+        .replace(" unit = \"kN\",", "");
+    bench.write("settings.toml", &settings.replace(" unit = \"degC\",", ""));
+    let run = [
+        "synchronise",
+        "measured.csv",
+        "--settings",
+        "settings.toml",
+        "--output",
+        "m",
+    ];
+    let said = bench.run(&run);
+    assert_eq!(said.code, 0, "{}", said.err);
+    let text = bench.read("m/criteria.toml");
+    assert!(text.contains("torque shifted by 12.30"), "{text}");
+    assert!(
+        text.contains("nominal = 750") && text.contains("unit = \"degC\""),
+        "{text}"
+    );
+    bench.write("settings.toml", &SETTINGS.replace("\"kN\"", "\"N\""));
+    bench
+        .run(&run)
+        .is_mistake(&["measured.csv: line 2", "`F` is in `kN`", "say `N`"]);
+}
+
 #[test]
 fn of_many_points_an_even_choice_and_the_best_are_read() {
     let bench = bench();

@@ -4,8 +4,8 @@ use super::delay::Delay;
 use super::signal::{Even, SignalError, Spline};
 use super::stationarity::{self, block_means, uncertainty_of_mean};
 use super::uncertainty::{MeasuredValue, from_bound, of_product};
-use super::{Accuracy, Channel, DerivedCriterion, RigRecording, Synchronised};
-use sampling::statistics::moments::mean;
+use super::{Accuracy, Channel, DerivedCriterion, RigRecording, Synchronised, turn};
+use sampling::statistics::moments::{mean, variance};
 
 /// The aligned signals over their common time.
 pub(super) struct Aligned {
@@ -34,7 +34,7 @@ impl Aligned {
         delay: Delay,
     ) -> Self {
         let (start, end) = late.span();
-        let shift = delay.delay.value;
+        let shift = delay.shift();
         let kept: Vec<usize> = (0..load.values.len())
             .filter(|&k| {
                 let t = load.start + k as f64 * load.step + shift;
@@ -45,16 +45,7 @@ impl Aligned {
             .iter()
             .map(|&k| load.start + k as f64 * load.step)
             .collect();
-        let turn = mean(
-            &recording
-                .speed
-                .values
-                .iter()
-                .copied()
-                .filter(|v| v.is_finite())
-                .collect::<Vec<_>>(),
-        );
-        let turn = (std::f64::consts::TAU / turn.abs() / load.step).round();
+        let turn = turn(recording).map_or(f64::NAN, |turn| (turn / load.step).round());
         let n = time.len();
         // Without a turning shaft any block is as good as another.
         let turn = if turn.is_finite() && turn >= 1.0 && turn < n as f64 / 8.0 {
@@ -150,9 +141,13 @@ impl Aligned {
                 of_product(v, &[parts.0, parts.1])
             })
             .measured;
-        let warnings = self.warnings(&findings);
+        let friction_before = friction(&self.torque_before);
+        let scatter = [&friction_before, &coefficient]
+            .map(|values| variance(values, 0).sqrt() / mean(values).abs());
+        let warnings = self.warnings(&findings, scatter);
         Ok(Synchronised {
-            friction_before: friction(&self.torque_before),
+            friction_before,
+            friction_scatter: scatter,
             friction: coefficient,
             power,
             mean_friction,
@@ -236,12 +231,18 @@ impl Aligned {
         }
     }
 
-    fn warnings(&self, findings: &[DerivedCriterion]) -> Vec<String> {
+    fn warnings(&self, findings: &[DerivedCriterion], [before, after]: [f64; 2]) -> Vec<String> {
         let mut warnings = Vec::new();
-        if self.delay.at_edge {
-            warnings.push("the least variance lies at the edge of the searched delays: it is no minimum; allow a longer delay".into());
-        }
-        if self.delay.after > 0.9 * self.delay.before {
+        let delay = &self.delay;
+        if delay.delay.is_none() {
+            warnings.push(format!(
+                "these signals are not related: chance alone explains how far the torque follows the load (probability \
+                 {:.3}; below 0.005 they would count as related), so the torque is not shifted",
+                delay.chance
+            ));
+        } else if delay.at_edge {
+            warnings.push("the greatest correlation lies at the edge of the searched delays: it is no maximum; allow a longer delay".into());
+        } else if after > 0.9 * before {
             warnings.push("the shift hardly reduces the variance of the friction coefficient: the record tells little about the delay".into());
         }
         for finding in findings.iter().filter(|f| f.statistic == "mean") {

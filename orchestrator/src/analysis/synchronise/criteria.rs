@@ -6,22 +6,24 @@ use std::fmt::Write as _;
 /// The `[criteria]` of a study, with the uncertainty budget as comments. The uncertainty is expanded
 /// (coverage factor 2); a recording cannot know how far the model may be off, so the tolerance is left to the user.
 pub fn to_toml(result: &Synchronised, amplitudes: bool) -> String {
-    let d = &result.delay.delay;
+    let shift = match &result.delay.delay {
+        Some(d) => format!(
+            "torque shifted by {:.3} ms ({:.3} to {:.3} ms, 95 %)",
+            1e3 * d.value,
+            1e3 * d.low,
+            1e3 * d.high
+        ),
+        None => "torque not shifted".to_owned(),
+    };
+    let [before, after] = result.friction_scatter.map(|part| 100.0 * part);
+    let friction = result.mean_friction;
     let mut out = format!(
-        "# From measured signals: torque shifted by {:.3} ms ({:.3} to {:.3} ms), which leaves {:.2} % scatter of\n\
-         # the friction coefficient (before: {:.2} %). Friction coefficient {} +- {} (k = 2).\n\
+        "# From measured signals: {shift}, which leaves {after:.2} % scatter of\n\
+         # the friction coefficient (before: {before:.2} %). Friction coefficient {} +- {} (k = 2).\n\
          # Uncertainties are expanded (k = 2) after the GUM. Add the tolerances: how far the model may be from the true\n\
          # values.\n",
-        1e3 * d.value,
-        1e3 * d.low,
-        1e3 * d.high,
-        100.0 * result.delay.after,
-        100.0 * result.delay.before,
-        rounded(result.mean_friction.value, result.mean_friction.expanded()),
-        rounded(
-            result.mean_friction.expanded(),
-            result.mean_friction.expanded()
-        ),
+        rounded(friction.value, friction.expanded()),
+        rounded(friction.expanded(), friction.expanded()),
     );
     for warning in &result.warnings {
         let _ = writeln!(out, "# Note: {warning}.");

@@ -2,15 +2,19 @@
 //! its uncertainty (section 5.1 of Vrublevskyi & Skonieczna, and beyond it).
 
 mod aligned;
+mod clean;
 pub mod criteria;
 pub mod delay;
+mod kernel;
 pub mod signal;
 pub mod smooth;
 pub mod stationarity;
 pub mod uncertainty;
 
 use aligned::Aligned;
-use delay::Delay;
+use clean::{Cleaned, clean};
+use delay::{Delay, Pair};
+use sampling::statistics::moments::mean;
 use signal::{Even, SignalError, Spline};
 use smooth::Smoothing;
 use stationarity::Stationarity;
@@ -128,6 +132,8 @@ pub struct Synchronised {
     pub torque_before: Vec<f64>,
     /// The smoothed torque, shifted, N.m.
     pub torque: Vec<f64>,
+    /// Relative standard deviation of the friction coefficient before the shift and after it.
+    pub friction_scatter: [f64; 2],
     /// The friction coefficient before the shift.
     pub friction_before: Vec<f64>,
     /// The friction coefficient after the shift.
@@ -152,14 +158,15 @@ pub fn synchronise(recording: &RigRecording) -> Result<Synchronised, SignalError
     check(recording)?;
     let kept = window(recording);
     let time: Vec<f64> = kept.iter().map(|&k| recording.time[k]).collect();
-    let spline = |channel: &Channel| {
-        let values: Vec<f64> = kept.iter().map(|&k| channel.values[k]).collect();
-        Spline::new(&channel.name, &time, &values, LONGEST_GAP)
-    };
+    let cleaned =
+        |channel: &Channel| clean(&kept.iter().map(|&k| channel.values[k]).collect::<Vec<_>>());
+    let spline = |name: &str, values: &[f64]| Spline::new(name, &time, values, LONGEST_GAP);
+    let [clean_load, clean_torque] = [&recording.load, &recording.torque].map(cleaned);
+    let speed: Vec<f64> = kept.iter().map(|&k| recording.speed.values[k]).collect();
     let (load, torque, speed) = (
-        spline(&recording.load)?,
-        spline(&recording.torque)?,
-        spline(&recording.speed)?,
+        spline(&recording.load.name, &clean_load.values)?,
+        spline(&recording.torque.name, &clean_torque.values)?,
+        spline(&recording.speed.name, &speed)?,
     );
     let start = load.span().0.max(torque.span().0);
     let end = load.span().1.min(torque.span().1);
@@ -173,15 +180,75 @@ pub fn synchronise(recording: &RigRecording) -> Result<Synchronised, SignalError
     };
     let raw = (even(&load), even(&torque));
     let (load, torque) = (smooth(&raw.0)?, smooth(&raw.1)?);
+    if load.values.contains(&0.0) {
+        return Err(SignalError::Setting(
+            "the load passes through zero: M/F_N has no meaning there".into(),
+        ));
+    }
+    let pair = Pair {
+        load: &load,
+        torque: &torque,
+        load_good: &good(&clean_load, &time, &load),
+        torque_good: &good(&clean_torque, &time, &load),
+    };
+    let turn = turn(recording).filter(|turn| *turn < (end - start) / 20.0);
+    let delay = delay::find(pair, recording.longest_delay, turn)?;
     let late = Spline::new(
         &recording.torque.name,
         &torque.times(),
         &torque.values,
         LONGEST_GAP,
     )?;
-    let delay = delay::find(&load, &late, recording.longest_delay)?;
-    Aligned::new(recording, raw, &load, &late, even(&speed), delay)
-        .finish(recording, |c| Ok(even(&spline(c)?)))
+    let mut notes = concerns(&recording.load, &clean_load);
+    notes.extend(concerns(&recording.torque, &clean_torque));
+    for channel in &recording.others {
+        notes.extend(concerns(channel, &cleaned(channel)));
+    }
+    let mut result = Aligned::new(recording, raw, &load, &late, even(&speed), delay)
+        .finish(recording, |c| {
+            Ok(even(&spline(&c.name, &cleaned(c).values)?))
+        })?;
+    result.warnings.extend(notes);
+    Ok(result)
+}
+
+/// The time of a turn of the shaft, s; `None` where it does not turn.
+fn turn(recording: &RigRecording) -> Option<f64> {
+    let speed = recording.speed.values.iter().copied();
+    let speed: Vec<f64> = speed.filter(|v| v.is_finite()).collect();
+    let turn = std::f64::consts::TAU / mean(&speed).abs();
+    turn.is_finite().then_some(turn)
+}
+
+/// Which samples of an even signal lie next to none that is clipped.
+fn good(cleaned: &Cleaned, time: &[f64], even: &Even) -> Vec<bool> {
+    let near = |t: f64| {
+        let next = time.partition_point(|&known| known < t - even.step / 2.0);
+        let around = next.saturating_sub(1)..(next + 2).min(time.len());
+        !cleaned.clipped[around].contains(&true)
+    };
+    even.times().into_iter().map(near).collect()
+}
+
+/// What was found in a signal that its reader must know.
+fn concerns(channel: &Channel, cleaned: &Cleaned) -> Vec<String> {
+    let (name, spikes) = (&channel.name, cleaned.spikes);
+    let mut concerns = Vec::new();
+    if spikes > 0 {
+        concerns.push(format!(
+            "{spikes} of {} samples of {name} are spikes and were left out (more than 6 robust standard deviations, and \
+             a tenth of the range, from the median of the 7 samples around)",
+            cleaned.values.len()
+        ));
+    }
+    if cleaned.clipped_count() > 0 {
+        let part = 100.0 * cleaned.clipped_count() as f64 / cleaned.values.len() as f64;
+        concerns.push(format!(
+            "{name} is clipped: {part:.2} % of its samples stand at an end of the range; they do not count for the \
+             delay, but mean and amplitude of {name} lack what was cut off: measure with a wider range"
+        ));
+    }
+    concerns
 }
 
 fn check(recording: &RigRecording) -> Result<(), SignalError> {

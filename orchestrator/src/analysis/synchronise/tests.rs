@@ -85,7 +85,7 @@ fn recording(creep: f64) -> RigRecording {
 #[test]
 fn a_record_becomes_criteria() {
     let s = synchronise(&recording(0.0)).unwrap();
-    assert!((s.delay.delay.value - 0.016).abs() < 1e-4, "{:?}", s.delay);
+    assert!((s.delay.shift() - 0.016).abs() < 1e-4, "{:?}", s.delay);
     assert!(s.warnings.is_empty(), "{:?}", s.warnings);
     let [load, torque, power, oil, swing, _] = s.findings.as_slice() else {
         panic!("{:?}", s.findings)
@@ -154,4 +154,38 @@ fn the_text_is_a_table_of_criteria() {
         ]
     );
     assert!(text.contains("torque shifted by 1"), "{text}");
+}
+
+/// 0.5 % of the samples far off, and the load cut off at the top: the delay stays, and both are said.
+#[test]
+fn spikes_and_clipping_are_said_and_do_not_move_the_delay() {
+    let mut r = recording(0.0);
+    let mut random = StdRng::seed_from_u64(5);
+    for k in 0..30_000 {
+        r.load.values[k] = r.load.values[k].min(1050.0);
+        if random.random::<f64>() < 0.005 {
+            r.torque.values[k] += 4.0;
+        }
+    }
+    let s = synchronise(&r).unwrap();
+    assert!(
+        (s.delay.shift() - 0.016).abs() < 2e-4,
+        "{:?}",
+        s.delay.delay
+    );
+    let said = s.warnings.join("\n");
+    assert!(said.contains("samples of M are spikes"), "{said}");
+    assert!(said.contains("F_N is clipped"), "{said}");
+}
+
+#[test]
+fn signals_that_are_not_related_are_not_shifted() {
+    let mut r = recording(0.0);
+    let mut random = StdRng::seed_from_u64(6);
+    let noise = r.torque.values.iter_mut();
+    noise.for_each(|m| *m = 0.44 + 0.02 * random.sample::<f64, _>(StandardNormal));
+    let s = synchronise(&r).unwrap();
+    assert_eq!(s.delay.delay, None);
+    assert!(s.warnings[0].contains("not related"), "{:?}", s.warnings);
+    assert!(criteria::to_toml(&s, false).contains("torque not shifted"));
 }

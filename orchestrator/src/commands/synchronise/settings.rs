@@ -1,61 +1,15 @@
 //! The settings file of `synchronise`: the columns of a recording and their treatment.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde::Deserialize;
-use thiserror::Error;
 
-use crate::analysis::synchronise::signal::SignalError;
 use crate::analysis::synchronise::smooth::Smoothing;
 use crate::analysis::synchronise::{Accuracy, Channel, Derived, RigRecording};
-use crate::names::{did_you_mean, nearest};
 use crate::study::Quantity;
-use crate::table::csv_file::{self, CsvFile, reason};
 
-/// Why a recording cannot be used.
-#[derive(Debug, Error)]
-pub enum SettingsError {
-    /// A file cannot be read.
-    #[error("{path}: {}", crate::files::reason(path, .source))]
-    Io {
-        /// The file.
-        path: PathBuf,
-        /// The operating system's message.
-        source: std::io::Error,
-    },
-    /// The settings are no TOML, or not these settings.
-    #[error("{path}: {message}")]
-    Toml {
-        /// The file.
-        path: PathBuf,
-        /// The problem, with line and column.
-        message: String,
-    },
-    /// The recording is no table.
-    #[error("{path}: {}", reason(path, .source))]
-    Csv {
-        /// The file.
-        path: PathBuf,
-        /// The problem.
-        source: csv::Error,
-    },
-    /// A column, a unit or a number does not fit.
-    #[error("{path}: {message}")]
-    Content {
-        /// The file.
-        path: PathBuf,
-        /// The problem.
-        message: String,
-    },
-    /// The signals cannot be used.
-    #[error("{path}: {source}")]
-    Signal {
-        /// The recording.
-        path: PathBuf,
-        /// The problem.
-        source: SignalError,
-    },
-}
+use super::mistake::SettingsError;
+use super::recorded::RecordedTable;
 
 /// The settings of a recording.
 #[derive(Debug, Deserialize)]
@@ -100,7 +54,7 @@ struct Signal {
     column: String,
     name: Option<String>,
     variable: String,
-    unit: String,
+    unit: Option<String>,
     accuracy: Quantity,
     group: Option<String>,
 }
@@ -110,7 +64,7 @@ struct Signal {
 struct Speed {
     column: Option<String>,
     value: Option<f64>,
-    unit: String,
+    unit: Option<String>,
     accuracy: Quantity,
 }
 
@@ -153,39 +107,45 @@ impl Settings {
         own: &Path,
         measured: &Path,
     ) -> Result<RigRecording, SettingsError> {
-        let table = RecordedTable::read(measured)?;
+        let table = RecordedTable::read(measured, &self.time.column)?;
         let wrong = |message: String| SettingsError::Content {
             path: own.to_owned(),
             message,
         };
-        let column = |name: &str| table.column(name);
-        let time_scale = scale(self.time.unit.as_deref().unwrap_or("s"), TIME).map_err(wrong)?;
-        let time: Vec<f64> = column(&self.time.column)?
-            .iter()
-            .map(|t| t * time_scale)
-            .collect();
+        let time = self.times(&table, own)?;
         let rows = time.len();
         let signal = |signal: &Signal, name: &str, known: &[(&str, f64)], si: Option<&str>| {
+            let unit = table.unit(&signal.column, signal.unit.as_deref())?;
             let factor = if si.is_some() {
-                scale(&signal.unit, known).map_err(wrong)?
+                scale(&unit, known).map_err(wrong)?
             } else {
                 1.0
             };
+            let values = table.column(&signal.column)?.values.iter();
             Ok::<_, SettingsError>(Channel {
                 name: signal.name.clone().unwrap_or_else(|| name.to_owned()),
                 variable: signal.variable.clone(),
-                unit: si.map_or_else(|| signal.unit.clone(), str::to_owned),
-                values: column(&signal.column)?.iter().map(|v| v * factor).collect(),
-                accuracy: accuracy(&signal.accuracy, &signal.unit, factor).map_err(wrong)?,
+                values: values.map(|v| v * factor).collect(),
+                accuracy: accuracy(&signal.accuracy, &unit, factor).map_err(wrong)?,
+                unit: si.map_or(unit, str::to_owned),
                 group: signal.group.clone(),
             })
         };
-        let turns = scale(&self.speed.unit, SPEED).map_err(wrong)?;
-        let speed = match (&self.speed.column, self.speed.value) {
-            (Some(name), None) => column(name)?.iter().map(|v| v * turns).collect(),
-            (None, Some(value)) => vec![value * turns; rows],
+        let own_unit = self.speed.unit.as_deref();
+        let (unit, values) = match (&self.speed.column, self.speed.value) {
+            (Some(name), None) => (
+                table.unit(name, own_unit)?,
+                table.column(name)?.values.clone(),
+            ),
+            (None, Some(value)) => {
+                let missing = || wrong("[speed] needs the `unit` of its value".to_owned());
+                (own_unit.ok_or_else(missing)?.to_owned(), vec![value; rows])
+            }
             _ => return Err(wrong("[speed] needs either a column or a value".to_owned())),
         };
+        let turns = scale(&unit, SPEED).map_err(wrong)?;
+        let speed: Vec<f64> = values.into_iter().map(|v| v * turns).collect();
+        let speed_accuracy = accuracy(&self.speed.accuracy, &unit, turns).map_err(wrong)?;
         let others = self
             .signals
             .iter()
@@ -204,7 +164,7 @@ impl Settings {
                 variable: String::new(),
                 unit: "rad/s".to_owned(),
                 values: speed,
-                accuracy: accuracy(&self.speed.accuracy, &self.speed.unit, turns).map_err(wrong)?,
+                accuracy: speed_accuracy,
                 group: None,
             },
             power: self.power.as_ref().map(|power| Derived {
@@ -223,6 +183,25 @@ impl Settings {
             confidence: self.confidence.unwrap_or(0.99),
             time,
         })
+    }
+
+    /// The times of the rows, s; time stamps count from the first one.
+    fn times(&self, table: &RecordedTable, own: &Path) -> Result<Vec<f64>, SettingsError> {
+        let name = &self.time.column;
+        let column = table.column(name)?;
+        if column.stamps {
+            return Ok(column.values.clone());
+        }
+        let wanted = self.time.unit.as_deref();
+        let unit = match (wanted, &column.unit) {
+            (None, None) => "s".to_owned(),
+            _ => table.unit(name, wanted)?,
+        };
+        let factor = scale(&unit, TIME).map_err(|message| SettingsError::Content {
+            path: own.to_owned(),
+            message,
+        })?;
+        Ok(column.values.iter().map(|t| t * factor).collect())
     }
 }
 
@@ -263,52 +242,5 @@ fn accuracy(quantity: &Quantity, unit: &str, factor: f64) -> Result<Accuracy, St
         Some(own) => Err(format!(
             "the accuracy `{quantity}` must be in {unit} or %, not in {own}"
         )),
-    }
-}
-
-/// A recording's columns by name.
-struct RecordedTable {
-    path: PathBuf,
-    columns: Vec<(String, Vec<f64>)>,
-}
-
-impl RecordedTable {
-    fn read(path: &Path) -> Result<Self, SettingsError> {
-        let failed = |source| SettingsError::Csv {
-            path: path.to_owned(),
-            source,
-        };
-        let mut file = CsvFile::open(path, None).map_err(failed)?;
-        let header = file.reader.headers().map_err(failed)?.clone();
-        let mut columns: Vec<(String, Vec<f64>)> = header
-            .iter()
-            .map(|name| name.trim_start_matches('\u{feff}'))
-            .map(|name| (csv_file::text(name).to_owned(), Vec::new()))
-            .collect();
-        let mut record = csv::StringRecord::new();
-        while file.reader.read_record(&mut record).map_err(failed)? {
-            for ((_, column), cell) in columns.iter_mut().zip(&record) {
-                // An empty or unreadable cell is a sample that is missing.
-                column.push(file.number(cell).unwrap_or(f64::NAN));
-            }
-        }
-        Ok(Self {
-            path: path.to_owned(),
-            columns,
-        })
-    }
-
-    fn column(&self, name: &str) -> Result<&[f64], SettingsError> {
-        let found = self.columns.iter().find(|(known, _)| known == name);
-        found.map(|(_, values)| values.as_slice()).ok_or_else(|| {
-            let names = self.columns.iter().map(|(known, _)| known.as_str());
-            SettingsError::Content {
-                path: self.path.clone(),
-                message: format!(
-                    "there is no column `{name}`{}",
-                    did_you_mean(nearest(name, names))
-                ),
-            }
-        })
     }
 }

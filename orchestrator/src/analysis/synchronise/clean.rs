@@ -1,0 +1,185 @@
+//! Spikes and clipped samples of a recorded signal.
+
+/// A signal without its spikes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cleaned {
+    /// The samples; not a number where there was a spike.
+    pub values: Vec<f64>,
+    /// How many spikes were left out.
+    pub spikes: usize,
+    /// Which samples stand at the end of the sensor's range.
+    pub clipped: Vec<bool>,
+}
+
+impl Cleaned {
+    /// How many samples are clipped.
+    pub fn clipped_count(&self) -> usize {
+        self.clipped.iter().filter(|&&clipped| clipped).count()
+    }
+}
+
+/// Samples to either side of one whose median it is compared with: spikes may be three samples long.
+const AROUND: usize = 3;
+/// A spike is this many robust standard deviations from the median around it ...
+const DEVIATIONS: f64 = 6.0;
+/// ... and this part of the signal's range between the percentiles 5 and 95: the peaks of a smooth signal are none.
+const PART: f64 = 0.1;
+
+/// Finds spikes by Hampel's identifier (Hampel 1974; Davies and Gather 1993, "The identification of multiple outliers", J.
+/// Am. Stat. Assoc. 88), with one scale for the whole record, and clipped samples by an end of the range that is taken
+/// much more often than the level next to it, by samples side by side.
+pub fn clean(values: &[f64]) -> Cleaned {
+    let known: Vec<usize> = (0..values.len())
+        .filter(|&k| values[k].is_finite())
+        .collect();
+    let samples: Vec<f64> = known.iter().map(|&k| values[k]).collect();
+    let mut cleaned = Cleaned {
+        values: values.to_vec(),
+        spikes: 0,
+        clipped: vec![false; values.len()],
+    };
+    if samples.len() <= 2 * AROUND {
+        return cleaned;
+    }
+    let off: Vec<f64> = (0..samples.len())
+        .map(|k| samples[k] - median_around(&samples, k))
+        .collect();
+    let ordered = sorted(samples.iter().copied());
+    // Of a sample's distance from the middle of its neighbours, noise is 1.2 standard deviations and a slope nothing.
+    let bends = samples
+        .windows(3)
+        .map(|w| (w[1] - (w[0] + w[2]) / 2.0).abs());
+    // The median of the sizes is 0.6745 standard deviations of normal noise.
+    let scale = at_part(&sorted(bends), 0.5) / (0.674_489_75 * 1.5_f64.sqrt());
+    let range = at_part(&ordered, 0.95) - at_part(&ordered, 0.05);
+    let least = (DEVIATIONS * scale).max(PART * range);
+    for (&place, off) in known.iter().zip(&off) {
+        if range > 0.0 && off.abs() > least {
+            cleaned.values[place] = f64::NAN;
+            cleaned.spikes += 1;
+        }
+    }
+    let rest = sorted(cleaned.values.iter().copied().filter(|v| v.is_finite()));
+    let ends = [
+        clipping_level(rest.iter()),
+        clipping_level(rest.iter().rev()),
+    ];
+    for end in ends.into_iter().flatten() {
+        let there: Vec<bool> = cleaned.values.iter().map(|value| *value == end).collect();
+        let pairs = there.windows(2).filter(|w| w[0] && w[1]).count();
+        // A signal that repeats itself has equal peaks, but no two of them side by side.
+        if 4 * pairs >= there.iter().filter(|&&there| there).count() {
+            cleaned
+                .clipped
+                .iter_mut()
+                .zip(there)
+                .for_each(|(clipped, there)| *clipped |= there);
+        }
+    }
+    cleaned
+}
+
+fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut sorted: Vec<f64> = values.collect();
+    sorted.sort_by(f64::total_cmp);
+    sorted
+}
+
+fn at_part(sorted: &[f64], part: f64) -> f64 {
+    sorted[((sorted.len() - 1) as f64 * part).round() as usize]
+}
+
+/// The median of as many samples on either side; the first and the last sample are their own.
+fn median_around(samples: &[f64], place: usize) -> f64 {
+    let around = AROUND.min(place).min(samples.len() - 1 - place);
+    let mut window = samples[place - around..=place + around].to_vec();
+    window.sort_by(f64::total_cmp);
+    window[around]
+}
+
+/// The first level, if so many samples stand at it that the signal must have been cut there.
+fn clipping_level<'a>(ordered: impl ExactSizeIterator<Item = &'a f64>) -> Option<f64> {
+    const LEAST: usize = 5;
+    const TIMES: usize = 4;
+    let all = ordered.len();
+    let (mut levels, mut counts) = (Vec::new(), Vec::new());
+    for &value in ordered {
+        if levels.last() != Some(&value) {
+            if levels.len() == 2 {
+                break;
+            }
+            levels.push(value);
+            counts.push(0);
+        }
+        *counts.last_mut()? += 1;
+    }
+    let [first, second] = counts[..] else {
+        return None;
+    };
+    let many = first >= LEAST.max(all / 1000) && first > TIMES * second;
+    many.then(|| levels[0])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng, rngs::StdRng};
+    use rand_distr::StandardNormal;
+    use std::f64::consts::TAU;
+
+    fn signal(noise: f64) -> Vec<f64> {
+        let mut random = StdRng::seed_from_u64(3);
+        let wave = |k: u32| 1.0 + 0.6 * (TAU * f64::from(k) / 40.0).sin();
+        (0..4000)
+            .map(|k| wave(k) + noise * random.sample::<f64, _>(StandardNormal))
+            .collect()
+    }
+
+    #[test]
+    fn a_clean_signal_stays() {
+        for noise in [0.0, 0.001, 0.05, 0.2] {
+            let values = signal(noise);
+            let cleaned = clean(&values);
+            assert_eq!((cleaned.spikes, cleaned.clipped_count()), (0, 0), "{noise}");
+            assert_eq!(cleaned.values, values);
+        }
+        // Steps are no spikes, and a constant has neither spikes nor a range.
+        let steps: Vec<f64> = (0..400)
+            .map(|k| f64::from(k / 20 % 2) + 0.01 * f64::from(k % 7))
+            .collect();
+        assert_eq!(clean(&steps).spikes, 0);
+        assert_eq!(clean(&[3.0; 50]).clipped_count(), 0);
+        // A turn of whole samples repeats its peaks exactly.
+        let coarse: Vec<f64> = signal(0.0)
+            .iter()
+            .map(|v| (v * 50.0).round() / 50.0)
+            .collect();
+        assert_eq!(clean(&coarse).clipped_count(), 0);
+    }
+
+    #[test]
+    fn spikes_are_left_out() {
+        let mut values = signal(0.05);
+        for place in [1, 100, 101, 102, 1500, 3998] {
+            values[place] += 4.0;
+        }
+        values[700] = -5.0;
+        values[800] = f64::NAN;
+        let cleaned = clean(&values);
+        assert_eq!(cleaned.spikes, 7);
+        let missing = cleaned.values.iter().filter(|v| v.is_nan()).count();
+        assert_eq!(missing, 8);
+        assert!(cleaned.values[101].is_nan() && cleaned.values[700].is_nan());
+    }
+
+    #[test]
+    fn clipped_samples_are_known_at_either_end() {
+        for sign in [1.0, -1.0] {
+            let values: Vec<f64> = signal(0.05).iter().map(|v| sign * v.min(1.45)).collect();
+            let cleaned = clean(&values);
+            let expected = values.iter().filter(|&&v| v == sign * 1.45).count();
+            assert!(expected > 400);
+            assert_eq!((cleaned.clipped_count(), cleaned.spikes), (expected, 0));
+        }
+    }
+}
