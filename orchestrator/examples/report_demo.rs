@@ -154,6 +154,7 @@ fn history() -> Vec<Series> {
         .collect();
     vec![
         Series {
+            measured: None,
             name: "sensor.loadForce".into(),
             unit: "N".into(),
             time: time.clone(),
@@ -161,6 +162,7 @@ fn history() -> Vec<Series> {
             accepted: Some([697.5, 802.5]),
         },
         Series {
+            measured: None,
             name: "sensor.bearingTemperature".into(),
             unit: "degC".into(),
             time,

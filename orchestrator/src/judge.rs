@@ -1,5 +1,6 @@
 //! Which points agree with the measurement.
 
+mod curve;
 mod requirements;
 
 pub(crate) use requirements::share;
@@ -12,10 +13,11 @@ use toml::Spanned;
 use crate::names::did_you_mean;
 use crate::study::plan::find;
 use crate::study::quantity::{Scale, Sense};
-use crate::study::{BOTH_SIDES, CriterionText, Quantity, Study, StudyError};
+use crate::study::{BOTH_SIDES, CriterionText, Name, Quantity, Study, StudyError};
 use conformity::decision::Rule;
 use conformity::measured::{Measured, Measurement, Uncertainty};
 use conformity::risk::Guard;
+use curves::Metric;
 use fmu_import::Description;
 use sampling::statistics::Statistic;
 
@@ -28,6 +30,10 @@ pub struct Criterion {
     pub variable: String,
     /// Statistic that turns the signal into one number.
     pub statistic: Statistic,
+    /// How a whole curve is compared, in place of a statistic. The value is 0 or 1 then for equal curves, and so is the
+    /// measured value.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub metric: Option<Metric>,
     /// The unit of the numbers.
     pub unit: Option<String>,
     /// The measured value.
@@ -51,6 +57,12 @@ impl Criterion {
             tolerance: self.tolerance,
             uncertainty: self.uncertainty,
         }
+    }
+
+    /// Where its value comes from, such as "mean of sensor.loadForce".
+    pub fn source(&self) -> String {
+        let label = self.metric.map_or(self.statistic.label(), Metric::label);
+        format!("{label} of {}", self.variable)
     }
 
     /// Whether a value agrees with the measurement; the limits themselves do.
@@ -139,9 +151,10 @@ impl Judge {
                     .map_err(|message| at_name(study, name, &message))?,
                 _ => Scale::alone(text.unit.as_deref()),
             };
-            let mut criterion = criterion(name.as_ref(), text, &scale)
-                .map_err(|message| at_name(study, name, &message))?;
-            criterion.uncertainty = requirements::uncertainty(study, name, text, &scale)?;
+            let criterion = match text.reference {
+                Some(_) => curve::criterion(study, name, text, &scale)?,
+                None => scalar(study, name, text, &scale)?,
+            };
             judge.add_to_group(criterion.group.as_deref());
             judge.criteria.push(criterion);
             scales.push(scale);
@@ -174,8 +187,13 @@ impl Judge {
                 let Some(text) = study.criteria.get(criterion.as_ref().as_str()) else {
                     continue;
                 };
-                tolerances[number] = tolerance(quantity, &text.nominal, &scales[number])
-                    .map_err(|message| at_name(study, criterion, &message))?;
+                let scale = &scales[number];
+                let found = match &text.nominal {
+                    Some(nominal) => tolerance(quantity, nominal, scale),
+                    None => curve::variant(quantity, text, scale),
+                };
+                tolerances[number] =
+                    found.map_err(|message| at_name(study, criterion, &message))?;
             }
             self.variants.push(Variant {
                 name: name.clone(),
@@ -271,22 +289,53 @@ fn at_name(study: &Study, name: &Spanned<String>, message: &str) -> StudyError {
     study.error_at(name, format!("{}: {message}", name.as_ref()))
 }
 
-fn criterion(name: &str, text: &CriterionText, scale: &Scale<'_>) -> Result<Criterion, String> {
-    let nominal = scale.number(&text.nominal, Sense::Value)?;
+/// The criterion on one number.
+fn scalar(
+    study: &Study,
+    name: &Name,
+    text: &CriterionText,
+    scale: &Scale<'_>,
+) -> Result<Criterion, StudyError> {
+    curve::refuse_keys(study, name, text)?;
+    let (stated, accuracy) = match (&text.nominal, &text.tolerance) {
+        (Some(nominal), Some(tolerance)) => (nominal, tolerance),
+        (None, _) => {
+            let message =
+                "the measured value is missing: add `nominal`, or `reference` for a curve";
+            return Err(at_name(study, name, message));
+        }
+        (_, None) => {
+            let message = "the accuracy is missing: add `tolerance`, such as \"0.5 %\"";
+            return Err(at_name(study, name, message));
+        }
+    };
+    let criterion = criterion(name.as_ref(), text, [stated, accuracy], scale);
+    let mut criterion = criterion.map_err(|message| at_name(study, name, &message))?;
+    criterion.uncertainty = requirements::uncertainty(study, name, text, stated, scale)?;
+    Ok(criterion)
+}
+
+fn criterion(
+    name: &str,
+    text: &CriterionText,
+    [measured, accuracy]: [&Quantity; 2],
+    scale: &Scale<'_>,
+) -> Result<Criterion, String> {
+    let nominal = scale.number(measured, Sense::Value)?;
     if !nominal.is_finite() {
         return Err(format!(
-            "the nominal value {} is not a finite number",
-            text.nominal
+            "the nominal value {measured} is not a finite number"
         ));
     }
     Ok(Criterion {
         name: name.to_owned(),
         variable: text.variable.as_ref().clone(),
-        statistic: text.statistic,
+        statistic: text.statistic.unwrap_or_default(),
+        metric: None,
         unit: scale.unit.clone(),
         nominal,
-        tolerance: tolerance(&text.tolerance, &text.nominal, scale)?,
-        stated_tolerance: stated(&text.tolerance, &text.nominal, scale),
+        tolerance: tolerance(accuracy, measured, scale)?,
+        stated_tolerance: stated(accuracy, measured, scale),
         uncertainty: None,
         group: text.group.clone(),
     })

@@ -4,6 +4,7 @@
 //! else it is replaced. The first point on a used instance runs on a fresh one too: an FMU that forgets
 //! to reset something is found out, and gets a fresh instance for every point from then on.
 
+mod collector;
 mod steps;
 mod watched;
 mod windows;
@@ -16,7 +17,6 @@ use crate::notices::Notices;
 use crate::task::Task;
 use fmu_import::{Call, Content, End, Instance, Library, State, Warnings};
 use sampling::statistics::Accumulator;
-use sampling::statistics::Statistic;
 use watched::Watched;
 
 /// Runs points, reusing the instance where the FMU can be reset.
@@ -87,8 +87,7 @@ impl Drop for Held {
 impl Runner {
     /// A runner of points of this task.
     pub fn new(library: Arc<Library>, task: Task) -> Self {
-        let over_time = (0..task.observed.len())
-            .filter(|&index| task.observed[index].statistic != Statistic::Final);
+        let over_time = (0..task.observed.len()).filter(|&index| !task.observed[index].is_final());
         let (probes, slow): (Vec<_>, Vec<_>) =
             over_time.partition(|&index| task.observed[index].handle.content == Content::Real);
         Self {
@@ -388,12 +387,12 @@ impl Runner {
         let from = points.from(self.task.schedule.window_start);
         let before = self.advance::<false>(instance, &points, 0..from);
         before.map_err(before_the_window)?;
-        self.watch(instance, 0.0)?;
+        self.watch(instance, points.at(from), 0.0)?;
         let steps = self.advance::<true>(instance, &points, from..points.steps);
         let mut stop = points.at(points.steps);
         if let Some(end) = self.until_its_end(steps)? {
             // The part of a step that was computed counts, too.
-            self.watch(instance, end.at - end.from)?;
+            self.watch(instance, end.from, end.at - end.from)?;
             stop = end.at;
         }
         self.finish(instance, stop - points.at(from))
@@ -409,22 +408,25 @@ impl Runner {
 
     fn forget(&mut self) {
         let watched = &mut self.watched;
-        let watched = watched.probes.iter().zip(&mut watched.accumulators);
-        let slow = self.slow.iter_mut();
-        for (index, accumulator) in watched.chain(slow.map(|(index, slow)| (&*index, slow))) {
+        for (index, collector) in watched.probes.iter().zip(&mut watched.collectors) {
+            collector.restart(&self.task.observed[*index]);
+        }
+        for (index, accumulator) in &mut self.slow {
             *accumulator = Accumulator::new(self.task.observed[*index].statistic);
         }
     }
 
     /// The results, with the statistics taken over `span` seconds.
     fn finish(&mut self, instance: &mut Instance, span: f64) -> Result<(), Call> {
-        let watched = self.watched.probes.iter().zip(&self.watched.accumulators);
-        let slow = self.slow.iter().map(|(index, slow)| (index, slow));
-        for (index, accumulator) in watched.chain(slow) {
+        let watched = &mut self.watched;
+        for (index, collector) in watched.probes.iter().zip(&mut watched.collectors) {
+            self.results[*index] = collector.result(span);
+        }
+        for (index, accumulator) in &self.slow {
             self.results[*index] = accumulator.result(span);
         }
         for (probe, result) in self.task.observed.iter().zip(&mut self.results) {
-            if probe.statistic == Statistic::Final {
+            if probe.is_final() {
                 *result = probe.read(instance)?;
             }
         }

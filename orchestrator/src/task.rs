@@ -1,8 +1,10 @@
 //! The simulation of a point in the FMU's own terms: plain data that can be sent to
 //! another process.
 
+mod curve;
 mod schedule;
 
+pub use curve::{Delay, MeasuredCurve};
 pub use schedule::{CommunicationPoints, Schedule};
 
 use serde::{Deserialize, Serialize};
@@ -104,6 +106,16 @@ pub struct Probe {
     /// From when to when the statistic is taken, s, where that is not the schedule's window.
     #[serde(default)]
     pub window: Option<[f64; 2]>,
+    /// The measured curve with which the whole signal is compared; no statistic is taken then.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub curve: Option<Box<MeasuredCurve>>,
+}
+
+impl Probe {
+    /// Whether only the value at the end is asked for.
+    pub fn is_final(&self) -> bool {
+        self.statistic == Statistic::Final && self.curve.is_none()
+    }
 }
 
 impl Slot {

@@ -1,5 +1,8 @@
 //! A signal's values at given times, taken while it is computed.
 
+/// How much too late a signal may begin and too early end, as a part of the time: rounding.
+const SLACK: f64 = 1e-9;
+
 /// Takes a signal's values at given times as it comes along, in memory for these values only. Between the signal's own
 /// times it is a straight line.
 #[derive(Clone, Debug)]
@@ -49,13 +52,44 @@ impl Sampler {
         self.add_all(std::iter::once((time, value)));
     }
 
+    /// Takes the values at the ends of steps: every `stride`th one of `values`, from the first on, one a step. Steps among
+    /// which no sample lies cost next to nothing.
+    ///
+    /// # Panics
+    /// When there are fewer values or sizes than begins.
+    pub fn add_steps(&mut self, begins: &[f64], sizes: &[f64], values: &[f64], stride: usize) {
+        let Some(last) = begins.len().checked_sub(1) else {
+            return;
+        };
+        let end = begins[last] + sizes[last];
+        if end < self.next {
+            self.last = [end, values[last * stride]];
+            return;
+        }
+        for (step, (begin, size)) in begins.iter().zip(sizes).enumerate() {
+            let (time, value) = (begin + size, values[step * stride]);
+            if time >= self.next {
+                self.reach(time, value);
+            }
+            self.last = [time, value];
+        }
+    }
+
     /// Samples what lies between the last value and this one.
     #[inline(never)]
     fn reach(&mut self, time: f64, value: f64) {
         let [before, old] = self.last;
         while self.next <= time {
-            let sample = if self.next == time || before.is_nan() {
+            let sample = if self.next == time {
                 value
+            } else if before.is_nan() {
+                // The signal begins too late, but for rounding.
+                let slack = SLACK * self.next.abs().max(time.abs());
+                if self.next + slack < time {
+                    f64::NAN
+                } else {
+                    value
+                }
             } else {
                 old + (self.next - before) / (time - before) * (value - old)
             };
@@ -70,14 +104,14 @@ impl Sampler {
     }
 
     /// The values at all times, when the signal is over. A signal that ends before the last of them by rounding only
-    /// (1e-9 of the time) counts as long enough.
+    /// (1e-9 of the time) counts as long enough; before its begin the values are not numbers.
     ///
     /// # Errors
     /// The first time that the signal did not reach.
     pub fn finish(&mut self) -> Result<&[f64], f64> {
         let [time, value] = self.last;
         while self.next.is_finite() {
-            let slack = 1e-9 * self.next.abs().max(time.abs());
+            let slack = SLACK * self.next.abs().max(time.abs());
             if time.is_nan() || self.next > time + slack {
                 return Err(self.next);
             }
@@ -108,6 +142,42 @@ mod tests {
         let mut sampler = Sampler::new(vec![0.5, 1.5]);
         sampler.add_all([(0.0, 0.0), (1.0, 0.0), (1.0, 5.0), (2.0, 5.0)].into_iter());
         assert_eq!(sampler.finish().unwrap(), [0.0, 5.0]);
+    }
+
+    #[test]
+    fn steps_together_are_as_one_by_one() {
+        let times: Vec<f64> = vec![0.0, 0.3, 0.35, 2.0, 2.9];
+        let begins: Vec<f64> = (0..30).map(|k| 0.1 * f64::from(k)).collect();
+        let sizes = vec![0.1; 30];
+        let values: Vec<f64> = (0..60).map(|k| f64::from(k * k)).collect();
+        let mut one = Sampler::new(times.clone());
+        let mut many = Sampler::new(times);
+        for sampler in [&mut one, &mut many] {
+            sampler.add(0.0, -1.0);
+        }
+        for step in 0..30 {
+            one.add(begins[step] + sizes[step], values[2 * step]);
+        }
+        for steps in [0..7, 7..7, 7..8, 8..20, 20..30] {
+            many.add_steps(
+                &begins[steps.clone()],
+                &sizes[steps.clone()],
+                &values[2 * steps.start..],
+                2,
+            );
+        }
+        assert_eq!(one.finish(), many.finish());
+    }
+
+    #[test]
+    fn before_its_begin_a_signal_has_no_value() {
+        let mut sampler = Sampler::new(vec![1.0, 2.0]);
+        sampler.add_all([(1.5, 3.0), (2.0, 4.0)].into_iter());
+        let values = sampler.finish().unwrap();
+        assert!(values[0].is_nan() && values[1] == 4.0, "{values:?}");
+        let mut sampler = Sampler::new(vec![1.0, 2.0]);
+        sampler.add_all([(1.0 + 1e-12, 3.0), (2.0, 4.0)].into_iter());
+        assert_eq!(sampler.finish().unwrap(), [3.0, 4.0]);
     }
 
     #[test]

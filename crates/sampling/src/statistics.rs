@@ -12,6 +12,7 @@ mod min;
 pub mod moments;
 mod rms;
 pub mod share;
+mod slope;
 
 use serde::{Deserialize, Serialize};
 
@@ -91,6 +92,7 @@ statistics! {
     Max = max::Max, "The largest value.";
     Rms = rms::Rms, "The root of the mean square over time.";
     Amplitude = amplitude::Amplitude, "Half the distance from the smallest to the largest value.";
+    Slope = slope::Slope, "The slope of the straight line of least squares, a second.";
 }
 
 impl Default for Statistic {
@@ -175,9 +177,39 @@ mod tests {
         assert_eq!(of_one(Statistic::Rms), 2.0);
     }
 
+    /// The line of least squares through y = t^2 from 0 to T has the slope T; through |t - 1| from 0 to 4, 12 / 4^3
+    /// times the integral of (t - 2) |t - 1|, which is 11 / 3.
+    #[test]
+    fn slopes_are_those_of_least_squares() {
+        let mut line = Accumulator::new(Statistic::Slope);
+        line.add_all([(0.0, 1e6), (0.5, 1e6 + 1.0), (2.5, 1e6 + 6.0)].into_iter());
+        assert!((line.result(3.0) - 2.0).abs() < 1e-12);
+        let mut bend = Accumulator::new(Statistic::Slope);
+        bend.add_all([(0.0, 1.0), (1.0, 0.0), (3.0, 3.0)].into_iter());
+        assert!(
+            (bend.result(4.0) - 0.6875).abs() < 1e-15,
+            "{}",
+            bend.result(4.0)
+        );
+        let mut parabola = Accumulator::new(Statistic::Slope);
+        for k in 0..=3000 {
+            let t = 1e-3 * f64::from(k);
+            parabola.add(if k == 0 { 0.0 } else { 1e-3 }, t * t);
+        }
+        assert!((parabola.result(3.0) - 3.0).abs() < 1e-6);
+        let mut one = Accumulator::new(Statistic::Slope);
+        one.add(0.0, 1.0);
+        assert!(one.result(0.0).is_nan());
+    }
+
     #[test]
     fn not_a_number_is_not_lost() {
-        for statistic in [Statistic::Mean, Statistic::Rms, Statistic::Amplitude] {
+        for statistic in [
+            Statistic::Mean,
+            Statistic::Rms,
+            Statistic::Amplitude,
+            Statistic::Slope,
+        ] {
             let mut broken = of_sine(1.0, statistic);
             broken.add(1.0, f64::NAN);
             broken.add(1.0, 1.0);
@@ -191,7 +223,10 @@ mod tests {
             .iter()
             .map(|statistic| statistic.name())
             .collect();
-        assert_eq!(names, ["final", "mean", "min", "max", "rms", "amplitude"]);
+        assert_eq!(
+            names,
+            ["final", "mean", "min", "max", "rms", "amplitude", "slope"]
+        );
     }
 
     #[test]

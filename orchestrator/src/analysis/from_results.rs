@@ -90,7 +90,7 @@ pub fn table(summary: &Summary, points: Points) -> PointTable {
             let c = &count.criterion;
             CriterionColumn {
                 name: c.name.clone(),
-                source: format!("{} of {}", c.statistic.label(), c.variable),
+                source: c.source(),
                 unit: c.unit.clone().unwrap_or_default(),
                 nominal: c.nominal,
                 lower: c.nominal - c.tolerance,
@@ -142,7 +142,7 @@ pub fn from_runs(
         .enumerate()
         .map(|(j, c)| CriterionColumn {
             name: c.name.clone(),
-            source: format!("{} of {}", c.statistic.label(), c.variable),
+            source: c.source(),
             unit: c.unit.clone().unwrap_or_default(),
             nominal: c.nominal,
             lower: c.nominal - c.tolerance,

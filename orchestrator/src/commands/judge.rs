@@ -96,6 +96,10 @@ fn columns(study: &Study) -> Vec<(Vec<String>, String)> {
     let names = study.criteria.iter().map(|(name, criterion)| {
         let mapped = criterion.column.clone();
         let own = [name.as_ref().clone(), criterion.variable.as_ref().clone()];
+        // A table has no room for curves: its column holds the metric's value, not the variable's.
+        let own = own
+            .into_iter()
+            .take(if criterion.reference.is_some() { 1 } else { 2 });
         let names = mapped.into_iter().chain(own).collect();
         (names, format!("the criterion {}", name.as_ref()))
     });
@@ -119,6 +123,10 @@ fn conversions(
             _ => Ok(Scale::alone(unit)),
         };
         let conversion = scale.and_then(|scale| scale.from(column_unit));
+        let conversion = conversion.map(|found| match text.reference {
+            Some(_) => found.of_differences(),
+            None => found,
+        });
         conversion.map_err(|message| study.error_at(name, message).into())
     };
     pairs

@@ -92,10 +92,11 @@ fn moves(time: &[f64], signal: &[f64], plan: &Plan, probe: &Probe) -> Option<Mot
         .window
         .unwrap_or([schedule.window_start, schedule.stop]);
     let run = [schedule.start, to];
-    if signal.len() != time.len() {
+    if signal.len() != time.len() || probe.curve.is_some() {
         return None;
     }
     match probe.statistic {
+        Statistic::Slope => None,
         Statistic::Final | Statistic::Mean | Statistic::Rms => {
             let mut found = motion(time, signal, run)?;
             // At a moment of its own, a value may be on its way.
@@ -188,6 +189,7 @@ mod tests {
             name: "T".into(),
             variable: "t".into(),
             statistic,
+            metric: None,
             unit: Some("degC".into()),
             nominal: 82.0,
             tolerance: 0.6,

@@ -18,7 +18,7 @@ use crate::run::{Runner, Trouble};
 use crate::study::Study;
 use crate::study::plan::Plan;
 use crate::table::csv_file;
-use crate::task::{Schedule, Task};
+use crate::task::{Delay, Schedule, Task};
 use fmu_import::{Content, Handle, Package, Value};
 
 /// Limits for the best point's trajectory. They may be short: the point itself has finished before.
@@ -48,6 +48,7 @@ pub(super) fn keep_trajectory(
     trusted: bool,
 ) -> Result<(), CommandError> {
     keep_study(folder, study)?;
+    keep_measured(folder, study, plan)?;
     let trajectory = folder.join(history::FILE);
     // A failure here takes nothing away from the verdict: the page then shows no trajectory.
     let recorded = summary
@@ -71,6 +72,41 @@ pub(super) fn keep_trajectory(
             }
         }
     }
+    Ok(())
+}
+
+/// Keeps the measured curves beside the results, where there are any.
+fn keep_measured(folder: &Path, study: &Study, plan: &Plan) -> Result<(), CommandError> {
+    let path = folder.join(history::MEASURED);
+    let probes = study.criteria.keys().zip(&plan.task.observed);
+    let curves: Vec<_> = probes
+        .filter_map(|(name, probe)| Some((name.as_ref(), probe.curve.as_ref()?)))
+        .collect();
+    if curves.is_empty() {
+        let _ = fs::remove_file(&path);
+        return Ok(());
+    }
+    write_atomically(&path, |out| {
+        let mut table = csv::Writer::from_writer(out);
+        table.write_record(history::MEASURED_COLUMNS)?;
+        for (name, curve) in curves {
+            let delay = match curve.delay {
+                Delay::Known(delay) => delay,
+                Delay::Within(_) => 0.0,
+            };
+            for (row, (time, value)) in curve.times.iter().zip(&curve.values).enumerate() {
+                let width = curve.uncertainty.get(row);
+                let width = width.map_or_else(String::new, f64::to_string);
+                table.write_record([
+                    &*csv_file::cell(name),
+                    (time - delay).to_string().as_str(),
+                    value.to_string().as_str(),
+                    width.as_str(),
+                ])?;
+            }
+        }
+        table.flush()
+    })?;
     Ok(())
 }
 

@@ -39,10 +39,13 @@ pub(super) fn counts(summary: &Summary) -> String {
             .as_deref()
             .map_or_else(String::new, |u| format!(" {u}"));
         let criterion = &entry.criterion;
-        let condition = format!(
-            "{name}  {}{unit} +-{}",
-            criterion.nominal, criterion.stated_tolerance
-        );
+        let condition = match criterion.metric {
+            Some(_) => format!("{name}  {}", criterion.stated_tolerance),
+            None => format!(
+                "{name}  {}{unit} +-{}",
+                criterion.nominal, criterion.stated_tolerance
+            ),
+        };
         (condition, entry.count)
     });
     for (condition, count) in criteria {

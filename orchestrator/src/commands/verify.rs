@@ -221,7 +221,10 @@ fn plan(verification: &Verification, folder: &Path) -> String {
         let unit = criterion.unit.as_deref().unwrap_or("");
         let low = criterion.nominal - criterion.tolerance;
         let high = criterion.nominal + criterion.tolerance;
-        text += &format!("  {} is {low:.5} .. {high:.5} {unit}\n", criterion.name);
+        text += &match criterion.metric {
+            Some(_) => format!("  {}: {}\n", criterion.name, criterion.stated_tolerance),
+            None => format!("  {} is {low:.5} .. {high:.5} {unit}\n", criterion.name),
+        };
     }
     text
 }

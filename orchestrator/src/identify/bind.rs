@@ -270,6 +270,7 @@ impl Binder<'_> {
             handle,
             statistic: text.statistic,
             window: None,
+            curve: None,
         };
         Ok((probe, scale))
     }

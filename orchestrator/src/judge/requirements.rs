@@ -40,6 +40,7 @@ pub(super) fn uncertainty(
     study: &Study,
     name: &Name,
     text: &CriterionText,
+    nominal: &Quantity,
     scale: &Scale<'_>,
 ) -> Result<Option<Uncertainty>, StudyError> {
     const USUAL: f64 = 2.0;
@@ -62,7 +63,7 @@ pub(super) fn uncertainty(
         let message = format!("the coverage factor {coverage} must be a positive, finite number");
         return Err(at_name(study, name, &message));
     }
-    let expanded = tolerance(stated.as_ref(), &text.nominal, scale).map_err(at)?;
+    let expanded = tolerance(stated.as_ref(), nominal, scale).map_err(at)?;
     Ok(Some(Uncertainty { expanded, coverage }))
 }
 
@@ -125,6 +126,13 @@ impl Judge {
     /// The number of a criterion that has an uncertainty.
     fn uncertain(&self, study: &Study, name: &Name) -> Result<usize, StudyError> {
         let number = self.number_of(name).map_err(|m| study.error_at(name, m))?;
+        if self.criteria[number].metric.is_some() {
+            let message = format!(
+                "{} is a curve, whose error is not one number; remove the correlation",
+                name.as_ref()
+            );
+            return Err(study.error_at(name, message));
+        }
         if self.criteria[number].uncertainty.is_none() {
             let message = format!(
                 "{} has no `uncertainty` that could be correlated; add it under [criteria.{0}]",
@@ -198,11 +206,18 @@ impl Judge {
         let Some(without) = criteria.find(|criterion| criterion.uncertainty.is_none()) else {
             return Ok(());
         };
-        let message = format!(
-            "{what} needs the uncertainty of every measured value; add `uncertainty` under \
-             [criteria.{}]",
-            without.name
-        );
+        let message = match without.metric {
+            Some(_) => format!(
+                "{what} needs the probability that a point conforms, which is not known of the curve {}; remove {what} or \
+                 the criterion",
+                without.name
+            ),
+            None => format!(
+                "{what} needs the uncertainty of every measured value; add `uncertainty` under \
+                 [criteria.{}]",
+                without.name
+            ),
+        };
         Err(study.error_at(at, message))
     }
 

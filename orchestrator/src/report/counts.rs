@@ -3,8 +3,10 @@
 use super::Report;
 use super::format::{count, number, percent};
 use super::judgement::{Decided, Judgement};
+use super::overlay::metric_of;
 use crate::analysis::table::PointTable;
 use crate::analysis::verdict::PassCounts;
+use curves::{Kind, Metric};
 use sampling::statistics::share::Fraction;
 use serde::Serialize;
 
@@ -142,8 +144,15 @@ pub(super) fn count_rows(
         let (c, v) = (&table.criteria[k], &counted.criteria[k]);
         CountRow {
             note: c.source.clone(),
-            nominal: quantity(c.nominal, &c.unit),
-            accepted: format!("{} … {}", number(c.lower, 6), quantity(c.upper, &c.unit)),
+            nominal: match metric_of(&c.source) {
+                Some(_) => "curve".to_owned(),
+                None => quantity(c.nominal, &c.unit),
+            },
+            accepted: match metric_of(&c.source).map(Metric::kind) {
+                Some(Kind::Rating) => format!("at least {}", number(c.lower, 6)),
+                Some(_) => format!("at most {}", quantity(c.upper, &c.unit)),
+                None => format!("{} … {}", number(c.lower, 6), quantity(c.upper, &c.unit)),
+            },
             drawn_in: judgement
                 .drawn_in(k, [c.lower, c.upper])
                 .map(|[low, high]| match low <= high {

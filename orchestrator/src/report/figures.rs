@@ -3,6 +3,7 @@
 
 use super::bins::{bins_for, density, histogram, levels};
 use super::format::with_unit;
+use super::overlay::Measured;
 use super::payload::PlotColumn;
 use super::svg::{Axis, Frame};
 use crate::analysis::table::PointTable;
@@ -274,6 +275,8 @@ pub struct Series {
     pub values: Vec<f64>,
     /// The accepted interval of a criterion computed from it, in the same unit, if there is one.
     pub accepted: Option<[f64; 2]>,
+    /// The measured curve that it is compared with, if there is one.
+    pub measured: Option<Measured>,
 }
 
 impl Series {
@@ -281,6 +284,9 @@ impl Series {
     pub fn last_periods(&self) -> Option<Series> {
         const PERIODS: usize = 6;
         const TOO_MANY: usize = 60;
+        if self.measured.is_some() {
+            return None;
+        }
         let mean = self.values.iter().sum::<f64>() / self.values.len().max(1) as f64;
         let rises: Vec<usize> = (1..self.values.len())
             .filter(|&i| self.values[i - 1] < mean && self.values[i] >= mean)
@@ -302,7 +308,9 @@ pub fn history(series: &Series) -> Option<String> {
     let [low, high] = series
         .accepted
         .unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
-    let y = super::bins::axis_range(&series.values, low, high)?;
+    let mut all = series.values.clone();
+    all.extend(series.measured.iter().flat_map(Measured::extremes));
+    let y = super::bins::axis_range(&all, low, high)?;
     let (start, end) = (*series.time.first()?, *series.time.last()?);
     let frame = Frame::new(
         560.0,
@@ -319,6 +327,9 @@ pub fn history(series: &Series) -> Option<String> {
             frame.x.from, frame.x.to, frame.x.from
         );
     }
+    if let Some(measured) = &series.measured {
+        out.push_str(&measured.draw(&frame));
+    }
     let class = if series.last_periods().is_some() {
         "line fast"
     } else {
@@ -330,6 +341,12 @@ pub fn history(series: &Series) -> Option<String> {
         envelope(&series.time, &series.values, &frame)
     );
     Some(frame.wrap(&format!("{} over time", series.name), &out))
+}
+
+/// The deviations from the measured curve, where there is one.
+pub fn residuals(series: &Series) -> Option<String> {
+    let measured = series.measured.as_ref()?;
+    measured.residuals(&series.name, &series.unit, &series.time, &series.values)
 }
 
 /// A polyline through the first, least, greatest and last value of every pixel column.

@@ -1,13 +1,22 @@
 //! The best point's trajectory, as a file beside the results.
 
 use super::figures::Series;
+use super::overlay::{Measured, metric_of};
 use crate::analysis::table::PointTable;
 use crate::table::csv_file;
+use indexmap::IndexMap;
 use sampling::statistics::Statistic;
 use std::path::Path;
 
 /// The file: `time` in seconds, and the criteria's signals in the criteria's units.
 pub const FILE: &str = "best-point.csv";
+
+/// The measured curves of the criteria that have one: criterion, `time` of the model in seconds, and value and expanded
+/// uncertainty in the criterion's unit.
+pub const MEASURED: &str = "measured-curves.csv";
+
+/// The columns of [`MEASURED`].
+pub const MEASURED_COLUMNS: [&str; 4] = ["criterion", "time", "value", "uncertainty"];
 
 /// Reads the trajectory of a folder: a signal a variable, with the accepted range of the criterion.
 /// Nothing where there is no such file or it does not fit.
@@ -15,9 +24,11 @@ pub fn read(folder: &Path, table: &PointTable) -> Vec<Series> {
     let Some((time, signals)) = signals(folder) else {
         return vec![];
     };
+    let mut curves = measured(&folder.join(MEASURED)).unwrap_or_default();
     let series = |(name, values): Signal| {
         let criterion = table.criteria.iter().find(|c| c.name == name)?;
         Some(Series {
+            measured: curves.swap_remove(&name),
             name,
             unit: criterion.unit.clone(),
             time: time.clone(),
@@ -27,6 +38,23 @@ pub fn read(folder: &Path, table: &PointTable) -> Vec<Series> {
         })
     };
     signals.into_iter().filter_map(series).collect()
+}
+
+/// The measured curves by the names of their criteria.
+fn measured(path: &Path) -> csv::Result<IndexMap<String, Measured>> {
+    let mut curves = IndexMap::<String, Measured>::new();
+    for record in csv::Reader::from_path(path)?.records() {
+        let record = record?;
+        let number = |place: usize| record.get(place).and_then(|cell| cell.parse::<f64>().ok());
+        let (Some(name), Some(time), Some(value)) = (record.get(0), number(1), number(2)) else {
+            continue;
+        };
+        let curve = curves.entry(csv_file::text(name).to_owned()).or_default();
+        curve.time.push(time);
+        curve.values.push(value);
+        curve.uncertainty.extend(number(3));
+    }
+    Ok(curves)
 }
 
 /// A criterion's name, and its signal in the criterion's unit.
@@ -47,6 +75,9 @@ fn limits_the_signal(source: &str) -> bool {
         let rest = source.strip_prefix(statistic.label());
         rest.is_some_and(|rest| rest.starts_with(" of "))
     };
+    if metric_of(source).is_some() {
+        return false;
+    }
     !Statistic::ALL
         .iter()
         .find(of)

@@ -9,6 +9,7 @@ mod from_results;
 pub mod history;
 pub mod judgement;
 pub mod outlook;
+mod overlay;
 mod page;
 pub mod pareto;
 mod payload;

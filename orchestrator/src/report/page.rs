@@ -73,6 +73,8 @@ struct History {
     name: String,
     svg: String,
     detail: Option<String>,
+    /// The deviations from the measured curve.
+    residuals: Option<String>,
 }
 
 #[derive(Serialize)]
@@ -296,6 +298,7 @@ fn histories(report: &Report) -> Vec<History> {
             name: s.name.clone(),
             svg: figures::history(s)?,
             detail: s.last_periods().as_ref().and_then(figures::history),
+            residuals: figures::residuals(s),
         })
     };
     report.history.iter().filter_map(history).collect()

@@ -36,6 +36,10 @@ const UNITS: [(f64, f64, &str); 16] = [
 /// Warns of a measured value that lies beyond the values of all points, given the least and the greatest of these. Values
 /// within the expanded uncertainty do not contradict it. A few points may miss it by chance, but not by a unit.
 pub fn out_of_reach(criterion: &Criterion, [low, high]: [f64; 2], points: u64) -> Option<String> {
+    // Equal curves are rare, and no unit explains that.
+    if criterion.metric.is_some() {
+        return None;
+    }
     let nominal = criterion.nominal;
     // Less than a hundredth of the tolerance is rounding, and no reason to doubt.
     let uncertainty = criterion.uncertainty.map_or(0.0, |found| found.expanded);
@@ -151,6 +155,7 @@ mod tests {
             name: "T".into(),
             variable: "t".into(),
             statistic: Statistic::Final,
+            metric: None,
             unit: None,
             nominal,
             tolerance,

@@ -87,6 +87,10 @@ impl<'a> Survey<'a> {
         let failed = failed::concern(summary, self.plan, &self.first);
         summary.concerns.extend(failed);
         let compare = |(k, criterion): (usize, &crate::judge::Criterion)| {
+            // The comparison is about a measured number.
+            if criterion.metric.is_some() {
+                return None;
+            }
             let comparison =
                 Comparison::new(criterion, self.spreads[k].result()?, Numerical::default());
             Some((criterion.name.clone(), comparison))

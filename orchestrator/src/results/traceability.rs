@@ -98,9 +98,8 @@ pub fn criteria(summary: &Summary) -> Vec<Entry> {
             |u| format!("uncertainty {}{unit} (k = {})", u.expanded, u.coverage),
         );
         let words = format!(
-            "{} of {}: {}{unit}, tolerance {}{unit}, {uncertainty}",
-            c.statistic.label(),
-            c.variable,
+            "{}: {}{unit}, tolerance {}{unit}, {uncertainty}",
+            c.source(),
             c.nominal,
             c.tolerance
         );

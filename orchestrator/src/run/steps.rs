@@ -42,7 +42,7 @@ impl Runner {
             ramp(&self.task, instance, time, next)?;
             instance.step(time, step)?;
             if WATCH {
-                self.watch(instance, step)?;
+                self.watch(instance, time, step)?;
             }
         }
         Ok(())
@@ -72,9 +72,14 @@ impl Runner {
         Ok(())
     }
 
-    /// Reads what has a statistic over time.
-    pub(super) fn watch(&mut self, instance: &mut Instance, elapsed: f64) -> Result<(), Call> {
-        self.watched.read(instance, elapsed)?;
+    /// Reads what is gathered over time, `elapsed` after the last time.
+    pub(super) fn watch(
+        &mut self,
+        instance: &mut Instance,
+        last: f64,
+        elapsed: f64,
+    ) -> Result<(), Call> {
+        self.watched.read(instance, last, elapsed)?;
         self.watch_others(instance, elapsed)
     }
 
@@ -107,7 +112,7 @@ fn advance_evenly(
 /// Even steps that are handed over together.
 #[derive(Debug, Default)]
 pub(super) struct Together {
-    begins: [f64; Self::MOST],
+    pub(super) begins: [f64; Self::MOST],
     pub(super) sizes: [f64; Self::MOST],
 }
 
@@ -125,7 +130,7 @@ impl Together {
 
     /// Begin and size of the first of them.
     #[inline]
-    fn first(&self, count: usize) -> (&[f64], &[f64]) {
+    pub(super) fn first(&self, count: usize) -> (&[f64], &[f64]) {
         (&self.begins[..count], &self.sizes[..count])
     }
 }

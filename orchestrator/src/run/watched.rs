@@ -1,9 +1,9 @@
-//! Real variables whose statistics are taken while a point runs.
+//! Real variables that are read at every communication point while a point runs.
 
+use super::collector::Collector;
 use super::steps::Together;
 use crate::task::Task;
 use fmu_import::{Call, Instance};
-use sampling::statistics::Accumulator;
 
 /// Real variables that are read in one call.
 #[derive(Debug)]
@@ -15,7 +15,7 @@ pub(super) struct Watched {
     pub(super) steps: Together,
     /// How many of them there may be.
     pub(super) most: usize,
-    pub(super) accumulators: Vec<Accumulator>,
+    pub(super) collectors: Vec<Collector>,
     /// The numbers of the probes.
     pub(super) probes: Vec<usize>,
 }
@@ -32,43 +32,54 @@ impl Watched {
             values: vec![0.0; most * probes.len()],
             steps: Together::default(),
             most,
-            accumulators: observed()
-                .map(|probe| Accumulator::new(probe.statistic))
-                .collect(),
+            collectors: observed().map(Collector::new).collect(),
             probes,
         }
     }
 
     /// Reads the values at one communication point.
-    pub(super) fn read(&mut self, instance: &mut Instance, elapsed: f64) -> Result<(), Call> {
+    pub(super) fn read(
+        &mut self,
+        instance: &mut Instance,
+        last: f64,
+        elapsed: f64,
+    ) -> Result<(), Call> {
         if !self.probes.is_empty() {
             instance.reals(&self.references, &mut self.values[..self.probes.len()])?;
+            self.steps.begins[0] = last;
             self.steps.sizes[0] = elapsed;
             self.take(1);
         }
         Ok(())
     }
 
-    /// Adds what has been gathered from some steps to the statistics.
+    /// Hands over what has been gathered from some steps.
     #[inline]
     pub(super) fn take(&mut self, steps: usize) {
-        let sizes = &self.steps.sizes[..steps];
-        match &mut self.accumulators[..] {
-            [accumulator] => {
+        let (begins, sizes) = self.steps.first(steps);
+        match &mut self.collectors[..] {
+            [Collector::Statistic(accumulator)] => {
                 let values = self.values.iter().copied();
                 accumulator.add_all(sizes.iter().copied().zip(values));
             }
-            several => take_columns(several, sizes, &self.values),
+            several => take_columns(several, begins, sizes, &self.values),
         }
     }
 }
 
-/// The same for several statistics, one after another.
+/// The same for several variables, one after another, and for curves.
 #[inline(never)]
-fn take_columns(accumulators: &mut [Accumulator], sizes: &[f64], values: &[f64]) {
-    let count = accumulators.len();
-    for (number, accumulator) in accumulators.iter_mut().enumerate() {
-        let column = values[number..].iter().step_by(count).copied();
-        accumulator.add_all(sizes.iter().copied().zip(column));
+fn take_columns(collectors: &mut [Collector], begins: &[f64], sizes: &[f64], values: &[f64]) {
+    let count = collectors.len();
+    for (number, collector) in collectors.iter_mut().enumerate() {
+        match collector {
+            Collector::Statistic(accumulator) => {
+                let column = values[number..].iter().step_by(count).copied();
+                accumulator.add_all(sizes.iter().copied().zip(column));
+            }
+            Collector::Curve(comparison) => {
+                comparison.add_steps(begins, sizes, &values[number..], count);
+            }
+        }
     }
 }

@@ -1,15 +1,15 @@
 //! A simulation in which criteria look at different parts of the run.
 
+use super::collector::Collector;
 use super::{Runner, before_the_window, feed, ramp, start};
 use crate::task::Probe;
 use fmu_import::{Call, Instance};
-use sampling::statistics::Accumulator;
 
 /// A probe with what it has seen so far.
 struct Gauge<'a> {
     probe: &'a Probe,
     window: [f64; 2],
-    accumulator: Accumulator,
+    collector: Collector,
     /// When it looked first and last, s.
     seen: Option<[f64; 2]>,
 }
@@ -23,8 +23,8 @@ impl Gauge<'_> {
             return Ok(());
         }
         let [first, last] = self.seen.unwrap_or([time, time]);
-        self.accumulator
-            .add(time - last, self.probe.read(instance)?);
+        let value = self.probe.read(instance)?;
+        self.collector.add(time, time - last, value);
         self.seen = Some([first, time]);
         Ok(())
     }
@@ -55,7 +55,7 @@ impl Runner {
                 window: probe
                     .window
                     .unwrap_or([task.schedule.window_start, task.schedule.stop]),
-                accumulator: Accumulator::new(probe.statistic),
+                collector: Collector::new(probe),
                 seen: None,
             })
             .collect();
@@ -85,13 +85,13 @@ impl Runner {
             self.until_its_end(Err(call))?;
             break;
         }
-        for (gauge, result) in gauges.iter().zip(&mut self.results) {
+        for (gauge, result) in gauges.iter_mut().zip(&mut self.results) {
             let span = gauge.seen.map_or(f64::NAN, |[first, last]| last - first);
             // Without a value there is no result, which is found out by everyone who asks for one.
             *result = if span.is_nan() {
                 span
             } else {
-                gauge.accumulator.result(span)
+                gauge.collector.result(span)
             };
         }
         Ok(())

@@ -2,6 +2,7 @@
 //!
 //! [`Study`] is the content of the TOML file, [`plan`] ties it to an FMU.
 
+mod curves;
 pub mod dossier;
 mod error;
 pub mod identification;
@@ -9,6 +10,7 @@ pub(crate) mod inputs;
 pub mod plan;
 pub mod points;
 pub mod quantity;
+mod reference;
 #[cfg(test)]
 mod schema_tests;
 mod sections;
@@ -30,9 +32,11 @@ pub use dossier::Dossier;
 pub use error::{BOTH_SIDES, StudyError};
 pub use identification::Identification;
 pub use quantity::Quantity;
+pub use reference::{DelayText, Normalise, ReferenceText};
 pub use sections::{RobustnessText, SensitivityText, TolerancesText};
 pub use window::Window;
 
+use ::curves::Metric;
 use error::Place;
 use fmu_import::digest;
 use sampling::design::Sampling;
@@ -228,13 +232,24 @@ pub struct CriterionText {
     /// The FMU's variable.
     pub variable: Spanned<String>,
     /// Statistic that turns the signal into one number.
-    #[serde(default)]
-    pub statistic: Statistic,
+    pub statistic: Option<Statistic>,
     /// The measured value.
-    pub nominal: Quantity,
+    pub nominal: Option<Quantity>,
     /// The accuracy to both sides: `0.5 degC`, or `0.75 %` of the nominal value in the
-    /// criterion's unit.
-    pub tolerance: Quantity,
+    /// criterion's unit. Of a curve, the largest error.
+    pub tolerance: Option<Quantity>,
+    /// The measured curve, in place of a measured value.
+    pub reference: Option<ReferenceText>,
+    /// How the curves are compared.
+    pub metric: Option<Metric>,
+    /// By what a normalised error is divided; the range of the reference otherwise.
+    pub normalise: Option<Normalise>,
+    /// The half width of a corridor: `0.02 N.m`, or `5 %` of each value.
+    pub band: Option<Quantity>,
+    /// The least share inside the corridor, or the least rating.
+    pub least: Option<Quantity>,
+    /// By how much the measured curve is late.
+    pub delay: Option<DelayText>,
     /// The expanded uncertainty of the measured value, given like the tolerance.
     pub uncertainty: Option<Spanned<Quantity>>,
     /// How many standard uncertainties that is; 2 otherwise.
@@ -342,7 +357,12 @@ impl Study {
     pub fn digest(&self) -> String {
         let mut bytes = self.text.clone().into_bytes();
         let inputs = self.inputs.values().map(|input| &input.file);
-        for file in inputs.chain(&self.fixed_from) {
+        let curves = self
+            .criteria
+            .values()
+            .filter_map(|text| text.reference.as_ref());
+        let curves = curves.map(|reference| &reference.file);
+        for file in inputs.chain(curves).chain(&self.fixed_from) {
             // An unreadable value is reported where it is used.
             let content = std::fs::read(self.beside(file.as_ref())).unwrap_or_default();
             bytes.extend(Sha256::digest(&content));

@@ -3,15 +3,15 @@
 use serde::Serialize;
 use toml::Spanned;
 
+use super::curves::Binder as CurveBinder;
 use super::quantity::Scale;
-use super::{Name, ParameterText, Setting, Study, StudyError, inputs, points, ssv};
-use crate::task::{Probe, Schedule, Slot, Task};
+use super::{CriterionText, Name, ParameterText, Setting, Study, StudyError, inputs, points, ssv};
+use crate::task::{MeasuredCurve, Probe, Schedule, Slot, Task};
 use fmu_import::units::Conversion;
-use fmu_import::{Description, Value, Variable};
+use fmu_import::{Content, Description, Handle, Value, Variable};
 use sampling::design::correlation::Correlation;
 use sampling::design::{self, Design, Sampling};
 use sampling::distribution::Distribution;
-use sampling::statistics::Statistic;
 
 pub use super::values::{find, slot_of, value_of};
 
@@ -54,8 +54,8 @@ impl Plan {
         let binder = Binder { study, fmu };
         points::check(study)?;
         let (inputs, varied) = binder.parameters()?;
-        let (outputs, observed) = binder.criteria()?;
         let mut schedule = binder.schedule()?;
+        let (outputs, observed) = binder.criteria(&schedule)?;
         let observed = binder.windows(&mut schedule, observed)?;
         let task = Task {
             schedule,
@@ -190,6 +190,8 @@ impl Plan {
         for (value, (conversion, probe)) in values
             .iter_mut()
             .zip(self.outputs.iter().zip(&self.task.observed))
+            // A curve's number is in the study's unit already.
+            .filter(|(_, (_, probe))| probe.curve.is_none())
         {
             *value = if probe.statistic.is_difference() {
                 conversion.difference(*value)
@@ -243,9 +245,8 @@ impl Binder<'_> {
         })
     }
 
-    fn criteria(&self) -> Result<(Vec<Conversion>, Vec<Probe>), StudyError> {
-        let criteria = self.study.criteria.values();
-        let bind = |criterion: &super::CriterionText| {
+    fn criteria(&self, schedule: &Schedule) -> Result<(Vec<Conversion>, Vec<Probe>), StudyError> {
+        let bind = |(name, criterion): (&Name, &CriterionText)| {
             let variable = self.variable(&criterion.variable)?;
             let at = |message| self.study.error_at(&criterion.variable, message);
             let handle = variable
@@ -256,12 +257,52 @@ impl Binder<'_> {
             let probe = Probe {
                 name: variable.name.clone(),
                 handle,
-                statistic: criterion.statistic,
+                statistic: criterion.statistic.unwrap_or_default(),
                 window: None,
+                curve: self.curve(name, criterion, &scale, &handle, schedule)?,
             };
             Ok((scale.conversion.inverse(), probe))
         };
-        criteria.map(bind).collect()
+        self.study.criteria.iter().map(bind).collect()
+    }
+
+    /// The measured curve of a criterion, where it has one.
+    fn curve(
+        &self,
+        name: &Name,
+        text: &CriterionText,
+        scale: &Scale<'_>,
+        handle: &Handle,
+        schedule: &Schedule,
+    ) -> Result<Option<Box<MeasuredCurve>>, StudyError> {
+        let (Some(reference), Some(metric)) = (&text.reference, text.metric) else {
+            return Ok(None);
+        };
+        if handle.content != Content::Real {
+            let message = "only real variables can be compared with a curve";
+            return Err(self.study.error_at(&text.variable, message));
+        }
+        let run = [schedule.start, schedule.stop];
+        let general = [schedule.window_start, schedule.stop];
+        let window = match &text.window {
+            Some(window) => {
+                let times = window.as_ref().times(run);
+                times.map_err(|message| self.study.error_at(window, message))?
+            }
+            None => general,
+        };
+        let binder = CurveBinder {
+            study: self.study,
+            name,
+            text,
+            scale,
+            run,
+            window,
+            is_stated: text.window.is_some() || general != run,
+        };
+        binder
+            .bind(reference, metric)
+            .map(|curve| Some(Box::new(curve)))
     }
 
     /// The probes with their windows; what lies before the first window may be leapt over.
@@ -271,19 +312,22 @@ impl Binder<'_> {
         mut observed: Vec<Probe>,
     ) -> Result<Vec<Probe>, StudyError> {
         let criteria = || self.study.criteria.values();
-        if criteria().all(|criterion| criterion.window.is_none()) {
-            return Ok(observed);
-        }
         let run = [schedule.start, schedule.stop];
         let general = [schedule.window_start, schedule.stop];
+        // A curve has its own times, and looks from the start on.
+        let is_cut = general != run && observed.iter().any(|probe| probe.curve.is_some());
+        if criteria().all(|criterion| criterion.window.is_none()) && !is_cut {
+            return Ok(observed);
+        }
         for (probe, criterion) in observed.iter_mut().zip(criteria()) {
             probe.window = Some(match &criterion.window {
+                _ if probe.curve.is_some() => run,
                 Some(window) => {
                     let times = window.as_ref().times(run);
                     times.map_err(|message| self.study.error_at(window, message))?
                 }
                 // The final value is that at the end, whatever the others look at.
-                None if probe.statistic == Statistic::Final => [schedule.stop; 2],
+                None if probe.is_final() => [schedule.stop; 2],
                 None => general,
             });
         }

@@ -8,6 +8,7 @@ use serde_json::Value;
 
 use super::Study;
 use crate::analysis::sensitivity::methods::RUNS;
+use curves::Metric;
 use sampling::design::Method;
 use sampling::statistics::Statistic;
 
@@ -78,6 +79,10 @@ fn the_schema_has_exactly_the_words_that_the_reader_takes() {
         ),
         (&defs["statistic"], "[criteria.x]\nstatistic"),
         (
+            &defs["criterion"]["properties"]["metric"],
+            "[criteria.x]\nmetric",
+        ),
+        (
             &defs["free"]["properties"]["scale"],
             "[identify.free.x]\nscale",
         ),
@@ -91,13 +96,15 @@ fn the_schema_has_exactly_the_words_that_the_reader_takes() {
 }
 
 /// The words that follow from registers, and their places in the schema.
-fn registered() -> [(&'static str, Vec<String>); 3] {
+fn registered() -> [(&'static str, Vec<String>); 4] {
     let designs = Method::ALL.iter().map(|method| method.name());
     let statistics = Statistic::ALL.iter().map(|statistic| statistic.name());
+    let metrics = Metric::ALL.iter().map(|metric| metric.name());
     let sensitivity = RUNS.iter().map(|method| method.name().to_owned());
     [
         ("/$defs/design/properties/method/enum", designs.collect()),
         ("/$defs/statistic/enum", statistics.collect()),
+        ("/$defs/criterion/properties/metric/enum", metrics.collect()),
         (
             "/$defs/sensitivity/properties/method/enum",
             sensitivity.collect(),
@@ -232,6 +239,14 @@ fn the_schema_refuses_what_the_reader_refuses() {
         (
             "fmu = \"a\"\n[criteria.x]\nvariable = \"y\"\nnominal = 1",
             "study.criteria.x lacks \"tolerance\"",
+        ),
+        (
+            "fmu = \"a\"\n[criteria.x]\nvariable = \"y\"\nreference = { file = \"m.csv\" }\nmetric = \"rmse\"\nnominal = 1",
+            "study.criteria.x.nominal",
+        ),
+        (
+            "fmu = \"a\"\n[criteria.x]\nvariable = \"y\"\nnominal = 1\ntolerance = 1\nband = 1",
+            "study.criteria.x.band",
         ),
     ];
     for (text, words) in mistakes {

@@ -53,7 +53,7 @@ impl Window {
 }
 
 /// A time in seconds.
-fn seconds(quantity: &Quantity) -> Result<f64, String> {
+pub(super) fn seconds(quantity: &Quantity) -> Result<f64, String> {
     let factor = match quantity.unit.as_deref() {
         None | Some("s") => 1.0,
         Some("ms") => 1e-3,

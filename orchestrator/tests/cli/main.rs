@@ -6,6 +6,7 @@ mod analysis;
 mod broken;
 mod commands;
 mod concerns;
+mod curves;
 mod durability;
 mod exchange;
 mod faults;

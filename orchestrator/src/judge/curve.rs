@@ -1,0 +1,312 @@
+//! Criteria on whole curves, as far as they need neither the FMU nor the measured curve.
+
+use super::{Criterion, at_name};
+use crate::study::quantity::{Scale, Sense};
+use crate::study::{CriterionText, Name, Quantity, Study, StudyError};
+use curves::{Kind, Metric};
+
+/// How much a corridor's share may fall short of all: less than one of any number of times.
+const ALL: f64 = 1e-9;
+
+/// Refuses keys of curves on a criterion that has no `reference`.
+pub(super) fn refuse_keys(
+    study: &Study,
+    name: &Name,
+    text: &CriterionText,
+) -> Result<(), StudyError> {
+    let keys = [
+        ("metric", text.metric.is_some()),
+        ("normalise", text.normalise.is_some()),
+        ("band", text.band.is_some()),
+        ("least", text.least.is_some()),
+        ("delay", text.delay.is_some()),
+    ];
+    match keys.iter().find(|(_, there)| *there) {
+        Some((key, _)) => {
+            let message =
+                format!("`{key}` belongs to a measured curve; add `reference`, or remove `{key}`");
+            Err(at_name(study, name, &message))
+        }
+        None => Ok(()),
+    }
+}
+
+/// The criterion on a curve: the metric's value has the ideal value 0 or 1, and may be so far away from it.
+pub(super) fn criterion(
+    study: &Study,
+    name: &Name,
+    text: &CriterionText,
+    scale: &Scale<'_>,
+) -> Result<Criterion, StudyError> {
+    let at = |message: String| at_name(study, name, &message);
+    let metric = text.metric.ok_or_else(|| {
+        let names: Vec<String> = Metric::ALL.iter().map(|metric| metric.name()).collect();
+        at(format!("a curve needs `metric`: {}", names.join(", ")))
+    })?;
+    check_keys(text, metric).map_err(at)?;
+    let (nominal, tolerance, stated) = limit(text, metric, scale).map_err(at)?;
+    Ok(Criterion {
+        name: name.as_ref().clone(),
+        variable: text.variable.as_ref().clone(),
+        statistic: text.statistic.unwrap_or_default(),
+        metric: Some(metric),
+        unit: scale.unit.clone().filter(|_| metric.kind() == Kind::Error),
+        nominal,
+        tolerance,
+        stated_tolerance: stated,
+        uncertainty: None,
+        group: text.group.clone(),
+    })
+}
+
+fn check_keys(text: &CriterionText, metric: Metric) -> Result<(), String> {
+    let is_error = metric.kind() != Kind::Rating;
+    let remedies = [
+        (
+            text.nominal.is_some(),
+            "`nominal` has no place beside `reference`, which is what is measured; remove it",
+        ),
+        (
+            text.statistic.is_some(),
+            "`statistic` has no place beside `reference`; `metric` compares whole curves",
+        ),
+        (
+            text.uncertainty.is_some() || text.coverage.is_some(),
+            "the uncertainty of a curve stands in its reference: reference = { ..., uncertainty = ... }",
+        ),
+        (
+            text.normalise.is_some() && metric != Metric::Nrmse,
+            "`normalise` belongs to metric = \"nrmse\"; remove it",
+        ),
+        (
+            text.band.is_some() && metric != Metric::Corridor,
+            "`band` belongs to metric = \"corridor\"; remove it",
+        ),
+        (
+            text.least.is_some() && is_error,
+            "`least` belongs to the metrics corridor and iso18571; give `tolerance`",
+        ),
+        (
+            text.tolerance.is_some() && !is_error,
+            "`tolerance` belongs to errors; give the least share or rating, such as least = 0.9",
+        ),
+        (
+            text.tolerance.is_none() && is_error,
+            "the largest error is missing: add `tolerance`",
+        ),
+        (
+            text.least.is_none() && !is_error,
+            "the least share or rating is missing: add `least`, such as 0.9 or \"90 %\"",
+        ),
+        (
+            text.column_unit.is_some() && metric.kind() != Kind::Error,
+            "this metric has no unit; remove `column-unit`",
+        ),
+    ];
+    match remedies.iter().find(|(wrong, _)| *wrong) {
+        Some((_, remedy)) => Err((*remedy).to_owned()),
+        None => Ok(()),
+    }
+}
+
+/// The ideal value, how far away from it is accepted, and both in words.
+fn limit(
+    text: &CriterionText,
+    metric: Metric,
+    scale: &Scale<'_>,
+) -> Result<(f64, f64, String), String> {
+    let label = metric.label();
+    match (metric.kind(), &text.tolerance, &text.least) {
+        (Kind::Error, Some(stated), _) => {
+            let tolerance = error(stated, scale)?;
+            Ok((0.0, tolerance, format!("{label} at most {stated}")))
+        }
+        (Kind::Relative, Some(stated), _) => {
+            let tolerance = part(stated).filter(|tolerance| *tolerance > 0.0);
+            let tolerance = tolerance.ok_or_else(|| {
+                format!("the tolerance {stated} must be a positive share, such as \"5 %\"")
+            })?;
+            Ok((0.0, tolerance, format!("{label} at most {stated}")))
+        }
+        (_, _, Some(stated)) => {
+            let least = part(stated).filter(|least| *least > 0.0 && *least <= 1.0);
+            let least = least.ok_or_else(|| {
+                format!("`least` = {stated} must be more than 0 and at most 1, such as \"90 %\"")
+            })?;
+            if least == 1.0 && metric == Metric::Iso18571 {
+                return Err("only equal curves have a rating of 1; give `least` below 1".to_owned());
+            }
+            Ok((
+                1.0,
+                (1.0 - least).max(ALL),
+                format!("{label} at least {stated}"),
+            ))
+        }
+        _ => Err("the limit is missing".to_owned()),
+    }
+}
+
+/// Another largest error of a curve.
+pub(super) fn variant(
+    stated: &Quantity,
+    text: &CriterionText,
+    scale: &Scale<'_>,
+) -> Result<f64, String> {
+    match text.metric.map(Metric::kind) {
+        Some(Kind::Error) => error(stated, scale),
+        Some(Kind::Relative) => part(stated)
+            .filter(|tolerance| *tolerance > 0.0)
+            .ok_or_else(|| {
+                format!("the tolerance {stated} must be a positive share, such as \"5 %\"")
+            }),
+        _ => Err("a variant cannot change `least`; add a criterion of its own".to_owned()),
+    }
+}
+
+/// The largest error, in the criterion's unit.
+fn error(stated: &Quantity, scale: &Scale<'_>) -> Result<f64, String> {
+    if stated.unit.as_deref() == Some("%") {
+        return Err(format!(
+            "the tolerance {stated} of a curve is not a part of anything; give it with a unit, or use metric = \"nrmse\""
+        ));
+    }
+    let tolerance = scale.number(stated, Sense::Difference)?;
+    match tolerance > 0.0 && tolerance.is_finite() {
+        true => Ok(tolerance),
+        false => Err(format!(
+            "the tolerance {stated} must be a positive, finite number"
+        )),
+    }
+}
+
+/// A share, in percent or not.
+fn part(stated: &Quantity) -> Option<f64> {
+    let part = match stated.unit.as_deref() {
+        None => stated.number,
+        Some("%") => stated.number / 100.0,
+        Some(_) => return None,
+    };
+    part.is_finite().then_some(part)
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::judge::Judge;
+    use crate::study::Study;
+    use std::path::Path;
+
+    const STUDY: &str = r#"
+fmu = "a.fmu"
+[criteria.M]
+variable = "m"
+reference = { file = "m.csv", unit = "N.m" }
+metric = "rmse"
+tolerance = "0.02 N.m"
+unit = "N.m"
+[criteria.S]
+variable = "m"
+reference = { file = "m.csv" }
+metric = "corridor"
+band = "5 %"
+least = "90 %"
+[criteria.N]
+variable = "m"
+reference = { file = "m.csv" }
+metric = "nrmse"
+normalise = "mean"
+tolerance = 0.05
+"#;
+
+    fn judge(changes: &[(&str, &str)]) -> Result<Judge, String> {
+        let mut text = STUDY.to_owned();
+        for (from, to) in changes {
+            assert!(text.contains(from), "{from}");
+            text = text.replacen(from, to, 1);
+        }
+        let study = Study::parse(Path::new("s.toml"), text).map_err(|error| error.to_string())?;
+        Judge::new(&study, None).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn errors_have_a_limit_above_and_ratings_one_below() {
+        let judge = judge(&[]).unwrap();
+        let accepts = |values: [f64; 3]| judge.verdict(Some(&values)).passed;
+        assert_eq!(accepts([0.02, 0.9, 0.05]), [true; 3]);
+        assert_eq!(accepts([0.0201, 0.8999, 0.0501]), [false; 3]);
+        assert_eq!(accepts([0.0, 1.0, 0.0]), [true; 3]);
+        assert_eq!(judge.criteria[0].stated_tolerance, "rmse at most 0.02 N.m");
+        assert_eq!(judge.criteria[0].unit.as_deref(), Some("N.m"));
+        assert_eq!(judge.criteria[1].unit, None);
+        assert_eq!(judge.criteria[2].source(), "normalised rmse of m");
+    }
+
+    #[test]
+    fn all_of_a_corridor_means_all() {
+        let judge = judge(&[("\"90 %\"", "1")]).unwrap();
+        let accepts = |share: f64| judge.verdict(Some(&[0.0, share, 0.0])).passed[1];
+        assert!(accepts(1.0) && !accepts(1.0 - 1e-6));
+    }
+
+    #[test]
+    fn mistakes_have_their_place_and_remedy() {
+        for (changes, remedy) in [
+            (("metric = \"rmse\"\n", ""), "needs `metric`: rmse, nrmse"),
+            (
+                ("metric = \"rmse\"", "metric = \"rmse\"\nnominal = 3"),
+                "`nominal` has no place",
+            ),
+            (
+                (
+                    "metric = \"rmse\"",
+                    "metric = \"rmse\"\nstatistic = \"mean\"",
+                ),
+                "`statistic` has no place",
+            ),
+            (
+                ("metric = \"rmse\"", "metric = \"rmse\"\nuncertainty = 1"),
+                "stands in its reference",
+            ),
+            (
+                ("metric = \"rmse\"", "metric = \"rmse\"\nband = 1"),
+                "belongs to metric = \"corridor\"",
+            ),
+            (("tolerance = \"0.02 N.m\"\n", ""), "add `tolerance`"),
+            (("\"0.02 N.m\"", "\"2 %\""), "use metric = \"nrmse\""),
+            (("\"0.02 N.m\"", "-1"), "positive, finite"),
+            (("least = \"90 %\"\n", ""), "add `least`"),
+            (("\"90 %\"", "90"), "at most 1"),
+            (
+                ("tolerance = 0.05", "tolerance = \"0.05 N.m\""),
+                "positive share",
+            ),
+            (
+                (
+                    "reference = { file = \"m.csv\", unit = \"N.m\" }\n",
+                    "nominal = 1\n",
+                ),
+                "add `reference`",
+            ),
+            (
+                (
+                    "reference = { file = \"m.csv\", unit = \"N.m\" }\nmetric = \"rmse\"\n",
+                    "",
+                ),
+                "add `nominal`",
+            ),
+        ] {
+            let error = judge(&[changes]).unwrap_err();
+            let place = [
+                "s.toml:3:11:",
+                "s.toml:8:11:",
+                "s.toml:9:11:",
+                "s.toml:14:11:",
+                "s.toml:15:11:",
+            ];
+            assert!(
+                place.iter().any(|place| error.starts_with(place)),
+                "{error}"
+            );
+            assert!(error.contains(remedy), "{error}");
+        }
+    }
+}

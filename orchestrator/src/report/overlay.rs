@@ -1,0 +1,163 @@
+//! A measured curve in the picture of a signal, and the model's deviations from it.
+
+use std::fmt::Write;
+
+use super::bins::axis_range;
+use super::svg::Frame;
+use curves::{Curve, Metric};
+
+/// A measured curve on the model's time, in the criterion's unit.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Measured {
+    /// Times, s, ascending.
+    pub time: Vec<f64>,
+    /// One value a time.
+    pub values: Vec<f64>,
+    /// The expanded uncertainty of each value; empty where it is not stated.
+    pub uncertainty: Vec<f64>,
+}
+
+/// The metric of a criterion on a curve, from its source, such as "rmse of sensor.frictionTorque".
+pub(super) fn metric_of(source: &str) -> Option<Metric> {
+    let of = |metric: &&Metric| {
+        let rest = source.strip_prefix(metric.label());
+        rest.is_some_and(|rest| rest.starts_with(" of "))
+    };
+    Metric::ALL.iter().find(of).copied()
+}
+
+impl Measured {
+    /// The edges of the band of the measurement's uncertainty, below and above.
+    fn edges(&self) -> Option<[Vec<f64>; 2]> {
+        (self.uncertainty.len() == self.values.len()).then(|| {
+            [-1.0, 1.0].map(|side| {
+                let pairs = self.values.iter().zip(&self.uncertainty);
+                pairs.map(|(value, width)| value + side * width).collect()
+            })
+        })
+    }
+
+    /// All values that a picture must have room for.
+    pub(super) fn extremes(&self) -> Vec<f64> {
+        let edges = self.edges().into_iter().flatten().flatten();
+        self.values.iter().copied().chain(edges).collect()
+    }
+
+    /// The band, the curve, and its first and last time, between which the model is judged.
+    pub(super) fn draw(&self, frame: &Frame) -> String {
+        let mut out = String::new();
+        if let Some([low, high]) = self.edges() {
+            let back = self.time.iter().rev().zip(high.iter().rev());
+            let back =
+                back.map(|(t, v)| format!("L{:.2},{:.1}", frame.x.at(*t), frame.y.clamped(*v)));
+            let back: String = back.collect();
+            let _ = write!(
+                out,
+                "<path class=\"band\" d=\"{}{back}z\"/>",
+                line(&self.time, &low, frame)
+            );
+        }
+        for time in [self.time.first(), self.time.last()].into_iter().flatten() {
+            let _ = write!(
+                out,
+                "<path class=\"judged\" d=\"M{:.1},{:.1}V{:.1}\"/>",
+                frame.x.at(*time),
+                frame.y.from,
+                frame.y.to
+            );
+        }
+        let _ = write!(
+            out,
+            "<path class=\"line measured\" d=\"{}\"/>",
+            line(&self.time, &self.values, frame)
+        );
+        out
+    }
+
+    /// The model's deviations from the measurement over the time of the run, with the band around zero.
+    pub(super) fn residuals(
+        &self,
+        name: &str,
+        unit: &str,
+        time: &[f64],
+        model: &[f64],
+    ) -> Option<String> {
+        let curve = Curve::new(time.to_vec(), model.to_vec()).ok()?;
+        let [start, end] = curve.span();
+        let at = |(t, value): (&f64, &f64)| Some(curve.at(t.clamp(start, end))? - value);
+        let deviations: Vec<f64> = self
+            .time
+            .iter()
+            .zip(&self.values)
+            .map(at)
+            .collect::<Option<_>>()?;
+        let around = Self {
+            values: vec![0.0; self.values.len()],
+            ..self.clone()
+        };
+        let all: Vec<f64> = deviations
+            .iter()
+            .copied()
+            .chain(around.extremes())
+            .collect();
+        let y = axis_range(&all, f64::NAN, f64::NAN)?;
+        let frame = Frame::new(560.0, 150.0, [start, end], y);
+        let mut out = frame.axes("time (s)", Some(unit));
+        out.push_str(&around.draw(&frame));
+        let _ = write!(
+            out,
+            "<path class=\"line\" d=\"{}\"/>",
+            line(&self.time, &deviations, &frame)
+        );
+        Some(frame.wrap(&format!("{name}: model less measurement over time"), &out))
+    }
+}
+
+fn line(time: &[f64], values: &[f64], frame: &Frame) -> String {
+    let mut d = String::new();
+    let mut pen = 'M';
+    for (t, v) in time.iter().zip(values) {
+        let _ = write!(d, "{pen}{:.2},{:.1}", frame.x.at(*t), frame.y.clamped(*v));
+        pen = 'L';
+    }
+    d
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn residuals_are_the_models_deviations() {
+        let measured = Measured {
+            time: vec![0.0, 1.0, 2.0],
+            values: vec![0.0, 1.0, 2.0],
+            uncertainty: vec![0.5; 3],
+        };
+        assert_eq!(measured.extremes().len(), 9);
+        let of = |model: &[f64]| measured.residuals("y", "m", &[0.0, 2.0], model).unwrap();
+        // A line in the middle of the picture, or one that leaves it.
+        let path = |svg: String| {
+            svg.split("class=\"line\" d=\"")
+                .nth(1)
+                .unwrap()
+                .split('"')
+                .next()
+                .unwrap()
+                .to_owned()
+        };
+        let heights = |svg: String| {
+            let places = path(svg);
+            places
+                .split(',')
+                .skip(1)
+                .map(|part| part.split('L').next().unwrap().to_owned())
+                .collect::<Vec<_>>()
+        };
+        let equal = heights(of(&[0.0, 2.0]));
+        assert!(equal.iter().all(|height| *height == equal[0]), "{equal:?}");
+        let steeper = heights(of(&[0.0, 4.0]));
+        assert!(steeper[0] != steeper[2], "{steeper:?}");
+        assert!(measured.residuals("y", "m", &[0.0], &[1.0]).is_none());
+    }
+}

@@ -1,0 +1,204 @@
+//! What is gathered of one variable while a point runs.
+
+use crate::task::{Delay, MeasuredCurve, Probe};
+use curves::{Curve, Pair, Sampler, delay};
+use sampling::statistics::Accumulator;
+
+/// Gathers what a probe asks for, value by value.
+#[derive(Clone, Debug)]
+pub(super) enum Collector {
+    Statistic(Accumulator),
+    Curve(Box<Comparison>),
+}
+
+impl Collector {
+    pub(super) fn new(probe: &Probe) -> Self {
+        match &probe.curve {
+            Some(curve) => Self::Curve(Box::new(Comparison::new(curve))),
+            None => Self::Statistic(Accumulator::new(probe.statistic)),
+        }
+    }
+
+    /// Forgets all values.
+    pub(super) fn restart(&mut self, probe: &Probe) {
+        match self {
+            Self::Statistic(accumulator) => *accumulator = Accumulator::new(probe.statistic),
+            Self::Curve(comparison) => comparison.restart(),
+        }
+    }
+
+    /// Takes a value at a time, `elapsed` after the one before.
+    pub(super) fn add(&mut self, time: f64, elapsed: f64, value: f64) {
+        match self {
+            Self::Statistic(accumulator) => accumulator.add(elapsed, value),
+            Self::Curve(comparison) => comparison.add(time, value),
+        }
+    }
+
+    /// What came of the values, over `span` seconds; not a number where a curve was not reached to its end.
+    pub(super) fn result(&mut self, span: f64) -> f64 {
+        match self {
+            Self::Statistic(accumulator) => accumulator.result(span),
+            Self::Curve(comparison) => comparison.result(),
+        }
+    }
+}
+
+/// Compares a variable with a measured curve.
+#[derive(Clone, Debug)]
+pub(super) struct Comparison {
+    measured: MeasuredCurve,
+    kept: Kept,
+}
+
+/// What is kept of the variable.
+#[derive(Clone, Debug)]
+enum Kept {
+    /// Its values at the measurement's times.
+    Samples(Sampler),
+    /// All its values with their times: where the delay is to be found, it is not known before the end which count.
+    Everything(Vec<f64>, Vec<f64>),
+}
+
+impl Comparison {
+    fn new(measured: &MeasuredCurve) -> Self {
+        let kept = match measured.delay {
+            Delay::Known(delay) => {
+                let times = measured.times.iter().map(|time| time - delay);
+                Kept::Samples(Sampler::new(times.collect()))
+            }
+            Delay::Within(_) => Kept::Everything(Vec::new(), Vec::new()),
+        };
+        Self {
+            measured: measured.clone(),
+            kept,
+        }
+    }
+
+    fn restart(&mut self) {
+        match &mut self.kept {
+            Kept::Samples(sampler) => sampler.restart(),
+            Kept::Everything(times, values) => {
+                times.clear();
+                values.clear();
+            }
+        }
+    }
+
+    fn add(&mut self, time: f64, value: f64) {
+        self.add_steps(&[time], &[0.0], &[value], 1);
+    }
+
+    /// Takes the values at the ends of steps: every `stride`th one.
+    pub(super) fn add_steps(
+        &mut self,
+        begins: &[f64],
+        sizes: &[f64],
+        values: &[f64],
+        stride: usize,
+    ) {
+        match &mut self.kept {
+            Kept::Samples(sampler) => sampler.add_steps(begins, sizes, values, stride),
+            Kept::Everything(times, kept) => {
+                times.extend(begins.iter().zip(sizes).map(|(begin, size)| begin + size));
+                kept.extend(values.iter().step_by(stride).take(begins.len()));
+            }
+        }
+    }
+
+    fn result(&mut self) -> f64 {
+        let measured = &self.measured;
+        let convert = |value: &f64| measured.factor * value + measured.offset;
+        let model: Vec<f64> = match &mut self.kept {
+            Kept::Samples(sampler) => match sampler.finish() {
+                Ok(samples) => samples.iter().map(convert).collect(),
+                Err(_) => return f64::NAN,
+            },
+            Kept::Everything(times, values) => {
+                let values = values.iter().map(convert).collect();
+                match aligned(measured, times, values) {
+                    Some(model) => model,
+                    None => return f64::NAN,
+                }
+            }
+        };
+        let pair = Pair {
+            band: &measured.band,
+            normaliser: measured.normaliser,
+            ..Pair::new(&measured.values, &model)
+        };
+        measured.metric.compare(&pair)
+    }
+}
+
+/// The model's values at the measurement's times after the delay was found; none where the model does not reach so far.
+fn aligned(measured: &MeasuredCurve, times: &[f64], values: Vec<f64>) -> Option<Vec<f64>> {
+    let Delay::Within(range) = measured.delay else {
+        return None;
+    };
+    let model = Curve::new(times.to_vec(), values).ok()?;
+    let reference = Curve::new(measured.times.clone(), measured.values.clone()).ok()?;
+    let found = delay::find(&reference, &model, range).ok()?;
+    let [first, last] = model.span();
+    let place = |time: &f64| model.at((time - found.delay).clamp(first, last));
+    measured.times.iter().map(place).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use curves::Metric;
+    use fmu_import::{Content, Handle};
+    use sampling::statistics::Statistic;
+
+    fn probe(delay: Delay) -> Probe {
+        let curve = MeasuredCurve {
+            metric: Metric::MaxError,
+            times: vec![1.0, 2.5, 3.0],
+            values: vec![10.0, 25.0, 31.0],
+            band: Vec::new(),
+            uncertainty: Vec::new(),
+            normaliser: 1.0,
+            delay,
+            factor: 10.0,
+            offset: 0.0,
+        };
+        Probe {
+            name: "y".to_owned(),
+            handle: Handle {
+                reference: 0,
+                content: Content::Real,
+            },
+            statistic: Statistic::Final,
+            window: None,
+            curve: Some(Box::new(curve)),
+        }
+    }
+
+    /// The model is t in its own unit, in steps of a second.
+    fn error(probe: &Probe, until: i32) -> f64 {
+        let mut collector = Collector::new(probe);
+        for _ in 0..2 {
+            collector.restart(probe);
+            for time in (0..=until).map(f64::from) {
+                collector.add(time, 1.0, time);
+            }
+        }
+        collector.result(f64::NAN)
+    }
+
+    #[test]
+    fn the_model_is_compared_at_the_measured_times() {
+        assert_eq!(error(&probe(Delay::Known(0.0)), 3), 1.0);
+        assert!(error(&probe(Delay::Known(0.0)), 2).is_nan());
+        assert_eq!(error(&probe(Delay::Known(0.5)), 3), 6.0);
+    }
+
+    #[test]
+    fn a_delay_is_found() {
+        // The deviations 0, 0, -1 have the mean -1/3: the model is a 30th of a second late.
+        let found = error(&probe(Delay::Within([-0.5, 0.5])), 4);
+        assert!((found - 2.0 / 3.0).abs() < 1e-6, "{found}");
+        assert!(error(&probe(Delay::Within([-0.5, 0.5])), 3).is_nan());
+    }
+}

@@ -1,0 +1,270 @@
+//! Reads measured curves and ties them to an FMU.
+
+use super::quantity::{Quantity, Scale, Sense};
+use super::reference::{DelayRange, DelayText, Normalise, OwnNormaliser, ReferenceText};
+use super::window::seconds;
+use super::{CriterionText, Name, Study, StudyError};
+use crate::table::Table;
+use crate::task::{Delay, MeasuredCurve};
+use curves::{Curve, Metric, iso18571};
+use fmu_import::units::Conversion;
+
+/// A criterion on a curve that is tied to an FMU.
+pub(super) struct Binder<'a> {
+    pub(super) study: &'a Study,
+    pub(super) name: &'a Name,
+    pub(super) text: &'a CriterionText,
+    pub(super) scale: &'a Scale<'a>,
+    /// The whole run, s.
+    pub(super) run: [f64; 2],
+    /// The part of it that counts, s.
+    pub(super) window: [f64; 2],
+    /// Whether the study states it; rows outside of it do not count then.
+    pub(super) is_stated: bool,
+}
+
+impl Binder<'_> {
+    /// Reads the measured curve.
+    pub(super) fn bind(
+        &self,
+        reference: &ReferenceText,
+        metric: Metric,
+    ) -> Result<MeasuredCurve, StudyError> {
+        let named = |message: String| self.named(message);
+        let (curve, expanded) = self.read(reference)?;
+        let delay = self.delay().map_err(named)?;
+        if metric == Metric::Iso18571 && matches!(delay, Delay::Within(_)) {
+            let message =
+                "iso18571 finds the shift between the curves itself; give a known delay or none";
+            return Err(named(message.to_owned()));
+        }
+        let band = self.band(metric, &curve, expanded.clone()).map_err(named)?;
+        let rows = curve.times().len();
+        let curve = self.even(metric, curve).map_err(named)?;
+        // Between the rows of an uneven curve the uncertainty is not known.
+        let expanded =
+            expanded.filter(|widths| curve.times().len() == rows && widths.len() == rows);
+        let back = self.scale.conversion.inverse();
+        let measured = MeasuredCurve {
+            metric,
+            normaliser: self.normaliser(metric, curve.values()).map_err(named)?,
+            times: curve.times().to_vec(),
+            values: curve.values().to_vec(),
+            band,
+            uncertainty: expanded.unwrap_or_default(),
+            delay,
+            factor: back.difference(1.0),
+            offset: back.value(0.0),
+        };
+        self.check_span(reference, &measured)?;
+        Ok(measured)
+    }
+
+    fn named(&self, message: String) -> StudyError {
+        let name = self.name.as_ref();
+        self.study.error_at(self.name, format!("{name}: {message}"))
+    }
+
+    /// The rows that count, and the expanded uncertainty of each, in the criterion's unit.
+    fn read(&self, reference: &ReferenceText) -> Result<(Curve, Option<Vec<f64>>), StudyError> {
+        let name = self.name.as_ref();
+        let path = self.study.beside(reference.file.as_ref());
+        let time = reference.time.clone().unwrap_or_else(|| "time".to_owned());
+        let column = reference.column.clone();
+        let column = column.unwrap_or_else(|| self.text.variable.as_ref().clone());
+        let mut columns = vec![
+            (vec![time.clone()], "the time".to_owned()),
+            (vec![column.clone()], format!("the criterion {name}")),
+        ];
+        if let Some(column) = &reference.uncertainty_column {
+            columns.push((vec![column.clone()], "the uncertainty".to_owned()));
+        }
+        let at_file = |message: String| self.study.error_at(&reference.file, message);
+        let table = Table::read(&path, &columns).map_err(|error| at_file(error.to_string()))?;
+        let conversion = match &reference.unit {
+            Some(unit) => self.scale.from(unit).map_err(|m| self.named(m))?,
+            None => Conversion::IDENTITY,
+        };
+        let cells = |place: usize| table.rows.iter().map(move |row| row[place]);
+        let values = cells(1).map(|value| conversion.value(value)).collect();
+        let curve = Curve::new(cells(0).collect(), values).map_err(|fault| {
+            let row = fault
+                .row()
+                .map_or_else(String::new, |row| format!(" row {}:", row + 1));
+            let path = path.display();
+            at_file(format!(
+                "{path}:{row} {fault} (columns `{time}` and `{column}`); correct or remove the row"
+            ))
+        })?;
+        let expanded = match (&reference.uncertainty, &reference.uncertainty_column) {
+            (Some(_), Some(_)) => {
+                let message = "the reference has both uncertainty and uncertainty-column; keep one";
+                return Err(self.named(message.to_owned()));
+            }
+            (Some(stated), None) => Some(
+                self.widths(stated, curve.values())
+                    .map_err(|m| self.named(m))?,
+            ),
+            (None, Some(_)) => Some(cells(2).map(|value| conversion.difference(value)).collect()),
+            (None, None) => None,
+        };
+        self.cut(reference, curve, expanded)
+    }
+
+    /// The rows inside the window that the study states.
+    fn cut(
+        &self,
+        reference: &ReferenceText,
+        curve: Curve,
+        expanded: Option<Vec<f64>>,
+    ) -> Result<(Curve, Option<Vec<f64>>), StudyError> {
+        if let Some(row) = expanded
+            .iter()
+            .flatten()
+            .position(|width| !(*width >= 0.0 && width.is_finite()))
+        {
+            let message = format!(
+                "{}: row {}: the uncertainty must be 0 or more",
+                reference.file.as_ref().display(),
+                row + 1
+            );
+            return Err(self.study.error_at(&reference.file, message));
+        }
+        if !self.is_stated {
+            return Ok((curve, expanded));
+        }
+        let rounding = 1e-9 * (self.window[0].abs() + self.window[1].abs());
+        let window = [self.window[0] - rounding, self.window[1] + rounding];
+        let rows = curve.rows(window);
+        let cut = curve.cut(window).map_err(|_| {
+            let [first, last] = curve.span();
+            let [from, to] = self.window;
+            let message = format!(
+                "{}: {} rows lie in the window from {from} s to {to} s, and a curve needs two; the measurement goes from \
+                 {first} s to {last} s",
+                reference.file.as_ref().display(),
+                rows.len()
+            );
+            self.study.error_at(&reference.file, message)
+        })?;
+        Ok((cut, expanded.map(|widths| widths[rows].to_vec())))
+    }
+
+    /// A width at each value: a constant, or a part of the value.
+    fn widths(&self, stated: &Quantity, values: &[f64]) -> Result<Vec<f64>, String> {
+        let widths: Vec<f64> = match stated.unit.as_deref() {
+            Some("%") => values
+                .iter()
+                .map(|value| 0.01 * stated.number * value.abs())
+                .collect(),
+            _ => vec![self.scale.number(stated, Sense::Difference)?; values.len()],
+        };
+        match stated.number > 0.0 && stated.number.is_finite() {
+            true => Ok(widths),
+            false => Err(format!(
+                "the width {stated} must be a positive, finite number"
+            )),
+        }
+    }
+
+    fn band(
+        &self,
+        metric: Metric,
+        curve: &Curve,
+        expanded: Option<Vec<f64>>,
+    ) -> Result<Vec<f64>, String> {
+        if metric != Metric::Corridor {
+            return Ok(Vec::new());
+        }
+        match (&self.text.band, expanded) {
+            (Some(band), _) => self.widths(band, curve.values()),
+            (None, Some(expanded)) => Ok(expanded),
+            (None, None) => Err(
+                "a corridor needs its half width: add band = \"0.02 N.m\" or \"5 %\", or the uncertainty of the reference"
+                    .to_owned(),
+            ),
+        }
+    }
+
+    /// The curve at even times, where the metric needs them.
+    fn even(&self, metric: Metric, curve: Curve) -> Result<Curve, String> {
+        if !metric.needs_even_times() {
+            return Ok(curve);
+        }
+        let (least, most) = (iso18571::LEAST, iso18571::MOST);
+        let count = curve.even_count();
+        if count < least as f64 || count > most as f64 {
+            return Err(format!(
+                "{} needs {least} to {most} evenly spaced samples, and the reference has {count}; resample it",
+                metric.name()
+            ));
+        }
+        Ok(curve.evenly())
+    }
+
+    fn normaliser(&self, metric: Metric, values: &[f64]) -> Result<f64, String> {
+        if metric != Metric::Nrmse {
+            return Ok(1.0);
+        }
+        let (by, what) = match &self.text.normalise {
+            Some(Normalise::Value(value)) => {
+                (self.scale.number(value, Sense::Difference)?, "value")
+            }
+            Some(Normalise::Own(OwnNormaliser::Mean)) => (
+                (values.iter().sum::<f64>() / values.len() as f64).abs(),
+                "mean",
+            ),
+            Some(Normalise::Own(OwnNormaliser::Range)) | None => {
+                let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+                let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+                (most - least, "range")
+            }
+        };
+        if by > 0.0 && by.is_finite() {
+            Ok(by)
+        } else {
+            Err(format!(
+                "nrmse divides by the {what} of the reference, which is {by}; choose another `normalise`"
+            ))
+        }
+    }
+
+    fn delay(&self) -> Result<Delay, String> {
+        match &self.text.delay {
+            None => Ok(Delay::Known(0.0)),
+            Some(DelayText::Known(delay)) => Ok(Delay::Known(seconds(delay)?)),
+            Some(DelayText::Within(DelayRange { from, to })) => {
+                let range = [seconds(from)?, seconds(to)?];
+                match range[0] < range[1] && range.iter().all(|end| end.is_finite()) {
+                    true => Ok(Delay::Within(range)),
+                    false => Err(format!("the delays from {from} to {to} are no range")),
+                }
+            }
+        }
+    }
+
+    /// Refuses a measurement that the run does not cover.
+    fn check_span(
+        &self,
+        reference: &ReferenceText,
+        measured: &MeasuredCurve,
+    ) -> Result<(), StudyError> {
+        let ([from, to], [start, stop]) = (measured.needs(), self.run);
+        let rounding = 1e-9 * (start.abs() + stop.abs());
+        if from >= start - rounding && to <= stop + rounding {
+            return Ok(());
+        }
+        let after = match measured.delay {
+            Delay::Known(0.0) => String::new(),
+            Delay::Known(delay) => format!(" after the delay of {delay} s"),
+            Delay::Within([least, most]) => format!(" with delays from {least} s to {most} s"),
+        };
+        let [from, to] = [from, to].map(|time| (time * 1e6).round() / 1e6);
+        let message = format!(
+            "{}: the measurement from {from} s to {to} s{after} is not within the run from {start} s to {stop} s; set `window` \
+             on the criterion to the common part, or change start and stop under [simulation]",
+            reference.file.as_ref().display()
+        );
+        Err(self.study.error_at(&reference.file, message))
+    }
+}

@@ -1,0 +1,72 @@
+//! What a study says of a measured curve.
+
+use std::path::PathBuf;
+
+use serde::Deserialize;
+use toml::Spanned;
+
+use super::quantity::Quantity;
+
+/// A measured curve.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct ReferenceText {
+    /// The table, csv or Parquet, relative to the study file.
+    pub file: Spanned<PathBuf>,
+    /// The column of the time, s; `time` otherwise.
+    pub time: Option<String>,
+    /// The column of the values; the variable's name otherwise.
+    pub column: Option<String>,
+    /// The unit of that column; that of the criterion otherwise.
+    pub unit: Option<String>,
+    /// The expanded uncertainty of each value: `0.01 N.m`, or `2 %` of the value.
+    pub uncertainty: Option<Quantity>,
+    /// The column of the expanded uncertainties, in the unit of the values.
+    pub uncertainty_column: Option<String>,
+}
+
+/// By what `nrmse` divides the rmse.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(
+    untagged,
+    expecting = "`normalise` is \"range\", \"mean\" or a value such as \"0.2 N.m\""
+)]
+pub enum Normalise {
+    /// A number that the reference itself gives.
+    Own(OwnNormaliser),
+    /// A value.
+    Value(Quantity),
+}
+
+/// A number of the reference by which an error is divided.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum OwnNormaliser {
+    /// The largest value less the smallest.
+    Range,
+    /// The magnitude of the mean.
+    Mean,
+}
+
+/// By how much the measurement is late.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(
+    untagged,
+    expecting = "`delay` is a time such as \"20 ms\", or a range in which it is found: { from = \"-50 ms\", to = \"50 ms\" }"
+)]
+pub enum DelayText {
+    /// So much.
+    Known(Quantity),
+    /// The delay with the least rmse between two.
+    Within(DelayRange),
+}
+
+/// The delays among which one is found.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DelayRange {
+    /// The least one.
+    pub from: Quantity,
+    /// The largest one.
+    pub to: Quantity,
+}

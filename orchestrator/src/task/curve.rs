@@ -1,0 +1,51 @@
+//! A measured curve with which a variable is compared.
+
+use serde::{Deserialize, Serialize};
+
+use curves::Metric;
+
+/// A measured curve in the criterion's unit, and the way to compare with it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MeasuredCurve {
+    /// Turns both curves into one number.
+    pub metric: Metric,
+    /// When it was measured, s, growing.
+    pub times: Vec<f64>,
+    /// The values then.
+    pub values: Vec<f64>,
+    /// The half width of the corridor at these times; empty for other metrics.
+    pub band: Vec<f64>,
+    /// The expanded uncertainty of each value; empty where it is not stated.
+    #[serde(default)]
+    pub uncertainty: Vec<f64>,
+    /// By what a normalised metric divides.
+    pub normaliser: f64,
+    /// By how much the measurement is late.
+    pub delay: Delay,
+    /// From the FMU's unit to the criterion's: `factor * value + offset`.
+    pub factor: f64,
+    /// See `factor`.
+    pub offset: f64,
+}
+
+/// By how much a measurement is late: its value at `t` belongs to the model's at `t - delay`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Delay {
+    /// So many seconds.
+    Known(f64),
+    /// The delay with the least rmse between two, s.
+    Within([f64; 2]),
+}
+
+impl MeasuredCurve {
+    /// The first and the last time at which the model's value is needed, s.
+    pub fn needs(&self) -> [f64; 2] {
+        let [least, most] = match self.delay {
+            Delay::Known(delay) => [delay; 2],
+            Delay::Within(range) => range,
+        };
+        let ends = [self.times.first(), self.times.last()];
+        let [first, last] = ends.map(|time| time.copied().unwrap_or(0.0));
+        [first - most, last - least]
+    }
+}
