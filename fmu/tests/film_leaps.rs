@@ -105,3 +105,20 @@ fn a_leap_is_what_resolved_turns_are() {
         assert!(turns < 30, "{turns} of 200 turns were needed");
     }
 }
+
+/// Point 194 of 200 of studies/paper-table3.toml: a clearance of 3.8 um, in which the film heats by 35 K.
+fn narrow(stand: &mut Stand) {
+    table3(stand);
+    stand.bearing.radial_clearance = 3.843_126_0e-6;
+    stand.load.stiffness = 89_366.0;
+    stand.load.damping = 13.267;
+    stand.load.preload = 42.996;
+    stand.load.eccentricity = 3.634e-4;
+    stand.bearing.width = 0.019_023;
+    stand.bearing.diameter = 0.025_044;
+}
+
+#[test]
+fn a_leap_of_a_narrow_film_is_what_resolved_turns_are() {
+    check(narrow, 150.0);
+}

@@ -9,8 +9,14 @@ use fmu_export::model::Log;
 /// Turns that are resolved before a leap at the most: as a number, and as a share of all.
 const APPROACH_TURNS: usize = 48;
 const APPROACH_SHARE: f64 = 0.2;
-/// Turns that are resolved after it.
+/// An approach that still warms or cools the film by more than this, K, is resolved further: its sum is known to some tenths.
+const ROUGH: f64 = 0.02;
+/// Up to this share of all turns.
+const LONGEST_APPROACH: f64 = 0.5;
+/// Turns that are resolved after it, where the film follows its orbit closely.
 const LANDING_TURNS: usize = 2;
+/// Up to this share of all turns.
+const LONGEST_LANDING: f64 = 0.25;
 
 impl Stand {
     /// Lets `span` seconds pass with a leap over most of its turns. If there is none, the log says why, and all turns are
@@ -56,17 +62,33 @@ impl Stand {
         while resolved.len() < most && !repeats(&resolved, share(SETTLED, self)) {
             resolved.push(self.resolve_turn()?);
         }
-        let mut scout = Scout::new(self)?;
-        scout.look(self.state.temperatures)?;
-        scout.see_the_approach(&resolved)?;
+        let mut scout = self.scout(&resolved)?;
+        let first = scout.approach;
+        while let Some(more) = scout.turns_until_left(ROUGH) {
+            if (resolved.len() + more) as f64 > LONGEST_APPROACH * whole as f64 {
+                return Err(NoFilmLeap::LongApproach(resolved.len() + more));
+            }
+            for _ in 0..more {
+                resolved.push(self.resolve_turn()?);
+            }
+            scout = self.scout(&resolved)?;
+        }
         let from = Departure {
             before: self.state.eccentricity,
             eccentricity: self.state.eccentricity,
             temperatures: self.state.temperatures,
             worn: self.state.worn,
         };
-        let turns = whole - resolved.len() - LANDING_TURNS;
-        let end = scout.lead(turns, &from)?;
+        let mut turns = whole - resolved.len() - LANDING_TURNS;
+        let mut end = scout.lead(turns, &from)?;
+        let landing = scout.landing(first, turns, &end)?;
+        if landing as f64 > LONGEST_LANDING * whole as f64 {
+            return Err(NoFilmLeap::LongLanding(landing));
+        }
+        if landing > 0 {
+            turns -= landing;
+            end = scout.lead(turns, &from)?;
+        }
         if let Some(film) = scout.nearest(&end) {
             self.film = film;
         }
@@ -74,6 +96,14 @@ impl Stand {
         let eccentricity = film.map_or(from.eccentricity, |film| film.eccentricity());
         self.arrive(turns as f64 * period, eccentricity, end);
         self.state.means.restart();
+        Ok(scout)
+    }
+
+    /// A scout at the present place, after these turns of the approach.
+    fn scout(&self, resolved: &[Turn]) -> Result<Scout, NoFilmLeap> {
+        let mut scout = Scout::new(self)?;
+        scout.look(self.state.temperatures)?;
+        scout.see_the_approach(resolved)?;
         Ok(scout)
     }
 }

@@ -28,6 +28,8 @@ const KNOWN: f64 = 1500.0;
 /// These shares lie within these bounds at any tolerance: the film's own steps do not follow it.
 const LEAST: f64 = 2e-5;
 const MOST: f64 = 1e-2;
+/// The film may be behind its orbit by this part of what the correction may be wrong.
+const BEHIND: f64 = 0.15;
 /// Temperatures at the most at which the film's turns are needed.
 const PLACES: usize = 12;
 /// In two turns the approach to the orbit shrinks to this share of itself at the most.
@@ -42,6 +44,10 @@ pub(super) enum NoFilmLeap {
     Unsettled(usize),
     #[error("after {0} temperatures the film's heat is still not known between them")]
     Unknown(usize),
+    #[error("the film needs {0} turns to come near its orbit")]
+    LongApproach(usize),
+    #[error("the film stays behind its orbit for {0} turns")]
+    LongLanding(usize),
     #[error("{0}")]
     Turn(#[from] Stuck),
     #[error("{0}")]
@@ -122,9 +128,11 @@ impl TwoScales for Corrected<'_> {
 
 /// The film's approach to its orbit after a departure.
 #[derive(Clone, Copy, Debug)]
-struct Approach {
+pub(super) struct Approach {
     /// The flows in the last turn before it beyond those of the orbit.
     excess: Flows,
+    /// The excess of its heat as a share of the turn's.
+    share: f64,
     /// Turns that would have the same excess as all that follow.
     turns: f64,
 }
@@ -145,7 +153,9 @@ pub(super) struct Scout {
     correction: Correction,
     /// The film on its orbit at the viscosities, Pa.s, at which it is known.
     pub known: Vec<(f64, Film)>,
-    approach: Option<Approach>,
+    pub approach: Option<Approach>,
+    /// The temperatures where it began to look.
+    departure: Temperatures,
     /// Turns ahead so far.
     pub turns: usize,
 }
@@ -161,6 +171,7 @@ impl Scout {
             correction: Correction::default(),
             known: Vec::new(),
             approach: None,
+            departure: stand.state.temperatures,
             turns: 0,
         })
     }
@@ -254,9 +265,43 @@ impl Scout {
         let small = last.heat().abs() < share(SETTLED, &self.ahead) * d.flows.heat();
         self.approach = (!small).then_some(Approach {
             excess: last,
+            share: last.heat().abs() / d.flows.heat(),
             turns: shrinking / (1.0 - shrinking),
         });
         Ok(())
+    }
+
+    /// Turns until what is left of the approach warms or cools the film by less than this, K; `None` if it does already.
+    pub(super) fn turns_until_left(&self, warming: f64) -> Option<usize> {
+        let approach = self.approach.as_ref()?;
+        let now = &self.ahead.state.temperatures;
+        let left = (self.warmed(now, &approach.heat(1.0)).film - now.film).abs();
+        // Its sum shrinks by this share in a turn.
+        let share = 1.0 / (1.0 + approach.turns);
+        (left > warming).then(|| ((left / warming).ln() / -(-share).ln_1p()).ceil() as usize)
+    }
+
+    /// Turns before `end`, `turns` after the departure, that have to be resolved because the film is behind its orbit: as the orbit
+    /// moves, the film follows it as slowly as it came near it in its first approach. What is left of the heat that it is off
+    /// shrinks with each of them.
+    pub(super) fn landing(
+        &self,
+        first: Option<Approach>,
+        turns: usize,
+        end: &Temperatures,
+    ) -> Result<usize, NoLeap> {
+        let Some(approach) = first else {
+            return Ok(0);
+        };
+        let heat = |at: &Temperatures| -> Result<f64, NoLeap> {
+            let viscosity = self.ahead.fluid.viscosity(at.film);
+            let fast = self.mobility_flows(at)?;
+            Ok(self.correction.apply(viscosity, &fast).heat())
+        };
+        let moves = (heat(end)? / heat(&self.departure)?).ln().abs() / turns as f64;
+        let behind = approach.share * moves * approach.turns;
+        let close = BEHIND * share(KNOWN, &self.ahead);
+        Ok((approach.turns * (behind / close).ln()).max(0.0).ceil() as usize)
     }
 
     /// The temperatures `turns` whole turns later, from where the scout began to look.
