@@ -11,6 +11,8 @@ const APPROACH_TURNS: usize = 48;
 const APPROACH_SHARE: f64 = 0.2;
 /// An approach that still warms or cools the film by more than this, K, is resolved further: its sum is known to some tenths.
 const ROUGH: f64 = 0.02;
+/// A film whose heat is off its orbit's by more than this share after the approach does not follow the averaged heat closely enough.
+const FAR: f64 = 0.05;
 /// Up to this share of all turns.
 const LONGEST_APPROACH: f64 = 0.5;
 /// Turns that are resolved after it, where the film follows its orbit closely.
@@ -64,6 +66,9 @@ impl Stand {
         }
         let mut scout = self.scout(&resolved)?;
         let first = scout.approach;
+        if let Some(share) = first.map(|first| first.share).filter(|&share| share > FAR) {
+            return Err(NoFilmLeap::Far(100.0 * share));
+        }
         while let Some(more) = scout.turns_until_left(ROUGH) {
             if (resolved.len() + more) as f64 > LONGEST_APPROACH * whole as f64 {
                 return Err(NoFilmLeap::LongApproach(resolved.len() + more));

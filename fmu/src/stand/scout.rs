@@ -44,6 +44,8 @@ pub(super) enum NoFilmLeap {
     Unsettled(usize),
     #[error("after {0} temperatures the film's heat is still not known between them")]
     Unknown(usize),
+    #[error("after the first turns the film's heat is still {0:.0} % off that of its orbit")]
+    Far(f64),
     #[error("the film needs {0} turns to come near its orbit")]
     LongApproach(usize),
     #[error("the film stays behind its orbit for {0} turns")]
@@ -132,7 +134,7 @@ pub(super) struct Approach {
     /// The flows in the last turn before it beyond those of the orbit.
     excess: Flows,
     /// The excess of its heat as a share of the turn's.
-    share: f64,
+    pub share: f64,
     /// Turns that would have the same excess as all that follow.
     turns: f64,
 }
