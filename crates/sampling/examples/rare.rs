@@ -9,7 +9,7 @@ use std::thread;
 
 use sampling::design::correlation::Correlation;
 use sampling::distribution::Distribution;
-use sampling::rare::{Answer, Judged, Method, Search, share};
+use sampling::rare::{Answer, Judged, Search, share};
 use statrs::function::erf::erfc;
 
 /// The level of a point.
@@ -359,24 +359,15 @@ fn row(case: &Case, answers: &[Answer]) -> String {
         .iter()
         .map(|share| (share.value / case.exact - 1.0).powi(2))
         .sum();
-    let repeated = told
-        .iter()
-        .filter(|share| share.method == Method::Repeated)
-        .count();
     let most = answers.iter().map(|answer| answer.runs).max().unwrap_or(0);
     let mean =
         |of: &dyn Fn(&Answer) -> f64| answers.iter().map(of).sum::<f64>() / answers.len() as f64;
     format!(
-        "| {} | {:.2e} | {} of {}{} | {:.1} % | {:.1} % | {:.1} % | {:.0} ({most}) | {:.1} |",
+        "| {} | {:.2e} | {} of {} | {:.1} % | {:.1} % | {:.1} % | {:.0} ({most}) | {:.1} |",
         case.name,
         case.exact,
         told.len(),
         answers.len(),
-        if repeated > 0 {
-            format!(", {repeated} repeated")
-        } else {
-            String::new()
-        },
         100.0 * (square / told.len() as f64).sqrt(),
         100.0 * count(&|[low, high]| low <= case.exact && case.exact <= high),
         100.0 * count(&|[_, high]| high < case.exact),

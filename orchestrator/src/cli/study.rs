@@ -79,6 +79,17 @@ pub enum RareEvent {
     Failed,
 }
 
+impl RareEvent {
+    /// As the user writes it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Verified => "verified",
+            Self::NotConforming => "not-conforming",
+            Self::Failed => "failed",
+        }
+    }
+}
+
 fn extra_runs() -> impl TypedValueParser<Value = usize> {
     RangedU64ValueParser::<usize>::new().range(0..=MOST_EXTRA_RUNS as u64)
 }

@@ -142,7 +142,7 @@ impl Analysis for Rare {
             seed: self.seed,
             // The search ends when it knows enough.
             points: None,
-            method: format!("{:?} with at most {} runs", self.event, self.points),
+            method: format!("{} with at most {} runs", self.event.name(), self.points),
             table: None,
         })
     }

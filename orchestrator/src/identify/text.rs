@@ -183,12 +183,14 @@ fn residuals(text: &mut String, outcome: &IdentificationOutcome) {
             .as_deref()
             .filter(|unit| *unit != "1")
             .unwrap_or("");
+        // A measured value of 0 has no percentage.
+        let relative = worst.relative.is_finite().then_some(100.0 * worst.relative);
+        let percent = relative.map_or_else(String::new, |percent| format!(" ({percent:.2} %)"));
         let _ = writeln!(
             text,
-            "largest misfit of {}: {} {unit} ({:.2} %)",
+            "largest misfit of {}: {} {unit}{percent}",
             worst.quantity,
             Digits(worst.difference, 3),
-            100.0 * worst.relative
         );
     }
 }

@@ -68,11 +68,13 @@ fn holds(bench: &Bench, exact: f64) -> serde_json::Value {
 #[test]
 fn a_share_of_verified_points_is_told() {
     let bench = Bench::functions();
-    let said = rare(&bench, &criterion("first", 6.1, 0.1), &["--rare"]);
+    let lines = criterion("first", 6.1, 0.1);
+    let said = searched(&bench, &lines, "40000", &["--rare"]);
     assert_eq!(said.code, 0, "{}{}", said.out, said.err);
     assert!(said.out.contains("e−10 of the space"), "{}", said.out);
     assert!(
-        said.out.contains("no chain of the search reached"),
+        said.out
+            .contains("nothing shows regions that neither reached"),
         "{}",
         said.out
     );
@@ -94,7 +96,8 @@ fn a_share_of_verified_points_is_told() {
 #[test]
 fn points_that_miss_a_criterion_lie_on_both_sides() {
     let bench = Bench::functions();
-    let verdict = "[verdict]\nshare = \"98 %\"\n";
+    // 400 plain points and the failed runs among them leave as much as 2.2 %.
+    let verdict = "[verdict]\nshare = \"95 %\"\n";
     let lines = format!("{verdict}{}", criterion("first", 0.0, 6.0));
     let said = rare(&bench, &lines, &["--rare", "not-conforming"]);
     assert_eq!(said.code, 0, "{}{}", said.out, said.err);
@@ -103,7 +106,7 @@ fn points_that_miss_a_criterion_lie_on_both_sides() {
     assert_eq!(found["verdict"], "verified");
     assert_eq!(found["confidence"], 0.975);
     // How many runs fail is known from the plain points only.
-    let lines = lines.replace("98 %", "99.9999 %");
+    let lines = lines.replace("95 %", "99.9999 %");
     let said = rare(&bench, &lines, &["--rare", "not-conforming"]);
     assert_eq!(said.code, 3, "{}{}", said.out, said.err);
     // The same criterion, seen from the other side, is met nearly everywhere: that is counted.

@@ -16,12 +16,12 @@ mod explore;
 mod mixture;
 mod moves;
 mod random;
-mod repeat;
 mod runs;
 mod scatter;
 mod separate;
 #[cfg(test)]
 mod tests;
+mod twice;
 mod weigh;
 mod widen;
 
@@ -83,8 +83,6 @@ pub enum Method {
     Counted,
     /// Weighted draws from a mixture.
     Weighted,
-    /// The mean of independent searches.
-    Repeated,
 }
 
 /// Points that were drawn from the parameters' own distribution.
@@ -103,7 +101,7 @@ pub struct Plain {
 pub struct RegionShare {
     /// Its share of the space.
     pub share: f64,
-    /// The mean of its points, in standard normal scores.
+    /// Its point that is nearest to the mean of all of them, in standard normal scores.
     pub centre: Vec<f64>,
 }
 
@@ -138,6 +136,8 @@ pub struct Answer {
     pub share: Option<Share>,
     /// A rough number where the share itself could not be told: it has no interval.
     pub rough: Option<f64>,
+    /// The shares that the two searches came to, where they do not agree: at least one has lost a part of the event.
+    pub disagree: Option<[f64; 2]>,
     /// Runs that were made.
     pub runs: u64,
     /// Plain points among them, with those in which the event is counted.
@@ -152,11 +152,16 @@ pub struct Answer {
     pub sample: Vec<Weighted>,
 }
 
-/// The share of the space in which an event happens.
+/// The share of the space in which an event happens, by two searches that have to agree.
 ///
 /// # Errors
 /// Those of `ask`.
 pub fn share<E>(search: &Search, ask: Ask<'_, E>) -> Result<Answer, E> {
+    twice::twice(search, ask)
+}
+
+/// The share by a single search.
+fn search_once<E>(search: &Search, ask: Ask<'_, E>) -> Result<Answer, E> {
     // A fiftieth of the runs is a population, 2,000 points at most: a region that takes a hundredth of it is not lost.
     let size = (search.runs / 50).clamp(100, 2000);
     let mut runs = Runs::new(ask, search.runs);
@@ -197,7 +202,7 @@ pub fn share<E>(search: &Search, ask: Ask<'_, E>) -> Result<Answer, E> {
     measured(search, &found, size, answer, runs, &mut random)
 }
 
-/// The share by draws from a mixture, or else by further searches.
+/// The share by draws from a mixture, where it follows the event.
 fn measured<E>(
     search: &Search,
     found: &Found,
@@ -227,25 +232,6 @@ fn measured<E>(
         });
         answer.regions = measured.regions;
         answer.sample = measured.sample;
-    } else if !search.is_binary {
-        let levels = found.levels.len();
-        let repeated = repeat::repeat(
-            search.dimensions,
-            levels,
-            search.confidence,
-            &mut runs,
-            random,
-        )?;
-        if let Some(repeated) = repeated {
-            answer.share = Some(Share {
-                value: repeated.share,
-                interval: Some(repeated.interval),
-                error: repeated.error,
-                effective: 1.0 / (repeated.error * repeated.error),
-                method: Method::Repeated,
-            });
-            answer.sample = repeated.sample;
-        }
     }
     if answer.share.is_some() {
         answer.rough = None;

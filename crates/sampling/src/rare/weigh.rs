@@ -183,9 +183,18 @@ impl Proposal {
                 *centre += weight / count as f64 * x;
             }
         }
-        for region in &mut regions {
-            let share = region.share;
-            region.centre.iter_mut().for_each(|c| *c /= share);
+        for (index, region) in regions.iter_mut().enumerate() {
+            let mean: Vec<f64> = region.centre.iter().map(|c| c / region.share).collect();
+            let own = points
+                .iter()
+                .filter(|point| self.mixture.region(point) == index);
+            // The mean of a curved region may lie outside of it.
+            let apart = |point: &[f64]| -> f64 {
+                point.iter().zip(&mean).map(|(x, m)| (x - m).powi(2)).sum()
+            };
+            if let Some(middle) = own.min_by(|a, b| apart(a).total_cmp(&apart(b))) {
+                region.centre.clone_from(middle);
+            }
         }
         regions.retain(|region| region.share > 0.0);
         regions.sort_by(|a, b| b.share.total_cmp(&a.share));

@@ -28,7 +28,7 @@ pub(super) fn confidence(event: RareEvent, rule: Option<Rule>) -> f64 {
 #[derive(Debug, Serialize)]
 struct Region {
     share: f64,
-    /// The mean of its points: parameters in the study's units.
+    /// Its point that is nearest to the mean of all: parameters in the study's units.
     centre: IndexMap<String, f64>,
 }
 
@@ -64,6 +64,8 @@ pub(super) struct Statement {
     method: &'static str,
     /// A number without an interval, where the share could not be told.
     rough: Option<f64>,
+    /// What the two searches came to, where they do not agree.
+    disagree: Option<[f64; 2]>,
     runs: u64,
     plain: Counted,
     /// Draws wider than the study's distribution, and how many of them failed.
@@ -114,10 +116,10 @@ impl Statement {
             method: match share.map(|share| share.method) {
                 Some(Method::Counted) => "counted",
                 Some(Method::Weighted) => "weighted draws",
-                Some(Method::Repeated) => "repeated searches",
                 None => "not reached",
             },
             rough: answer.rough,
+            disagree: answer.disagree,
             runs: answer.runs,
             plain: Counted {
                 runs,
@@ -143,11 +145,20 @@ impl Statement {
                 })
                 .collect(),
             assumes: match share.map(|share| share.method) {
-                Some(Method::Counted) | None => "nothing: plain points are counted",
-                Some(_) => "regions that no chain of the search reached are not counted",
+                Some(Method::Counted) | None => {
+                    "Plain points are counted, so the interval assumes nothing"
+                }
+                Some(_) => {
+                    "The interval holds if both searches reached all regions of the event; nothing shows regions that neither \
+                     reached, so a verdict takes from plain points how large the share may be"
+                }
             },
             required: rule.map(|rule| rule.share),
-            verdict: rule.map(|rule| rule.decide(verified(event, interval, failed_interval))),
+            verdict: rule.map(|rule| {
+                // That there is no more of the event than was found, only plain points show.
+                let sure = [interval[0], interval[1].max(of_plain(met)[1])];
+                rule.decide(verified(event, sure, failed_interval))
+            }),
         }
     }
 
@@ -170,7 +181,7 @@ impl Statement {
         match self.share {
             Some(share) => writeln!(
                 text,
-                "{what}: {} of the space, {percent} % interval {low} to {high} ({})",
+                "{what}: {} of the space in the regions that were found, {percent} % interval {low} to {high} ({})",
                 number(share, 3),
                 self.method
             )?,
@@ -209,7 +220,7 @@ impl Statement {
                 number(failed_interval[1], 3)
             )?;
         }
-        writeln!(text, "The interval assumes {}.", self.assumes)?;
+        writeln!(text, "{}.", self.assumes)?;
         if let (Some(required), Some(verdict)) = (self.required, self.verdict) {
             writeln!(
                 text,
@@ -232,16 +243,25 @@ impl Statement {
             text,
             "{what}: not told; {met} of {runs} plain points, which shows a share of at most {high} ({percent} %)"
         )?;
-        if let Some(rough) = self.rough {
+        if let Some([one, other]) = self.disagree {
             writeln!(
                 text,
-                "The search came to about {}, without an interval: the draws scatter too much. More --points may tell.",
+                "Two searches came to {} and {} and do not agree, so at least one lost a part of the event. More --points may tell.",
+                number(one, 2),
+                number(other, 2)
+            )?;
+        } else if let Some(rough) = self.rough {
+            writeln!(
+                text,
+                "The search came to about {}, without an interval: the draws scatter too much, or only one of two searches \
+                 arrived. More --points may tell.",
                 number(rough, 2)
             )?;
         } else if let Some(deepest) = self.levels.last() {
             writeln!(
                 text,
-                "The search came down to {} tolerances at a share of about {}. More --points go deeper.",
+                "The search stopped at points within {} tolerances, a share of about {}. More --points go deeper, unless the \
+                 outputs are flat there.",
                 number(deepest.deviation, 4),
                 number(deepest.share, 2)
             )?;
