@@ -227,8 +227,9 @@ def test_a_point_is_replayed(verified, tmp_path):
     assert ours["time"][-1] == 150.0
 
 
-# What Python has in other ways: files of its own, results that are read, functions.
-OTHERWISE = {"help", "output", "from", "shard", "dry-run", "parquet", "png"}
+# What Python has in other ways: files of its own, results that are read, functions. The search for rare shares has results of
+# its own, and the command line alone runs it so far.
+OTHERWISE = {"help", "output", "from", "shard", "dry-run", "parquet", "png", "rare"}
 
 
 @pytest.mark.parametrize("name", ["verify", "judge", "sensitivity", "robustness", "tolerances", "pareto", "identify"])

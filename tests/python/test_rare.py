@@ -45,7 +45,7 @@ def found(tmp_path_factory):
         fmu.writestr("modelDescription.xml", DESCRIPTION)
         fmu.write(binary, "binaries/linux64/functions.so")
     (folder / "study.toml").write_text(STUDY)
-    call = [PROGRAM, "verify", "study.toml", "--rare", "--points", "40000", "--output", "out"]
+    call = [PROGRAM, "verify", "study.toml", "--rare", "--points", "100000", "--output", "out"]
     subprocess.run(call, cwd=folder, check=True, capture_output=True)
     with (folder / "out" / "rare.csv").open() as file:
         rows = list(csv.DictReader(file))
