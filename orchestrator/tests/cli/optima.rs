@@ -1,6 +1,6 @@
 //! `identify` on analytic functions: every optimum, and nothing called determined that is not.
 
-use crate::support::Bench;
+use crate::support::{Bench, Said};
 
 const STUDY: &str = r#"
 fmu = "functions.fmu"
@@ -15,6 +15,12 @@ value = 0.5
 accuracy = 0.02
 "#;
 
+/// Calibrates `study.toml`. The FMU is known to keep nothing from one point to the next.
+fn identify(bench: &Bench, options: &[&str]) -> Said {
+    let common = ["identify", "study.toml", "--isolation", "reuse"];
+    bench.run(&[&common, options].concat())
+}
+
 fn json(bench: &Bench, file: &str) -> serde_json::Value {
     serde_json::from_str(&bench.read(file)).unwrap()
 }
@@ -23,7 +29,7 @@ fn json(bench: &Bench, file: &str) -> serde_json::Value {
 fn six_exact_solutions_are_six_optima() {
     let bench = Bench::functions();
     bench.write("study.toml", STUDY);
-    let said = bench.run(&["identify", "study.toml", "--output", "out"]);
+    let said = identify(&bench, &["--output", "out"]);
     assert_eq!(said.code, 0, "{}", said.err);
     for words in [
         "6 distinct sets of parameters fit",
@@ -60,7 +66,7 @@ fn six_exact_solutions_are_six_optima() {
     // What a second measured value decides leaves one optimum, and one file.
     let decided = "[identify.measured.X]\nvariable = \"first\"\nvalue = 1.5\naccuracy = 0.05\n";
     bench.write("study.toml", &format!("{STUDY}{decided}"));
-    let said = bench.run(&["identify", "study.toml", "--output", "out"]);
+    let said = identify(&bench, &["--output", "out"]);
     assert_eq!(said.code, 0, "{}", said.err);
     assert!(
         said.out.contains("The data determine every parameter."),
@@ -80,7 +86,7 @@ fn a_product_is_one_valley_and_not_determined() {
         "[identify.free.x2]\nmin = 0.1\nmax = 3.1\n[identify.measured",
     );
     bench.write("study.toml", &study);
-    let said = bench.run(&["identify", "study.toml", "--output", "out"]);
+    let said = identify(&bench, &["--output", "out"]);
     assert_eq!(said.code, 0, "{}", said.err);
     assert!(
         said.out.contains("The data do not determine:"),
@@ -95,14 +101,7 @@ fn a_product_is_one_valley_and_not_determined() {
 fn a_sample_of_the_posterior_holds_all_modes_and_can_be_predicted_from() {
     let bench = Bench::functions();
     bench.write("study.toml", STUDY);
-    let said = bench.run(&[
-        "identify",
-        "study.toml",
-        "--posterior",
-        "240",
-        "--output",
-        "out",
-    ]);
+    let said = identify(&bench, &["--posterior", "240", "--output", "out"]);
     assert_eq!(said.code, 0, "{}", said.err);
     for words in [
         "posterior sample: 240 particles (",
@@ -148,7 +147,7 @@ tolerance = 0.04
     let share = summary["verified_fraction"].as_f64().unwrap();
     assert!((share - 0.954).abs() < 0.045, "{share}");
     // Without the option an earlier sample goes.
-    let said = bench.run(&["identify", "study.toml", "--output", "out"]);
+    let said = identify(&bench, &["--output", "out"]);
     assert_eq!(said.code, 0, "{}", said.err);
     assert!(!bench.path("out/posterior.csv").exists());
     assert!(json(&bench, "out/identification.json")["posterior"].is_null());
