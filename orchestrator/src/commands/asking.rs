@@ -94,8 +94,9 @@ pub(super) fn open(work: &Work, analysis: &dyn Analysis) -> Result<Session, Comm
         ..Request::default()
     })?;
     if !session.plan.is_independent() && !analysis.takes_correlations() {
-        let message = "this analysis takes every parameter on its own, and correlated ones cannot be changed alone; remove \
-                       [[correlations]], or use `sensitivity STUDY --shapley N`, which keeps them together";
+        let message = "this analysis takes every parameter on its own, and correlated ones, or those from one sample, \
+                       cannot be changed alone; remove [[correlations]], give other distributions for `sample`, or use \
+                       `sensitivity STUDY --shapley N`, which keeps them together";
         return Err(session.study.error(message).into());
     }
     Ok(session)

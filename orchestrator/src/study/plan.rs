@@ -5,12 +5,14 @@ use toml::Spanned;
 
 use super::curves::Binder as CurveBinder;
 use super::quantity::Scale;
-use super::{CriterionText, Name, ParameterText, Setting, Study, StudyError, inputs, points, ssv};
+use super::{
+    CriterionText, Name, ParameterText, Setting, Study, StudyError, inputs, points, samples, ssv,
+};
 use crate::task::{MeasuredCurve, Probe, Schedule, Slot, Task};
 use fmu_import::units::Conversion;
 use fmu_import::{Content, Description, Handle, Value, Variable};
 use sampling::design::correlation::Correlation;
-use sampling::design::{self, Design, Sampling};
+use sampling::design::{self, Design, Joint, Sampling};
 use sampling::distribution::Distribution;
 
 pub use super::values::{find, slot_of, value_of};
@@ -28,6 +30,8 @@ pub struct Plan {
     levels: Vec<Option<u64>>,
     /// How the parameters are correlated, if they are.
     correlation: Option<Correlation>,
+    /// Parameters that are drawn together from samples.
+    joints: Vec<Joint>,
 }
 
 /// One uncertain parameter.
@@ -53,7 +57,9 @@ impl Plan {
     pub fn new(study: &Study, fmu: &Description) -> Result<Self, StudyError> {
         let binder = Binder { study, fmu };
         points::check(study)?;
-        let (inputs, varied) = binder.parameters()?;
+        let (mut inputs, varied) = binder.parameters()?;
+        let joints = binder.samples(&mut inputs)?;
+        binder.within(&inputs, &varied)?;
         let mut schedule = binder.schedule()?;
         let (outputs, observed) = binder.criteria(&schedule)?;
         let observed = binder.windows(&mut schedule, observed)?;
@@ -70,6 +76,7 @@ impl Plan {
             outputs,
             levels: study.parameters.values().map(|p| p.levels).collect(),
             correlation: points::correlation(study)?,
+            joints,
         })
     }
 
@@ -83,6 +90,7 @@ impl Plan {
             distributions: distributions.collect(),
             levels: self.levels.clone(),
             correlation: self.correlation.clone(),
+            joints: self.joints.clone(),
         };
         Design::new(design, inputs)
     }
@@ -132,7 +140,7 @@ impl Plan {
 
     /// Whether every parameter varies on its own.
     pub fn is_independent(&self) -> bool {
-        self.correlation.is_none()
+        self.correlation.is_none() && self.joints.is_empty()
     }
 
     /// The logarithm of the parameters' joint density at a point.
@@ -220,23 +228,44 @@ impl Binder<'_> {
             let name = name.as_ref().clone();
             let at = |message: String| at(format!("{name}: {message}"));
             let slot = slot_of(variable).map_err(at)?;
-            let input = self.parameter(variable, parameter, &slot).map_err(at)?;
+            let input = self.parameter(variable, parameter).map_err(at)?;
             Ok((input, slot))
         };
         self.study.parameters.iter().map(bind).collect()
     }
 
-    fn parameter(
-        &self,
-        variable: &Variable,
-        parameter: &ParameterText,
-        slot: &Slot,
-    ) -> Result<Input, String> {
+    /// Reads the parameters that come from samples, and gives each its distribution.
+    fn samples(&self, inputs: &mut [Input]) -> Result<Vec<Joint>, StudyError> {
+        let known = inputs.iter().map(|input| samples::Known {
+            name: &input.name,
+            unit: input.unit.as_deref(),
+        });
+        let found = samples::read(self.study, &known.collect::<Vec<_>>())?;
+        for (index, distribution) in found.iter().flat_map(|own| &own.alone) {
+            inputs[*index].distribution = *distribution;
+        }
+        Ok(found.into_iter().map(|own| own.joint).collect())
+    }
+
+    /// Checks that the FMU takes the middle of each distribution.
+    fn within(&self, inputs: &[Input], slots: &[Slot]) -> Result<(), StudyError> {
+        let pairs = inputs.iter().zip(slots);
+        for ((input, slot), name) in pairs.zip(self.study.parameters.keys()) {
+            let value = input.conversion.value(input.distribution.median());
+            let at = |message: String| {
+                let message = format!("{}: {message}", name.as_ref());
+                self.study.error_at(name, message)
+            };
+            slot.check(value).map_err(at)?;
+        }
+        Ok(())
+    }
+
+    fn parameter(&self, variable: &Variable, parameter: &ParameterText) -> Result<Input, String> {
         let unit = parameter.unit.as_deref().or(parameter.first_unit());
         let scale = Scale::new(unit, self.fmu, variable)?;
         let distribution = parameter.distribution(&scale)?;
         distribution.check()?;
-        slot.check(scale.conversion.value(distribution.median()))?;
         Ok(Input {
             name: variable.name.clone(),
             unit: scale.unit.clone(),
