@@ -33,6 +33,7 @@ pub fn summary(outcome: &IdentificationOutcome) -> String {
         parameters(&mut text, &outcome.free);
     }
     undetermined(&mut text, outcome);
+    discrepancies(&mut text, outcome);
     residuals(&mut text, outcome);
     goodness(&mut text, outcome);
     text
@@ -144,6 +145,39 @@ fn undetermined(text: &mut String, outcome: &IdentificationOutcome) {
             text,
             "  the intervals above are normal approximations, which may hold less often than 95 % then; --posterior 1000 \
              samples the posterior"
+        );
+    }
+}
+
+/// What the data say of the model's discrepancies.
+fn discrepancies(text: &mut String, outcome: &IdentificationOutcome) {
+    for own in &outcome.discrepancies {
+        let unit = own
+            .unit
+            .as_deref()
+            .filter(|unit| *unit != "1")
+            .unwrap_or("");
+        let name = &own.quantity;
+        let found = Digits(own.deviation, 3);
+        let sampled = own.sampled.map_or_else(String::new, |(_, [low, high])| {
+            format!("; 95 %: {} .. {} {unit}", Digits(low, 3), Digits(high, 3))
+        });
+        let _ = match own.told {
+            true => writeln!(
+                text,
+                "\nthe model misses {name} by a discrepancy of its own: {found} {unit}, one standard deviation{sampled}"
+            ),
+            false => writeln!(
+                text,
+                "\nthe data cannot tell a discrepancy of the model in {name} from the accuracy of the measurement; most \
+                 probable {found} {unit}{sampled}"
+            ),
+        };
+    }
+    if !outcome.discrepancies.is_empty() && outcome.posterior.is_none() {
+        let _ = writeln!(
+            text,
+            "the intervals take it as known; --posterior 1000 counts how uncertain it is"
         );
     }
 }

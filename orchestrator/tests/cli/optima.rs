@@ -165,3 +165,190 @@ tolerance = 0.04
         "give 200 or more",
     ]);
 }
+
+/// A sample along the diagonal x1 = x2 with two modes: parameters that come from it stay together.
+#[test]
+fn parameters_from_a_sample_are_drawn_together() {
+    let bench = Bench::functions();
+    let rows = (0..100).map(|k| {
+        let x = if k % 2 == 0 { 0.2 } else { 0.8 } + 0.001 * f64::from(k / 2);
+        format!("{},{x},{x}\n", k + 1)
+    });
+    let rows: String = rows.collect();
+    bench.write(
+        "sample.csv",
+        &format!("# a in 1, x2 in 1\npoint,a,x2\n{rows}"),
+    );
+    let study = r#"
+fmu = "functions.fmu"
+[simulation]
+stop = 1
+[design]
+method = "sobol"
+points = 64
+[parameters.x1]
+distribution = "sample"
+file = "sample.csv"
+column = "a"
+[parameters.x3]
+distribution = "uniform"
+min = 0
+max = 1
+[parameters.x2]
+distribution = "sample"
+file = "sample.csv"
+[criteria.P]
+variable = "product"
+nominal = 0.04
+tolerance = 0.03
+"#;
+    bench.write("study.toml", study);
+    let said = bench.run(&["verify", "study.toml", "--output", "out"]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    let mut table =
+        csv::Reader::from_reader(bench.read("out/points.csv").into_bytes().leak() as &[u8]);
+    let mut low = 0;
+    for record in table.records() {
+        let record = record.unwrap();
+        let x: Vec<f64> = (1..4).map(|k| record[k].parse().unwrap()).collect();
+        assert_eq!(x[0], x[2], "{record:?}");
+        assert!((0.2..0.25).contains(&x[0]) || (0.8..0.85).contains(&x[0]));
+        assert!((0.0..1.0).contains(&x[1]));
+        low += u32::from(x[0] < 0.5);
+    }
+    // A net takes just as many rows of each half, and the product of the low ones is within the tolerance.
+    assert_eq!(low, 32);
+    assert_eq!(bench.summary("out")["verified"], 32);
+    let robust = [
+        "robustness",
+        "study.toml",
+        "--from",
+        "out",
+        "--output",
+        "safe",
+    ];
+    let said = bench.run(&robust);
+    assert_eq!(said.code, 0, "{}", said.err);
+    for command in ["tolerances", "sensitivity"] {
+        bench
+            .run(&[command, "study.toml", "--output", "none"])
+            .is_mistake(&["study.toml", "sample"]);
+    }
+    let mistakes = [
+        (
+            "column = \"a\"",
+            "column = \"b\"",
+            vec!["wrong.toml:10", "sample.csv", "column"],
+        ),
+        (
+            "file = \"sample.csv\"\ncolumn",
+            "column",
+            vec!["wrong.toml:8", "`file` is missing"],
+        ),
+        (
+            "sample.csv\"\n[crit",
+            "none.csv\"\n[crit",
+            vec!["wrong.toml:18", "none.csv"],
+        ),
+        (
+            "method = \"sobol\"\npoints = 64",
+            "method = \"full-factorial\"",
+            vec!["levels do not say"],
+        ),
+        (
+            "column = \"a\"",
+            "column = \"a\"\nmin = 0",
+            vec!["wrong.toml:8", "does not use `min`"],
+        ),
+    ];
+    for (from, to, words) in mistakes {
+        assert!(study.contains(from), "{from}");
+        bench.write("wrong.toml", &study.replacen(from, to, 1));
+        bench
+            .run(&["verify", "wrong.toml", "--output", "none"])
+            .is_mistake(&words);
+    }
+    let pair = "[[correlations]]\nbetween = [\"x1\", \"x3\"]\ncoefficient = 0.5\n";
+    bench.write("wrong.toml", &format!("{study}{pair}"));
+    bench
+        .run(&["verify", "wrong.toml", "--output", "none"])
+        .is_mistake(&["wrong.toml:24", "comes from a sample"]);
+    let other = bench.read("sample.csv").replace("a in 1", "a in mm");
+    bench.write("sample.csv", &other);
+    bench
+        .run(&["verify", "study.toml", "--output", "none"])
+        .is_mistake(&[
+            "study.toml:8",
+            "has it in mm, the study in 1",
+            "unit = \"mm\"",
+        ]);
+}
+
+/// y = x1 x2 at ten known x2, with misfits ten times as large as the stated accuracy.
+#[test]
+fn a_discrepancy_of_the_model_is_found_and_widens_the_interval() {
+    let bench = Bench::functions();
+    let misfits = [
+        0.09, -0.12, 0.05, 0.14, -0.07, -0.02, 0.11, -0.1, 0.06, -0.13,
+    ];
+    let rows = misfits.iter().enumerate().map(|(k, misfit)| {
+        let x2 = 1.0 + 0.1 * k as f64;
+        format!("{},{x2},{}\n", k + 1, 2.0 * x2 + misfit)
+    });
+    let rows: String = rows.collect();
+    bench.write("cases.csv", &format!("point,b,y\n{rows}"));
+    let study = |discrepancy: &str| {
+        format!(
+            r#"
+fmu = "functions.fmu"
+[simulation]
+stop = 1
+[identify]
+cases = "cases.csv"
+[identify.free.x1]
+min = 0
+max = 10
+[identify.known.x2]
+column = "b"
+[identify.measured.Y]
+variable = "product"
+column = "y"
+accuracy = 0.01
+{discrepancy}
+"#
+        )
+    };
+    let deviation = |text: &str, more: &[&str]| {
+        bench.write("study.toml", text);
+        let command = ["identify", "study.toml", "--output", "out"];
+        let said = bench.run(&[&command[..], more].concat());
+        assert_eq!(said.code, 0, "{}", said.err);
+        let found = json(&bench, "out/identification.json");
+        (found["free"][0]["deviation"].as_f64().unwrap(), said.out)
+    };
+    let (narrow, said) = deviation(&study(""), &[]);
+    assert!(
+        said.contains("misses the measurement by more than"),
+        "{said}"
+    );
+    let (known, _) = deviation(&study("discrepancy = \"0.1\""), &[]);
+    assert!(
+        (known / narrow - 0.0101_f64.sqrt() / 0.01).abs() < 0.01,
+        "{known} {narrow}"
+    );
+    let (found, said) = deviation(&study("discrepancy = \"unknown\""), &[]);
+    assert!(
+        said.contains("the model misses Y by a discrepancy of its own: 0.1"),
+        "{said}"
+    );
+    assert!((found / known - 1.0).abs() < 0.15, "{found} {known}");
+    let own = &json(&bench, "out/identification.json")["discrepancies"][0];
+    // The mean square of the misfits over nine degrees of freedom, without that of the accuracy.
+    let square = misfits.iter().map(|m| m * m).sum::<f64>() / 9.0 - 0.0001;
+    let size = own["deviation"].as_f64().unwrap();
+    assert!((size / square.sqrt() - 1.0).abs() < 0.02, "{size} {square}");
+    bench.write("study.toml", &study("discrepancy = \"unheard\""));
+    bench
+        .run(&["identify", "study.toml"])
+        .is_mistake(&["study.toml:16", "unknown"]);
+}
