@@ -357,6 +357,14 @@ impl Study {
         self.base.as_deref().unwrap_or(own).join(file)
     }
 
+    /// Whether a sample gives several parameters, which are drawn together.
+    pub fn binds_by_samples(&self) -> bool {
+        let files = self.parameters.values().filter_map(|own| own.file.as_ref());
+        let mut files: Vec<&PathBuf> = files.map(Spanned::as_ref).collect();
+        files.sort_unstable();
+        files.windows(2).any(|pair| pair[0] == pair[1])
+    }
+
     /// The SHA-256 digest of the study's text, and of the inputs, samples and parameter sets that it names, as
     /// hexadecimal digits.
     pub fn digest(&self) -> String {

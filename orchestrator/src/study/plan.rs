@@ -105,14 +105,25 @@ impl Plan {
     /// The parameters at a point of the unit cube of those that vary; the others have their medians.
     pub fn from_cube(&self, cube: &[f64]) -> Vec<f64> {
         // Away from the ends of the unit interval, where a distribution may reach to infinity.
-        let mut places = cube.iter().map(|u| u.clamp(1e-6, 1.0 - 1e-6));
-        let value = |input: &Input| {
-            let place = input.distribution.varies().then(|| places.next()).flatten();
-            place.map_or(input.distribution.median(), |u| {
-                input.distribution.quantile(u)
-            })
+        let mut given = cube.iter().map(|u| u.clamp(1e-6, 1.0 - 1e-6));
+        let place = |input: &Input| {
+            let own = input.distribution.varies().then(|| given.next());
+            own.flatten().unwrap_or(0.5)
         };
-        self.inputs.iter().map(value).collect()
+        let places: Vec<f64> = self.inputs.iter().map(place).collect();
+        let pairs = self.inputs.iter().zip(&places);
+        let mut point: Vec<f64> = pairs
+            .map(|(input, &u)| input.distribution.quantile(u))
+            .collect();
+        self.fill(&places, &mut point);
+        point
+    }
+
+    /// Puts the rows of the samples into a point.
+    fn fill(&self, places: &[f64], point: &mut [f64]) {
+        for joint in &self.joints {
+            joint.fill(places, point);
+        }
     }
 
     /// The parameters at independent standard normal scores of those that vary, correlated as the study says.
@@ -124,13 +135,17 @@ impl Plan {
         };
         let all: Vec<f64> = self.inputs.iter().map(score).collect();
         let inputs = || self.inputs.iter().map(|input| input.distribution);
-        match &self.correlation {
+        let mut point: Vec<f64> = match &self.correlation {
             Some(correlation) => correlation.at_scores(&all, &inputs().collect::<Vec<_>>()),
-            None => inputs()
-                .zip(all)
-                .map(|(input, z)| input.at_score(z))
-                .collect(),
-        }
+            None => {
+                let pairs = inputs().zip(&all);
+                pairs.map(|(input, &z)| input.at_score(z)).collect()
+            }
+        };
+        let unit = Distribution::Uniform { min: 0.0, max: 1.0 };
+        let places: Vec<f64> = all.iter().map(|&z| unit.at_score(z)).collect();
+        self.fill(&places, &mut point);
+        point
     }
 
     /// How the parameters are correlated, if they are, by their places among the inputs.
@@ -140,10 +155,29 @@ impl Plan {
 
     /// Whether every parameter varies on its own.
     pub fn is_independent(&self) -> bool {
-        self.correlation.is_none() && self.joints.is_empty()
+        self.correlation.is_none() && !self.joints.iter().any(Joint::binds)
     }
 
-    /// The logarithm of the parameters' joint density at a point.
+    /// The parameters that are drawn from samples, by file; those of one file together.
+    pub fn joints(&self) -> &[Joint] {
+        &self.joints
+    }
+
+    /// The names of parameters that are drawn together with others from a sample.
+    pub fn together(&self) -> Vec<&str> {
+        let bound = self.joints.iter().filter(|joint| joint.binds());
+        bound
+            .flat_map(Joint::inputs)
+            .map(|&k| self.inputs[k].name.as_str())
+            .collect()
+    }
+
+    /// Whether the parameters' joint density is known: that of what a sample was drawn from is not.
+    pub fn has_density(&self) -> bool {
+        self.joints.is_empty()
+    }
+
+    /// The logarithm of the parameters' joint density at a point, without that of samples.
     pub fn ln_prior(&self, parameters: &[f64]) -> f64 {
         let pairs = self.inputs.iter().zip(parameters);
         let alone: f64 = pairs
@@ -184,6 +218,24 @@ impl Plan {
         };
         let pairs = self.inputs.iter().zip(&self.task.varied);
         pairs.filter_map(concern).collect()
+    }
+
+    /// What so many points cannot tell of parameters from samples, a sentence each.
+    pub fn concerns_of_samples(&self, points: u64) -> Vec<String> {
+        let few = self
+            .joints
+            .iter()
+            .filter(|joint| (joint.len() as u64) < points);
+        let concern = |joint: &Joint| {
+            let names = joint.inputs().iter().map(|&k| self.inputs[k].name.as_str());
+            format!(
+                "{}: {points} points repeat the {} rows of the sample; the interval of the verified share takes these rows \
+                 for all that there is, and does not count that they are only a sample: give one with more rows",
+                names.collect::<Vec<_>>().join(", "),
+                joint.len()
+            )
+        };
+        few.map(concern).collect()
     }
 
     /// A point's parameters in the FMU's units.

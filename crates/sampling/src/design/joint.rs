@@ -40,16 +40,36 @@ impl Joint {
         &self.inputs
     }
 
-    /// The row at a number from 0 to 1.
-    fn row(&self, place: f64) -> &[f64] {
+    /// The input whose number from 0 to 1 chooses the row.
+    pub fn lead(&self) -> usize {
+        self.inputs[0]
+    }
+
+    /// How many rows there are.
+    pub fn len(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// Always false: a sample has at least one row.
+    pub fn is_empty(&self) -> bool {
+        self.rows.is_empty()
+    }
+
+    /// Whether several inputs are drawn together; one alone is as independent as any other.
+    pub fn binds(&self) -> bool {
+        self.inputs.len() > 1
+    }
+
+    /// The row at a number from 0 to 1, in the order of the inputs.
+    pub fn row(&self, place: f64) -> &[f64] {
         let last = self.rows.len() - 1;
         let index = (place * self.rows.len() as f64) as usize;
         &self.rows[index.min(last)]
     }
 
-    /// Puts the row at the first of the inputs' numbers into a point.
-    pub(super) fn fill(&self, places: &[f64], point: &mut [f64]) {
-        let row = self.row(places[self.inputs[0]]);
+    /// Puts the row at the lead's number into a point. `places` has a number from 0 to 1 for each input of the point.
+    pub fn fill(&self, places: &[f64], point: &mut [f64]) {
+        let row = self.row(places[self.lead()]);
         for (&input, &value) in self.inputs.iter().zip(row) {
             point[input] = value;
         }

@@ -49,7 +49,7 @@ impl Design {
     /// # Errors
     /// When the method cannot serve this number of inputs or points.
     pub fn new(sampling: &Sampling, inputs: impl Into<Inputs>) -> Result<Self, String> {
-        let inputs: Inputs = inputs.into();
+        let inputs = with_leads(inputs.into());
         if sampling.points == 0 {
             return Err("points must be at least 1".to_owned());
         }
@@ -115,6 +115,18 @@ impl Design {
         }
         point
     }
+}
+
+/// The same inputs; of those that are drawn together only the lead takes a dimension of the design, as its number chooses
+/// the row for all.
+fn with_leads(mut inputs: Inputs) -> Inputs {
+    for joint in &inputs.joints {
+        let row = joint.row(0.5);
+        for (&input, &value) in joint.inputs().iter().zip(row).skip(1) {
+            inputs.distributions[input] = Distribution::Fixed { value };
+        }
+    }
+    inputs
 }
 
 /// Points in the unit cube that belong to independently scrambled Sobol nets in turn.

@@ -34,8 +34,8 @@ pub fn summary(outcome: &PosteriorOutcome) -> String {
     let [low, high] = outcome.holds.map(|part| 100.0 * part);
     let _ = writeln!(
         text,
-        "{} % of the particles are different; an interval from so many holds {low:.0} to {high:.0} % of the posterior; ln \
-         evidence {} +- {}",
+        "{} % of the particles are different. A sample is finite: each 95 % interval above really holds {low:.0} to {high:.0} % \
+         of the posterior (with a probability of 95 %). ln evidence {} +- {}",
         Digits::of(100.0 * outcome.distinct as f64 / *particles as f64, 3),
         digits(outcome.log_evidence),
         Digits::of(outcome.log_evidence_error, 2)
