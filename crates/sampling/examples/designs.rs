@@ -117,6 +117,7 @@ fn correlations() -> Result<(), String> {
             let [mut largest, mut squares] = [0.0_f64; 2];
             for seed in 0..if count > 500 { 10 } else { 50 } {
                 let inputs = Inputs {
+                    joints: Vec::new(),
                     distributions: vec![normal; 4],
                     levels: Vec::new(),
                     correlation: Some(Correlation::new(4, &wanted)?),

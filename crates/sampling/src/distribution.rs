@@ -54,6 +54,13 @@ pub enum Distribution {
         /// Standard deviation of the quantity itself.
         deviation: f64,
     },
+    /// The values of a sample, each as probable as any other.
+    Sample {
+        /// The values in rising order. They stay to the end of the program, so that a distribution is as easily copied as
+        /// its numbers.
+        #[serde(skip)]
+        values: &'static [f64],
+    },
     /// Always the same value.
     Fixed {
         /// The value.
@@ -72,6 +79,14 @@ pub(crate) fn normal_quantile(u: f64) -> f64 {
 }
 
 impl Distribution {
+    /// The distribution of a sample's values.
+    pub fn sample(mut values: Vec<f64>) -> Self {
+        values.sort_by(f64::total_cmp);
+        Self::Sample {
+            values: Vec::leak(values),
+        }
+    }
+
     /// Says what is wrong with the numbers, if anything is.
     ///
     /// # Errors
@@ -132,7 +147,8 @@ impl Distribution {
                     ))
                 }
             }
-            Self::Fixed { .. } => Ok(()),
+            Self::Sample { values: [] } => Err("the sample is empty".to_owned()),
+            Self::Sample { .. } | Self::Fixed { .. } => Ok(()),
         }
     }
 
@@ -180,6 +196,11 @@ impl Distribution {
             Self::Lognormal { mean, deviation } => {
                 let variance = (1.0 + (deviation / mean).powi(2)).ln();
                 (mean.ln() - variance / 2.0 + variance.sqrt() * normal_quantile(u)).exp()
+            }
+            Self::Sample { values } => {
+                let index = (u * values.len() as f64) as usize;
+                let last = values.len().saturating_sub(1);
+                values.get(index.min(last)).copied().unwrap_or(f64::NAN)
             }
             Self::Fixed { value } => value,
         }

@@ -36,6 +36,11 @@ pub(super) trait Analysis {
         false
     }
 
+    /// Whether it takes rows of a sample as they are.
+    fn takes_samples(&self) -> bool {
+        false
+    }
+
     /// Asks for the points and says what they tell; tables of its own go into `folder`.
     fn find(
         &self,
@@ -93,9 +98,18 @@ pub(super) fn open(work: &Work, analysis: &dyn Analysis) -> Result<Session, Comm
         }),
         ..Request::default()
     })?;
-    if !session.plan.is_independent() && !analysis.takes_correlations() {
+    if session.plan.correlation().is_some() && !analysis.takes_correlations() {
         let message = "this analysis takes every parameter on its own, and correlated ones cannot be changed alone; remove \
                        [[correlations]], or use `sensitivity STUDY --shapley N`, which keeps them together";
+        return Err(session.study.error(message).into());
+    }
+    let together = session.plan.together();
+    if !together.is_empty() && !analysis.takes_samples() {
+        let message = format!(
+            "{} are drawn together from a sample, and this analysis changes every parameter alone; give them other \
+             distributions, or use verify, robustness or tolerances, which draw whole rows",
+            together.join(", ")
+        );
         return Err(session.study.error(message).into());
     }
     Ok(session)

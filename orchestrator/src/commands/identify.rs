@@ -13,11 +13,15 @@ use crate::engine::crew::Crew;
 use crate::identify::bind::Bound;
 use crate::identify::cross::outcome::{CrossValidation, Found};
 use crate::identify::cross::{self, Whole, cross_validate};
+use crate::identify::discrepancy::{Discrepancy, widened};
 use crate::identify::error::BindError;
 use crate::identify::local::{End, Minimum};
 use crate::identify::model::FmuModel;
 use crate::identify::objective::Objective;
+use crate::identify::optima::Optimum;
 use crate::identify::outcome::IdentificationOutcome;
+use crate::identify::problem::Problem;
+use crate::identify::remembered::Remembered;
 use crate::identify::sample::{self, Sample};
 use crate::identify::search::{self, Progress, SearchError, search};
 use crate::identify::text;
@@ -57,12 +61,7 @@ pub(super) fn run(options: &Identify) -> Result<ExitCode, CommandError> {
             message: message.to_owned(),
         });
     }
-    posterior::check(
-        &study,
-        &settings,
-        &bound.problem,
-        options.posterior.is_some(),
-    )?;
+    posterior::check(&study, &settings, &bound, options.posterior.is_some())?;
     let folder = asking::folder(
         options.work.output.as_deref(),
         &options.work.study,
@@ -98,7 +97,7 @@ pub(super) fn run(options: &Identify) -> Result<ExitCode, CommandError> {
     };
     pipeline.end()?;
     files::write(&folder, &study, &settings, &outcome)?;
-    posterior::write(&folder, &bound.problem, sample.as_ref())?;
+    posterior::write(&folder, &bound, sample.as_ref())?;
     let validation = outcome.cross_validation.as_ref();
     output::print(&format!(
         "{}{}{}results in {}\n",
@@ -189,26 +188,50 @@ fn find(
             .map(|seconds| Instant::now() + Duration::from_secs_f64(seconds.clamp(0.0, 1e9))),
     };
     let model = FmuModel::new(bound, pipeline);
-    let objective = Objective::new(&bound.problem, &model, settings.difference);
-    let found = search(&objective, &starts, &limits, &|progress| {
-        model.say(so_far(progress));
-    });
-    let found = found.and_then(|(optima, progress)| {
-        let outcome = IdentificationOutcome::new(&bound.problem, &optima, &progress);
+    let remembered = Remembered::new(&model);
+    let found = searched(
+        bound,
+        &remembered,
+        settings,
+        &starts,
+        &limits,
+        &|progress| {
+            model.say(so_far(progress));
+        },
+    );
+    let found = found.and_then(|found| {
+        let Searched {
+            problem,
+            optima,
+            progress,
+            discrepancies,
+        } = found;
+        let outcome = IdentificationOutcome::new(&problem, &optima, &progress);
         let (first, outcome) = optima.first().zip(outcome).ok_or(SearchError::NoTime)?;
         let minimum = &first.minimum;
-        let cross_validation = options
-            .cross_validate
-            .then(|| validate(bound, &model, settings, minimum, limits.deadline));
+        let cross_validation = options.cross_validate.then(|| {
+            validate(
+                (bound, &problem),
+                &remembered,
+                &model,
+                settings,
+                minimum,
+                limits.deadline,
+            )
+        });
         let mut outcome = IdentificationOutcome {
             cross_validation: cross_validation.transpose()?,
+            discrepancies,
             ..outcome
         };
+        // Its places hardly ever come twice, and there are many.
+        let objective = Objective::new(&bound.problem, &model, settings.difference);
         let sample = posterior::sampled(
             &objective,
             &optima,
             settings,
             limits.deadline,
+            &bound.discrepancies,
             &mut outcome,
             &|text| model.say(text),
         )?;
@@ -220,18 +243,69 @@ fn find(
     })
 }
 
+/// What the search has found.
+struct Searched {
+    /// The problem with the discrepancies found.
+    problem: Problem,
+    optima: Vec<Optimum>,
+    progress: Progress,
+    discrepancies: Vec<Discrepancy>,
+}
+
+/// Searches; where discrepancies are unknown, again with those that the search before has left, until they stay.
+fn searched(
+    bound: &Bound,
+    model: &Remembered<'_>,
+    settings: &Identification,
+    starts: &[Vec<f64>],
+    limits: &search::Effort,
+    observe: &dyn Fn(&Progress),
+) -> Result<Searched, SearchError> {
+    const ROUNDS: usize = 6;
+    const CLOSE: f64 = 0.05;
+    let mut problem = bound.problem.clone();
+    let mut known = vec![0.0; bound.discrepancies.len()];
+    let mut round = 1;
+    loop {
+        let objective = Objective::new(&problem, model, settings.difference);
+        let (optima, progress) = search(&objective, starts, limits, observe)?;
+        let predicted = optima.first().map(|own| &own.minimum.misfit.predicted[..]);
+        let estimate = |unknown| {
+            let fitted = bound.problem.free.len();
+            let predicted = predicted.unwrap_or_default();
+            Discrepancy::estimate(unknown, &bound.problem, predicted, fitted)
+        };
+        let discrepancies: Vec<Discrepancy> = bound.discrepancies.iter().map(estimate).collect();
+        let pairs = discrepancies.iter().zip(&known);
+        let stays = |(found, known): (&Discrepancy, &f64)| {
+            (found.deviation - known).abs() <= CLOSE * (found.scale + known)
+        };
+        if pairs.into_iter().all(stays) || round == ROUNDS {
+            return Ok(Searched {
+                problem,
+                optima,
+                progress,
+                discrepancies,
+            });
+        }
+        known = discrepancies.iter().map(|found| found.deviation).collect();
+        problem = widened(&bound.problem, &bound.discrepancies, &known);
+        round += 1;
+    }
+}
+
 /// Predicts each case from the others.
 fn validate(
-    bound: &Bound,
+    (bound, problem): (&Bound, &Problem),
+    remembered: &Remembered<'_>,
     model: &FmuModel<'_, '_>,
     settings: &Identification,
     minimum: &Minimum,
     deadline: Option<Instant>,
 ) -> Result<CrossValidation, SearchError> {
-    let problem = &bound.problem;
     let whole = Whole {
         problem,
-        model,
+        model: remembered,
         difference: settings.difference,
         minimum,
         iterations: settings.iterations.max(1),

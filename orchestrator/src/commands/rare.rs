@@ -69,6 +69,15 @@ pub(super) fn run(options: &Options) -> Result<ExitCode, CommandError> {
     let session = asking::open(&options.work, &analysis)?;
     analysis.seed = options.seed.unwrap_or(session.study.design.seed);
     super::warn(&session.judge);
+    if let Some(joint) = session.plan.joints().first() {
+        let name = &session.plan.inputs[joint.lead()].name;
+        let message = format!(
+            "{name} is drawn from a sample of {} rows, which knows nothing as rare as --rare looks for; give the \
+             parameters of the sample other distributions, or leave out --rare",
+            joint.len()
+        );
+        return Err(session.study.error(message).into());
+    }
     if session.judge.is_guarded() {
         let message = "--rare counts points by their tolerances alone, and a guard band decides otherwise; remove `risk` \
                        and `guard-band` under [verdict]";
@@ -152,6 +161,11 @@ impl Analysis for Rare {
     }
 
     fn takes_correlations(&self) -> bool {
+        true
+    }
+
+    // `run` refuses them with a reason of its own.
+    fn takes_samples(&self) -> bool {
         true
     }
 

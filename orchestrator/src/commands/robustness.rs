@@ -55,14 +55,19 @@ pub(super) fn run(options: &cli::Robustness) -> Result<ExitCode, CommandError> {
         let message = "without new runs there is nothing to resume or to share; add --confirm N";
         return Err(option("confirm", message));
     }
-    // Without the FMU there are no new runs, but all else can be told, unless it takes the study's correlations.
+    // Without the FMU there are no new runs, but all else can be told, unless it takes what binds the study's parameters.
     let session = match session {
-        Err(error) if !study.correlations.is_empty() => return Err(error),
+        Err(error) if !study.correlations.is_empty() || study.binds_by_samples() => {
+            return Err(error);
+        }
         other => other.ok(),
     };
     let plan = session.as_ref().map(|session| &session.plan);
     let (origin, points, cloud) = analysis.known(&study, plan)?;
-    let result = analysis.stated(&points, &cloud)?;
+    let mut result = analysis.stated(&points, &cloud)?;
+    if let Some(plan) = plan {
+        result.keep_together(&plan.together());
+    }
     let text = text(&result);
     AnalysisResult::new(&result, origin, text, page::FILE)?.tell(&folder)
 }
@@ -150,6 +155,10 @@ impl Analysis for Stated {
         true
     }
 
+    fn takes_samples(&self) -> bool {
+        true
+    }
+
     fn find(
         &self,
         session: &Session,
@@ -158,7 +167,7 @@ impl Analysis for Stated {
     ) -> Result<AnalysisResult, CommandError> {
         let (origin, table, cloud) = self.known(&session.study, Some(&session.plan))?;
         let stated = self.stated(&table, &cloud)?;
-        let confirmed = Confirmation {
+        let mut confirmed = Confirmation {
             session,
             pipeline,
             table: &table,
@@ -167,6 +176,7 @@ impl Analysis for Stated {
             seed: self.seed,
         }
         .of(stated)?;
+        confirmed.keep_together(&session.plan.together());
         AnalysisResult::new(&confirmed, origin, text(&confirmed), page::FILE)
     }
 }
@@ -238,16 +248,19 @@ fn text(result: &Robustness) -> String {
             number(100.0 * q.predicted, 4)
         );
     }
-    out += "\nfrom the best point, one parameter at a time\n";
+    if !result.margins.is_empty() {
+        out += "\nfrom the best point, one parameter at a time\n";
+    }
     let end = |(value, lost): &(f64, Option<String>)| match lost {
         Some(name) => format!("{} ({name})", number(*value, 5)),
         None => format!("{} (sampled no further)", number(*value, 5)),
     };
-    for (m, unit) in result.margins.iter().zip(&result.units) {
+    for m in &result.margins {
         out += &format!(
-            "  {} = {} {unit}: {} .. {}\n",
+            "  {} = {} {}: {} .. {}\n",
             m.parameter,
             number(m.value, 5),
+            result.unit(&m.parameter),
             end(&m.low),
             end(&m.high)
         );

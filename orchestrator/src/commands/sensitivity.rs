@@ -36,6 +36,12 @@ const CORRELATED: &str = "the parameters are correlated, so PAWN, rank correlati
     between ranks away, and no other. Shapley effects (`sensitivity STUDY --shapley N`) divide the variance among correlated \
     parameters";
 
+/// The same where parameters come together from a sample.
+const SAMPLED: &str = "parameters are drawn together from a sample, so PAWN, rank correlations and the distance of verified \
+    points tell how much the value of a parameter says of the output, with all that it says of the others in its row: one \
+    without any influence may be called the most important. Partial correlations (PRCC) take the others' linear relation \
+    between ranks away, and no other";
+
 pub(super) fn run(options: &cli::Sensitivity) -> Result<ExitCode, CommandError> {
     let cli::Work {
         study: path,
@@ -50,6 +56,9 @@ pub(super) fn run(options: &cli::Sensitivity) -> Result<ExitCode, CommandError> 
         let mut result = from_points(&table, analysis.seed);
         if !study.correlations.is_empty() {
             result.warnings.insert(0, CORRELATED.to_owned());
+        }
+        if study.binds_by_samples() {
+            result.warnings.insert(0, SAMPLED.to_owned());
         }
         let text = text(&result);
         let finding = AnalysisResult::new(

@@ -177,6 +177,9 @@ fn most_probable(summary: &Summary) -> String {
                 point.point
             )
         }
+        None if summary.has_samples() => {
+            "most probable point: not known; a sample does not tell the density that it was drawn from\n".to_owned()
+        }
         None => {
             "most probable point: not known; it needs the uncertainty of every measured value, of which no error may \
              follow from others\n"

@@ -27,7 +27,7 @@ use crate::study::{Study, StudyError};
 use conformity::decision::Rule;
 use conformity::interval::{Moments, of_mean};
 use goal::Goal;
-use sampling::design::{Design, Method, Sampling};
+use sampling::design::{Design, Joint, Method, Sampling};
 use sampling::distribution::Distribution;
 
 pub(super) const NAME: &str = "tolerances";
@@ -93,6 +93,10 @@ impl Analysis for Search {
         Some("each round of points depends on the ones before; run it in one piece")
     }
 
+    fn takes_samples(&self) -> bool {
+        true
+    }
+
     fn find(
         &self,
         session: &Session,
@@ -104,10 +108,10 @@ impl Analysis for Search {
         let mut runs = Runs {
             session,
             goal: &goal,
-            varied: session.plan.varied(),
+            varied: of_points(&session.plan),
             pipeline,
         };
-        let centre = runs.centre()?;
+        let centre = runs.outcomes(&problem.centres())?;
         let (points, outcomes) = match self.known(session)? {
             Some(table) => runs.known(&table),
             None => {
@@ -128,7 +132,8 @@ impl Analysis for Search {
             ..Tolerances::default()
         };
         let mut fresh = |points: Vec<Vec<f64>>| Ok::<_, CommandError>(runs.goods(&points)?);
-        let is_off = goal.good(centre.as_deref()) < problem.target;
+        let at_centre: f64 = centre.iter().map(|one| goal.good(one.as_deref())).sum();
+        let is_off = at_centre / (centre.len().max(1) as f64) < problem.target;
         let explored = if is_off {
             problem.explore(&mut sample, &mut fresh)?
         } else {
@@ -137,7 +142,7 @@ impl Analysis for Search {
         if is_off && !problem.holds_anywhere(&sample) {
             found.rounds = explored;
             found.points = sample.len() as u64;
-            found.reasons = reasons::of(&session.judge, &goal, centre.as_deref(), &outcomes);
+            found.reasons = reasons::of(&session.judge, &goal, &centre, &outcomes);
             let ones = vec![1.0; problem.distributions.len()];
             found
                 .reasons
@@ -156,7 +161,7 @@ impl Analysis for Search {
                 found.stated = Some(Stated::new(answer.at_safe, answer.stated));
                 found.confirmed = Some(self.confirm(&problem, &answer.safe, &mut runs)?);
             } else {
-                found.reasons = reasons::off(&session.judge, centre.as_deref());
+                found.reasons = reasons::off(&session.judge, &goal, &centre);
                 let most = most(session, &problem, &sample, &answer.scales);
                 found.reasons.push(reasons::not_shown(&problem));
                 found.reasons.extend(most);
@@ -189,10 +194,15 @@ impl Search {
 
     fn problem(&self, session: &Session, goal: &Goal<'_>) -> Result<Problem, CommandError> {
         let Session { study, plan, .. } = session;
-        let varied = plan.varied();
-        let inputs = || varied.iter().map(|&k| &plan.inputs[k]);
+        let with_tolerances = with_tolerances(plan);
+        if with_tolerances.is_empty() {
+            let message = "no parameter has a tolerance: those that vary come from samples, which stay as they are";
+            return Err(study.error(message).into());
+        }
+        let inputs = || with_tolerances.iter().map(|&k| &plan.inputs[k]);
         Ok(Problem {
             distributions: inputs().map(|input| input.distribution).collect(),
+            samples: plan.joints().to_vec(),
             costs: costs(study, plan)?,
             target: goal.target,
             confidence: goal.confidence,
@@ -218,15 +228,11 @@ impl Search {
             seed: !self.seed,
             ..Sampling::default()
         };
-        let cube = Design::new(&sampling, vec![unit; scales.len()]);
+        let cube = Design::new(&sampling, vec![unit; problem.dimensions()]);
         let cube = cube.map_err(|message| runs.session.study.error(message))?;
-        let point = |index: u64| -> Vec<f64> {
-            let place = cube.point(index);
-            let scaled = problem.distributions.iter().zip(scales).zip(place);
-            scaled
-                .map(|((d, &scale), u)| d.scaled(scale).quantile(u))
-                .collect()
-        };
+        let pairs = problem.distributions.iter().zip(scales);
+        let scaled: Vec<Distribution> = pairs.map(|(own, &scale)| own.scaled(scale)).collect();
+        let point = |index| problem.point(&scaled, &cube.point(index));
         let points: Vec<Vec<f64>> = (0..self.confirm).map(point).collect();
         let mut moments = Moments::default();
         runs.goods(&points)?
@@ -254,8 +260,10 @@ fn most(
     proportions: &[f64],
 ) -> Option<String> {
     let (scales, found) = problem.most(sample, proportions)?;
-    let varied = session.plan.varied();
-    let names = varied.iter().map(|&k| &session.plan.inputs[k].name);
+    let with_tolerances = with_tolerances(&session.plan);
+    let names = with_tolerances
+        .iter()
+        .map(|&k| &session.plan.inputs[k].name);
     let each = names
         .zip(&scales)
         .map(|(name, scale)| format!("{name} {}", number(*scale, 3)));
@@ -266,17 +274,37 @@ fn most(
     ))
 }
 
-/// Relative cost of a narrower tolerance, for each parameter that varies.
+/// The parameters that have a tolerance, by their places among the inputs: those that vary, and come from no sample.
+fn with_tolerances(plan: &Plan) -> Vec<usize> {
+    let from_samples: Vec<usize> = plan
+        .joints()
+        .iter()
+        .flat_map(Joint::inputs)
+        .copied()
+        .collect();
+    let varied = plan.varied().into_iter();
+    varied.filter(|k| !from_samples.contains(k)).collect()
+}
+
+/// The places among the inputs of the numbers of a point: those with tolerances, then those from samples.
+fn of_points(plan: &Plan) -> Vec<usize> {
+    let from_samples = plan.joints().iter().flat_map(Joint::inputs).copied();
+    with_tolerances(plan)
+        .into_iter()
+        .chain(from_samples)
+        .collect()
+}
+
+/// Relative cost of a narrower tolerance, for each parameter that has one.
 fn costs(study: &Study, plan: &Plan) -> Result<Vec<f64>, StudyError> {
-    let varied: Vec<&str> = plan
-        .varied()
+    let varied: Vec<&str> = with_tolerances(plan)
         .iter()
         .map(|&k| plan.inputs[k].name.as_str())
         .collect();
     for (name, cost) in &study.tolerances.costs {
         if !varied.contains(&name.as_ref().as_str()) {
             let message = format!(
-                "no parameter `{}` varies; name one under [parameters]",
+                "no parameter `{}` has a tolerance; name one under [parameters] that varies and comes from no sample",
                 name.as_ref()
             );
             return Err(study.error_at(name, message));
@@ -307,7 +335,7 @@ fn limit(study: &Study) -> Result<f64, StudyError> {
 
 /// The tolerances of the answer in the study's own terms.
 fn parameters(plan: &Plan, problem: &Problem, scales: &[f64], safe: &[f64]) -> Vec<Parameter> {
-    let varied = plan.varied();
+    let with_tolerances = with_tolerances(plan);
     let scaled = |input: &Input, scale: f64| {
         ParameterSummary::new(&Input {
             distribution: input.distribution.scaled(scale),
@@ -329,7 +357,7 @@ fn parameters(plan: &Plan, problem: &Problem, scales: &[f64], safe: &[f64]) -> V
             limited: scales[k] >= 0.999 * problem.limit,
         }
     };
-    varied.iter().enumerate().map(parameter).collect()
+    with_tolerances.iter().enumerate().map(parameter).collect()
 }
 
 /// A distribution as words, with numbers of as many digits as people need.
@@ -359,18 +387,12 @@ fn words(parameter: &ParameterSummary) -> String {
 struct Runs<'a, 'b> {
     session: &'a Session,
     goal: &'a Goal<'a>,
+    /// The places among the inputs of the numbers of a point.
     varied: Vec<usize>,
     pipeline: &'a mut Pipeline<'b>,
 }
 
 impl Runs<'_, '_> {
-    /// All parameters at their centres.
-    fn centre(&mut self) -> Result<Option<Vec<f64>>, Halt> {
-        let inputs = self.varied.iter().map(|&k| &self.session.plan.inputs[k]);
-        let point: Vec<f64> = inputs.map(|input| input.distribution.centre()).collect();
-        Ok(self.outcomes(&[point])?.pop().flatten())
-    }
-
     /// The results of points; none for those that fail.
     fn outcomes(&mut self, points: &[Vec<f64>]) -> Result<Vec<Option<Vec<f64>>>, Halt> {
         let inputs = &self.session.plan.inputs;

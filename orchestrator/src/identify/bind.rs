@@ -1,10 +1,11 @@
 //! Ties the section `[identify]` of a study to its FMU and its table.
 
 use super::cases::Columns;
+use super::discrepancy::Unknown;
 use super::error::BindError;
 use super::problem::{Case, Free, Interval, Latent, Measured, Prior, Problem, Quantity};
 use crate::study::identification::{
-    Exception, FreeText, Identification, LatentText, MeasuredText, Spacing,
+    DiscrepancyText, Exception, FreeText, Identification, LatentText, MeasuredText, Spacing,
 };
 use crate::study::plan::{Plan, find, slot_of};
 use crate::study::quantity::{Scale, Sense};
@@ -26,6 +27,8 @@ pub struct Bound {
     pub inputs: Vec<Conversion>,
     /// From the FMU's units: the measured quantities.
     pub outputs: Vec<Conversion>,
+    /// The quantities whose model discrepancy is unknown.
+    pub discrepancies: Vec<Unknown>,
 }
 
 impl Bound {
@@ -87,6 +90,7 @@ impl Binder<'_> {
             known: vec![Vec::new(); self.table.cases()],
             inputs: Vec::new(),
             outputs: Vec::new(),
+            discrepancies: Vec::new(),
         };
         let labels = self.table.labels.iter();
         bound.problem.cases = labels
@@ -240,13 +244,27 @@ impl Binder<'_> {
             let values = self.values(text.column.as_deref(), text.value.as_ref(), &scale);
             let values = values.map_err(|message| self.at(name, &message))?;
             for (case, value) in bound.problem.cases.iter_mut().zip(values) {
-                let accuracy = accuracy(text, value, &scale).map_err(|m| self.at(name, &m))?;
+                let at = |message: String| self.at(name, &message);
+                let accuracy =
+                    accuracy("accuracy", &text.accuracy, text, value, &scale).map_err(at)?;
+                let accuracy = match &text.discrepancy {
+                    Some(DiscrepancyText::Known(own)) => {
+                        let own = self::accuracy("discrepancy", own, text, value, &scale);
+                        accuracy.hypot(own.map_err(at)?)
+                    }
+                    Some(DiscrepancyText::Unknown(_)) | None => accuracy,
+                };
                 case.measured.push(Measured { value, accuracy });
             }
             bound.problem.quantities.push(Quantity {
                 name: name.as_ref().clone(),
                 unit: scale.unit.clone(),
             });
+            if matches!(text.discrepancy, Some(DiscrepancyText::Unknown(_))) {
+                let quantity = bound.problem.quantities.len() - 1;
+                let unknown = Unknown::of(&bound.problem, quantity);
+                bound.discrepancies.push(unknown);
+            }
             let back = scale.conversion.inverse();
             bound.outputs.push(if text.statistic.is_difference() {
                 back.of_differences()
@@ -350,20 +368,24 @@ fn interval(
     })
 }
 
-fn accuracy(text: &MeasuredText, value: f64, scale: &Scale<'_>) -> Result<f64, String> {
-    let accuracy = match text.accuracy.unit.as_deref() {
+/// A standard deviation of measured values: the `what` of the study's text.
+fn accuracy(
+    what: &str,
+    number: &Text,
+    text: &MeasuredText,
+    value: f64,
+    scale: &Scale<'_>,
+) -> Result<f64, String> {
+    let accuracy = match number.unit.as_deref() {
         Some("%") => {
             let written = text.value.clone().unwrap_or(value.into());
-            scale.part(0.01 * text.accuracy.number, &written)?
+            scale.part(0.01 * number.number, &written)?
         }
-        _ => scale.number(&text.accuracy, Sense::Difference)?,
+        _ => scale.number(number, Sense::Difference)?,
     };
     if accuracy > 0.0 && accuracy.is_finite() {
         Ok(accuracy)
     } else {
-        Err(format!(
-            "the accuracy {} of {value} must be positive",
-            text.accuracy
-        ))
+        Err(format!("the {what} {number} of {value} must be positive"))
     }
 }

@@ -3,10 +3,12 @@
 //!
 //! - [`problem`] says what is to be found, and from what;
 //! - [`objective`] is the weighted sum of squares over all cases;
+//! - [`remembered`] asks the model each question once;
 //! - [`local`] goes down to the nearest minimum, [`search`] does so from many starts;
 //! - [`optima`] tells which of the ends are distinct, and what part of the posterior each has;
 //! - [`posterior`] says how well the data determine it;
 //! - [`sample`] draws from the posterior where its normal approximation will not do;
+//! - [`discrepancy`] is how far the model is from the truth by itself;
 //! - [`cross`] leaves out one case at a time and predicts it from the others.
 //!
 //! These know nothing of FMUs: a model is anything that implements [`problem::Simulate`].
@@ -18,6 +20,7 @@
 pub mod bind;
 mod cases;
 pub mod cross;
+pub mod discrepancy;
 pub mod error;
 pub mod local;
 pub mod model;
@@ -30,6 +33,7 @@ pub mod posterior;
 pub mod problem;
 #[cfg(test)]
 mod recovery_tests;
+pub mod remembered;
 pub mod sample;
 pub mod search;
 pub mod text;

@@ -4,6 +4,7 @@ use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::cross::outcome::CrossValidation;
+use super::discrepancy::Discrepancy;
 use super::local::{End, Minimum};
 use super::optima::Optimum;
 use super::posterior::{Direction, Posterior, UNDETERMINED};
@@ -48,6 +49,9 @@ pub struct IdentificationOutcome {
     pub worst: Vec<WorstOutcome>,
     /// The local searches.
     pub search: SearchOutcome,
+    /// The model's discrepancies that were to be found.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub discrepancies: Vec<Discrepancy>,
     /// Each case predicted from the others, where that was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cross_validation: Option<CrossValidation>,
@@ -143,7 +147,7 @@ pub struct Residual {
     pub predicted: f64,
     /// The difference.
     pub difference: f64,
-    /// The accuracy of the measurement.
+    /// The accuracy of the measurement; a discrepancy of the model is part of it.
     pub accuracy: f64,
 }
 
@@ -213,6 +217,7 @@ impl IdentificationOutcome {
                 .map(|q| worst(problem, minimum, q))
                 .collect(),
             search: searches(progress),
+            discrepancies: Vec::new(),
             cross_validation: None,
             posterior: None,
         })

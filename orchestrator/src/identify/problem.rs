@@ -136,7 +136,7 @@ impl Interval {
 pub struct Measured {
     /// The value.
     pub value: f64,
-    /// Its standard uncertainty, in the same unit: one standard deviation.
+    /// Its standard uncertainty, in the same unit: one standard deviation. A known discrepancy of the model is part of it.
     pub accuracy: f64,
 }
 

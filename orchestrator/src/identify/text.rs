@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::local::End;
-use super::outcome::{FreeOutcome, IdentificationOutcome};
+use super::outcome::{DirectionOutcome, FreeOutcome, IdentificationOutcome};
 
 /// The free parameters as the section `[fixed]` of a study.
 pub fn fixed_section(study: &str, place: usize, outcome: &IdentificationOutcome) -> String {
@@ -30,9 +30,10 @@ pub fn summary(outcome: &IdentificationOutcome) -> String {
     if outcome.ambiguous {
         several(&mut text, outcome);
     } else {
-        parameters(&mut text, &outcome.free);
+        parameters(&mut text, &outcome.free, &on_ridges(outcome));
     }
     undetermined(&mut text, outcome);
+    discrepancies(&mut text, outcome);
     residuals(&mut text, outcome);
     goodness(&mut text, outcome);
     text
@@ -55,11 +56,25 @@ fn several(text: &mut String, outcome: &IdentificationOutcome) {
             digits(own.cost),
             own.reached
         );
-        parameters(text, &own.free);
+        parameters(text, &own.free, &[]);
     }
 }
 
-fn parameters(text: &mut String, parameters: &[FreeOutcome]) {
+/// The parameters that the data do not tell from others: those of a combination that they leave open.
+fn on_ridges(outcome: &IdentificationOutcome) -> Vec<&str> {
+    let open = outcome.directions.iter().filter(|d| d.undetermined);
+    let together = open.filter(|direction| strong(direction).count() > 1);
+    let names = together.flat_map(strong);
+    names.map(|(name, _)| name.as_str()).collect()
+}
+
+/// The parameters with a considerable part in a direction.
+fn strong(direction: &DirectionOutcome) -> impl Iterator<Item = &(String, f64)> {
+    let weights = direction.weights.iter();
+    weights.filter(|(_, weight)| weight.abs() > 0.3)
+}
+
+fn parameters(text: &mut String, parameters: &[FreeOutcome], on_ridges: &[&str]) {
     let width = parameters
         .iter()
         .map(|free| free.name.len())
@@ -82,14 +97,20 @@ fn parameters(text: &mut String, parameters: &[FreeOutcome]) {
             "{:width$}  {:>11}  {low} .. {high} {unit}{}",
             free.name,
             digits(free.value),
-            remark(free)
+            remark(free, on_ridges.contains(&free.name.as_str()))
         );
     }
 }
 
-fn remark(free: &FreeOutcome) -> String {
+fn remark(free: &FreeOutcome, on_ridge: bool) -> String {
     const LITTLE: f64 = 0.5;
-    let bound = free.at_bound.map(|side| format!("; at its {side} bound"));
+    let bound = free.at_bound.map(|side| match on_ridge {
+        false => format!("; at its {side} bound"),
+        // All places along the ridge fit alike, and the search has to end at one.
+        true => format!(
+            "; the search ended at its {side} bound, but the data do not determine it, see below"
+        ),
+    });
     let prior = (free.left > LITTLE).then(|| {
         format!(
             "; the data leave {:.0} % of the prior's uncertainty",
@@ -120,10 +141,7 @@ fn undetermined(text: &mut String, outcome: &IdentificationOutcome) {
     let _ = writeln!(text, "\nThe data do not determine{beside}:");
     for direction in open {
         let left = 100.0 * direction.left;
-        let names: Vec<String> = direction
-            .weights
-            .iter()
-            .filter(|(_, weight)| weight.abs() > 0.3)
+        let names: Vec<String> = strong(direction)
             .map(|(name, weight)| format!("{} {name}", if *weight < 0.0 { '-' } else { '+' }))
             .collect();
         let _ = match names.len() {
@@ -134,7 +152,8 @@ fn undetermined(text: &mut String, outcome: &IdentificationOutcome) {
             ),
             _ => writeln!(
                 text,
-                "  {}: they are not separable; when all change together so, {left:.0} % of the prior's uncertainty is left",
+                "  {}: the data tell these parameters only together; where they change by these signs at once, {left:.0} % of \
+                 the prior's uncertainty is left",
                 names.join(" ")
             ),
         };
@@ -144,6 +163,39 @@ fn undetermined(text: &mut String, outcome: &IdentificationOutcome) {
             text,
             "  the intervals above are normal approximations, which may hold less often than 95 % then; --posterior 1000 \
              samples the posterior"
+        );
+    }
+}
+
+/// What the data say of the model's discrepancies.
+fn discrepancies(text: &mut String, outcome: &IdentificationOutcome) {
+    for own in &outcome.discrepancies {
+        let unit = own
+            .unit
+            .as_deref()
+            .filter(|unit| *unit != "1")
+            .unwrap_or("");
+        let name = &own.quantity;
+        let found = Digits(own.deviation, 3);
+        let sampled = own.sampled.map_or_else(String::new, |(_, [low, high])| {
+            format!("; 95 %: {} .. {} {unit}", Digits(low, 3), Digits(high, 3))
+        });
+        let _ = match own.told {
+            true => writeln!(
+                text,
+                "\nthe model misses {name} by a discrepancy of its own: {found} {unit}, one standard deviation{sampled}"
+            ),
+            false => writeln!(
+                text,
+                "\nthe data cannot tell a discrepancy of the model in {name} from the accuracy of the measurement; most \
+                 probable {found} {unit}{sampled}"
+            ),
+        };
+    }
+    if !outcome.discrepancies.is_empty() && outcome.posterior.is_none() {
+        let _ = writeln!(
+            text,
+            "the intervals take it as known; --posterior 1000 counts how uncertain it is"
         );
     }
 }

@@ -5,6 +5,7 @@ use super::svg::ticks;
 use crate::analysis::robustness::Robustness;
 use crate::analysis::robustness::combinations::{Bound, Combination};
 use crate::analysis::robustness::maps::{CELLS, Map};
+use crate::analysis::robustness::margins::Margin;
 use crate::analysis::robustness::region::Confirmed;
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -121,17 +122,19 @@ fn table(result: &Robustness) -> Vec<[String; 6]> {
             .as_ref()
             .map_or_else(|| "–".into(), |r| number(r.limits[k][side], 5))
     };
-    let row = |(k, m): (usize, &crate::analysis::robustness::margins::Margin)| {
+    let row = |(k, name): (usize, &String)| {
+        let own = result.margins.iter().find(|m| m.parameter == *name);
+        let told = |of: &dyn Fn(&Margin) -> String| own.map_or_else(|| "–".into(), of);
         [
-            with_unit(&m.parameter, &result.units[k]),
-            end(&m.low),
-            number(m.value, 5),
-            end(&m.high),
+            with_unit(name, &result.units[k]),
+            told(&|m| end(&m.low)),
+            told(&|m| number(m.value, 5)),
+            told(&|m| end(&m.high)),
             limits(k, 0),
             limits(k, 1),
         ]
     };
-    result.margins.iter().enumerate().map(row).collect()
+    result.parameters.iter().enumerate().map(row).collect()
 }
 
 /// The plots that are written as files: name and picture.
@@ -166,6 +169,9 @@ fn groups(result: &Robustness) -> Vec<Group> {
             })
             .collect(),
     };
+    if result.maps.is_empty() {
+        return Vec::new();
+    }
     let criterion = |(c, (name, _)): (usize, &(String, _))| {
         let values = || result.maps.iter().flat_map(|m| &m.criteria[c]).copied();
         let range = values().fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], v| {

@@ -15,6 +15,7 @@ use conformity::decision::Decision;
 use conformity::interval::clopper_pearson;
 use conformity::measured::{Measured, Measurement, Uncertainty};
 use conformity::risk::Guard;
+use sampling::design::Joint;
 use sampling::distribution::Distribution;
 
 /// So many points tell enough; of a larger study the first ones are taken.
@@ -147,8 +148,19 @@ pub(super) fn improvements(
             found.push((Halved::Uncertainty, criterion.name.clone(), seen));
         }
     }
-    if let Some(plan) = plan.filter(|plan| plan.is_independent()) {
-        for k in plan.varied() {
+    if let Some(plan) = plan.filter(|plan| plan.correlation().is_none()) {
+        let from_samples: Vec<usize> = plan
+            .joints()
+            .iter()
+            .flat_map(Joint::inputs)
+            .copied()
+            .collect();
+        // A sample is as wide as it is.
+        let own = plan
+            .varied()
+            .into_iter()
+            .filter(|k| !from_samples.contains(k));
+        for k in own {
             let input = &plan.inputs[k];
             let seen = reweighted(&base, points, k, &input.distribution);
             found.push((Halved::Tolerance, input.name.clone(), seen));

@@ -24,8 +24,10 @@ pub(super) struct Found {
 }
 
 impl<'a> MostProbable<'a> {
-    /// `None` where not every measured value has an uncertainty.
+    /// `None` where not every measured value has an uncertainty, or a parameter comes from a sample, whose density is
+    /// unknown.
     pub(super) fn new(judge: &Judge, plan: &'a Plan) -> Option<Self> {
+        plan.has_density().then_some(())?;
         Some(Self {
             plan,
             likelihood: Likelihood::new(&judge.measurement)?,

@@ -130,6 +130,14 @@ pub struct Correlated {
 }
 
 impl Summary {
+    /// Whether any parameter comes from a sample.
+    pub fn has_samples(&self) -> bool {
+        let name = |own: &ParameterSummary| own.distribution.get("distribution").cloned();
+        self.parameters
+            .iter()
+            .any(|own| name(own) == Some("sample".into()))
+    }
+
     /// The measured values with the joint distribution of their errors.
     ///
     /// # Errors

@@ -98,6 +98,10 @@ impl Verification {
         survey.complete(&mut summary);
         summary.rest = Some(survey.to_watch(&summary));
         summary.concerns.extend(session.plan.concerns());
+        if summary.provenance.method != "table" {
+            let repeated = session.plan.concerns_of_samples(summary.points);
+            summary.concerns.extend(repeated);
+        }
         let conduct = finished.conduct();
         summary.reproducibility = Some(conduct.reproducibility());
         summary.conduct = Some(conduct);

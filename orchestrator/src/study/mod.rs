@@ -11,6 +11,7 @@ pub mod plan;
 pub mod points;
 pub mod quantity;
 mod reference;
+mod samples;
 #[cfg(test)]
 mod schema_tests;
 mod sections;
@@ -145,6 +146,8 @@ pub enum Shape {
     Triangular,
     /// `mean`, `deviation` of the quantity itself, not of its logarithm.
     Lognormal,
+    /// `file`: a column of a sample, such as `posterior.csv`; parameters from one file are drawn together.
+    Sample,
     /// `value`.
     Fixed,
 }
@@ -167,11 +170,13 @@ pub struct ParameterText {
     pub max: Option<Quantity>,
     /// The value that is fixed.
     pub value: Option<Quantity>,
+    /// The sample that it is drawn from, relative to the study file.
+    pub file: Option<Spanned<PathBuf>>,
     /// How many levels it has in a full factorial.
     pub levels: Option<u64>,
     /// The unit of the numbers, and of the column in `points.csv`.
     pub unit: Option<String>,
-    /// Its column in a table of points; its own name otherwise.
+    /// Its column in a table of points, and in the sample; its own name otherwise.
     pub column: Option<String>,
     /// A remark for people.
     pub about: Option<String>,
@@ -352,7 +357,15 @@ impl Study {
         self.base.as_deref().unwrap_or(own).join(file)
     }
 
-    /// The SHA-256 digest of the study's text, and of the inputs and parameter sets that it names, as
+    /// Whether a sample gives several parameters, which are drawn together.
+    pub fn binds_by_samples(&self) -> bool {
+        let files = self.parameters.values().filter_map(|own| own.file.as_ref());
+        let mut files: Vec<&PathBuf> = files.map(Spanned::as_ref).collect();
+        files.sort_unstable();
+        files.windows(2).any(|pair| pair[0] == pair[1])
+    }
+
+    /// The SHA-256 digest of the study's text, and of the inputs, samples and parameter sets that it names, as
     /// hexadecimal digits.
     pub fn digest(&self) -> String {
         let mut bytes = self.text.clone().into_bytes();
@@ -362,7 +375,10 @@ impl Study {
             .values()
             .filter_map(|text| text.reference.as_ref());
         let curves = curves.map(|reference| &reference.file);
-        for file in inputs.chain(curves).chain(&self.fixed_from) {
+        let samples = self.parameters.values();
+        let samples = samples.filter_map(|parameter| parameter.file.as_ref());
+        let named = inputs.chain(curves).chain(samples);
+        for file in named.chain(&self.fixed_from) {
             // An unreadable value is reported where it is used.
             let content = std::fs::read(self.beside(file.as_ref())).unwrap_or_default();
             bytes.extend(Sha256::digest(&content));

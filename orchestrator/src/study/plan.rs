@@ -5,12 +5,14 @@ use toml::Spanned;
 
 use super::curves::Binder as CurveBinder;
 use super::quantity::Scale;
-use super::{CriterionText, Name, ParameterText, Setting, Study, StudyError, inputs, points, ssv};
+use super::{
+    CriterionText, Name, ParameterText, Setting, Study, StudyError, inputs, points, samples, ssv,
+};
 use crate::task::{MeasuredCurve, Probe, Schedule, Slot, Task};
 use fmu_import::units::Conversion;
 use fmu_import::{Content, Description, Handle, Value, Variable};
 use sampling::design::correlation::Correlation;
-use sampling::design::{self, Design, Sampling};
+use sampling::design::{self, Design, Joint, Sampling};
 use sampling::distribution::Distribution;
 
 pub use super::values::{find, slot_of, value_of};
@@ -28,6 +30,8 @@ pub struct Plan {
     levels: Vec<Option<u64>>,
     /// How the parameters are correlated, if they are.
     correlation: Option<Correlation>,
+    /// Parameters that are drawn together from samples.
+    joints: Vec<Joint>,
 }
 
 /// One uncertain parameter.
@@ -53,7 +57,9 @@ impl Plan {
     pub fn new(study: &Study, fmu: &Description) -> Result<Self, StudyError> {
         let binder = Binder { study, fmu };
         points::check(study)?;
-        let (inputs, varied) = binder.parameters()?;
+        let (mut inputs, varied) = binder.parameters()?;
+        let joints = binder.samples(&mut inputs)?;
+        binder.within(&inputs, &varied)?;
         let mut schedule = binder.schedule()?;
         let (outputs, observed) = binder.criteria(&schedule)?;
         let observed = binder.windows(&mut schedule, observed)?;
@@ -70,6 +76,7 @@ impl Plan {
             outputs,
             levels: study.parameters.values().map(|p| p.levels).collect(),
             correlation: points::correlation(study)?,
+            joints,
         })
     }
 
@@ -83,6 +90,7 @@ impl Plan {
             distributions: distributions.collect(),
             levels: self.levels.clone(),
             correlation: self.correlation.clone(),
+            joints: self.joints.clone(),
         };
         Design::new(design, inputs)
     }
@@ -97,14 +105,25 @@ impl Plan {
     /// The parameters at a point of the unit cube of those that vary; the others have their medians.
     pub fn from_cube(&self, cube: &[f64]) -> Vec<f64> {
         // Away from the ends of the unit interval, where a distribution may reach to infinity.
-        let mut places = cube.iter().map(|u| u.clamp(1e-6, 1.0 - 1e-6));
-        let value = |input: &Input| {
-            let place = input.distribution.varies().then(|| places.next()).flatten();
-            place.map_or(input.distribution.median(), |u| {
-                input.distribution.quantile(u)
-            })
+        let mut given = cube.iter().map(|u| u.clamp(1e-6, 1.0 - 1e-6));
+        let place = |input: &Input| {
+            let own = input.distribution.varies().then(|| given.next());
+            own.flatten().unwrap_or(0.5)
         };
-        self.inputs.iter().map(value).collect()
+        let places: Vec<f64> = self.inputs.iter().map(place).collect();
+        let pairs = self.inputs.iter().zip(&places);
+        let mut point: Vec<f64> = pairs
+            .map(|(input, &u)| input.distribution.quantile(u))
+            .collect();
+        self.fill(&places, &mut point);
+        point
+    }
+
+    /// Puts the rows of the samples into a point.
+    fn fill(&self, places: &[f64], point: &mut [f64]) {
+        for joint in &self.joints {
+            joint.fill(places, point);
+        }
     }
 
     /// The parameters at independent standard normal scores of those that vary, correlated as the study says.
@@ -116,13 +135,17 @@ impl Plan {
         };
         let all: Vec<f64> = self.inputs.iter().map(score).collect();
         let inputs = || self.inputs.iter().map(|input| input.distribution);
-        match &self.correlation {
+        let mut point: Vec<f64> = match &self.correlation {
             Some(correlation) => correlation.at_scores(&all, &inputs().collect::<Vec<_>>()),
-            None => inputs()
-                .zip(all)
-                .map(|(input, z)| input.at_score(z))
-                .collect(),
-        }
+            None => {
+                let pairs = inputs().zip(&all);
+                pairs.map(|(input, &z)| input.at_score(z)).collect()
+            }
+        };
+        let unit = Distribution::Uniform { min: 0.0, max: 1.0 };
+        let places: Vec<f64> = all.iter().map(|&z| unit.at_score(z)).collect();
+        self.fill(&places, &mut point);
+        point
     }
 
     /// How the parameters are correlated, if they are, by their places among the inputs.
@@ -132,10 +155,29 @@ impl Plan {
 
     /// Whether every parameter varies on its own.
     pub fn is_independent(&self) -> bool {
-        self.correlation.is_none()
+        self.correlation.is_none() && !self.joints.iter().any(Joint::binds)
     }
 
-    /// The logarithm of the parameters' joint density at a point.
+    /// The parameters that are drawn from samples, by file; those of one file together.
+    pub fn joints(&self) -> &[Joint] {
+        &self.joints
+    }
+
+    /// The names of parameters that are drawn together with others from a sample.
+    pub fn together(&self) -> Vec<&str> {
+        let bound = self.joints.iter().filter(|joint| joint.binds());
+        bound
+            .flat_map(Joint::inputs)
+            .map(|&k| self.inputs[k].name.as_str())
+            .collect()
+    }
+
+    /// Whether the parameters' joint density is known: that of what a sample was drawn from is not.
+    pub fn has_density(&self) -> bool {
+        self.joints.is_empty()
+    }
+
+    /// The logarithm of the parameters' joint density at a point, without that of samples.
     pub fn ln_prior(&self, parameters: &[f64]) -> f64 {
         let pairs = self.inputs.iter().zip(parameters);
         let alone: f64 = pairs
@@ -176,6 +218,24 @@ impl Plan {
         };
         let pairs = self.inputs.iter().zip(&self.task.varied);
         pairs.filter_map(concern).collect()
+    }
+
+    /// What so many points cannot tell of parameters from samples, a sentence each.
+    pub fn concerns_of_samples(&self, points: u64) -> Vec<String> {
+        let few = self
+            .joints
+            .iter()
+            .filter(|joint| (joint.len() as u64) < points);
+        let concern = |joint: &Joint| {
+            let names = joint.inputs().iter().map(|&k| self.inputs[k].name.as_str());
+            format!(
+                "{}: {points} points repeat the {} rows of the sample; the interval of the verified share takes these rows \
+                 for all that there is, and does not count that they are only a sample: give one with more rows",
+                names.collect::<Vec<_>>().join(", "),
+                joint.len()
+            )
+        };
+        few.map(concern).collect()
     }
 
     /// A point's parameters in the FMU's units.
@@ -220,23 +280,44 @@ impl Binder<'_> {
             let name = name.as_ref().clone();
             let at = |message: String| at(format!("{name}: {message}"));
             let slot = slot_of(variable).map_err(at)?;
-            let input = self.parameter(variable, parameter, &slot).map_err(at)?;
+            let input = self.parameter(variable, parameter).map_err(at)?;
             Ok((input, slot))
         };
         self.study.parameters.iter().map(bind).collect()
     }
 
-    fn parameter(
-        &self,
-        variable: &Variable,
-        parameter: &ParameterText,
-        slot: &Slot,
-    ) -> Result<Input, String> {
+    /// Reads the parameters that come from samples, and gives each its distribution.
+    fn samples(&self, inputs: &mut [Input]) -> Result<Vec<Joint>, StudyError> {
+        let known = inputs.iter().map(|input| samples::Known {
+            name: &input.name,
+            unit: input.unit.as_deref(),
+        });
+        let found = samples::read(self.study, &known.collect::<Vec<_>>())?;
+        for (index, distribution) in found.iter().flat_map(|own| &own.alone) {
+            inputs[*index].distribution = *distribution;
+        }
+        Ok(found.into_iter().map(|own| own.joint).collect())
+    }
+
+    /// Checks that the FMU takes the middle of each distribution.
+    fn within(&self, inputs: &[Input], slots: &[Slot]) -> Result<(), StudyError> {
+        let pairs = inputs.iter().zip(slots);
+        for ((input, slot), name) in pairs.zip(self.study.parameters.keys()) {
+            let value = input.conversion.value(input.distribution.median());
+            let at = |message: String| {
+                let message = format!("{}: {message}", name.as_ref());
+                self.study.error_at(name, message)
+            };
+            slot.check(value).map_err(at)?;
+        }
+        Ok(())
+    }
+
+    fn parameter(&self, variable: &Variable, parameter: &ParameterText) -> Result<Input, String> {
         let unit = parameter.unit.as_deref().or(parameter.first_unit());
         let scale = Scale::new(unit, self.fmu, variable)?;
         let distribution = parameter.distribution(&scale)?;
         distribution.check()?;
-        slot.check(scale.conversion.value(distribution.median()))?;
         Ok(Input {
             name: variable.name.clone(),
             unit: scale.unit.clone(),

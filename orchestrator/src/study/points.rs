@@ -64,6 +64,13 @@ pub(super) fn correlation(study: &Study) -> Result<Option<Correlation>, StudyErr
             if parameter.distribution == Shape::Fixed {
                 return Err(study.error_at(name, format!("{} does not vary", name.as_ref())));
             }
+            if parameter.distribution == Shape::Sample {
+                let message = format!(
+                    "{} comes from a sample, which has its correlations already; remove the pair",
+                    name.as_ref()
+                );
+                return Err(study.error_at(name, message));
+            }
             Ok(index)
         });
         let (a, b) = (a?, b?);

@@ -58,6 +58,13 @@ impl ParameterText {
                 mean: need(mean.0, mean.1)?,
                 deviation: need(deviation.0, deviation.1)?,
             },
+            // Its values come when the file is read.
+            Shape::Sample if self.file.is_some() => Distribution::Sample { values: &[0.0] },
+            Shape::Sample => {
+                let message = "`file` is missing for the distribution sample: a table with a column of its values, \
+                               such as the posterior.csv of identify";
+                return Err(message.to_owned());
+            }
             Shape::Fixed => Distribution::Fixed {
                 value: need(&self.value, "value")?,
             },
@@ -71,8 +78,15 @@ impl ParameterText {
             Shape::TruncatedNormal => &["mean", "deviation", "min", "max"],
             Shape::Uniform => &["min", "max"],
             Shape::Triangular => &["min", "mode", "max"],
+            Shape::Sample => &["file"],
             Shape::Fixed => &["value"],
         };
+        if self.file.is_some() && self.distribution != Shape::Sample {
+            let name = self.distribution.name();
+            return Err(format!(
+                "the distribution {name} does not use `file`; write distribution = \"sample\", or remove it"
+            ));
+        }
         let given = [
             ("mean", &self.mean),
             ("deviation", &self.deviation),
@@ -103,6 +117,7 @@ impl Shape {
             Self::Uniform => "uniform",
             Self::Triangular => "triangular",
             Self::Lognormal => "lognormal",
+            Self::Sample => "sample",
             Self::Fixed => "fixed",
         }
     }

@@ -18,6 +18,7 @@ mod optima;
 mod rare;
 mod regions;
 mod reuse;
+mod samples;
 mod sensitivities;
 mod simulate;
 mod support;

@@ -165,3 +165,72 @@ tolerance = 0.04
         "give 200 or more",
     ]);
 }
+
+/// y = x1 x2 at ten known x2, with misfits ten times as large as the stated accuracy.
+#[test]
+fn a_discrepancy_of_the_model_is_found_and_widens_the_interval() {
+    let bench = Bench::functions();
+    let misfits = [
+        0.09, -0.12, 0.05, 0.14, -0.07, -0.02, 0.11, -0.1, 0.06, -0.13,
+    ];
+    let rows = misfits.iter().enumerate().map(|(k, misfit)| {
+        let x2 = 1.0 + 0.1 * k as f64;
+        format!("{},{x2},{}\n", k + 1, 2.0 * x2 + misfit)
+    });
+    let rows: String = rows.collect();
+    bench.write("cases.csv", &format!("point,b,y\n{rows}"));
+    let study = |discrepancy: &str| {
+        format!(
+            r#"
+fmu = "functions.fmu"
+[simulation]
+stop = 1
+[identify]
+cases = "cases.csv"
+[identify.free.x1]
+min = 0
+max = 10
+[identify.known.x2]
+column = "b"
+[identify.measured.Y]
+variable = "product"
+column = "y"
+accuracy = 0.01
+{discrepancy}
+"#
+        )
+    };
+    let deviation = |text: &str, more: &[&str]| {
+        bench.write("study.toml", text);
+        let command = ["identify", "study.toml", "--output", "out"];
+        let said = bench.run(&[&command[..], more].concat());
+        assert_eq!(said.code, 0, "{}", said.err);
+        let found = json(&bench, "out/identification.json");
+        (found["free"][0]["deviation"].as_f64().unwrap(), said.out)
+    };
+    let (narrow, said) = deviation(&study(""), &[]);
+    assert!(
+        said.contains("misses the measurement by more than"),
+        "{said}"
+    );
+    let (known, _) = deviation(&study("discrepancy = \"0.1\""), &[]);
+    assert!(
+        (known / narrow - 0.0101_f64.sqrt() / 0.01).abs() < 0.01,
+        "{known} {narrow}"
+    );
+    let (found, said) = deviation(&study("discrepancy = \"unknown\""), &[]);
+    assert!(
+        said.contains("the model misses Y by a discrepancy of its own: 0.1"),
+        "{said}"
+    );
+    assert!((found / known - 1.0).abs() < 0.15, "{found} {known}");
+    let own = &json(&bench, "out/identification.json")["discrepancies"][0];
+    // The mean square of the misfits over nine degrees of freedom, without that of the accuracy.
+    let square = misfits.iter().map(|m| m * m).sum::<f64>() / 9.0 - 0.0001;
+    let size = own["deviation"].as_f64().unwrap();
+    assert!((size / square.sqrt() - 1.0).abs() < 0.02, "{size} {square}");
+    bench.write("study.toml", &study("discrepancy = \"unheard\""));
+    bench
+        .run(&["identify", "study.toml"])
+        .is_mistake(&["study.toml:16", "unknown"]);
+}

@@ -9,6 +9,7 @@ mod discrepancy;
 mod factorial;
 mod halton;
 mod hypercube;
+mod joint;
 #[cfg(test)]
 mod lasting_tests;
 mod methods;
@@ -27,6 +28,7 @@ use crate::distribution::Distribution;
 use correlation::Correlation;
 use rule::Rule;
 
+pub use joint::Joint;
 pub use methods::Method;
 pub use rule::Inputs;
 pub use sampling::Sampling;
@@ -38,6 +40,7 @@ pub struct Design {
     points: u64,
     inputs: Vec<Distribution>,
     correlation: Option<Correlation>,
+    joints: Vec<Joint>,
 }
 
 impl Design {
@@ -46,7 +49,7 @@ impl Design {
     /// # Errors
     /// When the method cannot serve this number of inputs or points.
     pub fn new(sampling: &Sampling, inputs: impl Into<Inputs>) -> Result<Self, String> {
-        let inputs: Inputs = inputs.into();
+        let inputs = with_leads(inputs.into());
         if sampling.points == 0 {
             return Err("points must be at least 1".to_owned());
         }
@@ -56,6 +59,12 @@ impl Design {
         if sampling.replicates > 1 && !sampling.method.has_replicates() {
             let with = Method::named(Method::has_replicates);
             return Err(format!("replicates need method = {with}; remove them"));
+        }
+        if sampling.method.is_by_levels() && !inputs.joints.is_empty() {
+            let without = Method::named(|method| !method.is_by_levels());
+            return Err(format!(
+                "levels do not say which rows of a sample to take; use method = {without}"
+            ));
         }
         let mut rule = sampling.method.rule(&sampling.numbers(), &inputs)?;
         let points = rule.points().unwrap_or(sampling.points);
@@ -69,6 +78,7 @@ impl Design {
             rule,
             inputs: inputs.distributions,
             correlation,
+            joints: inputs.joints,
         })
     }
 
@@ -92,15 +102,31 @@ impl Design {
             dimension += 1;
             self.rule.uniform(index, dimension - 1)
         };
-        let places = self.inputs.iter().map(place);
-        match &self.correlation {
-            None => places
-                .zip(&self.inputs)
-                .map(|(u, input)| input.quantile(u))
-                .collect(),
-            Some(correlation) => correlation.values(&places.collect::<Vec<_>>(), &self.inputs),
+        let places: Vec<f64> = self.inputs.iter().map(place).collect();
+        let mut point: Vec<f64> = match &self.correlation {
+            None => {
+                let pairs = places.iter().zip(&self.inputs);
+                pairs.map(|(&u, input)| input.quantile(u)).collect()
+            }
+            Some(correlation) => correlation.values(&places, &self.inputs),
+        };
+        for joint in &self.joints {
+            joint.fill(&places, &mut point);
+        }
+        point
+    }
+}
+
+/// The same inputs; of those that are drawn together only the lead takes a dimension of the design, as its number chooses
+/// the row for all.
+fn with_leads(mut inputs: Inputs) -> Inputs {
+    for joint in &inputs.joints {
+        let row = joint.row(0.5);
+        for (&input, &value) in joint.inputs().iter().zip(row).skip(1) {
+            inputs.distributions[input] = Distribution::Fixed { value };
         }
     }
+    inputs
 }
 
 /// Points in the unit cube that belong to independently scrambled Sobol nets in turn.
@@ -215,6 +241,7 @@ mod tests {
             let pairs = [(0, 1, 0.8), (0, 3, -0.5), (1, 3, -0.2)];
             let fixed = Distribution::Fixed { value: 3.0 };
             let inputs = Inputs {
+                joints: Vec::new(),
                 distributions: vec![normal, normal, fixed, bounded, lognormal],
                 levels: Vec::new(),
                 correlation: Some(Correlation::new(5, &pairs).unwrap()),
@@ -333,6 +360,7 @@ mod tests {
             ..Sampling::default()
         };
         let inputs = |levels| Inputs {
+            joints: Vec::new(),
             distributions: vec![
                 Distribution::Uniform { min: 0.0, max: 4.0 },
                 Distribution::Fixed { value: 7.0 },

@@ -3,6 +3,7 @@
 use std::fmt::Debug;
 
 use super::correlation::Correlation;
+use super::joint::Joint;
 use crate::distribution::Distribution;
 
 /// A rule that gives every point a place in the unit cube.
@@ -57,6 +58,8 @@ pub struct Inputs {
     pub levels: Vec<Option<u64>>,
     /// How they are correlated, if they are.
     pub correlation: Option<Correlation>,
+    /// Those that are drawn together from samples.
+    pub joints: Vec<Joint>,
 }
 
 impl Inputs {

@@ -115,6 +115,7 @@ mod tests {
         };
         let fixed = Distribution::Fixed { value: 3.0 };
         let inputs = Inputs {
+            joints: Vec::new(),
             distributions: vec![UNIT, UNIT, fixed, UNIT, UNIT],
             levels: Vec::new(),
             correlation: Some(Correlation::new(5, &PAIRS).unwrap()),
@@ -231,6 +232,7 @@ mod tests {
             replicates: 1,
         };
         let inputs = Inputs {
+            joints: Vec::new(),
             distributions: vec![UNIT; 2],
             levels: Vec::new(),
             correlation: Some(Correlation::new(2, &[(0, 1, 0.5)]).unwrap()),

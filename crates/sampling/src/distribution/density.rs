@@ -53,11 +53,15 @@ impl Distribution {
                     0.0
                 }
             }
+            Self::Sample { values } => {
+                values.partition_point(|own| *own <= value) as f64 / values.len() as f64
+            }
             Self::Fixed { value: only } => f64::from(u8::from(value >= only)),
         }
     }
 
-    /// The logarithm of the density; minus infinity where the quantity never is. A fixed quantity has none: 0, so
+    /// The logarithm of the density; minus infinity where the quantity never is. A fixed quantity and one
+    /// from a sample, whose values are all as probable, have none: 0, so
     /// that it changes no sum.
     pub fn ln_density(&self, value: f64) -> f64 {
         match *self {
@@ -94,7 +98,7 @@ impl Distribution {
                     f64::NEG_INFINITY
                 }
             }
-            Self::Fixed { .. } => 0.0,
+            Self::Sample { .. } | Self::Fixed { .. } => 0.0,
         }
     }
 
@@ -107,6 +111,7 @@ impl Distribution {
                 .min(max.unwrap_or(f64::INFINITY)),
             Self::Uniform { min, max } => 0.5 * (min + max),
             Self::Triangular { mode, .. } => mode,
+            Self::Sample { .. } => self.median(),
             Self::Fixed { value } => value,
         }
     }
@@ -145,6 +150,8 @@ impl Distribution {
                 mean,
                 deviation: factor * deviation,
             },
+            // A sample is as wide as it is.
+            Self::Sample { values } => Self::Sample { values },
             Self::Fixed { value } => Self::Fixed { value },
         }
     }

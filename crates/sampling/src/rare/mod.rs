@@ -191,12 +191,9 @@ fn search_once<E>(search: &Search, ask: Ask<'_, E>) -> Result<Answer, E> {
     };
     answer.levels.clone_from(&found.levels);
     let rough: f64 = found.regions.iter().map(|region| region.share).sum();
-    if rough >= FREQUENT || found.regions.is_empty() && search.is_binary {
+    // Where no way leads to the event, as over flat outputs, the runs that are left tell at least how large its share may be.
+    if rough >= FREQUENT || found.regions.is_empty() {
         return counted(search, answer, runs, &mut random);
-    }
-    if found.regions.is_empty() {
-        answer.runs = runs.made;
-        return Ok(answer);
     }
     answer.rough = Some(rough);
     measured(search, &found, size, answer, runs, &mut random)

@@ -114,6 +114,9 @@ fn what_never_happens_is_not_told() {
     assert_eq!((flat.share, flat.rough), (None, None));
     assert_eq!(flat.levels, [(1.0, 1.0)]);
     assert_eq!(flat.plain.met, 0);
+    // All runs that were asked for are made, most of them at plain points.
+    assert_eq!(flat.runs, 5000);
+    assert!(flat.plain.runs > 4000, "{:?}", flat.plain);
     // The runs do not go so deep.
     let (deep, _) = asked(&search(3, 5000, 1), |u| 30.0 - u[0]);
     assert_eq!(deep.share, None);
@@ -122,7 +125,7 @@ fn what_never_happens_is_not_told() {
         level > 0.0 && share > 0.0 && share < 1e-2,
         "{level} {share}"
     );
-    assert!(deep.runs <= 5000);
+    assert_eq!(deep.runs, 5000);
     // Wider draws do not find it, and all that is left is counted.
     let binary = Search {
         is_binary: true,

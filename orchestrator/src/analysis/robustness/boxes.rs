@@ -243,7 +243,9 @@ fn thinnest(
     for k in 0..sample.points.first().map_or(0, Vec::len) {
         let column = sorted(inside.iter().map(|&j| sample.points[j][k]).collect());
         for (side, q) in [(0, PEEL), (1, 1.0 - PEEL)] {
-            let cut = quantile(&column, q);
+            let Some(cut) = cut(&column, side, q) else {
+                continue;
+            };
             if kept.is_some_and(|kept| !beyond(sample.points[kept][k], side, cut)) {
                 continue;
             }
@@ -263,6 +265,18 @@ fn thinnest(
     best
 }
 
+/// The new limit where a slice is peeled off; `None` where all values are the same. A value that makes up more than the
+/// slice, as a row of a sample may, goes as a whole.
+fn cut(column: &[f64], side: usize, q: f64) -> Option<f64> {
+    let (first, last) = (*column.first()?, *column.last()?);
+    let cut = quantile(column, q);
+    match side {
+        0 if cut <= first => column.iter().copied().find(|value| *value > first),
+        1 if cut >= last => column.iter().rev().copied().find(|value| *value < last),
+        _ => Some(cut),
+    }
+}
+
 /// Moves each limit out by a small step in turn, as long as the level holds.
 fn paste(sample: &Sample<'_>, scale: &Scale, level: f64, limits: &mut Limits) {
     const STEP: f64 = 0.005;
@@ -273,10 +287,14 @@ fn paste(sample: &Sample<'_>, scale: &Scale, level: f64, limits: &mut Limits) {
             if !now.is_finite() {
                 return false;
             }
-            let rank = scale.rank(k, now);
-            limits[k][side] = scale.limit(k, if side == 0 { rank - STEP } else { rank + STEP });
+            limits[k][side] = match side {
+                0 => scale.limit(k, scale.rank(k, now) - STEP),
+                // Beyond all values that are as large, of which a sample may have many.
+                _ => scale.limit(k, scale.rank(k, now.next_up()) + STEP),
+            };
             let inside = sample.inside(limits);
-            let holds = !inside.is_empty() && sample.mean(&inside) >= level;
+            let moved = limits[k][side] != now;
+            let holds = moved && !inside.is_empty() && sample.mean(&inside) >= level;
             if !holds {
                 limits[k][side] = now;
             }

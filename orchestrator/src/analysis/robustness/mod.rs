@@ -52,6 +52,32 @@ pub struct Robustness {
     pub warnings: Vec<String>,
 }
 
+impl Robustness {
+    /// Takes away what moves parameters alone that come together from a sample: nothing is known beside its rows.
+    pub fn keep_together(&mut self, names: &[&str]) {
+        if names.is_empty() {
+            return;
+        }
+        let bound = |name: &String| names.contains(&name.as_str());
+        let parameters = &self.parameters;
+        self.margins.retain(|margin| !bound(&margin.parameter));
+        self.maps
+            .retain(|map| !bound(&parameters[map.x]) && !bound(&parameters[map.y]));
+        self.warnings.push(format!(
+            "{} are drawn together from a sample: box, ellipsoid and unsafe combinations count its rows; there are no maps and \
+             no margins of these parameters, which would move one of them away from its row",
+            names.join(", ")
+        ));
+    }
+
+    /// The unit of a parameter.
+    pub fn unit(&self, name: &str) -> &str {
+        let pairs = self.parameters.iter().zip(&self.units);
+        let own = pairs.filter(|(own, _)| *own == name).map(|(_, unit)| unit);
+        own.map(String::as_str).next().unwrap_or_default()
+    }
+}
+
 /// The model's stand-in: a surrogate a criterion.
 pub struct Stand {
     criteria: Vec<Part>,

@@ -91,13 +91,20 @@ impl Surrogate {
 
     fn solve(mut self, inputs: &[Vec<f64>], kept: &[usize], y: &DVector<f64>) -> Option<Self> {
         let rows: Vec<Vec<f64>> = kept.iter().map(|&j| self.basis(&inputs[j])).collect();
-        let matrix = DMatrix::from_fn(rows.len(), self.terms.len(), |r, c| rows[r][c]);
+        let mut matrix = DMatrix::from_fn(rows.len(), self.terms.len(), |r, c| rows[r][c]);
+        let mut dependent = dependent(&matrix);
+        if !dependent.is_empty() {
+            // Parameters that stay in a relation, as those from a sample may: the other terms say the same.
+            matrix = matrix.remove_columns_at(&dependent);
+            while let Some(last) = dependent.pop() {
+                self.terms.remove(last);
+            }
+            if !self::dependent(&matrix).is_empty() {
+                return None;
+            }
+        }
         let qr = matrix.qr();
         let (q, r) = (qr.q(), qr.r());
-        let size = r.diagonal().iter().fold(0.0f64, |m, v| m.max(v.abs()));
-        if r.diagonal().iter().any(|v| v.abs() < 1e-10 * size) {
-            return None;
-        }
         let coefficients = r.solve_upper_triangular(&(q.transpose() * y))?;
         let fitted = &q * (q.transpose() * y);
         // Allen (1974): the leave-one-out error is the residual over one minus the leverage.
@@ -148,6 +155,15 @@ impl Surrogate {
             .map(|(b, c)| b * c)
             .sum()
     }
+}
+
+/// The columns that depend on those before them.
+fn dependent(matrix: &DMatrix<f64>) -> Vec<usize> {
+    const NONE_LEFT: f64 = 1e-10;
+    let r = matrix.clone().qr().r();
+    let size = r.diagonal().iter().fold(0.0f64, |m, v| m.max(v.abs()));
+    let depends = |&k: &usize| r[(k, k)].abs() < NONE_LEFT * size;
+    (0..matrix.ncols()).filter(depends).collect()
 }
 
 const NONE: Quality = Quality {

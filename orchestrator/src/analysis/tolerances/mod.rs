@@ -14,7 +14,7 @@ pub mod stated;
 mod tests;
 
 use conformity::interval::wilson;
-use sampling::design::cube;
+use sampling::design::{Joint, cube};
 use sampling::distribution::Distribution;
 
 pub use sample::{Estimate, Sample};
@@ -22,8 +22,10 @@ pub use sample::{Estimate, Sample};
 /// The task: goal, parameters, costs.
 #[derive(Clone, Debug)]
 pub struct Problem {
-    /// The parameters that vary, as the study states them.
+    /// The parameters that have a tolerance, as the study states them.
     pub distributions: Vec<Distribution>,
+    /// Parameters that come from samples, which have none: their rows follow in a point.
+    pub samples: Vec<Joint>,
     /// Relative cost of a narrower tolerance, for each parameter.
     pub costs: Vec<f64>,
     /// The share that must hold.
@@ -128,14 +130,43 @@ impl Problem {
             .zip(scales)
             .map(|(distribution, &scale)| distribution.scaled(scale))
             .collect();
-        let cube = cube(scaled.len(), self.points, seed, 1).unwrap_or_default();
-        let point = |place: &Vec<f64>| {
-            let pairs = scaled.iter().zip(place);
-            pairs
-                .map(|(distribution, u)| distribution.quantile(u.clamp(1e-12, 1.0 - 1e-12)))
-                .collect()
+        let cube = cube(self.dimensions(), self.points, seed, 1).unwrap_or_default();
+        cube.iter()
+            .map(|place| self.point(&scaled, place))
+            .collect()
+    }
+
+    /// Numbers from 0 to 1 that choose a point: one a tolerance, and one a sample.
+    pub fn dimensions(&self) -> usize {
+        self.distributions.len() + self.samples.len()
+    }
+
+    /// The point at such numbers, with distributions that were scaled before.
+    pub fn point(&self, scaled: &[Distribution], place: &[f64]) -> Vec<f64> {
+        let (own, rows) = place.split_at(scaled.len());
+        let quantiles = scaled.iter().zip(own);
+        let quantiles =
+            quantiles.map(|(distribution, u)| distribution.quantile(u.clamp(1e-12, 1.0 - 1e-12)));
+        let rows = self.samples.iter().zip(rows);
+        let rows = rows.flat_map(|(sample, &u)| sample.row(u).iter().copied());
+        quantiles.chain(rows).collect()
+    }
+
+    /// Points with all tolerances at their centres: one, or some over the rows of the samples.
+    pub fn centres(&self) -> Vec<Vec<f64>> {
+        const ROWS: u64 = 128;
+        let centre = self.distributions.iter().map(Distribution::centre);
+        let centre: Vec<f64> = centre.collect();
+        if self.samples.is_empty() {
+            return vec![centre];
+        }
+        let places = cube(self.samples.len(), ROWS, self.seed, 1).unwrap_or_default();
+        let with_rows = |place: &Vec<f64>| {
+            let rows = self.samples.iter().zip(place);
+            let rows = rows.flat_map(|(sample, &u)| sample.row(u));
+            centre.iter().chain(rows).copied().collect()
         };
-        cube.iter().map(point).collect()
+        places.iter().map(with_rows).collect()
     }
 
     /// Draws wider and wider points as long as the share gets larger with the widest ones and holds nowhere: where the

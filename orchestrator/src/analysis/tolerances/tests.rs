@@ -15,6 +15,7 @@ fn problem(distributions: Vec<Distribution>, target: f64, points: u64) -> Proble
     Problem {
         costs: vec![1.0; distributions.len()],
         distributions,
+        samples: Vec::new(),
         target,
         confidence: 0.95,
         limit: 3.0,

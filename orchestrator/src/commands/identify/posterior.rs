@@ -5,11 +5,12 @@ use std::time::Instant;
 
 use super::super::CommandError;
 use super::files::remove;
+use crate::identify::bind::Bound;
+use crate::identify::discrepancy::Unknown;
 use crate::identify::local::End;
 use crate::identify::objective::Objective;
 use crate::identify::optima::Optimum;
 use crate::identify::outcome::IdentificationOutcome;
-use crate::identify::problem::Problem;
 use crate::identify::sample::outcome::PosteriorOutcome;
 use crate::identify::sample::{FEWEST, Sample, SampleError, Settings, sample, text};
 use crate::identify::search::SearchError;
@@ -31,13 +32,13 @@ const FILE: &str = "posterior.csv";
 pub(super) fn check(
     study: &Study,
     settings: &Identification,
-    problem: &Problem,
+    bound: &Bound,
     by_option: bool,
 ) -> Result<(), CommandError> {
     let Some(particles) = &settings.posterior else {
         return Ok(());
     };
-    let unknowns = problem.unknowns() as u64;
+    let unknowns = (bound.problem.unknowns() + bound.discrepancies.len()) as u64;
     let fewest = FEWEST.max(EACH * unknowns);
     let number = *particles.as_ref();
     if (fewest..=MOST).contains(&number) {
@@ -62,6 +63,7 @@ pub(super) fn sampled(
     optima: &[Optimum],
     settings: &Identification,
     deadline: Option<Instant>,
+    unknown: &[Unknown],
     outcome: &mut IdentificationOutcome,
     say: &dyn Fn(String),
 ) -> Result<Option<Sample>, SearchError> {
@@ -72,10 +74,13 @@ pub(super) fn sampled(
         PosteriorStart::Optima => optima,
         PosteriorStart::Prior => &[],
     };
+    let found = outcome.discrepancies.iter().map(|found| found.deviation);
+    let discrepancies: Vec<(Unknown, f64)> = unknown.iter().copied().zip(found).collect();
     let settings = Settings {
         particles: *particles.as_ref(),
         seed: settings.seed,
         deadline,
+        discrepancies: &discrepancies,
     };
     let observe = |exponent: f64, step: usize| {
         say(format!(
@@ -85,6 +90,12 @@ pub(super) fn sampled(
     match sample(objective, seeds, &settings, &observe) {
         Ok(sample) => {
             outcome.posterior = Some(PosteriorOutcome::new(objective, optima, &sample));
+            let pairs = outcome.discrepancies.iter_mut().zip(unknown).enumerate();
+            for (index, (found, unknown)) in pairs {
+                let sampled =
+                    PosteriorOutcome::discrepancy(objective.problem, &sample, unknown, index);
+                found.sampled = Some(sampled);
+            }
             Ok(Some(sample))
         }
         Err(SampleError::Time) => {
@@ -99,7 +110,7 @@ pub(super) fn sampled(
 /// Writes the table of particles. Without a sample an earlier one's goes: it would be taken for this one's.
 pub(super) fn write(
     folder: &Path,
-    problem: &Problem,
+    bound: &Bound,
     sample: Option<&Sample>,
 ) -> Result<(), CommandError> {
     let path = folder.join(FILE);
@@ -107,11 +118,12 @@ pub(super) fn write(
         return remove(&path);
     };
     write_atomically(&path, |out| {
+        let (problem, unknown) = (&bound.problem, &bound.discrepancies);
         writeln!(out, "# {}", text::units(problem))?;
         let mut table = csv::Writer::from_writer(out);
-        let head = text::head(problem);
+        let head = text::head(problem, unknown);
         table.write_record(head.iter().map(|name| csv_file::cell(name).into_owned()))?;
-        for row in text::rows(problem, sample) {
+        for row in text::rows(problem, unknown, sample) {
             table.write_record(row)?;
         }
         table.flush()

@@ -5,26 +5,26 @@ use crate::analysis::tolerances::Problem;
 use crate::judge::{Criterion, Judge};
 use crate::report::format::number;
 
-/// The obstacles, a sentence each: given what comes of the centre of all parameters, and of the points drawn at
-/// the study's own tolerances.
+/// The obstacles, a sentence each: given what comes of the centre of all tolerances, one point or one for each of some rows
+/// of the samples, and of the points drawn at the study's own tolerances.
 pub(super) fn of(
     judge: &Judge,
     goal: &Goal<'_>,
-    centre: Option<&[f64]>,
+    centres: &[Option<Vec<f64>>],
     points: &[Option<Vec<f64>>],
 ) -> Vec<String> {
     let mut found = Vec::new();
-    match centre {
-        None => {
+    match centres {
+        [None] => {
             found.push("the model fails with all parameters at their nominal values".to_owned())
         }
-        Some(_) => {
-            found.extend(off(judge, centre));
-            if found.is_empty() {
+        [..] => {
+            found.extend(off(judge, goal, centres));
+            if let ([centre], true) = (centres, found.is_empty()) {
                 found.push(format!(
                     "with all parameters at their nominal values the model meets all criteria, but conforms as wanted \
                      only to {} %: the measured values' uncertainties are too large for it",
-                    number(100.0 * goal.good(centre), 3)
+                    number(100.0 * goal.good(centre.as_deref()), 3)
                 ));
             }
         }
@@ -33,9 +33,13 @@ pub(super) fn of(
     found
 }
 
-/// The criteria that the centre of all parameters misses, a sentence each.
-pub(super) fn off(judge: &Judge, centre: Option<&[f64]>) -> Vec<String> {
-    let pairs = judge.criteria.iter().zip(centre.unwrap_or_default());
+/// The criteria that the centre of all tolerances misses, a sentence each; with samples, how many of their rows conform.
+pub(super) fn off(judge: &Judge, goal: &Goal<'_>, centres: &[Option<Vec<f64>>]) -> Vec<String> {
+    let centre = match centres {
+        [centre] => centre.as_deref().unwrap_or_default(),
+        _ => return vec![of_rows(goal, centres)],
+    };
+    let pairs = judge.criteria.iter().zip(centre);
     pairs
         .filter(|(criterion, value)| !criterion.accepts(**value))
         .map(|(criterion, &value)| nominal_is_off(criterion, value))
@@ -50,6 +54,17 @@ pub(super) fn not_shown(problem: &Problem) -> String {
         number(100.0 * problem.target, 4),
         number(100.0 * problem.confidence, 4),
         problem.confirm
+    )
+}
+
+/// How many rows of the samples conform with all tolerances at their centres.
+fn of_rows(goal: &Goal<'_>, centres: &[Option<Vec<f64>>]) -> String {
+    let goods: f64 = centres.iter().map(|one| goal.good(one.as_deref())).sum();
+    format!(
+        "with all tolerances at nothing, {} % of {} rows of the sample conform as wanted, and a tolerance does not change \
+         the sample",
+        number(100.0 * goods / centres.len().max(1) as f64, 3),
+        centres.len()
     )
 }
 

@@ -79,6 +79,7 @@ fn held(accuracy: f64, seed: u64) -> [[u32; 2]; 2] {
             particles: 400,
             seed: record,
             deadline: None,
+            discrepancies: &[],
         };
         let sample = sample(&objective, &optima, &settings, &|_, _| ()).unwrap();
         let posterior = PosteriorOutcome::new(&objective, &optima, &sample);

@@ -27,10 +27,11 @@ pub mod text;
 
 use std::time::Instant;
 
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 
+use super::discrepancy::Unknown;
 use super::objective::Objective;
 use super::optima::Optimum;
 use super::problem::NoPrediction;
@@ -68,13 +69,15 @@ const MOST_STAGES: usize = 300;
 
 /// How a sample is made.
 #[derive(Clone, Copy, Debug)]
-pub struct Settings {
+pub struct Settings<'a> {
     /// How many particles there are, about.
     pub particles: u64,
     /// Seed of all random numbers.
     pub seed: u64,
     /// When time is up.
     pub deadline: Option<Instant>,
+    /// Unknown discrepancies of the model, each with the standard deviation that the search has found.
+    pub discrepancies: &'a [(Unknown, f64)],
 }
 
 /// Why there is no sample.
@@ -166,10 +169,11 @@ pub struct Sample {
 pub fn sample(
     objective: &Objective<'_>,
     optima: &[Optimum],
-    settings: &Settings,
+    settings: &Settings<'_>,
     observe: &dyn Fn(f64, usize),
 ) -> Result<Sample, SampleError> {
-    let target = Target::new(objective);
+    let unknown = settings.discrepancies.iter().map(|(unknown, _)| *unknown);
+    let target = Target::new(objective, unknown.collect());
     let mut walk = Walk::begin(&target, optima, settings)?;
     while walk.exponent < 1.0 {
         if walk.stages.len() >= MOST_STAGES {
@@ -230,13 +234,13 @@ impl<'a> Walk<'a> {
     fn begin(
         target: &'a Target<'a>,
         optima: &[Optimum],
-        settings: &Settings,
+        settings: &Settings<'_>,
     ) -> Result<Self, SampleError> {
         let mut random = StdRng::seed_from_u64(settings.seed);
         let size = (settings.particles.max(FEWEST) as usize).div_ceil(GROUPS);
         let seeded = (size as f64 * (1.0 - DEFENCE)).round() as usize;
         let part = seeded as f64 / size as f64;
-        let seeds = seeds(optima).map(|mixture| (mixture, part));
+        let seeds = seeds(optima, settings.discrepancies).map(|mixture| (mixture, part));
         let start = Start { seeds };
         let mut places = Vec::with_capacity(GROUPS * size);
         for _ in 0..GROUPS {
@@ -404,14 +408,23 @@ impl<'a> Walk<'a> {
     }
 }
 
-/// The normal approximations at the optima.
-fn seeds(optima: &[Optimum]) -> Option<Mixture> {
+/// The normal approximations at the optima, and about the discrepancies found.
+fn seeds(optima: &[Optimum], discrepancies: &[(Unknown, f64)]) -> Option<Mixture> {
+    // Few values tell a standard deviation roughly, and its place runs from 0 to 1.
+    const ROUGH: f64 = 0.2;
     // Their weights are estimates: none should start with next to nothing.
     const LEAST: f64 = 0.05;
     let parts = optima.iter().map(|own| {
-        let mean = DVector::from_column_slice(&own.minimum.places);
-        let weight = own.weight.max(LEAST);
-        (weight, mean, &own.posterior.covariance * WIDER)
+        let found = discrepancies.iter();
+        let found = found.map(|(unknown, deviation)| unknown.place(*deviation));
+        let mean: Vec<f64> = own.minimum.places.iter().copied().chain(found).collect();
+        let known = own.minimum.places.len();
+        let covariance = DMatrix::from_fn(mean.len(), mean.len(), |i, j| match (i, j) {
+            (i, j) if i < known && j < known => own.posterior.covariance[(i, j)] * WIDER,
+            (i, j) if i == j => ROUGH * ROUGH,
+            _ => 0.0,
+        });
+        (own.weight.max(LEAST), DVector::from_vec(mean), covariance)
     });
     Mixture::new(parts.collect())
 }

@@ -3,6 +3,7 @@
 use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
+use super::super::discrepancy::Unknown;
 use super::super::objective::Objective;
 use super::super::optima::Optimum;
 use super::super::problem::Problem;
@@ -245,7 +246,12 @@ impl PosteriorOutcome {
         }
         // A place of so much higher density is no place that the search was at.
         const HIGHER: f64 = 0.5;
-        let target = Target::new(objective);
+        let all = sample.particles.first().map_or(0, |own| own.places.len());
+        if all > objective.problem.unknowns() {
+            // The search took the discrepancies as known, so its densities are others.
+            return notes;
+        }
+        let target = Target::new(objective, Vec::new());
         let known = optima.iter().map(|own| target.log_density(&own.minimum));
         let known = known.fold(f64::NEG_INFINITY, f64::max);
         let found = sample.particles.iter();
@@ -259,6 +265,22 @@ impl PosteriorOutcome {
             ));
         }
         notes
+    }
+
+    /// The median of an unknown discrepancy, and the interval that holds it with 95 % probability; it is that of number
+    /// `index`.
+    pub fn discrepancy(
+        problem: &Problem,
+        sample: &Sample,
+        unknown: &Unknown,
+        index: usize,
+    ) -> (f64, [f64; 2]) {
+        let place = problem.unknowns() + index;
+        let places = sample.particles.iter().map(|own| own.places[place]);
+        let mut places: Vec<f64> = places.collect();
+        places.sort_by(f64::total_cmp);
+        let at = |part| unknown.deviation(quantile(&places, part));
+        (at(0.5), [at(0.025), at(0.975)])
     }
 
     /// How many particles are asked for where there are doubts.

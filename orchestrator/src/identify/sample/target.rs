@@ -6,6 +6,7 @@ use rand::RngExt;
 use rand::rngs::StdRng;
 use statrs::distribution::{ContinuousCDF, Normal};
 
+use super::super::discrepancy::Unknown;
 use super::super::local::Minimum;
 use super::super::objective::{Misfit, Objective};
 use super::super::problem::NoPrediction;
@@ -73,6 +74,8 @@ impl Before {
 pub(super) struct Target<'a> {
     objective: &'a Objective<'a>,
     before: Vec<Before>,
+    /// Quantities with an unknown discrepancy, whose places stand behind all others.
+    discrepancies: Vec<Unknown>,
     /// The logarithm of the likelihood where every prediction is what was measured.
     best: f64,
     /// Places of which the likelihood was asked.
@@ -82,16 +85,18 @@ pub(super) struct Target<'a> {
 }
 
 impl<'a> Target<'a> {
-    pub(super) fn new(objective: &'a Objective<'a>) -> Self {
+    pub(super) fn new(objective: &'a Objective<'a>, discrepancies: Vec<Unknown>) -> Self {
         let problem = objective.problem;
         let free = problem.free.iter().map(|free| free.prior_place());
         let latents = problem.cases.len() * problem.latents.len();
-        let before = free.chain(std::iter::repeat_n(None, latents));
+        let others = std::iter::repeat_n(None, latents + discrepancies.len());
+        let before = free.chain(others);
         let measured = problem.cases.iter().flat_map(|case| &case.measured);
         let peak = |accuracy: f64| -accuracy.ln() - 0.5 * std::f64::consts::TAU.ln();
         Self {
             objective,
             before: before.map(Before::new).collect(),
+            discrepancies,
             best: measured.map(|measured| peak(measured.accuracy)).sum(),
             evaluated: Cell::new(0),
             failed: Cell::new(0),
@@ -139,7 +144,9 @@ impl<'a> Target<'a> {
         for (&index, misfit) in inside.iter().zip(misfits) {
             self.evaluated.set(self.evaluated.get() + 1);
             match misfit {
-                Ok(misfit) => likelihoods[index] = self.log_likelihood(&misfit),
+                Ok(misfit) => {
+                    likelihoods[index] = self.log_likelihood(&sets[index], &misfit);
+                }
                 Err(_) => self.failed.set(self.failed.get() + 1),
             }
         }
@@ -148,12 +155,18 @@ impl<'a> Target<'a> {
 
     /// The logarithm of prior and likelihood at a minimum.
     pub(super) fn log_density(&self, minimum: &Minimum) -> f64 {
-        self.log_prior(&minimum.places) + self.log_likelihood(&minimum.misfit)
+        self.log_prior(&minimum.places) + self.log_likelihood(&minimum.places, &minimum.misfit)
     }
 
-    fn log_likelihood(&self, misfit: &Misfit) -> f64 {
+    fn log_likelihood(&self, places: &[f64], misfit: &Misfit) -> f64 {
         let values = self.objective.problem.values();
-        let log = self.best - 0.5 * misfit.residuals.rows(0, values).norm_squared();
+        let mut log = self.best - 0.5 * misfit.residuals.rows(0, values).norm_squared();
+        let problem = self.objective.problem;
+        let places = places.iter().skip(problem.unknowns());
+        for (unknown, &place) in self.discrepancies.iter().zip(places) {
+            let at = |deviation| unknown.log_likelihood(problem, &misfit.predicted, deviation);
+            log += at(unknown.deviation(place)) - at(0.0);
+        }
         if log.is_nan() { f64::NEG_INFINITY } else { log }
     }
 }

@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, Normal};
 
+use super::super::discrepancy::{Discrepancy, Unknown};
 use super::super::local::{Limits, minimise};
 use super::super::objective::{Differences, Objective};
 use super::super::optima::{Optima, Optimum};
@@ -67,6 +68,7 @@ fn sampled(
         particles: 1000,
         seed,
         deadline: None,
+        discrepancies: &[],
     };
     let sample = sample(&objective, &optima, &settings, &|_, _| ()).unwrap();
     let outcome = PosteriorOutcome::new(&objective, &optima, &sample);
@@ -297,12 +299,13 @@ fn failed_runs_count_as_impossible_and_are_counted() {
         particles: 200,
         seed: 1,
         deadline: None,
+        discrepancies: &[],
     };
     let none = sample_of(&objective, &settings);
     assert_eq!(none, Err(SampleError::NoStart(200)));
 }
 
-fn sample_of(objective: &Objective<'_>, settings: &Settings) -> Result<usize, SampleError> {
+fn sample_of(objective: &Objective<'_>, settings: &Settings<'_>) -> Result<usize, SampleError> {
     sample(objective, &[], settings, &|_, _| ()).map(|own| own.particles.len())
 }
 
@@ -338,6 +341,7 @@ fn a_sample_without_a_known_optimum_says_so_and_one_that_starts_there_has_it() {
         particles: 1000,
         seed,
         deadline: None,
+        discrepancies: &[],
     };
     for (seeds, from_optima) in [(&optima[..], true), (&[][..], false)] {
         let sample = sample(&objective, seeds, &settings(1), &|_, _| ()).unwrap();
@@ -353,6 +357,89 @@ fn a_sample_without_a_known_optimum_says_so_and_one_that_starts_there_has_it() {
     }
 }
 
+/// Twelve values of one number with a discrepancy that is unknown, too, against an integral on a grid.
+#[test]
+fn an_unknown_discrepancy_is_sampled_with_the_parameters() {
+    let values = [4.1, 5.3, 4.8, 5.9, 4.4, 5.2, 5.6, 4.0, 5.1, 4.7, 5.5, 4.9];
+    let mut problem = problem(&[(0.0, 10.0)], &[(0.0, 0.2)]);
+    problem.cases = values
+        .iter()
+        .map(|&value| Case {
+            measured: vec![Measured {
+                value,
+                accuracy: 0.2,
+            }],
+            ..problem.cases[0].clone()
+        })
+        .collect();
+    let model = |_: usize, p: &[f64], _: &[f64]| Ok(vec![p[0]]);
+    let objective = Objective::new(&problem, &model, 1e-5);
+    let optima = optima(&objective, &[vec![0.5]]);
+    let unknown = Unknown::of(&problem, 0);
+    let predicted = vec![vec![4.96]; 12];
+    let found = Discrepancy::estimate(&unknown, &problem, &predicted, 1);
+    assert!(found.told);
+    let discrepancies = [(unknown, found.deviation)];
+    let settings = Settings {
+        particles: 2000,
+        seed: 6,
+        deadline: None,
+        discrepancies: &discrepancies,
+    };
+    let sample = sample(&objective, &optima, &settings, &|_, _| ()).unwrap();
+    let outcome = PosteriorOutcome::new(&objective, &optima, &sample);
+    assert!(outcome.trusted, "{:?}", outcome.doubts);
+    // Half-Cauchy prior of the deviation, uniform prior of the number.
+    let (mut sums, mut below) = ([0.0; 3], Vec::new());
+    for i in 1..2000 {
+        let deviation = f64::from(i) * 0.002;
+        let mut own = 0.0;
+        for j in 0..400 {
+            let x = 3.0 + 0.01 * f64::from(j);
+            let variance: f64 = 0.04 + deviation * deviation;
+            let logs = values.map(|v| -0.5 * ((v - x).powi(2) / variance + variance.ln()));
+            let density = logs.iter().sum::<f64>().exp() / (1.0 + (deviation / 0.2).powi(2));
+            own += density;
+            for (sum, f) in sums.iter_mut().zip([1.0, x, x * x]) {
+                *sum += density * f;
+            }
+        }
+        below.push((deviation, own));
+    }
+    let mean = sums[1] / sums[0];
+    let deviation = (sums[2] / sums[0] - mean * mean).sqrt();
+    let quantile = |part: f64| {
+        let mut sum = 0.0;
+        let found = below.iter().find(|(_, own)| {
+            sum += own / sums[0];
+            sum >= part
+        });
+        found.unwrap().0
+    };
+    let own = &outcome.free[0];
+    assert!((own.mean - mean).abs() < 4.0 * deviation / outcome.effective.sqrt());
+    assert!(
+        (own.deviation / deviation - 1.0).abs() < 0.1,
+        "{own:?} {deviation}"
+    );
+    let (median, [low, high]) = PosteriorOutcome::discrepancy(&problem, &sample, &unknown, 0);
+    assert!(
+        (median / quantile(0.5) - 1.0).abs() < 0.05,
+        "{median} {}",
+        quantile(0.5)
+    );
+    assert!(
+        (low / quantile(0.025) - 1.0).abs() < 0.15,
+        "{low} {}",
+        quantile(0.025)
+    );
+    assert!(
+        (high / quantile(0.975) - 1.0).abs() < 0.15,
+        "{high} {}",
+        quantile(0.975)
+    );
+}
+
 #[test]
 fn time_ends_a_sample() {
     let problem = problem(&[(0.0, 1.0)], &[(0.5, 0.1)]);
@@ -362,6 +449,7 @@ fn time_ends_a_sample() {
         particles: 200,
         seed: 1,
         deadline: Some(std::time::Instant::now()),
+        discrepancies: &[],
     };
     assert_eq!(sample_of(&objective, &settings), Err(SampleError::Time));
 }

@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use super::super::discrepancy::Unknown;
 use super::super::problem::Problem;
 use super::super::text::{Digits, digits};
 use super::outcome::{Marginal, PosteriorOutcome};
@@ -33,8 +34,8 @@ pub fn summary(outcome: &PosteriorOutcome) -> String {
     let [low, high] = outcome.holds.map(|part| 100.0 * part);
     let _ = writeln!(
         text,
-        "{} % of the particles are different; an interval from so many holds {low:.0} to {high:.0} % of the posterior; ln \
-         evidence {} +- {}",
+        "{} % of the particles are different. A sample is finite: each 95 % interval above really holds {low:.0} to {high:.0} % \
+         of the posterior (with a probability of 95 %). ln evidence {} +- {}",
         Digits::of(100.0 * outcome.distinct as f64 / *particles as f64, 3),
         digits(outcome.log_evidence),
         Digits::of(outcome.log_evidence_error, 2)
@@ -99,17 +100,22 @@ fn shares(text: &mut String, outcome: &PosteriorOutcome) {
     }
 }
 
-/// The head of the table of particles: free parameters, latent ones as `CASE/NAME`, and the logarithm of the likelihood.
-pub fn head(problem: &Problem) -> Vec<String> {
+/// The head of the table of particles: free parameters, latent ones as `CASE/NAME`, discrepancies as `NAME.discrepancy`, and the logarithm of the likelihood.
+pub fn head(problem: &Problem, unknown: &[Unknown]) -> Vec<String> {
     let free = problem.free.iter().map(|free| free.name.clone());
     let latents = problem.cases.iter().flat_map(|case| {
         let latents = problem.latents.iter();
         latents.map(|latent| format!("{}/{}", case.label, latent.name))
     });
+    let discrepancies = unknown.iter().map(|own| {
+        let name = &problem.quantities[own.quantity].name;
+        format!("{name}.discrepancy")
+    });
     ["point".to_owned()]
         .into_iter()
         .chain(free)
         .chain(latents)
+        .chain(discrepancies)
         .chain(["log_likelihood".to_owned()])
         .collect()
 }
@@ -128,6 +134,7 @@ pub fn units(problem: &Problem) -> String {
 /// The rows of the table: all of equal weight.
 pub fn rows<'a>(
     problem: &'a Problem,
+    unknown: &'a [Unknown],
     sample: &'a Sample,
 ) -> impl Iterator<Item = Vec<String>> + 'a {
     let number = |value: f64| format!("{value}");
@@ -139,7 +146,13 @@ pub fn rows<'a>(
             let free = problem.free_values(&own.places).into_iter();
             let latents =
                 (0..problem.cases.len()).flat_map(|case| problem.latent_values(case, &own.places));
-            let numbers = free.chain(latents).chain([own.log_likelihood]);
+            let places = own.places.iter().skip(problem.unknowns());
+            let deviations = unknown.iter().zip(places);
+            let deviations = deviations.map(|(unknown, &place)| unknown.deviation(place));
+            let numbers = free
+                .chain(latents)
+                .chain(deviations)
+                .chain([own.log_likelihood]);
             let label = (index + 1).to_string();
             [label].into_iter().chain(numbers.map(number)).collect()
         })

@@ -1,0 +1,218 @@
+//! How far a model is from the truth by itself, where that is unknown.
+//!
+//! A measured value differs from the prediction by the error of the measurement and by that of the model (Kennedy &
+//! O'Hagan 2001, Bayesian calibration of computer models, J. Royal Statistical Society B 63, 425-464). Here the model's
+//! error is an independent normal number for each case and quantity, with one unknown standard deviation a quantity. Its
+//! prior is half-Cauchy at the scale of the measurement's accuracy: half of it lies below that scale, and it hardly
+//! resists where the data show a much larger one (Gelman 2006, Prior distributions for variance parameters in
+//! hierarchical models, Bayesian Analysis 1, 515-534).
+
+use serde::Serialize;
+
+use super::problem::Problem;
+
+/// A quantity whose discrepancy is unknown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Unknown {
+    /// The quantity's number.
+    pub quantity: usize,
+    /// The scale of the prior: the root mean square of the accuracies.
+    pub scale: f64,
+}
+
+impl Unknown {
+    /// The discrepancy of one of the quantities.
+    pub fn of(problem: &Problem, quantity: usize) -> Self {
+        let squares = problem
+            .cases
+            .iter()
+            .map(|case| case.measured[quantity].accuracy.powi(2));
+        let mean = squares.sum::<f64>() / problem.cases.len().max(1) as f64;
+        Self {
+            quantity,
+            scale: mean.sqrt(),
+        }
+    }
+
+    /// The standard deviation at a place from 0 to 1, which are as probable as any other before the measurement.
+    pub fn deviation(&self, place: f64) -> f64 {
+        self.scale * (std::f64::consts::FRAC_PI_2 * place).tan()
+    }
+
+    /// The place of a standard deviation.
+    pub fn place(&self, deviation: f64) -> f64 {
+        (deviation / self.scale).atan() / std::f64::consts::FRAC_PI_2
+    }
+
+    /// The logarithm of the likelihood of the quantity's values with a discrepancy.
+    pub fn log_likelihood(&self, problem: &Problem, predicted: &[Vec<f64>], deviation: f64) -> f64 {
+        self.likelihood_of(problem, predicted, deviation, 1.0)
+    }
+
+    /// The same with squares of the misfits that are larger by a factor.
+    fn likelihood_of(
+        &self,
+        problem: &Problem,
+        predicted: &[Vec<f64>],
+        deviation: f64,
+        factor: f64,
+    ) -> f64 {
+        let pairs = problem.cases.iter().zip(predicted);
+        let logs = pairs.map(|(case, predicted)| {
+            let measured = case.measured[self.quantity];
+            let variance = measured.accuracy.powi(2) + deviation * deviation;
+            let square = factor * (predicted[self.quantity] - measured.value).powi(2);
+            -0.5 * (square / variance + (std::f64::consts::TAU * variance).ln())
+        });
+        logs.sum()
+    }
+}
+
+/// A model discrepancy as it was found.
+#[derive(Clone, Debug, Serialize)]
+pub struct Discrepancy {
+    /// The quantity.
+    pub quantity: String,
+    /// The unit of its numbers.
+    pub unit: Option<String>,
+    /// The most probable standard deviation; the search and the intervals around the optima take it as known.
+    pub deviation: f64,
+    /// Whether the data tell it from the accuracy of the measurement.
+    pub told: bool,
+    /// The scale of its prior: the accuracy of the measurement.
+    pub scale: f64,
+    /// From the sample of the posterior: the median, and the interval that holds it with 95 % probability.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sampled: Option<(f64, [f64; 2])>,
+}
+
+/// How much the logarithm of the likelihood must gain for a discrepancy to be told from none: that of the 95 % quantile of
+/// a parameter at its bound, half of which is 0 and half chi-squared (Self & Liang 1987, J. American Statistical
+/// Association 82, 605-610).
+const GAIN: f64 = 1.353;
+
+/// Places at which the likelihood is compared.
+const PLACES: u32 = 2000;
+
+impl Discrepancy {
+    /// The most probable discrepancy of a quantity, given the predictions of a fit with so many unknowns. A fit follows
+    /// its data, so the squares of its misfits are too small; they count as so many degrees of freedom as they have.
+    pub fn estimate(
+        unknown: &Unknown,
+        problem: &Problem,
+        predicted: &[Vec<f64>],
+        fitted: usize,
+    ) -> Self {
+        let values = problem.values();
+        let factor = match values.checked_sub(fitted) {
+            Some(left) if left > 0 => values as f64 / left as f64,
+            _ => 1.0,
+        };
+        let at = |deviation: f64| unknown.likelihood_of(problem, predicted, deviation, factor);
+        let places = (0..PLACES).map(|k| f64::from(k) / f64::from(PLACES));
+        let deviations = places.map(|place| unknown.deviation(place));
+        let best = deviations.map(|deviation| (at(deviation), deviation));
+        let best = best.fold(
+            (f64::NEG_INFINITY, 0.0),
+            |a, b| if b.0 > a.0 { b } else { a },
+        );
+        let quantity = &problem.quantities[unknown.quantity];
+        Self {
+            quantity: quantity.name.clone(),
+            unit: quantity.unit.clone(),
+            deviation: best.1,
+            told: best.0 - at(0.0) > GAIN,
+            scale: unknown.scale,
+            sampled: None,
+        }
+    }
+}
+
+/// The problem with discrepancies added to its accuracies.
+pub fn widened(problem: &Problem, unknown: &[Unknown], deviations: &[f64]) -> Problem {
+    let mut problem = problem.clone();
+    for (unknown, deviation) in unknown.iter().zip(deviations) {
+        for case in &mut problem.cases {
+            let measured = &mut case.measured[unknown.quantity];
+            measured.accuracy = measured.accuracy.hypot(*deviation);
+        }
+    }
+    problem
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::problem::{Case, Measured, Quantity};
+    use super::*;
+    use rand::rngs::StdRng;
+    use rand::{RngExt, SeedableRng};
+    use rand_distr::StandardNormal;
+
+    fn problem(misfits: &[f64], accuracy: f64) -> (Problem, Vec<Vec<f64>>) {
+        let case = |(index, &value): (usize, &f64)| Case {
+            label: (index + 1).to_string(),
+            latents: Vec::new(),
+            measured: vec![Measured { value, accuracy }],
+        };
+        let problem = Problem {
+            quantities: vec![Quantity {
+                name: "Y".to_owned(),
+                unit: None,
+            }],
+            cases: misfits.iter().enumerate().map(case).collect(),
+            ..Problem::default()
+        };
+        (problem, vec![vec![0.0]; misfits.len()])
+    }
+
+    #[test]
+    fn a_place_and_its_deviation_belong_together() {
+        let unknown = Unknown {
+            quantity: 0,
+            scale: 0.2,
+        };
+        assert_eq!(unknown.deviation(0.0), 0.0);
+        assert!((unknown.deviation(0.5) - 0.2).abs() < 1e-12);
+        assert!((unknown.place(unknown.deviation(0.83)) - 0.83).abs() < 1e-12);
+    }
+
+    /// With equal accuracies the likelihood is greatest where accuracy and discrepancy together explain the mean square.
+    #[test]
+    fn the_most_probable_discrepancy_is_the_excess_of_the_mean_square() {
+        let misfits = [0.5, -0.7, 0.2, 0.9, -0.4, -0.6, 0.1, 0.8];
+        let (problem, predicted) = problem(&misfits, 0.3);
+        let unknown = Unknown::of(&problem, 0);
+        assert!((unknown.scale - 0.3).abs() < 1e-12);
+        let mean = misfits.iter().map(|m| m * m).sum::<f64>() / 8.0;
+        let found = Discrepancy::estimate(&unknown, &problem, &predicted, 0);
+        assert!(
+            (found.deviation - (mean - 0.09).sqrt()).abs() < 2e-3,
+            "{found:?}"
+        );
+        assert!(found.told);
+        // With two fitted unknowns the same misfits count for six values.
+        let fitted = Discrepancy::estimate(&unknown, &problem, &predicted, 2);
+        assert!((fitted.deviation - (mean * 8.0 / 6.0 - 0.09).sqrt()).abs() < 2e-3);
+        let wide = widened(&problem, &[unknown], &[0.4]);
+        assert!((wide.cases[3].measured[0].accuracy - 0.5).abs() < 1e-12);
+    }
+
+    /// Without a discrepancy one is told in about 5 % of records; with one of twice the accuracy nearly always.
+    #[test]
+    fn a_discrepancy_is_told_only_where_there_is_one() {
+        let mut random = StdRng::seed_from_u64(7);
+        let mut told = [0, 0];
+        for (count, deviation) in told.iter_mut().zip([0.1, 0.1 * 5.0_f64.sqrt()]) {
+            for _ in 0..400 {
+                let draw = |_| deviation * random.sample::<f64, _>(StandardNormal);
+                let misfits: Vec<f64> = (0..20).map(draw).collect();
+                let (problem, predicted) = problem(&misfits, 0.1);
+                let unknown = Unknown::of(&problem, 0);
+                *count += u32::from(Discrepancy::estimate(&unknown, &problem, &predicted, 0).told);
+            }
+        }
+        // 20 expected, with a standard deviation of 4.4.
+        assert!((4..36).contains(&told[0]), "{told:?}");
+        assert!(told[1] > 380, "{told:?}");
+    }
+}
