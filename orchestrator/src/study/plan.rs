@@ -55,6 +55,9 @@ impl Plan {
     /// # Errors
     /// With line and column, when a name, a unit or a number of the study doesn't fit.
     pub fn new(study: &Study, fmu: &Description) -> Result<Self, StudyError> {
+        if let Some(case) = study.cases.first() {
+            return Err(study.error_at(&case.name, "studies with cases cannot be run yet"));
+        }
         let binder = Binder { study, fmu };
         points::check(study)?;
         let (mut inputs, varied) = binder.parameters()?;
@@ -484,7 +487,7 @@ impl Binder<'_> {
             stop,
             step: simulation.step.unwrap_or(experiment.step),
             window_start: start,
-            leap: simulation.leap,
+            leap: simulation.leap.unwrap_or(false),
             tolerance: simulation.tolerance.or(experiment.tolerance),
         };
         schedule.window_start = match (simulation.warm_up, simulation.window) {
