@@ -105,6 +105,24 @@ impl Study {
         study
     }
 
+    /// The study without the cases that are held out, which are never fitted.
+    pub fn fitted(&self) -> Self {
+        let mut study = self.clone();
+        study.cases.retain(|case| !case.held_out);
+        let kept = |number: usize| {
+            let cases = self.cases.iter().take(number);
+            let is_held_out = self.cases.get(number).is_some_and(|case| case.held_out);
+            (!is_held_out).then(|| cases.filter(|case| !case.held_out).count())
+        };
+        study
+            .criteria
+            .retain(|_, criterion| criterion.case.is_none_or(|case| kept(case).is_some()));
+        for criterion in study.criteria.values_mut() {
+            criterion.case = criterion.case.and_then(kept);
+        }
+        study
+    }
+
     /// Whether the study sets a variable before the start, in the case of a criterion.
     pub fn fixes(&self, name: &str, criterion: &CriterionText) -> bool {
         let case = criterion.case.and_then(|case| self.cases.get(case));
