@@ -34,7 +34,7 @@ impl<'a> StandModel<'a> {
     pub fn new(bound: &'a Bound, description: &Description) -> Self {
         Self {
             bound,
-            start: stand(&bound.task, description),
+            start: stand(&bound.simulations[0].task, description),
         }
     }
 
@@ -44,7 +44,7 @@ impl<'a> StandModel<'a> {
         let found = found.map(|(&value, conversion)| conversion.value(value));
         let values = self.bound.known[case].iter().copied().chain(found);
         let mut stand = self.start.clone();
-        for (slot, value) in self.bound.task.varied.iter().zip(values) {
+        for (slot, value) in self.bound.simulations[0].task.varied.iter().zip(values) {
             set(&mut stand, &slot.name, &Value::Real(value));
         }
         stand
@@ -54,7 +54,7 @@ impl<'a> StandModel<'a> {
 impl StandModel<'_> {
     fn predict(&self, query: &Query) -> Prediction {
         let stand = self.stand(query.case, &query.free, &query.latents);
-        let results = run(stand, &self.bound.task)?;
+        let results = run(stand, &self.bound.simulations[0].task)?;
         let pairs = results.iter().zip(&self.bound.outputs);
         Ok(pairs
             .map(|(&value, conversion)| conversion.value(value))

@@ -29,6 +29,19 @@ pub enum Failure {
     Timeout,
     /// The worker process took too much memory.
     OutOfMemory,
+    /// The simulation of one case has no result.
+    InCase(Box<OfCase>),
+}
+
+/// The failure of a point of several cases.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct OfCase {
+    /// The first case without a result.
+    pub case: String,
+    /// Why it has none.
+    pub failure: Failure,
+    /// The results of all cases; `None` where there is none.
+    pub values: Vec<Option<f64>>,
 }
 
 /// Results of which some are no finite numbers.
@@ -95,18 +108,30 @@ impl Failure {
     pub fn value(&self, number: usize) -> Option<f64> {
         match self {
             Self::NotFinite(partial) => partial.values.get(number).copied().flatten(),
+            Self::InCase(of) => of.values.get(number).copied().flatten(),
             _ => None,
+        }
+    }
+
+    /// The failure of the simulation, whatever its case.
+    pub fn cause(&self) -> &Self {
+        match self {
+            Self::InCase(of) => of.failure.cause(),
+            own => own,
         }
     }
 
     /// The failure with its results in other units.
     pub fn converted(mut self, convert: impl FnOnce(&mut [f64])) -> Self {
-        if let Self::NotFinite(partial) = &mut self {
-            let values = partial.values.iter();
-            let mut values: Vec<f64> = values.map(|value| value.unwrap_or(f64::NAN)).collect();
-            convert(&mut values);
-            *partial = Partial::new(&partial.variable, &values);
-        }
+        let known = match &mut self {
+            Self::NotFinite(partial) => &mut partial.values,
+            Self::InCase(of) => &mut of.values,
+            _ => return self,
+        };
+        let values = known.iter();
+        let mut values: Vec<f64> = values.map(|value| value.unwrap_or(f64::NAN)).collect();
+        convert(&mut values);
+        *known = Partial::new("", &values).values;
         self
     }
 
@@ -123,6 +148,7 @@ impl Failure {
             Self::Unloadable(_) => "not loadable",
             Self::Timeout => "timeout",
             Self::OutOfMemory => "out of memory",
+            Self::InCase(of) => of.failure.class(),
         }
     }
 }
@@ -150,6 +176,7 @@ impl fmt::Display for Failure {
             }
             Self::Unloadable(text) => f.write_str(text),
             Self::Timeout | Self::OutOfMemory => f.write_str(class),
+            Self::InCase(of) => write!(f, "case {}: {}", of.case, of.failure),
         }
     }
 }
@@ -169,6 +196,22 @@ mod tests {
         );
         let doubled = failure.converted(|values| values.iter_mut().for_each(|v| *v *= 2.0));
         assert_eq!(doubled.value(0), Some(0.2));
+    }
+
+    #[test]
+    fn the_failure_of_a_case_names_it() {
+        let failure = Failure::InCase(Box::new(OfCase {
+            case: "fast".to_owned(),
+            failure: Failure::Discard("no film".to_owned()),
+            values: vec![Some(0.1), None],
+        }));
+        assert_eq!(failure.to_string(), "case fast: fmi2Discard: no film");
+        assert_eq!(failure.class(), "fmi2Discard");
+        assert_eq!(failure.cause(), &Failure::Discard("no film".to_owned()));
+        let text = serde_json::to_string(&failure).unwrap();
+        assert_eq!(serde_json::from_str::<Failure>(&text).unwrap(), failure);
+        let doubled = failure.converted(|values| values.iter_mut().for_each(|v| *v *= 2.0));
+        assert_eq!([0, 1].map(|k| doubled.value(k)), [Some(0.2), None]);
     }
 
     #[test]

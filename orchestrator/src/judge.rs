@@ -6,10 +6,12 @@ mod requirements;
 pub(crate) use requirements::share;
 
 use std::collections::HashSet;
+use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
+use crate::failure::Failure;
 use crate::names::did_you_mean;
 use crate::study::plan::find;
 use crate::study::quantity::{Scale, Sense};
@@ -75,6 +77,17 @@ fn accepts(nominal: f64, tolerance: f64, value: f64) -> bool {
     (value - nominal).abs() <= tolerance
 }
 
+/// A case with its criteria.
+#[derive(Clone, Debug)]
+pub struct JudgedCase {
+    /// Its name.
+    pub name: String,
+    /// Whether it is judged as any other one, but never fitted.
+    pub held_out: bool,
+    /// The numbers of its criteria.
+    pub members: Range<usize>,
+}
+
 /// Another reading of the tolerances.
 #[derive(Clone, Debug)]
 pub struct Variant {
@@ -93,6 +106,8 @@ pub struct Judge {
     pub criteria: Vec<Criterion>,
     /// Groups with the numbers of their criteria, in the order of the study.
     pub groups: Vec<(String, Vec<usize>)>,
+    /// The cases in the order of the study; empty where it has none.
+    pub cases: Vec<JudgedCase>,
     /// Other readings of the tolerances.
     pub variants: Vec<Variant>,
     /// The measured values with the joint distribution of their errors.
@@ -135,6 +150,7 @@ impl Judge {
         let mut judge = Self {
             criteria: Vec::new(),
             groups: Vec::new(),
+            cases: cases(study),
             variants: Vec::new(),
             measurement: Measurement::default(),
             rule: None,
@@ -227,6 +243,26 @@ impl Judge {
         }
     }
 
+    /// Judges what came of one point. Where the study has cases, a failed point still meets the criteria of the cases that
+    /// have all their values; a case without a result meets none of its own.
+    pub fn judged(&self, outcome: Result<&[f64], &Failure>) -> PointVerdict {
+        let failure = match outcome {
+            Ok(values) => return self.verdict(Some(values)),
+            Err(failure) => failure,
+        };
+        let mut passed = vec![false; self.criteria.len()];
+        for case in &self.cases {
+            let values = case.members.clone().map(|k| failure.value(k));
+            let Some(values) = values.collect::<Option<Vec<f64>>>() else {
+                continue;
+            };
+            for (k, value) in case.members.clone().zip(values) {
+                passed[k] = self.criteria[k].accepts(value);
+            }
+        }
+        PointVerdict { passed }
+    }
+
     /// Judges the values of one point by another reading of the tolerances.
     pub fn variant_verdict(&self, variant: &Variant, values: Option<&[f64]>) -> PointVerdict {
         let passed = |(number, criterion): (usize, &Criterion)| {
@@ -257,6 +293,25 @@ impl Judge {
         // A number in any case: the summary has no way to write another one.
         terms.sum::<f64>().min(f64::MAX).sqrt()
     }
+}
+
+/// The study's cases; their criteria follow one another.
+fn cases(study: &Study) -> Vec<JudgedCase> {
+    let mut first = 0;
+    let cases = study.cases.iter().enumerate();
+    cases
+        .map(|(number, case)| {
+            let own = study.criteria.values();
+            let own = own.filter(|text| text.case == Some(number)).count();
+            let members = first..first + own;
+            first = members.end;
+            JudgedCase {
+                name: case.name.as_ref().clone(),
+                held_out: case.held_out,
+                members,
+            }
+        })
+        .collect()
 }
 
 /// Refuses criteria whose columns in `points.csv` could not be told apart from other ones.

@@ -45,6 +45,20 @@ impl Notices {
         }
     }
 
+    /// Adds what was said in one of a point's cases. Of warnings and errors, the first one is kept, with its case.
+    pub fn add(&mut self, other: &Self, case: &str) {
+        let named =
+            |text: &Option<String>| text.as_ref().map(|text| format!("case {case}: {text}"));
+        self.warnings += other.warnings;
+        let warning = self.first_warning.take();
+        self.first_warning = warning.or_else(|| named(&other.first_warning));
+        self.ended = self.ended.or(other.ended);
+        let unfinished = self.unfinished.take();
+        self.unfinished = unfinished.or_else(|| named(&other.unfinished));
+        let version = self.version.take();
+        self.version = version.or_else(|| other.version.clone());
+    }
+
     /// Notes a call that ends a simulation, and failed.
     pub fn cannot_end(&mut self, call: &Call) {
         self.unfinished

@@ -23,7 +23,10 @@ use watched::Watched;
 #[derive(Debug)]
 pub struct Runner {
     library: Arc<Library>,
-    task: Task,
+    /// The case that is simulated.
+    scene: Scene,
+    /// The other cases of a point.
+    others: Vec<Scene>,
     used: Option<Held>,
     reuse: Reuse,
     /// Whether a reused instance has been compared with a fresh one.
@@ -32,15 +35,41 @@ pub struct Runner {
     refused: bool,
     /// When the last instance was made.
     ready: Option<Instant>,
+    /// The FMU's remarks in the last simulation.
+    notices: Notices,
+    /// The version of FMI that the binary says where that is an unusual one, once it was asked.
+    version: Option<Option<String>>,
+}
+
+/// A case, and what is gathered while it is simulated.
+#[derive(Debug)]
+struct Scene {
+    /// The number of the case.
+    number: usize,
+    task: Task,
     /// The real variables that are read at every communication point.
     watched: Watched,
     /// The numbers of the other probes that are read there.
     slow: Vec<(usize, Accumulator)>,
     results: Vec<f64>,
-    /// The FMU's remarks in the last simulation.
-    notices: Notices,
-    /// The version of FMI that the binary says where that is an unusual one, once it was asked.
-    version: Option<Option<String>>,
+}
+
+impl Scene {
+    fn new(number: usize, task: Task) -> Self {
+        let over_time = (0..task.observed.len()).filter(|&index| !task.observed[index].is_final());
+        let (probes, slow): (Vec<_>, Vec<_>) =
+            over_time.partition(|&index| task.observed[index].handle.content == Content::Real);
+        Self {
+            number,
+            watched: Watched::new(&task, probes),
+            slow: slow
+                .into_iter()
+                .map(|index| (index, Accumulator::new(task.observed[index].statistic)))
+                .collect(),
+            results: vec![0.0; task.observed.len()],
+            task,
+        }
+    }
 }
 
 /// How a process that runs many points goes from one to the next.
@@ -87,9 +116,6 @@ impl Drop for Held {
 impl Runner {
     /// A runner of points of this task.
     pub fn new(library: Arc<Library>, task: Task) -> Self {
-        let over_time = (0..task.observed.len()).filter(|&index| !task.observed[index].is_final());
-        let (probes, slow): (Vec<_>, Vec<_>) =
-            over_time.partition(|&index| task.observed[index].handle.content == Content::Real);
         Self {
             used: None,
             reuse: Reuse::Reset,
@@ -98,15 +124,27 @@ impl Runner {
             refused: false,
             ready: None,
             library,
-            watched: Watched::new(&task, probes),
-            slow: slow
-                .into_iter()
-                .map(|index| (index, Accumulator::new(task.observed[index].statistic)))
-                .collect(),
-            results: vec![0.0; task.observed.len()],
+            scene: Scene::new(0, task),
+            others: Vec::new(),
             notices: Notices::default(),
             version: None,
-            task,
+        }
+    }
+
+    /// The same for points with further cases, of which [`turn_to`](Self::turn_to) chooses one.
+    pub fn with_further(mut self, tasks: impl Iterator<Item = Task>) -> Self {
+        let numbered = tasks.zip(1..);
+        self.others = numbered
+            .map(|(task, number)| Scene::new(number, task))
+            .collect();
+        self
+    }
+
+    /// Chooses the case that is simulated next, by its number.
+    pub fn turn_to(&mut self, case: usize) {
+        let mut others = self.others.iter_mut();
+        if let Some(other) = others.find(|other| other.number == case) {
+            std::mem::swap(&mut self.scene, other);
         }
     }
 
@@ -148,7 +186,7 @@ impl Runner {
         let failed = simulated.is_err();
         let simulated = simulated.map_err(|call| Failure::from_call(&call));
         match simulated.and_then(|()| self.finite()) {
-            Ok(()) => tell(self, Ok(&self.results)),
+            Ok(()) => tell(self, Ok(&self.scene.results)),
             Err(failure) => tell(self, Err(&failure)),
         }
         // The answer has been told; what becomes of the instance changes no result.
@@ -179,16 +217,24 @@ impl Runner {
 
     /// Refuses values that the FMU's description does not allow.
     fn allow(&self, values: &[f64]) -> Result<(), Failure> {
-        let mut slots = self.task.varied.iter().zip(values);
+        let mut slots = self.scene.task.varied.iter().zip(values);
         slots.try_for_each(|(slot, &value)| slot.check(value).map_err(Failure::OutOfRange))
     }
 
     /// Refuses results that are no numbers.
     fn finite(&self) -> Result<(), Failure> {
-        match self.results.iter().position(|value| !value.is_finite()) {
+        match self
+            .scene
+            .results
+            .iter()
+            .position(|value| !value.is_finite())
+        {
             Some(index) => {
-                let variable = &self.task.observed[index].name;
-                Err(Failure::NotFinite(Partial::new(variable, &self.results)))
+                let variable = &self.scene.task.observed[index].name;
+                Err(Failure::NotFinite(Partial::new(
+                    variable,
+                    &self.scene.results,
+                )))
             }
             None => Ok(()),
         }
@@ -196,7 +242,7 @@ impl Runner {
 
     /// The results of the last simulation, if it succeeded.
     pub fn results(&self) -> &[f64] {
-        &self.results
+        &self.scene.results
     }
 
     /// The FMU's remarks in the last simulation, beside its results.
@@ -223,7 +269,7 @@ impl Runner {
         }
         self.finite()?;
         self.note_version();
-        Ok(&self.results)
+        Ok(&self.scene.results)
     }
 
     /// Simulates a point on an instance, and keeps that.
@@ -241,7 +287,7 @@ impl Runner {
     /// Simulates a point again on a fresh instance, whose results count.
     fn compare(&mut self, values: &[f64], reused: Result<(), Failure>) -> Result<(), Failure> {
         let bits = |values: &[f64]| values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
-        let before = reused.as_ref().map(|()| bits(&self.results));
+        let before = reused.as_ref().map(|()| bits(&self.scene.results));
         if self
             .used
             .as_ref()
@@ -251,7 +297,7 @@ impl Runner {
         }
         self.used = None;
         let fresh = self.prepared().and_then(|held| self.once(held, values));
-        let after = fresh.as_ref().map(|()| bits(&self.results));
+        let after = fresh.as_ref().map(|()| bits(&self.scene.results));
         if before != after {
             self.reuse = Reuse::Never;
         }
@@ -273,16 +319,16 @@ impl Runner {
         let mut held = self.prepared()?;
         held.instance.forget_warnings();
         let instance = &mut held.instance;
-        let schedule = self.task.schedule;
+        let schedule = self.scene.task.schedule;
         let mut ended = None;
         let mut run = || -> Result<(), Trouble<E>> {
-            start(&self.task, instance, values)?;
+            start(&self.scene.task, instance, values)?;
             read(schedule.start, instance)?;
             let (points, mut time) = (schedule.points(), schedule.start);
             for index in 1..=points.steps {
                 let next = points.at(index);
-                feed(&self.task, instance, time)?;
-                ramp(&self.task, instance, time, next)?;
+                feed(&self.scene.task, instance, time)?;
+                ramp(&self.scene.task, instance, time, next)?;
                 if let Err(call) = instance.step(time, next - time) {
                     // An end that the FMU chose is no failure; its last values count.
                     let end = call.ended.ok_or(call)?;
@@ -376,15 +422,15 @@ impl Runner {
         if self.has_windows() {
             return self.simulate_windows(instance, values);
         }
-        start(&self.task, instance, values)?;
-        let points = self.task.schedule.points();
-        if self.watched.probes.is_empty() && self.slow.is_empty() {
+        start(&self.scene.task, instance, values)?;
+        let points = self.scene.task.schedule.points();
+        if self.scene.watched.probes.is_empty() && self.scene.slow.is_empty() {
             let steps = self.advance::<false>(instance, &points, 0..points.steps);
             self.until_its_end(steps)?;
             return self.finish(instance, 0.0);
         }
         self.forget();
-        let from = points.from(self.task.schedule.window_start);
+        let from = points.from(self.scene.task.schedule.window_start);
         let before = self.advance::<false>(instance, &points, 0..from);
         before.map_err(before_the_window)?;
         self.watch(instance, points.at(from), 0.0)?;
@@ -407,25 +453,25 @@ impl Runner {
     }
 
     fn forget(&mut self) {
-        let watched = &mut self.watched;
+        let watched = &mut self.scene.watched;
         for (index, collector) in watched.probes.iter().zip(&mut watched.collectors) {
-            collector.restart(&self.task.observed[*index]);
+            collector.restart(&self.scene.task.observed[*index]);
         }
-        for (index, accumulator) in &mut self.slow {
-            *accumulator = Accumulator::new(self.task.observed[*index].statistic);
+        for (index, accumulator) in &mut self.scene.slow {
+            *accumulator = Accumulator::new(self.scene.task.observed[*index].statistic);
         }
     }
 
     /// The results, with the statistics taken over `span` seconds.
     fn finish(&mut self, instance: &mut Instance, span: f64) -> Result<(), Call> {
-        let watched = &mut self.watched;
+        let watched = &mut self.scene.watched;
         for (index, collector) in watched.probes.iter().zip(&mut watched.collectors) {
-            self.results[*index] = collector.result(span);
+            self.scene.results[*index] = collector.result(span);
         }
-        for (index, accumulator) in &self.slow {
-            self.results[*index] = accumulator.result(span);
+        for (index, accumulator) in &self.scene.slow {
+            self.scene.results[*index] = accumulator.result(span);
         }
-        for (probe, result) in self.task.observed.iter().zip(&mut self.results) {
+        for (probe, result) in self.scene.task.observed.iter().zip(&mut self.scene.results) {
             if probe.is_final() {
                 *result = probe.read(instance)?;
             }

@@ -28,6 +28,22 @@ pub struct Task {
     pub observed: Vec<Probe>,
 }
 
+/// One of the simulations of a point. A point of a study without cases has one; else it has one a case.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Case {
+    /// The case's name; none where the study has no cases.
+    pub name: Option<String>,
+    /// The simulation.
+    pub task: Task,
+}
+
+impl Case {
+    /// The only simulation of a point.
+    pub fn only(task: Task) -> Self {
+        Self { name: None, task }
+    }
+}
+
 /// An input over time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Series {

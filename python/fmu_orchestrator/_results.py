@@ -178,12 +178,21 @@ class Verification:
         best: dict[str, Any] | None = self.summary["best_point"]
         return best
 
-    def replay(self, point: int) -> Table:
-        """Simulates one point again: its trajectory, a row a communication point."""
+    def replay(self, point: int, case: str | None = None) -> Table:
+        """Simulates one point again: its trajectory, a row a communication point. Of a study with cases, that of one of
+        them."""
         path = self.folder / f"point-{point}.csv"
+        options = [f"--output={path}"] + ([f"--case={case}"] if case is not None else [])
         # 1 says that the point does not meet all criteria.
-        run("replay", self.folder, str(point), f"--output={path}", results=(0, 1))
+        run("replay", self.folder, str(point), *options, results=(0, 1))
         return read(path)
+
+    @property
+    def cases(self) -> dict[str, Any]:
+        """By the names of the cases: ``passed``, ``fraction``, ``interval``, ``failed``, ``held_out``, ``criteria``. Empty
+        for a study without cases."""
+        cases: dict[str, Any] = self.summary.get("cases", {})
+        return cases
 
     def __repr__(self) -> str:
         return f"<Verification: {self.verdict.words}; {self.folder}>"

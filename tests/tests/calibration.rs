@@ -46,7 +46,11 @@ fn table3(look: impl FnOnce(&Bound, &Objective<'_>, Minimum)) {
     let bound = Bound::new(&calibration, &settings(&calibration), description).unwrap();
     let model = StandModel::new(&bound, description);
     let objective = Objective::new(&bound.problem, &model, 1e-3);
-    let task = Plan::new(&study("paper-table3"), description).unwrap().task;
+    let task = Plan::new(&study("paper-table3"), description)
+        .unwrap()
+        .cases
+        .remove(0)
+        .task;
     let mut start = places(&bound, &stand(&task, description));
     start.resize(bound.problem.unknowns(), 0.5);
     let held: Vec<usize> = (0..bound.problem.free.len()).collect();

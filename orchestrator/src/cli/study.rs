@@ -106,6 +106,9 @@ pub struct Replay {
     /// The FMU's new path, if it has moved
     #[arg(long, value_name = "FMU")]
     pub fmu: Option<PathBuf>,
+    /// The case whose trajectory is written, where the study has cases [default: all, point-N-case-K.csv each]
+    #[arg(long, value_name = "NAME")]
+    pub case: Option<String>,
     /// Where to write the trajectory [default: point-N.csv in the folder]
     #[arg(long, value_name = "FILE.csv")]
     pub output: Option<PathBuf>,

@@ -151,7 +151,7 @@ pub(super) fn run(
     let shard = session.request.shard;
     let mut pipeline = Pipeline::new(
         &session,
-        Some((&crew, &session.plan.task)),
+        Some((&crew, &session.plan.cases[..])),
         journal,
         finished,
         shard,

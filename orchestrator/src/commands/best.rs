@@ -6,6 +6,7 @@ use super::CommandError;
 use crate::results::{ResultsError, Summary, traceability, write_atomically};
 use crate::study::plan::Plan;
 use crate::study::ssv;
+use crate::task::Case;
 use fmu_import::{Description, Value, Variable, digest};
 
 const SET: &str = "best.ssv";
@@ -28,8 +29,14 @@ pub(super) fn write(
     let parameters: Vec<f64> = best.parameters.values().copied().collect();
     let mut values = Vec::new();
     plan.to_fmu(&parameters, &mut values);
-    let fixed = plan.task.fixed.iter().cloned();
-    let varied = plan.task.varied.iter().zip(&values);
+    // Start values of single cases belong to the tests, not to the model.
+    let common = |setting: &(u32, Value)| {
+        let has = |case: &Case| case.task.fixed.contains(setting);
+        plan.cases.iter().all(has)
+    };
+    let first = plan.cases.first().map_or(&[][..], |case| &case.task.fixed);
+    let fixed = first.iter().filter(|setting| common(setting)).cloned();
+    let varied = plan.slots.iter().zip(&values);
     let varied = varied.map(|(slot, &value)| (slot.handle.reference, slot.value(value)));
     let named = fixed.chain(varied).filter_map(|(reference, value)| {
         let variable = variable(fmu, reference, &value)?;

@@ -39,7 +39,7 @@ pub(super) fn of(
     };
     let session = &mut verification.session;
     let crew = Crew::new(&mut session.package, place, scratch.path(), 1)?;
-    let mut worker = crew.worker(&session.plan.task);
+    let mut worker = crew.worker(&session.plan.cases);
     let Some(index) = verification.indexes().next() else {
         return Ok(String::new());
     };

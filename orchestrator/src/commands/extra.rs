@@ -80,7 +80,6 @@ pub(super) fn runs(
 ) -> Result<Extra, CommandError> {
     let points = summary.rest.as_ref().map(|rest| &rest.points[..]);
     let points = points.unwrap_or_default();
-    let schedule = verification.session.plan.task.schedule;
     if points.is_empty() {
         return Ok(Extra::default());
     }
@@ -91,7 +90,9 @@ pub(super) fn runs(
         });
     }
     let points = &points[..most.min(points.len())];
-    let Some(finer) = finer(&schedule) else {
+    let cases = verification.session.plan.cases.iter();
+    let schedules: Option<Vec<Schedule>> = cases.map(|case| finer(&case.task.schedule)).collect();
+    let Some(finer) = schedules else {
         return Ok(Extra {
             reason: Some("its communication steps are too many to be made finer".to_owned()),
             ..Extra::default()
@@ -116,11 +117,13 @@ pub(super) fn runs(
         for _ in 0..jobs.min(points.len()) {
             scope.spawn(|| {
                 loop {
+                    // Every case of a point is a run.
                     let number = next.fetch_add(1, Ordering::Relaxed);
-                    let Some(&point) = points.get(number) else {
+                    let count = stage.finer.len().max(1);
+                    let Some(&point) = points.get(number / count) else {
                         return;
                     };
-                    let run = stage.run(point);
+                    let run = stage.run(point, number % count);
                     if let Ok(mut found) = found.lock() {
                         found.push((number, run));
                     }
@@ -130,8 +133,9 @@ pub(super) fn runs(
     });
     let mut found = found.into_inner().unwrap_or_default();
     found.sort_by_key(|(number, _)| *number);
+    let steps = stage.finer.iter().map(|schedule| schedule.step);
     let mut extra = Extra {
-        step: finer.step,
+        step: steps.fold(0.0, f64::max),
         ..Extra::default()
     };
     for (_, run) in found {
@@ -143,7 +147,7 @@ pub(super) fn runs(
                         "the extra runs would take more than a fifth of the study's time".to_owned()
                     }
                     Halt::Failed(failure) => {
-                        format!("with steps of {:.4} s the FMU fails: {failure}", finer.step)
+                        format!("with steps of {:.4} s the FMU fails: {failure}", extra.step)
                     }
                 });
             }
@@ -211,37 +215,39 @@ struct Stage<'a> {
     scratch: &'a Path,
     /// Whether each run needs an unpacked FMU of its own, since it changes that.
     apart: bool,
-    finer: Schedule,
+    /// By case.
+    finer: Vec<Schedule>,
     deadline: Instant,
 }
 
 impl Stage<'_> {
-    /// Runs a point with finer steps: on to a later end where the FMU allows it, else to its own.
-    fn run(&self, point: u64) -> Result<Watched, Halt> {
+    /// Runs a point in one case with finer steps: on to a later end where the FMU allows it, else to its own.
+    fn run(&self, point: u64, case: usize) -> Result<Watched, Halt> {
         let Some(index) = self.verification.source.index_of(point) else {
             return Err(Halt::Failed(format!("there is no point {point}")));
         };
         let job = self.verification.job(index);
         let plan = &self.verification.session.plan;
         // After the end of a recording its last value would hold for ever.
-        let ends = match plan.task.inputs.is_empty() {
-            true => vec![longer(&self.finer), self.finer],
-            false => vec![self.finer],
+        let (own, finer) = (&plan.cases[case].task, self.finer[case]);
+        let ends = match own.inputs.is_empty() {
+            true => vec![longer(&finer), finer],
+            false => vec![finer],
         };
         let mut failure = Halt::Late;
         for schedule in ends {
             let task = Task {
                 schedule,
-                ..plan.task.clone()
+                ..own.clone()
             };
             let mut watched = Watched {
                 point,
                 ..Watched::default()
             };
-            let ended = self.record(&task, &job, plan, &mut watched);
+            let ended = self.record(&task, &job, (plan, case), &mut watched);
             let last = watched.time.last().copied().unwrap_or(f64::NEG_INFINITY);
             // Further than the study is enough, whatever becomes of the run then.
-            if ended.is_ok() || last >= self.finer.stop * (1.0 - 1e-9) {
+            if ended.is_ok() || last >= finer.stop * (1.0 - 1e-9) {
                 return Ok(watched);
             }
             failure = ended.err().unwrap_or(Halt::Late);
@@ -260,7 +266,7 @@ impl Stage<'_> {
         &self,
         task: &Task,
         job: &Job,
-        plan: &Plan,
+        (plan, case): (&Plan, usize),
         watched: &mut Watched,
     ) -> Result<(), Halt> {
         let left = self.deadline.saturating_duration_since(Instant::now());
@@ -277,7 +283,7 @@ impl Stage<'_> {
         let recorder = Recorder {
             fmu: own.as_ref().map_or(self.fmu, |own| own.path()),
             name: package.path(),
-            home: working_directory::home(self.scratch, package.description(), task),
+            home: working_directory::home(self.scratch, package.description(), [task]),
             limits: Limits {
                 time: left,
                 memory: 16 << 30,
@@ -288,7 +294,9 @@ impl Stage<'_> {
             .filter(|&k| task.observed[k].handle.content == Content::Real)
             .collect();
         let columns: Vec<Handle> = probes.iter().map(|&k| task.observed[k].handle).collect();
-        watched.signals = vec![Vec::new(); task.observed.len()];
+        // Those of other cases stay empty.
+        let first = plan.criteria_of(case).start;
+        watched.signals = vec![Vec::new(); plan.outputs.len()];
         recorder.record(task, &job.values, &columns, |time, row| {
             if self.is_late() {
                 return Err(Halt::Late);
@@ -296,7 +304,7 @@ impl Stage<'_> {
             watched.time.push(time);
             for (value, &k) in row.iter().zip(&probes) {
                 let Value::Real(value) = value else { continue };
-                watched.signals[k].push(plan.outputs[k].value(*value));
+                watched.signals[first + k].push(plan.outputs[first + k].value(*value));
             }
             Ok(())
         })

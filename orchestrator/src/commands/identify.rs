@@ -15,6 +15,7 @@ use crate::identify::cross::outcome::{CrossValidation, Found};
 use crate::identify::cross::{self, Whole, cross_validate};
 use crate::identify::discrepancy::{Discrepancy, widened};
 use crate::identify::error::BindError;
+use crate::identify::from_study;
 use crate::identify::local::{End, Minimum};
 use crate::identify::model::FmuModel;
 use crate::identify::objective::Objective;
@@ -31,7 +32,7 @@ use crate::results::{Header, ResultsError};
 use crate::session::{Asking, Request};
 use crate::study::Identification;
 use crate::study::Study;
-use fmu_import::{Package, digest};
+use fmu_import::{Description, Package, digest};
 use sampling::design::{Design, Method, Sampling};
 use sampling::distribution::Distribution;
 
@@ -49,13 +50,16 @@ pub(super) fn run(options: &Identify) -> Result<ExitCode, CommandError> {
     let study = Study::read(&options.work.study)?;
     let settings = settings(options, &study)?;
     let mut package = Package::open(&options.work.means.fmu(&study))?;
-    let bound =
-        Bound::new(&study, &settings, package.description()).map_err(|error| match error {
-            BindError::Study(error) => CommandError::from(error),
-            BindError::Table(error) => CommandError::from(error),
-        })?;
+    let bound = bound(&study, &settings, package.description())?;
     if options.cross_validate && bound.problem.cases.len() < 2 {
-        let message = "there is one case only, and nothing to predict it from; give more under `cases` in [identify]";
+        let message = match study.cases.is_empty() {
+            true => {
+                "there is one case only, and nothing to predict it from; give more under `cases` in [identify]"
+            }
+            false => {
+                "the cases of a study are fitted together; to predict one from the others, set `held-out = true` in it"
+            }
+        };
         return Err(CommandError::Option {
             option: "cross-validate",
             message: message.to_owned(),
@@ -80,7 +84,7 @@ pub(super) fn run(options: &Identify) -> Result<ExitCode, CommandError> {
     } = taken;
     let mut pipeline = Pipeline::new(
         &bound,
-        Some((&crew, &bound.task)),
+        Some((&crew, &bound.simulations[..])),
         journal,
         finished,
         None,
@@ -115,9 +119,25 @@ pub(super) fn run(options: &Identify) -> Result<ExitCode, CommandError> {
     })
 }
 
-/// The study's settings, overridden by the command line.
+/// The unknowns and the data: the cases of the study, or those of the section `[identify]`.
+fn bound(
+    study: &Study,
+    settings: &Identification,
+    fmu: &Description,
+) -> Result<Bound, CommandError> {
+    if !study.cases.is_empty() {
+        return Ok(from_study::bind(study, settings, fmu)?);
+    }
+    Bound::new(study, settings, fmu).map_err(|error| match error {
+        BindError::Study(error) => CommandError::from(error),
+        BindError::Table(error) => CommandError::from(error),
+    })
+}
+
+/// The study's settings, overridden by the command line. A study with cases need not have any.
 fn settings(options: &Identify, study: &Study) -> Result<Identification, CommandError> {
-    let mut settings = study.identify.clone().ok_or_else(|| {
+    let usual = || (!study.cases.is_empty()).then(Identification::default);
+    let mut settings = study.identify.clone().or_else(usual).ok_or_else(|| {
         study.error("identify needs a section [identify]; `orchestrator identify --help` shows one")
     })?;
     settings.starts = options.starts.unwrap_or(settings.starts);
@@ -179,7 +199,7 @@ fn find(
     bound: &Bound,
     pipeline: &mut Pipeline<'_>,
 ) -> Result<(IdentificationOutcome, Option<Sample>), CommandError> {
-    let starts = starts(study, settings)?;
+    let starts = starts(study, settings, bound.problem.free.len())?;
     let limits = search::Effort {
         descents: settings.descents.max(1),
         iterations: settings.iterations.max(1),
@@ -337,7 +357,11 @@ fn so_far(progress: &Progress) -> String {
 }
 
 /// Starts from a scrambled Sobol net between the bounds.
-fn starts(study: &Study, settings: &Identification) -> Result<Vec<Vec<f64>>, CommandError> {
+fn starts(
+    study: &Study,
+    settings: &Identification,
+    unknowns: usize,
+) -> Result<Vec<Vec<f64>>, CommandError> {
     let place = Distribution::Uniform { min: 0.0, max: 1.0 };
     let design = Sampling {
         method: Method::Sobol,
@@ -345,7 +369,7 @@ fn starts(study: &Study, settings: &Identification) -> Result<Vec<Vec<f64>>, Com
         seed: settings.seed,
         ..Sampling::default()
     };
-    let design = Design::new(&design, vec![place; settings.free.len()])
+    let design = Design::new(&design, vec![place; unknowns])
         .map_err(|message| study.error(format!("[identify] {message}")))?;
     Ok((0..design.len()).map(|index| design.point(index)).collect())
 }

@@ -53,7 +53,10 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, CommandError> {
         let outcome = match missing {
             None => Ok(std::mem::take(row)),
             Some(k) => Err(Failure::NotFinite(Partial::new(
-                &judge.criteria[k].variable,
+                match judge.cases.is_empty() {
+                    true => &judge.criteria[k].variable,
+                    false => &judge.criteria[k].name,
+                },
                 row,
             ))),
         };
@@ -91,15 +94,23 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, CommandError> {
     Ok(verdict(&summary))
 }
 
-/// The columns of the criteria: the study's mapping, the criterion's name, or the variable's.
+/// The columns of the criteria: the study's mapping, the criterion's name, or the variable's. Those of cases are told
+/// apart by their names, `CASE/NAME`, or by a mapping that no other criterion has.
 fn columns(study: &Study) -> Vec<(Vec<String>, String)> {
+    let is_shared = |column: &String| {
+        let all = study.criteria.values();
+        all.filter(|other| other.column.as_ref() == Some(column))
+            .count()
+            > 1
+    };
     let names = study.criteria.iter().map(|(name, criterion)| {
+        let in_case = criterion.case.is_some();
         let mapped = criterion.column.clone();
+        let mapped = mapped.filter(|column| !(in_case && is_shared(column)));
         let own = [name.as_ref().clone(), criterion.variable.as_ref().clone()];
         // A table has no room for curves: its column holds the metric's value, not the variable's.
-        let own = own
-            .into_iter()
-            .take(if criterion.reference.is_some() { 1 } else { 2 });
+        let only_named = criterion.reference.is_some() || in_case;
+        let own = own.into_iter().take(if only_named { 1 } else { 2 });
         let names = mapped.into_iter().chain(own).collect();
         (names, format!("the criterion {}", name.as_ref()))
     });

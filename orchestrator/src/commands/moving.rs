@@ -11,7 +11,7 @@ use crate::report::history;
 use crate::results::rest::Moved;
 use crate::results::{Summary, write_atomically};
 use crate::study::plan::Plan;
-use crate::task::Probe;
+use crate::task::{Probe, Schedule};
 use sampling::statistics::{Accumulator, Statistic};
 
 /// The summary with what the extra runs tell of swing and drift, which is written again.
@@ -27,6 +27,8 @@ pub(super) fn observed(
         return Ok(summary);
     };
     rest.observed = extra.runs.iter().map(|run| run.point).collect();
+    // Each case has a run of its own.
+    rest.observed.dedup();
     rest.step = extra.step;
     let ends = extra.runs.iter().filter_map(|run| run.time.last());
     rest.until = ends.copied().fold(0.0, f64::max);
@@ -47,7 +49,10 @@ pub(super) fn observed(
             let found = run
                 .signals
                 .get(k)
-                .and_then(|signal| moves(&run.time, signal, plan, &plan.task.observed[k]));
+                .zip(plan.placed_probes().nth(k))
+                .and_then(|(signal, (case, probe))| {
+                    moves(&run.time, signal, plan.cases[case].task.schedule, probe)
+                });
             if let Some(Motion { swing, drift }) = found {
                 moved.add(run.point, swing, drift);
             }
@@ -71,23 +76,30 @@ pub(super) fn observed(
     Ok(summary)
 }
 
-/// The best point's trajectory as the page shows it, where that was recorded.
-fn recorded(folder: &Path, summary: &Summary) -> Option<Watched> {
-    let (time, mut signals) = history::signals(folder)?;
-    let signal = |name: &String| {
-        let found = signals.iter_mut().find(|(other, _)| other == name);
-        found.map_or_else(Vec::new, |(_, values)| std::mem::take(values))
+/// The best point's trajectories as the page shows them, one a case, where they were recorded.
+fn recorded(folder: &Path, summary: &Summary) -> Vec<Watched> {
+    let Some(best) = &summary.best_point else {
+        return Vec::new();
     };
-    Some(Watched {
-        point: summary.best_point.as_ref()?.point,
-        signals: summary.criteria.keys().map(signal).collect(),
-        time,
-    })
+    let watched = |(time, mut signals): history::Trajectory| {
+        let signal = |name: &String| {
+            let found = signals.iter_mut().find(|(other, _)| other == name);
+            found.map_or_else(Vec::new, |(_, values)| std::mem::take(values))
+        };
+        Watched {
+            point: best.point,
+            signals: summary.criteria.keys().map(signal).collect(),
+            time,
+        }
+    };
+    history::trajectories(folder)
+        .into_iter()
+        .map(watched)
+        .collect()
 }
 
 /// The motion of a criterion's value at the end of its window.
-fn moves(time: &[f64], signal: &[f64], plan: &Plan, probe: &Probe) -> Option<Motion> {
-    let schedule = plan.task.schedule;
+fn moves(time: &[f64], signal: &[f64], schedule: Schedule, probe: &Probe) -> Option<Motion> {
     let [from, to] = probe
         .window
         .unwrap_or([schedule.window_start, schedule.stop]);

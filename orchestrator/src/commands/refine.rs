@@ -14,7 +14,7 @@ use crate::pipeline::stop;
 use crate::results::validation::{Comparison, Numerical, Refined, refined};
 use crate::results::{Outcome, Summary, write_atomically};
 use crate::session::Verification;
-use crate::task::Task;
+use crate::task::Case;
 
 /// So many points are refined.
 const POINTS: u64 = 3;
@@ -51,7 +51,10 @@ fn numerical(
         time: Duration::from_secs_f64(means.point_timeout.clamp(1.0, 1e9)),
         memory: 16 << 30,
     };
-    let tolerance = verification.session.plan.task.schedule.tolerance;
+    let cases = &verification.session.plan.cases;
+    let tolerance = cases
+        .iter()
+        .all(|case| case.task.schedule.tolerance.is_some());
     let mut found = vec![Numerical::default(); verification.session.judge.criteria.len()];
     for index in 0..POINTS.min(verification.source.len()) {
         let job = verification.job(index);
@@ -59,15 +62,20 @@ fn numerical(
             // Unpacked again where the last run has changed it.
             let fmu = verification.session.package.unpack(scratch.path())?;
             let session = &verification.session;
-            let (package, task) = (&session.package, &session.plan.task);
+            let (package, cases) = (&session.package, &session.plan.cases);
             let recorder = Recorder {
                 fmu: &fmu,
                 name: package.path(),
-                home: working_directory::home(scratch.path(), package.description(), task),
+                home: working_directory::home(
+                    scratch.path(),
+                    package.description(),
+                    cases.iter().map(|case| &case.task),
+                ),
                 limits,
                 echo: false,
             };
-            Ok(session.outcome(recorder.run(&finer(task, by, times), &job)?))
+            let finer: Vec<Case> = cases.iter().map(|case| finer(case, by, times)).collect();
+            Ok(session.outcome(recorder.run(&finer, &job)?))
         };
         let Ok(coarse) = run(Refined::Step, 0)? else {
             continue;
@@ -79,8 +87,8 @@ fn numerical(
         let steps = runs(Refined::Step)?;
         // Without a tolerance the FMU chooses its own, which nobody knows.
         let tolerances = match tolerance {
-            Some(_) => runs(Refined::Tolerance)?,
-            None => None,
+            true => runs(Refined::Tolerance)?,
+            false => None,
         };
         let parts = [(Refined::Step, steps), (Refined::Tolerance, tolerances)];
         for (k, known) in found.iter_mut().enumerate() {
@@ -100,16 +108,14 @@ fn numerical(
     Ok(found)
 }
 
-/// The task with a finer setting, so many times.
-fn finer(task: &Task, by: Refined, times: i32) -> Task {
+/// The case with a finer setting, so many times.
+fn finer(case: &Case, by: Refined, times: i32) -> Case {
     let factor = by.ratio().powi(-times);
-    let mut schedule = task.schedule;
+    let mut case = case.clone();
+    let schedule = &mut case.task.schedule;
     match by {
         Refined::Step => schedule.step *= factor,
         Refined::Tolerance => schedule.tolerance = schedule.tolerance.map(|own| factor * own),
     }
-    Task {
-        schedule,
-        ..task.clone()
-    }
+    case
 }

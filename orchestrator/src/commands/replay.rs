@@ -1,7 +1,7 @@
 //! `replay`: runs one point of a study again, with its trajectory.
 
 use std::fs::File;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use super::simulate::{Columns, Isolated};
@@ -9,10 +9,12 @@ use super::{CommandError, output};
 use crate::analysis::from_results;
 use crate::cli::Replay;
 use crate::judge::Judge;
+use crate::names::{did_you_mean, nearest};
 use crate::pipeline::Model;
 use crate::results::ResultsError;
 use crate::results::points::number;
 use crate::session::Verification;
+use crate::task::Case;
 
 pub(super) fn run(options: &Replay) -> Result<ExitCode, CommandError> {
     let mut verification = Verification::reopen(&options.folder, options.fmu.clone())?;
@@ -31,20 +33,26 @@ pub(super) fn run(options: &Replay) -> Result<ExitCode, CommandError> {
     let job = verification.job(index);
     let parameters = verification.source.parameters(index);
     let session = &mut verification.session;
+    let wanted = wanted(options, &session.plan.cases)?;
     let run = Isolated::new(&mut session.package)?;
-    let run = run.in_a_study(&session.package, &session.plan.task);
-    let outcome = session.outcome(run.run(&session.plan.task, &job)?);
-    // The first run may have changed the unpacked FMU.
-    let again = Isolated::new(&mut session.package)?;
-    let again = again.in_a_study(&session.package, &session.plan.task);
+    let run = run.in_a_study(&session.package, &session.plan.cases);
+    let outcome = session.outcome(run.run(&session.plan.cases, &job)?);
     let columns = Columns::usual(session.package.description(), false);
-    let usual = options.folder.join(format!("point-{}.csv", options.point));
-    let path = options.output.clone().unwrap_or(usual);
-    let file = File::create(&path).map_err(ResultsError::io(&path))?;
-    let written = again.trajectory(&session.plan.task, &job.values, &columns, file);
-    // The trajectory of a point that fails ends where it fails.
-    if outcome.is_ok() {
-        written.map_err(|error| error.into_command(&path))?;
+    let mut files = String::new();
+    for (case, path) in wanted {
+        // The run before may have changed the unpacked FMU.
+        let again = Isolated::new(&mut session.package)?;
+        let case = std::slice::from_ref(&session.plan.cases[case]);
+        let again = again.in_a_study(&session.package, case);
+        let file = File::create(&path).map_err(ResultsError::io(&path))?;
+        let written = again.trajectory(&case[0].task, &job.values, &columns, file);
+        // The trajectory of a point that fails ends where it fails.
+        if outcome.is_ok() {
+            written.map_err(|error| error.into_command(&path))?;
+        }
+        let of = case[0].name.as_ref();
+        let of = of.map_or_else(String::new, |name| format!(" of the case {name}"));
+        files += &format!("trajectory{of} in {}\n", path.display());
     }
     let mut text = format!("point {}\n", options.point);
     for (input, value) in session.plan.inputs.iter().zip(parameters) {
@@ -53,9 +61,13 @@ pub(super) fn run(options: &Replay) -> Result<ExitCode, CommandError> {
         text += "\n";
     }
     let values = outcome.as_deref().ok();
-    let verdict = session.judge.verdict(values);
+    let verdict = session.judge.judged(outcome.as_deref());
     for (number_of, criterion) in session.judge.criteria.iter().enumerate() {
-        let value = values.map_or("no value".to_owned(), |values| number(values[number_of]));
+        let value = match &outcome {
+            Ok(values) => Some(values[number_of]),
+            Err(failure) => failure.value(number_of),
+        };
+        let value = value.map_or("no value".to_owned(), number);
         let unit = criterion.unit.as_deref().unwrap_or("");
         let sign = if verdict.passed[number_of] {
             "ok"
@@ -71,13 +83,54 @@ pub(super) fn run(options: &Replay) -> Result<ExitCode, CommandError> {
         (Ok(_), Some(false)) => text += "  not accepted, with the guard band\n",
         (Err(failure), _) => text += &format!("  failed: {failure}\n"),
     }
-    text += &format!("trajectory in {}\n", path.display());
+    text += &files;
     output::print(&text);
     Ok(if accepted.unwrap_or_else(|| verdict.verified()) {
         ExitCode::SUCCESS
     } else {
         ExitCode::FAILURE
     })
+}
+
+/// The cases whose trajectories are written, each with its file.
+fn wanted(options: &Replay, cases: &[Case]) -> Result<Vec<(usize, PathBuf)>, CommandError> {
+    let point = options.point;
+    let wrong = |option, message: String| Err(CommandError::Option { option, message });
+    let names: Vec<&str> = cases
+        .iter()
+        .filter_map(|case| case.name.as_deref())
+        .collect();
+    let chosen = match &options.case {
+        None => None,
+        Some(_) if names.is_empty() => {
+            return wrong("case", "the study has no cases; leave it out".to_owned());
+        }
+        Some(name) => match names.iter().position(|own| own == name) {
+            Some(case) => Some(case),
+            None => {
+                let suggestion = did_you_mean(nearest(name, names.iter().copied()));
+                let message = format!("the study has no case `{name}`{suggestion}");
+                return wrong("case", message);
+            }
+        },
+    };
+    if options.output.is_some() && chosen.is_none() && cases.len() > 1 {
+        let message = "one file holds the trajectory of one case; choose it with --case NAME";
+        return wrong("output", message.to_owned());
+    }
+    let usual = |case: usize| match names.is_empty() {
+        true => format!("point-{point}.csv"),
+        false => format!("point-{point}-case-{}.csv", case + 1),
+    };
+    let own = chosen.map_or(0..cases.len(), |case| case..case + 1);
+    let file = |case| {
+        let given = options.output.clone();
+        (
+            case,
+            given.unwrap_or_else(|| options.folder.join(usual(case))),
+        )
+    };
+    Ok(own.map(file).collect())
 }
 
 /// Whether the study's guard band lets a point pass; none where no guard band acts, or the study has not found it yet.

@@ -49,7 +49,23 @@ pub(super) fn keep_trajectory(
 ) -> Result<(), CommandError> {
     keep_study(folder, study)?;
     keep_measured(folder, study, plan)?;
-    let trajectory = folder.join(history::FILE);
+    for number in 0..plan.cases.len() {
+        keep_case(folder, plan, number, package, summary, trusted)?;
+    }
+    Ok(())
+}
+
+/// Keeps the best point's trajectory in one case.
+fn keep_case(
+    folder: &Path,
+    plan: &Plan,
+    number: usize,
+    package: &mut Package,
+    summary: &Summary,
+    trusted: bool,
+) -> Result<(), CommandError> {
+    let case = &plan.cases[number];
+    let trajectory = folder.join(history::file(case.name.as_ref().map(|_| number)));
     // A failure here takes nothing away from the verdict: the page then shows no trajectory.
     let recorded = summary
         .best_point
@@ -58,9 +74,9 @@ pub(super) fn keep_trajectory(
             // Only what has already come to its end in this process, which no failed point has touched.
             let once = package.description().capabilities;
             let once = once.can_be_instantiated_only_once_per_process;
-            let same = fine(plan.task.schedule) == plan.task.schedule;
+            let same = fine(case.task.schedule) == case.task.schedule;
             let here = trusted && same && !once && summary.failed == 0;
-            record(best, plan, package, here)
+            record(best, plan, number, package, here)
         })
         .transpose();
     match recorded {
@@ -78,7 +94,7 @@ pub(super) fn keep_trajectory(
 /// Keeps the measured curves beside the results, where there are any.
 fn keep_measured(folder: &Path, study: &Study, plan: &Plan) -> Result<(), CommandError> {
     let path = folder.join(history::MEASURED);
-    let probes = study.criteria.keys().zip(&plan.task.observed);
+    let probes = study.criteria.keys().zip(plan.probes());
     let curves: Vec<_> = probes
         .filter_map(|(name, probe)| Some((name.as_ref(), probe.curve.as_ref()?)))
         .collect();
@@ -117,30 +133,31 @@ pub(super) fn keep_study(folder: &Path, study: &Study) -> Result<(), CommandErro
     Ok(())
 }
 
-/// The best point's criteria over time, as a table.
+/// The best point's criteria over time in one case, as a table.
 fn record(
     best: &BestPoint,
     plan: &Plan,
+    case: usize,
     package: &mut Package,
     here: bool,
 ) -> Result<Vec<u8>, CommandError> {
     let parameters: Vec<f64> = best.parameters.values().copied().collect();
     let mut values = Vec::new();
     plan.to_fmu(&parameters, &mut values);
-    let task = Task {
-        schedule: fine(plan.task.schedule),
-        ..plan.task.clone()
-    };
+    let first = plan.criteria_of(case).start;
+    let mut task = plan.cases[case].task.clone();
+    task.schedule = fine(task.schedule);
     let probes: Vec<usize> = (0..task.observed.len())
         .filter(|&k| task.observed[k].handle.content == Content::Real)
         .collect();
     let columns: Vec<Handle> = probes.iter().map(|&k| task.observed[k].handle).collect();
     let names: Vec<&String> = best.values.keys().collect();
-    let names = probes.iter().map(|&k| csv_file::cell(names[k]));
+    let names = probes.iter().map(|&k| csv_file::cell(names[first + k]));
     let head: Vec<_> = std::iter::once("time".into()).chain(names).collect();
     let mut write = |here: bool| -> Result<Vec<u8>, CommandError> {
         let mut table = csv::Writer::from_writer(Vec::new());
-        let failed = |error: csv::Error| ResultsError::io(history::FILE.as_ref())(error.into());
+        let failed =
+            |error: csv::Error| ResultsError::io(history::file(None).as_ref())(error.into());
         table
             .write_record(head.iter().map(|name| name.as_bytes()))
             .map_err(failed)?;
@@ -150,7 +167,7 @@ fn record(
             for (value, &k) in row.iter().zip(&probes) {
                 let Value::Real(value) = value else { continue };
                 // Seven digits are plenty for a plot.
-                let value = plan.outputs[k].value(*value) as f32;
+                let value = plan.outputs[first + k].value(*value) as f32;
                 table.write_field(number.format(value)).map_err(failed)?;
             }
             table.write_record(None::<&[u8]>).map_err(failed)?;
@@ -204,7 +221,7 @@ fn record_apart(
     let recorder = Recorder {
         fmu: &fmu,
         name: package.path(),
-        home: working_directory::home(scratch.path(), package.description(), task),
+        home: working_directory::home(scratch.path(), package.description(), [task]),
         limits: LIMITS,
         echo: false,
     };

@@ -22,7 +22,7 @@ use crate::results::{ResultsError, of_the_system};
 use crate::study::plan::{find, value_of};
 use crate::study::{Setting, ssv};
 use crate::table::csv_file;
-use crate::task::{Schedule, Task};
+use crate::task::{Case, Schedule, Task};
 use fmu_import::{Causality, Description, Handle, Package, Value, Variable};
 
 pub(super) fn run(options: &Simulate) -> Result<ExitCode, CommandError> {
@@ -246,8 +246,9 @@ impl Isolated {
     }
 
     /// The same with the working directory of the points of a study.
-    pub(super) fn in_a_study(mut self, package: &Package, task: &Task) -> Self {
-        let home = working_directory::home(self.scratch.path(), package.description(), task);
+    pub(super) fn in_a_study(mut self, package: &Package, cases: &[Case]) -> Self {
+        let tasks = cases.iter().map(|case| &case.task);
+        let home = working_directory::home(self.scratch.path(), package.description(), tasks);
         self.apart = home.is_some();
         self
     }
@@ -296,12 +297,12 @@ impl Isolated {
     }
 
     /// Simulates a point as `verify` does.
-    pub(super) fn run(&self, task: &Task, job: &Job) -> Result<Answer, EngineError> {
+    pub(super) fn run(&self, cases: &[Case], job: &Job) -> Result<Answer, EngineError> {
         let silent = Recorder {
             echo: false,
             ..self.recorder()
         };
-        silent.run(task, job)
+        silent.run(cases, job)
     }
 }
 

@@ -52,6 +52,10 @@ pub(super) fn counts(summary: &Summary) -> String {
         line(&mut text, &condition, &count);
     }
     groups(&mut text, &summary.groups);
+    for (name, case) in &summary.cases {
+        let held_out = if case.held_out { ", held out" } else { "" };
+        line(&mut text, &format!("case {name}{held_out}"), &case.count);
+    }
     let all = Count {
         passed: summary.verified,
         fraction: summary.verified_fraction,

@@ -20,6 +20,7 @@ use crate::results::summary::Run;
 use crate::results::{Journal, Looked, ResultsError, lines, parquet};
 use crate::session::{Ending, Front, Request, Session, Verification};
 use crate::study::Study;
+use crate::task::Case;
 use sampling::design::Method;
 
 /// With `--until`, a study has as many points as needed, but for a limit.
@@ -62,7 +63,7 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, CommandError> {
     let known = all.filter(|_| ending.is_none());
     let mut pipeline = Pipeline::new(
         &verification.session,
-        Some((&crew, &verification.session.plan.task)),
+        Some((&crew, &verification.session.plan.cases[..])),
         journal,
         finished,
         shard,
@@ -201,14 +202,22 @@ fn counted(number: u64, thing: &str) -> String {
 /// The plan of the run, for `--dry-run`.
 fn plan(verification: &Verification, folder: &Path) -> String {
     let session = &verification.session;
-    let schedule = &session.plan.task.schedule;
-    let steps = schedule.steps();
+    let simulated = |case: &Case| {
+        let schedule = &case.task.schedule;
+        let name = case.name.as_ref();
+        format!(
+            "{}{} ({} to {} s)",
+            name.map_or_else(String::new, |name| format!("{name}: ")),
+            counted(schedule.steps(), "step"),
+            schedule.start,
+            schedule.stop,
+        )
+    };
+    let cases: Vec<String> = session.plan.cases.iter().map(simulated).collect();
     let mut text = format!(
-        "{} of {} ({} to {} s) into {}\n",
+        "{} of {} into {}\n",
         counted(verification.expected(), "point"),
-        counted(steps, "step"),
-        schedule.start,
-        schedule.stop,
+        cases.join(", "),
         folder.display()
     );
     for input in &session.plan.inputs {

@@ -1,4 +1,4 @@
-//! The workers of a task: how many, and where they run its points.
+//! The workers of a study: how many, and where they run its points.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use super::process::Limits;
 use super::repeats::Repeats;
 use super::slot::Slot;
 use super::working_directory;
-use crate::task::Task;
+use crate::task::Case;
 use fmu_import::{FmuError, Library, Package};
 
 /// Where points are run.
@@ -150,40 +150,41 @@ impl Crew {
     }
 
     /// A worker that computes points again as an audit does.
-    pub fn auditor(&self, task: &Task) -> Box<dyn Worker> {
+    pub fn auditor(&self, cases: &[Case]) -> Box<dyn Worker> {
         match &self.way {
-            Way::Here(_) => self.worker(task),
+            Way::Here(_) => self.worker(cases),
             Way::Processes { apart, .. } => {
                 let alone = Arc::new(Policy::auditing());
-                self.slot(alone, apart, task)
+                self.slot(alone, apart, cases)
             }
         }
     }
 
     /// One worker.
-    pub fn worker(&self, task: &Task) -> Box<dyn Worker> {
+    pub fn worker(&self, cases: &[Case]) -> Box<dyn Worker> {
         match &self.way {
-            Way::Here(library) => Box::new(Local::new(library, task)),
-            Way::Processes { apart, .. } => self.slot(Arc::clone(&self.policy), apart, task),
+            Way::Here(library) => Box::new(Local::new(library, cases)),
+            Way::Processes { apart, .. } => self.slot(Arc::clone(&self.policy), apart, cases),
         }
     }
 
-    fn slot(&self, policy: Arc<Policy>, apart: &Arc<Policy>, task: &Task) -> Box<dyn Worker> {
+    fn slot(&self, policy: Arc<Policy>, apart: &Arc<Policy>, cases: &[Case]) -> Box<dyn Worker> {
         match &self.way {
-            Way::Here(library) => Box::new(Local::new(library, task)),
+            Way::Here(library) => Box::new(Local::new(library, cases)),
             Way::Processes {
                 ground,
                 here,
                 limits,
                 ..
             } => {
-                let here = *here || working_directory::named_in(task);
+                let named = |case: &Case| working_directory::named_in(&case.task);
+                let here = *here || cases.iter().any(named);
                 let home = (!here).then_some(&*ground.scratch);
                 Box::new(Slot::new(
                     [policy, Arc::clone(apart)],
                     Arc::clone(ground),
                     home,
-                    task,
+                    cases,
                     *limits,
                 ))
             }
@@ -191,7 +192,7 @@ impl Crew {
     }
 
     /// All workers.
-    pub fn workers(&self, task: &Task) -> Vec<Box<dyn Worker>> {
-        (0..self.size).map(|_| self.worker(task)).collect()
+    pub fn workers(&self, cases: &[Case]) -> Vec<Box<dyn Worker>> {
+        (0..self.size).map(|_| self.worker(cases)).collect()
     }
 }

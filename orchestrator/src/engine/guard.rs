@@ -286,7 +286,8 @@ impl Guard {
             },
         };
         let mut message = Vec::new();
-        jobs.iter().for_each(|job| put_job(job, &mut message));
+        jobs.iter()
+            .for_each(|job| put_job(job.index, &job.values, &mut message));
         if child.send(&message).is_err() {
             return Ok(Some(Loss::Mute));
         }

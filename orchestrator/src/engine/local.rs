@@ -2,31 +2,66 @@
 
 use std::sync::Arc;
 
+use super::join::{Part, joined, parts};
+use super::wire::Trouble;
 use super::{EngineError, Event, Job, Post, Separation, Simulated, Worker};
+use crate::failure::Failure;
 use crate::run::Runner;
-use crate::task::Task;
+use crate::task::Case;
 use fmu_import::Library;
 
 /// Runs points on an instance of its own.
 #[derive(Debug)]
 pub struct Local {
-    runner: Runner,
+    /// None where there is no case.
+    runner: Option<Runner>,
+    cases: Vec<Part>,
 }
 
 impl Local {
     /// A worker with an instance of its own.
-    pub fn new(library: &Arc<Library>, task: &Task) -> Self {
+    pub fn new(library: &Arc<Library>, cases: &[Case]) -> Self {
+        let mut tasks = cases.iter().map(|case| case.task.clone());
+        let first = tasks.next();
+        let runner = first.map(|task| Runner::new(Arc::clone(library), task).with_further(tasks));
         Self {
-            runner: Runner::new(Arc::clone(library), task.clone()),
+            runner,
+            cases: parts(cases),
         }
+    }
+
+    /// A point in one case.
+    fn run_case(runner: &mut Runner, values: &[f64]) -> Result<Simulated, Failure> {
+        let answer = runner.run(values).map(<[f64]>::to_vec);
+        answer.map(|values| Simulated::new(&values, runner.notices()))
+    }
+
+    /// A point in all its cases.
+    fn run_cases(
+        runner: &mut Runner,
+        cases: &[Part],
+        values: &[f64],
+    ) -> Result<Simulated, Failure> {
+        let runs = (0..cases.len()).map(|case| {
+            runner.turn_to(case);
+            let notices = Box::default();
+            Self::run_case(runner, values).map_err(|failure| Trouble::Failed { failure, notices })
+        });
+        let runs: Vec<_> = runs.collect();
+        joined(cases, runs).map_err(Trouble::failure)
     }
 }
 
 impl Worker for Local {
     fn run(&mut self, jobs: &[Job], post: &mut Post<'_>) -> Result<(), EngineError> {
+        let Some(runner) = &mut self.runner else {
+            return Ok(());
+        };
         for job in jobs {
-            let answer = self.runner.run(&job.values).map(<[f64]>::to_vec);
-            let answer = answer.map(|values| Simulated::new(&values, self.runner.notices()));
+            let answer = match &self.cases[..] {
+                [_] => Self::run_case(runner, &job.values),
+                cases => Self::run_cases(runner, cases, &job.values),
+            };
             post.send(Event::Answer(job.index, answer, Separation::Used));
             if post.is_over() {
                 break;

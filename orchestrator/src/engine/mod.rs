@@ -12,6 +12,7 @@ pub mod conduct;
 pub mod crew;
 mod ground;
 pub mod guard;
+mod join;
 pub mod local;
 pub mod policy;
 pub mod process;

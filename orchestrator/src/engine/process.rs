@@ -16,10 +16,11 @@ use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
 use super::ground::Ground;
+use super::join::{Join, split};
 use super::wire::{Reader, Reply, Setup, Way, put_job};
 use super::{EngineError, Job, working_directory};
 use crate::failure::Failure;
-use crate::task::Task;
+use crate::task::Case;
 use fmu_import::isolation::frame::Inbox;
 use fmu_import::isolation::keeper::signal_name;
 use fmu_import::isolation::{ControlGroup, frame, offspring};
@@ -102,12 +103,12 @@ struct Running {
 
 impl Process {
     /// A guard for the FMU unpacked in `fmu`, which the user calls `name`.
-    pub(super) fn new(fmu: &Path, name: &Path, task: &Task, limits: Limits) -> Self {
+    pub(super) fn new(fmu: &Path, name: &Path, cases: &[Case], limits: Limits) -> Self {
         let setup = Setup {
             fmu: std::path::absolute(fmu).unwrap_or_else(|_| fmu.to_owned()),
             name: name.to_owned(),
             place: None,
-            task: task.clone(),
+            cases: cases.to_vec(),
             time: (limits.time < Duration::MAX).then_some(limits.time.as_secs_f64()),
             memory: limits.memory,
             ticket: 0,
@@ -165,10 +166,13 @@ impl Process {
     ) -> Result<(), Gone> {
         let mut order = Vec::new();
         way.put(&mut order);
-        jobs.iter().for_each(|job| put_job(job, &mut order));
+        let mut join = Join::new(&self.setup.cases);
+        let count = self.setup.cases.len();
+        let runs = jobs.iter().flat_map(|job| split(job, count));
+        runs.for_each(|run| put_job(run.0, run.1, &mut order));
         let ground = self.ground.clone();
         let disturbed = || ground.as_ref().is_some_and(|own| own.changed().is_some());
-        let (mut left, mut spoilt) = (jobs.len(), false);
+        let (mut left, mut spoilt) = (jobs.len() * count, false);
         let ran = self.order(&order, stopped, &mut |payload| {
             spoilt = disturbed();
             if spoilt {
@@ -177,7 +181,7 @@ impl Process {
             let mut reader = Reader(payload);
             while let Some(reply) = reader.reply() {
                 left = left.saturating_sub(1);
-                answer(reply);
+                join.add(reply).into_iter().for_each(&mut *answer);
             }
             left > 0
         });

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::Job;
+use super::join;
 use super::shared::Shared;
 use super::wire::{
     End, Reader, Setup, Trouble, put_end, put_results, put_trouble, put_value, speech,
@@ -35,7 +36,10 @@ pub(super) fn alone(
     let Some(library) = loaded(&mut place, setup, package, library) else {
         return;
     };
-    let mut runner = Runner::new(library, setup.task.clone());
+    let Some(case) = setup.cases.get(join::case_of(job.index, setup.cases.len())) else {
+        return;
+    };
+    let mut runner = Runner::new(library, case.task.clone());
     let instance = runner.alone(&job.values, |runner, answer| {
         let ready = runner
             .ready()
@@ -68,7 +72,10 @@ pub(super) fn serve(
     let Some(library) = loaded(&mut place, setup, package, library) else {
         return;
     };
-    let mut runner = Runner::new(library, setup.task.clone()).with_habit(habit);
+    let mut tasks = setup.cases.iter().map(|case| case.task.clone());
+    let Some(first) = tasks.next() else { return };
+    let runner = Runner::new(library, first).with_further(tasks);
+    let mut runner = runner.with_habit(habit);
     let mut said = vec![speech::REPLIES];
     while let Some(message) = place.receive() {
         let mut sent = Instant::now();
@@ -76,6 +83,7 @@ pub(super) fn serve(
         while let Some(job) = jobs.job() {
             begun += 1;
             progress.set(begun);
+            runner.turn_to(join::case_of(job.index, setup.cases.len()));
             match runner.run(&job.values).map(|_| ()) {
                 Ok(()) => {
                     let (values, notices) = (runner.results(), runner.notices());
@@ -115,6 +123,7 @@ fn put(index: u64, start: f32, failure: &Failure, runner: &Runner, said: &mut Ve
             first_warning: said.first_warning,
             ..Notices::default()
         };
+        let notices = Box::new(notices);
         Trouble::Failed { failure, notices }
     };
     put_trouble(index, start, &trouble, said);
@@ -131,7 +140,10 @@ pub(super) fn record(
     let Some(library) = loaded(&mut place, setup, package, None) else {
         return;
     };
-    let mut runner = Runner::new(library, setup.task.clone());
+    let Some(case) = setup.cases.first() else {
+        return;
+    };
+    let mut runner = Runner::new(library, case.task.clone());
     let (mut said, mut sent) = (vec![speech::ROWS], Instant::now());
     put_end(&End::Not, &mut said);
     let empty = said.len();

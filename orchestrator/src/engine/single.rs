@@ -8,7 +8,7 @@ use super::process::{Gone, Limits, Process};
 use super::wire::{End, Reader, Trouble, Way};
 use super::{Answer, EngineError, Job};
 use crate::failure::Failure;
-use crate::task::{Record, Task};
+use crate::task::{Case, Record, Task};
 use fmu_import::{Handle, Value};
 
 /// Takes a row of a trajectory: the time, s, and the values then.
@@ -30,27 +30,27 @@ pub struct Recorder<'a> {
 }
 
 impl Recorder<'_> {
-    fn process(&self, task: &Task) -> Process {
-        Process::new(self.fmu, self.name, task, self.limits)
+    fn process(&self, cases: &[Case]) -> Process {
+        Process::new(self.fmu, self.name, cases, self.limits)
             .at(self.home)
             .with_echo(self.echo)
     }
 
-    /// Runs a point as a study does, in a new process; one that fails is tried once more.
+    /// Runs a point as a study does, each case in a new process; a point that fails is tried once more.
     ///
     /// # Errors
     /// When no process can be started, or the FMU cannot be loaded.
-    pub fn run(&self, task: &Task, job: &Job) -> Result<Answer, EngineError> {
-        let first = self.answer(task, job)?;
+    pub fn run(&self, cases: &[Case], job: &Job) -> Result<Answer, EngineError> {
+        let first = self.answer(cases, job)?;
         match first {
             Ok(_) => Ok(first),
-            Err(_) => self.answer(task, job),
+            Err(_) => self.answer(cases, job),
         }
     }
 
-    fn answer(&self, task: &Task, job: &Job) -> Result<Answer, EngineError> {
+    fn answer(&self, cases: &[Case], job: &Job) -> Result<Answer, EngineError> {
         let mut answer = None;
-        let mut process = self.process(task);
+        let mut process = self.process(cases);
         let jobs = std::slice::from_ref(job);
         let run = process.run(Way::New, jobs, &|| false, &mut |reply| {
             answer = Some(reply.answer);
@@ -122,7 +122,7 @@ impl Recorder<'_> {
         let mut outcome = Ok(None);
         let done: Cell<Option<Instant>> = Cell::new(None);
         let enough = || done.get().is_some_and(|done| done.elapsed() > FAREWELL);
-        let mut process = self.process(task);
+        let mut process = self.process(&[Case::only(task.clone())]);
         let ended = process.order(order, &enough, &mut |payload| {
             let mut reader = Reader(payload);
             match reader.end() {

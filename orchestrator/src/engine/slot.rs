@@ -13,7 +13,7 @@ use super::wire::{Reply, Trouble, Way};
 use super::{EngineError, Event, Job, Post, Simulated, Worker};
 use crate::failure::Failure;
 use crate::run::Habit;
-use crate::task::Task;
+use crate::task::Case;
 
 /// The bytes with which unwritten memory is filled for comparison.
 const FILLS: [u8; 2] = [0x55, 0xaa];
@@ -27,7 +27,7 @@ pub(super) struct Slot {
     ground: Arc<Ground>,
     /// Where working directories are made.
     home: Option<PathBuf>,
-    task: Task,
+    cases: Vec<Case>,
     limits: Limits,
     /// The guard of points that are run alone, in forks.
     forking: Process,
@@ -45,11 +45,11 @@ impl Slot {
         [policy, apart]: [Arc<Policy>; 2],
         ground: Arc<Ground>,
         home: Option<&Path>,
-        task: &Task,
+        cases: &[Case],
         limits: Limits,
     ) -> Self {
         let guard = || {
-            let guard = Process::new(&ground.shared, &ground.name, task, limits);
+            let guard = Process::new(&ground.shared, &ground.name, cases, limits);
             guard.on(&ground).at(home).lasting()
         };
         let known = ground.changed().is_some();
@@ -60,7 +60,7 @@ impl Slot {
             apart,
             ground,
             home: home.map(Path::to_owned),
-            task: task.clone(),
+            cases: cases.to_vec(),
             limits,
             spent: [Spent::default(); 2],
         }
@@ -88,7 +88,7 @@ impl Slot {
             let own = own.map_err(|error| Gone::Start(error.to_string()))?;
             let shared = &self.ground;
             let fmu = own.as_ref().map_or(&*shared.shared, |own| own.path());
-            let guard = Process::new(fmu, &shared.name, &self.task, self.limits);
+            let guard = Process::new(fmu, &shared.name, &self.cases, self.limits);
             let guard = if own.is_none() {
                 guard.on(shared)
             } else {
@@ -555,12 +555,14 @@ impl Worker for Slot {
 fn speaks_of_the_fmu(found: &Found) -> bool {
     match found {
         Ok(_) | Err(Trouble::Failed { .. }) => true,
-        Err(Trouble::Lost(Failure::Crashed(text))) => {
-            let by_the_fmu = ["SIGSEGV", "SIGABRT", "SIGFPE", "SIGILL", "SIGBUS"];
-            by_the_fmu.iter().any(|signal| text.starts_with(signal))
-        }
-        Err(Trouble::Lost(Failure::Exited(..))) => true,
-        Err(Trouble::Lost(_) | Trouble::Refused { .. } | Trouble::Unloadable(_)) => false,
+        Err(Trouble::Lost(failure)) => match failure.cause() {
+            Failure::Crashed(text) => {
+                let by_the_fmu = ["SIGSEGV", "SIGABRT", "SIGFPE", "SIGILL", "SIGBUS"];
+                by_the_fmu.iter().any(|signal| text.starts_with(signal))
+            }
+            cause => matches!(cause, Failure::Exited(..)),
+        },
+        Err(Trouble::Refused { .. } | Trouble::Unloadable(_)) => false,
     }
 }
 

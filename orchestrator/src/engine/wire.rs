@@ -15,7 +15,7 @@ use super::{Job, Simulated};
 use crate::failure::Failure;
 use crate::notices::Notices;
 use crate::run::Habit;
-use crate::task::Task;
+use crate::task::Case;
 use fmu_import::{Content, Handle, Value};
 
 /// The first message to a guard.
@@ -27,8 +27,8 @@ pub(super) struct Setup {
     pub(super) name: PathBuf,
     /// The working directory, empty for each child; none where that is the supervisor's own.
     pub(super) place: Option<PathBuf>,
-    /// The simulation of a point.
-    pub(super) task: Task,
+    /// The simulations of a point. Those of several cases are ordered one by one: see [`join`](super::join).
+    pub(super) cases: Vec<Case>,
     /// The longest time that a point may take, s; none without a limit.
     pub(super) time: Option<f64>,
     /// The most memory that a child may occupy, bytes.
@@ -87,7 +87,10 @@ pub(super) struct Reply {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) enum Trouble {
     /// The FMU failed, and said so; its warnings before that.
-    Failed { failure: Failure, notices: Notices },
+    Failed {
+        failure: Failure,
+        notices: Box<Notices>,
+    },
     /// The FMU refused an instance; whether it spoke of a licence.
     Refused { failure: Failure, licence: bool },
     /// The process ended, or had to be ended.
@@ -137,10 +140,10 @@ pub(super) enum End {
     Failed(Failure),
 }
 
-/// Appends a job.
-pub(super) fn put_job(job: &Job, into: &mut Vec<u8>) {
-    into.extend(job.index.to_le_bytes());
-    put_numbers(&job.values, into);
+/// Appends a job: the index of a simulation, and the point's values.
+pub(super) fn put_job(index: u64, values: &[f64], into: &mut Vec<u8>) {
+    into.extend(index.to_le_bytes());
+    put_numbers(values, into);
 }
 
 /// Appends results.
@@ -344,12 +347,12 @@ mod tests {
         #[test]
         fn what_was_put_is_read(index: u64, values: Vec<f64>, text: String, start: f32) {
             let job = Job { index, values };
-            let notices = Notices { warnings: index, ..Notices::default() };
+            let notices = Box::new(Notices { warnings: index, ..Notices::default() });
             let trouble = Trouble::Failed { failure: Failure::Error(text), notices };
             let lost = Reply { index, answer: Err(trouble.clone()), start, forkable: Some(true) };
             let mut bytes = Vec::new();
             Way::Used(Habit::Renew).put(&mut bytes);
-            put_job(&job, &mut bytes);
+            put_job(job.index, &job.values, &mut bytes);
             put_results(index, start, &job.values, None, &mut bytes);
             put_reply(&lost, &mut bytes);
             let notices = Notices { warnings: index, ended: Some(0.5), ..Notices::default() };

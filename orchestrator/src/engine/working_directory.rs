@@ -13,8 +13,13 @@ use crate::task::Task;
 use fmu_import::{Description, Kind, Value};
 
 /// The folder within which working directories are made for the points of a study; none where points keep the user's.
-pub fn home<'a>(scratch: &'a Path, fmu: &Description, task: &Task) -> Option<&'a Path> {
-    (!named_by(fmu) && !named_in(task)).then_some(scratch)
+pub fn home<'a, 't>(
+    scratch: &'a Path,
+    fmu: &Description,
+    tasks: impl IntoIterator<Item = &'t Task>,
+) -> Option<&'a Path> {
+    let named = tasks.into_iter().any(named_in);
+    (!named_by(fmu) && !named).then_some(scratch)
 }
 
 /// Whether a text that the study sets is the relative path of something that exists.

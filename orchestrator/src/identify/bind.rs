@@ -10,7 +10,7 @@ use crate::study::identification::{
 use crate::study::plan::{Plan, find, slot_of};
 use crate::study::quantity::{Scale, Sense};
 use crate::study::{Name, Quantity as Text, Study, StudyError};
-use crate::task::{Probe, Slot, Task};
+use crate::task::{Case as Simulation, Probe, Slot};
 use fmu_import::units::Conversion;
 use fmu_import::{Description, Variable};
 
@@ -19,8 +19,8 @@ use fmu_import::{Description, Variable};
 pub struct Bound {
     /// The unknown parameters.
     pub problem: Problem,
-    /// The simulation of a case.
-    pub task: Task,
+    /// The simulations of a query: that of a case of the table, or those of all cases of the study that are fitted.
+    pub simulations: Vec<Simulation>,
     /// Each case's known parameters, in the FMU's units.
     pub known: Vec<Vec<f64>>,
     /// To the FMU's units: the free parameters, then the latent ones.
@@ -48,6 +48,19 @@ impl Bound {
             table: Columns::read(study, settings)?,
         }
         .bind()
+    }
+
+    /// Lets a variable take a value of each query.
+    pub(super) fn vary(&mut self, slot: Slot) {
+        for simulation in &mut self.simulations {
+            simulation.task.varied.push(slot.clone());
+        }
+    }
+
+    fn observe(&mut self, probe: Probe) {
+        for simulation in &mut self.simulations {
+            simulation.task.observed.push(probe.clone());
+        }
     }
 }
 
@@ -82,11 +95,14 @@ impl Binder<'_> {
             return Err(self.study.error(message).into());
         }
         self.refuse_doubles()?;
-        let mut task = Plan::new(self.study, self.fmu)?.task;
-        (task.varied, task.observed) = (Vec::new(), Vec::new());
+        let mut simulations = Plan::new(self.study, self.fmu)?.cases;
+        for simulation in &mut simulations {
+            simulation.task.varied.clear();
+            simulation.task.observed.clear();
+        }
         let mut bound = Bound {
             problem: Problem::default(),
-            task,
+            simulations,
             known: vec![Vec::new(); self.table.cases()],
             inputs: Vec::new(),
             outputs: Vec::new(),
@@ -173,7 +189,7 @@ impl Binder<'_> {
                     .map_err(|message| self.at(name, &message))?;
                 case.push(value);
             }
-            bound.task.varied.push(input.slot);
+            bound.vary(input.slot);
         }
         Ok(())
     }
@@ -193,7 +209,7 @@ impl Binder<'_> {
             }
             bound.problem.free.push(free);
             bound.inputs.push(input.scale.conversion);
-            bound.task.varied.push(input.slot);
+            bound.vary(input.slot);
         }
         Ok(())
     }
@@ -233,7 +249,7 @@ impl Binder<'_> {
                 unit: input.scale.unit.clone(),
             });
             bound.inputs.push(input.scale.conversion);
-            bound.task.varied.push(input.slot);
+            bound.vary(input.slot);
         }
         Ok(())
     }
@@ -271,7 +287,7 @@ impl Binder<'_> {
             } else {
                 back
             });
-            bound.task.observed.push(probe);
+            bound.observe(probe);
         }
         Ok(())
     }
@@ -308,7 +324,11 @@ impl Binder<'_> {
     }
 }
 
-fn free(name: &str, text: &FreeText, scale: &Scale<'_>) -> Result<Free, String> {
+/// An unknown parameter as the study states it.
+///
+/// # Errors
+/// When its numbers or their units do not fit.
+pub(super) fn free(name: &str, text: &FreeText, scale: &Scale<'_>) -> Result<Free, String> {
     let number = |quantity: &Text, sense| scale.number(quantity, sense);
     let prior = match (
         text.scale,

@@ -13,7 +13,8 @@
 //!
 //! These know nothing of FMUs: a model is anything that implements [`problem::Simulate`].
 //!
-//! - [`bind`] ties the section `[identify]` of a study to an FMU and a table,
+//! - [`bind`] ties the section `[identify]` of a study to an FMU and a table, [`from_study`] takes the cases of the study
+//!   as the data,
 //!   [`model`] asks the FMU for predictions;
 //! - [`outcome`] is the result for programs and for people.
 
@@ -22,6 +23,7 @@ mod cases;
 pub mod cross;
 pub mod discrepancy;
 pub mod error;
+pub mod from_study;
 pub mod local;
 pub mod model;
 pub mod objective;

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::local::End;
-use super::outcome::{DirectionOutcome, FreeOutcome, IdentificationOutcome};
+use super::outcome::{DirectionOutcome, FreeOutcome, IdentificationOutcome, Residual};
 
 /// The free parameters as the section `[fixed]` of a study.
 pub fn fixed_section(study: &str, place: usize, outcome: &IdentificationOutcome) -> String {
@@ -200,7 +200,27 @@ fn discrepancies(text: &mut String, outcome: &IdentificationOutcome) {
     }
 }
 
+/// The measured value that is missed most, where there are too many for a table.
+fn largest(text: &mut String, outcome: &IdentificationOutcome) {
+    let all = outcome.cases.iter().flat_map(|case| &case.residuals);
+    let missed = |residual: &&Residual| (residual.difference / residual.accuracy).abs();
+    let count = all.clone().count();
+    let Some(worst) = all.max_by(|a, b| missed(a).total_cmp(&missed(b))) else {
+        return;
+    };
+    let _ = writeln!(
+        text,
+        "\n{count} measured values; the largest misfit is {} standard uncertainties, of {}",
+        Digits(missed(&worst), 3),
+        worst.quantity
+    );
+}
+
 fn residuals(text: &mut String, outcome: &IdentificationOutcome) {
+    const MANY: usize = 12;
+    if outcome.worst.len() > MANY {
+        return largest(text, outcome);
+    }
     if outcome.ambiguous {
         let _ = write!(text, "\nAt optimum 1:");
     }

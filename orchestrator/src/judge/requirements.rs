@@ -22,10 +22,8 @@ pub(super) fn check_variable(
         Some(Causality::Parameter) => "a parameter",
         Some(Causality::Independent) => "the time",
         Some(_) => return Ok(()),
-        None if study.parameters.contains_key(name) || study.fixed.contains_key(name) => {
-            "a parameter"
-        }
-        None if study.inputs.contains_key(name) => "an input",
+        None if study.parameters.contains_key(name) || study.fixes(name, text) => "a parameter",
+        None if study.feeds(name, text) => "an input",
         None => return Ok(()),
     };
     let message = format!(

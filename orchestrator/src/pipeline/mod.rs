@@ -29,7 +29,7 @@ use crate::notices::Notices;
 use crate::results::finished::Finished;
 use crate::results::note::Note;
 use crate::results::{Journal, Outcome, ResultsError};
-use crate::task::Task;
+use crate::task::Case;
 use doubt::Doubt;
 use progress::Progress;
 
@@ -149,7 +149,7 @@ impl<'a> Pipeline<'a> {
     /// reads.
     pub fn new(
         model: &'a dyn Model,
-        crew: Option<(&'a Crew, &Task)>,
+        crew: Option<(&'a Crew, &[Case])>,
         journal: Journal,
         finished: Option<Finished>,
         shard: Option<Shard>,
@@ -169,9 +169,9 @@ impl<'a> Pipeline<'a> {
         Self {
             model,
             crew: crew.map(|(crew, _)| crew),
-            doubt: crew.map(|(crew, task)| Doubt::new(crew.auditor(task))),
+            doubt: crew.map(|(crew, cases)| Doubt::new(crew.auditor(cases))),
             repeats: Repeats::endless(0),
-            workers: crew.map_or_else(Vec::new, |(crew, task)| crew.workers(task)),
+            workers: crew.map_or_else(Vec::new, |(crew, cases)| crew.workers(cases)),
             noted: None,
             journal,
             finished: finished.map(Arc::new),

@@ -1,5 +1,6 @@
 //! A report from the folder that `verify` leaves behind.
 
+use super::cases::Cases;
 use super::format::count;
 use super::judgement::Judgement;
 use super::outlook::Outlook;
@@ -55,6 +56,7 @@ impl Report {
                 .iter()
                 .map(|(name, variant)| reading(name, variant))
                 .collect(),
+            cases: Cases::new(&summary),
             history: history::read(folder, &table),
             robustness: finding(folder, robustness::FILE, &summary),
             sensitivity: finding(folder, sensitivity::FILE, &summary),

@@ -8,8 +8,14 @@ use indexmap::IndexMap;
 use sampling::statistics::Statistic;
 use std::path::Path;
 
-/// The file: `time` in seconds, and the criteria's signals in the criteria's units.
-pub const FILE: &str = "best-point.csv";
+/// The file: `time` in seconds, and the criteria's signals in the criteria's units. Where the study has cases, each of them
+/// has a file, `best-point-1.csv` and so on, in the order of the study.
+pub fn file(case: Option<usize>) -> String {
+    match case {
+        Some(case) => format!("best-point-{}.csv", case + 1),
+        None => "best-point.csv".to_owned(),
+    }
+}
 
 /// The measured curves of the criteria that have one: criterion, `time` of the model in seconds, and value and expanded
 /// uncertainty in the criterion's unit.
@@ -21,23 +27,25 @@ pub const MEASURED_COLUMNS: [&str; 4] = ["criterion", "time", "value", "uncertai
 /// Reads the trajectory of a folder: a signal a variable, with the accepted range of the criterion.
 /// Nothing where there is no such file or it does not fit.
 pub fn read(folder: &Path, table: &PointTable) -> Vec<Series> {
-    let Some((time, signals)) = signals(folder) else {
-        return vec![];
-    };
     let mut curves = measured(&folder.join(MEASURED)).unwrap_or_default();
-    let series = |(name, values): Signal| {
+    let mut series = |time: &[f64], (name, values): Signal| {
         let criterion = table.criteria.iter().find(|c| c.name == name)?;
         Some(Series {
             measured: curves.swap_remove(&name),
             name,
             unit: criterion.unit.clone(),
-            time: time.clone(),
+            time: time.to_vec(),
             values,
             accepted: limits_the_signal(&criterion.source)
                 .then_some([criterion.lower, criterion.upper]),
         })
     };
-    signals.into_iter().filter_map(series).collect()
+    let mut all = Vec::new();
+    for (time, signals) in trajectories(folder) {
+        let own = signals.into_iter();
+        all.extend(own.filter_map(|signal| series(&time, signal)));
+    }
+    all
 }
 
 /// The measured curves by the names of their criteria.
@@ -60,9 +68,18 @@ fn measured(path: &Path) -> csv::Result<IndexMap<String, Measured>> {
 /// A criterion's name, and its signal in the criterion's unit.
 pub type Signal = (String, Vec<f64>);
 
-/// The time, s, and the signals by the names of their criteria; `None` where there is no such file or it is damaged.
-pub fn signals(folder: &Path) -> Option<(Vec<f64>, Vec<Signal>)> {
-    let (header, columns) = columns(&folder.join(FILE)).ok()?;
+/// The time, s, and the signals by the names of their criteria.
+pub type Trajectory = (Vec<f64>, Vec<Signal>);
+
+/// The trajectories of a folder: one, or one a case. None where there is no such file or it is damaged.
+pub fn trajectories(folder: &Path) -> Vec<Trajectory> {
+    let only = trajectory(&folder.join(file(None)));
+    let cases = (0..).map_while(|case| trajectory(&folder.join(file(Some(case)))));
+    only.map_or_else(|| cases.collect(), |only| vec![only])
+}
+
+fn trajectory(path: &Path) -> Option<Trajectory> {
+    let (header, columns) = columns(path).ok()?;
     let names = header.iter().map(|name| csv_file::text(name).to_owned());
     let mut columns = names.zip(columns);
     let (_, time) = columns.next()?;

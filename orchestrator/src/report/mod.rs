@@ -2,6 +2,7 @@
 
 mod best;
 pub mod bins;
+pub mod cases;
 mod counts;
 pub mod figures;
 pub mod format;
@@ -62,6 +63,8 @@ pub struct Report {
     pub intervals: Option<Intervals>,
     /// Counts by other readings of the tolerances.
     pub readings: Vec<Reading>,
+    /// Cases against criteria, where the study has cases.
+    pub cases: Option<cases::Cases>,
     /// The trajectory of the best point, if it was recorded.
     pub history: Vec<Series>,
     /// Sensitivity of the results to each parameter, where it was computed.

@@ -43,6 +43,7 @@ struct Page<'a> {
     rows: Vec<CountRow>,
     decisive: String,
     readings: Vec<ReadingRow>,
+    cases: Option<&'a super::cases::Cases>,
     interval_method: &'a str,
     /// Whether shares have intervals: those of a grid have none.
     intervals: bool,
@@ -146,6 +147,7 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
         rows: count_rows(table, &counted, judgement, total),
         decisive: decisive(table, &counted, total),
         readings: readings(report, &counted),
+        cases: report.cases.as_ref(),
         interval_method: report
             .intervals
             .as_ref()

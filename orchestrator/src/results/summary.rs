@@ -54,6 +54,9 @@ pub struct Summary {
     pub criteria: IndexMap<String, CriterionCount>,
     /// Counts by group of criteria: points that meet all of the group.
     pub groups: IndexMap<String, Count>,
+    /// By case, where the study has any.
+    #[serde(default, skip_serializing_if = "IndexMap::is_empty")]
+    pub cases: IndexMap<String, CaseCount>,
     /// Counts by other readings of the tolerances.
     pub variants: IndexMap<String, VariantCount>,
     /// How many points failed for which reason.
@@ -177,6 +180,20 @@ pub struct Count {
     pub fraction: f64,
     /// 95 % interval of the share; none of a grid.
     pub interval: Option<[f64; 2]>,
+}
+
+/// A case and how many points hold in it: meet all its criteria.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct CaseCount {
+    /// The count.
+    #[serde(flatten)]
+    pub count: Count,
+    /// Points whose simulation of this case has no result.
+    pub failed: u64,
+    /// Whether the case is judged as any other one, but not used by `identify`.
+    pub held_out: bool,
+    /// The names of its criteria.
+    pub criteria: Vec<String>,
 }
 
 /// A criterion and how many points meet it.

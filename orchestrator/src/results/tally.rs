@@ -1,13 +1,15 @@
 //! The counts of `summary.json`.
 
+use std::ops::Range;
+
 use indexmap::IndexMap;
 
 use super::Outcome;
 use super::conclusion::{Conclusion, Ruling};
 use super::failed;
 use super::summary::{
-    BestPoint, Correlated, Count, CriterionCount, FailedPoint, ParameterSummary, Provenance,
-    Summary, VariantCount,
+    BestPoint, CaseCount, Correlated, Count, CriterionCount, FailedPoint, ParameterSummary,
+    Provenance, Summary, VariantCount,
 };
 use crate::judge::{Judge, PointVerdict, Variant};
 use conformity::decision::randomised;
@@ -37,6 +39,13 @@ struct Shares {
 }
 
 impl Shares {
+    fn none(replicates: usize, grid: bool) -> Self {
+        Self {
+            counts: vec![0; replicates],
+            grid,
+        }
+    }
+
     fn add(&mut self, replicate: usize, passed: bool) {
         self.counts[replicate] += u64::from(passed);
     }
@@ -60,6 +69,10 @@ pub struct Tally<'a> {
     variants: Vec<Counts>,
     binds: Vec<u64>,
     only_failure: Vec<u64>,
+    /// By case: points that hold in it.
+    held: Vec<Shares>,
+    /// By case: points whose simulation of it has no result.
+    lost: Vec<u64>,
     risk: RiskTally,
     best: Option<Best>,
 }
@@ -82,10 +95,7 @@ struct Best {
 
 impl Counts {
     fn new(judge: &Judge, replicates: usize, grid: bool) -> Self {
-        let none = Shares {
-            counts: vec![0; replicates],
-            grid,
-        };
+        let none = Shares::none(replicates, grid);
         Self {
             verified: none.clone(),
             criteria: vec![none.clone(); judge.criteria.len()],
@@ -154,6 +164,8 @@ impl<'a> Tally<'a> {
             variants: judge.variants.iter().map(|_| none()).collect(),
             binds: vec![0; judge.criteria.len()],
             only_failure: vec![0; judge.criteria.len()],
+            held: vec![Shares::none(replicates, grid); judge.cases.len()],
+            lost: vec![0; judge.cases.len()],
             risk: RiskTally::new(&judge.measurement, judge.guard, replicates as u64),
             best: None,
         }
@@ -173,7 +185,8 @@ impl<'a> Tally<'a> {
         let replicate = (self.points % self.replicates as u64) as usize;
         self.points += 1;
         let values = outcome.as_deref().ok();
-        let verdict = self.judge.verdict(values);
+        let verdict = self.judge.judged(outcome.as_deref());
+        self.count_cases(outcome, &verdict, replicate);
         let conformity = values.map(|values| self.judge.measurement.assess(values));
         self.risk.add(conformity.as_ref());
         self.own.add(self.judge, &verdict, replicate);
@@ -196,6 +209,39 @@ impl<'a> Tally<'a> {
             }
         }
         verdict
+    }
+
+    fn count_cases(&mut self, outcome: &Outcome, verdict: &PointVerdict, replicate: usize) {
+        for (number, case) in self.judge.cases.iter().enumerate() {
+            let members = case.members.clone();
+            let holds = verdict.passed[members.clone()].iter().all(|&passed| passed);
+            self.held[number].add(replicate, holds);
+            let is_lost = outcome
+                .as_ref()
+                .err()
+                .is_some_and(|failure| members.into_iter().any(|k| failure.value(k).is_none()));
+            self.lost[number] += u64::from(is_lost);
+        }
+    }
+
+    fn cases(&self) -> IndexMap<String, CaseCount> {
+        let counts = self.held.iter().zip(&self.lost);
+        let names = |members: Range<usize>| {
+            let criteria = self.judge.criteria[members].iter();
+            criteria.map(|criterion| criterion.name.clone()).collect()
+        };
+        let cases = self.judge.cases.iter().zip(counts);
+        cases
+            .map(|(case, (held, lost))| {
+                let count = CaseCount {
+                    count: Count::new(held, self.points),
+                    failed: *lost,
+                    held_out: case.held_out,
+                    criteria: names(case.members.clone()),
+                };
+                (case.name.clone(), count)
+            })
+            .collect()
     }
 
     /// Notes which criterion decides at a point.
@@ -317,6 +363,7 @@ impl<'a> Tally<'a> {
             uncertainty_correlations: correlations(judge),
             criteria: criteria.collect(),
             groups: self.own.by_group(judge, points),
+            cases: self.cases(),
             variants: variants
                 .map(|(variant, counts)| self.variant(variant, counts))
                 .collect(),

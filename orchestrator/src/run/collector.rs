@@ -122,6 +122,9 @@ impl Comparison {
                 }
             }
         };
+        if measured.reads {
+            return model.first().copied().unwrap_or(f64::NAN);
+        }
         let pair = Pair {
             band: &measured.band,
             normaliser: measured.normaliser,
@@ -162,6 +165,7 @@ mod tests {
             delay,
             factor: 10.0,
             offset: 0.0,
+            reads: false,
         };
         Probe {
             name: "y".to_owned(),

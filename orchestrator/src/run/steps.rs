@@ -14,7 +14,7 @@ impl Runner {
         points: &CommunicationPoints,
         steps: Range<u64>,
     ) -> Result<(), Call> {
-        if !self.task.inputs.is_empty() || WATCH && !self.slow.is_empty() {
+        if !self.scene.task.inputs.is_empty() || WATCH && !self.scene.slow.is_empty() {
             return self.advance_each::<WATCH>(instance, points, steps);
         }
         let [before, even, after] = points.parts(steps);
@@ -38,8 +38,8 @@ impl Runner {
         for index in steps {
             let (time, next) = (points.at(index), points.at(index + 1));
             let step = next - time;
-            feed(&self.task, instance, time)?;
-            ramp(&self.task, instance, time, next)?;
+            feed(&self.scene.task, instance, time)?;
+            ramp(&self.scene.task, instance, time, next)?;
             instance.step(time, step)?;
             if WATCH {
                 self.watch(instance, time, step)?;
@@ -57,7 +57,7 @@ impl Runner {
         points: &CommunicationPoints,
         steps: Range<u64>,
     ) -> Result<(), Call> {
-        let watched = &mut self.watched;
+        let watched = &mut self.scene.watched;
         let mut first = steps.start;
         while first < steps.end {
             let count = watched.steps.fill(points, first..steps.end, watched.most);
@@ -79,13 +79,13 @@ impl Runner {
         last: f64,
         elapsed: f64,
     ) -> Result<(), Call> {
-        self.watched.read(instance, last, elapsed)?;
+        self.scene.watched.read(instance, last, elapsed)?;
         self.watch_others(instance, elapsed)
     }
 
     fn watch_others(&mut self, instance: &mut Instance, elapsed: f64) -> Result<(), Call> {
-        for (index, accumulator) in &mut self.slow {
-            accumulator.add(elapsed, self.task.observed[*index].read(instance)?);
+        for (index, accumulator) in &mut self.scene.slow {
+            accumulator.add(elapsed, self.scene.task.observed[*index].read(instance)?);
         }
         Ok(())
     }

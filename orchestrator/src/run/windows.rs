@@ -33,7 +33,8 @@ impl Gauge<'_> {
 impl Runner {
     /// Whether a criterion has a window of its own.
     pub(super) fn has_windows(&self) -> bool {
-        self.task
+        self.scene
+            .task
             .observed
             .iter()
             .any(|probe| probe.window.is_some())
@@ -45,7 +46,7 @@ impl Runner {
         instance: &mut Instance,
         values: &[f64],
     ) -> Result<(), Call> {
-        let task = self.task.clone();
+        let task = self.scene.task.clone();
         let points = task.schedule.points();
         let mut gauges: Vec<Gauge<'_>> = task
             .observed
@@ -85,7 +86,7 @@ impl Runner {
             self.until_its_end(Err(call))?;
             break;
         }
-        for (gauge, result) in gauges.iter_mut().zip(&mut self.results) {
+        for (gauge, result) in gauges.iter_mut().zip(&mut self.scene.results) {
             let span = gauge.seen.map_or(f64::NAN, |[first, last]| last - first);
             // Without a value there is no result, which is found out by everyone who asks for one.
             *result = if span.is_nan() {

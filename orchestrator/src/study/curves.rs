@@ -55,6 +55,7 @@ impl Binder<'_> {
             delay,
             factor: back.difference(1.0),
             offset: back.value(0.0),
+            reads: false,
         };
         self.check_span(reference, &measured)?;
         Ok(measured)

@@ -71,6 +71,26 @@ pub struct Identification {
     pub measured: IndexMap<Name, MeasuredText>,
 }
 
+impl Default for Identification {
+    /// The usual effort, and nothing to be found.
+    fn default() -> Self {
+        Self {
+            cases: None,
+            starts: starts(),
+            descents: descents(),
+            iterations: iterations(),
+            seed: seed(),
+            posterior: None,
+            posterior_start: PosteriorStart::default(),
+            difference: difference(),
+            free: IndexMap::new(),
+            known: IndexMap::new(),
+            latent: IndexMap::new(),
+            measured: IndexMap::new(),
+        }
+    }
+}
+
 const fn starts() -> u64 {
     64
 }

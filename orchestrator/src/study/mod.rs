@@ -2,6 +2,7 @@
 //!
 //! [`Study`] is the content of the TOML file, [`plan`] ties it to an FMU.
 
+pub mod cases;
 mod curves;
 pub mod dossier;
 mod error;
@@ -79,6 +80,10 @@ pub struct Study {
     /// The criteria: measured values with their tolerances.
     #[serde(default)]
     pub criteria: IndexMap<Name, CriterionText>,
+    /// Operating points or tests of the model, each with inputs, fixed values and criteria of its own. Where there are
+    /// any, the criteria stand in [`criteria`](Self::criteria), case by case, with names such as `CASE/NAME`.
+    #[serde(default)]
+    pub cases: Vec<CaseText>,
     /// Which measured values' errors are correlated, and how.
     #[serde(default)]
     pub uncertainty_correlations: Vec<Spanned<Pair>>,
@@ -111,6 +116,32 @@ pub struct Study {
     base: Option<PathBuf>,
 }
 
+/// An operating point or a test of the model. The parameters are common to all cases; what a case gives itself counts more
+/// than what the study gives for all.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct CaseText {
+    /// Its name, which begins the names of its criteria.
+    pub name: Name,
+    /// A remark for people.
+    pub about: Option<String>,
+    /// How long and in which steps, as far as that differs from the section `[simulation]`.
+    #[serde(default)]
+    pub simulation: Simulation,
+    /// Start values, by the names of FMU variables.
+    #[serde(default)]
+    pub fixed: IndexMap<Name, Spanned<Setting>>,
+    /// Inputs that follow a recording, by the names of FMU variables.
+    #[serde(default)]
+    pub inputs: IndexMap<Name, RecordingText>,
+    /// The criteria.
+    #[serde(default)]
+    pub criteria: IndexMap<Name, CriterionText>,
+    /// Whether the case is judged as any other one, but never fitted.
+    #[serde(default)]
+    pub held_out: bool,
+}
+
 /// How long and in which steps.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
@@ -127,9 +158,8 @@ pub struct Simulation {
     pub warm_up: Option<f64>,
     /// Statistics take this long at the end, s.
     pub window: Option<f64>,
-    /// Cover the time before the window of the statistics in a single communication step.
-    #[serde(default)]
-    pub leap: bool,
+    /// Cover the time before the window of the statistics in a single communication step; no otherwise.
+    pub leap: Option<bool>,
 }
 
 /// The name of a distribution.
@@ -271,6 +301,9 @@ pub struct CriterionText {
     pub column_unit: Option<String>,
     /// A remark for people.
     pub about: Option<String>,
+    /// The number of its case, where the study has cases.
+    #[serde(skip)]
+    pub case: Option<usize>,
 }
 
 /// The rule for the model as a whole.
@@ -319,6 +352,7 @@ impl Study {
         let mut study: Self = toml::from_str(&text).map_err(|error| place.toml(&error))?;
         study.path = path.to_owned();
         study.text = text;
+        study.spread_criteria()?;
         Ok(study)
     }
 
@@ -369,7 +403,9 @@ impl Study {
     /// hexadecimal digits.
     pub fn digest(&self) -> String {
         let mut bytes = self.text.clone().into_bytes();
-        let inputs = self.inputs.values().map(|input| &input.file);
+        let of_cases = self.cases.iter().flat_map(|case| case.inputs.values());
+        let inputs = self.inputs.values().chain(of_cases);
+        let inputs = inputs.map(|input| &input.file);
         let curves = self
             .criteria
             .values()

@@ -1,14 +1,17 @@
 //! Ties a study to an FMU: names become variables, units convert, numbers are checked.
 
+use std::ops::Range;
+
 use serde::Serialize;
 use toml::Spanned;
 
 use super::curves::Binder as CurveBinder;
 use super::quantity::Scale;
 use super::{
-    CriterionText, Name, ParameterText, Setting, Study, StudyError, inputs, points, samples, ssv,
+    CaseText, CriterionText, Name, ParameterText, Setting, Study, StudyError, inputs, points,
+    samples, ssv,
 };
-use crate::task::{MeasuredCurve, Probe, Schedule, Slot, Task};
+use crate::task::{Case, MeasuredCurve, Probe, Schedule, Slot, Task};
 use fmu_import::units::Conversion;
 use fmu_import::{Content, Description, Handle, Value, Variable};
 use sampling::design::correlation::Correlation;
@@ -20,8 +23,11 @@ pub use super::values::{find, slot_of, value_of};
 /// A study that fits an FMU.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// The simulation of a point, in the FMU's own terms.
-    pub task: Task,
+    /// The simulations of a point, in the FMU's own terms: one, or one a case of the study. Their results, one after the
+    /// other, are those of the criteria in the order of the study.
+    pub cases: Vec<Case>,
+    /// The variables that take the parameters' values.
+    pub slots: Vec<Slot>,
     /// The parameters, in the order of the study.
     pub inputs: Vec<Input>,
     /// From the FMU's unit to the study's, a criterion each.
@@ -55,23 +61,24 @@ impl Plan {
     /// # Errors
     /// With line and column, when a name, a unit or a number of the study doesn't fit.
     pub fn new(study: &Study, fmu: &Description) -> Result<Self, StudyError> {
-        let binder = Binder { study, fmu };
         points::check(study)?;
+        let binder = Binder { study, fmu };
         let (mut inputs, varied) = binder.parameters()?;
         let joints = binder.samples(&mut inputs)?;
         binder.within(&inputs, &varied)?;
-        let mut schedule = binder.schedule()?;
-        let (outputs, observed) = binder.criteria(&schedule)?;
-        let observed = binder.windows(&mut schedule, observed)?;
-        let task = Task {
-            schedule,
-            fixed: binder.fixed()?,
-            varied,
-            inputs: inputs::series(study, fmu, &schedule)?,
-            observed,
-        };
+        let (mut cases, mut outputs) = (Vec::new(), Vec::new());
+        for (case, study) in study.by_case() {
+            let binder = Binder { study: &study, fmu };
+            let (own, task) = binder.task(case, varied.clone())?;
+            outputs.extend(own);
+            cases.push(Case {
+                name: case.map(|case| case.name.as_ref().clone()),
+                task,
+            });
+        }
         Ok(Self {
-            task,
+            cases,
+            slots: varied,
             inputs,
             outputs,
             levels: study.parameters.values().map(|p| p.levels).collect(),
@@ -216,7 +223,7 @@ impl Plan {
                 )
             })
         };
-        let pairs = self.inputs.iter().zip(&self.task.varied);
+        let pairs = self.inputs.iter().zip(&self.slots);
         pairs.filter_map(concern).collect()
     }
 
@@ -238,6 +245,25 @@ impl Plan {
         few.map(concern).collect()
     }
 
+    /// What is observed of each criterion, in the order of the study.
+    pub fn probes(&self) -> impl Iterator<Item = &Probe> {
+        self.cases.iter().flat_map(|case| &case.task.observed)
+    }
+
+    /// The same, each with the number of its case.
+    pub fn placed_probes(&self) -> impl Iterator<Item = (usize, &Probe)> {
+        let cases = self.cases.iter().enumerate();
+        cases.flat_map(|(number, case)| case.task.observed.iter().map(move |probe| (number, probe)))
+    }
+
+    /// Which of the study's criteria a case has.
+    pub fn criteria_of(&self, case: usize) -> Range<usize> {
+        let before = self.cases.iter().take(case);
+        let first = before.map(|case| case.task.observed.len()).sum();
+        let own = self.cases.get(case);
+        first..first + own.map_or(0, |case| case.task.observed.len())
+    }
+
     /// A point's parameters in the FMU's units.
     pub fn to_fmu(&self, parameters: &[f64], into: &mut Vec<f64>) {
         into.clear();
@@ -249,7 +275,7 @@ impl Plan {
     pub fn to_study(&self, values: &mut [f64]) {
         for (value, (conversion, probe)) in values
             .iter_mut()
-            .zip(self.outputs.iter().zip(&self.task.observed))
+            .zip(self.outputs.iter().zip(self.probes()))
             // A curve's number is in the study's unit already.
             .filter(|(_, (_, probe))| probe.curve.is_none())
         {
@@ -269,6 +295,32 @@ struct Binder<'a> {
 }
 
 impl Binder<'_> {
+    /// The simulation of a point, and from the FMU's units to the study's, a criterion each.
+    fn task(
+        &self,
+        case: Option<&CaseText>,
+        varied: Vec<Slot>,
+    ) -> Result<(Vec<Conversion>, Task), StudyError> {
+        let mut schedule = self.schedule().map_err(|message| match case {
+            None => self.study.error(format!("[simulation] {message}")),
+            Some(case) => {
+                let name = case.name.as_ref();
+                let message = format!("the simulation of the case `{name}`: {message}");
+                self.study.error_at(&case.name, message)
+            }
+        })?;
+        let (outputs, observed) = self.criteria(&schedule)?;
+        let observed = self.windows(&mut schedule, observed)?;
+        let task = Task {
+            schedule,
+            fixed: self.fixed()?,
+            varied,
+            inputs: inputs::series(self.study, self.fmu, &schedule)?,
+            observed,
+        };
+        Ok((outputs, task))
+    }
+
     fn variable<T: AsRef<str>>(&self, name: &Spanned<T>) -> Result<&Variable, StudyError> {
         find(self.fmu, name.as_ref().as_ref()).map_err(|message| self.study.error_at(name, message))
     }
@@ -474,7 +526,7 @@ impl Binder<'_> {
             .collect())
     }
 
-    fn schedule(&self) -> Result<Schedule, StudyError> {
+    fn schedule(&self) -> Result<Schedule, String> {
         let simulation = &self.study.simulation;
         let experiment = Schedule::suggested(self.fmu);
         let start = simulation.start.unwrap_or(experiment.start);
@@ -484,21 +536,18 @@ impl Binder<'_> {
             stop,
             step: simulation.step.unwrap_or(experiment.step),
             window_start: start,
-            leap: simulation.leap,
+            leap: simulation.leap.unwrap_or(false),
             tolerance: simulation.tolerance.or(experiment.tolerance),
         };
         schedule.window_start = match (simulation.warm_up, simulation.window) {
             (Some(_), Some(_)) => {
-                let message = "[simulation] has both warm-up and window; keep one";
-                return Err(self.study.error(message));
+                return Err("both warm-up and window are given; keep one".to_owned());
             }
             (Some(warm_up), None) => start + warm_up,
             (None, Some(window)) => stop - window,
             (None, None) => start,
         };
-        schedule
-            .check()
-            .map_err(|message| self.study.error(format!("[simulation] {message}")))?;
+        schedule.check()?;
         Ok(schedule)
     }
 }

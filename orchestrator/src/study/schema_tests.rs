@@ -49,6 +49,7 @@ fn the_schema_has_exactly_the_keys_that_the_reader_takes() {
         ("correlation", "[[correlations]]\n"),
         ("recording", "[inputs.x]\n"),
         ("criterion", "[criteria.x]\n"),
+        ("case", "[[cases]]\n"),
         ("verdict", "[verdict]\n"),
         ("dossier", "[dossier]\n"),
         ("variant", "[variants.x]\n"),

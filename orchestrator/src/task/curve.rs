@@ -26,6 +26,10 @@ pub struct MeasuredCurve {
     pub factor: f64,
     /// See `factor`.
     pub offset: f64,
+    /// Whether the result is the model's value at the first of the times, in the criterion's unit, and no metric of both
+    /// curves.
+    #[serde(default)]
+    pub reads: bool,
 }
 
 /// By how much a measurement is late: its value at `t` belongs to the model's at `t - delay`.

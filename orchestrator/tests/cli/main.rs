@@ -4,6 +4,7 @@
 
 mod analysis;
 mod broken;
+mod cases;
 mod commands;
 mod concerns;
 mod curves;

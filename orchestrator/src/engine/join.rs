@@ -1,0 +1,298 @@
+//! Points of several cases: each case is ordered from a guard as a simulation of its own, and their replies become
+//! one.
+//!
+//! So whoever separates processes separates cases as strictly as points, and whoever asks for points sees one answer with
+//! the results of all cases, the first case first. The index of a simulation is that of its point times the number of
+//! cases, plus the number of its case.
+
+use std::collections::BTreeMap;
+
+use super::wire::{Reply, Trouble};
+use super::{Job, Simulated};
+use crate::failure::{Failure, OfCase};
+use crate::notices::Notices;
+use crate::task::Case;
+
+/// The outcome of one simulation.
+type Found = Result<Simulated, Trouble>;
+
+/// The indexes of a point's simulations, each with the point's values.
+pub(super) fn split(job: &Job, cases: usize) -> impl Iterator<Item = (u64, &[f64])> {
+    let first = job.index * cases as u64;
+    (first..first + cases as u64).map(|index| (index, &job.values[..]))
+}
+
+/// The number of the case of a simulation.
+pub(super) fn case_of(index: u64, cases: usize) -> usize {
+    // Less than the number of cases, which is none of 64 bits where there is another width.
+    usize::try_from(index % (cases as u64).max(1)).unwrap_or(0)
+}
+
+/// The part of a case in the results of a point.
+#[derive(Clone, Debug)]
+pub(super) struct Part {
+    /// The case's name.
+    name: String,
+    /// How many results it has.
+    results: usize,
+}
+
+/// The parts of all cases.
+pub(super) fn parts(cases: &[Case]) -> Vec<Part> {
+    let part = |case: &Case| Part {
+        name: case.name.clone().unwrap_or_default(),
+        results: case.task.observed.len(),
+    };
+    cases.iter().map(part).collect()
+}
+
+/// The simulations of points that are not complete yet.
+#[derive(Debug)]
+pub(super) struct Join {
+    cases: Vec<Part>,
+    open: BTreeMap<u64, Vec<Option<Reply>>>,
+}
+
+impl Join {
+    pub(super) fn new(cases: &[Case]) -> Self {
+        Self {
+            cases: parts(cases),
+            open: BTreeMap::new(),
+        }
+    }
+
+    /// Takes the reply of a simulation; gives that of its point once it is the last one.
+    pub(super) fn add(&mut self, reply: Reply) -> Option<Reply> {
+        let count = self.cases.len();
+        if count == 1 {
+            return Some(reply);
+        }
+        let (point, case) = (
+            reply.index / (count as u64).max(1),
+            case_of(reply.index, count),
+        );
+        let replies = self.open.entry(point).or_insert_with(|| vec![None; count]);
+        *replies.get_mut(case)? = Some(reply);
+        if replies.iter().any(Option::is_none) {
+            return None;
+        }
+        let replies: Vec<Reply> = self.open.remove(&point)?.into_iter().flatten().collect();
+        // Every process made an instance; the slowest one says how dear that is.
+        let start = replies.iter().map(|reply| reply.start).fold(0.0, f32::max);
+        let forkable = replies.iter().map(|reply| reply.forkable);
+        let forkable = forkable.reduce(|one, other| Some(one? && other?));
+        let answers = replies.into_iter().map(|reply| reply.answer).collect();
+        Some(Reply {
+            index: point,
+            answer: joined(&self.cases, answers),
+            start,
+            forkable: forkable.flatten(),
+        })
+    }
+}
+
+/// The outcome of a point: the results of all cases, or the failure of the first one of the gravest kind.
+pub(super) fn joined(cases: &[Part], found: Vec<Found>) -> Found {
+    let name = |case: usize| {
+        cases
+            .get(case)
+            .map_or_else(String::new, |part| part.name.clone())
+    };
+    let mut notices = Notices::default();
+    for (case, found) in found.iter().enumerate() {
+        if let Some(own) = said(found) {
+            notices.add(own, &name(case));
+        }
+    }
+    let gravest = (0..found.len()).filter(|&case| found[case].is_err());
+    let Some(worst) = gravest.min_by_key(|&case| rank(&found[case])) else {
+        let values = found.into_iter().flatten().flat_map(|found| found.values);
+        return Ok(Simulated {
+            values: values.collect(),
+            notices: (!notices.is_empty()).then(|| Box::new(notices)),
+        });
+    };
+    let values = cases.iter().zip(&found);
+    let values = values.flat_map(|(case, found)| known(found, case.results));
+    let values: Vec<Option<f64>> = values.collect();
+    let of_case = |failure: Failure| {
+        Failure::InCase(Box::new(OfCase {
+            case: name(worst),
+            failure: without_values(failure),
+            values: values.clone(),
+        }))
+    };
+    match found.into_iter().nth(worst) {
+        Some(Err(Trouble::Failed { failure, .. })) => Err(Trouble::Failed {
+            failure: of_case(failure),
+            notices: Box::new(notices),
+        }),
+        Some(Err(Trouble::Refused { failure, licence })) => Err(Trouble::Refused {
+            failure: of_case(failure),
+            licence,
+        }),
+        Some(Err(Trouble::Lost(failure))) => Err(Trouble::Lost(of_case(failure))),
+        Some(other) => other,
+        None => Err(Trouble::Lost(Failure::Crashed("no answer came".to_owned()))),
+    }
+}
+
+/// What decides first about the point: an FMU that cannot be loaded or gives no instance is no matter of one case.
+fn rank(found: &Found) -> u8 {
+    match found {
+        Err(Trouble::Unloadable(_)) => 0,
+        Err(Trouble::Refused { .. }) => 1,
+        Err(Trouble::Lost(_)) => 2,
+        Err(Trouble::Failed { .. }) => 3,
+        Ok(_) => 4,
+    }
+}
+
+/// The FMU's remarks in one case.
+fn said(found: &Found) -> Option<&Notices> {
+    match found {
+        Ok(found) => found.notices.as_deref(),
+        Err(trouble) => trouble.notices(),
+    }
+}
+
+/// The results of a case, as far as there are any.
+fn known(found: &Found, count: usize) -> Vec<Option<f64>> {
+    let values = |failure: &Failure| (0..count).map(|k| failure.value(k)).collect();
+    match found {
+        Ok(found) => found.values.iter().copied().map(Some).collect(),
+        Err(Trouble::Failed { failure, .. } | Trouble::Lost(failure)) => values(failure),
+        Err(Trouble::Refused { .. } | Trouble::Unloadable(_)) => vec![None; count],
+    }
+}
+
+/// The same failure; its values stand among those of all cases.
+fn without_values(mut failure: Failure) -> Failure {
+    if let Failure::NotFinite(partial) = &mut failure {
+        partial.values.clear();
+    }
+    failure
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::failure::Partial;
+    use crate::task::{Probe, Schedule, Task};
+    use fmu_import::{Content, Handle};
+    use sampling::statistics::Statistic;
+
+    /// Two cases with two results each.
+    fn cases() -> Vec<Case> {
+        let probe = Probe {
+            name: "y".to_owned(),
+            handle: Handle {
+                reference: 0,
+                content: Content::Real,
+            },
+            statistic: Statistic::Final,
+            window: None,
+            curve: None,
+        };
+        let task = Task {
+            schedule: Schedule {
+                start: 0.0,
+                stop: 1.0,
+                step: 1.0,
+                window_start: 0.0,
+                leap: false,
+                tolerance: None,
+            },
+            fixed: Vec::new(),
+            varied: Vec::new(),
+            inputs: Vec::new(),
+            observed: vec![probe.clone(), probe],
+        };
+        let case = |name: &str| Case {
+            name: Some(name.to_owned()),
+            task: task.clone(),
+        };
+        vec![case("slow"), case("fast")]
+    }
+
+    fn reply(index: u64, answer: Found) -> Reply {
+        Reply {
+            index,
+            answer,
+            start: 0.5,
+            forkable: Some(true),
+        }
+    }
+
+    fn failed(failure: Failure) -> Found {
+        let notices = Box::default();
+        Err(Trouble::Failed { failure, notices })
+    }
+
+    #[test]
+    fn a_point_is_answered_with_its_last_case_whatever_the_order() {
+        let cases = cases();
+        let mut join = Join::new(&cases);
+        let job = |index| Job {
+            index,
+            values: vec![7.0],
+        };
+        let runs: Vec<(u64, usize)> = [job(3), job(4)]
+            .iter()
+            .flat_map(|job| split(job, 2))
+            .map(|(index, _)| (index, case_of(index, 2)))
+            .collect();
+        assert_eq!(runs, [(6, 0), (7, 1), (8, 0), (9, 1)]);
+        assert!(join.add(reply(9, Ok(vec![3.0, 4.0].into()))).is_none());
+        assert!(join.add(reply(6, Ok(vec![5.0, 6.0].into()))).is_none());
+        let point = join.add(reply(8, Ok(vec![1.0, 2.0].into()))).unwrap();
+        assert_eq!((point.index, point.forkable), (4, Some(true)));
+        assert_eq!(point.answer.unwrap().values, [1.0, 2.0, 3.0, 4.0]);
+    }
+
+    #[test]
+    fn a_broken_case_costs_the_point_and_is_named() {
+        let good = || Ok(vec![1.0, 2.0].into());
+        let broken = joined(&parts(&cases()), vec![good(), failed(Failure::Timeout)]).unwrap_err();
+        let failure = broken.failure();
+        assert_eq!(failure.to_string(), "case fast: timeout");
+        let values = |failure: &Failure| [0, 1, 2, 3].map(|k| failure.value(k));
+        assert_eq!(values(&failure), [Some(1.0), Some(2.0), None, None]);
+        // A result that is no number keeps the others of its case.
+        let partial = Failure::NotFinite(Partial::new("y", &[3.0, f64::NAN]));
+        let failure = joined(&parts(&cases()), vec![failed(partial), good()])
+            .unwrap_err()
+            .failure();
+        assert_eq!(failure.to_string(), "case slow: not finite: y");
+        assert_eq!(values(&failure), [Some(3.0), None, Some(1.0), Some(2.0)]);
+    }
+
+    #[test]
+    fn what_befalls_the_process_comes_before_what_the_fmu_says() {
+        let lost = || Err(Trouble::Lost(Failure::Timeout));
+        let said = || failed(Failure::Error("no".to_owned()));
+        let worst = joined(&parts(&cases()), vec![said(), lost()]).unwrap_err();
+        assert!(matches!(worst, Trouble::Lost(_)), "{worst:?}");
+        let unloadable = Err(Trouble::Unloadable("no file".to_owned()));
+        let worst = joined(&parts(&cases()), vec![lost(), unloadable]).unwrap_err();
+        assert_eq!(worst.failure(), Failure::Unloadable("no file".to_owned()));
+    }
+
+    #[test]
+    fn warnings_of_all_cases_are_counted() {
+        let warned = |count, text: &str| {
+            Ok(Simulated {
+                values: vec![0.0, 0.0],
+                notices: Some(Box::new(Notices {
+                    warnings: count,
+                    first_warning: Some(text.to_owned()),
+                    ..Notices::default()
+                })),
+            })
+        };
+        let found = joined(&parts(&cases()), vec![warned(2, "hot"), warned(3, "cold")]).unwrap();
+        let notices = found.notices.unwrap();
+        assert_eq!(notices.warnings, 5);
+        assert_eq!(notices.first_warning.as_deref(), Some("case slow: hot"));
+    }
+}
