@@ -4,8 +4,8 @@ use super::format::count;
 use super::judgement::Judgement;
 use super::outlook::Outlook;
 use super::{
-    Intervals, Reading, Report, ReportError, Whole, history, pareto, robustness, sensitivity,
-    tolerances,
+    Intervals, Reading, Report, ReportError, Whole, again, history, pareto, robustness,
+    sensitivity, tolerances,
 };
 use crate::analysis::from_results::{self, FolderError};
 use crate::engine::Conduct;
@@ -29,22 +29,11 @@ impl Report {
         let (summary, table) = from_results::read_some(folder, choice::MOST)?;
         let study_text = std::fs::read_to_string(folder.join("study.toml")).unwrap_or_default();
         let p = &summary.provenance;
-        let seed = p
-            .seed
-            .map(|seed| format!(" --seed {seed}"))
-            .unwrap_or_default();
         Ok(Self {
             study: summary.title.clone().unwrap_or_else(|| p.study.clone()),
             model: p.fmu.clone().unwrap_or_default(),
             date: summary.run.iter().map(|run| run.date.clone()).collect(),
-            command: match (&p.fmu, p.method.as_str()) {
-                (None, _) => format!("orchestrator judge {} TABLE.csv", p.study),
-                (_, "table") => format!("orchestrator verify {} --points-from TABLE.csv", p.study),
-                _ => format!(
-                    "orchestrator verify {} --points {}{seed}",
-                    p.study, summary.points
-                ),
-            },
+            command: again::command(folder, &summary),
             remarks: remarks(&summary, table.len()),
             judgement: judgement(folder, &summary)?,
             provenance: provenance(&summary),

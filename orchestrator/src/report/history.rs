@@ -3,6 +3,7 @@
 use super::figures::Series;
 use super::overlay::{Measured, metric_of};
 use crate::analysis::table::PointTable;
+use crate::study::Study;
 use crate::table::csv_file;
 use indexmap::IndexMap;
 use sampling::statistics::Statistic;
@@ -25,9 +26,18 @@ pub fn read(folder: &Path, table: &PointTable) -> Vec<Series> {
         return vec![];
     };
     let mut curves = measured(&folder.join(MEASURED)).unwrap_or_default();
+    // Without the study the times are not known.
+    let study = folder.join("study.toml");
+    let study = std::fs::read_to_string(&study)
+        .ok()
+        .and_then(|text| Study::parse(&study, text).ok());
+    let run = [time.first(), time.last()].map(|end| end.copied().unwrap_or_default());
     let series = |(name, values): Signal| {
         let criterion = table.criteria.iter().find(|c| c.name == name)?;
         Some(Series {
+            judged: study
+                .as_ref()
+                .and_then(|study| judged(study, &name, &criterion.source, run)),
             measured: curves.swap_remove(&name),
             name,
             unit: criterion.unit.clone(),
@@ -38,6 +48,23 @@ pub fn read(folder: &Path, table: &PointTable) -> Vec<Series> {
         })
     };
     signals.into_iter().filter_map(series).collect()
+}
+
+/// The times between which a criterion looks at a signal of a run; equal ones for its last value.
+fn judged(study: &Study, name: &str, source: &str, run: [f64; 2]) -> Option<[f64; 2]> {
+    let [start, stop] = run;
+    let criterion = study.criteria.get(name)?;
+    let simulation = &study.simulation;
+    let [from, to] = match (&criterion.window, simulation.warm_up, simulation.window) {
+        (Some(window), ..) => window.as_ref().times(run).ok()?,
+        (None, Some(warm_up), _) => [start + warm_up, stop],
+        (None, None, Some(window)) => [stop - window, stop],
+        (None, None, None) => run,
+    };
+    let last = source
+        .strip_prefix(Statistic::Final.label())
+        .is_some_and(|rest| rest.starts_with(" of "));
+    Some([if last { to } else { from }, to])
 }
 
 /// The measured curves by the names of their criteria.

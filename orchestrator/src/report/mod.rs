@@ -1,5 +1,6 @@
 //! The report: one self-contained page, and its plots as files.
 
+mod again;
 mod best;
 pub mod bins;
 mod counts;
@@ -19,6 +20,7 @@ mod png;
 pub mod recording;
 pub mod robustness;
 pub mod sensitivity;
+mod shown;
 pub mod svg;
 pub mod tolerances;
 
@@ -199,6 +201,12 @@ impl Report {
     fn points(&self) -> usize {
         let whole = self.whole.as_ref();
         whole.map_or(self.table.len(), |whole| whole.points)
+    }
+
+    /// How many of them are accepted, by the counts of all points.
+    fn accepted(&self, counted: &PassCounts) -> usize {
+        let decided = self.judgement.decided.as_ref();
+        decided.map_or(counted.verified.count, |decided| decided.accepted)
     }
 
     /// The page.

@@ -7,6 +7,7 @@ use super::format::{count, number, with_unit};
 use super::judgement::RiskRow;
 use super::payload::{self, PlotColumn};
 use super::planes::{Plane, planes};
+use super::shown::Shown;
 use super::{Report, ReportError, Whole};
 use crate::analysis::table::PointTable;
 use crate::analysis::verdict::{PassCounts, verdict};
@@ -29,6 +30,7 @@ struct Page<'a> {
     remarks: &'a [String],
     title: String,
     kind: &'static str,
+    shown: Shown,
     sentences: &'a [String],
     by_share: bool,
     /// Whether a guard band acts.
@@ -72,6 +74,8 @@ struct Page<'a> {
 struct History {
     name: String,
     svg: String,
+    /// When its criterion looks at it, in words.
+    judged: Option<String>,
     detail: Option<String>,
     /// The deviations from the measured curve.
     residuals: Option<String>,
@@ -94,16 +98,11 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
     let ranking = table.best(payload::MOST_POINTS);
     let order: Vec<usize> = ranking.iter().map(|r| r.point).collect();
     let points = payload::embedded(table, &order, columns.len());
-    let mut counted = verdict(whole);
-    if let Some(whole) = &report.whole {
-        whole.replace_in(&mut counted);
-    }
-    if let Some(intervals) = &report.intervals {
-        intervals.replace_in(&mut counted);
-    }
+    let counted = counted(report);
     let conformance = report.judgement.conformance(table);
     let total = report.points();
-    let data = payload::payload(table, &columns, &points, total, conformance.as_deref());
+    let counts = [total, report.accepted(&counted)];
+    let data = payload::payload(table, &columns, &points, counts, conformance.as_deref());
     let data = serde_json::to_string(&data)?;
     let decision = decision(report, &counted);
 
@@ -127,6 +126,7 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
             Decision::NotVerified => "no",
             Decision::Inconclusive => "open",
         },
+        shown: Shown::new(decision, judgement, &counted.verified, counted.failed),
         sentences: &report.judgement.sentences,
         by_share: judgement.decided.is_some(),
         guarded: judgement.guard.is_some(),
@@ -160,12 +160,13 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
         }
         .map(expected),
         risks: report.judgement.rows(table),
-        planes: planes(table, &columns, &points),
-        parameters: distributions(table, &columns[..table.parameters.len()], 0),
+        planes: planes(table, &columns, &points, counts),
+        parameters: distributions(table, &columns[..table.parameters.len()], 0, counts),
         criteria: distributions(
             table,
             &columns[table.parameters.len()..],
             table.parameters.len(),
+            counts,
         ),
         best_columns: columns.iter().map(heading).collect(),
         first_criterion: table.parameters.len(),
@@ -191,6 +192,18 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
     Ok(html)
 }
 
+/// The counts of all points with their intervals.
+fn counted(report: &Report) -> PassCounts {
+    let mut counted = verdict(&report.table);
+    if let Some(whole) = &report.whole {
+        whole.replace_in(&mut counted);
+    }
+    if let Some(intervals) = &report.intervals {
+        intervals.replace_in(&mut counted);
+    }
+    counted
+}
+
 /// The verdict; of results that state none, by the one-point rule.
 fn decision(report: &Report, counted: &PassCounts) -> Decision {
     let any = counted.verified.count > 0;
@@ -209,7 +222,8 @@ pub fn plots(report: &Report) -> Vec<(String, String)> {
     let best = table.best(payload::MOST_POINTS);
     let order: Vec<usize> = best.iter().map(|r| r.point).collect();
     let points = payload::embedded(table, &order, columns.len());
-    let mut plots: Vec<(String, String)> = planes(table, &columns, &points)
+    let counts = [report.points(), report.accepted(&counted(report))];
+    let mut plots: Vec<(String, String)> = planes(table, &columns, &points, counts)
         .into_iter()
         .map(|p| {
             (
@@ -221,7 +235,7 @@ pub fn plots(report: &Report) -> Vec<(String, String)> {
     plots.extend(columns.iter().map(|c| {
         (
             format!("distribution-{}", c.name),
-            figures::distribution(table, c),
+            figures::distribution(table, c, counts),
         )
     }));
     plots.extend(
@@ -260,7 +274,12 @@ fn script_safe(json: &str) -> String {
         .replace('\u{2029}', "\\u2029")
 }
 
-fn distributions(table: &PointTable, columns: &[PlotColumn<'_>], first: usize) -> Vec<Small> {
+fn distributions(
+    table: &PointTable,
+    columns: &[PlotColumn<'_>],
+    first: usize,
+    counts: [usize; 2],
+) -> Vec<Small> {
     let row = |name: &str, values: &mut dyn Iterator<Item = f64>| {
         let finite: Vec<f64> = values.filter(|v| v.is_finite()).collect();
         let n = finite.len() as f64;
@@ -277,7 +296,7 @@ fn distributions(table: &PointTable, columns: &[PlotColumn<'_>], first: usize) -
         .enumerate()
         .map(|(k, c)| Small {
             name: with_unit(c.name, c.unit),
-            svg: figures::distribution(table, c),
+            svg: figures::distribution(table, c, counts),
             rows: vec![
                 row("all", &mut c.values.iter().copied()),
                 row(
@@ -297,11 +316,23 @@ fn histories(report: &Report) -> Vec<History> {
         Some(History {
             name: s.name.clone(),
             svg: figures::history(s)?,
+            judged: judged(s),
             detail: s.last_periods().as_ref().and_then(figures::history),
             residuals: figures::residuals(s),
         })
     };
     report.history.iter().filter_map(history).collect()
+}
+
+/// When the criterion of a signal with a band looks at it.
+fn judged(series: &figures::Series) -> Option<String> {
+    let [from, to] = series.judged.filter(|_| series.accepted.is_some())?;
+    let [from_text, to_text] = [from, to].map(|time| number(time, 6));
+    Some(if from < to {
+        format!("judged from {from_text} s to {to_text} s")
+    } else {
+        format!("judged at {to_text} s only")
+    })
 }
 
 /// The parameters with the distributions that they were sampled from, where these are known.

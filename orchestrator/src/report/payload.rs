@@ -19,6 +19,8 @@ const MOST_DENSITY_BYTES: usize = 1_500_000;
 #[derive(Serialize)]
 pub struct Payload {
     total: usize,
+    /// How many of all points are accepted.
+    accepted: usize,
     /// Whether only some of the points are embedded.
     sampled: bool,
     columns: Vec<EmbeddedColumn>,
@@ -64,6 +66,8 @@ struct Density {
     /// By "x,y" (column indices, x below y): a byte a cell.
     all: BTreeMap<String, String>,
     verified: BTreeMap<String, String>,
+    /// Points in the fullest cell: of all, of the accepted ones.
+    most: BTreeMap<String, [u32; 2]>,
 }
 
 /// All columns of a table, parameters first, as the plots see them.
@@ -147,13 +151,13 @@ fn embed(table: &PointTable, ranking: &[usize], most: usize) -> Vec<usize> {
     (0..n).filter(|&i| keep[i]).collect()
 }
 
-/// Collects the data for the page's script; there are `total` points, of which the table may hold only some. In the table
-/// the accepted points count as verified. `conformance` is the conformance probability of every point, where it is known.
+/// Collects the data for the page's script; there are `total` points, `accepted` of them accepted, of which the table may
+/// hold only some. In the table the accepted points count as verified. `conformance` is the conformance probability of every point, where it is known.
 pub fn payload(
     table: &PointTable,
     columns: &[PlotColumn<'_>],
     points: &[usize],
-    total: usize,
+    [total, accepted]: [usize; 2],
     conformance: Option<&[f64]>,
 ) -> Payload {
     let first_criterion = table.parameters.len();
@@ -195,6 +199,7 @@ pub fn payload(
     });
     Payload {
         total,
+        accepted,
         sampled: points.len() < total,
         columns: described.collect(),
         ids: STANDARD.encode(
@@ -234,23 +239,30 @@ fn densities(table: &PointTable, columns: &[PlotColumn<'_>]) -> Density {
             (some, bins)
         }
     };
-    let cells = |a: usize, b: usize, keep: &dyn Fn(usize) -> bool| {
+    let counts = |a: usize, b: usize, keep: &dyn Fn(usize) -> bool| {
         let (x, y) = (&columns[a], &columns[b]);
-        STANDARD.encode(bins::levels(&bins::density(
-            x.values, y.values, keep, x.range, y.range, bins,
-        )))
+        bins::density(x.values, y.values, keep, x.range, y.range, bins)
     };
-    let by_pair = |keep: &dyn Fn(usize) -> bool| {
-        pairs
-            .iter()
-            .map(|&(a, b)| (format!("{a},{b}"), cells(a, b, keep)))
-            .collect()
-    };
-    Density {
+    let mut density = Density {
         bins,
-        all: by_pair(&|_| true),
-        verified: by_pair(&|i| table.verified[i]),
+        all: BTreeMap::new(),
+        verified: BTreeMap::new(),
+        most: BTreeMap::new(),
+    };
+    for (a, b) in pairs {
+        let key = || format!("{a},{b}");
+        let all = counts(a, b, &|_| true);
+        let verified = counts(a, b, &|i| table.verified[i]);
+        let most = [&all, &verified].map(|cells| cells.iter().copied().max().unwrap_or(0));
+        density.most.insert(key(), most);
+        density
+            .all
+            .insert(key(), STANDARD.encode(bins::levels(&all)));
+        density
+            .verified
+            .insert(key(), STANDARD.encode(bins::levels(&verified)));
     }
+    density
 }
 
 #[cfg(test)]
