@@ -10,7 +10,7 @@ use crate::analysis::table::PointTable;
 use std::fmt::Write as _;
 
 /// Points of one column against another, with the accepted box: one by one where `points` are
-/// all of them, else as densities.
+/// all of them and not very many, else as densities.
 pub fn plane(
     table: &PointTable,
     x: &PlotColumn<'_>,
@@ -22,7 +22,7 @@ pub fn plane(
     frame.y.to = CAPTION;
     let mut out = frame.axes(&with_unit(x.name, x.unit), Some(&with_unit(y.name, y.unit)));
     out.push_str(&acceptance(&frame, x, y));
-    if points.len() < table.len() {
+    if !drawn_singly(table, points) {
         let counts = |keep: &dyn Fn(usize) -> bool| {
             density(x.values, y.values, keep, x.range, y.range, BINS)
         };
@@ -43,7 +43,7 @@ pub fn plane(
         .count();
     let in_box = match (x.nominal, y.nominal) {
         (None, None) => String::new(),
-        _ if points.len() < table.len() => String::new(),
+        _ if !drawn_singly(table, points) => String::new(),
         _ => format!(", {} in the box", count(inside)),
     };
     out.push_str(&frame.caption(&format!(
@@ -58,6 +58,13 @@ pub fn plane(
         table.len()
     );
     frame.wrap(&title, &out)
+}
+
+/// Most points that a picture has marks of; the page's script draws more of them.
+pub(super) const MOST_MARKS: usize = 5000;
+
+fn drawn_singly(table: &PointTable, points: &[usize]) -> bool {
+    points.len() == table.len() && points.len() <= MOST_MARKS
 }
 
 /// Cells of a density along each axis.

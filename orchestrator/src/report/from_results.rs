@@ -3,6 +3,7 @@
 use super::format::count;
 use super::judgement::Judgement;
 use super::outlook::Outlook;
+use super::whatif::WhatIf;
 use super::{
     Intervals, Reading, Report, ReportError, Whole, again, history, pareto, robustness,
     sensitivity, tolerances,
@@ -16,6 +17,7 @@ use crate::results::rest::Rest;
 use crate::results::summary::{CriterionCount, VariantCount};
 use crate::results::words::capitalised;
 use crate::results::{ResultsError, Summary};
+use crate::study::Study;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use std::path::Path;
@@ -28,6 +30,7 @@ impl Report {
     pub fn from_folder(folder: &Path) -> Result<Self, ReportError> {
         let (summary, table) = from_results::read_some(folder, choice::MOST)?;
         let study_text = std::fs::read_to_string(folder.join("study.toml")).unwrap_or_default();
+        let study = Study::parse(&folder.join("study.toml"), study_text.clone()).ok();
         let p = &summary.provenance;
         Ok(Self {
             study: summary.title.clone().unwrap_or_else(|| p.study.clone()),
@@ -44,11 +47,12 @@ impl Report {
                 .iter()
                 .map(|(name, variant)| reading(name, variant))
                 .collect(),
-            history: history::read(folder, &table),
+            history: history::read(folder, &table, study.as_ref()),
             robustness: finding(folder, robustness::FILE, &summary),
             sensitivity: finding(folder, sensitivity::FILE, &summary),
             tolerances: finding(folder, tolerances::FILE, &summary),
             outlook: Outlook::new(&summary),
+            whatif: WhatIf::new(&summary, study.as_ref(), table.len()),
             pareto: finding(folder, pareto::FILE, &summary),
             study_text,
             table,

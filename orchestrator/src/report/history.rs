@@ -21,23 +21,17 @@ pub const MEASURED_COLUMNS: [&str; 4] = ["criterion", "time", "value", "uncertai
 
 /// Reads the trajectory of a folder: a signal a variable, with the accepted range of the criterion.
 /// Nothing where there is no such file or it does not fit.
-pub fn read(folder: &Path, table: &PointTable) -> Vec<Series> {
+/// Without the study it is not known when its criteria look at the signals.
+pub fn read(folder: &Path, table: &PointTable, study: Option<&Study>) -> Vec<Series> {
     let Some((time, signals)) = signals(folder) else {
         return vec![];
     };
     let mut curves = measured(&folder.join(MEASURED)).unwrap_or_default();
-    // Without the study the times are not known.
-    let study = folder.join("study.toml");
-    let study = std::fs::read_to_string(&study)
-        .ok()
-        .and_then(|text| Study::parse(&study, text).ok());
     let run = [time.first(), time.last()].map(|end| end.copied().unwrap_or_default());
     let series = |(name, values): Signal| {
         let criterion = table.criteria.iter().find(|c| c.name == name)?;
         Some(Series {
-            judged: study
-                .as_ref()
-                .and_then(|study| judged(study, &name, &criterion.source, run)),
+            judged: study.and_then(|study| judged(study, &name, &criterion.source, run)),
             measured: curves.swap_remove(&name),
             name,
             unit: criterion.unit.clone(),

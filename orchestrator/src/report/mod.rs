@@ -23,6 +23,7 @@ pub mod sensitivity;
 mod shown;
 pub mod svg;
 pub mod tolerances;
+pub mod whatif;
 
 use crate::analysis::from_results::FolderError;
 use crate::analysis::pareto::study::Pareto;
@@ -74,6 +75,8 @@ pub struct Report {
     pub tolerances: Option<Tolerances>,
     /// The model's own error, and what to improve first.
     pub outlook: Outlook,
+    /// The study to be changed in the page, where its points can be judged there.
+    pub whatif: Option<whatif::WhatIf>,
     /// Trade-offs between criteria, where they were computed.
     pub pareto: Option<Pareto>,
     /// Versions, seed and hashes: all that is needed to compute the same again.

@@ -26,6 +26,8 @@ struct Page<'a> {
     date: &'a str,
     style: &'static str,
     script: &'static str,
+    /// Whether the study can be changed in the page.
+    whatif: bool,
     data: String,
     remarks: &'a [String],
     title: String,
@@ -42,6 +44,8 @@ struct Page<'a> {
     failed: String,
     drawn: String,
     sampled: bool,
+    /// Whether the pictures are densities, of which the script draws single points.
+    crowded: bool,
     rows: Vec<CountRow>,
     decisive: String,
     readings: Vec<ReadingRow>,
@@ -102,7 +106,14 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
     let conformance = report.judgement.conformance(table);
     let total = report.points();
     let counts = [total, report.accepted(&counted)];
-    let data = payload::payload(table, &columns, &points, counts, conformance.as_deref());
+    let data = payload::payload(
+        table,
+        &columns,
+        &points,
+        counts,
+        conformance.as_deref(),
+        report.whatif.as_ref(),
+    );
     let data = serde_json::to_string(&data)?;
     let decision = decision(report, &counted);
 
@@ -115,9 +126,19 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
         date: &report.date,
         style: concat!(
             include_str!("assets/plot.css"),
-            include_str!("assets/report.css")
+            include_str!("assets/report.css"),
+            include_str!("assets/whatif.css")
         ),
-        script: include_str!("assets/report.js"),
+        script: concat!(
+            include_str!("assets/numbers.js"),
+            include_str!("assets/moments.js"),
+            include_str!("assets/judge.js"),
+            include_str!("assets/weights.js"),
+            include_str!("assets/toml.js"),
+            include_str!("assets/whatif.js"),
+            include_str!("assets/report.js")
+        ),
+        whatif: report.whatif.is_some(),
         data: script_safe(&data),
         remarks: &report.remarks,
         title: capitalised(&decision.to_string()),
@@ -143,6 +164,7 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
         },
         drawn: count(points.len()),
         sampled: points.len() < total,
+        crowded: points.len() == total && total > figures::MOST_MARKS,
         rows: count_rows(table, &counted, judgement, total),
         decisive: decisive(table, &counted, total),
         readings: readings(report, &counted),

@@ -63,7 +63,7 @@ fn by_share(decision: Decision, judgement: &Judgement, points: usize) -> Shown {
     let Some(decided) = &judgement.decided else {
         return by_one_point(judgement, &Fraction::wilson(0, points));
     };
-    let required = percent(decided.required);
+    let required = number(100.0 * decided.required, 4);
     let confidence = number(100.0 * decided.confidence, 4);
     let accepted = decided.accepted;
     let (shown, not_shown) = match decision {
@@ -157,7 +157,7 @@ mod tests {
     fn one_point_shows_that_there_is_one() {
         let [shown, not_shown] = lines(Decision::Verified, &judgement(false), 11);
         assert!(shown.starts_with("11 of 50 points meet all criteria"));
-        assert!(not_shown.contains("22 % is a part of the sampled parameter space"));
+        assert!(not_shown.contains("22.0 % is a part of the sampled parameter space"));
         assert!(not_shown.contains("Of the 11 accepted points 6.6 are expected to be outside"));
         let [_, not_shown] = lines(Decision::NotVerified, &judgement(false), 0);
         assert!(not_shown.starts_with("that no parameter set agrees"));

@@ -6,12 +6,12 @@
   const bytes = text => Uint8Array.from(atob(text), c => c.charCodeAt(0));
   const ids = new Uint32Array(bytes(data.ids).buffer);
   // Under a guard band fewer points are accepted than lie within all tolerances; these count as verified here.
-  const verified = bytes(data.verified);
+  let verified = bytes(data.verified);
   const word = data.guarded ? "accepted" : "verified";
   const completed = bytes(data.completed);
   const columns = data.columns.map(c => ({
     ...c,
-    data: new Float32Array(bytes(c.data).buffer),
+    data: new (c.criterion ? Float64Array : Float32Array)(bytes(c.data).buffer),
     ok: c.criterion ? bytes(c.criterion.ok) : null,
     title: c.unit && c.unit !== "1" ? `${c.name} (${c.unit})` : c.name,
   }));
@@ -152,6 +152,8 @@
   };
 
   // ---- a plane: one column against another ------------------------------------------------------
+  const renderers = [];
+  let otherwise = false;
   const WIDTH = 560, HEIGHT = 420, TOP = 30, SHADES = 5;
   const grouped = n => String(n).replace(/\B(?=(\d{3})+$)/g, n > 9999 ? "\u2009" : "");
   function plane(figure) {
@@ -181,7 +183,7 @@
         const whole = [[-Infinity, Infinity], [-Infinity, Infinity]];
         shades(data.density.all, "dens", axes.x, axes.y, whole);
         // A cell at the edge of the box holds points on both sides of it; the accepted ones are inside.
-        shades(data.density.verified, "dens in", axes.x, axes.y, [acceptedRange(cx), acceptedRange(cy)]);
+        if (!otherwise) shades(data.density.verified, "dens in", axes.x, axes.y, [acceptedRange(cx), acceptedRange(cy)]);
         legends();
       } else marks(cx, cy);
       words(cx, cy);
@@ -227,7 +229,7 @@
         for (let i = 0; i < size; i++) n += completed[i] && inside(cx, i) && inside(cy, i);
         inBox = `, ${grouped(n)} in the box`;
       }
-      draw(svg, "text", { class: "tick key", x: sx.from, y: TOP - 8 }, `${grouped(data.total)} points${inBox}, ${grouped(data.accepted)} accepted`);
+      draw(svg, "text", { class: "tick key", x: sx.from, y: TOP - 8 }, `${grouped(data.total)} points${inBox}${crowd && otherwise ? "" : `, ${grouped(data.accepted)} accepted`}`);
     }
 
     // The shades with the points in a cell of the lightest and the darkest.
@@ -349,6 +351,7 @@
       rings.setAttribute("d", state.hover >= 0 && visible(state.hover) ? shapes.in(...at(state.hover), radius + 5) : "");
     }
     watchers.push(update);
+    renderers.push(render);
     render();
   }
   const rectangle = (a, b) => [Math.min(a[0], b[0]), Math.min(a[1], b[1]), Math.abs(a[0] - b[0]), Math.abs(a[1] - b[1])];
@@ -489,4 +492,16 @@
   document.querySelectorAll("figure.distribution").forEach(distribution);
   document.querySelectorAll("#parallel figure").forEach(parallel);
   selection(document.getElementById("selection"));
+
+  // ---- what if: the plots follow another setting of the study ------------------------------------------------------
+  const redraw = ({ changed: differs, guarded, accepted, verified: flags }) => {
+    verified = flags;
+    otherwise = differs;
+    Object.assign(data, { guarded, accepted: crowd ? data.accepted : accepted });
+    document.documentElement.classList.toggle("changed", differs);
+    document.getElementById("changed-note").hidden = !differs;
+    renderers.forEach(render => render());
+    changed();
+  };
+  WhatIf.start({ data, columns, completed, bytes, make, number, grouped, redraw });
 })();
