@@ -108,12 +108,79 @@ def test_the_page_judges_as_the_program_does(browser, tmp_path, rule):  # noqa: 
         if summary["required"]:
             same(asked["interval"], summary["required"]["interval"], "required")
         for found, (name, criterion) in zip(asked["criteria"], summary["criteria"].items(), strict=True):
-            same(found, {key: criterion[key] for key in ("passed", "fraction", "interval", "risk")}, name)
+            same(found, {key: criterion.get(key) for key in ("passed", "fraction", "interval", "risk")}, name)
         (found,) = asked["groups"]
         same(found, summary["groups"]["both"], "both")
         verdicts.add(summary["verdict"])
     assert len(verdicts) > 1, "the changes must change the verdict"
     assert browser.get_log("browser") == []
+
+
+def random_study(draw):
+    """A study, its setting for the page's script, and its points, some of which failed."""
+    size, count = draw.choice([1, 3, 20, 50, 300]), draw.randint(1, 4)
+    rows = [[draw.gauss(0, 1) if draw.random() > 0.03 else None for _ in range(count)] for _ in range(size)]
+    certain, criteria, correlations, rule = draw.random() < 0.75, [], [], None
+    text = f'fmu = "none.fmu"\n[design]\nmethod = "monte-carlo"\npoints = {size}\n'
+    for k in range(count):
+        tolerance = 10 ** draw.uniform(-0.5, 0.6)
+        stated = {"expanded": tolerance * 10 ** draw.uniform(-1.3, 0.6), "coverage": draw.choice([2, 1.732, 1])}
+        uncertainty = stated if certain or draw.random() < 0.5 else None
+        own = {"name": f"c{k}", "nominal": draw.gauss(0, 0.7), "tolerance": tolerance, "uncertainty": uncertainty, "group": None}
+        text += f'[criteria.c{k}]\nvariable = "c{k}"\nnominal = {own["nominal"]!r}\ntolerance = {tolerance!r}\n'
+        if uncertainty:
+            text += f"uncertainty = {uncertainty['expanded']!r}\ncoverage = {uncertainty['coverage']}\n"
+        criteria.append(own)
+    complete = all(own["uncertainty"] for own in criteria)
+    for first in range(0, count - 1, 2):
+        if complete and draw.random() < 0.5:
+            coefficient = draw.choice([0.99, -0.9, 1, -1, draw.uniform(-1, 1)])
+            correlations.append([first, first + 1, coefficient])
+            text += f'[[uncertainty-correlations]]\nbetween = ["c{first}", "c{first + 1}"]\ncoefficient = {coefficient!r}\n'
+    if draw.random() < 0.75:
+        rule = {"share": draw.choice([0.05, 0.2, 0.5, 0.9]), "confidence": draw.choice([0.9, 0.95, 0.99])}
+        text += f"[verdict]\nshare = {rule['share']}\nconfidence = {rule['confidence']}\n"
+        kind = draw.choice(["risk", "band", "none"]) if complete else "none"
+        if kind == "risk":
+            rule["risk"] = draw.choice([0.02, 0.1, 0.3, 0.6])
+            text += f"risk = {rule['risk']}\n"
+        else:
+            rule["band"] = draw.choice([0.2, 0.5, 1.0, 3.0]) if kind == "band" else 0
+            text += f"guard-band = {rule['band']}\n" if kind == "band" else ""
+    return text, {"criteria": criteria, "correlations": correlations, "rule": rule}, rows
+
+
+JUDGE = """
+const [setting, rows] = arguments;
+const points = {
+  size: rows.length, samples: 1, grid: false, completed: Uint8Array.from(rows, row => row.every(v => v !== null) ? 1 : 0),
+  values: setting.criteria.map((_, k) => Float64Array.from(rows, row => row[k] ?? NaN)),
+};
+const { flags, ...found } = Judge.judge(setting, points);
+return found;
+"""
+
+
+def test_random_studies_are_judged_alike(browser, tmp_path):  # noqa: F811
+    draw, verdicts = random.Random(5), set()
+    table(tmp_path / "table.csv")
+    judged(tmp_path / "first", STUDY)
+    browser.get((tmp_path / "first" / "out" / "report.html").as_uri())
+    for _ in range(60):
+        text, setting, rows = random_study(draw)
+        cells = [",".join("nan" if value is None else repr(value) for value in row) for row in rows]
+        header = "point," + ",".join(own["name"] for own in setting["criteria"])
+        lines = [header, *(f"{k + 1},{row}" for k, row in enumerate(cells))]
+        (tmp_path / "table.csv").write_text("\n".join(lines) + "\n")
+        summary, found = judged(tmp_path / "second", text), browser.execute_script(JUDGE, setting, rows)
+        for name in ("points", "failed", "accepted", "verdict", "guard_band", "risk", "expected_verified"):
+            same(found[name], summary[name], name)
+        if summary["required"]:
+            same(found["interval"], summary["required"]["interval"], "required")
+        for own, criterion in zip(found["criteria"], summary["criteria"].values(), strict=True):
+            same(own, {key: criterion.get(key) for key in ("passed", "fraction", "interval", "risk")})
+        verdicts.add(summary["verdict"])
+    assert verdicts == {"verified", "not verified", "inconclusive"}
 
 
 def test_a_slider_changes_verdict_and_boxes_and_comes_back(browser, tmp_path):  # noqa: F811

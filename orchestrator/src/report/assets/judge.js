@@ -248,7 +248,8 @@ const Judge = (() => {
     return {
       points: size,
       failed,
-      ...conclude(rule, bands, accepted, within, size, cannot),
+      // Where all points failed, nothing was compared.
+      ...(result ? conclude(rule, bands, accepted, within, size, cannot) : { verdict: "inconclusive", interval: null }),
       verified: share(countBy(samples, size, i => own.every(({ ok }) => ok[i]))),
       accepted,
       acceptedShare: share(acceptedBySample),
@@ -262,7 +263,7 @@ const Judge = (() => {
         };
       }),
       groups,
-      risk: risk(all, from, grid),
+      risk: result ? risk(all, from, grid) : null,
       expected_verified: probability && result ? sum(probability) : null,
       jointKnown: !certain || blocks !== null,
       flags: { ok: own.map(({ ok }) => ok), probability, accepted: Uint8Array.from(margins, m => band !== null && widest(rule, m) >= from ? 1 : 0) },

@@ -197,6 +197,7 @@ const WhatIf = (() => {
     if (page.data.sample) list.push(`From an even choice of ${page.grouped(points.size)} of the ${page.grouped(page.data.total)} points; the intervals count these.`);
     if (found.effective !== undefined) {
       list.push(`Other distributions by weights: the points count as ${page.grouped(Math.round(found.effective))} of ${page.grouped(points.size)}.`);
+      if (setting.rule?.risk !== undefined) list.push("The guard band is that of the points as they are.");
       if (found.effective < Weights.FEW) list.push("That is too few to rely on: run the changed study.");
     }
     if (study.looked_again && setting.rule) list.push("This study was looked at more than once; the verdict here is that of one look and surer than it may be.");
