@@ -160,6 +160,7 @@ fn history() -> Vec<Series> {
             time: time.clone(),
             values: force,
             accepted: Some([697.5, 802.5]),
+            judged: None,
         },
         Series {
             measured: None,
@@ -168,6 +169,7 @@ fn history() -> Vec<Series> {
             time,
             values: temperature,
             accepted: Some([81.385, 82.615]),
+            judged: None,
         },
     ]
 }

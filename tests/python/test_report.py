@@ -192,3 +192,33 @@ def test_a_million_points_stay_small_and_work(browser, tmp_path):
     ActionChains(browser).move_to_element(plot).perform()
     settle(browser)
     assert browser.find_element(By.ID, "tip").text.startswith("Point")
+
+
+def test_no_sideways_scrolling(browser, small):
+    """In phones, too; wide tables scroll for themselves and can be reached with the keyboard."""
+    try:
+        for width in (320, 400, 1280):
+            metrics = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": False}
+            browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
+            browser.get(small.as_uri())
+            assert browser.execute_script("return document.documentElement.scrollWidth") <= width
+            unreachable = browser.execute_script(
+                "return [...document.querySelectorAll('.scroll, pre')].filter(e => e.scrollWidth > e.clientWidth && e.tabIndex < 0).length"
+            )
+            assert unreachable == 0
+    finally:
+        browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+
+
+def test_accepted_cells_stay_in_the_box(browser, tmp_path):
+    """A cell of a density at the edge of the box is drawn only inside of it."""
+    plot = opened(browser, report(tmp_path, 30_000))
+    over = browser.execute_script(
+        """const box = arguments[0].querySelector('.accept').getBBox();
+        return [...arguments[0].querySelectorAll('.dens.in')].map(p => p.getBBox()).filter(b => b.width && b.height && b.x + b.width < 336 + 200 && b.y > 28)
+          .map(b => Math.max(box.x - b.x, box.y - b.y, b.x + b.width - box.x - box.width, b.y + b.height - box.y - box.height))""",
+        plot,
+    )
+    assert over and max(over) <= 0.2
+    words = [t.text for t in plot.find_elements(By.CSS_SELECTOR, "text.key")]
+    assert any(text.replace("\u2009", "").startswith("30000 points") for text in words)

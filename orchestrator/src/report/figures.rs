@@ -2,35 +2,55 @@
 //! written beside it as files.
 
 use super::bins::{bins_for, density, histogram, levels};
-use super::format::with_unit;
+use super::format::{count, number, with_unit};
 use super::overlay::Measured;
 use super::payload::PlotColumn;
-use super::svg::{Axis, Frame};
+use super::svg::{Axis, Frame, ticks};
 use crate::analysis::table::PointTable;
 use std::fmt::Write as _;
 
 /// Points of one column against another, with the accepted box: one by one where `points` are
-/// all of them, else as densities.
+/// all of them and not very many, else as densities.
 pub fn plane(
     table: &PointTable,
     x: &PlotColumn<'_>,
     y: &PlotColumn<'_>,
     points: &[usize],
+    [total, accepted]: [usize; 2],
 ) -> String {
-    let frame = Frame::new(560.0, 420.0, x.range, y.range);
+    let mut frame = Frame::new(560.0, 420.0, x.range, y.range);
+    frame.y.to = CAPTION;
     let mut out = frame.axes(&with_unit(x.name, x.unit), Some(&with_unit(y.name, y.unit)));
     out.push_str(&acceptance(&frame, x, y));
-    if points.len() < table.len() {
-        out.push_str(&density_cells(&frame, x, y, "dens", &|_| true));
-        out.push_str(&density_cells(&frame, x, y, "dens in", &|i| {
-            table.verified[i]
-        }));
+    if !drawn_singly(table, points) {
+        let counts = |keep: &dyn Fn(usize) -> bool| {
+            density(x.values, y.values, keep, x.range, y.range, BINS)
+        };
+        let all = counts(&|_| true);
+        let inside = counts(&|i| table.verified[i]);
+        let whole = [x.range, y.range];
+        out.push_str(&density_cells(&frame, "dens", &all, whole));
+        // A cell at the edge of the box holds points on both sides of it; the accepted ones are inside.
+        let inner = [x, y].map(|c| c.drawn_in.unwrap_or(c.accepted));
+        out.push_str(&density_cells(&frame, "dens in", &inside, inner));
+        out.push_str(&scale(&frame, 336.0, "dens", &all));
+        out.push_str(&scale(&frame, 448.0, "dens in", &inside));
     } else {
         out.push_str(&marks(table, &frame, x, y, points));
     }
     let inside = (0..table.len())
         .filter(|&i| within(x, i) && within(y, i))
         .count();
+    let in_box = match (x.nominal, y.nominal) {
+        (None, None) => String::new(),
+        _ if !drawn_singly(table, points) => String::new(),
+        _ => format!(", {} in the box", count(inside)),
+    };
+    out.push_str(&frame.caption(&format!(
+        "{} points{in_box}, {} accepted",
+        count(total),
+        count(accepted)
+    )));
     let title = format!(
         "{} against {}: {inside} of {} points lie in the box of the tolerances",
         y.name,
@@ -39,6 +59,20 @@ pub fn plane(
     );
     frame.wrap(&title, &out)
 }
+
+/// Most points that a picture has marks of; the page's script draws more of them.
+pub(super) const MOST_MARKS: usize = 5000;
+
+fn drawn_singly(table: &PointTable, points: &[usize]) -> bool {
+    points.len() == table.len() && points.len() <= MOST_MARKS
+}
+
+/// Cells of a density along each axis.
+const BINS: usize = 48;
+/// Shades of a density.
+const SHADES: usize = 5;
+/// Where the plot begins below its line of words.
+const CAPTION: f64 = 30.0;
 
 fn within(c: &PlotColumn<'_>, i: usize) -> bool {
     c.values[i] >= c.accepted[0] && c.values[i] <= c.accepted[1]
@@ -87,14 +121,13 @@ fn area(class: &str, [x0, x1]: [f64; 2], [y0, y1]: [f64; 2]) -> String {
 
 fn density_cells(
     frame: &Frame,
-    x: &PlotColumn<'_>,
-    y: &PlotColumn<'_>,
     class: &str,
-    keep: &dyn Fn(usize) -> bool,
+    counts: &[u32],
+    [across, along]: [[f64; 2]; 2],
 ) -> String {
-    const BINS: usize = 48;
-    const SHADES: usize = 5;
-    let cells = levels(&density(x.values, y.values, keep, x.range, y.range, BINS));
+    let cells = levels(counts);
+    let across = across.map(|limit| frame.x.clamped(limit));
+    let along = along.map(|limit| frame.y.clamped(limit));
     let (w, h) = (
         (frame.x.to - frame.x.from) / BINS as f64,
         (frame.y.from - frame.y.to) / BINS as f64,
@@ -105,9 +138,11 @@ fn density_cells(
             frame.x.from + (k % BINS) as f64 * w,
             frame.y.from - (k / BINS + 1) as f64 * h,
         );
+        let [left, right] = [left, left + w].map(|x| x.clamp(across[0], across[1]));
+        let [top, bottom] = [top, top + h].map(|y| y.clamp(along[1], along[0]));
         let _ = write!(
             paths[usize::from(level - 1) * SHADES / 255],
-            "M{left:.1},{top:.1}h{w:.1}v{h:.1}h-{w:.1}z"
+            "M{left:.1},{top:.1}H{right:.1}V{bottom:.1}H{left:.1}z"
         );
     }
     paths
@@ -115,6 +150,34 @@ fn density_cells(
         .enumerate()
         .map(|(s, d)| format!("<path class=\"{class} d{}\" d=\"{d}\"/>", s + 1))
         .collect()
+}
+
+/// The shades of a density with the points in a cell of the lightest and the darkest.
+fn scale(frame: &Frame, left: f64, class: &str, counts: &[u32]) -> String {
+    const SIDE: f64 = 11.0;
+    let most = counts.iter().copied().max().unwrap_or(0);
+    let top = frame.y.to - 17.0;
+    let baseline = frame.y.to - 8.0;
+    let mut out = format!(
+        "<text class=\"tick\" x=\"{:.1}\" y=\"{baseline:.1}\" text-anchor=\"end\">{}</text>",
+        left - 3.0,
+        most.min(1)
+    );
+    for shade in 0..SHADES {
+        let x = left + shade as f64 * SIDE;
+        let _ = write!(
+            out,
+            "<path class=\"{class} d{}\" d=\"M{x:.1},{top:.1}h{SIDE}v{SIDE}h-{SIDE}z\"/>",
+            shade + 1
+        );
+    }
+    let _ = write!(
+        out,
+        "<text class=\"tick\" x=\"{:.1}\" y=\"{baseline:.1}\">{}</text>",
+        left + SHADES as f64 * SIDE + 3.0,
+        count(most as usize)
+    );
+    out
 }
 
 fn marks(
@@ -174,7 +237,11 @@ fn mark_radius(points: usize) -> f64 {
 
 /// The distribution of a column: all points, and the accepted ones, which the table has as verified, each with its own
 /// scale so that the shapes compare.
-pub fn distribution(table: &PointTable, c: &PlotColumn<'_>) -> String {
+pub fn distribution(
+    table: &PointTable,
+    c: &PlotColumn<'_>,
+    [total, accepted]: [usize; 2],
+) -> String {
     let verified: Vec<f64> = (0..table.len())
         .filter(|&i| table.verified[i])
         .map(|i| c.values[i])
@@ -186,14 +253,14 @@ pub fn distribution(table: &PointTable, c: &PlotColumn<'_>) -> String {
         x: Axis {
             low: c.range[0],
             high: c.range[1],
-            from: 12.0,
-            to: 288.0,
+            from: SIDES[0],
+            to: SIDES[1],
         },
         y: Axis {
             low: 0.0,
             high: 1.08,
             from: 142.0,
-            to: 10.0,
+            to: 24.0,
         },
     };
     let mut out = frame.axes(&with_unit(c.name, c.unit), None);
@@ -210,20 +277,32 @@ pub fn distribution(table: &PointTable, c: &PlotColumn<'_>) -> String {
             out.push_str(&area("accept", across(inner), down));
         }
     }
+    let counts = histogram(c.values.iter(), c.range, bins);
     let _ = write!(
         out,
         "<path class=\"bar all\" d=\"{}\"/>",
-        bars(&histogram(c.values.iter(), c.range, bins), &frame, true)
+        bars(&counts, &frame, c.range, true)
     );
+    out.push_str(&heights(&counts, &frame, false));
     if !verified.is_empty() {
         // Few verified points: fewer bins, else the outline is all spikes.
         let coarse = bins_for(verified.len()).min(bins);
+        // They all lie in the accepted range, so no bar reaches over its limits.
+        let [low, high] = c.drawn_in.unwrap_or(c.accepted);
+        let range = [low.max(c.range[0]), high.min(c.range[1])];
+        let counts = histogram(verified.iter(), range, coarse);
         let _ = write!(
             out,
             "<path class=\"bar in\" d=\"{}\"/>",
-            bars(&histogram(verified.iter(), c.range, coarse), &frame, false)
+            bars(&counts, &frame, range, false)
         );
+        out.push_str(&heights(&counts, &frame, true));
     }
+    out.push_str(&frame.caption(&format!(
+        "{} points, {} accepted",
+        count(total),
+        count(accepted)
+    )));
     let title = format!(
         "Distribution of {} over all {} points and over the {} accepted points",
         c.name,
@@ -233,16 +312,45 @@ pub fn distribution(table: &PointTable, c: &PlotColumn<'_>) -> String {
     frame.wrap(&title, &out)
 }
 
-/// Bars, or their outline, scaled to the highest.
-fn bars(counts: &[usize], frame: &Frame, filled: bool) -> String {
-    let most = counts.iter().copied().max().unwrap_or(0).max(1) as f64;
-    let w = (frame.x.to - frame.x.from) / counts.len() as f64;
+/// Both ends of a small plot's axis: the page's script draws on the same.
+const SIDES: [f64; 2] = [42.0, 258.0];
+
+/// The highest bar.
+fn highest(counts: &[usize]) -> f64 {
+    counts.iter().copied().max().unwrap_or(0).max(1) as f64
+}
+
+/// The numbers of points in a bar, at the left side of all points, at the right one of the accepted points.
+fn heights(counts: &[usize], frame: &Frame, accepted: bool) -> String {
+    let most = highest(counts);
+    let (x, anchor, class) = match accepted {
+        false => (frame.x.from - 4.0, "end", "tick"),
+        true => (frame.x.to + 4.0, "start", "tick in"),
+    };
+    let whole = |t: &f64| t.fract() == 0.0;
+    let mut out = String::new();
+    for t in ticks(0.0, most, 3).into_iter().filter(whole) {
+        let _ = write!(
+            out,
+            "<text class=\"{class}\" x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\">{}</text>",
+            frame.y.at(t / most) + 4.0,
+            number(t, 4)
+        );
+    }
+    out
+}
+
+/// Bars over a range, or their outline, scaled to the highest.
+fn bars(counts: &[usize], frame: &Frame, range: [f64; 2], filled: bool) -> String {
+    let most = highest(counts);
+    let [from, to] = range.map(|end| frame.x.clamped(end));
+    let w = (to - from) / counts.len() as f64;
     let mut d = String::new();
     if !filled {
-        let _ = write!(d, "M{:.1},{:.1}", frame.x.from, frame.y.from);
+        let _ = write!(d, "M{from:.1},{:.1}", frame.y.from);
     }
     for (k, &n) in counts.iter().enumerate() {
-        let (left, top) = (frame.x.from + k as f64 * w, frame.y.at(n as f64 / most));
+        let (left, top) = (from + k as f64 * w, frame.y.at(n as f64 / most));
         if filled && n > 0 {
             let _ = write!(
                 d,
@@ -275,6 +383,8 @@ pub struct Series {
     pub values: Vec<f64>,
     /// The accepted interval of a criterion computed from it, in the same unit, if there is one.
     pub accepted: Option<[f64; 2]>,
+    /// The times between which it is judged, s: the whole run if not known.
+    pub judged: Option<[f64; 2]>,
     /// The measured curve that it is compared with, if there is one.
     pub measured: Option<Measured>,
 }
@@ -321,11 +431,10 @@ pub fn history(series: &Series) -> Option<String> {
     let mut out = frame.axes("time (s)", Some(&series.unit));
     if series.accepted.is_some() {
         let (top, bottom) = (frame.y.clamped(high), frame.y.clamped(low));
-        let _ = write!(
-            out,
-            "<path class=\"accept\" d=\"M{:.1},{top:.1}H{:.1}V{bottom:.1}H{:.1}z\"/>",
-            frame.x.from, frame.x.to, frame.x.from
-        );
+        let [from, to] = series.judged.unwrap_or([start, end]);
+        // A single sample still has a band that can be seen.
+        let [from, to] = [frame.x.clamped(from) - 4.0, frame.x.clamped(to) + 4.0];
+        out.push_str(&area("accept", [from, to], [bottom, top]));
     }
     if let Some(measured) = &series.measured {
         out.push_str(&measured.draw(&frame));

@@ -4,9 +4,10 @@ use super::cases::Cases;
 use super::format::count;
 use super::judgement::Judgement;
 use super::outlook::Outlook;
+use super::whatif::WhatIf;
 use super::{
-    Intervals, Reading, Report, ReportError, Whole, history, pareto, robustness, sensitivity,
-    tolerances,
+    Intervals, Reading, Report, ReportError, Whole, again, history, pareto, robustness,
+    sensitivity, tolerances,
 };
 use crate::analysis::from_results::{self, FolderError};
 use crate::engine::Conduct;
@@ -17,6 +18,7 @@ use crate::results::rest::Rest;
 use crate::results::summary::{CriterionCount, VariantCount};
 use crate::results::words::capitalised;
 use crate::results::{ResultsError, Summary};
+use crate::study::Study;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use std::path::Path;
@@ -29,23 +31,13 @@ impl Report {
     pub fn from_folder(folder: &Path) -> Result<Self, ReportError> {
         let (summary, table) = from_results::read_some(folder, choice::MOST)?;
         let study_text = std::fs::read_to_string(folder.join("study.toml")).unwrap_or_default();
+        let study = Study::parse(&folder.join("study.toml"), study_text.clone()).ok();
         let p = &summary.provenance;
-        let seed = p
-            .seed
-            .map(|seed| format!(" --seed {seed}"))
-            .unwrap_or_default();
         Ok(Self {
             study: summary.title.clone().unwrap_or_else(|| p.study.clone()),
             model: p.fmu.clone().unwrap_or_default(),
             date: summary.run.iter().map(|run| run.date.clone()).collect(),
-            command: match (&p.fmu, p.method.as_str()) {
-                (None, _) => format!("orchestrator judge {} TABLE.csv", p.study),
-                (_, "table") => format!("orchestrator verify {} --points-from TABLE.csv", p.study),
-                _ => format!(
-                    "orchestrator verify {} --points {}{seed}",
-                    p.study, summary.points
-                ),
-            },
+            command: again::command(folder, &summary),
             remarks: remarks(&summary, table.len()),
             judgement: judgement(folder, &summary)?,
             provenance: provenance(&summary),
@@ -57,11 +49,12 @@ impl Report {
                 .map(|(name, variant)| reading(name, variant))
                 .collect(),
             cases: Cases::new(&summary),
-            history: history::read(folder, &table),
+            history: history::read(folder, &table, study.as_ref()),
             robustness: finding(folder, robustness::FILE, &summary),
             sensitivity: finding(folder, sensitivity::FILE, &summary),
             tolerances: finding(folder, tolerances::FILE, &summary),
             outlook: Outlook::new(&summary),
+            whatif: WhatIf::new(&summary, study.as_ref(), table.len()),
             pareto: finding(folder, pareto::FILE, &summary),
             study_text,
             table,

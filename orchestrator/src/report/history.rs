@@ -3,6 +3,7 @@
 use super::figures::Series;
 use super::overlay::{Measured, metric_of};
 use crate::analysis::table::PointTable;
+use crate::study::Study;
 use crate::table::csv_file;
 use indexmap::IndexMap;
 use sampling::statistics::Statistic;
@@ -26,11 +27,14 @@ pub const MEASURED_COLUMNS: [&str; 4] = ["criterion", "time", "value", "uncertai
 
 /// Reads the trajectory of a folder: a signal a variable, with the accepted range of the criterion.
 /// Nothing where there is no such file or it does not fit.
-pub fn read(folder: &Path, table: &PointTable) -> Vec<Series> {
+/// Without the study it is not known when its criteria look at the signals.
+pub fn read(folder: &Path, table: &PointTable, study: Option<&Study>) -> Vec<Series> {
     let mut curves = measured(&folder.join(MEASURED)).unwrap_or_default();
     let mut series = |time: &[f64], (name, values): Signal| {
+        let run = [time.first(), time.last()].map(|end| end.copied().unwrap_or_default());
         let criterion = table.criteria.iter().find(|c| c.name == name)?;
         Some(Series {
+            judged: study.and_then(|study| judged(study, &name, &criterion.source, run)),
             measured: curves.swap_remove(&name),
             name,
             unit: criterion.unit.clone(),
@@ -46,6 +50,23 @@ pub fn read(folder: &Path, table: &PointTable) -> Vec<Series> {
         all.extend(own.filter_map(|signal| series(&time, signal)));
     }
     all
+}
+
+/// The times between which a criterion looks at a signal of a run; equal ones for its last value.
+fn judged(study: &Study, name: &str, source: &str, run: [f64; 2]) -> Option<[f64; 2]> {
+    let [start, stop] = run;
+    let criterion = study.criteria.get(name)?;
+    let simulation = &study.simulation;
+    let [from, to] = match (&criterion.window, simulation.warm_up, simulation.window) {
+        (Some(window), ..) => window.as_ref().times(run).ok()?,
+        (None, Some(warm_up), _) => [start + warm_up, stop],
+        (None, None, Some(window)) => [stop - window, stop],
+        (None, None, None) => run,
+    };
+    let last = source
+        .strip_prefix(Statistic::Final.label())
+        .is_some_and(|rest| rest.starts_with(" of "));
+    Some([if last { to } else { from }, to])
 }
 
 /// The measured curves by the names of their criteria.

@@ -34,6 +34,8 @@ pub struct Judgement {
 /// The share of accepted points as the verdict sees it.
 #[derive(Clone, Debug)]
 pub struct Decided {
+    /// The required share.
+    pub required: f64,
     /// How many points are accepted.
     pub accepted: usize,
     /// The interval of their share; none where nothing can be said of it.
@@ -127,6 +129,7 @@ impl Judgement {
 fn decided(conclusion: &Conclusion) -> Option<Decided> {
     let required = conclusion.required.as_ref()?;
     Some(Decided {
+        required: required.rule.share,
         accepted: conclusion.accepted as usize,
         interval: required.interval,
         confidence: required.rule.confidence,

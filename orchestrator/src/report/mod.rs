@@ -1,5 +1,6 @@
 //! The report: one self-contained page, and its plots as files.
 
+mod again;
 mod best;
 pub mod bins;
 pub mod cases;
@@ -20,8 +21,10 @@ mod png;
 pub mod recording;
 pub mod robustness;
 pub mod sensitivity;
+mod shown;
 pub mod svg;
 pub mod tolerances;
+pub mod whatif;
 
 use crate::analysis::from_results::FolderError;
 use crate::analysis::pareto::study::Pareto;
@@ -75,6 +78,8 @@ pub struct Report {
     pub tolerances: Option<Tolerances>,
     /// The model's own error, and what to improve first.
     pub outlook: Outlook,
+    /// The study to be changed in the page, where its points can be judged there.
+    pub whatif: Option<whatif::WhatIf>,
     /// Trade-offs between criteria, where they were computed.
     pub pareto: Option<Pareto>,
     /// Versions, seed and hashes: all that is needed to compute the same again.
@@ -202,6 +207,12 @@ impl Report {
     fn points(&self) -> usize {
         let whole = self.whole.as_ref();
         whole.map_or(self.table.len(), |whole| whole.points)
+    }
+
+    /// How many of them are accepted, by the counts of all points.
+    fn accepted(&self, counted: &PassCounts) -> usize {
+        let decided = self.judgement.decided.as_ref();
+        decided.map_or(counted.verified.count, |decided| decided.accepted)
     }
 
     /// The page.

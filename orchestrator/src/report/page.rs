@@ -7,6 +7,7 @@ use super::format::{count, number, with_unit};
 use super::judgement::RiskRow;
 use super::payload::{self, PlotColumn};
 use super::planes::{Plane, planes};
+use super::shown::Shown;
 use super::{Report, ReportError, Whole};
 use crate::analysis::table::PointTable;
 use crate::analysis::verdict::{PassCounts, verdict};
@@ -25,10 +26,13 @@ struct Page<'a> {
     date: &'a str,
     style: &'static str,
     script: &'static str,
+    /// Whether the study can be changed in the page.
+    whatif: bool,
     data: String,
     remarks: &'a [String],
     title: String,
     kind: &'static str,
+    shown: Shown,
     sentences: &'a [String],
     by_share: bool,
     /// Whether a guard band acts.
@@ -40,6 +44,8 @@ struct Page<'a> {
     failed: String,
     drawn: String,
     sampled: bool,
+    /// Whether the pictures are densities, of which the script draws single points.
+    crowded: bool,
     rows: Vec<CountRow>,
     decisive: String,
     readings: Vec<ReadingRow>,
@@ -73,6 +79,8 @@ struct Page<'a> {
 struct History {
     name: String,
     svg: String,
+    /// When its criterion looks at it, in words.
+    judged: Option<String>,
     detail: Option<String>,
     /// The deviations from the measured curve.
     residuals: Option<String>,
@@ -95,16 +103,18 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
     let ranking = table.best(payload::MOST_POINTS);
     let order: Vec<usize> = ranking.iter().map(|r| r.point).collect();
     let points = payload::embedded(table, &order, columns.len());
-    let mut counted = verdict(whole);
-    if let Some(whole) = &report.whole {
-        whole.replace_in(&mut counted);
-    }
-    if let Some(intervals) = &report.intervals {
-        intervals.replace_in(&mut counted);
-    }
+    let counted = counted(report);
     let conformance = report.judgement.conformance(table);
     let total = report.points();
-    let data = payload::payload(table, &columns, &points, total, conformance.as_deref());
+    let counts = [total, report.accepted(&counted)];
+    let data = payload::payload(
+        table,
+        &columns,
+        &points,
+        counts,
+        conformance.as_deref(),
+        report.whatif.as_ref(),
+    );
     let data = serde_json::to_string(&data)?;
     let decision = decision(report, &counted);
 
@@ -117,9 +127,19 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
         date: &report.date,
         style: concat!(
             include_str!("assets/plot.css"),
-            include_str!("assets/report.css")
+            include_str!("assets/report.css"),
+            include_str!("assets/whatif.css")
         ),
-        script: include_str!("assets/report.js"),
+        script: concat!(
+            include_str!("assets/numbers.js"),
+            include_str!("assets/moments.js"),
+            include_str!("assets/judge.js"),
+            include_str!("assets/weights.js"),
+            include_str!("assets/toml.js"),
+            include_str!("assets/whatif.js"),
+            include_str!("assets/report.js")
+        ),
+        whatif: report.whatif.is_some(),
         data: script_safe(&data),
         remarks: &report.remarks,
         title: capitalised(&decision.to_string()),
@@ -128,6 +148,7 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
             Decision::NotVerified => "no",
             Decision::Inconclusive => "open",
         },
+        shown: Shown::new(decision, judgement, &counted.verified, counted.failed),
         sentences: &report.judgement.sentences,
         by_share: judgement.decided.is_some(),
         guarded: judgement.guard.is_some(),
@@ -144,6 +165,7 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
         },
         drawn: count(points.len()),
         sampled: points.len() < total,
+        crowded: points.len() == total && total > figures::MOST_MARKS,
         rows: count_rows(table, &counted, judgement, total),
         decisive: decisive(table, &counted, total),
         readings: readings(report, &counted),
@@ -162,12 +184,13 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
         }
         .map(expected),
         risks: report.judgement.rows(table),
-        planes: planes(table, &columns, &points),
-        parameters: distributions(table, &columns[..table.parameters.len()], 0),
+        planes: planes(table, &columns, &points, counts),
+        parameters: distributions(table, &columns[..table.parameters.len()], 0, counts),
         criteria: distributions(
             table,
             &columns[table.parameters.len()..],
             table.parameters.len(),
+            counts,
         ),
         best_columns: columns.iter().map(heading).collect(),
         first_criterion: table.parameters.len(),
@@ -193,6 +216,18 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
     Ok(html)
 }
 
+/// The counts of all points with their intervals.
+fn counted(report: &Report) -> PassCounts {
+    let mut counted = verdict(&report.table);
+    if let Some(whole) = &report.whole {
+        whole.replace_in(&mut counted);
+    }
+    if let Some(intervals) = &report.intervals {
+        intervals.replace_in(&mut counted);
+    }
+    counted
+}
+
 /// The verdict; of results that state none, by the one-point rule.
 fn decision(report: &Report, counted: &PassCounts) -> Decision {
     let any = counted.verified.count > 0;
@@ -211,7 +246,8 @@ pub fn plots(report: &Report) -> Vec<(String, String)> {
     let best = table.best(payload::MOST_POINTS);
     let order: Vec<usize> = best.iter().map(|r| r.point).collect();
     let points = payload::embedded(table, &order, columns.len());
-    let mut plots: Vec<(String, String)> = planes(table, &columns, &points)
+    let counts = [report.points(), report.accepted(&counted(report))];
+    let mut plots: Vec<(String, String)> = planes(table, &columns, &points, counts)
         .into_iter()
         .map(|p| {
             (
@@ -223,7 +259,7 @@ pub fn plots(report: &Report) -> Vec<(String, String)> {
     plots.extend(columns.iter().map(|c| {
         (
             format!("distribution-{}", c.name),
-            figures::distribution(table, c),
+            figures::distribution(table, c, counts),
         )
     }));
     plots.extend(
@@ -262,7 +298,12 @@ fn script_safe(json: &str) -> String {
         .replace('\u{2029}', "\\u2029")
 }
 
-fn distributions(table: &PointTable, columns: &[PlotColumn<'_>], first: usize) -> Vec<Small> {
+fn distributions(
+    table: &PointTable,
+    columns: &[PlotColumn<'_>],
+    first: usize,
+    counts: [usize; 2],
+) -> Vec<Small> {
     let row = |name: &str, values: &mut dyn Iterator<Item = f64>| {
         let finite: Vec<f64> = values.filter(|v| v.is_finite()).collect();
         let n = finite.len() as f64;
@@ -279,7 +320,7 @@ fn distributions(table: &PointTable, columns: &[PlotColumn<'_>], first: usize) -
         .enumerate()
         .map(|(k, c)| Small {
             name: with_unit(c.name, c.unit),
-            svg: figures::distribution(table, c),
+            svg: figures::distribution(table, c, counts),
             rows: vec![
                 row("all", &mut c.values.iter().copied()),
                 row(
@@ -299,11 +340,23 @@ fn histories(report: &Report) -> Vec<History> {
         Some(History {
             name: s.name.clone(),
             svg: figures::history(s)?,
+            judged: judged(s),
             detail: s.last_periods().as_ref().and_then(figures::history),
             residuals: figures::residuals(s),
         })
     };
     report.history.iter().filter_map(history).collect()
+}
+
+/// When the criterion of a signal with a band looks at it.
+fn judged(series: &figures::Series) -> Option<String> {
+    let [from, to] = series.judged.filter(|_| series.accepted.is_some())?;
+    let [from_text, to_text] = [from, to].map(|time| number(time, 6));
+    Some(if from < to {
+        format!("judged from {from_text} s to {to_text} s")
+    } else {
+        format!("judged at {to_text} s only")
+    })
 }
 
 /// The parameters with the distributions that they were sampled from, where these are known.

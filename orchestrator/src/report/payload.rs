@@ -3,7 +3,9 @@
 
 use super::bins;
 use super::judgement::Judgement;
+use super::whatif::WhatIf;
 use crate::analysis::table::PointTable;
+use crate::results::choice::Even;
 use base64::{Engine, engine::general_purpose::STANDARD};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -19,6 +21,8 @@ const MOST_DENSITY_BYTES: usize = 1_500_000;
 #[derive(Serialize)]
 pub struct Payload {
     total: usize,
+    /// How many of all points are accepted.
+    accepted: usize,
     /// Whether only some of the points are embedded.
     sampled: bool,
     columns: Vec<EmbeddedColumn>,
@@ -33,6 +37,10 @@ pub struct Payload {
     /// The conformance probabilities, 32-bit floats, where they are known.
     conformance: Option<String>,
     density: Option<Density>,
+    /// The study to be changed, where the points can be judged in the page.
+    study: Option<WhatIf>,
+    /// A byte a point: of an even choice of all points, which is what can be judged where not all are embedded.
+    sample: Option<String>,
 }
 
 #[derive(Serialize)]
@@ -42,7 +50,7 @@ struct EmbeddedColumn {
     range: [f64; 2],
     /// Points with a value that lies outside `range`.
     outside: usize,
-    /// 32-bit floats.
+    /// 32-bit floats; of a criterion 64-bit ones, since its values are judged.
     data: String,
     criterion: Option<Acceptance>,
 }
@@ -64,6 +72,8 @@ struct Density {
     /// By "x,y" (column indices, x below y): a byte a cell.
     all: BTreeMap<String, String>,
     verified: BTreeMap<String, String>,
+    /// Points in the fullest cell: of all, of the accepted ones.
+    most: BTreeMap<String, [u32; 2]>,
 }
 
 /// All columns of a table, parameters first, as the plots see them.
@@ -115,10 +125,9 @@ pub fn columns<'a>(table: &'a PointTable, judgement: &Judgement) -> Vec<PlotColu
     parameters.chain(criteria).collect()
 }
 
-/// Which points are drawn one by one: all of them, or the best, the verified and an even choice of the rest.
+/// Which points are embedded and drawn one by one: all of them, or the best, many verified ones and an even choice of all.
 pub fn embedded(table: &PointTable, ranking: &[usize], columns: usize) -> Vec<usize> {
-    let most = MOST_POINTS.min(MOST_COLUMN_BYTES * 3 / (16 * columns.max(1)));
-    embed(table, ranking, most)
+    embed(table, ranking, most_embedded(columns))
 }
 
 fn embed(table: &PointTable, ranking: &[usize], most: usize) -> Vec<usize> {
@@ -126,35 +135,36 @@ fn embed(table: &PointTable, ranking: &[usize], most: usize) -> Vec<usize> {
     if n <= most {
         return (0..n).collect();
     }
-    let most = most / 2;
-    let mut keep = vec![false; n];
-    ranking.iter().take(most / 10).for_each(|&i| keep[i] = true);
-    let mut spread = |candidates: Vec<usize>, room: usize| {
-        let step = candidates.len().div_ceil(room.max(1)).max(1);
-        candidates
-            .iter()
-            .step_by(step)
-            .for_each(|&i| keep[i] = true);
-    };
-    spread(
-        (0..n).filter(|&i| table.verified[i]).collect(),
-        most * 4 / 10,
-    );
-    spread(
-        (0..n).filter(|&i| !table.verified[i]).collect(),
-        most * 5 / 10,
-    );
+    let even = even(n, most);
+    let mut keep: Vec<bool> = (0..n).map(|i| even.has(i as u64)).collect();
+    ranking.iter().take(most / 20).for_each(|&i| keep[i] = true);
+    let verified: Vec<usize> = (0..n).filter(|&i| table.verified[i]).collect();
+    let step = verified.len().div_ceil((most / 5).max(1)).max(1);
+    verified.iter().step_by(step).for_each(|&i| keep[i] = true);
     (0..n).filter(|&i| keep[i]).collect()
 }
 
-/// Collects the data for the page's script; there are `total` points, of which the table may hold only some. In the table
-/// the accepted points count as verified. `conformance` is the conformance probability of every point, where it is known.
+/// The largest number of points that may be embedded.
+fn most_embedded(columns: usize) -> usize {
+    MOST_POINTS.min(MOST_COLUMN_BYTES * 3 / (16 * columns.max(1)))
+}
+
+/// The even choice of `n` points that is embedded where `most` are not enough for all: a sample like all of them, as the best
+/// and the verified ones are not.
+fn even(n: usize, most: usize) -> Even {
+    Even::new(n as u64, (most / 4) as u64)
+}
+
+/// Collects the data for the page's script; there are `total` points, `accepted` of them accepted, of which the table may
+/// hold only some. In the table the accepted points count as verified. `conformance` is the conformance probability of every
+/// point, where it is known; `study` is what can be changed.
 pub fn payload(
     table: &PointTable,
     columns: &[PlotColumn<'_>],
     points: &[usize],
-    total: usize,
+    [total, accepted]: [usize; 2],
     conformance: Option<&[f64]>,
+    study: Option<&WhatIf>,
 ) -> Payload {
     let first_criterion = table.parameters.len();
     let flags = |flag: &dyn Fn(usize) -> bool| {
@@ -171,6 +181,12 @@ pub fn payload(
             .flat_map(|&i| (values[i] as f32).to_le_bytes());
         STANDARD.encode(bytes.collect::<Vec<_>>())
     };
+    let doubles = |values: &[f64]| {
+        let bytes = points.iter().flat_map(|&i| values[i].to_le_bytes());
+        STANDARD.encode(bytes.collect::<Vec<_>>())
+    };
+    let some = points.len() < table.len();
+    let even = even(table.len(), most_embedded(columns.len()));
     let described = columns.iter().enumerate().map(|(k, c)| EmbeddedColumn {
         name: c.name.to_owned(),
         unit: c.unit.to_owned(),
@@ -180,7 +196,10 @@ pub fn payload(
             .iter()
             .filter(|v| v.is_finite() && !(c.range[0]..=c.range[1]).contains(v))
             .count(),
-        data: floats(c.values),
+        data: match k < first_criterion {
+            true => floats(c.values),
+            false => doubles(c.values),
+        },
         criterion: k.checked_sub(first_criterion).map(|j| {
             let criterion = &table.criteria[j];
             let finite = |limit: f64| limit.is_finite().then_some(limit);
@@ -195,6 +214,7 @@ pub fn payload(
     });
     Payload {
         total,
+        accepted,
         sampled: points.len() < total,
         columns: described.collect(),
         ids: STANDARD.encode(
@@ -207,6 +227,11 @@ pub fn payload(
         verified: flags(&|i| table.verified[i]),
         completed: flags(&|i| table.completed(i)),
         conformance: conformance.map(floats),
+        sample: some.then(|| flags(&|i| even.has(i as u64))),
+        study: study.cloned().map(|study| match some {
+            true => study.of_some(),
+            false => study,
+        }),
         density: (points.len() < total).then(|| densities(table, columns)),
     }
 }
@@ -234,23 +259,30 @@ fn densities(table: &PointTable, columns: &[PlotColumn<'_>]) -> Density {
             (some, bins)
         }
     };
-    let cells = |a: usize, b: usize, keep: &dyn Fn(usize) -> bool| {
+    let counts = |a: usize, b: usize, keep: &dyn Fn(usize) -> bool| {
         let (x, y) = (&columns[a], &columns[b]);
-        STANDARD.encode(bins::levels(&bins::density(
-            x.values, y.values, keep, x.range, y.range, bins,
-        )))
+        bins::density(x.values, y.values, keep, x.range, y.range, bins)
     };
-    let by_pair = |keep: &dyn Fn(usize) -> bool| {
-        pairs
-            .iter()
-            .map(|&(a, b)| (format!("{a},{b}"), cells(a, b, keep)))
-            .collect()
-    };
-    Density {
+    let mut density = Density {
         bins,
-        all: by_pair(&|_| true),
-        verified: by_pair(&|i| table.verified[i]),
+        all: BTreeMap::new(),
+        verified: BTreeMap::new(),
+        most: BTreeMap::new(),
+    };
+    for (a, b) in pairs {
+        let key = || format!("{a},{b}");
+        let all = counts(a, b, &|_| true);
+        let verified = counts(a, b, &|i| table.verified[i]);
+        let most = [&all, &verified].map(|cells| cells.iter().copied().max().unwrap_or(0));
+        density.most.insert(key(), most);
+        density
+            .all
+            .insert(key(), STANDARD.encode(bins::levels(&all)));
+        density
+            .verified
+            .insert(key(), STANDARD.encode(bins::levels(&verified)));
     }
+    density
 }
 
 #[cfg(test)]
@@ -278,5 +310,7 @@ mod tests {
         assert!(chosen.len() <= 1000, "{}", chosen.len());
         assert!(chosen.contains(&7) && chosen.contains(&3));
         assert_eq!(chosen.iter().filter(|&&i| t.verified[i]).count(), 200);
+        let even = even(10_000, 2000);
+        assert_eq!(chosen.iter().filter(|&&i| even.has(i as u64)).count(), 500);
     }
 }

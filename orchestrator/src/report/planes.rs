@@ -23,6 +23,7 @@ pub(super) fn planes(
     table: &PointTable,
     columns: &[PlotColumn<'_>],
     points: &[usize],
+    counts: [usize; 2],
 ) -> Vec<Plane> {
     let first = table.parameters.len();
     let mut pairs: Vec<(usize, usize, String)> = Vec::new();
@@ -59,7 +60,7 @@ pub(super) fn planes(
     pairs
         .into_iter()
         .map(|(x, y, title)| Plane {
-            svg: figures::plane(table, &columns[x], &columns[y], points),
+            svg: figures::plane(table, &columns[x], &columns[y], points, counts),
             x,
             y,
             title,

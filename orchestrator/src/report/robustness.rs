@@ -22,7 +22,7 @@ pub struct View {
     level: String,
     region: Option<String>,
     ellipsoid: Option<String>,
-    unsafe_combinations: Vec<[String; 5]>,
+    unsafe_combinations: Vec<[String; 6]>,
     groups: Vec<Group>,
     warnings: Vec<String>,
 }
@@ -69,6 +69,7 @@ pub fn view(result: &Robustness) -> View {
     let combination = |c: &Combination| {
         [
             bounds(result, c),
+            c.whole.map_or_else(|| "–".to_owned(), percent),
             percent(c.share),
             percent(c.probability),
             c.lost.clone(),

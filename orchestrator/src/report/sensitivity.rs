@@ -126,11 +126,20 @@ fn bars(output: &str, parameters: &[String], shown: &[Measure]) -> String {
         .flat_map(|m| m.surest())
         .map(|e| finite(e.high))
         .fold(1e-12, f64::max);
+    let least = measures
+        .iter()
+        .flat_map(|m| m.surest())
+        .map(|e| finite(e.low).min(finite(e.value)))
+        .fold(0.0, f64::min);
     let (left, width, band) = (170.0, 560.0, 16.0 * measures.len() as f64 + 12.0);
-    let at = |v: f64| left + (finite(v) / most).clamp(0.0, 1.0) * (width - left - 16.0);
+    // Estimates of an index near 0 scatter below it, too: their whiskers are drawn whole.
+    let at = |v: f64| {
+        let part = (finite(v) - least) / (most - least);
+        left + part.clamp(0.0, 1.0) * (width - left - 16.0)
+    };
     let height = band * parameters.len() as f64 + 34.0;
     let mut out = String::new();
-    for t in super::svg::ticks(0.0, most, 5) {
+    for t in super::svg::ticks(least, most, 5) {
         let _ = write!(
             out,
             "<path class=\"grid\" d=\"M{x:.1},4V{:.1}\"/><text class=\"tick\" x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>",
@@ -153,11 +162,12 @@ fn bars(output: &str, parameters: &[String], shown: &[Measure]) -> String {
             let (e, y) = (&measure.estimates[k], top + m as f64 * 16.0);
             let _ = write!(
                 out,
-                "<path class=\"bar solid {}\" d=\"M{left},{y:.1}H{:.1}v11H{left}z\"/><path class=\"whisker\" d=\"M{low:.1},{c:.1}H{high:.1}M{low:.1},{:.1}v6M{high:.1},{:.1}v6\"/>",
+                "<path class=\"bar solid {}\" d=\"M{zero:.1},{y:.1}H{:.1}v11H{zero:.1}z\"/><path class=\"whisker\" d=\"M{low:.1},{c:.1}H{high:.1}M{low:.1},{:.1}v6M{high:.1},{:.1}v6\"/>",
                 CLASSES[m.min(2)],
                 at(e.value),
                 y + 2.5,
                 y + 2.5,
+                zero = at(0.0),
                 low = at(e.low),
                 high = at(e.high),
                 c = y + 5.5

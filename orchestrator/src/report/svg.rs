@@ -88,6 +88,16 @@ impl Frame {
         }
     }
 
+    /// A line of words above the plot, at its left end.
+    pub fn caption(&self, words: &str) -> String {
+        format!(
+            "<text class=\"tick key\" x=\"{:.1}\" y=\"{:.1}\">{}</text>",
+            self.x.from,
+            self.y.to - 8.0,
+            escape(words)
+        )
+    }
+
     /// The picture around some content. `title` is read by screen readers and shown on hover.
     pub fn wrap(&self, title: &str, content: &str) -> String {
         format!(
@@ -203,6 +213,40 @@ mod tests {
         assert!(file.contains(".plot .axis { stroke: #a2aeb9; }"), "{file}");
         assert_eq!(file.matches('{').count(), file.matches('}').count());
         assert!(!plain("<svg></svg>").contains("@media"));
+    }
+
+    /// Both schemes: text on each background it stands on has a contrast of 4.5 or more (WCAG 2.2, 1.4.3).
+    #[test]
+    fn text_stands_out_from_its_background() {
+        let schemes: Vec<&str> = STYLE.split(":root {").skip(1).collect();
+        assert_eq!(schemes.len(), 2);
+        for scheme in schemes {
+            let colour = |name: &str| {
+                let (_, rest) = scheme.split_once(&format!("--{name}: #")).unwrap();
+                [0, 2, 4].map(|k| u8::from_str_radix(&rest[k..k + 2], 16).unwrap())
+            };
+            for text in ["ink", "soft", "in", "part", "mark", "good", "bad"] {
+                for ground in ["paper", "card", "faint"] {
+                    let found = contrast(colour(text), colour(ground));
+                    assert!(found >= 4.5, "{text} on {ground}: {found:.2}");
+                }
+            }
+        }
+        assert!((contrast([0; 3], [255; 3]) - 21.0).abs() < 1e-9);
+    }
+
+    /// The contrast ratio of WCAG 2.2.
+    fn contrast(a: [u8; 3], b: [u8; 3]) -> f64 {
+        let linear = |part: u8| match f64::from(part) / 255.0 {
+            small if small <= 0.04045 => small / 12.92,
+            part => ((part + 0.055) / 1.055).powf(2.4),
+        };
+        let luminance = |colour: [u8; 3]| {
+            let [red, green, blue] = colour.map(linear);
+            0.2126 * red + 0.7152 * green + 0.0722 * blue
+        };
+        let [a, b] = [a, b].map(|colour| luminance(colour) + 0.05);
+        a.max(b) / a.min(b)
     }
 
     #[test]

@@ -45,6 +45,9 @@ pub struct Combination {
     /// The part of the sampled space, without that of unsafe ranges of one parameter where there
     /// are two bounds.
     pub share: f64,
+    /// The whole part of the sampled space within the bounds; results of earlier versions lack it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub whole: Option<f64>,
     /// Mean probability of verification there.
     pub probability: f64,
     /// The criterion that is met least there.
@@ -216,6 +219,7 @@ fn finish(bounds: Vec<Bound>, stand: &Stand, cloud: &Cloud<'_>, open: &[usize]) 
     let mut region = Combination {
         bounds,
         share: 0.0,
+        whole: None,
         probability: 0.0,
         lost: String::new(),
         confirmed: Confirmed::default(),
@@ -224,7 +228,10 @@ fn finish(bounds: Vec<Bound>, stand: &Stand, cloud: &Cloud<'_>, open: &[usize]) 
     let inside: Vec<usize> = open.iter().copied().filter(inside).collect();
     let some = inside.iter().take(ENOUGH).map(|&j| &cloud.points[j]);
     region.lost = stand.least_met(some);
-    region.share = inside.len() as f64 / cloud.points.len() as f64;
+    let n = cloud.points.len() as f64;
+    let within = cloud.points.iter().filter(|x| region.contains(x)).count();
+    region.whole = Some(within as f64 / n);
+    region.share = inside.len() as f64 / n;
     region.probability = mean(
         &inside
             .iter()

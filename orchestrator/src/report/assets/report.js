@@ -6,12 +6,12 @@
   const bytes = text => Uint8Array.from(atob(text), c => c.charCodeAt(0));
   const ids = new Uint32Array(bytes(data.ids).buffer);
   // Under a guard band fewer points are accepted than lie within all tolerances; these count as verified here.
-  const verified = bytes(data.verified);
+  let verified = bytes(data.verified);
   const word = data.guarded ? "accepted" : "verified";
   const completed = bytes(data.completed);
   const columns = data.columns.map(c => ({
     ...c,
-    data: new Float32Array(bytes(c.data).buffer),
+    data: new (c.criterion ? Float64Array : Float32Array)(bytes(c.data).buffer),
     ok: c.criterion ? bytes(c.criterion.ok) : null,
     title: c.unit && c.unit !== "1" ? `${c.name} (${c.unit})` : c.name,
   }));
@@ -152,7 +152,10 @@
   };
 
   // ---- a plane: one column against another ------------------------------------------------------
-  const WIDTH = 560, HEIGHT = 420;
+  const renderers = [];
+  let otherwise = false;
+  const WIDTH = 560, HEIGHT = 420, TOP = 30, SHADES = 5;
+  const grouped = n => String(n).replace(/\B(?=(\d{3})+$)/g, n > 9999 ? "\u2009" : "");
   function plane(figure) {
     const axes = { x: Number(figure.dataset.x), y: Number(figure.dataset.y) };
     const caption = figure.querySelector("figcaption"), picture = figure.querySelector(".picture");
@@ -170,16 +173,20 @@
     function render() {
       const cx = columns[axes.x], cy = columns[axes.y];
       sx = scale(cx.range, 64, WIDTH - 14);
-      sy = scale(cy.range, HEIGHT - 48, 12);
+      sy = scale(cy.range, HEIGHT - 48, TOP);
       picture.replaceChildren();
       svg = draw(picture, "svg", { class: size > 300 ? "plot crowd" : "plot", viewBox: `0 0 ${WIDTH} ${HEIGHT}`, tabindex: 0, role: "application",
         "aria-label": `${cy.title} against ${cx.title}. Arrow keys step through the points, Enter selects.` });
       frame(cx, cy);
       acceptance(cx, cy);
       if (crowd) {
-        shades(data.density.all, "dens", axes.x, axes.y);
-        shades(data.density.verified, "dens in", axes.x, axes.y);
+        const whole = [[-Infinity, Infinity], [-Infinity, Infinity]];
+        shades(data.density.all, "dens", axes.x, axes.y, whole);
+        // A cell at the edge of the box holds points on both sides of it; the accepted ones are inside.
+        if (!otherwise) shades(data.density.verified, "dens in", axes.x, axes.y, [acceptedRange(cx), acceptedRange(cy)]);
+        legends();
       } else marks(cx, cy);
+      words(cx, cy);
       picks = draw(svg, "path", { class: "picked" });
       rings = draw(svg, "path", { class: "ring" });
       brush = draw(svg, "rect", { class: "brush", visibility: "hidden" });
@@ -215,15 +222,41 @@
       if (cy.criterion) draw(svg, "path", { class: "nominal", d: `M${f(x0)},${f(sy.clamp(cy.criterion.nominal))}H${f(x1)}` });
     }
 
-    function shades(density, kind, a, b) {
+    function words(cx, cy) {
+      let inBox = "";
+      if (!crowd && (cx.criterion || cy.criterion)) {
+        let n = 0;
+        for (let i = 0; i < size; i++) n += completed[i] && inside(cx, i) && inside(cy, i);
+        inBox = `, ${grouped(n)} in the box`;
+      }
+      draw(svg, "text", { class: "tick key", x: sx.from, y: TOP - 8 }, `${grouped(data.total)} points${inBox}${crowd && otherwise ? "" : `, ${grouped(data.accepted)} accepted`}`);
+    }
+
+    // The shades with the points in a cell of the lightest and the darkest.
+    function legends() {
+      const key = axes.x < axes.y ? `${axes.x},${axes.y}` : `${axes.y},${axes.x}`, most = data.density.most[key], side = 11;
+      if (!most) return;
+      [["dens", 336], ["dens in", 448]].forEach(([kind, left], which) => {
+        draw(svg, "text", { class: "tick", x: left - 3, y: TOP - 8, "text-anchor": "end" }, Math.min(most[which], 1));
+        for (let k = 0; k < SHADES; k++) draw(svg, "path", { class: `${kind} d${k + 1}`, d: `M${left + k * side},${TOP - 17}h${side}v${side}h${-side}z` });
+        draw(svg, "text", { class: "tick", x: left + SHADES * side + 3, y: TOP - 8 }, grouped(most[which]));
+      });
+    }
+
+    function shades(density, kind, a, b, [across, along]) {
+      if (!across || !along) return;
       const n = data.density.bins, key = a < b ? `${a},${b}` : `${b},${a}`;
       if (!density[key]) return;
-      const cells = bytes(density[key]), paths = ["", "", "", "", ""];
+      const cells = bytes(density[key]), paths = Array(SHADES).fill("");
+      const [x0, x1] = across.map(sx.clamp), [y1, y0] = along.map(sy.clamp);
+      const between = (v, low, high) => f(Math.min(Math.max(v, low), high));
       const w = (sx.to - sx.from) / n, h = (sy.from - sy.to) / n;
       cells.forEach((level, k) => {
         if (!level) return;
         const [i, j] = a < b ? [k % n, Math.floor(k / n)] : [Math.floor(k / n), k % n];
-        paths[Math.floor((level - 1) * 5 / 255)] += `M${f(sx.from + i * w)},${f(sy.from - (j + 1) * h)}h${f(w)}v${f(h)}h${f(-w)}z`;
+        const left = between(sx.from + i * w, x0, x1), right = between(sx.from + (i + 1) * w, x0, x1);
+        const top = between(sy.from - (j + 1) * h, y0, y1), bottom = between(sy.from - j * h, y0, y1);
+        paths[Math.floor((level - 1) * SHADES / 255)] += `M${left},${top}H${right}V${bottom}H${left}z`;
       });
       paths.forEach((d, k) => draw(svg, "path", { class: `${kind} d${k + 1}`, d }));
     }
@@ -318,6 +351,7 @@
       rings.setAttribute("d", state.hover >= 0 && visible(state.hover) ? shapes.in(...at(state.hover), radius + 5) : "");
     }
     watchers.push(update);
+    renderers.push(render);
     render();
   }
   const rectangle = (a, b) => [Math.min(a[0], b[0]), Math.min(a[1], b[1]), Math.abs(a[0] - b[0]), Math.abs(a[1] - b[1])];
@@ -325,7 +359,7 @@
   // ---- distributions: where the hovered and selected points are ------------------------------------
   function distribution(figure) {
     const c = columns[Number(figure.dataset.column)], svg = figure.querySelector("svg");
-    const s = scale(c.range, 12, 288);
+    const s = scale(c.range, 42, 258);
     const rug = draw(svg, "path", { class: "rug" }), now = draw(svg, "path", { class: "rug now" });
     watchers.push(() => {
       const stroke = (i, top) => s.has(c.data[i]) ? `M${f(s.at(c.data[i]))},142V${top}` : "";
@@ -342,7 +376,8 @@
     shown.push(...evenly(whole.filter(i => !verified[i])), ...evenly(whole.filter(i => verified[i])));
     const step = Math.max(96, 1150 / columns.length), width = Math.max(1180, step * columns.length), height = 340, top = 62, bottom = 312;
     const picture = figure.querySelector(".picture");
-    picture.style.overflowX = "auto";
+    picture.className = "picture scroll";
+    for (const [key, value] of Object.entries({ tabindex: 0, role: "group", "aria-label": "Combinations of parameters" })) picture.setAttribute(key, value);
     const svg = draw(picture, "svg", { class: "plot", viewBox: `0 0 ${width} ${height}`, role: "img",
       "aria-label": `Parallel axes of ${columns.length} columns; the table of best points tells the same in numbers`, style: `min-width:${Math.min(width, step * columns.length * .75)}px` });
     const rails = columns.map((c, k) => ({ c, x: step * (k + .5) + (width - step * columns.length) / 2, s: scale(c.range, bottom, top) }));
@@ -457,4 +492,16 @@
   document.querySelectorAll("figure.distribution").forEach(distribution);
   document.querySelectorAll("#parallel figure").forEach(parallel);
   selection(document.getElementById("selection"));
+
+  // ---- what if: the plots follow another setting of the study ------------------------------------------------------
+  const redraw = ({ changed: differs, guarded, accepted, verified: flags }) => {
+    verified = flags;
+    otherwise = differs;
+    Object.assign(data, { guarded, accepted: crowd ? data.accepted : accepted });
+    document.documentElement.classList.toggle("changed", differs);
+    document.getElementById("changed-note").hidden = !differs;
+    renderers.forEach(render => render());
+    changed();
+  };
+  WhatIf.start({ data, columns, completed, bytes, make, number, grouped, redraw });
 })();

@@ -1,0 +1,189 @@
+//! The first two lines of the page: what the study has shown, and what it has not.
+
+use super::format::{count, number, percent};
+use super::judgement::Judgement;
+use conformity::decision::Decision;
+use sampling::statistics::share::Fraction;
+use serde::Serialize;
+
+/// Two sentences for a reader who reads no further.
+#[derive(Debug, Serialize)]
+pub(super) struct Shown {
+    shown: String,
+    not_shown: String,
+}
+
+impl Shown {
+    /// From the verdict and the share of points that meet all criteria; `failed` points have no result.
+    pub(super) fn new(
+        decision: Decision,
+        judgement: &Judgement,
+        meets_all: &Fraction,
+        failed: usize,
+    ) -> Self {
+        if failed == meets_all.of {
+            return Self {
+                shown: "nothing, since no point could be simulated.".to_owned(),
+                not_shown: "whether the model agrees with the measurement.".to_owned(),
+            };
+        }
+        match &judgement.decided {
+            Some(_) => by_share(decision, judgement, meets_all.of),
+            None => by_one_point(judgement, meets_all),
+        }
+    }
+}
+
+fn by_one_point(judgement: &Judgement, meets_all: &Fraction) -> Shown {
+    let (hits, points) = (meets_all.count, count(meets_all.of));
+    if hits == 0 {
+        return Shown {
+            shown: format!(
+                "none of the {points} points meets all criteria: with none of them the model agrees with the measurement."
+            ),
+            not_shown: "that no parameter set agrees. Parameter sets between the points were not simulated.".to_owned(),
+        };
+    }
+    Shown {
+        shown: format!(
+            "{} of {points} points meet all criteria: there are parameter sets that the study allows with which the model \
+             agrees with the measurement within the tolerances.",
+            count(hits)
+        ),
+        not_shown: format!(
+            "that the model is right. {} % is a part of the sampled parameter space and no mark for the model; another \
+             model may agree as well.{}",
+            percent(meets_all.value()),
+            doubt(judgement, hits)
+        ),
+    }
+}
+
+fn by_share(decision: Decision, judgement: &Judgement, points: usize) -> Shown {
+    let Some(decided) = &judgement.decided else {
+        return by_one_point(judgement, &Fraction::wilson(0, points));
+    };
+    let required = number(100.0 * decided.required, 4);
+    let confidence = number(100.0 * decided.confidence, 4);
+    let accepted = decided.accepted;
+    let (shown, not_shown) = match decision {
+        Decision::Verified => (
+            format!(
+                "at least the required {required} % of the sampled parameter space agrees with the measurement within the \
+                 tolerances, at a confidence of {confidence} %: {} of {} points do.",
+                count(accepted),
+                count(points)
+            ),
+            format!(
+                "that the model is right, or agrees with every parameter set. The share is a part of the sampled space and \
+                 no mark for the model.{}",
+                doubt(judgement, accepted)
+            ),
+        ),
+        Decision::NotVerified => (
+            format!(
+                "less than the required {required} % of the sampled parameter space agrees with the measurement within the \
+                 tolerances, at a confidence of {confidence} %: {} of {} points do.",
+                count(accepted),
+                count(points)
+            ),
+            "that the model is wrong with every parameter set, or which of model, distributions and measurement is at fault."
+                .to_owned(),
+        ),
+        Decision::Inconclusive => (
+            format!(
+                "{} of {} points agree with the measurement within the tolerances, which decides nothing.",
+                count(accepted),
+                count(points)
+            ),
+            format!(
+                "whether the required {required} % of the sampled parameter space agree, at a confidence of {confidence} %."
+            ),
+        ),
+    };
+    Shown { shown, not_shown }
+}
+
+/// How many of the accepted points are expected not to conform.
+fn doubt(judgement: &Judgement, accepted: usize) -> String {
+    let risk = judgement.all.as_ref();
+    let share = risk.and_then(|risk| risk.not_conforming_given_accepted);
+    match share {
+        Some(share) => format!(
+            " Of the {} accepted points {} are expected to be outside of the tolerances of the true values, since the \
+             measured values are uncertain.",
+            count(accepted),
+            number(share * accepted as f64, 2)
+        ),
+        None => " How far the measured values are from the true ones is not stated for every criterion, so it is not known \
+                 how many of the accepted points are right."
+            .to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::judgement::Decided;
+    use conformity::risk::Risk;
+
+    fn lines(decision: Decision, judgement: &Judgement, hits: usize) -> [String; 2] {
+        let of = Fraction::wilson(hits, 50);
+        let Shown { shown, not_shown } = Shown::new(decision, judgement, &of, 0);
+        [shown, not_shown]
+    }
+
+    fn judgement(by_share: bool) -> Judgement {
+        Judgement {
+            decided: by_share.then(|| Decided {
+                required: 0.05,
+                accepted: 7,
+                interval: Some([0.058, 0.267]),
+                confidence: 0.95,
+                method: String::new(),
+            }),
+            all: Some(Risk {
+                consumer: 0.1,
+                producer: 0.1,
+                conformance_probability: 0.3,
+                not_conforming_given_accepted: Some(0.6),
+                intervals: None,
+            }),
+            ..Judgement::default()
+        }
+    }
+
+    #[test]
+    fn one_point_shows_that_there_is_one() {
+        let [shown, not_shown] = lines(Decision::Verified, &judgement(false), 11);
+        assert!(shown.starts_with("11 of 50 points meet all criteria"));
+        assert!(not_shown.contains("22.0 % is a part of the sampled parameter space"));
+        assert!(not_shown.contains("Of the 11 accepted points 6.6 are expected to be outside"));
+        let [_, not_shown] = lines(Decision::NotVerified, &judgement(false), 0);
+        assert!(not_shown.starts_with("that no parameter set agrees"));
+    }
+
+    #[test]
+    fn a_share_is_shown_at_its_confidence() {
+        let [shown, not_shown] = lines(Decision::Verified, &judgement(true), 11);
+        assert!(
+            shown.contains("at least the required 5 %") && shown.contains("7 of 50"),
+            "{shown}"
+        );
+        assert!(
+            not_shown.contains("Of the 7 accepted points 4.2"),
+            "{not_shown}"
+        );
+        let [shown, _] = lines(Decision::NotVerified, &judgement(true), 11);
+        assert!(shown.starts_with("less than the required 5 %"));
+        let [_, not_shown] = lines(Decision::Inconclusive, &judgement(true), 11);
+        assert!(not_shown.starts_with("whether the required 5 %"));
+    }
+
+    #[test]
+    fn without_any_result_nothing_is_shown() {
+        let none = Fraction::wilson(0, 3);
+        let found = Shown::new(Decision::Inconclusive, &judgement(true), &none, 3);
+        assert!(found.shown.starts_with("nothing"));
+    }
+}
