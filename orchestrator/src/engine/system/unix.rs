@@ -11,7 +11,6 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
 use fmu_import::isolation::frame::Inbox;
-use fmu_import::isolation::keeper::signal_name;
 use fmu_import::isolation::offspring;
 use fmu_import::isolation::words::Words;
 use fmu_import::isolation::{Keeper, Loss};
