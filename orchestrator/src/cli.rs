@@ -67,6 +67,13 @@ pub enum Command {
     /// Runs points for another process of this program
     #[command(hide = true)]
     Worker,
+    /// Runs points for a worker
+    #[cfg(windows)]
+    #[command(hide = true)]
+    Servant {
+        /// Name of the number that tells how far it is
+        progress: String,
+    },
     /// Simulates once for `check`
     #[command(hide = true)]
     Probe {

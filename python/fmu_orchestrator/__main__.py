@@ -1,6 +1,7 @@
 """The command ``orchestrator`` of an installed package: the program, which also finds the package's own studies."""
 
 import os
+import signal
 import subprocess
 import sys
 
@@ -27,6 +28,8 @@ def main() -> int:
         print(f"error: {error}", file=sys.stderr)
         return 2
     if os.name == "nt":
+        # Ctrl-C is for the program, which puts things in order first.
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
         return subprocess.call(command)
     os.execv(command[0], command)
 

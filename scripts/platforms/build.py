@@ -1,22 +1,58 @@
 """Builds for this machine: with an old glibc as baseline on Linux, else with plain cargo."""
 
 import os
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from .common import PACKAGE, ROOT, Failure, run, say, target_dir, venv
 
 # Zig links against any glibc, and takes LLVM's unwinder in place of libgcc_s.
 ZIG = ["cargo-zigbuild==0.24.0", "ziglang==0.17.0"]
-ZIGBUILD = ["cargo-zigbuild"]
+ZIGBUILD = ("cargo-zigbuild",)
 GLIBC = "2.17"
 LINUX = "x86_64-unknown-linux-gnu"
 PROFILE = "fmu"
 
 
-def cargo(*arguments, env=None, program=("cargo",)):
-    """Builds the FMU's library, and nothing but it: optimised as a whole."""
-    run([*program, "rustc", "--profile", PROFILE, "--locked", "--package", PACKAGE, "--lib",
-         "--crate-type", "cdylib", *arguments], env=env or {})
+@dataclass
+class Compiler:
+    """How cargo builds for a target."""
+
+    target: str
+    environment: dict = field(default_factory=dict)
+    command: tuple = ("cargo",)
+    # The C library's version, where an old one is wanted.
+    baseline: str = ""
+    notes: list = field(default_factory=list)
+
+    def __post_init__(self):
+        self.named = f"{self.target}.{self.baseline}" if self.baseline else self.target
+
+    def library(self, *arguments):
+        """The FMU's library, optimised as a whole."""
+        run([*self.command, "rustc", "--profile", PROFILE, "--locked", "--package", PACKAGE, "--lib", "--crate-type", "cdylib",
+             "--target", self.named, *arguments], env=self.environment)
+        name = {"windows": "plain_bearing_stand.dll", "darwin": "libplain_bearing_stand.dylib"}
+        return self.folder() / name.get(self.system(), "libplain_bearing_stand.so")
+
+    def program(self):
+        """The program."""
+        build = "zigbuild" if self.command == ZIGBUILD else "build"
+        run([*self.command, build, "--profile", PROFILE, "--locked", "--package", "orchestrator", "--bin", "orchestrator",
+             "--target", self.named], env=self.environment)
+        return self.folder() / ("orchestrator.exe" if self.system() == "windows" else "orchestrator")
+
+    def folder(self):
+        return target_dir() / self.target / PROFILE
+
+    def system(self):
+        return self.target.split("-")[2]
+
+
+def cargo(*arguments, env=None):
+    """Builds the FMU's library for this machine, and nothing but it."""
+    run(["cargo", "rustc", "--profile", PROFILE, "--locked", "--package", PACKAGE, "--lib", "--crate-type", "cdylib",
+         *arguments], env=env or {})
 
 
 def flags(target, more=""):
@@ -40,30 +76,20 @@ def zig():
     return {"PATH": f"{folder}{os.pathsep}{os.environ['PATH']}"}
 
 
+def linux():
+    """For this machine, where it is Linux on x86-64."""
+    return Compiler(LINUX, zig() | flags(LINUX), ZIGBUILD, GLIBC)
+
+
 def linux64(row):
     try:
-        environment = zig()
+        compiler = linux()
     except Failure as failure:
         say(f"warning: building with plain cargo, as Zig is not to be had: {failure}")
         row.notes.append("plain cargo, without the old glibc baseline")
         return plain(row)
     say(f"building linux64 for glibc {GLIBC}")
-    cargo("--target", f"{LINUX}.{GLIBC}", env=environment | flags(LINUX), program=ZIGBUILD)
-    return target_dir() / LINUX / PROFILE / "libplain_bearing_stand.so"
-
-
-def darwin64(row):
-    """One file for both processors that Macs have."""
-    files = []
-    for target in ["x86_64-apple-darwin", "aarch64-apple-darwin"]:
-        run(["rustup", "target", "add", target])
-        say(f"building {target}")
-        cargo("--target", target)
-        files.append(target_dir() / target / PROFILE / "libplain_bearing_stand.dylib")
-    both = target_dir() / "libplain_bearing_stand.dylib"
-    run(["lipo", "-create", "-output", both, *files])
-    row.notes.append("x86_64 and arm64")
-    return both
+    return compiler.library()
 
 
 def plain(row):

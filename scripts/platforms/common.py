@@ -12,12 +12,13 @@ IDENTIFIER = "PlainBearingStand"
 PACKAGE = "plain-bearing-stand"
 CACHE = ROOT / ".cache"
 
-# FMI 2.0 names the first four; for 64-bit Arm it names none, and importers look where FMI 3 says.
+# FMI 2.0 names the first three; for 64-bit Arm it names none, and importers look where FMI 3 says.
 PLATFORMS = {
     "linux64": ".so",
     "win64": ".dll",
     "darwin64": ".dylib",
     "aarch64-linux": ".so",
+    "aarch64-darwin": ".dylib",
 }
 
 

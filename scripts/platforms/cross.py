@@ -10,8 +10,8 @@ import re
 import shutil
 from pathlib import Path
 
-from .build import GLIBC, PROFILE, ZIGBUILD, cargo, flags, zig
-from .common import CACHE, Failure, run, say, target_dir
+from .build import GLIBC, ZIGBUILD, Compiler, flags, zig
+from .common import CACHE, Failure, run, say
 from .debian import install
 
 # Suites that carry newer compilers than the stable release does.
@@ -20,28 +20,38 @@ SUITES = ["trixie-backports", "bookworm-backports", "sid"]
 BUILD_STD = "std,panic_unwind"
 
 
-def win64(row):
+def windows():
+    """For Windows on x86-64, with mingw."""
     target = "x86_64-pc-windows-gnu"
     install("gcc-mingw-w64-x86-64-win32", command="x86_64-w64-mingw32-gcc")
     linker = f"CARGO_TARGET_{target.upper().replace('-', '_')}_LINKER"
-    # The C runtime and the unwinder go into the DLL: every Windows can load it.
+    # The C runtime and the unwinder go into the binary: every Windows can load it.
     static = "-Ctarget-feature=+crt-static"
-    # The linker writes the time into a DLL unless it is told not to.
+    # The linker writes the time into a binary unless it is told not to.
     more = f"{static} -Clink-arg=-Wl,--no-insert-timestamp"
     if not fetched(target):
         more += f" --sysroot={sysroot(target, static, startup_objects)}"
+    return Compiler(target, {linker: "x86_64-w64-mingw32-gcc"} | flags(target, more), notes=["mingw"])
+
+
+def arm_linux():
+    """For Linux on 64-bit Arm."""
+    target = "aarch64-unknown-linux-gnu"
+    more = "" if fetched(target) else f"--sysroot={sysroot(target, '', None)}"
+    return Compiler(target, zig() | flags(target, more), ZIGBUILD, GLIBC)
+
+
+def win64(row):
+    compiler = windows()
     say("building win64")
-    cargo("--target", target, env={linker: "x86_64-w64-mingw32-gcc"} | flags(target, more))
-    row.notes.append("mingw")
-    return target_dir() / target / PROFILE / "plain_bearing_stand.dll"
+    row.notes += compiler.notes
+    return compiler.library()
 
 
 def aarch64(row):
-    target = "aarch64-unknown-linux-gnu"
-    more = "" if fetched(target) else f"--sysroot={sysroot(target, '', None)}"
+    compiler = arm_linux()
     say(f"building aarch64-linux for glibc {GLIBC}")
-    cargo("--target", f"{target}.{GLIBC}", env=zig() | flags(target, more), program=ZIGBUILD)
-    return target_dir() / target / PROFILE / "libplain_bearing_stand.so"
+    return compiler.library()
 
 
 def fetched(target):

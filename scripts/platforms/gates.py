@@ -4,6 +4,7 @@ import re
 import shutil
 import struct
 
+from . import macho
 from .common import ROOT, Failure, run
 
 GLIBC = (2, 17)
@@ -13,6 +14,8 @@ LIBRARIES = {
     # Libraries that every Windows has.
     "dll": re.compile(r"(kernel32|ntdll|msvcrt|ucrtbase|userenv|ws2_32|bcrypt(primitives)?|advapi32"
                       r"|api-ms-win-[\w-]+)\.dll", re.IGNORECASE),
+    "mach": re.compile(r"/usr/lib/lib(System\.B|iconv\.2|objc\.A)\.dylib"
+                       r"|/System/Library/Frameworks/(Core)?Foundation\.framework/Versions/./(Core)?Foundation"),
 }
 
 
@@ -28,14 +31,17 @@ def platform_of(file):
         library = head[start:start + 4] == b"PE\0\0" and traits & 0x2000
         return "win64" if library and machine == 0x8664 else None
     # A macOS library, for one processor or for both.
-    one = head[:4] == b"\xcf\xfa\xed\xfe" and struct.unpack_from("<I", head, 12)[0] == 6
-    return "darwin64" if one or head[:4] == b"\xca\xfe\xba\xbe" else None
+    if head[:4] == macho.FAT:
+        return "darwin64"
+    if head[:4] != macho.ONE or struct.unpack_from("<I", head, 12)[0] != 6:
+        return None
+    return "aarch64-darwin" if struct.unpack_from("<I", head, 4)[0] == 0x0100000C else "darwin64"
 
 
 def check(row):
     """Raises a Failure where a binary does not pass; notes what it found."""
-    if row.platform == "darwin64":
-        exports, libraries = macho(row.file)
+    if row.platform in ("darwin64", "aarch64-darwin"):
+        exports, libraries = mach(row)
     elif row.platform == "win64":
         exports, libraries = dll(row.file)
     else:
@@ -89,11 +95,19 @@ def dll(file):
     return exports, libraries
 
 
-def macho(file):
-    if not (shutil.which("nm") and shutil.which("otool")):
-        return None, None
-    symbols = [line.split() for line in run(["nm", "-gU", file]).splitlines()]
-    exports = [fields[2].removeprefix("_") for fields in symbols if len(fields) == 3]
-    # Both processors' parts list the file itself first.
-    lines = [line.split()[0] for line in run(["otool", "-L", file]).splitlines() if line.startswith("\t")]
-    return exports, {name for name in lines if "plain_bearing_stand" not in name}
+def mach(row):
+    """A library for macOS: every part has to export the same."""
+    found = [macho.read(part) for part in macho.parts(row.file.read_bytes())]
+    row.notes.append(", ".join(f"{one['processor']}{' signed' if one['signed'] else ''}" for one in found)
+                     + f", macOS {found[0].get('system', '?')}")
+    first, *others = [sorted(one["exports"]) for one in found]
+    if any(names != first for names in others):
+        raise Failure("its parts export different functions")
+    libraries = set().union(*(one["libraries"] for one in found))
+    strange = {name for name in libraries if not LIBRARIES["mach"].fullmatch(name)}
+    if strange:
+        raise Failure(f"needs {sorted(strange)}, which not every Mac has")
+    # Apple's chips load nothing that is not signed at all.
+    if any(one["processor"] == "arm64" and not one["signed"] for one in found):
+        raise Failure("the part for arm64 is not signed")
+    return first, libraries

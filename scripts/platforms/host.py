@@ -13,27 +13,56 @@ SOURCE = Path(__file__).with_name("host.c")
 STEPS = 100
 
 
-def run_with(row):
-    """The compiler and the runner for a platform's host, or why there is none."""
+def run_with(row, wanted=False):
+    """The compiler and the runner for a platform's host, or why there is none; where wanted, they are installed."""
     if row.platform == native():
         compiler = shutil.which("cc") or shutil.which("gcc")
         return ([compiler] if compiler else None), [], "no C compiler here"
     if row.platform == "win64":
-        wine = shutil.which("wine64") or shutil.which("wine") or wine_of_debian()
+        if wanted and not wine():
+            install("wine64", file="usr/lib/wine/wine64")
         compiler = shutil.which("x86_64-w64-mingw32-gcc")
-        return (([compiler] if compiler and wine else None), [wine], "no wine or mingw here")
+        return (([compiler] if compiler and wine() else None), [wine()], missing(wine=wine(), mingw=compiler))
     if row.platform == "aarch64-linux":
+        if wanted:
+            install("qemu-user", command="qemu-aarch64")
+            install("gcc-aarch64-linux-gnu", command="aarch64-linux-gnu-gcc")
+            install("libc6-dev-arm64-cross", file="usr/aarch64-linux-gnu/include/stdio.h")
         qemu = shutil.which("qemu-aarch64") or shutil.which("qemu-aarch64-static")
         compiler = shutil.which("aarch64-linux-gnu-gcc")
         libraries = "/usr/aarch64-linux-gnu"
         return (([compiler] if compiler and qemu else None), [qemu, "-L", libraries],
-                "no qemu-user or aarch64-linux-gnu-gcc here")
+                missing(**{"qemu": qemu, "aarch64-linux-gnu-gcc": compiler}))
     return None, [], "no such machine here"
+
+
+def missing(**tools):
+    """What is not there, of these."""
+    return " and ".join(f"no {name}" for name, place in tools.items() if not place)
+
+
+def wine():
+    return shutil.which("wine64") or shutil.which("wine") or wine_of_debian()
 
 
 def wine_of_debian():
     path = Path("/usr/lib/wine/wine64")
     return str(path) if path.exists() else None
+
+
+def quiet():
+    """The environment in which wine says nothing of its own, and keeps its files apart from the user's."""
+    return {"WINEDEBUG": "-all", "WINEPREFIX": str(CACHE / "wine")}
+
+
+def wine_ready():
+    """Makes wine's own files, once, with the library that older versions lack."""
+    library = CACHE / "wine/drive_c/windows/system32/bcryptprimitives.dll"
+    if library.exists():
+        return
+    run([wine(), "wineboot", "--init"], env=quiet())
+    if library.parent.is_dir() and not library.exists():
+        run(["x86_64-w64-mingw32-gcc", "-O1", "-shared", "-o", library, SOURCE.with_name("bcryptprimitives.c"), "-ladvapi32"])
 
 
 def run_host(row, compiler, runner):
@@ -49,11 +78,13 @@ def run_host(row, compiler, runner):
         run([*compiler, "-O1", "-Wall", "-o", program, SOURCE, *dynamic])
     binary = Path(row.file).resolve()
     resources = ROOT / "modelDescription/resources"
-    wine = row.platform == "win64" and native() != "win64"
-    uri = f"file:///Z:{resources.as_posix()}" if wine else resources.as_uri()
+    foreign = row.platform == "win64" and native() != "win64"
+    uri = f"file:///Z:{resources.as_posix()}" if foreign else resources.as_uri()
+    if foreign:
+        wine_ready()
     with tempfile.TemporaryDirectory() as away:
         return run([*runner, program, binary, guid, uri, STEPS, *outputs], cwd=away, timeout=300,
-                   env={"WINEDEBUG": "-all", "WINEPREFIX": str(CACHE / "wine")})
+                   env=quiet())
 
 
 def memcheck(row):
@@ -68,9 +99,9 @@ def memcheck(row):
     return re.search(r"ERROR SUMMARY: (.*?) \(", text)[1]
 
 
-def step(row):
-    """Runs a platform's binary; says what it did, or why it could not."""
-    compiler, runner, why = run_with(row)
+def step(row, wanted=False):
+    """Runs a platform's binary; says what it did, or why it could not. Where wanted, what that takes is installed."""
+    compiler, runner, why = run_with(row, wanted)
     if compiler is None:
         return f"not run: {why}"
     text = run_host(row, compiler, runner)

@@ -7,7 +7,6 @@ pub mod description;
 mod directory;
 mod floating_point;
 pub mod instance;
-#[cfg(unix)]
 pub mod isolation;
 pub mod library;
 mod logger;

@@ -1,12 +1,12 @@
 //! Limits of time and memory for a point, from the command line.
 
-use std::fs;
 use std::time::Duration;
 
 use super::CommandError;
 use crate::cli::Means;
 use crate::engine::crew::Place;
 use crate::engine::process::Limits;
+use crate::engine::system;
 
 /// Where `jobs` points at a time are run.
 pub(super) fn place(options: &Means, jobs: usize) -> Result<Place, CommandError> {
@@ -59,11 +59,8 @@ fn size(text: &str) -> Option<u64> {
 fn share(jobs: usize) -> u64 {
     // Where the size is not known, a limit that any of today's machines keeps.
     const UNKNOWN: u64 = 4 << 30;
-    let text = fs::read_to_string("/proc/meminfo").unwrap_or_default();
-    let line = text.lines().find_map(|line| line.strip_prefix("MemTotal:"));
-    let kibibytes =
-        line.and_then(|line| line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok());
-    kibibytes.map_or(UNKNOWN, |kibibytes| kibibytes * 1024 / 5 * 4) / jobs.max(1) as u64
+    let memory = system::memory_of_machine();
+    memory.map_or(UNKNOWN, |bytes| bytes / 5 * 4) / jobs.max(1) as u64
 }
 
 #[cfg(test)]

@@ -38,6 +38,8 @@ use thiserror::Error;
 
 use crate::analysis::from_results::FolderError;
 use crate::cli::{Cli, Command, Work};
+#[cfg(windows)]
+use crate::engine::birth;
 use crate::engine::{EngineError, Isolation, guard};
 use crate::failure::Failure;
 use crate::judge::Judge;
@@ -157,6 +159,8 @@ fn dispatch(cli: Cli) -> Result<ExitCode, CommandError> {
         Command::Replay(options) => replay::run(&options),
         Command::Merge(options) => merge::run(&options),
         Command::Worker => guard::end(guard::serve()),
+        #[cfg(windows)]
+        Command::Servant { progress } => guard::end(birth::serve(&progress)),
         Command::Probe { setup } => guard::end(check::serve(&setup)),
         Command::Report(options) => report::run(&options),
         Command::Sensitivity(options) => proven(options, sensitivity::run, |o| &mut o.work),

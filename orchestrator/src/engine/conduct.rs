@@ -58,6 +58,13 @@ pub struct Conduct {
 }
 
 impl Conduct {
+    /// Where an audit puts other bytes: only the C library of Linux (glibc) can fill what it hands out.
+    const REFILLED: &str = if cfg!(all(target_os = "linux", target_env = "gnu")) {
+        "unwritten memory"
+    } else {
+        "the unwritten stack"
+    };
+
     /// Nothing was computed yet.
     pub const NONE: Self = Self {
         isolation: Isolation::Fresh,
@@ -151,12 +158,13 @@ impl Conduct {
             }
             (_, count) => format!(
                 "reproducible: {count} {} computed twice, the second time alone in a new process with other bytes in \
-                 unwritten memory, and came out the same to the last bit ({})",
+                 {}, and came out the same to the last bit ({})",
                 if count == 1 {
                     "point was"
                 } else {
                     "points were"
                 },
+                Self::REFILLED,
                 power(count)
             ),
         }

@@ -7,22 +7,22 @@
 use std::collections::VecDeque;
 use std::fs::{self, File};
 use std::io;
-use std::os::fd::{AsFd, OwnedFd};
 use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::servant;
+use super::Job;
+use super::birth::{self, Estate};
+use super::servant::{self, Work};
+use super::system::{self, Shared, Streams};
 use super::wire::{
     End, Reader, Reply, Setup, Trouble, Way, put_end, put_job, put_reply, put_trouble, speech,
 };
-use super::{Job, shared::Shared};
 use crate::failure::Failure;
 use crate::run::Habit;
 use crate::task::Record;
 use fmu_import::isolation::keeper::signal_name;
-use fmu_import::isolation::words::Words;
-use fmu_import::isolation::{Bounds, Child, Keeper, Loss, Parting, Place, frame, offspring};
+use fmu_import::isolation::{Bounds, Child, Keeper, Loss, Parting, frame};
 use fmu_import::{FmuError, Library, Package};
 
 /// Replies are sent after this time at the latest, when the next point is done: a message a point would cost more
@@ -43,10 +43,8 @@ pub const MUTE: &str = "the FMU closed descriptors that it did not open, or beca
 /// # Errors
 /// When the supervisor cannot be understood or reached.
 pub fn serve() -> io::Result<()> {
-    let (input, output, error) = own_streams()?;
-    offspring::become_keeper();
-    let superior = input.try_clone()?;
-    let mut orders = frame::Inbox::new(File::from(input), 0);
+    let (input, output, streams) = Streams::take()?;
+    let mut orders = frame::Inbox::new(input, 0);
     let Some(setup) = orders.wait()? else {
         return Ok(());
     };
@@ -55,11 +53,10 @@ pub fn serve() -> io::Result<()> {
     if let Some(byte) = setup.fill {
         servant::fill_memory(byte);
     }
-    let echo = setup.echo.then(|| File::from(error));
     let mut guard = Guard {
-        keeper: Keeper::new(superior, Words::overhear(echo)?, setup.ticket),
+        keeper: streams.keeper(setup.echo, setup.ticket)?,
         output: Output {
-            to: output.into(),
+            to: output,
             ticket: setup.ticket,
             held: Vec::new(),
             sent: Instant::now(),
@@ -128,12 +125,9 @@ impl Guard {
             reply.answer = Err(Trouble::Unloadable(reason));
             return Ok(reply);
         }
-        let (setup, package) = (&self.setup, &mut self.package);
-        let library = self.library.as_ref().filter(|_| way == Way::Forked);
-        let work = |place| servant::alone(place, setup, package.as_mut(), library.cloned(), job);
-        clear(setup.place.as_deref())?;
-        // SAFETY: a guard has a single thread; loading the FMU has started none, or it is not loaded here.
-        let mut child = match unsafe { fork(&mut self.keeper, work) } {
+        let library = self.library.clone().filter(|_| way == Way::Forked);
+        clear(self.setup.place.as_deref())?;
+        let mut child = match self.begin(library, &Work::Alone(job.clone())) {
             Ok(child) => child,
             Err(error) => {
                 reply.answer = Err(Trouble::Lost(no_process(&error)));
@@ -262,7 +256,7 @@ impl Guard {
                 in_vain = false;
             }
         }
-        let swollen = |child: &Child| offspring::resident(child.pid()) > self.setup.memory / 2;
+        let swollen = |child: &Child| child.resident() > self.setup.memory / 2;
         // A leak costs a restart now and then, long before it costs a point.
         if self.used.as_ref().is_some_and(|(_, child)| swollen(child)) {
             self.used = None;
@@ -319,21 +313,8 @@ impl Guard {
         if let Err(reason) = self.prepare(Way::Used(habit)) {
             return Ok(Err(Trouble::Unloadable(reason)));
         }
-        let (setup, package, progress) = (&self.setup, &mut self.package, &self.progress);
-        let library = &self.library;
-        let work = |place| {
-            servant::serve(
-                place,
-                setup,
-                package.as_mut(),
-                library.clone(),
-                habit,
-                progress,
-            );
-        };
-        clear(setup.place.as_deref())?;
-        // SAFETY: as for a point alone.
-        let mut child = match unsafe { fork(&mut self.keeper, work) } {
+        clear(self.setup.place.as_deref())?;
+        let mut child = match self.begin(self.library.clone(), &Work::Serve(habit)) {
             Ok(child) => child,
             Err(error) => return Ok(Err(Trouble::Lost(no_process(&error)))),
         };
@@ -354,6 +335,27 @@ impl Guard {
         }
     }
 
+    /// A child at work; waits for room where the system has none at the moment.
+    fn begin(&mut self, library: Option<Arc<Library>>, work: &Work) -> io::Result<Child> {
+        const PAUSES: [u64; 5] = [1, 10, 100, 500, 1000];
+        let mut estate = Estate {
+            setup: &self.setup,
+            package: &mut self.package,
+            library,
+            progress: &self.progress,
+        };
+        for pause in PAUSES {
+            // SAFETY: where children are forks, a guard has a single thread; loading the FMU has started none, or it is
+            // not loaded here.
+            if let Ok(child) = unsafe { birth::child(&mut self.keeper, &mut estate, work) } {
+                return Ok(child);
+            }
+            std::thread::sleep(Duration::from_millis(pause));
+        }
+        // SAFETY: as above.
+        unsafe { birth::child(&mut self.keeper, &mut estate, work) }
+    }
+
     /// Runs a point with its trajectory.
     fn record(&mut self, record: &Record) -> io::Result<()> {
         self.used = None;
@@ -365,11 +367,8 @@ impl Guard {
         if let Err(reason) = self.prepare(Way::Recorded) {
             return self.output.put(&failed(Failure::Unloadable(reason)));
         }
-        let (setup, package) = (&self.setup, &mut self.package);
-        let work = |place| servant::record(place, setup, package.as_mut(), record);
-        clear(setup.place.as_deref())?;
-        // SAFETY: as for a point alone.
-        let mut child = match unsafe { fork(&mut self.keeper, work) } {
+        clear(self.setup.place.as_deref())?;
+        let mut child = match self.begin(None, &Work::Record(record.clone())) {
             Ok(child) => child,
             Err(error) => return self.output.put(&failed(no_process(&error))),
         };
@@ -451,23 +450,6 @@ impl Guard {
     }
 }
 
-/// Forks a child; waits for room where the system has none at the moment.
-///
-/// # Safety
-/// As [`Keeper::fork`].
-unsafe fn fork(keeper: &mut Keeper, mut work: impl FnMut(Place)) -> io::Result<Child> {
-    const PAUSES: [u64; 5] = [1, 10, 100, 500, 1000];
-    for pause in PAUSES {
-        // SAFETY: as the caller says.
-        if let Ok(child) = unsafe { keeper.fork(&mut work) } {
-            return Ok(child);
-        }
-        std::thread::sleep(Duration::from_millis(pause));
-    }
-    // SAFETY: as the caller says.
-    unsafe { keeper.fork(&mut work) }
-}
-
 fn no_process(error: &io::Error) -> Failure {
     Failure::Crashed(format!("the system starts no further process: {error}"))
 }
@@ -531,25 +513,8 @@ impl Output {
     }
 }
 
-/// Takes standard input and output for the supervisor alone; reading gives the FMU nothing. The third is standard
-/// error, which [`Words`] replaces.
-fn own_streams() -> io::Result<(OwnedFd, OwnedFd, OwnedFd)> {
-    use std::os::fd::AsRawFd;
-    let input = io::stdin().as_fd().try_clone_to_owned()?;
-    let output = io::stdout().as_fd().try_clone_to_owned()?;
-    let error = io::stderr().as_fd().try_clone_to_owned()?;
-    let nothing = File::open("/dev/null")?;
-    // SAFETY: both are open descriptors of this process, and Rust's own handle of standard input owns none.
-    if unsafe { libc::dup2(nothing.as_raw_fd(), 0) } < 0 {
-        return Err(io::Error::last_os_error());
-    }
-    Ok((input, output, error))
-}
-
 /// Ends this process and all that it has started, at once: the FMU's own destructors have no say any more.
 pub fn end(result: io::Result<()>) -> ! {
-    offspring::end_all();
-    let code = if result.is_err() { UNABLE } else { 0 };
-    // SAFETY: never returns, runs no code of this process.
-    unsafe { libc::_exit(code) }
+    system::end_all();
+    system::leave(if result.is_err() { UNABLE } else { 0 })
 }

@@ -8,6 +8,7 @@
 //! what the slots find out together ([policy]).
 
 mod batch;
+pub mod birth;
 pub mod conduct;
 pub mod crew;
 mod ground;
@@ -18,9 +19,9 @@ pub mod policy;
 pub mod process;
 pub mod repeats;
 mod servant;
-mod shared;
 pub mod single;
 mod slot;
+pub(crate) mod system;
 mod wire;
 pub mod working_directory;
 

@@ -4,10 +4,7 @@
 //! parent, or stop it) is noticed here: it is looked at while it is silent, and each of its answers has a deadline.
 
 use std::collections::BTreeMap;
-use std::fs::File;
 use std::io;
-use std::os::fd::{AsRawFd, OwnedFd};
-use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, Command, Stdio};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, TryLockError};
@@ -17,13 +14,14 @@ use tempfile::TempDir;
 
 use super::ground::Ground;
 use super::join::{Join, split};
+use super::system;
 use super::wire::{Reader, Reply, Setup, Way, put_job};
 use super::{EngineError, Job, working_directory};
 use crate::failure::Failure;
 use crate::task::Case;
 use fmu_import::isolation::frame::Inbox;
 use fmu_import::isolation::keeper::signal_name;
-use fmu_import::isolation::{ControlGroup, frame, offspring};
+use fmu_import::isolation::{ControlGroup, Loss, frame};
 
 /// The hidden command that makes this program a guard.
 pub const COMMAND: &str = "worker";
@@ -95,7 +93,7 @@ pub(super) struct Process {
 struct Running {
     child: Child,
     orders: Option<ChildStdin>,
-    replies: Inbox<File>,
+    replies: Inbox<system::Source>,
     ticket: u64,
     /// The working directory, which is removed with the guard.
     place: Option<TempDir>,
@@ -245,14 +243,14 @@ impl Running {
         });
         let place = place.transpose().map_err(start)?;
         let mut family = family();
-        offspring::adopt_orphans();
-        let mut command = Command::new(program().map_err(start)?);
+        system::adopt_orphans();
+        let mut command = Command::new(system::program().map_err(start)?);
         if let Some(place) = &place {
             command.current_dir(place.path()).env("PWD", place.path());
             command.envs(working_directory::lists_for_elsewhere());
         }
-        let mut child = marked(&mut command)
-            .arg0("orchestrator")
+        // Ctrl-C is for the supervisor.
+        let mut child = system::detach(marked(&mut command))
             .arg(COMMAND)
             // An FMU that runs Python would leave compiled modules in its own folder.
             .env("PYTHONDONTWRITEBYTECODE", "1")
@@ -263,21 +261,19 @@ impl Running {
             } else {
                 Stdio::null()
             })
-            // Ctrl-C is for the supervisor.
-            .process_group(0)
             .spawn()
             .map_err(start)?;
         family.insert(child.id(), None);
         drop(family);
-        if lasting {
+        if lasting || system::GROUPS_ARE_NEEDED {
             // Whatever it starts will be in the group from the beginning: it waits for its first order.
             let group = ControlGroup::new().filter(|group| group.take(child.id()));
             self::family().insert(child.id(), group);
         }
         let ticket = rand::random();
         let orders = child.stdin.take();
-        let replies: Option<OwnedFd> = child.stdout.take().map(Into::into);
-        let replies = replies.map(|replies| Inbox::new(File::from(replies), ticket));
+        let replies = child.stdout.take().map(system::source);
+        let replies = replies.map(|replies| Inbox::new(replies, ticket));
         let Some(replies) = replies else {
             return Err(Gone::Start("a pipe to the worker is missing".to_owned()));
         };
@@ -323,37 +319,25 @@ impl Running {
             if stopped() {
                 return Err(Gone::Stopped);
             }
-            if self.is_ready() {
+            if system::is_ready(&mut self.replies, LOOK) {
                 if !self.replies.read().unwrap_or(false) {
                     return Err(Gone::Lost(self.ending()));
                 }
             } else if begun.elapsed() > limits.time.saturating_mul(2).saturating_add(MARGIN) {
                 return Err(Gone::Lost(Failure::Timeout));
-            } else if offspring::is_stopped(self.child.id() as libc::pid_t) {
+            } else if system::is_stopped(self.child.id()) {
                 let text = "the FMU stopped the process that watches it";
                 return Err(Gone::Lost(Failure::Crashed(text.to_owned())));
             }
         }
     }
 
-    /// Waits a short time until there is something to read, or the end of it.
-    fn is_ready(&self) -> bool {
-        let mut poll = libc::pollfd {
-            fd: self.replies.source().as_raw_fd(),
-            events: libc::POLLIN,
-            revents: 0,
-        };
-        // SAFETY: one valid descriptor, which `self` keeps open.
-        unsafe { libc::poll(&raw mut poll, 1, LOOK.as_millis() as i32) > 0 }
-    }
-
     /// How the guard ended, whose pipes are closed.
     fn ending(&mut self) -> Failure {
         let status = self.wait_for_end(Duration::from_secs(1));
-        let how = status.map(|status| (status.signal(), status.code()));
-        let reason = match how {
-            Some((Some(signal), _)) => signal_name(signal),
-            Some((None, Some(code))) => format!("exit code {code}"),
+        let reason = match status.map(system::loss) {
+            Some(Loss::Signal(signal)) => signal_name(signal),
+            Some(Loss::Exit(code)) => format!("exit code {code}"),
             _ => "its pipes are closed".to_owned(),
         };
         Failure::Crashed(format!(
@@ -382,8 +366,7 @@ impl Drop for Running {
         let patience = Duration::from_millis(300);
         let sound = self.wait_for_end(patience).is_some_and(|end| end.success());
         if !sound {
-            // SAFETY: sends a signal to the guard's group; nothing of this process changes.
-            unsafe { libc::kill(-(self.child.id() as libc::pid_t), libc::SIGKILL) };
+            system::kill_group(self.child.id());
             let _ = self.child.kill();
             let _ = self.child.wait();
         }
@@ -393,7 +376,7 @@ impl Drop for Running {
         if !sound {
             let family = family();
             let mark = format!("{MARK}={}", mark());
-            offspring::end_marked(&mark, |pid| family.contains_key(&(pid as u32)));
+            system::end_marked(&mark, |pid| family.contains_key(&pid));
         }
     }
 }
@@ -446,22 +429,12 @@ pub fn abandon_all() {
         }
     };
     for (&guard, group) in &guards {
-        offspring::kill_group(guard as libc::pid_t);
+        system::kill_guard(guard);
         group.iter().for_each(ControlGroup::end);
     }
     // Processes that a guard has adopted become this process's own when the guard ends, so look for them again then.
     let mark = format!("{MARK}={}", mark());
-    while Instant::now() < until && offspring::end_marked(&mark, |_| false) {
+    while Instant::now() < until && system::end_marked(&mark, |_| false) {
         std::thread::sleep(Duration::from_millis(1));
-    }
-}
-
-/// This program, even when its file has been replaced since.
-pub(crate) fn program() -> io::Result<PathBuf> {
-    let own = Path::new("/proc/self/exe");
-    if own.exists() {
-        Ok(own.to_owned())
-    } else {
-        std::env::current_exe()
     }
 }

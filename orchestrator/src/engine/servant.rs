@@ -7,10 +7,12 @@ use std::time::{Duration, Instant};
 
 use super::Job;
 use super::join;
-use super::shared::Shared;
+use super::system::{self, Shared};
 use super::wire::{
     End, Reader, Setup, Trouble, put_end, put_results, put_trouble, put_value, speech,
 };
+#[cfg(any(windows, test))]
+use super::wire::{Way, put_job};
 use crate::failure::Failure;
 use crate::notices::Notices;
 use crate::run::{Habit, Runner, Trouble as Interruption};
@@ -21,8 +23,64 @@ use fmu_import::{Library, Package, Value};
 /// Answers of many points are sent after this time at the latest, when the next point is done.
 const HOLD: Duration = Duration::from_millis(1);
 
+/// What a guard wants of its child.
+#[derive(Debug)]
+pub(super) enum Work {
+    /// One point.
+    Alone(Job),
+    /// All points that come.
+    Serve(Habit),
+    /// One point with its trajectory.
+    Record(Record),
+}
+
+/// A child that is not a fork is told its work.
+#[cfg(any(windows, test))]
+impl Work {
+    pub(super) fn put(&self, into: &mut Vec<u8>) -> std::io::Result<()> {
+        match self {
+            Self::Alone(job) => {
+                Way::New.put(into);
+                put_job(job, into);
+            }
+            Self::Serve(habit) => Way::Used(*habit).put(into),
+            Self::Record(record) => {
+                Way::Recorded.put(into);
+                into.extend(serde_json::to_vec(record)?);
+            }
+        }
+        Ok(())
+    }
+
+    pub(super) fn of(order: &[u8]) -> std::io::Result<Self> {
+        let damaged = || std::io::Error::other("an order is damaged");
+        let mut reader = Reader(order);
+        Ok(match reader.way().ok_or_else(damaged)? {
+            Way::New | Way::Forked => Self::Alone(reader.job().ok_or_else(damaged)?),
+            Way::Used(habit) => Self::Serve(habit),
+            Way::Recorded => Self::Record(serde_json::from_slice(reader.0)?),
+        })
+    }
+}
+
+/// Does the work of a guard's child.
+pub(super) fn work(
+    place: Place,
+    setup: &Setup,
+    package: Option<&mut Package>,
+    library: Option<Arc<Library>>,
+    progress: &Shared,
+    work: &Work,
+) {
+    match work {
+        Work::Alone(job) => alone(place, setup, package, library, job),
+        Work::Serve(habit) => serve(place, setup, package, library, *habit, progress),
+        Work::Record(values) => record(place, setup, package, values),
+    }
+}
+
 /// Runs one point, and tells its answer before the instance is ended.
-pub(super) fn alone(
+fn alone(
     mut place: Place,
     setup: &Setup,
     package: Option<&mut Package>,
@@ -61,7 +119,7 @@ pub(super) fn alone(
 }
 
 /// Runs points until there are no further ones.
-pub(super) fn serve(
+fn serve(
     mut place: Place,
     setup: &Setup,
     package: Option<&mut Package>,
@@ -130,12 +188,7 @@ fn put(index: u64, start: f32, failure: &Failure, runner: &Runner, said: &mut Ve
 }
 
 /// Runs a point and sends its trajectory.
-pub(super) fn record(
-    mut place: Place,
-    setup: &Setup,
-    package: Option<&mut Package>,
-    record: &Record,
-) {
+fn record(mut place: Place, setup: &Setup, package: Option<&mut Package>, record: &Record) {
     const FULL: usize = 1 << 16;
     let Some(library) = loaded(&mut place, setup, package, None) else {
         return;
@@ -253,7 +306,8 @@ impl Belongings {
     /// Whether loading the FMU has left nothing that a fork would lack or share.
     fn allow_forks(&self, after: &Self) -> bool {
         // Where the system does not tell, there is one thread at least that is not seen.
-        self.threads == 1
+        system::FORKS
+            && self.threads == 1
             && after.threads == 1
             && after.descriptors.is_subset(&self.descriptors)
             && after.shared.is_subset(&self.shared)
@@ -279,4 +333,33 @@ fn paint_stack(byte: u8) {
     let mut paint = [0_u8; SIZE];
     paint.fill(byte);
     std::hint::black_box(&mut paint);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn work_arrives_as_it_was_sent() {
+        let same = |work: &Work| {
+            let mut order = Vec::new();
+            work.put(&mut order).unwrap();
+            assert_eq!(
+                format!("{:?}", Work::of(&order).unwrap()),
+                format!("{work:?}")
+            );
+            order
+        };
+        let values = vec![0.1, f64::INFINITY, -0.0, f64::NAN];
+        let order = same(&Work::Alone(Job { index: 7, values }));
+        assert!(Work::of(&order[..order.len() - 1]).is_err());
+        same(&Work::Serve(Habit::Reset));
+        same(&Work::Serve(Habit::Renew));
+        let columns = Vec::new();
+        same(&Work::Record(Record {
+            values: vec![1.0 / 3.0],
+            columns,
+        }));
+        assert!(Work::of(&[]).is_err());
+    }
 }

@@ -6,8 +6,7 @@
 
 use std::env;
 use std::ffi::{OsStr, OsString};
-use std::os::unix::ffi::{OsStrExt, OsStringExt};
-use std::path::{self, Path};
+use std::path::{self, Component, Path, PathBuf};
 
 use crate::task::Task;
 use fmu_import::{Description, Kind, Value};
@@ -57,28 +56,23 @@ pub(super) fn lists_for_elsewhere() -> impl Iterator<Item = (&'static str, OsStr
 
 /// A list with absolute paths.
 fn from_here(name: &str, list: &OsStr) -> OsString {
-    let mut absolute = Vec::new();
-    for (number, entry) in list.as_bytes().split(|byte| *byte == b':').enumerate() {
-        if number > 0 {
-            absolute.push(b':');
-        }
+    let absolute = |entry: PathBuf| {
         // The loader looks for a library without a slash by itself.
-        let bare = name == "LD_PRELOAD" && !entry.contains(&b'/');
-        // Elsewhere an empty entry means the working directory.
-        let path = if entry.is_empty() {
-            Path::new(".")
-        } else {
-            Path::new(OsStr::from_bytes(entry))
-        };
-        match path::absolute(path) {
-            Ok(path) if !bare => absolute.extend(path.as_os_str().as_bytes()),
-            _ => absolute.extend(entry),
+        let mut parts = entry.components();
+        let one = matches!(parts.next(), None | Some(Component::Normal(_)));
+        if name == "LD_PRELOAD" && one && parts.next().is_none() {
+            return entry;
         }
-    }
-    OsString::from_vec(absolute)
+        // Elsewhere an empty entry means the working directory.
+        let empty = entry.as_os_str().is_empty();
+        let named = if empty { Path::new(".") } else { &entry };
+        path::absolute(named).unwrap_or(entry)
+    };
+    let joined = env::join_paths(env::split_paths(list).map(absolute));
+    joined.unwrap_or_else(|_| list.to_owned())
 }
 
-#[cfg(test)]
+#[cfg(all(test, unix))]
 mod tests {
     use super::*;
 

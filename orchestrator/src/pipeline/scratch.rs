@@ -48,21 +48,23 @@ impl Scratch {
 impl Drop for Scratch {
     fn drop(&mut self) {
         // A signal that comes in between removes the rest.
-        let _ = fs::remove_dir_all(self.path());
+        remove(self.path());
         folders().remove(self.path());
     }
 }
 
 /// Removes all folders, for a process that is about to end itself.
 pub(super) fn remove_all() {
+    folders().iter().for_each(|folder| remove(folder));
+}
+
+/// A process that has just been killed may still write there for a moment, or hold a file open.
+fn remove(folder: &Path) {
     const TRIES: u32 = 10;
-    for folder in folders().iter() {
-        // A process that has just been killed may still write for a moment.
-        for _ in 0..TRIES {
-            if fs::remove_dir_all(folder).is_ok() || !folder.exists() {
-                break;
-            }
-            sleep(Duration::from_millis(5));
+    for _ in 0..TRIES {
+        if fs::remove_dir_all(folder).is_ok() || !folder.exists() {
+            break;
         }
+        sleep(Duration::from_millis(5));
     }
 }

@@ -7,7 +7,7 @@ use std::thread;
 use std::time::Duration;
 
 use super::scratch::{self, Scratch};
-use crate::engine::process;
+use crate::engine::{process, system};
 use crate::results::ResultsError;
 
 /// The exit code of an interrupted command.
@@ -81,6 +81,6 @@ fn leave() {
     } else {
         crate::tell::line!("interrupted");
     }
-    // SAFETY: never returns, runs no code of this process: an FMU in it may hang in its own destructors.
-    unsafe { libc::_exit(INTERRUPTED.into()) }
+    // An FMU in this process may hang in its own destructors.
+    system::leave(INTERRUPTED.into())
 }

@@ -4,7 +4,8 @@ use std::fs::File;
 use std::os::fd::{AsRawFd, FromRawFd, OwnedFd, RawFd};
 
 use super::frame::{self, Inbox};
-use super::system::{DONE, MUTE, own_pid, usual_signals};
+use super::loss::{DONE, MUTE};
+use super::system::{own_pid, usual_signals};
 
 /// A child's own end of the pipes to its keeper.
 #[derive(Debug)]

@@ -131,6 +131,11 @@ impl<R: Read> Inbox<R> {
         &self.from
     }
 
+    /// The same, to wait there.
+    pub fn source_mut(&mut self) -> &mut R {
+        &mut self.from
+    }
+
     /// The next frame that has arrived whole, without reading.
     ///
     /// # Errors

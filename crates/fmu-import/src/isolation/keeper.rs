@@ -11,45 +11,17 @@ use std::time::{Duration, Instant};
 
 pub use super::birth::Place;
 use super::birth::be_child;
-use super::frame::{self, Broken, Inbox};
+use super::frame::{self, Inbox};
+pub use super::loss::{Bounds, Loss, Parting};
+use super::loss::{DONE, MUTE};
 use super::offspring::{self, kill_group};
-use super::system::{DONE, MUTE, own_pid, pipe};
+use super::system::{own_pid, pipe};
 use super::words::Words;
 
 /// How often a silent child is looked at.
 const LOOK: Duration = Duration::from_millis(10);
 /// How long a child may take to end after it has closed its pipe.
 const PATIENCE: Duration = Duration::from_secs(1);
-
-/// Why no answer comes from a child.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Loss {
-    /// A signal ended it.
-    Signal(i32),
-    /// It ended by itself with this exit code.
-    Exit(i32),
-    /// It stopped itself, and would have waited for ever.
-    Stopped,
-    /// It took longer than it may.
-    Timeout,
-    /// It took more memory than it may.
-    Memory,
-    /// It closed its pipe, or lost it.
-    Mute,
-    /// It sent something other than an answer.
-    Garbled(Broken),
-    /// The keeper's own superior has gone: nobody waits for the answer.
-    Orphaned,
-}
-
-/// Limits of a child until its next answer.
-#[derive(Clone, Copy, Debug)]
-pub struct Bounds {
-    /// The longest time.
-    pub time: Duration,
-    /// The most memory that it may occupy, bytes.
-    pub memory: u64,
-}
 
 /// A process that keeps children.
 #[derive(Debug)]
@@ -137,15 +109,6 @@ pub struct Child {
     gone: bool,
 }
 
-/// How a child ended that had answered.
-#[derive(Debug)]
-pub struct Parting {
-    /// The last thing that it said.
-    pub words: Option<Vec<u8>>,
-    /// Why it did not end as it should, as far as that is known.
-    pub loss: Option<Loss>,
-}
-
 /// The state of a child.
 enum State {
     Running,
@@ -154,9 +117,9 @@ enum State {
 }
 
 impl Child {
-    /// Its number.
-    pub fn pid(&self) -> libc::pid_t {
-        self.pid
+    /// The memory that it occupies, bytes; 0 where that is not known.
+    pub fn resident(&self) -> u64 {
+        offspring::resident(self.pid)
     }
 
     /// Sends it a message, which it must be waiting for: this blocks while it does not read.
@@ -197,7 +160,7 @@ impl Child {
             if begun.elapsed() > bounds.time {
                 return Err(Loss::Timeout);
             }
-            if offspring::resident(self.pid) > bounds.memory {
+            if self.resident() > bounds.memory {
                 return Err(Loss::Memory);
             }
         }

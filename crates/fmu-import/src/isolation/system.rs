@@ -3,11 +3,6 @@
 use std::io;
 use std::os::fd::OwnedFd;
 
-/// The exit code of a child that could not send its answer.
-pub(super) const MUTE: i32 = 121;
-/// The exit code of a child whose work is done: unlike those with which an FMU may end its process.
-pub(super) const DONE: i32 = 122;
-
 /// This process's number.
 pub fn own_pid() -> libc::pid_t {
     // SAFETY: always succeeds, changes nothing.

@@ -7,7 +7,6 @@
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 
 /// The files and folders below a folder, each with its size and times.
@@ -16,6 +15,26 @@ pub struct Snapshot(BTreeMap<PathBuf, State>);
 
 /// Size, time of the last change of the content, and of the entry itself: s and ns each.
 type State = (u64, [i64; 4]);
+
+#[cfg(unix)]
+fn times(entry: &fs::Metadata) -> [i64; 4] {
+    use std::os::unix::fs::MetadataExt;
+    [
+        entry.mtime(),
+        entry.mtime_nsec(),
+        entry.ctime(),
+        entry.ctime_nsec(),
+    ]
+}
+
+/// Windows keeps no time of the last change of an entry; its other times count 100 ns.
+#[cfg(windows)]
+fn times(entry: &fs::Metadata) -> [i64; 4] {
+    use std::os::windows::fs::MetadataExt;
+    let counted = [entry.last_write_time(), entry.creation_time()];
+    let [changed, made] = counted.map(u64::cast_signed);
+    [changed, made, i64::from(entry.file_attributes()), 0]
+}
 
 impl Snapshot {
     /// The folder as it is now. What cannot be read is left out, so it differs from what could be.
@@ -30,15 +49,9 @@ impl Snapshot {
                 let entries = fs::read_dir(&path).into_iter().flatten().flatten();
                 open.extend(entries.map(|entry| entry.path()));
             }
-            let times = [
-                entry.mtime(),
-                entry.mtime_nsec(),
-                entry.ctime(),
-                entry.ctime_nsec(),
-            ];
             // The size of a folder says nothing more.
-            let size = if entry.is_dir() { 0 } else { entry.size() };
-            all.insert(path, (size, times));
+            let size = if entry.is_dir() { 0 } else { entry.len() };
+            all.insert(path, (size, times(&entry)));
         }
         Self(all)
     }
@@ -129,6 +142,8 @@ enum Seen {
     /// A file was open for writing, which tells nothing yet: Fortran opens so what it only reads. What is written
     /// to a file mapped into memory shows in no other event.
     Opened,
+    /// Only events tell so.
+    #[cfg_attr(not(target_os = "linux"), allow(dead_code))]
     Changed,
 }
 

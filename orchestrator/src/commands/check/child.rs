@@ -2,7 +2,6 @@
 
 use std::fs::{self, File};
 use std::io;
-use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::Path;
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::thread;
@@ -10,8 +9,10 @@ use std::time::{Duration, Instant};
 
 use super::probe::{COMMAND, Report, Setup};
 use crate::engine::guard;
-use crate::engine::process::{marked, program};
+use crate::engine::process::marked;
+use crate::engine::system::{self, Tree};
 use crate::pipeline::stop;
+use fmu_import::isolation::Loss;
 use fmu_import::isolation::keeper::signal_name;
 
 /// The most memory that a probe may use, bytes.
@@ -40,23 +41,24 @@ pub(super) fn run(setup: &Setup, patience: Duration, fill: Option<u8>) -> io::Re
     // Files cannot be filled up and block, as pipes can.
     let heard = setup.result.with_extension("heard");
     let words = File::create(&heard)?;
-    let mut command = Command::new(program()?);
-    marked(&mut command)
-        .arg0("orchestrator")
+    let mut command = Command::new(system::program()?);
+    system::detach(marked(&mut command))
         .arg(COMMAND)
         .arg(&description)
         .stdin(Stdio::null())
         .stdout(words.try_clone()?)
         .stderr(words)
-        .env_remove("MALLOC_PERTURB_")
-        .process_group(0);
+        .env_remove("MALLOC_PERTURB_");
     if let Some(fill) = fill {
         command.env("MALLOC_PERTURB_", fill.to_string());
     }
     let mut child = command.spawn()?;
+    let tree = Tree::of(&child);
     let end = wait(&mut child, patience);
     stop::give_way();
-    end_all(&mut child);
+    tree.end();
+    let _ = child.kill();
+    let _ = child.wait();
     let stage = fs::read_to_string(&setup.stage).unwrap_or_default();
     let report = fs::read(&setup.result).ok();
     Ok(Outcome {
@@ -82,32 +84,11 @@ fn wait(child: &mut Child, patience: Duration) -> io::Result<End> {
         if begun.elapsed() > patience {
             return Ok(End::Limit(TIMEOUT));
         }
-        if memory(child.id()) > MEMORY {
+        if system::resident(child.id()) > MEMORY {
             return Ok(End::Limit("out of memory"));
         }
         thread::sleep(LOOK);
     }
-}
-
-/// The memory that a process occupies, bytes; 0 where that is not known.
-fn memory(process: u32) -> u64 {
-    const PAGE: u64 = 4096;
-    let text = fs::read_to_string(format!("/proc/{process}/statm")).unwrap_or_default();
-    let pages = text
-        .split(' ')
-        .nth(1)
-        .and_then(|text| text.parse::<u64>().ok());
-    pages.unwrap_or(0) * PAGE
-}
-
-/// Ends the process and all that it has started in its group.
-fn end_all(child: &mut Child) {
-    if let Ok(group) = i32::try_from(child.id()) {
-        // SAFETY: sends a signal to the group that the child was started in; a group that is gone is no harm.
-        unsafe { libc::kill(-group, libc::SIGKILL) };
-    }
-    let _ = child.kill();
-    let _ = child.wait();
 }
 
 /// The fault at the end of the process, with the FMU's last output.
@@ -116,19 +97,22 @@ fn fate(end: End, heard: &Path) -> Option<String> {
         End::Limit(limit) => return Some(limit.to_owned()),
         End::Status(status) => status,
     };
-    if let Some(signal) = status.signal() {
+    if status.success() {
+        return None;
+    }
+    let loss = system::loss(status);
+    if let Loss::Signal(signal) = loss {
         let text = fs::read(heard).unwrap_or_default();
         let text = String::from_utf8_lossy(&text[text.len().saturating_sub(4096)..]).into_owned();
         let last = text.lines().map(str::trim).rfind(|line| !line.is_empty());
         let name = signal_name(signal);
         return Some(last.map_or(name.clone(), |last| format!("{name}: {last}")));
     }
-    match status.code() {
-        Some(0) => None,
-        Some(guard::UNABLE) => Some(guard::MUTE.to_owned()),
-        code => Some(format!(
+    match loss {
+        Loss::Exit(guard::UNABLE) => Some(guard::MUTE.to_owned()),
+        _ => Some(format!(
             "the FMU ended its process with code {}",
-            code.unwrap_or(-1)
+            status.code().unwrap_or(-1)
         )),
     }
 }

@@ -10,6 +10,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use crate::engine::system;
 use crate::task::Schedule;
 use fmu_import::{Call, Handle, Instance, Library, Package, Status, Value};
 
@@ -81,7 +82,7 @@ pub(super) struct Run {
 /// When the files cannot be read or written.
 pub(in crate::commands) fn serve(setup: &Path) -> io::Result<()> {
     let setup: Setup = serde_json::from_slice(&std::fs::read(setup)?)?;
-    end_with(setup.supervisor)?;
+    system::end_with(setup.supervisor)?;
     let mut probe = Probe {
         report: Report::default(),
         setup: &setup,
@@ -95,20 +96,6 @@ pub(in crate::commands) fn serve(setup: &Path) -> io::Result<()> {
     probe.save()?;
     probe.at("the end of its process");
     Ok(())
-}
-
-/// Lets the kernel end this process with the one that waits for it.
-fn end_with(supervisor: u32) -> io::Result<()> {
-    #[cfg(target_os = "linux")]
-    // SAFETY: sets a property of this process; the arguments are plain numbers.
-    if unsafe { libc::prctl(libc::PR_SET_PDEATHSIG, libc::SIGKILL) } != 0 {
-        return Err(io::Error::last_os_error());
-    }
-    if std::os::unix::process::parent_id() == supervisor {
-        Ok(())
-    } else {
-        Err(io::Error::other("the supervisor has gone"))
-    }
 }
 
 struct Probe<'a> {

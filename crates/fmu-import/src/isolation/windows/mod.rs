@@ -1,0 +1,13 @@
+//! Processes on Windows.
+//!
+//! - [`job`]: processes that end together;
+//! - [`keeper`]: a process that starts children and watches them;
+//! - [`pipe`]: waits for a pipe for a limited time;
+//! - [`process`]: memory, end and modes of processes;
+//! - `words`: what a child prints.
+
+pub(super) mod job;
+pub mod keeper;
+pub mod pipe;
+pub mod process;
+mod words;

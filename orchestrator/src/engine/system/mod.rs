@@ -1,0 +1,11 @@
+//! The operating system under the engine: everything in which Unix and Windows differ. Both files give the same names.
+
+#[cfg(unix)]
+mod unix;
+#[cfg(windows)]
+mod windows;
+
+#[cfg(unix)]
+pub(crate) use unix::*;
+#[cfg(windows)]
+pub(crate) use windows::*;

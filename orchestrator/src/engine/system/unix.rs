@@ -1,0 +1,200 @@
+//! Unix: process groups, signals, `/proc` where there is one.
+
+use std::fs::{self, File};
+use std::io;
+use std::os::fd::{AsFd, AsRawFd, OwnedFd};
+use std::os::unix::process::{CommandExt, ExitStatusExt};
+use std::path::{Path, PathBuf};
+use std::process::{Child, ChildStdout, Command, ExitStatus};
+use std::ptr::NonNull;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
+
+use fmu_import::isolation::frame::Inbox;
+use fmu_import::isolation::offspring;
+use fmu_import::isolation::words::Words;
+use fmu_import::isolation::{Keeper, Loss};
+
+pub(crate) use fmu_import::isolation::offspring::adopt_orphans;
+
+/// Whether a guard needs a control group to be ended with all that it has started; else a group only makes that surer.
+pub(crate) const GROUPS_ARE_NEEDED: bool = false;
+
+/// Lets a command run in a process group of its own, out of reach of Ctrl-C.
+pub(crate) fn detach(command: &mut Command) -> &mut Command {
+    command.arg0("orchestrator").process_group(0)
+}
+
+/// This program, even when its file has been replaced since.
+pub(crate) fn program() -> io::Result<PathBuf> {
+    let own = Path::new("/proc/self/exe");
+    if own.exists() {
+        Ok(own.to_owned())
+    } else {
+        std::env::current_exe()
+    }
+}
+
+/// Where a guard's replies come from.
+pub(crate) type Source = File;
+
+/// The same, from its standard output.
+pub(crate) fn source(pipe: ChildStdout) -> Source {
+    File::from(OwnedFd::from(pipe))
+}
+
+/// Waits until there is something to read, or the end of it; `false` when the time is over.
+pub(crate) fn is_ready(replies: &mut Inbox<Source>, time: Duration) -> bool {
+    let mut poll = libc::pollfd {
+        fd: replies.source().as_raw_fd(),
+        events: libc::POLLIN,
+        revents: 0,
+    };
+    // SAFETY: one valid descriptor, which `replies` keeps open.
+    unsafe { libc::poll(&raw mut poll, 1, time.as_millis() as i32) > 0 }
+}
+
+/// How a process ended.
+pub(crate) fn loss(status: ExitStatus) -> Loss {
+    let code = || Loss::Exit(status.code().unwrap_or(-1));
+    status.signal().map_or_else(code, Loss::Signal)
+}
+
+/// Whether a process has been stopped, so that nothing will come from it.
+pub(crate) fn is_stopped(pid: u32) -> bool {
+    offspring::is_stopped(pid as libc::pid_t)
+}
+
+/// Ends the group of a process at once. The process itself may have ended, and its number may be another's.
+pub(crate) fn kill_group(leader: u32) {
+    // SAFETY: sends a signal to a group that this process has made; nothing of this process changes.
+    unsafe { libc::kill(-(leader as libc::pid_t), libc::SIGKILL) };
+}
+
+/// Ends a guard and its group at once.
+pub(crate) fn kill_guard(guard: u32) {
+    offspring::kill_group(guard as libc::pid_t);
+}
+
+/// Ends the children of this process whose environment holds `mark`, except `spared`. Whether there were any.
+pub(crate) fn end_marked(mark: &str, spared: impl Fn(u32) -> bool) -> bool {
+    offspring::end_marked(mark, |pid| spared(pid as u32))
+}
+
+/// The memory that a process occupies, bytes; 0 where that is not known.
+pub(crate) fn resident(pid: u32) -> u64 {
+    offspring::resident(pid as libc::pid_t)
+}
+
+/// The memory of this machine, bytes; `None` where that is not known.
+pub(crate) fn memory_of_machine() -> Option<u64> {
+    let text = fs::read_to_string("/proc/meminfo").ok()?;
+    let line = text.lines().find_map(|l| l.strip_prefix("MemTotal:"))?;
+    let kibibytes = line.trim().strip_suffix("kB")?.trim().parse::<u64>();
+    kibibytes.ok().map(|kibibytes| kibibytes * 1024)
+}
+
+/// A process with all that it starts.
+#[derive(Debug)]
+pub(crate) struct Tree(u32);
+
+impl Tree {
+    /// That of a process that was just started apart.
+    pub(crate) fn of(child: &Child) -> Self {
+        Self(child.id())
+    }
+
+    /// Ends it at once.
+    pub(crate) fn end(self) {
+        kill_group(self.0);
+    }
+}
+
+/// Lets the kernel end this process with the one that waits for it.
+pub(crate) fn end_with(supervisor: u32) -> io::Result<()> {
+    #[cfg(target_os = "linux")]
+    // SAFETY: sets a property of this process; the arguments are plain numbers.
+    if unsafe { libc::prctl(libc::PR_SET_PDEATHSIG, libc::SIGKILL) } != 0 {
+        return Err(io::Error::last_os_error());
+    }
+    if std::os::unix::process::parent_id() == supervisor {
+        Ok(())
+    } else {
+        Err(io::Error::other("the supervisor has gone"))
+    }
+}
+
+/// Ends and reaps all that this process has started.
+pub(crate) fn end_all() {
+    offspring::end_all();
+}
+
+/// Ends this process at once: the destructors of an FMU in it have no say any more.
+pub(crate) fn leave(code: i32) -> ! {
+    // SAFETY: never returns, runs no code of this process.
+    unsafe { libc::_exit(code) }
+}
+
+/// Whether a process may be forked; the rest is for the FMU to spoil.
+pub(crate) const FORKS: bool = true;
+
+/// A guard's standard streams, taken for the supervisor alone.
+#[derive(Debug)]
+pub(crate) struct Streams {
+    superior: OwnedFd,
+    error: OwnedFd,
+}
+
+impl Streams {
+    /// Takes them: where orders come from, where replies go, and the rest. Reading gives the FMU nothing; what it prints
+    /// the keeper hears.
+    pub(crate) fn take() -> io::Result<(File, File, Self)> {
+        let input = io::stdin().as_fd().try_clone_to_owned()?;
+        let output = io::stdout().as_fd().try_clone_to_owned()?;
+        let error = io::stderr().as_fd().try_clone_to_owned()?;
+        let nothing = File::open("/dev/null")?;
+        // SAFETY: both are open descriptors of this process, and Rust's own handle of standard input owns none.
+        if unsafe { libc::dup2(nothing.as_raw_fd(), 0) } < 0 {
+            return Err(io::Error::last_os_error());
+        }
+        offspring::become_keeper();
+        let superior = input.try_clone()?;
+        Ok((input.into(), output.into(), Self { superior, error }))
+    }
+
+    /// The keeper of the guard's children; with `echo`, what they print is shown on standard error.
+    pub(crate) fn keeper(self, echo: bool, seed: u64) -> io::Result<Keeper> {
+        let echo = echo.then(|| File::from(self.error));
+        Ok(Keeper::new(self.superior, Words::overhear(echo)?, seed))
+    }
+}
+
+/// A number that this process and its children see. An FMU may overwrite it: nothing but a guess may rest on it.
+#[derive(Debug)]
+pub(crate) struct Shared(NonNull<AtomicU64>);
+
+impl Shared {
+    pub(crate) fn new() -> io::Result<Self> {
+        let size = size_of::<AtomicU64>();
+        let access = libc::PROT_READ | libc::PROT_WRITE;
+        let kind = libc::MAP_SHARED | libc::MAP_ANONYMOUS;
+        // SAFETY: asks for fresh memory; no existing mapping is touched.
+        let place = unsafe { libc::mmap(std::ptr::null_mut(), size, access, kind, -1, 0) };
+        if place == libc::MAP_FAILED {
+            return Err(io::Error::last_os_error());
+        }
+        let place = NonNull::new(place.cast()).ok_or_else(io::Error::last_os_error)?;
+        // It lives as long as this process.
+        Ok(Self(place))
+    }
+
+    pub(crate) fn get(&self) -> u64 {
+        // SAFETY: the mapping is page-aligned, holds zeroes at first, and is never unmapped.
+        unsafe { self.0.as_ref() }.load(Ordering::Relaxed)
+    }
+
+    pub(crate) fn set(&self, value: u64) {
+        // SAFETY: as above.
+        unsafe { self.0.as_ref() }.store(value, Ordering::Relaxed);
+    }
+}
