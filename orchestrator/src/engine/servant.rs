@@ -41,7 +41,7 @@ impl Work {
         match self {
             Self::Alone(job) => {
                 Way::New.put(into);
-                put_job(job, into);
+                put_job(job.index, &job.values, into);
             }
             Self::Serve(habit) => Way::Used(*habit).put(into),
             Self::Record(record) => {
