@@ -207,7 +207,9 @@ const WhatIf = (() => {
   const show = () => {
     const { make } = page;
     outcome.replaceChildren();
-    make("strong", `${differs() ? "What if: " : study.looked_again ? "By one look: " : "As the study stands: "}${found.verdict}. `, outcome);
+    // Some of the points, or one look of several, need not come to the study's own verdict.
+    const asStated = page.data.sample ? "From some of the points: " : study.looked_again ? "By one look: " : "As the study stands: ";
+    make("strong", `${differs() ? "What if: " : asStated}${found.verdict}. `, outcome);
     outcome.append(capital(sentence()));
     warning.textContent = warnings();
     warning.classList.toggle("warning", found.effective < Weights.FEW);
