@@ -24,14 +24,16 @@ class Compiler:
     # The C library's version, where an old one is wanted.
     baseline: str = ""
     notes: list = field(default_factory=list)
+    # For the library alone.
+    link: tuple = ()
 
     def __post_init__(self):
         self.named = f"{self.target}.{self.baseline}" if self.baseline else self.target
 
-    def library(self, *arguments):
+    def library(self):
         """The FMU's library, optimised as a whole."""
         run([*self.command, "rustc", "--profile", PROFILE, "--locked", "--package", PACKAGE, "--lib", "--crate-type", "cdylib",
-             "--target", self.named, *arguments], env=self.environment)
+             "--target", self.named, *self.link], env=self.environment)
         name = {"windows": "plain_bearing_stand.dll", "darwin": "libplain_bearing_stand.dylib"}
         return self.folder() / name.get(self.system(), "libplain_bearing_stand.so")
 

@@ -37,20 +37,21 @@ def compiler(target):
         return Compiler(target, environment | flags(target))
     environment |= zig()
     name = target.replace("-", "_")
-    more = (f"-Clinker={linker()} -Clinker-flavor=ld64.lld -Clink-arg=-install_name"
-            f" -Clink-arg=@rpath/libplain_bearing_stand.dylib")
+    more = f"-Clinker={linker()} -Clinker-flavor=ld64.lld"
     processor = target.split("-")[0]
     script = CACHE / f"cc-{processor}"
     script.write_text(f'#!/bin/sh\nexec "{ROOT}/.venv/bin/python" -m ziglang cc -target {processor}-macos "$@"\n')
     script.chmod(0o755)
-    return Compiler(target, environment | flags(target, more) | {"SDKROOT": str(sdk()), f"CC_{name}": str(script)})
+    # The name under which hosts find the library: without it, that would be the path of the build.
+    link = ("--", "-Clink-arg=-install_name", "-Clink-arg=@rpath/libplain_bearing_stand.dylib")
+    return Compiler(target, environment | flags(target, more) | {"SDKROOT": str(sdk()), f"CC_{name}": str(script)}, link=link)
 
 
 def linker():
     root = Path(run(["rustc", "--print", "sysroot"]).strip())
-    found = sorted(root.glob("lib/rustlib/*/bin/gcc-ld/ld64.lld"))
+    found = sorted(root.glob("lib/rustlib/*/bin/rust-lld"))
     if not found:
-        raise Failure("the Rust installation has no linker for macOS (ld64.lld)")
+        raise Failure("the Rust installation has no linker of its own (rust-lld)")
     return found[0]
 
 
