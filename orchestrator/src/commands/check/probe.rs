@@ -322,7 +322,7 @@ fn note(instance: &mut Instance, setup: &Setup, time: f64, run: &mut Run) -> Res
     let row = setup.columns.iter().map(|column| {
         Ok(match instance.value(*column)? {
             Value::Real(value) => value.to_bits(),
-            Value::Integer(value) => u64::from(value.cast_unsigned()),
+            Value::Integer(value) => value.cast_unsigned(),
             Value::Boolean(value) => u64::from(value),
             Value::String(text) => {
                 // Where the FMU was unpacked is no difference between two simulations.

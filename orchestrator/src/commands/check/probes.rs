@@ -217,10 +217,10 @@ impl<'a> Probes<'a> {
     /// The fault of two runs in one process, where one alone was `whole`.
     fn life(&self, life: Life, whole: &Run) -> io::Result<Option<Breach>> {
         let (rule, what) = match life {
-            Life::Reset => ("life-reset", "after fmi2Reset"),
+            Life::Reset => ("life-reset", "after its reset"),
             Life::Changed => (
                 "life-reset",
-                "after a simulation with changed parameters and fmi2Reset",
+                "after a simulation with changed parameters and a reset",
             ),
             Life::InTurn => (
                 "life-again",

@@ -1,0 +1,10 @@
+//! FMI 3.0: the functions of a binary, and one component of it.
+
+mod element;
+mod elements;
+mod functions;
+mod simulation;
+
+pub(crate) use element::Element;
+pub(crate) use functions::Functions;
+pub(crate) use simulation::Model;
