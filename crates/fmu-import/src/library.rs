@@ -31,7 +31,11 @@ use crate::version::Version;
 enum Functions {
     Two(fmi2::Functions),
     TwoExchange(fmi2::Functions, fmi2::ExchangeFunctions, ExchangeSizes),
-    Three(fmi3::Functions, Arc<[Element]>),
+    Three(
+        fmi3::Functions,
+        Option<fmi3::ExchangeFunctions>,
+        Arc<[Element]>,
+    ),
 }
 
 /// A loaded binary.
@@ -124,10 +128,14 @@ impl Library {
                 let equations = fmi2::ExchangeModel::new(model, *exchange, *sizes);
                 Box::new(Exchange::new(equations, Arc::clone(&self.continuous)))
             }
-            Functions::Three(functions, elements) => {
+            Functions::Three(functions, exchange, elements) => {
                 let elements = Arc::clone(elements);
-                let component = fmi3::Model::new(*functions, elements, &birth, caller, name)?;
-                Box::new(component)
+                let model = fmi3::Model::new(*functions, elements, &birth, caller, name)?;
+                let Some(exchange) = exchange else {
+                    return Ok(Box::new(model));
+                };
+                let equations = fmi3::ExchangeModel::new(model, *exchange);
+                Box::new(Exchange::new(equations, Arc::clone(&self.continuous)))
             }
         })
     }
@@ -159,7 +167,7 @@ impl Library {
             Functions::Two(functions) | Functions::TwoExchange(functions, ..) => {
                 functions.get_version?
             }
-            Functions::Three(functions, _) => functions.get_version?,
+            Functions::Three(functions, ..) => functions.get_version?,
         })
     }
 
@@ -249,7 +257,7 @@ impl Functions {
     fn without_states(mut self) -> Self {
         match &mut self {
             Self::Two(functions) | Self::TwoExchange(functions, ..) => functions.states = None,
-            Self::Three(functions, _) => functions.states = None,
+            Self::Three(functions, ..) => functions.states = None,
         }
         self
     }
@@ -266,8 +274,7 @@ fn functions(path: &Path, description: &Description) -> Result<Functions, Librar
     })?;
     let functions = match description.standard {
         Version::Two => of_two(&library, description),
-        Version::Three => fmi3::Functions::find(&library)
-            .map(|functions| Functions::Three(functions, Element::all(description))),
+        Version::Three => of_three(&library, description),
     };
     // Never unloaded, see above.
     std::mem::forget(library);
@@ -284,6 +291,16 @@ fn of_two(library: &Loaded, description: &Description) -> Result<Functions, Libr
             description.exchange,
         ),
     })
+}
+
+fn of_three(library: &Loaded, description: &Description) -> Result<Functions, LibraryError> {
+    let functions = fmi3::Functions::find(library, description.interface)?;
+    let exchange = match description.interface {
+        Interface::CoSimulation => None,
+        Interface::ModelExchange => Some(fmi3::ExchangeFunctions::find(library)?),
+    };
+    let elements = Element::all(description);
+    Ok(Functions::Three(functions, exchange, elements))
 }
 
 /// The references of the inputs that may change between events.

@@ -79,7 +79,7 @@ pub(crate) fn description(bytes: &[u8]) -> Result<Description, DescriptionError>
     let version = root.attribute("fmiVersion").unwrap_or("1.0").trim();
     let standard = Version::of(version);
     let standard = standard.ok_or_else(|| DescriptionError::Version(version.to_owned()))?;
-    let (interface, slave) = interface(root, standard)?;
+    let (interface, slave) = interface(root)?;
     let model_identifier = required(slave, "modelIdentifier")?.to_owned();
     if model_identifier.is_empty() || model_identifier.contains(['/', '\\', '\0']) {
         return Err(DescriptionError::Identifier(model_identifier));
@@ -135,23 +135,17 @@ pub(crate) fn description(bytes: &[u8]) -> Result<Description, DescriptionError>
 }
 
 /// The interface that is run, with its element.
-fn interface<'a>(
-    root: Node<'a, 'a>,
-    standard: Version,
-) -> Result<(Interface, Node<'a, 'a>), DescriptionError> {
+fn interface<'a>(root: Node<'a, 'a>) -> Result<(Interface, Node<'a, 'a>), DescriptionError> {
     if let Some(node) = child(root, "CoSimulation") {
         return Ok((Interface::CoSimulation, node));
     }
-    match (child(root, "ModelExchange"), standard) {
-        (Some(node), Version::Two) => Ok((Interface::ModelExchange, node)),
-        (Some(_), Version::Three) => Err(DescriptionError::NoInterface(
-            "Model Exchange only; of FMI 3.0 Co-Simulation is needed",
-        )),
-        (None, _) if child(root, "ScheduledExecution").is_some() => {
-            Err(DescriptionError::NoInterface("Scheduled Execution only"))
-        }
-        (None, _) => Err(DescriptionError::NoInterface("neither of the two")),
+    if let Some(node) = child(root, "ModelExchange") {
+        return Ok((Interface::ModelExchange, node));
     }
+    Err(match child(root, "ScheduledExecution") {
+        Some(_) => DescriptionError::NoInterface("Scheduled Execution only"),
+        None => DescriptionError::NoInterface("neither of the two"),
+    })
 }
 
 pub(crate) fn child<'a>(node: Node<'a, 'a>, name: &str) -> Option<Node<'a, 'a>> {

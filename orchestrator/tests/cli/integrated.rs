@@ -112,7 +112,7 @@ fn an_input_from_a_file_is_followed_within_steps() {
     bench.write("u.csv", "time,u\n0,0\n2,2\n");
     let ramped = STUDY.replace(
         "[parameters.height]",
-        "[inputs.u]\nfile = \"u.csv\"\nramp = true\n[parameters.height]",
+        "[inputs.u]\nfile = \"u.csv\"\ncolumn = \"u\"\nramp = true\n[parameters.height]",
     );
     let ramped = ramped
         + "[criteria.y]\nvariable = \"y\"\nstatistic = \"final\"\nnominal = 1\ntolerance = 1\n";

@@ -188,7 +188,8 @@ impl<E: Equations> Exchange<E> {
                 self.events(caller)?;
             }
         }
-        while self.march.time < to && !self.march.ended {
+        while self.march.time < self.goal(to) && !self.march.ended {
+            let to = self.goal(to);
             let next = self.march.next.filter(|next| *next < to);
             if next.is_some_and(|next| next <= self.march.time) {
                 self.events(caller)?;
@@ -218,10 +219,17 @@ impl<E: Equations> Exchange<E> {
             });
         }
         // An event at the communication point itself belongs to it.
-        if self.march.next.is_some_and(|next| next <= to) {
+        if self.march.next.is_some_and(|next| next <= self.goal(to)) {
             self.events(caller)?;
         }
         Ok(())
+    }
+
+    /// The end of a step to a time, s: the next event where the two differ by rounding only.
+    fn goal(&self, to: f64) -> f64 {
+        let slack = 4.0 * f64::EPSILON * to.abs();
+        let near = |next: &f64| (next - to).abs() <= slack;
+        self.march.next.filter(near).unwrap_or(to)
     }
 
     /// Whether an indicator is on another side than it was.

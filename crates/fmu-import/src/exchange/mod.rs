@@ -51,7 +51,8 @@ impl<E: Equations> Simulation for Exchange<E> {
     fn set(&mut self, caller: &mut Caller, reference: u32, value: &Value) -> Result<(), Call> {
         self.ramps.retain(|ramp| ramp.reference != reference);
         // All but continuous inputs change by an event.
-        if self.mode == Mode::Continuous && !self.continuous.contains(&reference) {
+        let flows = matches!(value, Value::Real(_)) && self.continuous.contains(&reference);
+        if self.mode == Mode::Continuous && !flows {
             self.equations.enter_events(caller)?;
             self.mode = Mode::Events;
         }

@@ -292,7 +292,7 @@ mod tests {
             let other = (-1.0_f64).exp() + 0.5 * (1.0_f64.sin() - 1.0_f64.cos());
             (end[0] - 0.5).abs().max((end[1] - other).abs())
         };
-        let order = (error(10) / error(20)).log2();
+        let order = (error(6) / error(12)).log2();
         assert!((order - 4.0).abs() < 0.35, "{order}");
     }
 

@@ -4,6 +4,7 @@ use std::ffi::{c_char, c_int, c_void};
 
 use libloading::Library as Loaded;
 
+use crate::description::Interface;
 use crate::simulation::Component;
 use crate::symbols::{LibraryError, Text, symbol};
 
@@ -31,6 +32,22 @@ type Instantiate = unsafe extern "C" fn(
     LogMessage,
     *const c_void,
 ) -> Component;
+/// `fmi3InstantiateModelExchange`.
+type InstantiateExchange = unsafe extern "C" fn(
+    *const c_char,
+    *const c_char,
+    *const c_char,
+    bool,
+    bool,
+    *const c_void,
+    LogMessage,
+) -> Component;
+/// To create a component, by its interface.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Instantiates {
+    CoSimulation(Instantiate),
+    ModelExchange(InstantiateExchange),
+}
 /// `fmi3DoStep`. The flags are bytes rather than `bool`, as an FMU may write any.
 type DoStep =
     unsafe extern "C" fn(Component, f64, f64, bool, *mut u8, *mut u8, *mut u8, *mut f64) -> c_int;
@@ -60,7 +77,7 @@ impl<T> Access<T> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Functions {
     pub(crate) get_version: Option<Text>,
-    pub(super) instantiate: Instantiate,
+    pub(super) instantiate: Instantiates,
     pub(super) free_instance: unsafe extern "C" fn(Component),
     pub(super) set_debug_logging:
         Option<unsafe extern "C" fn(Component, bool, usize, *const *const c_char) -> c_int>,
@@ -89,7 +106,7 @@ pub(crate) struct Functions {
 
 impl Functions {
     /// Finds them in a loaded binary.
-    pub(crate) fn find(library: &Loaded) -> Result<Self, LibraryError> {
+    pub(crate) fn find(library: &Loaded, interface: Interface) -> Result<Self, LibraryError> {
         let states = || {
             Some((
                 symbol(library, "fmi3GetFMUState").ok()?,
@@ -99,7 +116,14 @@ impl Functions {
         };
         Ok(Self {
             get_version: symbol(library, "fmi3GetVersion").ok(),
-            instantiate: symbol(library, "fmi3InstantiateCoSimulation")?,
+            instantiate: match interface {
+                Interface::CoSimulation => {
+                    Instantiates::CoSimulation(symbol(library, "fmi3InstantiateCoSimulation")?)
+                }
+                Interface::ModelExchange => {
+                    Instantiates::ModelExchange(symbol(library, "fmi3InstantiateModelExchange")?)
+                }
+            },
             free_instance: symbol(library, "fmi3FreeInstance")?,
             set_debug_logging: symbol(library, "fmi3SetDebugLogging").ok(),
             enter_initialization_mode: symbol(library, "fmi3EnterInitializationMode")?,

@@ -1,6 +1,6 @@
-//! A component of FMI 3.0 for Co-Simulation.
+//! A component of FMI 3.0.
 //!
-//! It is created without event mode: the FMU handles its events within its steps, as FMI 3.0 demands of every FMU, and
+//! One for Co-Simulation is created without event mode: the FMU handles its events within its steps, as FMI 3.0 demands of every FMU, and
 //! inputs may be set between any two of them.
 
 use std::ffi::{CString, c_char, c_void};
@@ -8,7 +8,7 @@ use std::ptr;
 use std::sync::Arc;
 
 use super::element::Element;
-use super::functions::{Functions, LogMessage};
+use super::functions::{Functions, Instantiates, LogMessage};
 use crate::call::{Call, End, Status};
 use crate::caller::Caller;
 use crate::description::Storage;
@@ -18,7 +18,7 @@ use crate::value::{Handle, Value};
 
 const DO_STEP: &str = "fmi3DoStep";
 
-/// A component for Co-Simulation.
+/// A component for Co-Simulation; the equations of one for Model Exchange stand on it.
 #[derive(Debug)]
 pub(crate) struct Model {
     pub(super) functions: Functions,
@@ -46,25 +46,40 @@ impl Model {
         const LOGGER: LogMessage = log_message;
         let [name, token, resources] = [name, birth.guid, birth.resources].map(c_string);
         let environment = caller.log.environment();
-        // SAFETY: the strings live through the call; there are no intermediate variables, and no callback for them.
-        let component = caller.call(|| unsafe {
-            (functions.instantiate)(
-                name.as_ptr(),
-                token.as_ptr(),
-                resources.as_ptr(),
-                false,
-                false,
-                false,
-                false,
-                ptr::null(),
-                0,
-                environment,
-                LOGGER,
-                ptr::null(),
-            )
-        });
+        let strings = (name.as_ptr(), token.as_ptr(), resources.as_ptr());
+        let (function, component) = match functions.instantiate {
+            Instantiates::CoSimulation(create) => {
+                // SAFETY: the strings live through the call; there are no intermediate variables, and no callback for
+                // them.
+                let component = caller.call(|| unsafe {
+                    create(
+                        strings.0,
+                        strings.1,
+                        strings.2,
+                        false,
+                        false,
+                        false,
+                        false,
+                        ptr::null(),
+                        0,
+                        environment,
+                        LOGGER,
+                        ptr::null(),
+                    )
+                });
+                ("fmi3InstantiateCoSimulation", component)
+            }
+            Instantiates::ModelExchange(create) => {
+                // SAFETY: the strings live through the call.
+                let component = caller.call(|| unsafe {
+                    let (name, token, resources) = strings;
+                    create(name, token, resources, false, false, environment, LOGGER)
+                });
+                ("fmi3InstantiateModelExchange", component)
+            }
+        };
         if component.is_null() {
-            return Err(birth.refused(caller, "fmi3InstantiateCoSimulation"));
+            return Err(birth.refused(caller, function));
         }
         let mut simulation = Self {
             functions,

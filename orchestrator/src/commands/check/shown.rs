@@ -41,9 +41,14 @@ pub(super) fn remarks(fmu: &Description, report: Option<&Report>) -> Vec<Breach>
         }
     }
     if report.strays > 0 {
-        let text = "the logger is called with an environment that is not the one of its instance: pass \
-                    that on";
-        tell("logger-environment", text.to_owned());
+        let text = format!(
+            "the logger is called with an environment that is not the one of {prefix}Instantiate: pass {} on",
+            match fmu.standard {
+                Version::Two => "componentEnvironment",
+                Version::Three => "instanceEnvironment",
+            }
+        );
+        tell("logger-environment", text);
     }
     for run in &report.runs {
         if run.warnings > 0 {

@@ -43,9 +43,11 @@ pub(super) fn serialized_states(document: &Document<'_>) -> Vec<Hit> {
         return Vec::new();
     }
     let text = "canSerializeFMUState without canGetAndSetFMUState: set both or none";
-    named(document.root, "CoSimulation")
-        .map(|node| at(node, text))
-        .collect()
+    let parts = ["CoSimulation", "ModelExchange"];
+    let parts = parts
+        .into_iter()
+        .flat_map(|part| named(document.root, part));
+    parts.take(1).map(|node| at(node, text)).collect()
 }
 
 /// The types that are known, usable or not.
