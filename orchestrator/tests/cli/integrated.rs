@@ -5,8 +5,8 @@ use crate::support::{BALL, Bench};
 const STUDY: &str = r#"
 fmu = "ball.fmu"
 [simulation]
-stop = "1.5 s"
-step = "0.05 s"
+stop = 1.5
+step = 0.05
 tolerance = 1e-10
 [design]
 method = "sobol"
@@ -18,8 +18,8 @@ min = 0.5
 max = 1.5
 [parameters.restitution]
 distribution = "uniform"
-min = 0.5
-max = 0.9
+min = 0.8
+max = 0.95
 [criteria.h]
 variable = "h"
 statistic = "max"

@@ -5,8 +5,8 @@ use crate::support::{Bench, THREE};
 const STUDY: &str = r#"
 fmu = "three.fmu"
 [simulation]
-stop = "2 s"
-step = "0.01 s"
+stop = 2
+step = 0.01
 [design]
 method = "sobol"
 points = 64
@@ -208,7 +208,7 @@ fn a_failed_point_has_the_words_of_its_version() {
         "--output",
         "failed",
     ]);
-    assert_eq!(said.code, 1, "{}{}", said.out, said.err);
+    assert_eq!(said.code, 3, "{}{}", said.out, said.err);
     let points = bench.read("failed/points.csv");
     assert!(
         points.contains("fmi3Fatal") && !points.contains("fmi2"),
