@@ -32,7 +32,7 @@ enum Functions {
     Two(fmi2::Functions),
     TwoExchange(fmi2::Functions, fmi2::ExchangeFunctions, ExchangeSizes),
     Three(
-        fmi3::Functions,
+        Box<fmi3::Functions>,
         Option<fmi3::ExchangeFunctions>,
         Arc<[Element]>,
     ),
@@ -130,7 +130,7 @@ impl Library {
             }
             Functions::Three(functions, exchange, elements) => {
                 let elements = Arc::clone(elements);
-                let model = fmi3::Model::new(*functions, elements, &birth, caller, name)?;
+                let model = fmi3::Model::new(**functions, elements, &birth, caller, name)?;
                 let Some(exchange) = exchange else {
                     return Ok(Box::new(model));
                 };
@@ -300,7 +300,7 @@ fn of_three(library: &Loaded, description: &Description) -> Result<Functions, Li
         Interface::ModelExchange => Some(fmi3::ExchangeFunctions::find(library)?),
     };
     let elements = Element::all(description);
-    Ok(Functions::Three(functions, exchange, elements))
+    Ok(Functions::Three(Box::new(functions), exchange, elements))
 }
 
 /// The references of the inputs that may change between events.
