@@ -161,7 +161,10 @@ fn set(stand: &mut Stand, name: &str, value: &Value) {
             },
             Value::Integer(item),
         ) => {
-            set(stand, item);
+            set(
+                stand,
+                &i32::try_from(*item).expect("an item of an enumeration"),
+            );
         }
         _ => panic!("{name} cannot be set to {value:?}"),
     }

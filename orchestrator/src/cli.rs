@@ -14,7 +14,7 @@ pub use fmu::{Check, Format, Init, Inspect, Simulate};
 pub use running::{Means, Parts, Work};
 pub use study::{Identify, Judge, Merge, RareEvent, Replay, Report, Verify};
 
-/// Verifies FMI 2.0 Co-Simulation FMUs against measurements under uncertainty.
+/// Verifies FMUs of FMI 2.0 and 3.0 against measurements under uncertainty.
 #[derive(Debug, Parser)]
 #[command(version, about, max_term_width = 100, after_help = EXIT)]
 pub struct Cli {

@@ -139,9 +139,9 @@ impl Failure {
     pub fn class(&self) -> &'static str {
         match self {
             Self::OutOfRange(_) => "out of range",
-            Self::Discard(_) => "fmi2Discard",
-            Self::Error(_) => "fmi2Error",
-            Self::Fatal(_) => "fmi2Fatal",
+            Self::Discard(text) => by_version(text, ["fmi2Discard", "fmi3Discard"]),
+            Self::Error(text) => by_version(text, ["fmi2Error", "fmi3Error"]),
+            Self::Fatal(text) => by_version(text, ["fmi2Fatal", "fmi3Fatal"]),
             Self::NotFinite(_) => "not finite",
             Self::Crashed(_) => "crashed",
             Self::Exited(..) => "exited",
@@ -150,6 +150,16 @@ impl Failure {
             Self::OutOfMemory => "out of memory",
             Self::InCase(of) => of.failure.class(),
         }
+    }
+}
+
+/// The status as the version of FMI names it whose function the text ends with.
+fn by_version(text: &str, [two, three]: [&'static str; 2]) -> &'static str {
+    let function = text.rsplit('(').next().unwrap_or(text);
+    if function.starts_with("fmi3") {
+        three
+    } else {
+        two
     }
 }
 
@@ -212,6 +222,17 @@ mod tests {
         assert_eq!(serde_json::from_str::<Failure>(&text).unwrap(), failure);
         let doubled = failure.converted(|values| values.iter_mut().for_each(|v| *v *= 2.0));
         assert_eq!([0, 1].map(|k| doubled.value(k)), [Some(0.2), None]);
+    }
+
+    #[test]
+    fn a_failure_is_one_of_its_version_of_fmi() {
+        let class = |text: &str| Failure::Discard(text.to_owned()).class();
+        assert_eq!(class("too long (fmi2DoStep)"), "fmi2Discard");
+        assert_eq!(class("too long (fmi3DoStep)"), "fmi3Discard");
+        assert_eq!(
+            [class("fmi3DoStep"), class("fmi2DoStep"), class("")],
+            ["fmi3Discard", "fmi2Discard", "fmi2Discard"]
+        );
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Batch verification of FMI 2.0 Co-Simulation FMUs against measurements when both the
+//! Batch verification of FMUs of FMI 2.0 and 3.0 against measurements when both the
 //! parameters and the measurement are uncertain.
 
 pub mod analysis;

@@ -208,10 +208,9 @@ impl Runner {
 
     /// Notes the version of FMI that the binary says, where it is another than that of its description.
     fn note_version(&mut self) {
-        let version = self.version.get_or_insert_with(|| {
-            let version = self.library.version();
-            version.filter(|version| version != "2.0")
-        });
+        let version = self
+            .version
+            .get_or_insert_with(|| self.library.odd_version());
         self.notices.version.clone_from(version);
     }
 

@@ -107,7 +107,7 @@ pub struct Slot {
     pub max: Option<f64>,
     /// The values of an enumeration's items, growing; empty for other types.
     #[serde(default)]
-    pub items: Vec<i32>,
+    pub items: Vec<i64>,
 }
 
 /// A variable that is observed.
@@ -149,7 +149,7 @@ impl Slot {
             Content::Integer => value.round(),
             Content::Real | Content::Boolean | Content::Text => value,
         };
-        if !self.items.is_empty() && !self.items.iter().any(|&item| f64::from(item) == stored) {
+        if !self.items.is_empty() && !self.items.iter().any(|&item| item as f64 == stored) {
             return Err(format!(
                 "{name} = {value} is none of the enumeration's items {}",
                 self.allowed_text(|limit| limit)
@@ -176,7 +176,7 @@ impl Slot {
             return vec![[low, high]];
         }
         let mut allowed: Vec<[f64; 2]> = Vec::new();
-        for item in self.items.iter().copied().map(f64::from) {
+        for item in self.items.iter().copied().map(|item| item as f64) {
             match allowed.last_mut() {
                 Some(last) if last[1] == item - half => last[1] = item + half,
                 _ => allowed.push([item - half, item + half]),
@@ -188,7 +188,7 @@ impl Slot {
     /// The allowed values for people: an enumeration's items, or both limits after a conversion of units.
     pub fn allowed_text(&self, convert: impl Fn(f64) -> f64) -> String {
         if !self.items.is_empty() {
-            let items: Vec<String> = self.items.iter().map(i32::to_string).collect();
+            let items: Vec<String> = self.items.iter().map(i64::to_string).collect();
             return items.join(", ");
         }
         let limit = |limit: Option<f64>| {

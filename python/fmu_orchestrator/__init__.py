@@ -1,4 +1,4 @@
-"""Verifies FMI 2.0 Co-Simulation FMUs against measurements under uncertainty.
+"""Verifies FMUs of FMI 2.0 and 3.0 against measurements under uncertainty.
 
 >>> from fmu_orchestrator import Study
 >>> result = Study.load("paper-table3").verify(points=50)

@@ -14,6 +14,7 @@ use zip::ZipArchive;
 use zip::result::ZipError;
 
 use crate::directory;
+use crate::version::Version;
 
 /// More entries than any FMU has.
 const MAX_ENTRIES: usize = 100_000;
@@ -27,19 +28,7 @@ const MAX_DESCRIPTION: u64 = 256 << 20;
 const DESCRIPTION: &str = "modelDescription.xml";
 
 /// The folder name that FMI 2.0 gives to this platform's binaries.
-pub const PLATFORM: &str = if cfg!(all(target_os = "linux", target_arch = "x86_64")) {
-    "linux64"
-} else if cfg!(all(target_os = "windows", target_arch = "x86_64")) {
-    "win64"
-} else if cfg!(all(target_os = "macos", target_arch = "x86_64")) {
-    "darwin64"
-} else if cfg!(all(target_os = "linux", target_arch = "aarch64")) {
-    "aarch64-linux"
-} else if cfg!(all(target_os = "macos", target_arch = "aarch64")) {
-    "aarch64-darwin"
-} else {
-    "unknown"
-};
+pub const PLATFORM: &str = Version::Two.platform();
 
 /// The extension of a shared library on this platform.
 const EXTENSION: &str = if cfg!(target_os = "windows") {
@@ -83,8 +72,16 @@ pub enum ArchiveError {
     #[error("modelDescription.xml is larger than {} MiB", MAX_DESCRIPTION >> 20)]
     LargeDescription,
     /// There is no binary for this platform.
-    #[error("no binary for this platform ({PLATFORM}); the FMU holds {}", available(.0))]
-    NoBinary(Vec<String>),
+    #[error(
+        "no binary for this platform ({platform}); the FMU holds {}",
+        available(held)
+    )]
+    NoBinary {
+        /// This platform, as the FMU's version of the standard names it.
+        platform: &'static str,
+        /// The platforms for which the FMU holds a binary.
+        held: Vec<String>,
+    },
     /// The binary for this platform has another name than the model.
     #[error("{0}: the binary is named otherwise than modelIdentifier: call it {1}")]
     OtherName(String, String),
@@ -236,8 +233,8 @@ impl Archive {
     }
 
     /// A binary for this platform that has another name than the model.
-    fn misnamed(&self, identifier: &str) -> Option<ArchiveError> {
-        let (folder, end) = (format!("binaries/{PLATFORM}/"), format!(".{EXTENSION}"));
+    fn misnamed(&self, identifier: &str, platform: &str) -> Option<ArchiveError> {
+        let (folder, end) = (format!("binaries/{platform}/"), format!(".{EXTENSION}"));
         let is_binary = |entry: &&String| {
             let file = entry.strip_prefix(&folder);
             file.is_some_and(|file| !file.contains('/') && file.ends_with(&end))
@@ -306,17 +303,20 @@ impl Archive {
     pub(crate) fn unpack(
         &mut self,
         identifier: &str,
+        version: Version,
         parent: &Path,
     ) -> Result<TempDir, ArchiveError> {
-        let platforms = self.platforms(identifier);
-        if !platforms.iter().any(|platform| platform == PLATFORM) {
-            let otherwise = || ArchiveError::NoBinary(platforms);
-            return Err(self.misnamed(identifier).unwrap_or_else(otherwise));
+        let platform = version.platform();
+        let held = self.platforms(identifier);
+        if !held.iter().any(|held| held == platform) {
+            let otherwise = || ArchiveError::NoBinary { platform, held };
+            let misnamed = self.misnamed(identifier, platform);
+            return Err(misnamed.unwrap_or_else(otherwise));
         }
         let target = tempfile::Builder::new().prefix("fmu-").tempdir_in(parent)?;
         match self {
-            Self::Zip { zip, .. } => unpack_needed(zip, target.path())?,
-            Self::Folder(folder) => copy_needed(folder, target.path())?,
+            Self::Zip { zip, .. } => unpack_needed(zip, platform, target.path())?,
+            Self::Folder(folder) => copy_needed(folder, platform, target.path())?,
         }
         Ok(target)
     }
@@ -332,10 +332,10 @@ fn content(zip: &mut ZipArchive<File>, entry: &str, most: u64) -> Result<Vec<u8>
 }
 
 /// The path of the binary below an unpacked FMU.
-pub(crate) fn binary(folder: &Path, identifier: &str) -> PathBuf {
+pub(crate) fn binary(folder: &Path, identifier: &str, version: Version) -> PathBuf {
     folder
         .join("binaries")
-        .join(PLATFORM)
+        .join(version.platform())
         .join(format!("{identifier}.{EXTENSION}"))
 }
 
@@ -378,26 +378,26 @@ fn folder_platforms(binaries: &Path, identifier: &str) -> Vec<String> {
 }
 
 /// Whether a simulation on this platform may need the entry.
-fn needed(name: &Path) -> bool {
+fn needed(name: &Path, platform: &str) -> bool {
     let mut parts = name
         .components()
         .map(|part| part.as_os_str().to_string_lossy());
     match parts.next().as_deref() {
-        Some("binaries") => parts.next().is_some_and(|platform| platform == PLATFORM),
+        Some("binaries") => parts.next().is_some_and(|part| part == platform),
         Some("documentation" | "sources") => false,
         _ => true,
     }
 }
 
 /// Copies what a simulation on this platform may need.
-fn copy_needed(from: &Path, into: &Path) -> io::Result<()> {
+fn copy_needed(from: &Path, platform: &str, into: &Path) -> io::Result<()> {
     for entry in fs::read_dir(from)? {
         let entry = entry?;
         let name = PathBuf::from(entry.file_name());
         if name == Path::new("binaries") {
-            let name = name.join(PLATFORM);
+            let name = name.join(platform);
             copy_all(&from.join(&name), &into.join(&name))?;
-        } else if needed(&name) {
+        } else if needed(&name, platform) {
             copy_all(&entry.path(), &into.join(name))?;
         }
     }
@@ -417,7 +417,11 @@ fn copy_all(from: &Path, into: &Path) -> io::Result<()> {
     Ok(())
 }
 
-fn unpack_needed(zip: &mut ZipArchive<File>, target: &Path) -> Result<(), ArchiveError> {
+fn unpack_needed(
+    zip: &mut ZipArchive<File>,
+    platform: &str,
+    target: &Path,
+) -> Result<(), ArchiveError> {
     let mut room = MAX_UNPACKED;
     // Known beforehand, unless the archive lies.
     if zip
@@ -442,7 +446,7 @@ fn unpack_needed(zip: &mut ZipArchive<File>, target: &Path) -> Result<(), Archiv
                 String::from_utf8_lossy(entry.name_raw()).into(),
             ));
         };
-        if !needed(&name) {
+        if !needed(&name, platform) {
             continue;
         }
         let path = target.join(name);
@@ -492,8 +496,10 @@ mod tests {
         ]);
         let mut archive = Archive::open(&path).unwrap();
         assert_eq!(archive.description().unwrap(), b"<x/>");
-        let target = archive.unpack("m", &std::env::temp_dir()).unwrap();
-        assert!(binary(target.path(), "m").exists());
+        let target = archive
+            .unpack("m", Version::Two, &std::env::temp_dir())
+            .unwrap();
+        assert!(binary(target.path(), "m", Version::Two).exists());
         assert!(target.path().join("resources/table.csv").exists());
         assert!(!target.path().join("binaries/other").exists());
         assert!(!target.path().join("sources").exists());
@@ -509,7 +515,7 @@ mod tests {
         ]);
         let error = Archive::open(&path)
             .unwrap()
-            .unpack("m", &std::env::temp_dir())
+            .unpack("m", Version::Two, &std::env::temp_dir())
             .unwrap_err();
         assert!(matches!(error, ArchiveError::Unsafe(_)), "{error}");
     }
@@ -519,7 +525,7 @@ mod tests {
         let (_folder, path) = archive(&[(DESCRIPTION, b"<x/>"), ("binaries/other/m.dll", b"")]);
         let error = Archive::open(&path)
             .unwrap()
-            .unpack("m", &std::env::temp_dir())
+            .unpack("m", Version::Two, &std::env::temp_dir())
             .unwrap_err();
         assert!(error.to_string().contains("holds other"), "{error}");
     }
@@ -530,7 +536,7 @@ mod tests {
         let (_folder, path) = archive(&[(DESCRIPTION, b"<x/>"), (&other, b"")]);
         let error = Archive::open(&path)
             .unwrap()
-            .unpack("m", &std::env::temp_dir())
+            .unpack("m", Version::Two, &std::env::temp_dir())
             .unwrap_err();
         let text = error.to_string();
         assert!(text.starts_with(&other), "{text}");

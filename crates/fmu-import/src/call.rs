@@ -1,11 +1,10 @@
 //! Calls of an FMU that did not succeed.
 
 use std::ffi::c_int;
-use std::fmt;
 
 use thiserror::Error;
 
-/// The status that a function of FMI 2.0 returns.
+/// The status that a function of FMI returns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
     /// Done.
@@ -38,18 +37,19 @@ impl From<c_int> for Status {
     }
 }
 
-impl fmt::Display for Status {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+impl Status {
+    /// Its name in the version of FMI of a function: `fmi2Error` where that is `fmi2DoStep`.
+    pub fn name(self, function: &str) -> String {
         match self {
-            Self::Unknown(number) => write!(f, "unknown status {number}"),
-            known => write!(f, "fmi2{known:?}"),
+            Self::Unknown(number) => format!("unknown status {number}"),
+            known => format!("{}{known:?}", function.get(..4).unwrap_or("fmi")),
         }
     }
 }
 
 /// A call that did not succeed.
 #[derive(Clone, Debug, Error)]
-#[error("{status}: {}", self.reason())]
+#[error("{}: {}", status.name(function), self.reason())]
 pub struct Call {
     /// The function, such as `fmi2DoStep`.
     pub function: &'static str,
@@ -57,8 +57,9 @@ pub struct Call {
     pub status: Status,
     /// The FMU's own messages.
     pub message: Option<String>,
-    /// Where the FMU has ended the simulation by itself, which the standard allows: it has refused the step
-    /// (`fmi2Discard`) and said that it wants no further one (`fmi2Terminated`).
+    /// Where the FMU has ended the simulation by itself, which the standard allows: in FMI 2.0 it has refused the step
+    /// (`fmi2Discard`) and said that it wants no further one (`fmi2Terminated`), in FMI 3.0 it has said
+    /// `terminateSimulation`.
     pub ended: Option<End>,
 }
 
@@ -71,7 +72,7 @@ pub struct End {
     pub at: f64,
 }
 
-/// The warnings of an FMU: calls that returned `fmi2Warning`, and messages logged as warnings. A call that does both
+/// The warnings of an FMU: calls that returned `fmi2Warning` or `fmi3Warning`, and messages logged as warnings. A call that does both
 /// counts once.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Warnings {

@@ -7,17 +7,26 @@ use serde::{Serialize, Serializer};
 
 use crate::units::{Conversion, UnitError, Units};
 use crate::value::{Content, Handle};
+use crate::version::Version;
 
-/// A model description of FMI 2.0 for Co-Simulation.
+/// A model description of FMI 2.0 or 3.0 for Co-Simulation.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Description {
-    /// The version of FMI, `2.0`.
+    /// The version of FMI as it is written, such as `2.0`.
     pub fmi_version: String,
+    /// The version of the standard by which the FMU is run.
+    #[serde(skip)]
+    pub standard: Version,
+    /// The interface by which it is run: Co-Simulation where it has that.
+    pub interface: Interface,
+    /// What Model Exchange declares; nothing of another interface.
+    #[serde(skip)]
+    pub exchange: ExchangeSizes,
     /// The model's name, for people.
     pub model_name: String,
     /// The name of the binary.
     pub model_identifier: String,
-    /// The GUID, which ties the description to the binary.
+    /// The GUID, which ties the description to the binary; in FMI 3.0 the instantiation token.
     pub guid: String,
     /// One sentence on its meaning.
     pub description: Option<String>,
@@ -35,8 +44,44 @@ pub struct Description {
     pub units: Units,
     /// The variables by name, in the order of the file.
     pub variables: IndexMap<String, Variable>,
+    /// Variables that cannot be used here, with the reasons.
+    #[serde(skip_serializing_if = "IndexMap::is_empty")]
+    pub unusable: IndexMap<String, String>,
     /// Violations of the standard that do not prevent a simulation.
     pub remarks: Vec<Remark>,
+}
+
+/// The interfaces of FMI that can be run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub enum Interface {
+    /// The FMU steps by itself.
+    #[default]
+    #[serde(rename = "Co-Simulation")]
+    CoSimulation,
+    /// The FMU gives rates, which are integrated here.
+    #[serde(rename = "Model Exchange")]
+    ModelExchange,
+}
+
+impl Interface {
+    /// Its name in the standard.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::CoSimulation => "Co-Simulation",
+            Self::ModelExchange => "Model Exchange",
+        }
+    }
+}
+
+/// What a description of Model Exchange declares.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ExchangeSizes {
+    /// How many continuous states there are.
+    pub states: usize,
+    /// How many event indicators there are.
+    pub indicators: usize,
+    /// Whether the FMU need not be told of completed steps.
+    pub completed_not_needed: bool,
 }
 
 /// Something in a model description that is not as the standard wants it, and was read all the same.
@@ -92,6 +137,18 @@ pub struct Capabilities {
     pub needs_execution_tool: bool,
     /// Steps may return before they are done.
     pub can_run_asynchronuously: bool,
+    /// A step may end before its communication point (FMI 3.0).
+    #[serde(skip_serializing_if = "is_not")]
+    pub might_return_early_from_do_step: bool,
+    /// The importer may handle events itself (FMI 3.0). It need not, and does not here: the FMU then handles them
+    /// within its steps.
+    #[serde(skip_serializing_if = "is_not")]
+    pub has_event_mode: bool,
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref)] // as serde calls it
+fn is_not(flag: &bool) -> bool {
+    !flag
 }
 
 /// The suggested experiment.
@@ -113,6 +170,8 @@ pub struct DefaultExperiment {
 pub enum Causality {
     /// Set before the start.
     Parameter,
+    /// The size of arrays (FMI 3.0), which here keeps its start value.
+    StructuralParameter,
     /// Follows from other parameters.
     CalculatedParameter,
     /// Set by the importer.
@@ -151,8 +210,11 @@ pub struct Variable {
     /// The line in `modelDescription.xml`, from 1.
     #[serde(skip)]
     pub line: u32,
-    /// The handle by which the binary knows it.
+    /// The handle by which the binary knows it; in FMI 3.0 all elements of an array share it.
     pub value_reference: u32,
+    /// Its place in FMI 3.0.
+    #[serde(flatten)]
+    pub place: Option<Place>,
     /// One sentence on its meaning.
     pub description: Option<String>,
     /// Its part.
@@ -162,6 +224,41 @@ pub struct Variable {
     /// Its type with the attributes of that type.
     #[serde(flatten)]
     pub kind: Kind,
+}
+
+/// The place of a number, text or flag in a binary of FMI 3.0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Place {
+    /// The type under which it is stored.
+    pub storage: Storage,
+    /// Its number among the elements of all variables; names for the same element share it.
+    #[serde(skip)]
+    pub number: u32,
+    /// Its index in its array, 0 where there is none.
+    #[serde(skip)]
+    pub index: usize,
+    /// How many elements its array has, 1 where there is none.
+    #[serde(skip)]
+    pub of: usize,
+}
+
+/// The types of FMI 3.0 that can be used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[allow(missing_docs)] // as the standard names them
+pub enum Storage {
+    Float32,
+    Float64,
+    Int8,
+    UInt8,
+    Int16,
+    UInt16,
+    Int32,
+    UInt32,
+    Int64,
+    UInt64,
+    Boolean,
+    String,
+    Enumeration,
 }
 
 /// A variable's type and its attributes.
@@ -188,11 +285,11 @@ pub enum Kind {
     /// A whole number.
     Integer {
         /// The start value.
-        start: Option<i32>,
+        start: Option<i64>,
         /// The smallest value.
-        min: Option<i32>,
+        min: Option<i64>,
         /// The largest value.
-        max: Option<i32>,
+        max: Option<i64>,
     },
     /// Yes or no.
     Boolean {
@@ -207,9 +304,9 @@ pub enum Kind {
     /// One of several named values.
     Enumeration {
         /// The start value.
-        start: Option<i32>,
+        start: Option<i64>,
         /// The names and their values.
-        items: Vec<(String, i32)>,
+        items: Vec<(String, i64)>,
     },
 }
 
@@ -246,20 +343,26 @@ impl Kind {
     }
 
     /// The start value as a number, where there is one.
+    #[allow(clippy::cast_precision_loss)]
     pub fn start(&self) -> Option<f64> {
         match self {
             Self::Real { start, .. } => *start,
-            Self::Integer { start, .. } | Self::Enumeration { start, .. } => start.map(f64::from),
+            Self::Integer { start, .. } | Self::Enumeration { start, .. } => {
+                start.map(|start| start as f64)
+            }
             Self::Boolean { start } => start.map(|yes| f64::from(u8::from(yes))),
             Self::String { .. } => None,
         }
     }
 
     /// The smallest and the largest value, where these are declared.
+    #[allow(clippy::cast_precision_loss)]
     pub fn range(&self) -> (Option<f64>, Option<f64>) {
         match self {
             Self::Real { min, max, .. } => (*min, *max),
-            Self::Integer { min, max, .. } => (min.map(f64::from), max.map(f64::from)),
+            Self::Integer { min, max, .. } => {
+                (min.map(|min| min as f64), max.map(|max| max as f64))
+            }
             _ => (None, None),
         }
     }
@@ -269,7 +372,9 @@ impl Variable {
     /// How calls reach it.
     pub fn handle(&self) -> Handle {
         Handle {
-            reference: self.value_reference,
+            reference: self
+                .place
+                .map_or(self.value_reference, |place| place.number),
             content: self.kind.content(),
         }
     }

@@ -2,10 +2,14 @@
 
 pub mod archive;
 pub mod call;
+mod caller;
 mod decode;
 pub mod description;
 mod directory;
+mod exchange;
 mod floating_point;
+mod fmi2;
+mod fmi3;
 pub mod instance;
 pub mod isolation;
 pub mod library;
@@ -13,17 +17,24 @@ mod logger;
 pub mod needed;
 pub mod package;
 mod parse;
+mod parse_three;
+mod simulation;
 pub mod state;
 pub mod steps;
+mod symbols;
 pub mod units;
 pub mod value;
+pub mod version;
 
 pub use archive::ArchiveError;
 pub use call::{Call, End, Status, Warnings};
-pub use description::{Causality, Description, Kind, Remark, Variability, Variable};
+pub use description::{
+    Causality, Description, Interface, Kind, Place, Remark, Variability, Variable,
+};
 pub use instance::Instance;
 pub use library::{Library, LibraryError};
 pub use package::{FmuError, Package, digest};
 pub use parse::DescriptionError;
 pub use state::{State, StateError};
 pub use value::{Content, Handle, Value};
+pub use version::Version;

@@ -3,111 +3,52 @@
 //! Unloading is left out on purpose: thread-local destructors and threads of an FMU that outlive
 //! its code crash the process, and a process loads few FMUs.
 
-use std::ffi::{CStr, c_char, c_int, c_void};
+use std::collections::HashSet;
+use std::ffi::CStr;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use libloading::Library as Loaded;
-use thiserror::Error;
 
 use crate::archive;
-use crate::description::Description;
+use crate::call::Call;
+use crate::caller::Caller;
+use crate::description::{
+    Causality, Description, ExchangeSizes, Interface, Kind, Variability, Variable,
+};
+use crate::exchange::Exchange;
 use crate::floating_point::{Mode, within};
+use crate::fmi2;
+use crate::fmi3::{self, Element};
 use crate::needed;
+use crate::simulation::{Birth, Simulation};
+pub use crate::symbols::LibraryError;
+use crate::symbols::Text;
+use crate::version::Version;
 
-/// Why a binary cannot be loaded.
-#[derive(Debug, Error)]
-pub enum LibraryError {
-    /// The dynamic loader refused it.
-    #[error("cannot load {}: {reason}", place_in_fmu(path))]
-    Load {
-        /// The binary.
-        path: PathBuf,
-        /// The loader's message.
-        reason: String,
-    },
-    /// A function is missing.
-    #[error("the binary does not export `{0}`")]
-    Function(&'static str),
-    /// The resource folder has no URI.
-    #[error("the folder {0} cannot be written as a URI")]
-    Folder(PathBuf),
-}
-
-pub(crate) type Component = *mut c_void;
-type Get<T> = unsafe extern "C" fn(Component, *const u32, usize, *mut T) -> c_int;
-type Set<T> = unsafe extern "C" fn(Component, *const u32, usize, *const T) -> c_int;
-/// `fmi2GetFMUstate` and `fmi2FreeFMUstate`.
-type TakeState = unsafe extern "C" fn(Component, *mut *mut c_void) -> c_int;
-type PutState = unsafe extern "C" fn(Component, *mut c_void) -> c_int;
-/// `fmi2SetRealInputDerivatives`.
-type SetSlopes =
-    unsafe extern "C" fn(Component, *const u32, usize, *const c_int, *const f64) -> c_int;
-type Plain = unsafe extern "C" fn(Component) -> c_int;
-/// `fmi2GetVersion` and `fmi2GetTypesPlatform`.
-type Text = unsafe extern "C" fn() -> *const c_char;
-
-/// The struct `fmi2CallbackFunctions`.
-#[repr(C)]
+/// The functions of a binary, by its version of FMI.
 #[derive(Debug)]
-pub(crate) struct Callbacks {
-    pub(crate) logger: unsafe extern "C" fn(),
-    pub(crate) allocate_memory: unsafe extern "C" fn(usize, usize) -> *mut c_void,
-    pub(crate) free_memory: unsafe extern "C" fn(*mut c_void),
-    pub(crate) step_finished: Option<unsafe extern "C" fn(*mut c_void, c_int)>,
-    pub(crate) environment: *const c_void,
-}
-
-/// The functions of FMI 2.0 for Co-Simulation that an importer calls.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Functions {
-    pub(crate) get_version: Option<Text>,
-    pub(crate) get_types_platform: Option<Text>,
-    pub(crate) instantiate: unsafe extern "C" fn(
-        *const c_char,
-        c_int,
-        *const c_char,
-        *const c_char,
-        *const Callbacks,
-        c_int,
-        c_int,
-    ) -> Component,
-    pub(crate) free_instance: unsafe extern "C" fn(Component),
-    pub(crate) set_debug_logging:
-        Option<unsafe extern "C" fn(Component, c_int, usize, *const *const c_char) -> c_int>,
-    pub(crate) setup_experiment:
-        unsafe extern "C" fn(Component, c_int, f64, f64, c_int, f64) -> c_int,
-    pub(crate) enter_initialization_mode: Plain,
-    pub(crate) exit_initialization_mode: Plain,
-    pub(crate) terminate: Option<Plain>,
-    pub(crate) reset: Option<Plain>,
-    /// To get, set and free a state, where the FMU can.
-    pub(crate) states: Option<(TakeState, PutState, TakeState)>,
-    pub(crate) get_real: Get<f64>,
-    pub(crate) get_integer: Get<c_int>,
-    pub(crate) get_boolean: Get<c_int>,
-    pub(crate) get_string: Option<Get<*const c_char>>,
-    pub(crate) set_real: Set<f64>,
-    pub(crate) set_integer: Set<c_int>,
-    pub(crate) set_boolean: Set<c_int>,
-    pub(crate) set_string: Option<Set<*const c_char>>,
-    /// To set the rates of inputs, where the FMU interpolates them.
-    pub(crate) set_slopes: Option<SetSlopes>,
-    pub(crate) do_step: unsafe extern "C" fn(Component, f64, f64, c_int) -> c_int,
-    pub(crate) get_status: Option<unsafe extern "C" fn(Component, c_int, *mut c_int) -> c_int>,
-    pub(crate) get_real_status: Option<unsafe extern "C" fn(Component, c_int, *mut f64) -> c_int>,
-    pub(crate) get_boolean_status:
-        Option<unsafe extern "C" fn(Component, c_int, *mut c_int) -> c_int>,
+enum Functions {
+    Two(fmi2::Functions),
+    TwoExchange(fmi2::Functions, fmi2::ExchangeFunctions, ExchangeSizes),
+    Three(
+        Box<fmi3::Functions>,
+        Option<fmi3::ExchangeFunctions>,
+        Arc<[Element]>,
+    ),
 }
 
 /// A loaded binary.
 #[derive(Debug)]
 pub struct Library {
-    pub(crate) functions: Functions,
-    pub(crate) guid: String,
-    pub(crate) resources: String,
-    pub(crate) categories: Vec<String>,
+    functions: Functions,
+    guid: String,
+    resources: String,
+    categories: Vec<String>,
     /// The mode in which the binary's initialisers left the processor.
     pub(crate) mode: Mode,
+    interface: Interface,
+    continuous: Arc<HashSet<u32>>,
     name: String,
     once: bool,
     binary: PathBuf,
@@ -116,14 +57,22 @@ pub struct Library {
 impl Library {
     /// Loads the binary of an unpacked FMU.
     pub(crate) fn load(folder: &Path, description: &Description) -> Result<Self, LibraryError> {
-        let resources = uri(&folder.join("resources"))?;
+        let version = description.standard;
+        let resources = folder.join("resources");
+        let resources = match version {
+            Version::Two => uri(&resources)?,
+            Version::Three => path_of_resources(&resources)?,
+        };
         let mut mode = Mode::USUAL;
-        let binary = archive::binary(folder, &description.model_identifier);
-        let mut functions = within(&mut mode, || functions(&binary))?;
+        let binary = archive::binary(folder, &description.model_identifier, version);
+        let states = description.capabilities.can_get_and_set_fmu_state;
+        let functions = within(&mut mode, || functions(&binary, description))?;
         // Some FMUs export what they cannot do.
-        if !description.capabilities.can_get_and_set_fmu_state {
-            functions.states = None;
-        }
+        let functions = if states {
+            functions
+        } else {
+            functions.without_states()
+        };
         let categories = description
             .log_categories
             .iter()
@@ -144,6 +93,8 @@ impl Library {
             resources,
             categories,
             mode,
+            interface: description.interface,
+            continuous: Arc::new(continuous_inputs(description)),
             name: description.model_name.clone(),
             binary,
         })
@@ -152,6 +103,41 @@ impl Library {
     /// Whether a process can hold one instance of it only, as the description says.
     pub fn is_for_one_instance(&self) -> bool {
         self.once
+    }
+
+    /// Creates a component.
+    pub(crate) fn instantiate(
+        &self,
+        caller: &mut Caller,
+        name: &str,
+    ) -> Result<Box<dyn Simulation>, Call> {
+        let refusal = || self.refusal();
+        let birth = Birth {
+            guid: &self.guid,
+            resources: &self.resources,
+            categories: &self.categories,
+            interface: self.interface,
+            refusal: &refusal,
+        };
+        Ok(match &self.functions {
+            Functions::Two(functions) => {
+                Box::new(fmi2::Model::new(*functions, &birth, caller, name)?)
+            }
+            Functions::TwoExchange(functions, exchange, sizes) => {
+                let model = fmi2::Model::new(*functions, &birth, caller, name)?;
+                let equations = fmi2::ExchangeModel::new(model, *exchange, *sizes);
+                Box::new(Exchange::new(equations, Arc::clone(&self.continuous)))
+            }
+            Functions::Three(functions, exchange, elements) => {
+                let elements = Arc::clone(elements);
+                let model = fmi3::Model::new(**functions, elements, &birth, caller, name)?;
+                let Some(exchange) = exchange else {
+                    return Ok(Box::new(model));
+                };
+                let equations = fmi3::ExchangeModel::new(model, *exchange);
+                Box::new(Exchange::new(equations, Arc::clone(&self.continuous)))
+            }
+        })
     }
 
     /// The likely cause where the FMU refuses an instance and does not say why.
@@ -175,25 +161,46 @@ impl Library {
         &self.name
     }
 
-    /// The version of FMI that the binary was compiled with; usually `2.0`.
+    /// The version of FMI that the binary was compiled with; usually that of the description.
     pub fn version(&self) -> Option<String> {
-        self.text(self.functions.get_version?)
+        self.text(match &self.functions {
+            Functions::Two(functions) | Functions::TwoExchange(functions, ..) => {
+                functions.get_version?
+            }
+            Functions::Three(functions, ..) => functions.get_version?,
+        })
     }
 
-    /// The types that the binary was compiled with; usually `default`.
+    /// The same of a binary of FMI 2.0 where it is another one.
+    pub fn odd_version(&self) -> Option<String> {
+        match &self.functions {
+            Functions::Two(_) | Functions::TwoExchange(..) => self
+                .version()
+                .filter(|version| version != Version::Two.number()),
+            // FMI 3.0.1 and 3.0.2 call themselves so, and changed no function.
+            Functions::Three(..) => None,
+        }
+    }
+
+    /// The types that a binary of FMI 2.0 was compiled with; usually `default`.
     pub fn types_platform(&self) -> Option<String> {
-        self.text(self.functions.get_types_platform?)
+        match &self.functions {
+            Functions::Two(functions) | Functions::TwoExchange(functions, ..) => {
+                self.text(functions.get_types_platform?)
+            }
+            Functions::Three(..) => None,
+        }
     }
 
     /// The text that a function without arguments returns.
     fn text(&self, function: Text) -> Option<String> {
         let mut mode = self.mode;
-        // SAFETY: FMI 2.0 lets these functions be called at any time.
+        // SAFETY: these functions may be called at any time.
         let text = within(&mut mode, || unsafe { function() });
         if text.is_null() {
             return None;
         }
-        // SAFETY: FMI 2.0 returns a zero-terminated string that stays where it is.
+        // SAFETY: they return a zero-terminated string that stays where it is.
         let text = unsafe { CStr::from_ptr(text) };
         Some(text.to_string_lossy().into_owned())
     }
@@ -237,7 +244,26 @@ fn uri(folder: &Path) -> Result<String, LibraryError> {
     Ok(uri)
 }
 
-fn functions(path: &Path) -> Result<Functions, LibraryError> {
+/// The resources as FMI 3.0 passes them: an absolute path that ends with a separator.
+fn path_of_resources(folder: &Path) -> Result<String, LibraryError> {
+    let absolute = std::path::absolute(folder).map_err(|_| LibraryError::Folder(folder.into()))?;
+    let text = absolute
+        .to_str()
+        .ok_or_else(|| LibraryError::Folder(absolute.clone()))?;
+    Ok(format!("{text}{}", std::path::MAIN_SEPARATOR))
+}
+
+impl Functions {
+    fn without_states(mut self) -> Self {
+        match &mut self {
+            Self::Two(functions) | Self::TwoExchange(functions, ..) => functions.states = None,
+            Self::Three(functions, ..) => functions.states = None,
+        }
+        self
+    }
+}
+
+fn functions(path: &Path, description: &Description) -> Result<Functions, LibraryError> {
     // The loader searches a bare relative path elsewhere.
     let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     // SAFETY: running the initialisers of the binary is what the user asked for; the caller
@@ -246,19 +272,45 @@ fn functions(path: &Path) -> Result<Functions, LibraryError> {
         reason: reason(&path, &error),
         path,
     })?;
-    let functions = table(&library);
+    let functions = match description.standard {
+        Version::Two => of_two(&library, description),
+        Version::Three => of_three(&library, description),
+    };
     // Never unloaded, see above.
     std::mem::forget(library);
     functions
 }
 
-/// The path of a binary within its FMU: where that was unpacked tells a reader nothing.
-fn place_in_fmu(path: &Path) -> String {
-    // binaries, the platform, the file.
-    const BELOW: usize = 3;
-    let parts: Vec<_> = path.components().collect();
-    let last: PathBuf = parts[parts.len().saturating_sub(BELOW)..].iter().collect();
-    last.display().to_string()
+fn of_two(library: &Loaded, description: &Description) -> Result<Functions, LibraryError> {
+    let functions = fmi2::Functions::find(library, description.interface)?;
+    Ok(match description.interface {
+        Interface::CoSimulation => Functions::Two(functions),
+        Interface::ModelExchange => Functions::TwoExchange(
+            functions,
+            fmi2::ExchangeFunctions::find(library)?,
+            description.exchange,
+        ),
+    })
+}
+
+fn of_three(library: &Loaded, description: &Description) -> Result<Functions, LibraryError> {
+    let functions = fmi3::Functions::find(library, description.interface)?;
+    let exchange = match description.interface {
+        Interface::CoSimulation => None,
+        Interface::ModelExchange => Some(fmi3::ExchangeFunctions::find(library)?),
+    };
+    let elements = Element::all(description);
+    Ok(Functions::Three(Box::new(functions), exchange, elements))
+}
+
+/// The references of the inputs that may change between events.
+fn continuous_inputs(description: &Description) -> HashSet<u32> {
+    let is_continuous = |variable: &&Variable| {
+        variable.variability == Variability::Continuous
+            && matches!(variable.kind, Kind::Real { .. })
+    };
+    let inputs = description.with(Causality::Input).filter(is_continuous);
+    inputs.map(|variable| variable.handle().reference).collect()
 }
 
 /// Why the loader refused: all libraries that are missing, of which it names the first only, or else its own words.
@@ -284,51 +336,6 @@ fn plain(error: &libloading::Error) -> String {
         return format!("{text}; the FMU runs Python: set LD_PRELOAD to the path of libpython3.so");
     }
     text
-}
-
-/// A symbol as a function pointer of the type that the field asks for.
-fn symbol<T: Copy>(library: &Loaded, name: &'static str) -> Result<T, LibraryError> {
-    // SAFETY: `T` is the function type that FMI 2.0 gives to this name.
-    let symbol = unsafe { library.get::<T>(name.as_bytes()) };
-    symbol
-        .map(|symbol| *symbol)
-        .map_err(|_| LibraryError::Function(name))
-}
-
-fn table(library: &Loaded) -> Result<Functions, LibraryError> {
-    let states = || {
-        Some((
-            symbol(library, "fmi2GetFMUstate").ok()?,
-            symbol(library, "fmi2SetFMUstate").ok()?,
-            symbol(library, "fmi2FreeFMUstate").ok()?,
-        ))
-    };
-    Ok(Functions {
-        get_version: symbol(library, "fmi2GetVersion").ok(),
-        get_types_platform: symbol(library, "fmi2GetTypesPlatform").ok(),
-        states: states(),
-        instantiate: symbol(library, "fmi2Instantiate")?,
-        free_instance: symbol(library, "fmi2FreeInstance")?,
-        set_debug_logging: symbol(library, "fmi2SetDebugLogging").ok(),
-        setup_experiment: symbol(library, "fmi2SetupExperiment")?,
-        enter_initialization_mode: symbol(library, "fmi2EnterInitializationMode")?,
-        exit_initialization_mode: symbol(library, "fmi2ExitInitializationMode")?,
-        terminate: symbol(library, "fmi2Terminate").ok(),
-        reset: symbol(library, "fmi2Reset").ok(),
-        get_real: symbol(library, "fmi2GetReal")?,
-        get_integer: symbol(library, "fmi2GetInteger")?,
-        get_boolean: symbol(library, "fmi2GetBoolean")?,
-        get_string: symbol(library, "fmi2GetString").ok(),
-        set_real: symbol(library, "fmi2SetReal")?,
-        set_integer: symbol(library, "fmi2SetInteger")?,
-        set_boolean: symbol(library, "fmi2SetBoolean")?,
-        set_string: symbol(library, "fmi2SetString").ok(),
-        set_slopes: symbol(library, "fmi2SetRealInputDerivatives").ok(),
-        do_step: symbol(library, "fmi2DoStep")?,
-        get_status: symbol(library, "fmi2GetStatus").ok(),
-        get_real_status: symbol(library, "fmi2GetRealStatus").ok(),
-        get_boolean_status: symbol(library, "fmi2GetBooleanStatus").ok(),
-    })
 }
 
 #[cfg(test)]

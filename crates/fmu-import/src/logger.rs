@@ -12,7 +12,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::call::Warnings;
-use crate::library::Callbacks;
 
 /// Messages kept; the oldest go first, so that a chatty FMU costs no memory.
 const KEPT: usize = 32;
@@ -24,6 +23,17 @@ const WARNING: i32 = 1;
 
 /// How many seats stay empty before one is taken again, so that a late message finds nobody rather than the next.
 const RESTING: usize = 32;
+
+/// The struct `fmi2CallbackFunctions`.
+#[repr(C)]
+#[derive(Debug)]
+pub(crate) struct Callbacks {
+    pub(crate) logger: unsafe extern "C" fn(),
+    pub(crate) allocate_memory: unsafe extern "C" fn(usize, usize) -> *mut c_void,
+    pub(crate) free_memory: unsafe extern "C" fn(*mut c_void),
+    pub(crate) step_finished: Option<unsafe extern "C" fn(*mut c_void, c_int)>,
+    pub(crate) environment: *const c_void,
+}
 
 /// The place at which an instance's messages arrive. It is never freed.
 #[derive(Debug)]
@@ -124,6 +134,11 @@ impl Log {
         &raw const self.seat.callbacks
     }
 
+    /// The environment for FMI 3.0, which passes it beside the callback.
+    pub(crate) fn environment(&self) -> *const c_void {
+        self.seat.callbacks.environment
+    }
+
     /// Forgets all messages.
     pub(crate) fn clear(&self) {
         locked(&self.seat.heard).messages.clear();
@@ -192,6 +207,26 @@ extern "C" fn fmu_import_log(
     category: *const c_char,
     message: *const c_char,
 ) {
+    take(environment, status, category, message);
+}
+
+/// The callback of FMI 3.0, whose messages come formatted.
+pub(crate) unsafe extern "C" fn log_message(
+    environment: *const c_void,
+    status: c_int,
+    category: *const c_char,
+    message: *const c_char,
+) {
+    take(environment, status, category, message);
+}
+
+/// Takes a message of either version. The strings are zero-terminated or NULL.
+fn take(
+    environment: *const c_void,
+    status: c_int,
+    category: *const c_char,
+    message: *const c_char,
+) {
     if message.is_null() {
         return;
     }
@@ -201,13 +236,13 @@ extern "C" fn fmu_import_log(
         let Some((seat, stray)) = seat_of(environment.addr()) else {
             return;
         };
-        // SAFETY: `logger.c` passes its own zero-terminated buffer.
+        // SAFETY: `logger.c` passes its own zero-terminated buffer, and FMI 3.0 a zero-terminated string.
         let message = unsafe { CStr::from_ptr(message) }.to_string_lossy();
         // Some FMUs pass every message as "OK"; then the category tells errors and warnings apart.
         let status = if category.is_null() {
             status
         } else {
-            // SAFETY: FMI 2.0 passes the category as a zero-terminated string.
+            // SAFETY: an FMU passes the category as a zero-terminated string.
             let category = unsafe { CStr::from_ptr(category) }.to_string_lossy();
             if category.contains("Error") || category.contains("Fatal") {
                 status.max(3)

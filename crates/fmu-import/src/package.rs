@@ -70,7 +70,7 @@ impl Package {
     /// Opens an FMU file, or a folder that holds an unpacked one, and reads its description.
     ///
     /// # Errors
-    /// When there is no such file, when it is not an FMU, and when it is not one of FMI 2.0 for
+    /// When there is no such file, when it is not an FMU, and when it is not one of FMI 2.0 or 3.0 for
     /// Co-Simulation.
     pub fn open(path: &Path) -> Result<Self, FmuError> {
         let archive_error = |source| FmuError::Archive {
@@ -194,8 +194,12 @@ impl Package {
     /// # Errors
     /// As [`unpack`](Self::unpack).
     pub fn unpack_anew(&mut self, parent: &Path) -> Result<TempDir, FmuError> {
-        let identifier = &self.description.model_identifier;
-        let unpacked = self.archive.unpack(identifier, parent);
+        let Description {
+            model_identifier,
+            standard,
+            ..
+        } = &self.description;
+        let unpacked = self.archive.unpack(model_identifier, *standard, parent);
         unpacked.map_err(|source| FmuError::Archive {
             path: self.path.clone(),
             source,
@@ -204,7 +208,11 @@ impl Package {
 
     /// The binary for this platform in the folder into which the FMU was unpacked; none where there is none.
     pub fn binary(&self, folder: &Path) -> Option<PathBuf> {
-        let binary = archive::binary(folder, &self.description.model_identifier);
+        let binary = archive::binary(
+            folder,
+            &self.description.model_identifier,
+            self.description.standard,
+        );
         binary.exists().then_some(binary)
     }
 

@@ -12,10 +12,11 @@ use thiserror::Error;
 
 use crate::decode::{self, decode};
 use crate::description::{
-    About, Capabilities, Causality, DefaultExperiment, Description, Kind, Remark, Variability,
-    Variable,
+    About, Capabilities, Causality, DefaultExperiment, Description, ExchangeSizes, Interface, Kind,
+    Remark, Variability, Variable,
 };
 use crate::units::{BaseUnit, DisplayUnit, Unit, Units};
+use crate::version::Version;
 
 /// More XML nodes than any model description has.
 const MAX_NODES: u32 = 50_000_000;
@@ -35,11 +36,11 @@ pub enum DescriptionError {
     #[error("the root element is `{0}`, not `fmiModelDescription`")]
     Root(String),
     /// The FMU is of another version.
-    #[error("the FMU is of FMI {0}; FMI 2.0 is needed")]
+    #[error("the FMU is of FMI {0}; FMI 2.0 or 3.0 is needed")]
     Version(String),
-    /// There is no Co-Simulation part.
-    #[error("the FMU has no Co-Simulation part (Model Exchange only); Co-Simulation is needed")]
-    NoCoSimulation,
+    /// There is no part that can be run.
+    #[error("the FMU has no Co-Simulation or Model Exchange part that can be run ({0})")]
+    NoInterface(&'static str),
     /// A required attribute is missing.
     #[error("line {line}: `{element}` has no attribute `{attribute}`")]
     Missing {
@@ -76,31 +77,44 @@ pub(crate) fn description(bytes: &[u8]) -> Result<Description, DescriptionError>
         return Err(DescriptionError::Root(root.tag_name().name().to_owned()));
     }
     let version = root.attribute("fmiVersion").unwrap_or("1.0").trim();
-    if !version.starts_with("2.") && version != "2" {
-        return Err(DescriptionError::Version(version.to_owned()));
-    }
-    let slave = child(root, "CoSimulation").ok_or(DescriptionError::NoCoSimulation)?;
+    let standard = Version::of(version);
+    let standard = standard.ok_or_else(|| DescriptionError::Version(version.to_owned()))?;
+    let (interface, slave) = interface(root)?;
     let model_identifier = required(slave, "modelIdentifier")?.to_owned();
     if model_identifier.is_empty() || model_identifier.contains(['/', '\\', '\0']) {
         return Err(DescriptionError::Identifier(model_identifier));
     }
     let mut reader = Reader::default();
-    let types = reader.types(root);
+    let token = match standard {
+        Version::Two => "guid",
+        Version::Three => "instantiationToken",
+    };
     let mut description = Description {
         fmi_version: version.to_owned(),
+        standard,
+        interface,
         model_name: root.attribute("modelName").unwrap_or("").to_owned(),
         model_identifier,
-        guid: root.attribute("guid").unwrap_or("").to_owned(),
+        guid: root.attribute(token).unwrap_or("").to_owned(),
         description: root.attribute("description").map(str::to_owned),
         version: root.attribute("version").map(str::to_owned),
         generation_tool: root.attribute("generationTool").map(str::to_owned),
-        capabilities: reader.capabilities(slave),
+        capabilities: match standard {
+            Version::Two => reader.capabilities(slave),
+            Version::Three => reader.capabilities_of_three(slave),
+        },
         default_experiment: reader.default_experiment(root),
         log_categories: log_categories(root),
         units: reader.units(root),
         ..Description::default()
     };
-    reader.variables(root, &types, &mut description);
+    match standard {
+        Version::Two => {
+            let types = reader.types(root);
+            reader.variables(root, &types, &mut description);
+        }
+        Version::Three => reader.variables_of_three(root, &mut description),
+    }
     if let Some((line, text)) = decode::misread(bytes) {
         reader.remarks.push(Remark {
             line,
@@ -108,16 +122,38 @@ pub(crate) fn description(bytes: &[u8]) -> Result<Description, DescriptionError>
             text: text.to_owned(),
         });
     }
+    if interface == Interface::ModelExchange {
+        description.exchange = reader.exchange(root, slave);
+        // The integration takes inputs at the time of each evaluation.
+        description.capabilities.can_interpolate_inputs = true;
+        description
+            .capabilities
+            .can_handle_variable_communication_step_size = true;
+    }
     description.remarks = reader.remarks;
     Ok(description)
 }
 
-fn child<'a>(node: Node<'a, 'a>, name: &str) -> Option<Node<'a, 'a>> {
+/// The interface that is run, with its element.
+fn interface<'a>(root: Node<'a, 'a>) -> Result<(Interface, Node<'a, 'a>), DescriptionError> {
+    if let Some(node) = child(root, "CoSimulation") {
+        return Ok((Interface::CoSimulation, node));
+    }
+    if let Some(node) = child(root, "ModelExchange") {
+        return Ok((Interface::ModelExchange, node));
+    }
+    Err(match child(root, "ScheduledExecution") {
+        Some(_) => DescriptionError::NoInterface("Scheduled Execution only"),
+        None => DescriptionError::NoInterface("neither of the two"),
+    })
+}
+
+pub(crate) fn child<'a>(node: Node<'a, 'a>, name: &str) -> Option<Node<'a, 'a>> {
     children(node, name).next()
 }
 
 /// The child elements of this name; foreign namespaces don't count.
-fn children<'a>(node: Node<'a, 'a>, name: &str) -> impl Iterator<Item = Node<'a, 'a>> {
+pub(crate) fn children<'a>(node: Node<'a, 'a>, name: &str) -> impl Iterator<Item = Node<'a, 'a>> {
     node.children().filter(move |child| {
         child.is_element()
             && child.tag_name().name() == name
@@ -125,7 +161,7 @@ fn children<'a>(node: Node<'a, 'a>, name: &str) -> impl Iterator<Item = Node<'a,
     })
 }
 
-fn line(node: Node<'_, '_>) -> u32 {
+pub(crate) fn line(node: Node<'_, '_>) -> u32 {
     node.document().text_pos_at(node.range().start).row
 }
 
@@ -150,18 +186,18 @@ fn log_categories(root: Node<'_, '_>) -> Vec<String> {
 }
 
 /// Attributes that a variable takes over from its declared type.
-type Types<'a> = HashMap<&'a str, Node<'a, 'a>>;
+pub(crate) type Types<'a> = HashMap<&'a str, Node<'a, 'a>>;
 
 /// Collects remarks on the way.
 #[derive(Default)]
-struct Reader {
+pub(crate) struct Reader {
     remarks: Vec<Remark>,
     /// Where the line of a variable was last counted: its position, and the lines before that.
     counted: (usize, u32),
 }
 
 impl Reader {
-    fn remark(&mut self, node: Node<'_, '_>, about: About, text: &str) {
+    pub(crate) fn remark(&mut self, node: Node<'_, '_>, about: About, text: &str) {
         const ENOUGH: usize = 100;
         if self.remarks.len() < ENOUGH {
             self.remarks.push(Remark {
@@ -174,7 +210,7 @@ impl Reader {
 
     /// The line of a variable. They come in their order: counted from the last one on, as counting from the start
     /// each time would take minutes for a hundred thousand.
-    fn line(&mut self, node: Node<'_, '_>) -> u32 {
+    pub(crate) fn line(&mut self, node: Node<'_, '_>) -> u32 {
         let start = node.range().start;
         let (position, lines) = self.counted;
         let passed = node.document().input_text().as_bytes().get(position..start);
@@ -190,12 +226,13 @@ impl Reader {
     }
 
     /// An optional attribute. One that cannot be read counts as missing, with a remark.
-    fn number<T: FromStr>(&mut self, node: Node<'_, '_>, name: &str) -> Option<T> {
+    pub(crate) fn number<T: FromStr>(&mut self, node: Node<'_, '_>, name: &str) -> Option<T> {
         let text = node.attribute(name)?.trim();
         let value = text.parse().ok();
         if value.is_none() {
-            // A number that cannot be read here is none of 32 bits.
+            // A number that cannot be read here is none of so many bits.
             let what = match text.parse::<f64>() {
+                Ok(_) if size_of::<T>() > 4 => "a whole number of 64 bits",
                 Ok(_) => "a whole number of 32 bits",
                 Err(_) => "a number",
             };
@@ -205,7 +242,7 @@ impl Reader {
         value
     }
 
-    fn boolean(&mut self, node: Node<'_, '_>, name: &str) -> Option<bool> {
+    pub(crate) fn boolean(&mut self, node: Node<'_, '_>, name: &str) -> Option<bool> {
         match node.attribute(name)?.trim() {
             "true" | "1" => Some(true),
             "false" | "0" => Some(false),
@@ -232,6 +269,20 @@ impl Reader {
             can_be_instantiated_only_once_per_process: flag("canBeInstantiatedOnlyOncePerProcess"),
             needs_execution_tool: flag("needsExecutionTool"),
             can_run_asynchronuously: flag("canRunAsynchronuously"),
+            ..Capabilities::default()
+        }
+    }
+
+    /// What Model Exchange of FMI 2.0 declares beside its capabilities.
+    fn exchange(&mut self, root: Node<'_, '_>, node: Node<'_, '_>) -> ExchangeSizes {
+        let structure = child(root, "ModelStructure");
+        let derivatives = structure.and_then(|structure| child(structure, "Derivatives"));
+        ExchangeSizes {
+            states: derivatives.map_or(0, |list| children(list, "Unknown").count()),
+            indicators: self.number(root, "numberOfEventIndicators").unwrap_or(0),
+            completed_not_needed: self
+                .boolean(node, "completedIntegratorStepNotNeeded")
+                .unwrap_or(false),
         }
     }
 
@@ -266,6 +317,13 @@ impl Reader {
             });
             let display = children(node, "DisplayUnit")
                 .filter_map(|display| {
+                    // FMI 3.0: the display unit of the reciprocal, which no factor and offset make.
+                    if self.boolean(display, "inverse") == Some(true) {
+                        let text =
+                            "an inverse display unit, which is left out: give values in the unit";
+                        self.remark(display, About::Value, text);
+                        return None;
+                    }
                     Some(DisplayUnit {
                         name: display.attribute("name")?.to_owned(),
                         factor: self.number(display, "factor").unwrap_or(1.0),
@@ -349,6 +407,7 @@ impl Reader {
             name: name.to_owned(),
             line: self.line(node),
             value_reference,
+            place: None,
             description: node.attribute("description").map(str::to_owned),
             causality: self.causality(node),
             variability: self.variability(node),
@@ -356,9 +415,10 @@ impl Reader {
         })
     }
 
-    fn causality(&mut self, node: Node<'_, '_>) -> Causality {
+    pub(crate) fn causality(&mut self, node: Node<'_, '_>) -> Causality {
         match node.attribute("causality") {
             Some("parameter") => Causality::Parameter,
+            Some("structuralParameter") => Causality::StructuralParameter,
             Some("calculatedParameter") => Causality::CalculatedParameter,
             Some("input") => Causality::Input,
             Some("output") => Causality::Output,
@@ -375,7 +435,7 @@ impl Reader {
         }
     }
 
-    fn variability(&mut self, node: Node<'_, '_>) -> Variability {
+    pub(crate) fn variability(&mut self, node: Node<'_, '_>) -> Variability {
         match node.attribute("variability") {
             Some("constant") => Variability::Constant,
             Some("fixed") => Variability::Fixed,
@@ -406,9 +466,9 @@ impl Reader {
         let text = |name: &str| source(name).attribute(name).map(str::to_owned);
         match own.tag_name().name() {
             "Integer" => Kind::Integer {
-                start: self.number(own, "start"),
-                min: self.number(source("min"), "min"),
-                max: self.number(source("max"), "max"),
+                start: self.number::<i32>(own, "start").map(i64::from),
+                min: self.number::<i32>(source("min"), "min").map(i64::from),
+                max: self.number::<i32>(source("max"), "max").map(i64::from),
             },
             "Boolean" => Kind::Boolean {
                 start: self.boolean(own, "start"),
@@ -417,7 +477,7 @@ impl Reader {
                 start: own.attribute("start").map(str::to_owned),
             },
             "Enumeration" => Kind::Enumeration {
-                start: self.number(own, "start"),
+                start: self.number::<i32>(own, "start").map(i64::from),
                 items: declared.map_or_else(Vec::new, |node| self.items(node)),
             },
             _ => Kind::Real {
@@ -434,10 +494,10 @@ impl Reader {
         }
     }
 
-    fn items(&mut self, declared: Node<'_, '_>) -> Vec<(String, i32)> {
+    pub(crate) fn items(&mut self, declared: Node<'_, '_>) -> Vec<(String, i64)> {
         children(declared, "Item")
             .filter_map(|item| {
-                let value = self.number(item, "value")?;
+                let value = self.number::<i32>(item, "value")?.into();
                 Some((item.attribute("name")?.to_owned(), value))
             })
             .collect()

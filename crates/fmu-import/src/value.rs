@@ -8,7 +8,7 @@ pub enum Value {
     /// A real number, in the variable's unit.
     Real(f64),
     /// A whole number, or an item of an enumeration.
-    Integer(i32),
+    Integer(i64),
     /// Yes or no.
     Boolean(bool),
     /// A text.
@@ -28,10 +28,11 @@ pub enum Content {
     Text,
 }
 
-/// The handle by which calls reach a variable: its value reference, and what is stored there.
+/// The handle by which calls reach a variable: a reference, and what is stored there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Handle {
-    /// The value reference.
+    /// The value reference in FMI 2.0. In FMI 3.0, where one value reference may be that of a whole array, the number
+    /// of the element among those of all variables.
     pub reference: u32,
     /// How its values are stored.
     pub content: Content,
@@ -44,7 +45,7 @@ impl Content {
         match self {
             Self::Real => Value::Real(number),
             // A cast of a float saturates.
-            Self::Integer => Value::Integer(number.round() as i32),
+            Self::Integer => Value::Integer(number.round() as i64),
             Self::Boolean => Value::Boolean(number >= 0.5),
             Self::Text => Value::String(number.to_string()),
         }
@@ -62,11 +63,12 @@ impl Value {
         }
     }
 
-    /// The value as a number, yes as 1. A text is not a number.
+    /// The value as a number, yes as 1. A text is not a number; whole numbers beyond 2^53 are rounded.
+    #[allow(clippy::cast_precision_loss)]
     pub fn number(&self) -> f64 {
         match self {
             Self::Real(value) => *value,
-            Self::Integer(value) => f64::from(*value),
+            Self::Integer(value) => *value as f64,
             Self::Boolean(yes) => f64::from(u8::from(*yes)),
             Self::String(_) => f64::NAN,
         }
@@ -82,7 +84,7 @@ mod tests {
         for (content, number, back) in [
             (Content::Real, 0.3, 0.3),
             (Content::Integer, 2.5, 3.0),
-            (Content::Integer, 1e300, f64::from(i32::MAX)),
+            (Content::Integer, 1e300, i64::MAX as f64),
             (Content::Boolean, 0.5, 1.0),
             (Content::Boolean, 0.49, 0.0),
         ] {

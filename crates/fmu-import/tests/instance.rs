@@ -113,7 +113,7 @@ fn a_dead_instance_takes_no_state() {
 fn whimsical(whim: i32) -> (Instance, Result<(), Call>) {
     let (_folder, mut package) = counter();
     let mut instance = started(&package.load().unwrap());
-    instance.set(8, &Value::Integer(whim)).unwrap();
+    instance.set(8, &Value::Integer(whim.into())).unwrap();
     let step = instance.step(0.0, 1.0);
     (instance, step)
 }

@@ -61,7 +61,7 @@ pub(super) fn write(
 fn variable<'a>(fmu: &'a Description, reference: u32, value: &Value) -> Option<&'a Variable> {
     fmu.variables.values().find(|variable| {
         let fits = variable.kind.content() == value.content();
-        variable.value_reference == reference && variable.is_settable() && fits
+        variable.handle().reference == reference && variable.is_settable() && fits
     })
 }
 

@@ -10,6 +10,7 @@ mod definitions;
 mod dependencies;
 mod document;
 mod experiment;
+mod exported;
 mod files;
 mod finding;
 mod formats;
@@ -21,6 +22,7 @@ mod rules;
 mod schema;
 mod shown;
 mod structure;
+mod three;
 mod values;
 mod variables;
 
@@ -34,7 +36,7 @@ use crate::pipeline::stop;
 use crate::results::ResultsError;
 use document::Document;
 use finding::{Find, Finding, Severity};
-use fmu_import::{ArchiveError, FmuError, Package, needed};
+use fmu_import::{ArchiveError, FmuError, Package, Version, needed};
 use hit::Hit;
 use probes::Probes;
 
@@ -114,7 +116,7 @@ impl Findings {
                 // Where something is wrong with this machine's binary, it has been said.
                 if !files.fatal {
                     let rule = match source {
-                        ArchiveError::NoBinary(_) => "binary-there",
+                        ArchiveError::NoBinary { .. } => "binary-there",
                         ArchiveError::Unsafe(_) => "archive-path",
                         _ => "archive-readable",
                     };
@@ -127,7 +129,7 @@ impl Findings {
         if self.lacks_libraries(&package, &unpacked) || files.fatal {
             return Ok(());
         }
-        // Without a GUID it would be refused.
+        // Without a GUID or a token it would be refused.
         if package.description().guid.is_empty() {
             return Ok(());
         }
@@ -155,12 +157,17 @@ impl Findings {
         let found = package.with_document(|root| {
             let document = Document::new(root, &read);
             let mut found = Vec::new();
+            let is_three = read.standard == Version::Three;
             for rule in rules::RULES {
-                if let Find::Document(find) = rule.find {
-                    let hits = find(&document).into_iter();
-                    let located = hits.map(|hit| document.located(hit));
-                    found.extend(located.map(|hit| Finding { rule, hit }));
-                }
+                let find = match rule.find {
+                    Find::Document(find) if !is_three => find,
+                    Find::Three(find) if is_three => find,
+                    Find::Either(find) => find,
+                    _ => continue,
+                };
+                let hits = find(&document).into_iter();
+                let located = hits.map(|hit| document.located(hit));
+                found.extend(located.map(|hit| Finding { rule, hit }));
             }
             for scalar in document.known() {
                 let first = rules::RULES.iter().find_map(|rule| match rule.find {

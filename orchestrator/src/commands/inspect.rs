@@ -34,8 +34,10 @@ fn text(fmu: &Description, platforms: &[String]) -> String {
     // Writing to a String cannot fail.
     let _ = writeln!(
         text,
-        "{} (FMI {} for Co-Simulation)",
-        fmu.model_name, fmu.fmi_version
+        "{} (FMI {} for {})",
+        fmu.model_name,
+        fmu.fmi_version,
+        fmu.interface.name()
     );
     if let Some(description) = &fmu.description {
         let _ = writeln!(text, "{description}");
@@ -50,6 +52,11 @@ fn text(fmu: &Description, platforms: &[String]) -> String {
     row("platforms", &platforms.join(", "));
     row("experiment", &experiment(fmu));
     row("capabilities", &capabilities(fmu));
+    let unusable = fmu.unusable.iter();
+    let unusable: Vec<String> = unusable
+        .map(|(name, why)| format!("{name} ({why})"))
+        .collect();
+    row("not usable", &unusable.join("; "));
     let remarks: Vec<String> = fmu.remarks.iter().map(ToString::to_string).collect();
     row("remarks", &remarks.join("; "));
     let sections = [

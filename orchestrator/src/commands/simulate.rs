@@ -120,7 +120,7 @@ pub(super) fn settings(
             .ok_or_else(|| format!("`{text}` is not NAME=VALUE"))?;
         let variable = find(fmu, name.trim())?;
         let value = value_of(fmu, variable, &Setting::Text(value.trim().to_owned()))?;
-        Ok((variable.value_reference, value))
+        Ok((variable.handle().reference, value))
     };
     let set = |text| {
         setting(text).map_err(|message: String| CommandError::Option {

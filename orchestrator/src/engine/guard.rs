@@ -204,7 +204,7 @@ impl Guard {
             }
             Some(loss) => self.failure(loss)?.to_string(),
         };
-        Ok(Some(format!("{why} (fmi2Terminate or fmi2FreeInstance)")))
+        Ok(Some(format!("{why} (Terminate or FreeInstance)")))
     }
 
     /// Opens the FMU; loads it into this process where children are to have it loaded already.

@@ -233,7 +233,7 @@ fn record(mut place: Place, setup: &Setup, package: Option<&mut Package>, record
 fn tell(notices: &Notices) {
     if let Some(time) = notices.ended {
         crate::tell::line!(
-            "note: the FMU ended the simulation at {time} s (fmi2Discard with fmi2Terminated)"
+            "note: the FMU ended the simulation at {time} s (fmi2Discard with fmi2Terminated, in FMI 3.0 terminateSimulation)"
         );
     }
     if notices.warnings > 0 {

@@ -302,7 +302,7 @@ impl Reader<'_> {
     fn value(&mut self, content: Content) -> Option<Value> {
         Some(match content {
             Content::Real => Value::Real(f64::from_le_bytes(self.array()?)),
-            Content::Integer => Value::Integer(i32::from_le_bytes(self.array()?)),
+            Content::Integer => Value::Integer(i64::from_le_bytes(self.array()?)),
             Content::Boolean => Value::Boolean(self.array()? == [1]),
             Content::Text => {
                 let length = self.length()?;
@@ -374,7 +374,7 @@ mod tests {
         }
 
         #[test]
-        fn rows_are_read_as_they_were_put(time: f64, real: f64, whole: i32, flag: bool, text: String) {
+        fn rows_are_read_as_they_were_put(time: f64, real: f64, whole: i64, flag: bool, text: String) {
             let row = [Value::Real(real), Value::Integer(whole), Value::Boolean(flag), Value::String(text)];
             let contents = [Content::Real, Content::Integer, Content::Boolean, Content::Text];
             let columns = contents.map(|content| Handle { reference: 0, content });

@@ -90,7 +90,7 @@ impl Asides {
     pub fn remarks(&self) -> Vec<String> {
         let warned = format!("the FMU gave {} warnings", self.warnings.count);
         let ended = "the FMU ended the simulation before the stop time, as the standard allows (fmi2Discard with \
-                     fmi2Terminated), and its last values count";
+                     fmi2Terminated, in FMI 3.0 terminateSimulation), and its last values count";
         let unfinished = "the simulation was complete, but the FMU could not end it";
         let version = self.fmi_version.as_ref().map(|version| {
             format!("fmi2GetVersion returns {version:?} instead of \"2.0\"; the FMU ran as one of FMI 2.0")

@@ -495,7 +495,7 @@ impl Binder<'_> {
             }
             let value = value_of(self.fmu, variable, setting.as_ref())
                 .map_err(|message| self.study.error_at(setting, message))?;
-            Ok((variable.value_reference, value))
+            Ok((variable.handle().reference, value))
         };
         let own: Vec<(u32, Value)> = settings.map(bind).collect::<Result<_, _>>()?;
         Ok(self.set()?.into_iter().chain(own).collect())

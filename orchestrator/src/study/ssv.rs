@@ -151,7 +151,7 @@ impl ParameterSet {
         let bind = |entry: &Entry| {
             let variable = find(fmu, &entry.name)?;
             let value = value_of(fmu, variable, &entry.setting)?;
-            Ok((entry.name.clone(), variable.value_reference, value))
+            Ok((entry.name.clone(), variable.handle().reference, value))
         };
         let bind = |entry: &Entry| {
             bind(entry).map_err(|message: String| SsvError::At {
@@ -206,6 +206,7 @@ mod tests {
                 name: name.clone(),
                 line: 1,
                 value_reference: 1,
+                place: None,
                 description: None,
                 causality: fmu_import::Causality::Parameter,
                 variability: fmu_import::Variability::Fixed,

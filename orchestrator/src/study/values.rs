@@ -4,7 +4,7 @@ use super::Setting;
 use super::quantity::{Quantity, Scale, Sense};
 use crate::names::{did_you_mean, nearest};
 use crate::task::Slot;
-use fmu_import::{Description, Kind, Value, Variability, Variable};
+use fmu_import::{Causality, Description, Kind, Value, Variability, Variable};
 
 /// The variable of this name.
 ///
@@ -12,6 +12,9 @@ use fmu_import::{Description, Kind, Value, Variability, Variable};
 /// Suggests the nearest name.
 pub fn find<'a>(fmu: &'a Description, name: &str) -> Result<&'a Variable, String> {
     fmu.variables.get(name).ok_or_else(|| {
+        if let Some(why) = fmu.unusable.get(name) {
+            return format!("`{name}` cannot be used: {why}");
+        }
         let suggestion = did_you_mean(nearest(name, fmu.variables.keys().map(String::as_str)));
         format!("the FMU has no variable `{name}`{suggestion}")
     })
@@ -19,11 +22,7 @@ pub fn find<'a>(fmu: &'a Description, name: &str) -> Result<&'a Variable, String
 
 /// The smallest and largest value that the FMU's description allows, in the FMU's unit.
 fn limits(variable: &Variable) -> (Option<f64>, Option<f64>) {
-    match &variable.kind {
-        Kind::Real { min, max, .. } => (*min, *max),
-        Kind::Integer { min, max, .. } => (min.map(f64::from), max.map(f64::from)),
-        _ => (None, None),
-    }
+    variable.kind.range()
 }
 
 /// How a variable takes a number before a simulation.
@@ -46,11 +45,11 @@ pub fn slot_of(variable: &Variable) -> Result<Slot, String> {
 }
 
 /// The values of an enumeration's items, growing.
-fn items(variable: &Variable) -> Vec<i32> {
+fn items(variable: &Variable) -> Vec<i64> {
     let Kind::Enumeration { items, .. } = &variable.kind else {
         return Vec::new();
     };
-    let mut values: Vec<i32> = items.iter().map(|(_, value)| *value).collect();
+    let mut values: Vec<i64> = items.iter().map(|(_, value)| *value).collect();
     values.sort_unstable();
     values.dedup();
     values
@@ -60,8 +59,11 @@ fn settable(variable: &Variable) -> Result<(), String> {
     if variable.is_settable() {
         return Ok(());
     }
-    let reason = match variable.variability {
-        Variability::Constant => "a constant",
+    let reason = match (variable.variability, variable.causality) {
+        (Variability::Constant, _) => "a constant",
+        (_, Causality::StructuralParameter) => {
+            "the size of arrays, which keeps its start value here"
+        }
         _ => "computed by the FMU",
     };
     Err(format!(
@@ -91,7 +93,7 @@ fn value(fmu: &Description, variable: &Variable, setting: &Setting) -> Result<Va
         Setting::Text(text) => text.clone(),
     };
     let whole = || {
-        let number = text.trim().parse::<i32>();
+        let number = text.trim().parse::<i64>();
         number.map_err(|_| format!("`{text}` is not a whole number"))
     };
     match &variable.kind {
@@ -104,7 +106,7 @@ fn value(fmu: &Description, variable: &Variable, setting: &Setting) -> Result<Va
         }
         Kind::Integer { .. } => {
             let number = whole()?;
-            check_limits(variable, f64::from(number))?;
+            check_limits(variable, number as f64)?;
             Ok(Value::Integer(number))
         }
         Kind::Boolean { .. } => match text.trim() {
@@ -119,7 +121,7 @@ fn value(fmu: &Description, variable: &Variable, setting: &Setting) -> Result<Va
             }
             let number = whole().ok();
             let known =
-                |number: &i32| items.is_empty() || items.iter().any(|(_, value)| value == number);
+                |number: &i64| items.is_empty() || items.iter().any(|(_, value)| value == number);
             number.filter(known).map(Value::Integer).ok_or_else(|| {
                 let names: Vec<&str> = items.iter().map(|(name, _)| name.as_str()).collect();
                 format!("`{text}` is none of {}", names.join(", "))

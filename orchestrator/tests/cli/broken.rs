@@ -1,7 +1,7 @@
 //! `check` finds what is wrong with FMUs that were broken on purpose, each with one clear line; and nothing in a
 //! good one.
 
-use crate::support::{Bench, Said, model};
+use crate::support::{Bench, Said, THREE, model};
 
 /// A broken description: the change that breaks it, and the finding, as [`amiss`] has it.
 const DESCRIPTIONS: &str = include_str!("../fixtures/broken.txt");
@@ -9,8 +9,11 @@ const DESCRIPTIONS: &str = include_str!("../fixtures/broken.txt");
 /// The same for binaries, broken by a macro of `lag.c`.
 const BINARIES: &str = include_str!("../fixtures/broken-binaries.txt");
 
+/// The same for descriptions of FMI 3.0.
+const THREES: &str = include_str!("../fixtures/broken-three.txt");
+
 /// All cases, with those of this file: every rule stands there.
-const CASES: [&str; 3] = [DESCRIPTIONS, BINARIES, include_str!("broken.rs")];
+const CASES: [&str; 4] = [DESCRIPTIONS, BINARIES, THREES, include_str!("broken.rs")];
 
 /// The difference from the expected findings: one, of this rule and with these words. `found` is `RULE: WORDS`; a
 /// severity other than `error` stands before the rule.
@@ -88,6 +91,43 @@ fn every_broken_description_is_found() {
         ];
         bench.zip("broken.fmu", &files);
         wrong.extend(amiss(&bench, name, words));
+    }
+    none(&wrong);
+}
+
+#[test]
+fn every_broken_description_of_fmi_3_is_found() {
+    let bench = Bench::empty();
+    let mut wrong = Vec::new();
+    for line in THREES.lines().skip(1) {
+        let cells: Vec<&str> = line.split(" | ").collect();
+        let [name, from, to, words] = cells[..] else {
+            panic!("{line}: not four cells");
+        };
+        assert!(THREE.contains(from), "{name}: no {from}");
+        bench.three("broken.fmu", &[], &THREE.replacen(from, to, 1));
+        wrong.extend(amiss(&bench, name, words));
+    }
+    none(&wrong);
+}
+
+#[test]
+fn faults_of_a_binary_of_fmi_3_are_found() {
+    let bench = Bench::empty();
+    let mut wrong = Vec::new();
+    for (fault, found) in [
+        ("NO_UINT8", "binary-functions: does not export fmi3GetUInt8"),
+        (
+            "OTHER_START",
+            "start-agrees: start is 1, but the binary's is 2",
+        ),
+        (
+            "KEEPS_RATE",
+            "life-reset: after a simulation with changed parameters",
+        ),
+    ] {
+        bench.three("broken.fmu", &[fault], THREE);
+        wrong.extend(amiss(&bench, fault, found));
     }
     none(&wrong);
 }

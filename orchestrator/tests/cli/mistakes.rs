@@ -64,25 +64,31 @@ fn not_a_zip() {
 }
 
 #[test]
-fn not_fmi_2() {
+fn another_version() {
     let bench = Bench::empty();
     bench.fmu(
-        "three.fmu",
+        "four.fmu",
         &[],
-        &model("fmiVersion=\"2.0\"", "fmiVersion=\"3.0\""),
+        &model("fmiVersion=\"2.0\"", "fmiVersion=\"4.0\""),
     );
-    bench
-        .run(&["inspect", "three.fmu"])
-        .is_mistake(&["three.fmu", "FMI 3.0", "FMI 2.0 is needed"]);
+    bench.run(&["inspect", "four.fmu"]).is_mistake(&[
+        "four.fmu",
+        "FMI 4.0",
+        "FMI 2.0 or 3.0 is needed",
+    ]);
 }
 
 #[test]
-fn no_co_simulation() {
+fn no_interface_and_no_functions_of_it() {
     let bench = Bench::empty();
+    bench.fmu("none.fmu", &[], &model("<CoSimulation", "<Nothing"));
+    bench
+        .run(&["simulate", "none.fmu"])
+        .is_mistake(&["none.fmu", "no Co-Simulation or Model Exchange"]);
     bench.fmu("me.fmu", &[], &model("<CoSimulation", "<ModelExchange"));
     bench
         .run(&["simulate", "me.fmu"])
-        .is_mistake(&["me.fmu", "no Co-Simulation"]);
+        .is_mistake(&["me.fmu", "does not export `fmi2EnterEventMode`"]);
 }
 
 #[test]

@@ -22,6 +22,12 @@ pub struct Said {
 
 const MODEL: &str = include_str!("../fixtures/lag.xml");
 
+/// The description of the fixture of FMI 3.0, which is that of the importer.
+pub const THREE: &str = include_str!("../../../crates/fmu-import/tests/fixtures/three.xml");
+
+/// The same of the one for Model Exchange.
+pub const BALL: &str = include_str!("../../../crates/fmu-import/tests/fixtures/ball.xml");
+
 impl Bench {
     /// A folder with `lag.fmu` in it.
     pub fn new() -> Self {
@@ -67,8 +73,41 @@ impl Bench {
         self.compiled("lag", macros)
     }
 
+    /// Compiles the fixture of FMI 3.0 with these macros and packs it with a model description.
+    pub fn three(&self, name: &str, macros: &[&str], description: &str) {
+        self.of_importer(name, "x86_64-linux", "three", macros, description);
+    }
+
+    /// The same of the fixture for Model Exchange.
+    pub fn ball(&self, name: &str, macros: &[&str], description: &str) {
+        self.of_importer(name, "linux64", "ball", macros, description);
+    }
+
+    fn of_importer(
+        &self,
+        name: &str,
+        platform: &str,
+        fixture: &str,
+        macros: &[&str],
+        description: &str,
+    ) {
+        let folder = "../crates/fmu-import/tests/fixtures";
+        let folder = format!("{}/{folder}", env!("CARGO_MANIFEST_DIR"));
+        let binary = self.compiled_in(&folder, fixture, macros);
+        let path = format!("binaries/{platform}/{fixture}.so");
+        let entries: [(&str, &[u8]); 2] = [
+            ("modelDescription.xml", description.as_bytes()),
+            (&path, &binary),
+        ];
+        self.zip(name, &entries);
+    }
+
     fn compiled(&self, fixture: &str, macros: &[&str]) -> Vec<u8> {
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/fixtures");
+        self.compiled_in(folder, fixture, macros)
+    }
+
+    fn compiled_in(&self, folder: &str, fixture: &str, macros: &[&str]) -> Vec<u8> {
         let source = format!("{folder}/{fixture}.c");
         let binary = self.path(&format!("{fixture}.so"));
         let status = Command::new("cc")

@@ -9,7 +9,7 @@ pub(super) fn number(bits: u64, variable: &Variable) -> Option<f64> {
     Some(match variable.kind.content() {
         Content::Real => f64::from_bits(bits),
         #[allow(clippy::cast_possible_truncation)]
-        Content::Integer => f64::from((bits as u32).cast_signed()),
+        Content::Integer => bits.cast_signed() as f64,
         Content::Boolean => f64::from(u8::from(bits != 0)),
         Content::Text => return None,
     })

@@ -5,10 +5,10 @@ use std::collections::HashSet;
 use object::{Architecture, BinaryFormat, NameOrOrdinal, Object};
 
 use super::document::NAME;
+use super::exported::functions;
 use super::hit::{Breach, Hit};
 use super::structure::short;
-use fmu_import::archive::PLATFORM;
-use fmu_import::{FmuError, Package};
+use fmu_import::{Description, FmuError, Interface, Package, Version};
 
 /// Faults of the files, and whether this machine's binary has one.
 pub(super) struct Found {
@@ -16,71 +16,46 @@ pub(super) struct Found {
     pub(super) fatal: bool,
 }
 
-/// The platforms that FMI 2.0 names, and aarch64 Linux and macOS as tools name them: extension, format, machine.
-const PLATFORMS: [(&str, &str, BinaryFormat, Architecture); 8] = [
-    ("linux64", "so", BinaryFormat::Elf, Architecture::X86_64),
-    ("linux32", "so", BinaryFormat::Elf, Architecture::I386),
-    ("win64", "dll", BinaryFormat::Pe, Architecture::X86_64),
-    ("win32", "dll", BinaryFormat::Pe, Architecture::I386),
-    (
-        "darwin64",
-        "dylib",
-        BinaryFormat::MachO,
-        Architecture::X86_64,
-    ),
-    ("darwin32", "dylib", BinaryFormat::MachO, Architecture::I386),
-    (
-        "aarch64-linux",
-        "so",
-        BinaryFormat::Elf,
-        Architecture::Aarch64,
-    ),
-    (
-        "aarch64-darwin",
-        "dylib",
-        BinaryFormat::MachO,
-        Architecture::Aarch64,
-    ),
-];
+/// A platform: its folder, and the extension, format and machine of its binaries.
+type Platform = (&'static str, &'static str, BinaryFormat, Architecture);
 
-/// The functions of FMI 2.0 for Co-Simulation, without their prefix: a binary has them all, even those of
-/// capabilities that it has not (FMI 2.0.5, section 2.1.1).
-const FUNCTIONS: [&str; 34] = [
-    "GetTypesPlatform",
-    "GetVersion",
-    "SetDebugLogging",
-    "Instantiate",
-    "FreeInstance",
-    "SetupExperiment",
-    "EnterInitializationMode",
-    "ExitInitializationMode",
-    "Terminate",
-    "Reset",
-    "GetReal",
-    "GetInteger",
-    "GetBoolean",
-    "GetString",
-    "SetReal",
-    "SetInteger",
-    "SetBoolean",
-    "SetString",
-    "GetFMUstate",
-    "SetFMUstate",
-    "FreeFMUstate",
-    "SerializedFMUstateSize",
-    "SerializeFMUstate",
-    "DeSerializeFMUstate",
-    "GetDirectionalDerivative",
-    "SetRealInputDerivatives",
-    "GetRealOutputDerivatives",
-    "DoStep",
-    "CancelStep",
-    "GetStatus",
-    "GetRealStatus",
-    "GetIntegerStatus",
-    "GetBooleanStatus",
-    "GetStringStatus",
-];
+/// The platforms that a version names; in FMI 2.0 also aarch64 Linux and macOS as tools name them.
+fn platforms(version: Version) -> Vec<Platform> {
+    use Architecture::{Aarch64, I386, X86_64};
+    let all = [
+        ("linux64", "x86_64-linux", "so", BinaryFormat::Elf, X86_64),
+        ("linux32", "x86-linux", "so", BinaryFormat::Elf, I386),
+        ("win64", "x86_64-windows", "dll", BinaryFormat::Pe, X86_64),
+        ("win32", "x86-windows", "dll", BinaryFormat::Pe, I386),
+        (
+            "darwin64",
+            "x86_64-darwin",
+            "dylib",
+            BinaryFormat::MachO,
+            X86_64,
+        ),
+        ("darwin32", "x86-darwin", "dylib", BinaryFormat::MachO, I386),
+        (
+            "aarch64-linux",
+            "aarch64-linux",
+            "so",
+            BinaryFormat::Elf,
+            Aarch64,
+        ),
+        (
+            "aarch64-darwin",
+            "aarch64-darwin",
+            "dylib",
+            BinaryFormat::MachO,
+            Aarch64,
+        ),
+    ];
+    let of = |(two, three, extension, format, machine)| match version {
+        Version::Two => (two, extension, format, machine),
+        Version::Three => (three, extension, format, machine),
+    };
+    all.into_iter().map(of).collect()
+}
 
 const LIBRARY: &str = "binary-readable";
 const FUNCTIONS_THERE: &str = "binary-functions";
@@ -114,9 +89,10 @@ pub(super) fn broken(package: &mut Package) -> Result<Found, FmuError> {
             .findings
             .push(("model-identifier", Hit::of(NAME, text)));
     }
-    for platform in PLATFORMS {
+    let version = package.description().standard;
+    for platform in platforms(version) {
         let wrong = of_platform(package, &entries, &identifier, platform)?;
-        found.fatal |= wrong.is_some() && platform.0 == PLATFORM;
+        found.fatal |= wrong.is_some() && platform.0 == version.platform();
         if let Some(breach) = wrong {
             add(&mut found.findings, breach, platform.0);
         }
@@ -147,7 +123,7 @@ fn of_platform(
     package: &mut Package,
     entries: &[String],
     identifier: &str,
-    (platform, extension, format, machine): (&str, &str, BinaryFormat, Architecture),
+    (platform, extension, format, machine): Platform,
 ) -> Result<Option<Breach>, FmuError> {
     let folder = format!("binaries/{platform}/");
     let binaries: Vec<&str> = entries
@@ -164,10 +140,8 @@ fn of_platform(
     if let Some(file) = binaries.iter().find(alike) {
         let name = format!("{folder}{file}");
         return match package.bytes_of(&name) {
-            Ok(bytes) => {
-                Ok(binary(&bytes, format, machine)
-                    .map(|(rule, wrong)| (rule, Hit::of(&name, wrong))))
-            }
+            Ok(bytes) => Ok(binary(&bytes, package.description(), format, machine)
+                .map(|(rule, wrong)| (rule, Hit::of(&name, wrong)))),
             Err(FmuError::Archive { source, .. }) if source.is_a_fault() => {
                 Ok(Some(("archive-readable", Hit::plain(source.to_string()))))
             }
@@ -220,6 +194,7 @@ fn is_identifier(name: &str) -> bool {
 /// Faults of a binary by itself.
 fn binary(
     bytes: &[u8],
+    fmu: &Description,
     format: BinaryFormat,
     machine: Architecture,
 ) -> Option<(&'static str, String)> {
@@ -256,27 +231,34 @@ fn binary(
     };
     // macOS puts an underscore before the names of C.
     let has = |name: &str| exports.contains(name) || exports.contains(&format!("_{name}"));
-    let absent: Vec<String> = FUNCTIONS
+    let (prefix, number) = (fmu.standard.prefix(), fmu.standard.number());
+    let functions = functions(fmu);
+    let absent: Vec<String> = functions
         .iter()
-        .map(|name| format!("fmi2{name}"))
+        .map(|name| format!("{prefix}{name}"))
         .filter(|name| !has(name))
         .collect();
-    if absent.len() == FUNCTIONS.len() {
+    if absent.len() == functions.len() {
+        let step = match fmu.interface {
+            Interface::CoSimulation => format!("{prefix}DoStep"),
+            Interface::ModelExchange => format!("{prefix}SetTime"),
+        };
         let prefixed = exports
             .iter()
-            .find(|export| export.ends_with("_fmi2DoStep"));
+            .find(|export| export.ends_with(&format!("_{step}")));
         let text = prefixed.map_or_else(
-            || "the binary exports none of the functions of FMI 2.0: export them".to_owned(),
+            || format!("the binary exports none of the functions of FMI {number}: export them"),
             |name| {
-                format!("the binary exports {name} instead of fmi2DoStep: build it without a prefix of the functions")
+                format!("the binary exports {name} instead of {step}: build it without a prefix of the functions")
             },
         );
         return Some((FUNCTIONS_THERE, text));
     }
     (!absent.is_empty()).then(|| {
         let absent = short(&absent);
-        let text =
-            format!("the binary does not export {absent}: every function of FMI 2.0 must be there");
+        let text = format!(
+            "the binary does not export {absent}: every function of FMI {number} must be there"
+        );
         (FUNCTIONS_THERE, text)
     })
 }

@@ -42,9 +42,13 @@ pub(super) struct Rule {
 /// Finds breaches of a rule.
 #[derive(Clone, Copy)]
 pub(super) enum Find {
-    /// Looks at the whole model description.
+    /// Looks at the whole model description of FMI 2.0.
     Document(fn(&Document<'_>) -> Vec<Hit>),
-    /// Looks at one variable. Of all such rules the first that finds something counts: others would only repeat it.
+    /// Looks at one of FMI 3.0.
+    Three(fn(&Document<'_>) -> Vec<Hit>),
+    /// Looks at one of either version.
+    Either(fn(&Document<'_>) -> Vec<Hit>),
+    /// Looks at one variable of FMI 2.0. Of all such rules the first that finds something counts: others would only repeat it.
     Variable(fn(&Scalar<'_>, &Document<'_>) -> Option<String>),
     /// The archive or a simulation shows it while it is looked at.
     Elsewhere,

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::engine::system;
 use crate::task::Schedule;
-use fmu_import::{Call, Handle, Instance, Library, Package, Status, Value};
+use fmu_import::{Call, Handle, Instance, Library, Package, Status, Value, Version};
 
 /// The hidden command that runs a probe.
 pub(super) const COMMAND: &str = "probe";
@@ -86,9 +86,13 @@ pub(in crate::commands) fn serve(setup: &Path) -> io::Result<()> {
     let mut probe = Probe {
         report: Report::default(),
         setup: &setup,
+        version: Version::Two,
     };
     probe.at("loading");
-    let library = Package::open(&setup.fmu).and_then(|mut package| package.load());
+    let library = Package::open(&setup.fmu).and_then(|mut package| {
+        probe.version = package.description().standard;
+        package.load()
+    });
     match library {
         Err(error) => probe.report.unloadable = Some(error.to_string()),
         Ok(library) => probe.live(&library)?,
@@ -101,6 +105,8 @@ pub(in crate::commands) fn serve(setup: &Path) -> io::Result<()> {
 struct Probe<'a> {
     report: Report,
     setup: &'a Setup,
+    /// By which the functions are called that its notes name.
+    version: Version,
 }
 
 /// A simulation under way.
@@ -114,6 +120,7 @@ impl Probe<'_> {
     /// Notes what comes next. No descriptor is kept for it, since an FMU may close or replace those that it did not
     /// open. Where the FMU leaves no room for another one, the note is missing, and nothing else.
     fn at(&self, stage: &str) {
+        let stage = stage.replace(Version::Two.prefix(), self.version.prefix());
         let _ = std::fs::write(&self.setup.stage, stage);
     }
 
@@ -322,7 +329,7 @@ fn note(instance: &mut Instance, setup: &Setup, time: f64, run: &mut Run) -> Res
     let row = setup.columns.iter().map(|column| {
         Ok(match instance.value(*column)? {
             Value::Real(value) => value.to_bits(),
-            Value::Integer(value) => u64::from(value.cast_unsigned()),
+            Value::Integer(value) => value.cast_unsigned(),
             Value::Boolean(value) => u64::from(value),
             Value::String(text) => {
                 // Where the FMU was unpacked is no difference between two simulations.

@@ -216,19 +216,21 @@ impl<'a> Probes<'a> {
 
     /// The fault of two runs in one process, where one alone was `whole`.
     fn life(&self, life: Life, whole: &Run) -> io::Result<Option<Breach>> {
+        let reset = format!("{}Reset", self.fmu.standard.prefix());
         let (rule, what) = match life {
-            Life::Reset => ("life-reset", "after fmi2Reset"),
+            Life::Reset => ("life-reset", format!("after {reset}")),
             Life::Changed => (
                 "life-reset",
-                "after a simulation with changed parameters and fmi2Reset",
+                format!("after a simulation with changed parameters and {reset}"),
             ),
             Life::InTurn => (
                 "life-again",
-                "in a second instance after the first was freed",
+                "in a second instance after the first was freed".to_owned(),
             ),
             Life::Together => (
                 "life-instances",
-                "with two instances at once (canBeInstantiatedOnlyOncePerProcess is not set)",
+                "with two instances at once (canBeInstantiatedOnlyOncePerProcess is not set)"
+                    .to_owned(),
             ),
             // These are one run.
             Life::Alone | Life::Halved => return Ok(None),
@@ -237,7 +239,7 @@ impl<'a> Probes<'a> {
         let runs = match sound(&outcome, 2) {
             // With changed parameters it may fail, and that says nothing of the reset.
             Err(_) if life == Life::Changed && !first_is_whole(&outcome) => return Ok(None),
-            Err(text) => return Ok(Some(unlike(rule, what, &text))),
+            Err(text) => return Ok(Some(unlike(rule, &what, &text))),
             // With changed parameters the first run must differ.
             Ok(runs) if life == Life::Changed => &runs[1..],
             Ok(runs) => runs,
@@ -252,7 +254,7 @@ impl<'a> Probes<'a> {
             .find_map(|run| difference(&self.columns, whole, run))
             .or_else(fate)
             .or_else(unfinished);
-        Ok(text.map(|text| unlike(rule, what, &text)))
+        Ok(text.map(|text| unlike(rule, &what, &text)))
     }
 
     /// How much half the step changes. It may: a note.

@@ -1,9 +1,11 @@
 //! All rules of a check, a line each. A new rule is a function and a line here.
 
-use super::finding::Find::{Document, Elsewhere, Variable};
+use super::finding::Find::{Document, Either, Elsewhere, Three, Variable};
 use super::finding::Severity::{Error, Note, Warning};
 use super::finding::{Find, Rule, Severity};
-use super::{aliases, definitions, dependencies, names, schema, structure, values, variables};
+use super::{
+    aliases, definitions, dependencies, names, schema, structure, three, values, variables,
+};
 
 const fn rule(
     id: &'static str,
@@ -34,12 +36,12 @@ pub(super) fn named(id: &str) -> Option<&'static Rule> {
 #[rustfmt::skip]
 pub(super) static RULES: &[Rule] = &[
     // The needs of any simulation.
-    rule("description-readable", Error, "FMI 2.0.5, 2.2", "modelDescription.xml is well-formed and one of FMI 2.0 for Co-Simulation", Elsewhere),
+    rule("description-readable", Error, "FMI 2.0.5, 2.2", "modelDescription.xml is well-formed and one of FMI 2.0 or 3.0 for Co-Simulation", Elsewhere),
     rule("archive-readable", Error, "FMI 2.0.5, 2.3", "the FMU is a sound zip archive with modelDescription.xml at its top", Elsewhere),
     // The schema.
-    rule("xml-encoding", Error, XML, "the bytes are of the declared encoding", Document(values::encoding)),
-    rule("xml-utf-8", Error, "FMI 2.0.5, 2.2", "the encoding is UTF-8", Document(values::other_encoding)),
-    rule("xml-declaration", Warning, "FMI 2.0.5, 2.2", "the first line names the encoding", Document(values::no_encoding)),
+    rule("xml-encoding", Error, XML, "the bytes are of the declared encoding", Either(values::encoding)),
+    rule("xml-utf-8", Error, "FMI 2.0.5, 2.2", "the encoding is UTF-8", Either(values::other_encoding)),
+    rule("xml-declaration", Warning, "FMI 2.0.5, 2.2", "the first line names the encoding", Either(values::no_encoding)),
     rule("schema-namespace", Error, MODEL, "the elements of FMI 2.0 are in no namespace", Document(schema::namespace)),
     rule("schema-attribute", Error, MODEL, "only attributes of FMI 2.0", Document(schema::unknown_attributes)),
     rule("schema-attribute-missing", Error, MODEL, "all required attributes", Document(schema::missing_attributes)),
@@ -50,8 +52,8 @@ pub(super) static RULES: &[Rule] = &[
     rule("schema-empty-list", Error, MODEL, "a list that is there holds something", Document(schema::empty_lists)),
     rule("schema-type-missing", Error, TYPE, "a SimpleType says of which type it is", Document(schema::typeless)),
     rule("schema-value", Error, MODEL, "values of their attribute's type", Document(schema::values)),
-    rule("schema-value-read", Error, MODEL, "values of their attribute's type", Document(values::unreadable)),
-    rule("variable-readable", Error, SCALAR, "a variable has a name, a value reference and a type", Document(values::left_out)),
+    rule("schema-value-read", Error, MODEL, "values of their attribute's type", Either(values::unreadable)),
+    rule("variable-readable", Error, SCALAR, "a variable has a name, a value reference and a type", Either(values::left_out)),
     // The definitions.
     rule("version", Error, "FMI 2.0.5, 2.2.1", "fmiVersion is 2.0", Document(values::version)),
     rule("date", Error, "FMI 2.0.5, 2.2.1", "generationDateAndTime is an xs:dateTime", Document(definitions::date)),
@@ -65,16 +67,16 @@ pub(super) static RULES: &[Rule] = &[
     rule("type-attributes", Error, "FMI 2.0.5, 2.2.3", "a type's range and units make sense", Document(definitions::type_attributes)),
     rule("item-unique", Error, "FMI 2.0.5, 2.2.3", "items have names and values of their own", Document(definitions::items)),
     rule("category-unique", Error, "FMI 2.0.5, 2.2.4", "log categories have names of their own", Document(definitions::categories)),
-    rule("step-size-positive", Error, "FMI 2.0.5, 2.2.5", "stepSize is greater than 0", Document(values::step)),
-    rule("tolerance-positive", Error, "FMI 2.0.5, 2.2.5", "tolerance is greater than 0", Document(values::tolerance)),
-    rule("stop-after-start", Error, "FMI 2.0.5, 2.2.5", "stopTime is later than startTime", Document(values::stop)),
-    rule("step-within", Warning, "FMI 2.0.5, 2.2.5", "stepSize is not longer than the experiment", Document(values::long_step)),
+    rule("step-size-positive", Error, "FMI 2.0.5, 2.2.5", "stepSize is greater than 0", Either(values::step)),
+    rule("tolerance-positive", Error, "FMI 2.0.5, 2.2.5", "tolerance is greater than 0", Either(values::tolerance)),
+    rule("stop-after-start", Error, "FMI 2.0.5, 2.2.5", "stopTime is later than startTime", Either(values::stop)),
+    rule("step-within", Warning, "FMI 2.0.5, 2.2.5", "stepSize is not longer than the experiment", Either(values::long_step)),
     rule("tool-unique", Error, "FMI 2.0.5, 2.2.6", "annotations are of a tool each", Document(definitions::tools)),
     rule("source-file-unique", Warning, "FMI 2.0.5, 4.3.1", "source files have names of their own", Document(definitions::source_files)),
     rule("serialize-needs-state", Error, "FMI 2.0.5, 4.3.1", "canSerializeFMUstate implies canGetAndSetFMUstate", Document(definitions::serialized_states)),
     rule("exchange-only", Error, "FMI 2.0.5, 2.2.7", "reinit and canHandleMultipleSetPerTimeInstant are for Model Exchange", Document(definitions::exchange_only)),
     // Variables.
-    rule("variable-name-unique", Error, "FMI 2.0.5, 2.2.7", "variables have names of their own", Document(values::names_twice)),
+    rule("variable-name-unique", Error, "FMI 2.0.5, 2.2.7", "variables have names of their own", Either(values::names_twice)),
     rule("independent-single", Error, "FMI 2.0.5, 2.2.7", "one independent variable", Document(variables::independents)),
     rule("name-legal", Error, "FMI 2.0.5, 2.2.9", "a name is not empty, without line breaks and tabs", Variable(names::legal)),
     rule("variability", Error, "FMI 2.0.5, 2.2.7", "causality and variability go together", Variable(variables::kind)),
@@ -124,12 +126,12 @@ pub(super) static RULES: &[Rule] = &[
     rule("binary-name", Error, "FMI 2.0.5, 2.3", "a binary is named as modelIdentifier", Elsewhere),
     rule("binary-machine", Error, "FMI 2.0.5, 2.3", "a binary is one for its platform", Elsewhere),
     rule("binary-readable", Error, "FMI 2.0.5, 2.3", "a binary is a shared library", Elsewhere),
-    rule("binary-functions", Error, "FMI 2.0.5, 2.1.1", "a binary exports every function of FMI 2.0 for Co-Simulation", Elsewhere),
+    rule("binary-functions", Error, "FMI 2.0.5, 2.1.1", "a binary exports every function of its version of FMI", Elsewhere),
     rule("binary-libraries", Error, "FMI 2.0.5, 2.3", "the libraries that a binary needs are there", Elsewhere),
     // The life of an FMU.
     rule("execution-tool", Note, "FMI 2.0.5, 4.3.1", "the FMU runs by itself", Elsewhere),
     rule("binary-loads", Error, "FMI 2.0.5, 2.3", "the binary can be loaded", Elsewhere),
-    rule("binary-version", Warning, "FMI 2.0.5, 2.1.4", "fmi2GetVersion returns 2.0", Elsewhere),
+    rule("binary-version", Warning, "FMI 2.0.5, 2.1.4", "the binary calls itself one of its description's version", Elsewhere),
     rule("binary-types", Warning, "FMI 2.0.5, 2.1.4", "fmi2GetTypesPlatform returns default", Elsewhere),
     rule("simulation-runs", Error, "FMI 2.0.5, 4.2.4", "a simulation with the start values runs", Elsewhere),
     rule("step-suggested", Note, "FMI 2.0.5, 2.2.5", "an FMU that refuses steps suggests one that it takes", Elsewhere),
@@ -147,4 +149,17 @@ pub(super) static RULES: &[Rule] = &[
     rule("life-again", Error, "FMI 2.0.5, 2.1.5", "a second instance is as the first", Elsewhere),
     rule("life-instances", Error, "FMI 2.0.5, 4.3.1", "several instances do not disturb each other, or canBeInstantiatedOnlyOncePerProcess is set", Elsewhere),
     rule("step-size", Note, "FMI 2.0.5, 4.2.2", "the communication step hardly changes the values", Elsewhere),
+    // What FMI 3.0 writes in its own way.
+    rule("three-token", Error, "FMI 3.0.2, 2.4", "instantiationToken is there", Three(three::token)),
+    rule("three-state", Error, "FMI 3.0.2, 2.4.1", "canSerializeFMUState implies canGetAndSetFMUState", Three(three::serialized_states)),
+    rule("three-type", Error, "FMI 3.0.2, 2.4.7", "a variable is of a type of FMI 3.0", Three(three::types)),
+    rule("three-usable", Note, "FMI 3.0.2, 2.4.7", "every variable can be set or judged here", Three(three::unusable)),
+    rule("three-reference", Error, "FMI 3.0.2, 2.4.7", "a value reference is that of one variable", Three(three::references)),
+    rule("three-independent", Error, "FMI 3.0.2, 2.4.7", "one independent variable, a float without a start value", Three(three::independent)),
+    rule("three-start", Error, "FMI 3.0.2, 2.4.7", "what is set or exact has a start value, what is calculated has none", Three(three::starts)),
+    rule("three-range", Error, "FMI 3.0.2, 2.4.7", "min, start and max do not contradict each other", Three(three::ranges)),
+    rule("three-declared", Error, "FMI 3.0.2, 2.4.7", "declaredType and unit are defined", Three(three::declared)),
+    rule("three-dimension", Error, "FMI 3.0.2, 2.4.7", "a dimension is a number, or a structural parameter or constant of type UInt64", Three(three::dimensions)),
+    rule("three-outputs", Error, "FMI 3.0.2, 2.4.8", "ModelStructure lists every output, and only outputs", Three(three::outputs)),
+    rule("three-structure", Error, "FMI 3.0.2, 2.4.8", "ModelStructure refers to variables", Three(three::structure)),
 ];

@@ -4,7 +4,7 @@ use super::compare::number;
 use super::hit::{Breach, Hit};
 use super::probe::{Report, Run};
 use super::structure::short;
-use fmu_import::{Causality, Description, Variable};
+use fmu_import::{Causality, Description, Variable, Version};
 
 /// The FMU's declarations and remarks, apart from its values.
 pub(super) fn remarks(fmu: &Description, report: Option<&Report>) -> Vec<Breach> {
@@ -17,16 +17,23 @@ pub(super) fn remarks(fmu: &Description, report: Option<&Report>) -> Vec<Breach>
     let Some(report) = report else {
         return found;
     };
+    let (prefix, number) = (fmu.standard.prefix(), fmu.standard.number());
     for (rule, function, usual, own) in [
-        ("binary-version", "fmi2GetVersion", "2.0", &report.version),
+        ("binary-version", "GetVersion", number, &report.version),
         (
             "binary-types",
-            "fmi2GetTypesPlatform",
+            "GetTypesPlatform",
             "default",
             &report.types_platform,
         ),
     ] {
-        if let Some(other) = own.as_deref().filter(|own| *own != usual) {
+        let function = format!("{prefix}{function}");
+        // FMI 3.0.1 and 3.0.2 are 3.0, too.
+        let same = |own: &str| match fmu.standard {
+            Version::Two => own == usual,
+            Version::Three => own.starts_with(usual),
+        };
+        if let Some(other) = own.as_deref().filter(|own| !same(own)) {
             let text = format!(
                 "{function} returns \"{other}\", not \"{usual}\": build it with the standard's headers"
             );
@@ -34,21 +41,32 @@ pub(super) fn remarks(fmu: &Description, report: Option<&Report>) -> Vec<Breach>
         }
     }
     if report.strays > 0 {
-        let text = "the logger is called with an environment that is not the one of fmi2Instantiate: pass \
-                    componentEnvironment on";
-        tell("logger-environment", text.to_owned());
+        let text = format!(
+            "the logger is called with an environment that is not the one of {prefix}Instantiate: pass {} on",
+            match fmu.standard {
+                Version::Two => "componentEnvironment",
+                Version::Three => "instanceEnvironment",
+            }
+        );
+        tell("logger-environment", text);
     }
     for run in &report.runs {
         if run.warnings > 0 {
             let first = run.first_warning.as_deref().unwrap_or_default();
             let text = format!(
-                "calls that returned fmi2Warning: {}; the first: {first}",
+                "calls that returned {prefix}Warning: {}; the first: {first}",
                 run.warnings
             );
             tell("warnings", text);
         }
         if let Some(time) = run.ended {
-            let text = format!("it ends the simulation by itself, at {time} s (fmi2Terminated)");
+            let text = format!(
+                "it ends the simulation by itself, at {time} s ({})",
+                match fmu.standard {
+                    Version::Two => "fmi2Terminated",
+                    Version::Three => "terminateSimulation",
+                }
+            );
             tell("early-end", text);
         }
     }

@@ -126,10 +126,10 @@ fn numbers(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<[Option<f64>;
     let (min, max) = kind.range();
     match kind {
         Kind::Real { start, .. } => Some([*start, min, max]),
-        Kind::Integer { start, .. } => Some([start.map(f64::from), min, max]),
+        Kind::Integer { start, .. } => Some([start.map(|start| start as f64), min, max]),
         Kind::Enumeration { start, .. } => {
             let bound = |name| scalar.typed.attribute(name)?.trim().parse().ok();
-            Some([start.map(f64::from), bound("min"), bound("max")])
+            Some([start.map(|start| start as f64), bound("min"), bound("max")])
         }
         Kind::Boolean { .. } | Kind::String { .. } => None,
     }

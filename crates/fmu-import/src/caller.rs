@@ -1,0 +1,120 @@
+//! The importer's side of an instance's calls: the FMU's floating-point mode, its messages, and its end.
+
+use std::ffi::c_int;
+
+use crate::call::{Call, Status, Warnings};
+use crate::floating_point::{Mode, within};
+use crate::logger::Log;
+
+/// Makes the calls of one instance and judges what they return.
+#[derive(Debug)]
+pub(crate) struct Caller {
+    pub(crate) log: Log,
+    warned: Warned,
+    /// The FMU's own mode, which its next call finds again.
+    pub(crate) mode: Mode,
+    /// Whether a call ended with `fmi2Fatal` or `fmi3Fatal`: nothing may be called any more.
+    pub(crate) dead: bool,
+}
+
+/// Calls that returned a warning.
+#[derive(Debug, Default)]
+struct Warned {
+    /// How many of them logged no warning.
+    silent: u64,
+    /// How many warnings had been logged at the last of them.
+    logged: u64,
+    /// The first one: its function and the FMU's message.
+    first: Option<String>,
+}
+
+impl Caller {
+    /// A caller of an FMU whose binary left the processor in this mode.
+    pub(crate) fn new(mode: Mode) -> Self {
+        Self {
+            log: Log::open(),
+            warned: Warned::default(),
+            mode,
+            dead: false,
+        }
+    }
+
+    /// Makes a call in the FMU's own floating-point mode.
+    #[inline(always)]
+    pub(crate) fn call<T>(&mut self, call: impl FnOnce() -> T) -> T {
+        within(&mut self.mode, call)
+    }
+
+    /// Judges the status that a function returned.
+    #[inline]
+    pub(crate) fn check(&mut self, function: &'static str, status: c_int) -> Result<(), Call> {
+        match status {
+            0 => Ok(()),
+            1 => {
+                self.warned(function);
+                Ok(())
+            }
+            status => Err(self.failed(function, Status::from(status))),
+        }
+    }
+
+    #[cold]
+    fn warned(&mut self, function: &str) {
+        let logged = self.log.warnings().count;
+        self.warned.silent += u64::from(logged == self.warned.logged);
+        self.warned.logged = logged;
+        if self.warned.first.is_none() {
+            self.warned.first = Some(match self.log.last() {
+                Some(message) => format!("{function}: {message}"),
+                None => function.to_owned(),
+            });
+        }
+    }
+
+    pub(crate) fn warnings(&self) -> Warnings {
+        let logged = self.log.warnings();
+        Warnings {
+            count: logged.count + self.warned.silent,
+            first: self.warned.first.clone().or(logged.first),
+        }
+    }
+
+    pub(crate) fn forget_warnings(&mut self) {
+        self.log.forget_warnings();
+        self.warned = Warned::default();
+    }
+
+    /// Forgets what the FMU has said so far.
+    pub(crate) fn forget_messages(&mut self) {
+        self.log.clear();
+        self.warned = Warned::default();
+    }
+
+    #[cold]
+    pub(crate) fn failed(&mut self, function: &'static str, status: Status) -> Call {
+        self.dead |= status == Status::Fatal;
+        Call {
+            function,
+            status,
+            message: self.log.last(),
+            ended: None,
+        }
+    }
+}
+
+impl Call {
+    /// A call of the optional function `function`, which some FMUs leave out.
+    pub(crate) fn missing(function: &'static str) -> Self {
+        Self::impossible(function, "the FMU does not export the function".to_owned())
+    }
+
+    /// A call that was not made, and why.
+    pub(crate) fn impossible(function: &'static str, why: String) -> Self {
+        Self {
+            function,
+            status: Status::Error,
+            message: Some(why),
+            ended: None,
+        }
+    }
+}

@@ -1,0 +1,486 @@
+//! The way of a Model Exchange FMU from one communication point to the next, with its events.
+
+use std::collections::HashSet;
+use std::sync::Arc;
+
+use super::equations::Equations;
+use super::rosenbrock::Rosenbrock;
+use crate::call::{Call, End, Status};
+use crate::caller::Caller;
+use crate::simulation::Experiment;
+use crate::value::Value;
+
+/// The relative tolerance where neither the user nor the FMU states one.
+const TOLERANCE: f64 = 1e-8;
+/// More tries of steps than one communication step takes that gets anywhere.
+const MOST_TRIES: usize = 1_000_000;
+/// More events than one communication step has, unless they come faster and faster.
+const MOST_EVENTS: usize = 100_000;
+/// More rounds than the events of one moment take.
+const MOST_ROUNDS: usize = 10_000;
+/// The function under which the integrator's own failures are told, by which a user finds them in the standard.
+const STEP: &str = "fmi2CompletedIntegratorStep";
+
+/// Where a simulation stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Mode {
+    /// Before its initialisation.
+    New,
+    /// In event mode.
+    Events,
+    /// In continuous-time mode.
+    Continuous,
+}
+
+/// An input that varies linearly.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ramp {
+    pub(super) reference: u32,
+    /// Its value at a time, s, and its rate.
+    pub(super) value: f64,
+    pub(super) from: f64,
+    pub(super) slope: f64,
+}
+
+/// A simulation of an FMU for Model Exchange.
+#[derive(Debug)]
+pub(crate) struct Exchange<E> {
+    pub(super) equations: E,
+    /// The inputs that may be set without an event.
+    pub(super) continuous: Arc<HashSet<u32>>,
+    pub(super) mode: Mode,
+    pub(super) ramps: Vec<Ramp>,
+    pub(super) march: March,
+}
+
+impl<E: Equations> Exchange<E> {
+    /// One of newly created equations; `continuous` are the references of continuous inputs.
+    pub(crate) fn new(equations: E, continuous: Arc<HashSet<u32>>) -> Self {
+        Self {
+            equations,
+            continuous,
+            mode: Mode::New,
+            ramps: Vec::new(),
+            march: March::default(),
+        }
+    }
+
+    /// Sets the inputs that vary linearly.
+    fn feed(&mut self, caller: &mut Caller, time: f64) -> Result<(), Call> {
+        for ramp in &self.ramps {
+            let value = Value::Real(ramp.value + ramp.slope * (time - ramp.from));
+            self.equations
+                .component()
+                .set(caller, ramp.reference, &value)?;
+        }
+        Ok(())
+    }
+
+    /// Takes the FMU to a time and states.
+    fn place(&mut self, caller: &mut Caller, time: f64, states: &[f64]) -> Result<(), Call> {
+        self.equations.set_time(caller, time)?;
+        if !states.is_empty() {
+            self.equations.set_states(caller, states)?;
+        }
+        self.feed(caller, time)
+    }
+}
+
+/// The integrator's state.
+#[derive(Debug)]
+pub(super) struct March {
+    method: Rosenbrock,
+    time: f64,
+    states: Vec<f64>,
+    nominals: Vec<f64>,
+    /// The event indicators at the present time.
+    indicators: Vec<f64>,
+    /// The step that suits the solution, s; 0 where that is not known.
+    step: f64,
+    /// The next event that is known beforehand, s.
+    next: Option<f64>,
+    tolerance: f64,
+    /// Whether the FMU has ended the simulation.
+    ended: bool,
+}
+
+impl Default for March {
+    fn default() -> Self {
+        Self {
+            method: Rosenbrock::default(),
+            time: 0.0,
+            states: Vec::new(),
+            nominals: Vec::new(),
+            indicators: Vec::new(),
+            step: 0.0,
+            next: None,
+            tolerance: TOLERANCE,
+            ended: false,
+        }
+    }
+}
+
+impl March {
+    /// Begins an experiment.
+    pub(super) fn begin(&mut self, experiment: Experiment) {
+        self.time = experiment.start;
+        self.tolerance = experiment.tolerance.unwrap_or(TOLERANCE);
+    }
+
+    /// Makes room for so many states and event indicators.
+    pub(super) fn size(&mut self, [states, indicators]: [usize; 2]) {
+        self.method = Rosenbrock::new(states);
+        self.states = vec![0.0; states];
+        self.nominals = vec![1.0; states];
+        self.indicators = vec![0.0; indicators];
+    }
+
+    /// The present time, s.
+    pub(super) fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// The error allowed in each state.
+    fn allowed(&self) -> Vec<f64> {
+        let states = self.states.iter().zip(&self.nominals);
+        states
+            .map(|(state, nominal)| self.tolerance * state.abs().max(*nominal))
+            .collect()
+    }
+}
+
+/// Whether an indicator has changed its side: above zero, or not.
+fn crossed(before: &[f64], after: &[f64]) -> bool {
+    let mut pairs = before.iter().zip(after);
+    pairs.any(|(before, after)| (*before > 0.0) != (*after > 0.0))
+}
+
+fn failed(why: String) -> Call {
+    Call::impossible(STEP, why)
+}
+
+fn too_many(from: f64, to: f64) -> Call {
+    failed(format!(
+        "more than {MOST_EVENTS} events between {from} s and {to} s"
+    ))
+}
+
+/// A step that was taken: its length, s, and the states at its end.
+struct Taken {
+    length: f64,
+    states: Vec<f64>,
+    /// Whether an event indicator has changed its side.
+    crossed: bool,
+}
+
+impl<E: Equations> Exchange<E> {
+    /// Follows the equations from one communication point to another, s.
+    pub(super) fn advance(&mut self, caller: &mut Caller, from: f64, to: f64) -> Result<(), Call> {
+        self.march.time = from;
+        let mut events = 0;
+        if self.mode == Mode::Events {
+            self.settle(caller)?;
+        } else {
+            // An input may have taken an indicator to its other side.
+            let states = self.march.states.clone();
+            self.place(caller, from, &states)?;
+            if self.has_crossed(caller)? {
+                self.events(caller)?;
+            }
+        }
+        while self.march.time < self.goal(to) && !self.march.ended {
+            let to = self.goal(to);
+            let next = self.march.next.filter(|next| *next < to);
+            if next.is_some_and(|next| next <= self.march.time) {
+                self.events(caller)?;
+                events += 1;
+                if events > MOST_EVENTS {
+                    return Err(too_many(from, to));
+                }
+                continue;
+            }
+            let event = self.stride(caller, next.unwrap_or(to))?;
+            let due = next.is_some_and(|next| self.march.time >= next);
+            if (event || due) && !self.march.ended {
+                self.events(caller)?;
+                events += 1;
+            }
+            if events > MOST_EVENTS {
+                return Err(too_many(from, to));
+            }
+        }
+        if self.march.ended {
+            let at = self.march.time;
+            return Err(Call {
+                function: STEP,
+                status: Status::Discard,
+                message: Some("the FMU wants no further step".to_owned()),
+                ended: Some(End { from, at }),
+            });
+        }
+        // An event at the communication point itself belongs to it.
+        if self.march.next.is_some_and(|next| next <= self.goal(to)) {
+            self.events(caller)?;
+        }
+        Ok(())
+    }
+
+    /// The end of a step to a time, s: the next event where the two differ by rounding only.
+    fn goal(&self, to: f64) -> f64 {
+        let slack = 4.0 * f64::EPSILON * to.abs();
+        let near = |next: &f64| (next - to).abs() <= slack;
+        self.march.next.filter(near).unwrap_or(to)
+    }
+
+    /// Whether an indicator is on another side than it was.
+    fn has_crossed(&mut self, caller: &mut Caller) -> Result<bool, Call> {
+        if self.march.indicators.is_empty() {
+            return Ok(false);
+        }
+        let mut now = vec![0.0; self.march.indicators.len()];
+        self.equations.indicators(caller, &mut now)?;
+        Ok(crossed(&self.march.indicators, &now))
+    }
+
+    /// Handles the events of the present time.
+    fn events(&mut self, caller: &mut Caller) -> Result<(), Call> {
+        self.equations.enter_events(caller)?;
+        self.mode = Mode::Events;
+        self.settle(caller)?;
+        Ok(())
+    }
+
+    /// Makes rounds of events until nothing changes, and leaves event mode. Whether the FMU ends the simulation.
+    pub(super) fn settle(&mut self, caller: &mut Caller) -> Result<bool, Call> {
+        let (mut states, mut nominals) = (self.mode_is_first(), self.mode_is_first());
+        for round in 0.. {
+            let update = self.equations.update(caller)?;
+            states |= update.states;
+            nominals |= update.nominals;
+            self.march.next = update.next;
+            if update.ends {
+                self.march.ended = true;
+                return Ok(true);
+            }
+            if !update.again {
+                break;
+            }
+            if round == MOST_ROUNDS {
+                let time = self.march.time;
+                return Err(failed(format!(
+                    "the events at {time} s do not settle in {MOST_ROUNDS} rounds"
+                )));
+            }
+        }
+        self.equations.leave_events(caller)?;
+        self.mode = Mode::Continuous;
+        if self.march.states.is_empty() {
+            nominals = false;
+        } else if states {
+            let march = &mut self.march;
+            self.equations.states(caller, &mut march.states)?;
+        }
+        if nominals {
+            let march = &mut self.march;
+            self.equations.nominals(caller, &mut march.nominals)?;
+            for nominal in &mut march.nominals {
+                *nominal = match nominal.abs() {
+                    size if size > 0.0 && size.is_finite() => size,
+                    _ => 1.0,
+                };
+            }
+        }
+        if !self.march.indicators.is_empty() {
+            let march = &mut self.march;
+            self.equations.indicators(caller, &mut march.indicators)?;
+        }
+        Ok(false)
+    }
+
+    /// Whether no states have been read yet.
+    fn mode_is_first(&self) -> bool {
+        self.march.step == 0.0
+    }
+
+    /// Takes one step towards a time, s. Whether an event is to be handled at its end.
+    fn stride(&mut self, caller: &mut Caller, to: f64) -> Result<bool, Call> {
+        let mut march = std::mem::take(&mut self.march);
+        let taken = self.taken(caller, &mut march, to);
+        self.march = march;
+        let Taken {
+            length,
+            states,
+            crossed,
+        } = taken?;
+        let march = &mut self.march;
+        march.time = if length == to - march.time {
+            to
+        } else {
+            march.time + length
+        };
+        march.states = states;
+        let (time, states) = (march.time, march.states.clone());
+        self.place(caller, time, &states)?;
+        let [event, ends] = self.equations.completed(caller)?;
+        self.march.ended |= ends;
+        if !crossed && !event && !self.march.indicators.is_empty() {
+            let march = &mut self.march;
+            self.equations.indicators(caller, &mut march.indicators)?;
+        }
+        Ok(crossed || event)
+    }
+
+    /// Finds a step whose error is allowed, and cuts it where an event indicator changes its side.
+    fn taken(&mut self, caller: &mut Caller, march: &mut March, to: f64) -> Result<Taken, Call> {
+        let left = to - march.time;
+        let least = 8.0 * f64::EPSILON * march.time.abs().max(to.abs());
+        if march.step <= 0.0 {
+            march.step = left;
+        }
+        self.linearise(caller, march)?;
+        let allowed = march.allowed();
+        let mut end = vec![0.0; march.states.len()];
+        for _ in 0..MOST_TRIES {
+            // No sliver is left for the last step.
+            let h = if march.step >= left {
+                left
+            } else if 2.0 * march.step > left {
+                0.5 * left
+            } else {
+                march.step
+            };
+            let error = self.attempt(caller, march, h, &allowed, &mut end)?;
+            let fits = error.is_some_and(|error| error <= 1.0);
+            let factor = error.map_or(0.1, |error| 0.9 * error.max(1e-10).powf(-0.25));
+            let next = h * factor.clamp(0.1, 5.0);
+            if fits {
+                // A step cut short by its end says nothing against the longer one.
+                march.step = if h < march.step {
+                    next.max(march.step)
+                } else {
+                    next
+                };
+                return self.cut(caller, march, h, &allowed, end);
+            }
+            march.step = next.min(0.9 * h);
+            if march.step < least && h < left {
+                let time = march.time;
+                return Err(failed(format!(
+                    "the internal step fell below {least:.1e} s at {time} s"
+                )));
+            }
+        }
+        let time = march.time;
+        Err(failed(format!(
+            "more than {MOST_TRIES} tries of a step at {time} s"
+        )))
+    }
+
+    /// Cuts a step at the first moment, to the resolution of time, after which an indicator has changed its side.
+    fn cut(
+        &mut self,
+        caller: &mut Caller,
+        march: &mut March,
+        length: f64,
+        allowed: &[f64],
+        states: Vec<f64>,
+    ) -> Result<Taken, Call> {
+        let mut taken = Taken {
+            length,
+            crossed: self.crosses(caller, march, length, &states)?,
+            states,
+        };
+        if !taken.crossed {
+            return Ok(taken);
+        }
+        let resolution = 4.0 * f64::EPSILON * march.time.abs().max(length);
+        let (mut before, mut after) = (0.0, length);
+        let mut trial = vec![0.0; march.states.len()];
+        while after - before > resolution {
+            let h = 0.5 * (before + after);
+            if h <= before || h >= after {
+                break;
+            }
+            let known = self.attempt(caller, march, h, allowed, &mut trial)?;
+            if known.is_some() && !self.crosses(caller, march, h, &trial)? {
+                before = h;
+            } else if known.is_some() {
+                after = h;
+                taken.states.copy_from_slice(&trial);
+            } else {
+                break;
+            }
+        }
+        taken.length = after;
+        Ok(taken)
+    }
+
+    /// Whether an indicator has changed its side after a step.
+    fn crosses(
+        &mut self,
+        caller: &mut Caller,
+        march: &March,
+        h: f64,
+        states: &[f64],
+    ) -> Result<bool, Call> {
+        if march.indicators.is_empty() {
+            return Ok(false);
+        }
+        self.place(caller, march.time + h, states)?;
+        let mut now = vec![0.0; march.indicators.len()];
+        self.equations.indicators(caller, &mut now)?;
+        Ok(crossed(&march.indicators, &now))
+    }
+
+    fn linearise(&mut self, caller: &mut Caller, march: &mut March) -> Result<(), Call> {
+        let March {
+            method,
+            time,
+            states,
+            nominals,
+            step,
+            ..
+        } = march;
+        let mut rates = |t: f64, x: &[f64], into: &mut [f64]| self.rates_at(caller, t, x, into);
+        if method.linearise(&mut rates, *time, states, nominals, *step)? {
+            return Ok(());
+        }
+        Err(failed(format!(
+            "the FMU refuses to compute rates at {time} s"
+        )))
+    }
+
+    fn attempt(
+        &mut self,
+        caller: &mut Caller,
+        march: &mut March,
+        h: f64,
+        allowed: &[f64],
+        end: &mut [f64],
+    ) -> Result<Option<f64>, Call> {
+        let March {
+            method,
+            time,
+            states,
+            ..
+        } = march;
+        let mut rates = |t: f64, x: &[f64], into: &mut [f64]| self.rates_at(caller, t, x, into);
+        method.attempt(&mut rates, *time, states, h, allowed, end)
+    }
+
+    /// The rates at a time and states; whether the FMU computes them there.
+    fn rates_at(
+        &mut self,
+        caller: &mut Caller,
+        time: f64,
+        states: &[f64],
+        into: &mut [f64],
+    ) -> Result<bool, Call> {
+        let placed = self.place(caller, time, states);
+        match placed.and_then(|()| self.equations.rates(caller, into)) {
+            Ok(()) => Ok(true),
+            Err(call) if call.status == Status::Discard => Ok(false),
+            Err(call) => Err(call),
+        }
+    }
+}

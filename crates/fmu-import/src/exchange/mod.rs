@@ -1,0 +1,130 @@
+//! Model Exchange: the FMU gives rates, and the importer integrates them.
+//!
+//! Between two communication points the states follow a Rosenbrock method whose error is controlled in every state,
+//! by its nominal value. Steps end exactly at communication points, at the time events that the FMU announces, and
+//! at the crossings of its event indicators, which are found by shorter steps of the same method rather than by
+//! interpolation. Inputs have their value of that time in every evaluation.
+
+mod equations;
+mod march;
+mod rosenbrock;
+
+use std::ffi::c_void;
+
+use crate::call::Call;
+use crate::caller::Caller;
+use crate::simulation::{Experiment, Simulation};
+use crate::value::{Handle, Value};
+pub(crate) use equations::{Equations, Update};
+pub(crate) use march::Exchange;
+use march::{March, Mode, Ramp};
+
+impl<E: Equations> Simulation for Exchange<E> {
+    fn set_up(&mut self, caller: &mut Caller, experiment: Experiment) -> Result<(), Call> {
+        self.march.begin(experiment);
+        self.equations.component().set_up(caller, experiment)
+    }
+
+    fn initialise(&mut self, caller: &mut Caller) -> Result<(), Call> {
+        self.equations.component().initialise(caller)?;
+        // FMI leaves the initialisation in event mode.
+        self.mode = Mode::Events;
+        let sizes = self.equations.sizes(caller)?;
+        self.march.size(sizes);
+        // An end before the first step is told by that step.
+        self.settle(caller).map(drop)
+    }
+
+    fn reals(
+        &mut self,
+        caller: &mut Caller,
+        references: &[u32],
+        into: &mut [f64],
+    ) -> Result<(), Call> {
+        self.equations.component().reals(caller, references, into)
+    }
+
+    fn value(&mut self, caller: &mut Caller, handle: Handle) -> Result<Value, Call> {
+        self.equations.component().value(caller, handle)
+    }
+
+    fn set(&mut self, caller: &mut Caller, reference: u32, value: &Value) -> Result<(), Call> {
+        self.ramps.retain(|ramp| ramp.reference != reference);
+        // All but continuous inputs change by an event.
+        let flows = matches!(value, Value::Real(_)) && self.continuous.contains(&reference);
+        if self.mode == Mode::Continuous && !flows {
+            self.equations.enter_events(caller)?;
+            self.mode = Mode::Events;
+        }
+        self.equations.component().set(caller, reference, value)
+    }
+
+    fn set_slope(&mut self, caller: &mut Caller, reference: u32, slope: f64) -> Result<(), Call> {
+        let mut value = [0.0];
+        self.equations
+            .component()
+            .reals(caller, &[reference], &mut value)?;
+        self.ramps.retain(|ramp| ramp.reference != reference);
+        self.ramps.push(Ramp {
+            reference,
+            value: value[0],
+            from: self.march.time(),
+            slope,
+        });
+        Ok(())
+    }
+
+    fn step(&mut self, caller: &mut Caller, time: f64, step: f64) -> Result<(), Call> {
+        self.advance(caller, time, time + step)
+    }
+
+    fn steps(
+        &mut self,
+        caller: &mut Caller,
+        times: &[f64],
+        sizes: &[f64],
+        references: &[u32],
+        rows: &mut [f64],
+    ) -> (usize, Result<(), Call>) {
+        let width = references.len();
+        for (taken, (&time, &size)) in times.iter().zip(sizes).enumerate() {
+            let row = &mut rows[taken * width..(taken + 1) * width];
+            let mut outcome = self.step(caller, time, size);
+            if outcome.is_ok() && width > 0 {
+                outcome = self.reals(caller, references, row);
+            }
+            if outcome.is_err() {
+                return (taken, outcome);
+            }
+        }
+        (times.len(), Ok(()))
+    }
+
+    fn reset(&mut self, caller: &mut Caller) -> Result<(), Call> {
+        self.mode = Mode::New;
+        self.ramps.clear();
+        self.march = March::default();
+        self.equations.component().reset(caller)
+    }
+
+    fn terminate(&mut self, caller: &mut Caller) -> Result<(), Call> {
+        self.equations.component().terminate(caller)
+    }
+
+    /// The integrator has a state, too, which no state of the FMU holds: instances are made anew instead.
+    fn save(&mut self, _: &mut Caller) -> Option<*mut c_void> {
+        None
+    }
+
+    fn restore(&mut self, caller: &mut Caller, state: *mut c_void) -> Result<(), Call> {
+        self.equations.component().restore(caller, state)
+    }
+
+    fn forget(&mut self, caller: &mut Caller, state: *mut c_void) -> Result<(), Call> {
+        self.equations.component().forget(caller, state)
+    }
+
+    fn free(&mut self, caller: &mut Caller) {
+        self.equations.component().free(caller);
+    }
+}

@@ -1,0 +1,47 @@
+//! Where the elements of variables of FMI 3.0 are in a binary.
+
+use std::sync::Arc;
+
+use crate::description::{Description, Storage};
+
+/// An element of a variable: its place in the binary.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Element {
+    /// The value reference of the variable.
+    pub(super) reference: u32,
+    pub(super) storage: Storage,
+    /// Its index in the array.
+    pub(super) index: usize,
+    /// How many elements the array has.
+    pub(super) of: usize,
+}
+
+impl Element {
+    /// The elements of all variables, by their numbers.
+    pub(crate) fn all(description: &Description) -> Arc<[Self]> {
+        let mut all: Vec<Self> = Vec::new();
+        for variable in description.variables.values() {
+            let Some(place) = variable.place else {
+                continue;
+            };
+            let element = Self {
+                reference: variable.value_reference,
+                storage: place.storage,
+                index: place.index,
+                of: place.of,
+            };
+            let number = place.number as usize;
+            // Variables that could not be used leave gaps, which nobody reaches.
+            if all.len() <= number {
+                all.resize(number + 1, element);
+            }
+            all[number] = element;
+        }
+        all.into()
+    }
+
+    /// Whether it is a number of 64 bits by itself, of which one call reads several.
+    pub(super) fn is_plain(self) -> bool {
+        self.of == 1 && self.storage == Storage::Float64
+    }
+}

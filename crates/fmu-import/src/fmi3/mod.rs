@@ -1,0 +1,12 @@
+//! FMI 3.0: the functions of a binary, and one component of it.
+
+mod element;
+mod elements;
+mod exchange;
+mod functions;
+mod simulation;
+
+pub(crate) use element::Element;
+pub(crate) use exchange::{ExchangeFunctions, ExchangeModel};
+pub(crate) use functions::Functions;
+pub(crate) use simulation::Model;

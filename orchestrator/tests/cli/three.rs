@@ -1,0 +1,229 @@
+//! FMUs of FMI 3.0: every command takes them as it takes those of 2.0.
+
+use crate::support::{Bench, THREE};
+
+const STUDY: &str = r#"
+fmu = "three.fmu"
+[simulation]
+stop = 2
+step = 0.01
+[design]
+method = "sobol"
+points = 64
+seed = 3
+[fixed]
+"weights[3]" = 0
+way = "down"
+u16 = 65535
+"text[2]" = "two"
+[parameters.rate]
+distribution = "uniform"
+min = 30
+max = 120
+unit = "1/min"
+[parameters."weights[1]"]
+distribution = "uniform"
+min = 0.5
+max = 1.5
+[parameters.gain]
+distribution = "uniform"
+min = 0.2
+max = 0.8
+[criteria.weighted]
+variable = "weighted"
+statistic = "final"
+nominal = 2.6
+tolerance = "10 %"
+[criteria.gained]
+variable = "gained"
+statistic = "mean"
+nominal = 0.3
+tolerance = "50 %"
+"#;
+
+/// A folder with `three.fmu` and a study of it.
+fn bench() -> Bench {
+    let bench = Bench::empty();
+    bench.three("three.fmu", &[], THREE);
+    bench.write("study.toml", STUDY);
+    bench
+}
+
+#[test]
+fn inspect_and_init_show_its_variables() {
+    let bench = bench();
+    let said = bench.run(&["inspect", "three.fmu"]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    for words in [
+        "FMI 3.0 for Co-Simulation",
+        "x86_64-linux",
+        "weights[3]",
+        "up",
+    ] {
+        assert!(said.out.contains(words), "no {words} in {}", said.out);
+    }
+    let said = bench.run(&["inspect", "three.fmu", "--json"]);
+    let json: serde_json::Value = serde_json::from_str(&said.out).unwrap();
+    let named = |name: &str| {
+        let all = json["variables"].as_array().unwrap();
+        all.iter().find(|one| one["name"] == name).unwrap().clone()
+    };
+    assert_eq!(named("gain")["storage"], "Float32");
+    assert_eq!(named("u8")["max"], 255);
+    assert_eq!(named("weights[2]")["start"], 2.0);
+    assert_eq!(named("weights[2]")["value_reference"], 6);
+    let said = bench.run(&["init", "three.fmu", "--output", "new.toml"]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    assert!(
+        bench
+            .read("new.toml")
+            .contains("[parameters.\"weights[1]\"]")
+    );
+}
+
+#[test]
+fn binaries_and_clocks_are_refused_with_a_reason() {
+    let bench = Bench::empty();
+    let clock = "<Clock name=\"tick\" valueReference=\"77\" causality=\"input\" intervalVariability=\"triggered\"/>";
+    let with = THREE.replace("  </ModelVariables>", &format!("{clock}</ModelVariables>"));
+    bench.three("three.fmu", &[], &with);
+    let said = bench.run(&["inspect", "three.fmu"]);
+    assert!(said.out.contains("tick (a Clock"), "{}", said.out);
+    bench
+        .run(&["simulate", "three.fmu", "--set", "tick=1"])
+        .is_mistake(&["`tick` cannot be used", "event mode"]);
+    let said = bench.run(&["simulate", "three.fmu", "--output", "out.csv"]);
+    assert_eq!(said.code, 0, "{}", said.err);
+}
+
+#[test]
+fn simulate_gives_the_exact_solution() {
+    let bench = bench();
+    let said = bench.run(&[
+        "simulate",
+        "three.fmu",
+        "--set",
+        "rate=2",
+        "--set",
+        "weights[1]=5",
+        "--set",
+        "gain=0.25",
+        "--set",
+        "text[1]=a",
+        "--output",
+        "out.csv",
+    ]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    let text = bench.read("out.csv");
+    let lines: Vec<&str> = text.lines().collect();
+    assert_eq!(
+        lines[0].split(',').take(4).collect::<Vec<_>>(),
+        ["time", "y", "weighted", "gained"]
+    );
+    assert_eq!(lines.len(), 202);
+    for line in &lines[1..] {
+        let cell = |k: usize| line.split(',').nth(k).unwrap().parse::<f64>().unwrap();
+        let y = 1.0 - (-2.0 * cell(0)).exp();
+        assert!((cell(1) - y).abs() < 1e-13, "{line}");
+        assert!((cell(2) - 10.0 * y).abs() < 1e-12, "{line}");
+        assert_eq!(cell(3), f64::from(0.25_f32 * cell(1) as f32));
+    }
+    bench
+        .run(&["simulate", "three.fmu", "--set", "u8=256"])
+        .is_mistake(&["u8", "255"]);
+    let ended = bench.run(&[
+        "simulate",
+        "three.fmu",
+        "--set",
+        "until=0.5",
+        "--output",
+        "end.csv",
+    ]);
+    assert_eq!(ended.code, 0, "{}", ended.err);
+    assert!(
+        bench
+            .read("end.csv")
+            .lines()
+            .last()
+            .unwrap()
+            .starts_with("0.5,")
+    );
+}
+
+#[test]
+fn verify_gives_the_same_in_every_way() {
+    let bench = bench();
+    let run = |isolation: &str, jobs: &str, output: &str| {
+        let said = bench.run(&[
+            "verify",
+            "study.toml",
+            "--isolation",
+            isolation,
+            "--jobs",
+            jobs,
+            "--output",
+            output,
+        ]);
+        assert_eq!(said.code, 0, "{}", said.err);
+        bench.read(&format!("{output}/points.csv"))
+    };
+    let alone = run("fresh", "1", "fresh");
+    assert_eq!(run("audited", "2", "audited"), alone);
+    assert_eq!(run("reuse", "2", "reuse"), alone);
+    let summary = bench.summary("reuse");
+    assert_eq!(
+        (&summary["points"], &summary["failed"]),
+        (&64.into(), &0.into())
+    );
+    let mut rows = csv::Reader::from_reader(alone.as_bytes());
+    let head = rows.headers().unwrap().clone();
+    let place = |name: &str| head.iter().position(|cell| cell == name).unwrap();
+    for row in rows.records() {
+        let row = row.unwrap();
+        let cell = |name: &str| row[place(name)].parse::<f64>().unwrap();
+        let y = 1.0 - (-2.0 * cell("rate") / 60.0).exp();
+        let weighted = (cell("weights[1]") + 2.0) * y;
+        assert!((cell("weighted") - weighted).abs() < 1e-12, "{row:?}");
+    }
+    // A resumed study is the same study.
+    let half = bench.run(&["verify", "study.toml", "--points", "20", "--output", "half"]);
+    assert_eq!(half.code, 0, "{}", half.err);
+    let whole = bench.run(&["verify", "study.toml", "--resume", "--output", "fresh"]);
+    assert_eq!(whole.code, 0, "{}", whole.err);
+    assert_eq!(bench.read("fresh/points.csv"), alone);
+}
+
+#[test]
+fn a_failed_point_has_the_words_of_its_version() {
+    let bench = bench();
+    bench.write(
+        "short.toml",
+        &STUDY.replace("[fixed]", "[fixed]\nuntil = 1\nfatal = true"),
+    );
+    let said = bench.run(&[
+        "verify",
+        "short.toml",
+        "--points",
+        "4",
+        "--output",
+        "failed",
+    ]);
+    assert_eq!(said.code, 3, "{}{}", said.out, said.err);
+    let points = bench.read("failed/points.csv");
+    assert!(
+        points.contains("fmi3Fatal") && !points.contains("fmi2"),
+        "{points}"
+    );
+}
+
+#[test]
+fn a_good_fmu_has_nothing() {
+    let bench = bench();
+    let said = bench.run(&["check", "three.fmu"]);
+    assert_eq!(
+        (said.code, said.out.trim()),
+        (0, "three.fmu: nothing found"),
+        "{}",
+        said.err
+    );
+}
