@@ -118,8 +118,8 @@ fn held(setting: &Setting) -> Held {
         let objective = Objective::new(&problem, &model, 1e-4);
         let sample = sample(&objective, &found.optima, &settings, &|_, _| ()).unwrap();
         let posterior = PosteriorOutcome::new(&objective, &found.optima, &sample);
-        for k in 0..2 {
-            let inside = |[low, high]: &[f64; 2]| (*low..=*high).contains(&truth[k]);
+        for (k, truth) in truth.iter().enumerate() {
+            let inside = |[low, high]: &[f64; 2]| (*low..=*high).contains(truth);
             held.normal[k] += u32::from(inside(&outcome.free[k].interval));
             held.sampled[k] += u32::from(posterior.free[k].intervals.iter().any(inside));
         }
