@@ -130,15 +130,10 @@ fn held(setting: &Setting) -> Held {
 }
 
 /// Of 60 intervals that hold with 95 %, 51 to 60 hold with a probability of 99.9 %. That is promised over truths from the
-/// prior; the discrepancies 0 and 0.5 show what that is worth for a single one.
+/// prior; one fixed discrepancy of five times the accuracy is printed, and shows what that is worth for a single one.
 #[test]
 fn intervals_hold_with_an_unknown_discrepancy() {
-    let settings = [
-        (12, None, 21),
-        (4, None, 22),
-        (12, Some(0.5), 23),
-        (12, Some(0.0), 24),
-    ];
+    let settings = [(12, None, 21), (4, None, 22), (12, Some(0.5), 23)];
     for (cases, discrepancy, seed) in settings {
         let held = held(&Setting {
             cases,
@@ -146,8 +141,8 @@ fn intervals_hold_with_an_unknown_discrepancy() {
             seed,
         });
         println!("{cases} cases, discrepancy {discrepancy:?}: {held:?} of 60");
-        assert!(held.sampled.iter().all(|count| *count >= 51), "{held:?}");
         if discrepancy.is_none() {
+            assert!(held.sampled.iter().all(|count| *count >= 51), "{held:?}");
             assert!(held.discrepancy >= 51, "{held:?}");
         }
     }
