@@ -13,18 +13,17 @@ use crate::engine::crew::Crew;
 use crate::identify::bind::Bound;
 use crate::identify::cross::outcome::{CrossValidation, Found};
 use crate::identify::cross::{self, Whole, cross_validate};
-use crate::identify::discrepancy::{Discrepancy, widened};
 use crate::identify::error::BindError;
 use crate::identify::from_study;
 use crate::identify::local::{End, Minimum};
 use crate::identify::model::FmuModel;
 use crate::identify::objective::Objective;
-use crate::identify::optima::Optimum;
 use crate::identify::outcome::IdentificationOutcome;
 use crate::identify::problem::Problem;
 use crate::identify::remembered::Remembered;
+use crate::identify::rounds;
 use crate::identify::sample::{self, Sample};
-use crate::identify::search::{self, Progress, SearchError, search};
+use crate::identify::search::{self, Progress, SearchError};
 use crate::identify::text;
 use crate::pipeline::Pipeline;
 use crate::pipeline::folder::RunFolder;
@@ -209,18 +208,18 @@ fn find(
     };
     let model = FmuModel::new(bound, pipeline);
     let remembered = Remembered::new(&model);
-    let found = searched(
-        bound,
-        &remembered,
-        settings,
-        &starts,
-        &limits,
-        &|progress| {
-            model.say(so_far(progress));
-        },
-    );
+    let task = rounds::Task {
+        problem: &bound.problem,
+        unknown: &bound.discrepancies,
+        difference: settings.difference,
+        starts: &starts,
+        effort: limits,
+    };
+    let found = rounds::searched(&task, &remembered, &|progress| {
+        model.say(so_far(progress));
+    });
     let found = found.and_then(|found| {
-        let Searched {
+        let rounds::Found {
             problem,
             optima,
             progress,
@@ -261,57 +260,6 @@ fn find(
         Some(halt) => halt.into(),
         None => CommandError::Search(error.to_string()),
     })
-}
-
-/// What the search has found.
-struct Searched {
-    /// The problem with the discrepancies found.
-    problem: Problem,
-    optima: Vec<Optimum>,
-    progress: Progress,
-    discrepancies: Vec<Discrepancy>,
-}
-
-/// Searches; where discrepancies are unknown, again with those that the search before has left, until they stay.
-fn searched(
-    bound: &Bound,
-    model: &Remembered<'_>,
-    settings: &Identification,
-    starts: &[Vec<f64>],
-    limits: &search::Effort,
-    observe: &dyn Fn(&Progress),
-) -> Result<Searched, SearchError> {
-    const ROUNDS: usize = 6;
-    const CLOSE: f64 = 0.05;
-    let mut problem = bound.problem.clone();
-    let mut known = vec![0.0; bound.discrepancies.len()];
-    let mut round = 1;
-    loop {
-        let objective = Objective::new(&problem, model, settings.difference);
-        let (optima, progress) = search(&objective, starts, limits, observe)?;
-        let predicted = optima.first().map(|own| &own.minimum.misfit.predicted[..]);
-        let estimate = |unknown| {
-            let fitted = bound.problem.free.len();
-            let predicted = predicted.unwrap_or_default();
-            Discrepancy::estimate(unknown, &bound.problem, predicted, fitted)
-        };
-        let discrepancies: Vec<Discrepancy> = bound.discrepancies.iter().map(estimate).collect();
-        let pairs = discrepancies.iter().zip(&known);
-        let stays = |(found, known): (&Discrepancy, &f64)| {
-            (found.deviation - known).abs() <= CLOSE * (found.scale + known)
-        };
-        if pairs.into_iter().all(stays) || round == ROUNDS {
-            return Ok(Searched {
-                problem,
-                optima,
-                progress,
-                discrepancies,
-            });
-        }
-        known = discrepancies.iter().map(|found| found.deviation).collect();
-        problem = widened(&bound.problem, &bound.discrepancies, &known);
-        round += 1;
-    }
 }
 
 /// Predicts each case from the others.

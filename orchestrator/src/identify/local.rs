@@ -42,6 +42,8 @@ pub struct Minimum {
     pub misfit: Misfit,
     /// Why the search ended.
     pub end: End,
+    /// Whether the way down leads to where runs fail: the sum of squares may be less beyond.
+    pub blocked: bool,
 }
 
 /// Looks for the minimum nearest to a start. Unknowns that are `held` stay where they are.
@@ -60,6 +62,7 @@ pub fn minimise(
         places: start,
         misfit,
         end: End::Iterations,
+        blocked: false,
     };
     let mut damping = Damping::default();
     for _ in 0..limits.iterations {
@@ -79,7 +82,42 @@ pub fn minimise(
             break;
         }
     }
+    at.blocked = at.blocked && at.end != End::Time && goes_on(objective, held, differences, &at)?;
     Ok(at)
+}
+
+/// Whether the linearised problem goes on down to a place where a run fails.
+fn goes_on(
+    objective: &Objective<'_>,
+    held: &[usize],
+    differences: Differences,
+    at: &Minimum,
+) -> Result<bool, NoPrediction> {
+    /// A smaller decrease of the sum of squares matters to no probability.
+    const LITTLE: f64 = 0.01;
+    let mut linear = match objective.linear(&at.places, &at.misfit, differences) {
+        Ok(linear) => linear,
+        Err(NoPrediction::Here(_)) => return Ok(true),
+        Err(NoPrediction::Stopped) => return Err(NoPrediction::Stopped),
+    };
+    let size = linear.curvature.diagonal().amax().max(f64::MIN_POSITIVE);
+    for index in 0..at.places.len() {
+        linear.curvature[(index, index)] += 1e-9 * size;
+    }
+    let step = bounded_step(&linear, &at.places, held);
+    let expected = -(2.0 * linear.gradient.dot(&step) + (&linear.curvature * &step).dot(&step));
+    if expected < LITTLE {
+        return Ok(false);
+    }
+    let places = at.places.iter().zip(&step);
+    let places: Vec<f64> = places
+        .map(|(place, step)| (place + step).clamp(0.0, 1.0))
+        .collect();
+    match objective.misfit(&places) {
+        Ok(_) => Ok(false),
+        Err(NoPrediction::Here(_)) => Ok(true),
+        Err(NoPrediction::Stopped) => Err(NoPrediction::Stopped),
+    }
 }
 
 /// Levenberg's damping after Nielsen: little where the linearised problem predicts well.
@@ -148,7 +186,11 @@ fn descend(
                 return Ok(true);
             }
             Err(NoPrediction::Stopped) => return Err(NoPrediction::Stopped),
-            Ok(_) | Err(NoPrediction::Here(_)) => damping.refuse(),
+            Err(NoPrediction::Here(_)) => {
+                at.blocked = true;
+                damping.refuse();
+            }
+            Ok(_) => damping.refuse(),
         }
     }
     damping.value = Damping::MOST.sqrt();
@@ -284,5 +326,24 @@ mod tests {
         let minimum = minimise(&objective, vec![0.95], &[], Differences::Central, &LIMITS).unwrap();
         let found = problem.free_values(&minimum.places);
         assert!((found[0] - (2.0_f64 / 3.0).exp()).abs() < 1e-5, "{found:?}");
+        assert!(!minimum.blocked);
+    }
+
+    #[test]
+    fn says_where_failing_simulations_end_the_way_down() {
+        let problem = problem(&[(0.0, 10.0)], &[2.0]);
+        let fragile = |_: usize, p: &[f64], _: &[f64]| match p[0] < 3.0 {
+            true => Err("too thin".to_owned()),
+            false => Ok(vec![p[0]]),
+        };
+        let objective = Objective::new(&problem, &fragile, 1e-5);
+        let minimum = minimise(&objective, vec![0.9], &[], Differences::Central, &LIMITS).unwrap();
+        let found = problem.free_values(&minimum.places);
+        assert!(
+            minimum.blocked && found[0] >= 3.0 && found[0] < 3.1,
+            "{found:?}"
+        );
+        let failures = objective.failures();
+        assert!(failures.failed > 0 && failures.failed < failures.asked);
     }
 }

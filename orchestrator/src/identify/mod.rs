@@ -8,7 +8,8 @@
 //! - [`optima`] tells which of the ends are distinct, and what part of the posterior each has;
 //! - [`posterior`] says how well the data determine it;
 //! - [`sample`] draws from the posterior where its normal approximation will not do;
-//! - [`discrepancy`] is how far the model is from the truth by itself;
+//! - [`failures`] says what is excluded as runs failed there;
+//! - [`discrepancy`] is how far the model is from the truth by itself, and [`rounds`] searches with unknown ones;
 //! - [`cross`] leaves out one case at a time and predicts it from the others.
 //!
 //! These know nothing of FMUs: a model is anything that implements [`problem::Simulate`].
@@ -21,8 +22,10 @@
 pub mod bind;
 mod cases;
 pub mod cross;
+mod digits;
 pub mod discrepancy;
 pub mod error;
+pub mod failures;
 pub mod from_study;
 pub mod local;
 pub mod model;
@@ -36,6 +39,7 @@ pub mod problem;
 #[cfg(test)]
 mod recovery_tests;
 pub mod remembered;
+pub mod rounds;
 pub mod sample;
 pub mod search;
 pub mod text;

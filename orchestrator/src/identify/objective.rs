@@ -6,7 +6,11 @@
 //! 2005, Inverse Problem Theory, section 3.2). The unknowns are places between their bounds, from
 //! 0 to 1, so that all are of one size.
 
+use std::cell::RefCell;
+
 use nalgebra::{DMatrix, DVector};
+
+use super::failures::Failures;
 
 use super::problem::{NoPrediction, Prediction, Problem, Query, Simulate};
 
@@ -26,6 +30,7 @@ pub struct Objective<'a> {
     simulate: &'a dyn Simulate,
     /// How far apart simulations stand for a derivative, as a part of the distance between the bounds.
     difference: f64,
+    failures: RefCell<Failures>,
 }
 
 /// The misfit at a set of unknowns.
@@ -67,7 +72,13 @@ impl<'a> Objective<'a> {
             problem,
             simulate,
             difference,
+            failures: RefCell::default(),
         }
+    }
+
+    /// The places that were asked for so far, and those at which a run failed.
+    pub fn failures(&self) -> Failures {
+        self.failures.borrow().clone()
     }
 
     fn query(&self, case: usize, places: &[f64]) -> Query {
@@ -118,8 +129,11 @@ impl<'a> Objective<'a> {
         let mut predictions = predictions.into_iter();
         let misfits = sets.iter().map(|places| {
             let own: Vec<Prediction> = predictions.by_ref().take(cases).collect();
-            let predicted = own.into_iter().collect::<Result<_, _>>()?;
-            Ok(self.of_predicted(places.as_ref(), predicted))
+            let predicted: Result<_, String> = own.into_iter().collect();
+            let failure = predicted.as_ref().err().map(String::as_str);
+            let mut failures = self.failures.borrow_mut();
+            failures.note(self.problem, places.as_ref(), failure);
+            Ok(self.of_predicted(places.as_ref(), predicted?))
         });
         Ok(misfits.collect())
     }
@@ -222,6 +236,13 @@ impl<'a> Objective<'a> {
         let inside = |job: &&Displaced| (0.0..=1.0).contains(&mirrored(job));
         let there: Vec<Query> = jobs.iter().map(|job| at(job, job.place)).collect();
         let there = self.predict(&there)?;
+        for (job, there) in jobs.iter().zip(&there) {
+            let mut displaced = places.to_vec();
+            displaced[job.unknown] = job.place;
+            let failure = there.as_ref().err().map(String::as_str);
+            let mut failures = self.failures.borrow_mut();
+            failures.note(self.problem, &displaced, failure);
+        }
         // Where both sides are wanted from the start, and where the first one failed.
         let wanted = |(job, there): &(&Displaced, &Prediction)| {
             inside(job) && (differences == Differences::Central || there.is_err())

@@ -11,6 +11,7 @@
 
 use statrs::distribution::{ContinuousCDF, Normal};
 
+use super::failures::Edge;
 use super::local::{Limits, Minimum, minimise};
 use super::objective::{Differences, Misfit, Objective};
 use super::posterior::Posterior;
@@ -43,6 +44,25 @@ pub struct Optimum {
     pub reached: usize,
     /// Its part of the posterior probability of all minima.
     pub weight: f64,
+    /// What failed runs leave open about it.
+    pub edge: Edge,
+}
+
+impl Optimum {
+    /// Looks at the ends of the 95 % region along its axes: do runs fail there?
+    ///
+    /// # Errors
+    /// When there are no further predictions.
+    pub fn look_around(&mut self, objective: &Objective<'_>) -> Result<(), NoPrediction> {
+        let ends = self.posterior.ends(&self.minimum.places);
+        let misfits = objective.misfits(&ends)?;
+        self.edge = Edge {
+            blocked: self.minimum.blocked,
+            asked: misfits.len(),
+            failed: misfits.iter().filter(|misfit| misfit.is_err()).count(),
+        };
+        Ok(())
+    }
 }
 
 /// A place with its sum of squares.
@@ -127,6 +147,7 @@ impl<'a, 'b> Optima<'a, 'b> {
                     minimum,
                     reached,
                     weight: 0.0,
+                    edge: Edge::default(),
                 };
                 match known {
                     Some(known) => self.found[known] = optimum,

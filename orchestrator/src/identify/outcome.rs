@@ -5,6 +5,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::cross::outcome::CrossValidation;
 use super::discrepancy::Discrepancy;
+use super::failures::{Edge, Excluded};
 use super::local::{End, Minimum};
 use super::optima::Optimum;
 use super::posterior::{Direction, Posterior, UNDETERMINED};
@@ -49,6 +50,9 @@ pub struct IdentificationOutcome {
     pub worst: Vec<WorstOutcome>,
     /// The local searches.
     pub search: SearchOutcome,
+    /// What is excluded as runs failed there.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub excluded: Option<Excluded>,
     /// The model's discrepancies that were to be found.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub discrepancies: Vec<Discrepancy>,
@@ -71,6 +75,8 @@ pub struct OptimumOutcome {
     pub end: End,
     /// How many local searches ended at it.
     pub reached: usize,
+    /// What failed runs leave open about it.
+    pub edge: Edge,
     /// The free parameters.
     pub free: Vec<FreeOutcome>,
     /// The latent parameters of the cases.
@@ -217,6 +223,11 @@ impl IdentificationOutcome {
                 .map(|q| worst(problem, minimum, q))
                 .collect(),
             search: searches(progress),
+            excluded: Excluded::new(
+                problem,
+                &progress.failures,
+                progress.screened.iter().map(Option::is_some),
+            ),
             discrepancies: Vec::new(),
             cross_validation: None,
             posterior: None,
@@ -233,6 +244,7 @@ fn optimum(problem: &Problem, own: &Optimum) -> OptimumOutcome {
         cost: minimum.misfit.cost(),
         end: minimum.end,
         reached: own.reached,
+        edge: own.edge,
         free: (0..problem.free.len())
             .map(|index| free(problem, minimum, posterior, index))
             .collect(),

@@ -87,6 +87,25 @@ impl Posterior {
         self.covariance[(unknown, unknown)].sqrt()
     }
 
+    /// The ends of the axes of the region that holds each combination of free parameters with 95 % probability, about these
+    /// places and between the bounds. All other unknowns stay.
+    pub fn ends(&self, places: &[f64]) -> Vec<Vec<f64>> {
+        const NINETY_FIVE: f64 = 1.96;
+        let end = |direction: &Direction, side: f64| {
+            let mut end = places.to_vec();
+            let steps = direction.weights.iter().zip(&self.prior);
+            for (place, (weight, prior)) in end.iter_mut().zip(steps) {
+                let step = side * NINETY_FIVE * direction.left * weight / prior.sqrt();
+                *place = (*place + step).clamp(0.0, 1.0);
+            }
+            end
+        };
+        let directions = self.directions.iter();
+        directions
+            .flat_map(|own| [-1.0, 1.0].map(|side| end(own, side)))
+            .collect()
+    }
+
     /// The squared distance of two sets of places, in standard deviations of the posterior.
     pub fn distance(&self, a: &[f64], b: &[f64]) -> f64 {
         let way = DVector::from_iterator(a.len(), a.iter().zip(b).map(|(a, b)| a - b));

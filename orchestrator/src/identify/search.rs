@@ -10,6 +10,7 @@ use std::time::Instant;
 
 use statrs::function::gamma::ln_gamma;
 
+use super::failures::Failures;
 use super::local::{End, Limits, Minimum, minimise};
 use super::objective::{Differences, Objective};
 use super::optima::{Optima, Optimum};
@@ -53,6 +54,8 @@ pub struct Progress {
     pub screened: Vec<Option<f64>>,
     /// The local searches.
     pub descents: Vec<Descent>,
+    /// The places at which runs failed.
+    pub failures: Failures,
 }
 
 impl Progress {
@@ -164,6 +167,12 @@ pub fn search(
         optima.add(&start, cost)?;
     }
     let mut found = optima.weighed();
+    if objective.failures().failed > 0 {
+        for own in &mut found {
+            own.look_around(objective)?;
+        }
+    }
+    progress.failures = objective.failures();
     if !in_time() {
         // Further minima may have been missed.
         found.iter_mut().for_each(|own| own.minimum.end = End::Time);

@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+pub use super::digits::{Digits, digits};
+use super::failures::words;
 use super::local::End;
 use super::outcome::{DirectionOutcome, FreeOutcome, IdentificationOutcome, Residual};
 
@@ -33,6 +35,7 @@ pub fn summary(outcome: &IdentificationOutcome) -> String {
         parameters(&mut text, &outcome.free, &on_ridges(outcome));
     }
     undetermined(&mut text, outcome);
+    excluded(&mut text, outcome);
     discrepancies(&mut text, outcome);
     residuals(&mut text, outcome);
     goodness(&mut text, outcome);
@@ -133,7 +136,8 @@ fn undetermined(text: &mut String, outcome: &IdentificationOutcome) {
     };
     if open.is_empty() {
         // Around each of several optima they may do so; which one is right they do not tell.
-        if !outcome.ambiguous {
+        let clear = outcome.optima.iter().all(|own| own.edge.is_clear());
+        if !outcome.ambiguous && clear {
             let _ = writeln!(text, "\nThe data determine every parameter.");
         }
         return;
@@ -164,6 +168,45 @@ fn undetermined(text: &mut String, outcome: &IdentificationOutcome) {
             "  the intervals above are normal approximations, which may hold less often than 95 % then; --posterior 1000 \
              samples the posterior"
         );
+    }
+}
+
+/// Places where runs failed, and what that leaves open at the optima.
+fn excluded(text: &mut String, outcome: &IdentificationOutcome) {
+    let Some(own) = &outcome.excluded else { return };
+    let [starts, lost] = own.starts;
+    let _ = writeln!(
+        text,
+        "\nRuns failed at {} of {} places, among them {lost} of {starts} starts, which are spread evenly between the bounds: \
+         about {:.0} % of the space is excluded. An optimum may lie there; nothing is known of it.",
+        own.failed,
+        own.asked,
+        100.0 * lost as f64 / starts.max(1) as f64
+    );
+    let _ = writeln!(
+        text,
+        "  all of them lie within {}; last: {}",
+        words(&own.within),
+        own.message
+    );
+    for (place, optimum) in outcome.optima.iter().enumerate() {
+        let name = match outcome.ambiguous {
+            true => format!("optimum {}", place + 1),
+            false => "the optimum".to_owned(),
+        };
+        if optimum.edge.blocked {
+            let _ = writeln!(
+                text,
+                "  {name} lies at the edge of these places: the sum of squares falls towards them, so it is no minimum, and \
+                 its intervals do not hold"
+            );
+        } else if optimum.edge.failed > 0 {
+            let _ = writeln!(
+                text,
+                "  runs fail at {} of {} ends of the 95 % region of {name}: its intervals reach where nothing is known",
+                optimum.edge.failed, optimum.edge.asked
+            );
+        }
     }
 }
 
@@ -311,55 +354,6 @@ fn ends(outcome: &IdentificationOutcome) -> String {
             let reached = several.iter().map(|own| own.reached.to_string());
             let reached: Vec<String> = reached.collect();
             format!("of these {} to the optima above", reached.join(", "))
-        }
-    }
-}
-
-/// A number with six significant digits.
-pub fn digits(number: f64) -> Digits {
-    Digits(number, 6)
-}
-
-/// A number, shown with the given count of significant digits.
-pub struct Digits(f64, i32);
-
-impl Digits {
-    /// A number with so many significant digits.
-    pub fn of(number: f64, significant: i32) -> Self {
-        Self(number, significant)
-    }
-}
-
-impl std::fmt::Display for Digits {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let significant = self.1;
-        let magnitude = if self.0 == 0.0 {
-            0
-        } else {
-            self.0.abs().log10().floor() as i32
-        };
-        let rounded = if (-5..6).contains(&magnitude) {
-            let places = (significant - 1 - magnitude).max(0) as usize;
-            format!("{:.places$}", self.0)
-        } else {
-            format!("{:.5e}", self.0)
-        };
-        let plain = match rounded.split_once('e') {
-            None if rounded.contains('.') => rounded
-                .trim_end_matches('0')
-                .trim_end_matches('.')
-                .to_owned(),
-            _ => rounded,
-        };
-        let plus = if f.sign_plus() && self.0 >= 0.0 {
-            "+"
-        } else {
-            ""
-        };
-        let text = format!("{plus}{plain}");
-        match f.width() {
-            Some(width) => write!(f, "{text:>width$}"),
-            None => f.write_str(&text),
         }
     }
 }

@@ -234,3 +234,76 @@ accuracy = 0.01
         .run(&["identify", "study.toml"])
         .is_mistake(&["study.toml:16", "unknown"]);
 }
+
+/// x1 + x3 without a value where x1 > 0.8 and x2 > 0.7, next to the optimum; and a model without a value where the answer is.
+#[test]
+fn what_failed_runs_exclude_is_said() {
+    let bench = Bench::functions();
+    let study = |output: &str, max: f64, value: f64| {
+        format!(
+            r#"
+fmu = "functions.fmu"
+[simulation]
+stop = 1
+[identify]
+starts = 256
+[identify.free.x1]
+min = 0
+max = {max}
+[identify.free.x2]
+min = 0
+max = 1
+[identify.measured.Y]
+variable = "{output}"
+value = {value}
+accuracy = 0.02
+"#
+        )
+    };
+    // x2 = 0.65 +- 0.1 stands near the places that fail, and its interval reaches into them.
+    let second = "[identify.measured.Z]\nvariable = \"second\"\nvalue = 0.65\naccuracy = 0.1\n";
+    let holed = study("holed", 1.0, 1.4) + second;
+    bench.write("study.toml", &holed);
+    let command = [
+        "identify",
+        "study.toml",
+        "--output",
+        "out",
+        "--posterior",
+        "400",
+    ];
+    let said = bench.run(&command);
+    assert_eq!(said.code, 0, "{}", said.err);
+    let found = json(&bench, "out/identification.json");
+    let starts = &found["excluded"]["starts"];
+    assert_eq!(starts[0], 256);
+    // 6 % of a net.
+    assert!((13..=18).contains(&starts[1].as_u64().unwrap()), "{starts}");
+    let within = &found["excluded"]["within"];
+    for (k, limit) in [0.8, 0.7].iter().enumerate() {
+        let low = within[k]["range"][0].as_f64().unwrap();
+        assert!((*limit..limit + 0.1).contains(&low), "{within}");
+    }
+    assert_eq!(found["optima"][0]["edge"]["blocked"], false);
+    for words in [
+        "about 6 % of the space is excluded",
+        "ends of the 95 % region of the optimum",
+        "count as impossible, though nothing is known",
+        "last steps led there: the sample borders",
+    ] {
+        assert!(said.out.contains(words), "{words}: {}", said.out);
+    }
+    assert!(
+        !said.out.contains("determine every parameter"),
+        "{}",
+        said.out
+    );
+    // x1 = 5 is the answer, and the model has no value above 4.75.
+    bench.write("study.toml", &study("gap", 6.0, 5.0));
+    let said = bench.run(&["identify", "study.toml", "--output", "out"]);
+    let found = json(&bench, "out/identification.json");
+    let value = found["free"][0]["value"].as_f64().unwrap();
+    assert!((4.6..=4.75).contains(&value), "{value}");
+    assert_eq!(found["optima"][0]["edge"]["blocked"], true, "{}", said.out);
+    assert!(said.out.contains("so it is no minimum"), "{}", said.out);
+}

@@ -16,6 +16,8 @@
 
 #[cfg(test)]
 mod coverage_tests;
+#[cfg(test)]
+mod discrepancy_tests;
 mod mixture;
 mod moves;
 pub mod outcome;
@@ -32,6 +34,7 @@ use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 
 use super::discrepancy::Unknown;
+use super::failures::Failures;
 use super::objective::Objective;
 use super::optima::Optimum;
 use super::problem::NoPrediction;
@@ -144,6 +147,10 @@ pub struct Stage {
     pub unmoved: f64,
     /// How many particles of the start have descendants.
     pub ancestors: usize,
+    /// Places that the steps asked for.
+    pub asked: u64,
+    /// Those at which a run failed.
+    pub failed: u64,
 }
 
 /// A sample of the posterior.
@@ -159,6 +166,8 @@ pub struct Sample {
     pub evaluated: u64,
     /// At how many of them a run failed: their likelihood counts as 0.
     pub failed: u64,
+    /// Those places.
+    pub failures: Failures,
 }
 
 /// Samples the posterior; with `optima` the start is a mixture of their normal approximations and the prior. `observe`
@@ -192,6 +201,7 @@ pub fn sample(
         stages: walk.stages,
         evaluated,
         failed,
+        failures: objective.failures(),
     })
 }
 
@@ -383,6 +393,7 @@ impl<'a> Walk<'a> {
         let count = self.particles.len();
         let mut moved = vec![false; count];
         let (mut moves, mut accepted) = (0, 0);
+        let before = self.target.counts();
         let still =
             |moved: &[bool]| moved.iter().filter(|moved| !**moved).count() as f64 / count as f64;
         while moves < MOST_MOVES && (moves < 2 || still(&moved) > unmoved) {
@@ -397,12 +408,15 @@ impl<'a> Walk<'a> {
         let mut ancestors: Vec<usize> = self.particles.iter().map(|own| own.ancestor).collect();
         ancestors.sort_unstable();
         ancestors.dedup();
+        let after = self.target.counts();
         self.stages.push(Stage {
             exponent: self.exponent,
             moves,
             acceptance: accepted as f64 / (count * moves) as f64,
             unmoved: still(&moved),
             ancestors: ancestors.len(),
+            asked: after.0 - before.0,
+            failed: after.1 - before.1,
         });
         Ok(())
     }

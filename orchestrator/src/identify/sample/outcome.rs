@@ -4,6 +4,7 @@ use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::super::discrepancy::Unknown;
+use super::super::failures;
 use super::super::objective::Objective;
 use super::super::optima::Optimum;
 use super::super::problem::Problem;
@@ -232,10 +233,21 @@ impl PosteriorOutcome {
     fn notes(&self, objective: &Objective<'_>, optima: &[Optimum], sample: &Sample) -> Vec<String> {
         let mut notes = Vec::new();
         if self.failed > 0 {
+            let within = failures::words(&failures::ranges(objective.problem, &sample.failures));
             notes.push(format!(
-                "runs failed at {} of {} places; these count as impossible",
+                "runs failed at {} of {} places, all within {within}; these count as impossible, though nothing is known of \
+                 them: if the truth lies there, the sample does not hold it",
                 self.failed, self.evaluated
             ));
+            let last = sample.stages.iter().filter(|stage| stage.exponent >= 1.0);
+            let [asked, failed] = last.fold([0, 0], |[asked, failed], stage| {
+                [asked + stage.asked, failed + stage.failed]
+            });
+            if failed > 0 {
+                notes.push(format!(
+                    "{failed} of {asked} last steps led there: the sample borders on these places and is cut where they begin"
+                ));
+            }
         }
         if !optima.is_empty() && self.approximated < APPROXIMATED {
             notes.push(format!(

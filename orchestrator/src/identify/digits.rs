@@ -1,0 +1,50 @@
+//! Numbers as people read them.
+
+/// A number with six significant digits.
+pub fn digits(number: f64) -> Digits {
+    Digits(number, 6)
+}
+
+/// A number, shown with the given count of significant digits.
+pub struct Digits(pub(super) f64, pub(super) i32);
+
+impl Digits {
+    /// A number with so many significant digits.
+    pub fn of(number: f64, significant: i32) -> Self {
+        Self(number, significant)
+    }
+}
+
+impl std::fmt::Display for Digits {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let significant = self.1;
+        let magnitude = if self.0 == 0.0 {
+            0
+        } else {
+            self.0.abs().log10().floor() as i32
+        };
+        let rounded = if (-5..6).contains(&magnitude) {
+            let places = (significant - 1 - magnitude).max(0) as usize;
+            format!("{:.places$}", self.0)
+        } else {
+            format!("{:.5e}", self.0)
+        };
+        let plain = match rounded.split_once('e') {
+            None if rounded.contains('.') => rounded
+                .trim_end_matches('0')
+                .trim_end_matches('.')
+                .to_owned(),
+            _ => rounded,
+        };
+        let plus = if f.sign_plus() && self.0 >= 0.0 {
+            "+"
+        } else {
+            ""
+        };
+        let text = format!("{plus}{plain}");
+        match f.width() {
+            Some(width) => write!(f, "{text:>width$}"),
+            None => f.write_str(&text),
+        }
+    }
+}
