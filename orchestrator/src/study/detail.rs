@@ -80,7 +80,7 @@ mod tests {
             ("statistic = \"mean\"\nat = 1", "remove `statistic`"),
             ("window = 3\nat = 1", "remove `statistic`"),
             ("percent = 5\nat = 1", "add that, or remove"),
-            ("at = \"1 N\"", "N"),
+            ("at = \"1 N\"", "no unit of time"),
             (
                 "reference = { file = \"a.csv\" }\nat = 1",
                 "beside `reference`",
