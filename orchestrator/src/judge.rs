@@ -16,10 +16,11 @@ use crate::names::did_you_mean;
 use crate::study::plan::find;
 use crate::study::quantity::{Scale, Sense};
 use crate::study::{BOTH_SIDES, CriterionText, Name, Quantity, Study, StudyError};
+use crate::task::Detail;
 use conformity::decision::Rule;
 use conformity::measured::{Measured, Measurement, Uncertainty};
 use conformity::risk::Guard;
-use curves::Metric;
+use curves::{Kind, Metric};
 use fmu_import::Description;
 use sampling::statistics::Statistic;
 
@@ -32,6 +33,9 @@ pub struct Criterion {
     pub variable: String,
     /// Statistic that turns the signal into one number.
     pub statistic: Statistic,
+    /// The number that the statistic needs, where it needs one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub detail: Option<Detail>,
     /// How a whole curve is compared, in place of a statistic. The value is 0 or 1 then for equal curves, and so is the
     /// measured value.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -63,8 +67,23 @@ impl Criterion {
 
     /// Where its value comes from, such as "mean of sensor.loadForce".
     pub fn source(&self) -> String {
-        let label = self.metric.map_or(self.statistic.label(), Metric::label);
+        let label = match (self.metric, self.detail) {
+            (Some(metric), _) => metric.label().to_owned(),
+            (None, Some(detail)) => detail.label(),
+            (None, None) => self.statistic.label().to_owned(),
+        };
         format!("{label} of {}", self.variable)
+    }
+
+    /// The accepted interval as people read and see it: no error is negative, and no rating more than 1, but for rounding.
+    pub fn accepted(&self) -> [f64; 2] {
+        const ROUNDING: f64 = 1e-9;
+        let [low, high] = [self.nominal - self.tolerance, self.nominal + self.tolerance];
+        match self.metric.map(Metric::kind) {
+            Some(Kind::Rating) => [low, high.min(1.0 + ROUNDING)],
+            Some(_) => [low.max(0.0), high],
+            None => [low, high],
+        }
     }
 
     /// Whether a value agrees with the measurement; the limits themselves do.
@@ -386,6 +405,7 @@ fn criterion(
         name: name.to_owned(),
         variable: text.variable.as_ref().clone(),
         statistic: text.statistic.unwrap_or_default(),
+        detail: text.detail()?,
         metric: None,
         unit: scale.unit.clone(),
         nominal,

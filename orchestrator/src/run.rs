@@ -64,7 +64,7 @@ impl Scene {
             watched: Watched::new(&task, probes),
             slow: slow
                 .into_iter()
-                .map(|index| (index, Accumulator::new(task.observed[index].statistic)))
+                .map(|index| (index, task.observed[index].accumulator()))
                 .collect(),
             results: vec![0.0; task.observed.len()],
             task,
@@ -457,7 +457,7 @@ impl Runner {
             collector.restart(&self.scene.task.observed[*index]);
         }
         for (index, accumulator) in &mut self.scene.slow {
-            *accumulator = Accumulator::new(self.scene.task.observed[*index].statistic);
+            *accumulator = self.scene.task.observed[*index].accumulator();
         }
     }
 

@@ -10,7 +10,7 @@ pub use schedule::{CommunicationPoints, Schedule};
 use serde::{Deserialize, Serialize};
 
 use fmu_import::{Content, Handle, Value};
-use sampling::statistics::Statistic;
+use sampling::statistics::{Accumulator, Statistic};
 
 /// A simulation without the values that vary from point to point.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -125,12 +125,47 @@ pub struct Probe {
     /// The measured curve with which the whole signal is compared; no statistic is taken then.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub curve: Option<Box<MeasuredCurve>>,
+    /// A number that the statistic needs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub detail: Option<Detail>,
+}
+
+/// A number without which a statistic is not complete.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Detail {
+    /// The percent of the time that a percentile leaves below.
+    Percent(f64),
+    /// The time of a value, s.
+    At(f64),
+}
+
+impl Detail {
+    /// Words for the statistic.
+    pub fn label(self) -> String {
+        match self {
+            Self::Percent(percent) => format!("{percent} % percentile"),
+            Self::At(time) => format!("value at {time} s"),
+        }
+    }
 }
 
 impl Probe {
     /// Whether only the value at the end is asked for.
     pub fn is_final(&self) -> bool {
-        self.statistic == Statistic::Final && self.curve.is_none()
+        self.statistic == Statistic::Final && self.curve.is_none() && self.detail.is_none()
+    }
+
+    /// Whether it has times of its own, and so looks at the whole run.
+    pub fn has_own_times(&self) -> bool {
+        self.curve.is_some() || matches!(self.detail, Some(Detail::At(_)))
+    }
+
+    /// An accumulator of its statistic.
+    pub fn accumulator(&self) -> Accumulator {
+        match self.detail {
+            Some(Detail::Percent(percent)) => Accumulator::percentile(percent),
+            _ => Accumulator::new(self.statistic),
+        }
     }
 }
 

@@ -10,6 +10,7 @@ mod max;
 mod mean;
 mod min;
 pub mod moments;
+mod percentile;
 mod rms;
 pub mod share;
 mod slope;
@@ -49,17 +50,22 @@ macro_rules! statistics {
             }
         }
 
-        /// Collects what a statistic of a signal needs, value by value, in constant memory.
-        #[derive(Clone, Copy, Debug)]
+        /// Collects what a statistic of a signal needs, value by value; in constant memory, except for percentiles.
+        #[derive(Clone, Debug)]
         pub struct Accumulator(Collector);
 
-        #[derive(Clone, Copy, Debug)]
+        #[derive(Clone, Debug)]
         enum Collector {
             $($statistic($collector),)*
         }
 
         impl Accumulator {
-            /// An accumulator without values.
+    /// An accumulator for the percentile of so many percent, from 0 to 100.
+    pub fn percentile(percent: f64) -> Self {
+        Self(Collector::Percentile(percentile::Percentile::new(percent)))
+    }
+
+            /// An accumulator without values; for a percentile, that of the median.
             pub fn new(statistic: Statistic) -> Self {
                 Self(match statistic {
                     $(Statistic::$statistic => Collector::$statistic(Default::default()),)*
@@ -93,6 +99,7 @@ statistics! {
     Rms = rms::Rms, "The root of the mean square over time.";
     Amplitude = amplitude::Amplitude, "Half the distance from the smallest to the largest value.";
     Slope = slope::Slope, "The slope of the straight line of least squares, a second.";
+    Percentile = percentile::Percentile, "The value that is not exceeded for a share of the time.";
 }
 
 impl Default for Statistic {
@@ -202,6 +209,36 @@ mod tests {
         assert!(one.result(0.0).is_nan());
     }
 
+    /// From 0 to 4 in 1 s, level for 2 s, down to 2 in 1 s, with steps that differ.
+    #[test]
+    fn percentiles_are_those_of_straight_lines() {
+        let of = |percent: f64| {
+            let mut signal = Accumulator::percentile(percent);
+            let values = [(0.0, 0.0), (0.25, 1.0), (0.75, 4.0), (2.0, 4.0), (1.0, 2.0)];
+            signal.add_all(values.into_iter());
+            signal.result(4.0)
+        };
+        // Below 2 for half a second; from there to 4 the time grows by 0.75 s a unit; at 4 for 2 s.
+        for (percent, expected) in [
+            (0.0, 0.0),
+            (6.25, 1.0),
+            (12.5, 2.0),
+            (12.5 + 75.0 / 4.0, 3.0),
+            (50.0, 4.0),
+            (75.0, 4.0),
+            (100.0, 4.0),
+        ] {
+            assert!(
+                (of(percent) - expected).abs() < 1e-12,
+                "{percent}: {}",
+                of(percent)
+            );
+        }
+        let mut one = Accumulator::percentile(95.0);
+        one.add(0.0, -3.0);
+        assert_eq!(one.result(0.0), -3.0);
+    }
+
     #[test]
     fn not_a_number_is_not_lost() {
         for statistic in [
@@ -209,6 +246,7 @@ mod tests {
             Statistic::Rms,
             Statistic::Amplitude,
             Statistic::Slope,
+            Statistic::Percentile,
         ] {
             let mut broken = of_sine(1.0, statistic);
             broken.add(1.0, f64::NAN);
@@ -225,7 +263,16 @@ mod tests {
             .collect();
         assert_eq!(
             names,
-            ["final", "mean", "min", "max", "rms", "amplitude", "slope"]
+            [
+                "final",
+                "mean",
+                "min",
+                "max",
+                "rms",
+                "amplitude",
+                "slope",
+                "percentile"
+            ]
         );
     }
 

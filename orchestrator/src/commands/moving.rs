@@ -104,11 +104,11 @@ fn moves(time: &[f64], signal: &[f64], schedule: Schedule, probe: &Probe) -> Opt
         .window
         .unwrap_or([schedule.window_start, schedule.stop]);
     let run = [schedule.start, to];
-    if signal.len() != time.len() || probe.curve.is_some() {
+    if signal.len() != time.len() || probe.has_own_times() {
         return None;
     }
     match probe.statistic {
-        Statistic::Slope => None,
+        Statistic::Slope | Statistic::Percentile => None,
         Statistic::Final | Statistic::Mean | Statistic::Rms => {
             let mut found = motion(time, signal, run)?;
             // At a moment of its own, a value may be on its way.
@@ -201,6 +201,7 @@ mod tests {
             name: "T".into(),
             variable: "t".into(),
             statistic,
+            detail: None,
             metric: None,
             unit: Some("degC".into()),
             nominal: 82.0,

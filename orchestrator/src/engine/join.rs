@@ -193,6 +193,7 @@ mod tests {
             statistic: Statistic::Final,
             window: None,
             curve: None,
+            detail: None,
         };
         let task = Task {
             schedule: Schedule {

@@ -13,6 +13,7 @@ use crate::study::{Name, Quantity as Text, Study, StudyError};
 use crate::task::{Case as Simulation, Probe, Slot};
 use fmu_import::units::Conversion;
 use fmu_import::{Description, Variable};
+use sampling::statistics::Statistic;
 
 /// An identification in terms of an FMU.
 #[derive(Clone, Debug)]
@@ -298,6 +299,10 @@ impl Binder<'_> {
         let handle = variable
             .number_handle()
             .ok_or_else(|| at("a text cannot be compared with a measurement".to_owned()))?;
+        if text.statistic == Statistic::Percentile {
+            let message = "identify takes no percentile; choose another statistic, such as max";
+            return Err(at(message.to_owned()));
+        }
         let scale = self.scale(text.unit.as_deref(), variable).map_err(at)?;
         let probe = Probe {
             name: variable.name.clone(),
@@ -305,6 +310,7 @@ impl Binder<'_> {
             statistic: text.statistic,
             window: None,
             curve: None,
+            detail: None,
         };
         Ok((probe, scale))
     }

@@ -44,11 +44,13 @@ pub(super) fn criterion(
         at(format!("a curve needs `metric`: {}", names.join(", ")))
     })?;
     check_keys(text, metric).map_err(at)?;
+    text.detail().map_err(at)?;
     let (nominal, tolerance, stated) = limit(text, metric, scale).map_err(at)?;
     Ok(Criterion {
         name: name.as_ref().clone(),
         variable: text.variable.as_ref().clone(),
         statistic: text.statistic.unwrap_or_default(),
+        detail: None,
         metric: Some(metric),
         unit: scale.unit.clone().filter(|_| metric.kind() == Kind::Error),
         nominal,
@@ -236,6 +238,9 @@ tolerance = 0.05
         assert_eq!(accepts([0.0, 1.0, 0.0]), [true; 3]);
         assert_eq!(judge.criteria[0].stated_tolerance, "rmse at most 0.02 N.m");
         assert_eq!(judge.criteria[0].unit.as_deref(), Some("N.m"));
+        assert_eq!(judge.criteria[0].accepted(), [0.0, 0.02]);
+        let [least, most] = judge.criteria[1].accepted();
+        assert!((least - 0.9).abs() < 1e-12 && (most - 1.0).abs() < 1e-8);
         assert_eq!(judge.criteria[1].unit, None);
         assert_eq!(judge.criteria[2].source(), "normalised rmse of m");
     }

@@ -155,6 +155,7 @@ mod tests {
             name: "T".into(),
             variable: "t".into(),
             statistic: Statistic::Final,
+            detail: None,
             metric: None,
             unit: None,
             nominal,

@@ -198,6 +198,7 @@ mod tests {
             name: "T".into(),
             variable: "t".into(),
             statistic: Statistic::Final,
+            detail: None,
             metric: None,
             unit: None,
             nominal: 82.0,

@@ -1,6 +1,6 @@
 //! What is gathered of one variable while a point runs.
 
-use crate::task::{Delay, MeasuredCurve, Probe};
+use crate::task::{Delay, Detail, MeasuredCurve, Probe};
 use curves::{Curve, Pair, Sampler, delay};
 use sampling::statistics::Accumulator;
 
@@ -9,21 +9,25 @@ use sampling::statistics::Accumulator;
 pub(super) enum Collector {
     Statistic(Accumulator),
     Curve(Box<Comparison>),
+    /// The value at a time between communication points.
+    Value(Sampler),
 }
 
 impl Collector {
     pub(super) fn new(probe: &Probe) -> Self {
-        match &probe.curve {
-            Some(curve) => Self::Curve(Box::new(Comparison::new(curve))),
-            None => Self::Statistic(Accumulator::new(probe.statistic)),
+        match (&probe.curve, probe.detail) {
+            (Some(curve), _) => Self::Curve(Box::new(Comparison::new(curve))),
+            (None, Some(Detail::At(time))) => Self::Value(Sampler::new(vec![time])),
+            (None, _) => Self::Statistic(probe.accumulator()),
         }
     }
 
     /// Forgets all values.
     pub(super) fn restart(&mut self, probe: &Probe) {
         match self {
-            Self::Statistic(accumulator) => *accumulator = Accumulator::new(probe.statistic),
+            Self::Statistic(accumulator) => *accumulator = probe.accumulator(),
             Self::Curve(comparison) => comparison.restart(),
+            Self::Value(sampler) => sampler.restart(),
         }
     }
 
@@ -32,14 +36,17 @@ impl Collector {
         match self {
             Self::Statistic(accumulator) => accumulator.add(elapsed, value),
             Self::Curve(comparison) => comparison.add(time, value),
+            Self::Value(sampler) => sampler.add(time, value),
         }
     }
 
-    /// What came of the values, over `span` seconds; not a number where a curve was not reached to its end.
+    /// What came of the values, over `span` seconds; not a number where a curve was not reached to its end, or a
+    /// value not at all.
     pub(super) fn result(&mut self, span: f64) -> f64 {
         match self {
             Self::Statistic(accumulator) => accumulator.result(span),
             Self::Curve(comparison) => comparison.result(),
+            Self::Value(sampler) => sampler.finish().map_or(f64::NAN, |values| values[0]),
         }
     }
 }
@@ -176,6 +183,7 @@ mod tests {
             statistic: Statistic::Final,
             window: None,
             curve: Some(Box::new(curve)),
+            detail: None,
         }
     }
 
@@ -196,6 +204,31 @@ mod tests {
         assert_eq!(error(&probe(Delay::Known(0.0)), 3), 1.0);
         assert!(error(&probe(Delay::Known(0.0)), 2).is_nan());
         assert_eq!(error(&probe(Delay::Known(0.5)), 3), 6.0);
+    }
+
+    /// The model is t squared in uneven steps; between them it is a straight line.
+    #[test]
+    fn a_value_is_taken_between_communication_points() {
+        let at = |time: f64| {
+            let probe = Probe {
+                curve: None,
+                detail: Some(Detail::At(time)),
+                ..probe(Delay::Known(0.0))
+            };
+            let mut collector = Collector::new(&probe);
+            for _ in 0..2 {
+                collector.restart(&probe);
+                for time in [0.0, 0.5, 2.0] {
+                    collector.add(time, f64::NAN, time * time);
+                }
+            }
+            collector.result(f64::NAN)
+        };
+        assert_eq!(at(0.0), 0.0);
+        assert_eq!(at(0.5), 0.25);
+        assert_eq!(at(1.5), 0.25 + 3.75 / 1.5);
+        assert_eq!(at(2.0), 4.0);
+        assert!(at(2.1).is_nan());
     }
 
     #[test]

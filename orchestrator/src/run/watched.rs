@@ -80,6 +80,9 @@ fn take_columns(collectors: &mut [Collector], begins: &[f64], sizes: &[f64], val
             Collector::Curve(comparison) => {
                 comparison.add_steps(begins, sizes, &values[number..], count);
             }
+            Collector::Value(sampler) => {
+                sampler.add_steps(begins, sizes, &values[number..], count);
+            }
         }
     }
 }

@@ -4,6 +4,7 @@
 
 pub mod cases;
 mod curves;
+mod detail;
 pub mod dossier;
 mod error;
 pub mod identification;
@@ -268,6 +269,10 @@ pub struct CriterionText {
     pub variable: Spanned<String>,
     /// Statistic that turns the signal into one number.
     pub statistic: Option<Statistic>,
+    /// The percent of the time that a percentile leaves below.
+    pub percent: Option<Spanned<f64>>,
+    /// The time of the value, in place of a statistic.
+    pub at: Option<Spanned<Quantity>>,
     /// The measured value.
     pub nominal: Option<Quantity>,
     /// The accuracy to both sides: `0.5 degC`, or `0.75 %` of the nominal value in the

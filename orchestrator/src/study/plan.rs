@@ -11,7 +11,7 @@ use super::{
     CaseText, CriterionText, Name, ParameterText, Setting, Study, StudyError, inputs, points,
     samples, ssv,
 };
-use crate::task::{Case, MeasuredCurve, Probe, Schedule, Slot, Task};
+use crate::task::{Case, Detail, MeasuredCurve, Probe, Schedule, Slot, Task};
 use fmu_import::units::Conversion;
 use fmu_import::{Content, Description, Handle, Value, Variable};
 use sampling::design::correlation::Correlation;
@@ -393,10 +393,39 @@ impl Binder<'_> {
                 statistic: criterion.statistic.unwrap_or_default(),
                 window: None,
                 curve: self.curve(name, criterion, &scale, &handle, schedule)?,
+                detail: self.detail(name, criterion, &handle, schedule)?,
             };
             Ok((scale.conversion.inverse(), probe))
         };
         self.study.criteria.iter().map(bind).collect()
+    }
+
+    /// The number that a criterion's statistic needs.
+    fn detail(
+        &self,
+        name: &Name,
+        text: &CriterionText,
+        handle: &Handle,
+        schedule: &Schedule,
+    ) -> Result<Option<Detail>, StudyError> {
+        let named = |message: String| {
+            let message = format!("{}: {message}", name.as_ref());
+            self.study.error_at(name, message)
+        };
+        let detail = text.detail().map_err(named)?;
+        if detail.is_some() && handle.content != Content::Real {
+            let message = "`percentile` and `at` follow straight lines, and the variable is not real; take final, mean, min or max";
+            return Err(named(message.to_owned()));
+        }
+        match detail {
+            Some(Detail::At(time)) if !(schedule.start..=schedule.stop).contains(&time) => {
+                Err(named(format!(
+                    "at = {time} s is not within the run from {} s to {} s; correct it, or start and stop under [simulation]",
+                    schedule.start, schedule.stop
+                )))
+            }
+            detail => Ok(detail),
+        }
     }
 
     /// The measured curve of a criterion, where it has one.
@@ -447,14 +476,14 @@ impl Binder<'_> {
         let criteria = || self.study.criteria.values();
         let run = [schedule.start, schedule.stop];
         let general = [schedule.window_start, schedule.stop];
-        // A curve has its own times, and looks from the start on.
-        let is_cut = general != run && observed.iter().any(|probe| probe.curve.is_some());
+        // A curve has its own times, and looks from the start on; so does the value at a time.
+        let is_cut = general != run && observed.iter().any(Probe::has_own_times);
         if criteria().all(|criterion| criterion.window.is_none()) && !is_cut {
             return Ok(observed);
         }
         for (probe, criterion) in observed.iter_mut().zip(criteria()) {
             probe.window = Some(match &criterion.window {
-                _ if probe.curve.is_some() => run,
+                _ if probe.has_own_times() => run,
                 Some(window) => {
                     let times = window.as_ref().times(run);
                     times.map_err(|message| self.study.error_at(window, message))?

@@ -278,3 +278,64 @@ fn mistakes_of_curves() {
         said.is_mistake(&["broken.toml:14:", "broken.csv", words]);
     }
 }
+
+/// The model rises, so its percentiles are its values after so much of the time, on straight lines between its steps.
+#[test]
+fn percentiles_and_values_at_a_time_lie_between_steps() {
+    let begin = STUDY.split("[criteria.Y]").next().unwrap();
+    let criterion = |name: &str, keys: &str| {
+        format!("[criteria.{name}]\nvariable = \"lag.y\"\nnominal = 0.5\ntolerance = 0.1\n{keys}\n")
+    };
+    let percentile = |percent: f64| format!("statistic = \"percentile\"\npercent = {percent}\n");
+    let own = percentile(30.0) + "window = { from = \"1 s\", to = \"1.5 s\" }";
+    let general = criterion("P", &percentile(95.0)) + &criterion("A", "at = \"320 ms\"");
+    let windows = general.clone() + &criterion("W", &own);
+    let warm = begin.replace("stop = 2", "stop = 2\nwarm-up = 1\nleap = true");
+    for (study, from) in [
+        (begin.to_owned() + &general, 0.0),
+        (begin.to_owned() + &windows, 0.0),
+        (warm + &windows, 1.0),
+    ] {
+        let bench = bench(&study);
+        verify(&bench);
+        let has_own = study.contains("[criteria.W]");
+        let names = if has_own {
+            &["P", "A", "W"][..]
+        } else {
+            &["P", "A"]
+        };
+        for row in rows(&bench, names) {
+            let close = |value: f64, time: f64| {
+                let expected = model(row[0], time);
+                assert!((value - expected).abs() < 1e-12, "{row:?} {expected}");
+            };
+            close(row[1], from + 0.95 * (2.0 - from));
+            close(row[2], 0.32);
+            if has_own {
+                close(row[3], 1.0 + 0.3 * 0.5);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_percentile_without_percent_is_refused_with_its_line() {
+    let begin = STUDY.split("[criteria.Y]").next().unwrap();
+    for (keys, message) in [
+        ("statistic = \"percentile\"", "needs `percent`"),
+        ("at = \"3 s\"", "not within the run from 0 s to 2 s"),
+    ] {
+        let study = format!(
+            "{begin}[criteria.P]\nvariable = \"lag.y\"\nnominal = 1\ntolerance = 0.1\n{keys}\n"
+        );
+        let line = 1 + begin.lines().count();
+        let said = bench(&study).run(&["verify", "study.toml", "--output", "out"]);
+        assert_eq!(said.code, 2);
+        assert!(said.err.contains(message), "{}", said.err);
+        assert!(
+            said.err.contains(&format!("study.toml:{line}:")),
+            "{}",
+            said.err
+        );
+    }
+}

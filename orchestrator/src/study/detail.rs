@@ -1,0 +1,93 @@
+//! Numbers without which a statistic is not complete.
+
+use super::CriterionText;
+use super::window::seconds;
+use crate::task::Detail;
+use sampling::statistics::Statistic;
+
+impl CriterionText {
+    /// The number that its statistic needs, where it needs one.
+    ///
+    /// # Errors
+    /// When it is missing, means nothing, or belongs to no statistic of this criterion.
+    pub fn detail(&self) -> Result<Option<Detail>, String> {
+        let is_percentile = self.statistic == Some(Statistic::Percentile);
+        match (&self.percent, &self.at) {
+            (_, Some(_)) if self.statistic.is_some() || self.window.is_some() => Err(
+                "`at` asks for the value at one time; remove `statistic` and `window` beside it"
+                    .to_owned(),
+            ),
+            (None, Some(time)) => self.moment(seconds(time.as_ref())?).map(Some),
+            (None, None) if is_percentile => {
+                Err("a percentile needs `percent`, from 0 to 100, such as percent = 95".to_owned())
+            }
+            (Some(_), _) if !is_percentile => Err(
+                "`percent` belongs to statistic = \"percentile\"; add that, or remove `percent`"
+                    .to_owned(),
+            ),
+            (Some(percent), _) if (0.0..=100.0).contains(percent.as_ref()) => {
+                Ok(Some(Detail::Percent(*percent.as_ref())))
+            }
+            (Some(percent), _) => Err(format!(
+                "percent = {} must lie between 0 and 100",
+                percent.as_ref()
+            )),
+            (None, None) => Ok(None),
+        }
+    }
+
+    fn moment(&self, time: f64) -> Result<Detail, String> {
+        if self.reference.is_some() {
+            return Err(
+                "`at` has no place beside `reference`; `window` says which rows count".to_owned(),
+            );
+        }
+        match time.is_finite() {
+            true => Ok(Detail::At(time)),
+            false => Err(format!("at = {time} is not a time")),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn detail(keys: &str) -> Result<Option<Detail>, String> {
+        let text = format!("variable = \"v\"\n{keys}");
+        toml::from_str::<CriterionText>(&text).unwrap().detail()
+    }
+
+    #[test]
+    fn details_are_read() {
+        assert_eq!(detail(""), Ok(None));
+        let percentile = detail("statistic = \"percentile\"\npercent = 95");
+        assert_eq!(percentile, Ok(Some(Detail::Percent(95.0))));
+        assert_eq!(detail("at = \"12 s\""), Ok(Some(Detail::At(12.0))));
+        assert_eq!(detail("at = \"20 ms\""), Ok(Some(Detail::At(0.02))));
+    }
+
+    #[test]
+    fn what_is_missing_or_too_much_is_refused() {
+        for (keys, message) in [
+            ("statistic = \"percentile\"", "needs `percent`"),
+            ("percent = 5", "add that, or remove"),
+            ("statistic = \"mean\"\npercent = 5", "add that, or remove"),
+            (
+                "statistic = \"percentile\"\npercent = 101",
+                "between 0 and 100",
+            ),
+            ("statistic = \"mean\"\nat = 1", "remove `statistic`"),
+            ("window = 3\nat = 1", "remove `statistic`"),
+            ("percent = 5\nat = 1", "add that, or remove"),
+            ("at = \"1 N\"", "no unit of time"),
+            (
+                "reference = { file = \"a.csv\" }\nat = 1",
+                "beside `reference`",
+            ),
+        ] {
+            let found = detail(keys).unwrap_err();
+            assert!(found.contains(message), "{keys}: {found}");
+        }
+    }
+}
