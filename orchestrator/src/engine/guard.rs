@@ -204,7 +204,12 @@ impl Guard {
             }
             Some(loss) => self.failure(loss)?.to_string(),
         };
-        Ok(Some(format!("{why} (Terminate or FreeInstance)")))
+        // The user looks for the functions by their names in the standard.
+        let package = self.package.as_ref();
+        let prefix = package.map_or("", |package| package.description().standard.prefix());
+        Ok(Some(format!(
+            "{why} ({prefix}Terminate or {prefix}FreeInstance)"
+        )))
     }
 
     /// Opens the FMU; loads it into this process where children are to have it loaded already.

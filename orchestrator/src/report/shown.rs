@@ -66,11 +66,15 @@ fn by_share(decision: Decision, judgement: &Judgement, points: usize) -> Shown {
     let required = number(100.0 * decided.required, 4);
     let confidence = number(100.0 * decided.confidence, 4);
     let accepted = decided.accepted;
+    let within = match judgement.guard {
+        Some(_) => "within the tolerances less the guard bands",
+        None => "within the tolerances",
+    };
     let (shown, not_shown) = match decision {
         Decision::Verified => (
             format!(
-                "at least the required {required} % of the sampled parameter space agrees with the measurement within the \
-                 tolerances, at a confidence of {confidence} %: {} of {} points do.",
+                "at least the required {required} % of the sampled parameter space agrees with the measurement {within}, \
+                 at a confidence of {confidence} %: {} of {} points do.",
                 count(accepted),
                 count(points)
             ),
@@ -82,8 +86,8 @@ fn by_share(decision: Decision, judgement: &Judgement, points: usize) -> Shown {
         ),
         Decision::NotVerified => (
             format!(
-                "less than the required {required} % of the sampled parameter space agrees with the measurement within the \
-                 tolerances, at a confidence of {confidence} %: {} of {} points do.",
+                "less than the required {required} % of the sampled parameter space agrees with the measurement {within}, \
+                 at a confidence of {confidence} %: {} of {} points do.",
                 count(accepted),
                 count(points)
             ),
@@ -92,7 +96,7 @@ fn by_share(decision: Decision, judgement: &Judgement, points: usize) -> Shown {
         ),
         Decision::Inconclusive => (
             format!(
-                "{} of {} points agree with the measurement within the tolerances, which decides nothing.",
+                "{} of {} points agree with the measurement {within}, which decides nothing.",
                 count(accepted),
                 count(points)
             ),
@@ -174,8 +178,16 @@ mod tests {
             not_shown.contains("Of the 7 accepted points 4.2"),
             "{not_shown}"
         );
-        let [shown, _] = lines(Decision::NotVerified, &judgement(true), 11);
+        let guarded = Judgement {
+            guard: Some(0.5),
+            ..judgement(true)
+        };
+        let [shown, _] = lines(Decision::NotVerified, &guarded, 11);
         assert!(shown.starts_with("less than the required 5 %"));
+        assert!(
+            shown.contains("within the tolerances less the guard bands"),
+            "{shown}"
+        );
         let [_, not_shown] = lines(Decision::Inconclusive, &judgement(true), 11);
         assert!(not_shown.starts_with("whether the required 5 %"));
     }

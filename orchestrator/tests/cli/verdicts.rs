@@ -597,7 +597,7 @@ fn the_page_shows_the_share_that_was_decided() {
     assert!(0 < accepted && accepted < verified);
     let page = bench.read("out/report.html");
     let headline = format!(
-        "<strong>{accepted} of {}</strong> points are accepted",
+        "within the tolerances less the guard bands, at a confidence of 95 %: {accepted} of {} points do.",
         summary["points"]
     );
     let row = format!("within all tolerances</th>|<strong>{verified}</strong>");
