@@ -100,6 +100,8 @@ pub(super) struct March {
     /// The next event that is known beforehand, s.
     next: Option<f64>,
     tolerance: f64,
+    /// When the simulation ends, s: an FMU refuses later times.
+    stop: f64,
     /// Whether the FMU has ended the simulation.
     ended: bool,
 }
@@ -115,6 +117,7 @@ impl Default for March {
             step: 0.0,
             next: None,
             tolerance: TOLERANCE,
+            stop: f64::INFINITY,
             ended: false,
         }
     }
@@ -124,6 +127,7 @@ impl March {
     /// Begins an experiment.
     pub(super) fn begin(&mut self, experiment: Experiment) {
         self.time = experiment.start;
+        self.stop = experiment.stop;
         self.tolerance = experiment.tolerance.unwrap_or(TOLERANCE);
     }
 
@@ -155,6 +159,11 @@ fn crossed(before: &[f64], after: &[f64]) -> bool {
     pairs.any(|(before, after)| (*before > 0.0) != (*after > 0.0))
 }
 
+/// Whether two times, s, differ by rounding only.
+fn are_near(one: f64, other: f64) -> bool {
+    (one - other).abs() <= 4.0 * f64::EPSILON * other.abs()
+}
+
 fn failed(why: String) -> Call {
     Call::impossible(STEP, why)
 }
@@ -176,14 +185,20 @@ struct Taken {
 impl<E: Equations> Exchange<E> {
     /// Follows the equations from one communication point to another, s.
     pub(super) fn advance(&mut self, caller: &mut Caller, from: f64, to: f64) -> Result<(), Call> {
-        self.march.time = from;
+        // By rounding, the last step may have ended a little later; time never goes back for an FMU.
+        let reached = self.march.time;
+        self.march.time = if are_near(reached, from) {
+            reached.max(from)
+        } else {
+            from
+        };
         let mut events = 0;
         if self.mode == Mode::Events {
             self.settle(caller)?;
         } else {
             // An input may have taken an indicator to its other side.
-            let states = self.march.states.clone();
-            self.place(caller, from, &states)?;
+            let (now, states) = (self.march.time, self.march.states.clone());
+            self.place(caller, now, &states)?;
             if self.has_crossed(caller)? {
                 self.events(caller)?;
             }
@@ -209,6 +224,11 @@ impl<E: Equations> Exchange<E> {
                 return Err(too_many(from, to));
             }
         }
+        // An event at the communication point itself belongs to it.
+        let due = self.march.next.is_some_and(|next| next <= self.goal(to));
+        if due && !self.march.ended {
+            self.events(caller)?;
+        }
         if self.march.ended {
             let at = self.march.time;
             return Err(Call {
@@ -218,18 +238,18 @@ impl<E: Equations> Exchange<E> {
                 ended: Some(End { from, at }),
             });
         }
-        // An event at the communication point itself belongs to it.
-        if self.march.next.is_some_and(|next| next <= self.goal(to)) {
-            self.events(caller)?;
-        }
         Ok(())
     }
 
-    /// The end of a step to a time, s: the next event where the two differ by rounding only.
+    /// The end of a step to a time, s: the next event or the stop where the two differ by rounding only.
     fn goal(&self, to: f64) -> f64 {
-        let slack = 4.0 * f64::EPSILON * to.abs();
-        let near = |next: &f64| (next - to).abs() <= slack;
-        self.march.next.filter(near).unwrap_or(to)
+        let stop = self.march.stop;
+        let near = |next: &f64| are_near(*next, to) && *next <= stop;
+        match self.march.next.filter(near) {
+            Some(next) => next,
+            None if are_near(to, stop) => to.min(stop),
+            None => to,
+        }
     }
 
     /// Whether an indicator is on another side than it was.
@@ -337,7 +357,7 @@ impl<E: Equations> Exchange<E> {
         if march.step <= 0.0 {
             march.step = left;
         }
-        self.linearise(caller, march)?;
+        self.linearise(caller, march, to)?;
         let allowed = march.allowed();
         let mut end = vec![0.0; march.states.len()];
         for _ in 0..MOST_TRIES {
@@ -432,7 +452,8 @@ impl<E: Equations> Exchange<E> {
         Ok(crossed(&march.indicators, &now))
     }
 
-    fn linearise(&mut self, caller: &mut Caller, march: &mut March) -> Result<(), Call> {
+    /// Linearises at the present time; no rates are asked for after `to`, s.
+    fn linearise(&mut self, caller: &mut Caller, march: &mut March, to: f64) -> Result<(), Call> {
         let March {
             method,
             time,
@@ -442,7 +463,8 @@ impl<E: Equations> Exchange<E> {
             ..
         } = march;
         let mut rates = |t: f64, x: &[f64], into: &mut [f64]| self.rates_at(caller, t, x, into);
-        if method.linearise(&mut rates, *time, states, nominals, *step)? {
+        let ahead = (*step).min(to - *time);
+        if method.linearise(&mut rates, *time, states, nominals, ahead)? {
             return Ok(());
         }
         Err(failed(format!(

@@ -96,8 +96,8 @@ impl Rosenbrock {
         }
     }
 
-    /// Linearises at a time and states. `nominals` are the states' typical magnitudes, and `h` the likely step, s.
-    /// Whether there are rates.
+    /// Linearises at a time and states. `nominals` are the states' typical magnitudes, and `h` the likely step, s,
+    /// after whose end no rates are asked for. Whether there are rates.
     pub(super) fn linearise(
         &mut self,
         f: &mut Rates<'_>,
@@ -132,8 +132,8 @@ impl Rosenbrock {
             }
             self.at[column] = states[column];
         }
-        let later = time + root * time.abs().max(h);
-        if f(later, states, &mut self.rates)? {
+        let later = (time + root * time.abs().max(h)).min(time + h);
+        if later > time && f(later, states, &mut self.rates)? {
             for row in 0..n {
                 self.in_time[row] = (self.rates[row] - self.first[row]) / (later - time);
             }
