@@ -137,7 +137,11 @@ fn states_that_the_structure_does_not_list_are_counted_by_their_derivatives() {
             </ModelVariables><ModelStructure>{structure}</ModelStructure></fmiModelDescription>"#
         );
         let read = description(xml.as_bytes()).unwrap();
-        (read.exchange.states, read.exchange.indicators, read.remarks.len())
+        (
+            read.exchange.states,
+            read.exchange.indicators,
+            read.remarks.len(),
+        )
     };
     assert_eq!(read(""), (2, 3, 1));
     let listed = r#"<Derivatives><Unknown index="2"/><Unknown index="4"/></Derivatives>"#;

@@ -18,8 +18,6 @@ const MOST_TRIES: usize = 1_000_000;
 const MOST_EVENTS: usize = 100_000;
 /// More rounds than the events of one moment take.
 const MOST_ROUNDS: usize = 10_000;
-/// The function under which the integrator's own failures are told, by which a user finds them in the standard.
-const STEP: &str = "fmi2CompletedIntegratorStep";
 
 /// Where a simulation stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -164,16 +162,6 @@ fn are_near(one: f64, other: f64) -> bool {
     (one - other).abs() <= 4.0 * f64::EPSILON * other.abs()
 }
 
-fn failed(why: String) -> Call {
-    Call::impossible(STEP, why)
-}
-
-fn too_many(from: f64, to: f64) -> Call {
-    failed(format!(
-        "more than {MOST_EVENTS} events between {from} s and {to} s"
-    ))
-}
-
 /// A step that was taken: its length, s, and the states at its end.
 struct Taken {
     length: f64,
@@ -183,6 +171,17 @@ struct Taken {
 }
 
 impl<E: Equations> Exchange<E> {
+    /// A failure of the integration itself.
+    fn failed(why: String) -> Call {
+        Call::impossible(E::STEP, why)
+    }
+
+    fn too_many(from: f64, to: f64) -> Call {
+        Self::failed(format!(
+            "more than {MOST_EVENTS} events between {from} s and {to} s"
+        ))
+    }
+
     /// Follows the equations from one communication point to another, s.
     pub(super) fn advance(&mut self, caller: &mut Caller, from: f64, to: f64) -> Result<(), Call> {
         // By rounding, the last step may have ended a little later; time never goes back for an FMU.
@@ -210,7 +209,7 @@ impl<E: Equations> Exchange<E> {
                 self.events(caller)?;
                 events += 1;
                 if events > MOST_EVENTS {
-                    return Err(too_many(from, to));
+                    return Err(Self::too_many(from, to));
                 }
                 continue;
             }
@@ -221,7 +220,7 @@ impl<E: Equations> Exchange<E> {
                 events += 1;
             }
             if events > MOST_EVENTS {
-                return Err(too_many(from, to));
+                return Err(Self::too_many(from, to));
             }
         }
         // An event at the communication point itself belongs to it.
@@ -232,7 +231,7 @@ impl<E: Equations> Exchange<E> {
         if self.march.ended {
             let at = self.march.time;
             return Err(Call {
-                function: STEP,
+                function: E::STEP,
                 status: Status::Discard,
                 message: Some("the FMU wants no further step".to_owned()),
                 ended: Some(End { from, at }),
@@ -287,7 +286,7 @@ impl<E: Equations> Exchange<E> {
             }
             if round == MOST_ROUNDS {
                 let time = self.march.time;
-                return Err(failed(format!(
+                return Err(Self::failed(format!(
                     "the events at {time} s do not settle in {MOST_ROUNDS} rounds"
                 )));
             }
@@ -385,13 +384,13 @@ impl<E: Equations> Exchange<E> {
             march.step = next.min(0.9 * h);
             if march.step < least && h < left {
                 let time = march.time;
-                return Err(failed(format!(
-                    "the internal step fell below {least:.1e} s at {time} s"
+                return Err(Self::failed(format!(
+                    "the internal step fell below {least:.1e} s at {time} s: then the rates are no numbers or too rough"
                 )));
             }
         }
         let time = march.time;
-        Err(failed(format!(
+        Err(Self::failed(format!(
             "more than {MOST_TRIES} tries of a step at {time} s"
         )))
     }
@@ -465,9 +464,14 @@ impl<E: Equations> Exchange<E> {
         let mut rates = |t: f64, x: &[f64], into: &mut [f64]| self.rates_at(caller, t, x, into);
         let ahead = (*step).min(to - *time);
         if method.linearise(&mut rates, *time, states, nominals, ahead)? {
-            return Ok(());
+            return match method.unfit() {
+                None => Ok(()),
+                Some((state, rate)) => Err(Self::failed(format!(
+                    "the rate of the continuous state {state} is {rate} at {time} s"
+                ))),
+            };
         }
-        Err(failed(format!(
+        Err(Self::failed(format!(
             "the FMU refuses to compute rates at {time} s"
         )))
     }

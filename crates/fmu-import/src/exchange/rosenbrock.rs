@@ -141,6 +141,12 @@ impl Rosenbrock {
         Ok(true)
     }
 
+    /// The first state, from 1, whose rate is no finite number where it was linearised, and that rate.
+    pub(super) fn unfit(&self) -> Option<(usize, f64)> {
+        let mut rates = (1..).zip(self.first.iter().copied());
+        rates.find(|(_, rate)| !rate.is_finite())
+    }
+
     /// Tries a step of `h` seconds from where it was linearised. The error relative to `allowed` and the new states
     /// in `end`; none where the step cannot be computed.
     pub(super) fn attempt(
