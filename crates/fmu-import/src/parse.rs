@@ -4,7 +4,7 @@
 //! a byte-order mark and Latin-1 are understood. What cannot be ignored silently becomes one of
 //! [`Description::remarks`].
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::str::FromStr;
 
 use roxmltree::{Document, Node, ParsingOptions};
@@ -174,6 +174,17 @@ fn required<'a>(node: Node<'a, 'a>, attribute: &'static str) -> Result<&'a str, 
         })
 }
 
+/// How many variables of FMI 2.0 are derivatives; aliases share a reference and count once.
+fn rates(root: Node<'_, '_>) -> usize {
+    let variables = child(root, "ModelVariables");
+    let variables = variables.into_iter();
+    let rates = variables
+        .flat_map(|list| children(list, "ScalarVariable"))
+        .filter(|node| child(*node, "Real").is_some_and(|real| real.has_attribute("derivative")));
+    let references: HashSet<_> = rates.map(|node| node.attribute("valueReference")).collect();
+    references.len()
+}
+
 fn log_categories(root: Node<'_, '_>) -> Vec<String> {
     let categories = root
         .children()
@@ -277,8 +288,17 @@ impl Reader {
     fn exchange(&mut self, root: Node<'_, '_>, node: Node<'_, '_>) -> ExchangeSizes {
         let structure = child(root, "ModelStructure");
         let derivatives = structure.and_then(|structure| child(structure, "Derivatives"));
+        let listed = derivatives.map_or(0, |list| children(list, "Unknown").count());
+        // Without its states an FMU would stand still and look well.
+        let states = if listed == 0 { rates(root) } else { listed };
+        if states > listed {
+            let text = format!(
+                "ModelStructure lists no derivatives; the {states} variables with the attribute derivative count"
+            );
+            self.remark(root, About::Value, &text);
+        }
         ExchangeSizes {
-            states: derivatives.map_or(0, |list| children(list, "Unknown").count()),
+            states,
             indicators: self.number(root, "numberOfEventIndicators").unwrap_or(0),
             completed_not_needed: self
                 .boolean(node, "completedIntegratorStepNotNeeded")

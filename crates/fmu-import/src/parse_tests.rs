@@ -123,3 +123,27 @@ fn entity_bombs_are_refused() {
         Err(DescriptionError::DocumentType)
     ));
 }
+
+#[test]
+fn states_that_the_structure_does_not_list_are_counted_by_their_derivatives() {
+    let read = |structure: &str| {
+        let xml = format!(
+            r#"<fmiModelDescription fmiVersion="2.0" modelName="m" guid="g" numberOfEventIndicators="3">
+            <ModelExchange modelIdentifier="m"/><ModelVariables>
+            <ScalarVariable name="x" valueReference="1"><Real/></ScalarVariable>
+            <ScalarVariable name="v" valueReference="2"><Real derivative="1"/></ScalarVariable>
+            <ScalarVariable name="alias" valueReference="2"><Real derivative="1"/></ScalarVariable>
+            <ScalarVariable name="a" valueReference="3"><Real derivative="2"/></ScalarVariable>
+            </ModelVariables><ModelStructure>{structure}</ModelStructure></fmiModelDescription>"#
+        );
+        let read = description(xml.as_bytes()).unwrap();
+        (
+            read.exchange.states,
+            read.exchange.indicators,
+            read.remarks.len(),
+        )
+    };
+    assert_eq!(read(""), (2, 3, 1));
+    let listed = r#"<Derivatives><Unknown index="2"/><Unknown index="4"/></Derivatives>"#;
+    assert_eq!(read(listed), (2, 3, 0));
+}

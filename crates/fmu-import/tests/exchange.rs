@@ -68,8 +68,12 @@ impl Bench {
     }
 
     fn start(&mut self, tolerance: f64) {
+        self.start_until(10.0, tolerance);
+    }
+
+    fn start_until(&mut self, stop: f64, tolerance: f64) {
         self.instance
-            .setup_experiment(0.0, 10.0, Some(tolerance))
+            .setup_experiment(0.0, stop, Some(tolerance))
             .unwrap();
         self.instance.initialise().unwrap();
     }
@@ -184,6 +188,28 @@ fn a_discrete_input_changes_by_an_event() {
     assert!((bench.get("v") - speed).abs() < 1e-10);
 }
 
+/// By rounding a step ends before or after the communication point, and its derivative over time looks ahead.
+#[test]
+fn time_never_goes_back_nor_past_the_stop() {
+    // The event at 0.25 s belongs to the communication point that lies one rounding before it.
+    let mut bench = Bench::new(&["STRICT"]);
+    bench.start_until(10.0, 1e-6);
+    let point = 0.25_f64.next_down();
+    bench.instance.step(0.0, point).unwrap();
+    assert_eq!(bench.get("count"), 1.0);
+    bench.instance.step(point, 0.1).unwrap();
+    // An event that lies one rounding after the stop is none of this simulation.
+    let mut bench = Bench::new(&["STRICT"]);
+    bench.start_until(point, 1e-6);
+    bench.instance.step(0.0, point).unwrap();
+    assert_eq!(bench.get("count"), 0.0);
+    // The clock's event lies just before the stop.
+    let mut bench = Bench::new(&["STRICT"]);
+    bench.start_until(0.25 + 1e-10, 1e-6);
+    bench.instance.step(0.0, 0.25 + 1e-10).unwrap();
+    assert_eq!(bench.get("count"), 1.0);
+}
+
 #[test]
 fn the_fmu_may_end_the_simulation_at_an_event() {
     let mut bench = Bench::new(&[]);
@@ -197,6 +223,16 @@ fn the_fmu_may_end_the_simulation_at_an_event() {
         "{end:?} {fall}"
     );
     bench.instance.terminate().unwrap();
+}
+
+#[test]
+fn an_end_at_a_communication_point_is_told_by_the_step_to_it() {
+    let mut bench = Bench::new(&["ENDS"]);
+    bench.start(1e-6);
+    bench.instance.step(0.0, 0.5).unwrap();
+    let call = bench.instance.step(0.5, 0.25).unwrap_err();
+    let end = call.ended.unwrap();
+    assert_eq!((end.from, end.at), (0.5, 0.75));
 }
 
 #[test]
@@ -223,7 +259,8 @@ fn what_cannot_be_integrated_is_an_error() {
     bench.start(1e-6);
     let call = bench.run(1.0, 1).unwrap_err();
     assert!(
-        call.to_string().contains("internal step fell below"),
+        call.to_string()
+            .contains("the rate of the continuous state 3 is NaN at 0 s"),
         "{call}"
     );
     assert!(call.ended.is_none());

@@ -23,6 +23,9 @@ pub(crate) struct Update {
 
 /// The equations of an FMU, as every version of FMI gives them.
 pub(crate) trait Equations: Debug + Send {
+    /// The function under which the integrator's own failures are told, by which a user finds them in the standard.
+    const STEP: &'static str;
+
     /// The component, by which variables are read and written.
     fn component(&mut self) -> &mut dyn Simulation;
     /// How many states and event indicators there are.

@@ -18,8 +18,6 @@ const MOST_TRIES: usize = 1_000_000;
 const MOST_EVENTS: usize = 100_000;
 /// More rounds than the events of one moment take.
 const MOST_ROUNDS: usize = 10_000;
-/// The function under which the integrator's own failures are told, by which a user finds them in the standard.
-const STEP: &str = "fmi2CompletedIntegratorStep";
 
 /// Where a simulation stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -100,6 +98,8 @@ pub(super) struct March {
     /// The next event that is known beforehand, s.
     next: Option<f64>,
     tolerance: f64,
+    /// When the simulation ends, s: an FMU refuses later times.
+    stop: f64,
     /// Whether the FMU has ended the simulation.
     ended: bool,
 }
@@ -115,6 +115,7 @@ impl Default for March {
             step: 0.0,
             next: None,
             tolerance: TOLERANCE,
+            stop: f64::INFINITY,
             ended: false,
         }
     }
@@ -124,6 +125,7 @@ impl March {
     /// Begins an experiment.
     pub(super) fn begin(&mut self, experiment: Experiment) {
         self.time = experiment.start;
+        self.stop = experiment.stop;
         self.tolerance = experiment.tolerance.unwrap_or(TOLERANCE);
     }
 
@@ -155,14 +157,9 @@ fn crossed(before: &[f64], after: &[f64]) -> bool {
     pairs.any(|(before, after)| (*before > 0.0) != (*after > 0.0))
 }
 
-fn failed(why: String) -> Call {
-    Call::impossible(STEP, why)
-}
-
-fn too_many(from: f64, to: f64) -> Call {
-    failed(format!(
-        "more than {MOST_EVENTS} events between {from} s and {to} s"
-    ))
+/// Whether two times, s, differ by rounding only.
+fn are_near(one: f64, other: f64) -> bool {
+    (one - other).abs() <= 4.0 * f64::EPSILON * other.abs()
 }
 
 /// A step that was taken: its length, s, and the states at its end.
@@ -174,16 +171,33 @@ struct Taken {
 }
 
 impl<E: Equations> Exchange<E> {
+    /// A failure of the integration itself.
+    fn failed(why: String) -> Call {
+        Call::impossible(E::STEP, why)
+    }
+
+    fn too_many(from: f64, to: f64) -> Call {
+        Self::failed(format!(
+            "more than {MOST_EVENTS} events between {from} s and {to} s"
+        ))
+    }
+
     /// Follows the equations from one communication point to another, s.
     pub(super) fn advance(&mut self, caller: &mut Caller, from: f64, to: f64) -> Result<(), Call> {
-        self.march.time = from;
+        // By rounding, the last step may have ended a little later; time never goes back for an FMU.
+        let reached = self.march.time;
+        self.march.time = if are_near(reached, from) {
+            reached.max(from)
+        } else {
+            from
+        };
         let mut events = 0;
         if self.mode == Mode::Events {
             self.settle(caller)?;
         } else {
             // An input may have taken an indicator to its other side.
-            let states = self.march.states.clone();
-            self.place(caller, from, &states)?;
+            let (now, states) = (self.march.time, self.march.states.clone());
+            self.place(caller, now, &states)?;
             if self.has_crossed(caller)? {
                 self.events(caller)?;
             }
@@ -195,7 +209,7 @@ impl<E: Equations> Exchange<E> {
                 self.events(caller)?;
                 events += 1;
                 if events > MOST_EVENTS {
-                    return Err(too_many(from, to));
+                    return Err(Self::too_many(from, to));
                 }
                 continue;
             }
@@ -206,30 +220,35 @@ impl<E: Equations> Exchange<E> {
                 events += 1;
             }
             if events > MOST_EVENTS {
-                return Err(too_many(from, to));
+                return Err(Self::too_many(from, to));
             }
+        }
+        // An event at the communication point itself belongs to it.
+        let due = self.march.next.is_some_and(|next| next <= self.goal(to));
+        if due && !self.march.ended {
+            self.events(caller)?;
         }
         if self.march.ended {
             let at = self.march.time;
             return Err(Call {
-                function: STEP,
+                function: E::STEP,
                 status: Status::Discard,
                 message: Some("the FMU wants no further step".to_owned()),
                 ended: Some(End { from, at }),
             });
         }
-        // An event at the communication point itself belongs to it.
-        if self.march.next.is_some_and(|next| next <= self.goal(to)) {
-            self.events(caller)?;
-        }
         Ok(())
     }
 
-    /// The end of a step to a time, s: the next event where the two differ by rounding only.
+    /// The end of a step to a time, s: the next event or the stop where the two differ by rounding only.
     fn goal(&self, to: f64) -> f64 {
-        let slack = 4.0 * f64::EPSILON * to.abs();
-        let near = |next: &f64| (next - to).abs() <= slack;
-        self.march.next.filter(near).unwrap_or(to)
+        let stop = self.march.stop;
+        let near = |next: &f64| are_near(*next, to) && *next <= stop;
+        match self.march.next.filter(near) {
+            Some(next) => next,
+            None if are_near(to, stop) => to.min(stop),
+            None => to,
+        }
     }
 
     /// Whether an indicator is on another side than it was.
@@ -267,7 +286,7 @@ impl<E: Equations> Exchange<E> {
             }
             if round == MOST_ROUNDS {
                 let time = self.march.time;
-                return Err(failed(format!(
+                return Err(Self::failed(format!(
                     "the events at {time} s do not settle in {MOST_ROUNDS} rounds"
                 )));
             }
@@ -337,7 +356,7 @@ impl<E: Equations> Exchange<E> {
         if march.step <= 0.0 {
             march.step = left;
         }
-        self.linearise(caller, march)?;
+        self.linearise(caller, march, to)?;
         let allowed = march.allowed();
         let mut end = vec![0.0; march.states.len()];
         for _ in 0..MOST_TRIES {
@@ -365,13 +384,13 @@ impl<E: Equations> Exchange<E> {
             march.step = next.min(0.9 * h);
             if march.step < least && h < left {
                 let time = march.time;
-                return Err(failed(format!(
-                    "the internal step fell below {least:.1e} s at {time} s"
+                return Err(Self::failed(format!(
+                    "the internal step fell below {least:.1e} s at {time} s: then the rates are no numbers or too rough"
                 )));
             }
         }
         let time = march.time;
-        Err(failed(format!(
+        Err(Self::failed(format!(
             "more than {MOST_TRIES} tries of a step at {time} s"
         )))
     }
@@ -432,7 +451,8 @@ impl<E: Equations> Exchange<E> {
         Ok(crossed(&march.indicators, &now))
     }
 
-    fn linearise(&mut self, caller: &mut Caller, march: &mut March) -> Result<(), Call> {
+    /// Linearises at the present time; no rates are asked for after `to`, s.
+    fn linearise(&mut self, caller: &mut Caller, march: &mut March, to: f64) -> Result<(), Call> {
         let March {
             method,
             time,
@@ -442,10 +462,16 @@ impl<E: Equations> Exchange<E> {
             ..
         } = march;
         let mut rates = |t: f64, x: &[f64], into: &mut [f64]| self.rates_at(caller, t, x, into);
-        if method.linearise(&mut rates, *time, states, nominals, *step)? {
-            return Ok(());
+        let ahead = (*step).min(to - *time);
+        if method.linearise(&mut rates, *time, states, nominals, ahead)? {
+            return match method.unfit() {
+                None => Ok(()),
+                Some((state, rate)) => Err(Self::failed(format!(
+                    "the rate of the continuous state {state} is {rate} at {time} s"
+                ))),
+            };
         }
-        Err(failed(format!(
+        Err(Self::failed(format!(
             "the FMU refuses to compute rates at {time} s"
         )))
     }

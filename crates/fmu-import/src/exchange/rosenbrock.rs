@@ -96,8 +96,8 @@ impl Rosenbrock {
         }
     }
 
-    /// Linearises at a time and states. `nominals` are the states' typical magnitudes, and `h` the likely step, s.
-    /// Whether there are rates.
+    /// Linearises at a time and states. `nominals` are the states' typical magnitudes, and `h` the likely step, s,
+    /// after whose end no rates are asked for. Whether there are rates.
     pub(super) fn linearise(
         &mut self,
         f: &mut Rates<'_>,
@@ -132,13 +132,19 @@ impl Rosenbrock {
             }
             self.at[column] = states[column];
         }
-        let later = time + root * time.abs().max(h);
-        if f(later, states, &mut self.rates)? {
+        let later = (time + root * time.abs().max(h)).min(time + h);
+        if later > time && f(later, states, &mut self.rates)? {
             for row in 0..n {
                 self.in_time[row] = (self.rates[row] - self.first[row]) / (later - time);
             }
         }
         Ok(true)
+    }
+
+    /// The first state, from 1, whose rate is no finite number where it was linearised, and that rate.
+    pub(super) fn unfit(&self) -> Option<(usize, f64)> {
+        let mut rates = (1..).zip(self.first.iter().copied());
+        rates.find(|(_, rate)| !rate.is_finite())
     }
 
     /// Tries a step of `h` seconds from where it was linearised. The error relative to `allowed` and the new states

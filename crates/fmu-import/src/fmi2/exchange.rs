@@ -105,6 +105,8 @@ impl ExchangeModel {
 }
 
 impl Equations for ExchangeModel {
+    const STEP: &'static str = "fmi2CompletedIntegratorStep";
+
     fn component(&mut self) -> &mut dyn Simulation {
         &mut self.model
     }
@@ -169,7 +171,7 @@ impl Equations for ExchangeModel {
         // SAFETY: the component is alive, and both places are valid.
         let status = caller
             .call(|| unsafe { completed(self.model.component, 1, &raw mut event, &raw mut ends) });
-        caller.check("fmi2CompletedIntegratorStep", status)?;
+        caller.check(Self::STEP, status)?;
         Ok([event != 0, ends != 0])
     }
 

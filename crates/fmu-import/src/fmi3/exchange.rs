@@ -107,6 +107,8 @@ impl ExchangeModel {
 }
 
 impl Equations for ExchangeModel {
+    const STEP: &'static str = "fmi3CompletedIntegratorStep";
+
     fn component(&mut self) -> &mut dyn Simulation {
         &mut self.model
     }
@@ -165,7 +167,7 @@ impl Equations for ExchangeModel {
         let status = caller.call(|| unsafe {
             completed(self.model.component, true, &raw mut event, &raw mut ends)
         });
-        caller.check("fmi3CompletedIntegratorStep", status)?;
+        caller.check(Self::STEP, status)?;
         Ok([event != 0, ends != 0])
     }
 

@@ -104,6 +104,21 @@ pub(crate) struct Functions {
     pub(super) string: Access<*const c_char>,
 }
 
+/// Stands for `fmi3DoStep` where there is none: Model Exchange never calls it.
+unsafe extern "C" fn no_step(
+    _: Component,
+    _: f64,
+    _: f64,
+    _: bool,
+    _: *mut u8,
+    _: *mut u8,
+    _: *mut u8,
+    _: *mut f64,
+) -> c_int {
+    const ERROR: c_int = 3;
+    ERROR
+}
+
 impl Functions {
     /// Finds them in a loaded binary.
     pub(crate) fn find(library: &Loaded, interface: Interface) -> Result<Self, LibraryError> {
@@ -131,7 +146,11 @@ impl Functions {
             terminate: symbol(library, "fmi3Terminate").ok(),
             reset: symbol(library, "fmi3Reset").ok(),
             states: states(),
-            do_step: symbol(library, "fmi3DoStep")?,
+            // Some binaries for Model Exchange alone have none.
+            do_step: match interface {
+                Interface::CoSimulation => symbol(library, "fmi3DoStep")?,
+                Interface::ModelExchange => no_step,
+            },
             float32: Access::find(library, "fmi3GetFloat32", "fmi3SetFloat32"),
             float64: Access::find(library, "fmi3GetFloat64", "fmi3SetFloat64"),
             int8: Access::find(library, "fmi3GetInt8", "fmi3SetInt8"),
