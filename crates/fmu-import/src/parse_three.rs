@@ -194,7 +194,7 @@ impl Reader {
                     of: count,
                 });
                 if let Some(start) = start {
-                    self.begin(node, &mut element.kind, start);
+                    self.begin(written, &mut element.kind, start);
                 }
                 element
             })
@@ -276,15 +276,30 @@ impl Reader {
                 let (least, most) = range(whole);
                 Kind::Integer {
                     start: None,
-                    min: self.number(source("min"), "min").or(least),
-                    max: self.number(source("max"), "max").or(most),
+                    min: self.bound(source("min"), "min", whole).or(least),
+                    max: self.bound(source("max"), "max", whole).or(most),
                 }
             }
         }
     }
 
+    /// Reads a bound of whole numbers; none where it lies beyond what can be set here.
+    fn bound(&mut self, node: Node<'_, '_>, name: &str, storage: Storage) -> Option<i64> {
+        let beyond = node
+            .attribute(name)
+            .is_some_and(|text| is_beyond(storage, text));
+        if beyond {
+            return None;
+        }
+        self.number(node, name)
+    }
+
     /// Reads a start value.
-    fn begin(&mut self, node: Node<'_, '_>, kind: &mut Kind, text: &str) {
+    fn begin(&mut self, written: &Written<'_>, kind: &mut Kind, text: &str) {
+        let node = written.node;
+        if is_beyond(written.storage, text) {
+            return;
+        }
         let read = match kind {
             Kind::Real { start, .. } => {
                 *start = text.parse().ok();
@@ -312,6 +327,12 @@ impl Reader {
             self.remark(node, About::Value, &text);
         }
     }
+}
+
+/// Whether a text is a value of an `UInt64` that is legal, but too large to be kept here.
+fn is_beyond(storage: Storage, text: &str) -> bool {
+    let value = text.trim().parse::<u64>().ok();
+    storage == Storage::UInt64 && value.is_some_and(|value| i64::try_from(value).is_err())
 }
 
 /// Attributes of the types, by their names.

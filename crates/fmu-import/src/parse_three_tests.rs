@@ -62,12 +62,8 @@ fn types_with_their_ranges_and_starts() {
         panic!()
     };
     assert_eq!(max, Some(9_007_199_254_740_993));
-    // What cannot be kept is said, not wrapped.
-    assert!(
-        read.remarks
-            .iter()
-            .any(|remark| remark.text.contains("18446744073709551615"))
-    );
+    // What cannot be kept is left out, not wrapped.
+    assert!(matches!(all["w"].kind, Kind::Integer { start: None, .. }));
     assert_eq!(all["b"].kind.start(), Some(1.0));
     let Kind::String { start } = &all["s"].kind else {
         panic!()
@@ -132,6 +128,26 @@ fn binaries_and_clocks_are_refused_with_a_reason() {
     let names: Vec<&str> = read.unusable.keys().map(String::as_str).collect();
     assert_eq!(names, ["data", "tick", "wide"]);
     assert!(read.unusable["tick"].contains("event mode"));
+}
+
+#[test]
+fn whole_numbers_beyond_what_is_kept_here_are_no_fault_of_the_file() {
+    let read = read(
+        r#"<UInt64 name="most" valueReference="1" start="18446744073709551615" max="18446744073709551615"/>
+        <Int64 name="over" valueReference="2" start="18446744073709551615"/>
+        <UInt64 name="list" valueReference="3" start="7 9223372036854775808"><Dimension start="2"/></UInt64>"#,
+    );
+    let whole = |name: &str| match read.variables[name].kind {
+        Kind::Integer { start, min, max } => (start, min, max),
+        _ => panic!("not a whole number"),
+    };
+    assert_eq!(whole("most"), (None, Some(0), None));
+    assert_eq!(whole("list[1]").0, Some(7));
+    assert_eq!(whole("list[2]").0, None);
+    assert_eq!(whole("over").0, None);
+    // Only the number that its own type cannot hold is remarked.
+    let start = |remark: &&crate::description::Remark| remark.text.contains("start");
+    assert_eq!(read.remarks.iter().filter(start).count(), 1);
 }
 
 #[test]

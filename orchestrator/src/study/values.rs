@@ -1,5 +1,7 @@
 //! Start values for an FMU's variables: found by name, converted, checked.
 
+use std::num::IntErrorKind;
+
 use super::Setting;
 use super::quantity::{Quantity, Scale, Sense};
 use crate::names::{did_you_mean, nearest};
@@ -94,7 +96,14 @@ fn value(fmu: &Description, variable: &Variable, setting: &Setting) -> Result<Va
     };
     let whole = || {
         let number = text.trim().parse::<i64>();
-        number.map_err(|_| format!("`{text}` is not a whole number"))
+        number.map_err(|error| match error.kind() {
+            IntErrorKind::PosOverflow | IntErrorKind::NegOverflow => {
+                format!(
+                    "{text} is beyond the whole numbers that can be set, from -2^63 to 2^63 - 1"
+                )
+            }
+            _ => format!("`{text}` is not a whole number"),
+        })
     };
     match &variable.kind {
         Kind::Real { .. } => {

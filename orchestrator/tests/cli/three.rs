@@ -99,6 +99,13 @@ fn binaries_and_clocks_are_refused_with_a_reason() {
 #[test]
 fn simulate_gives_the_exact_solution() {
     let bench = bench();
+    let said = bench.run(&["simulate", "three.fmu", "--set", "u64=18446744073709551615"]);
+    assert!(
+        said.err
+            .contains("u64: 18446744073709551615 is beyond the whole numbers"),
+        "{}",
+        said.err
+    );
     let said = bench.run(&[
         "simulate",
         "three.fmu",
