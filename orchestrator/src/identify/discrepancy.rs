@@ -44,6 +44,15 @@ impl Unknown {
         (deviation / self.scale).atan() / std::f64::consts::FRAC_PI_2
     }
 
+    /// The largest misfit of the quantity's values.
+    fn largest_misfit(&self, problem: &Problem, predicted: &[Vec<f64>]) -> f64 {
+        let pairs = problem.cases.iter().zip(predicted);
+        let misfits = pairs.map(|(case, predicted)| {
+            (predicted[self.quantity] - case.measured[self.quantity].value).abs()
+        });
+        misfits.fold(0.0, f64::max)
+    }
+
     /// The logarithm of the likelihood of the quantity's values with a discrepancy.
     pub fn log_likelihood(&self, problem: &Problem, predicted: &[Vec<f64>], deviation: f64) -> f64 {
         self.likelihood_of(problem, predicted, deviation, 1.0)
@@ -109,8 +118,12 @@ impl Discrepancy {
             _ => 1.0,
         };
         let at = |deviation: f64| unknown.likelihood_of(problem, predicted, deviation, factor);
-        let places = (0..PLACES).map(|k| f64::from(k) / f64::from(PLACES));
-        let deviations = places.map(|place| unknown.deviation(place));
+        // The most probable variance is no larger than the largest square. Steps are even below the accuracy and grow in
+        // proportion above it, so that a model that misses by thousands of accuracies is found, too.
+        let largest = unknown.largest_misfit(problem, predicted) * factor.sqrt();
+        let reach = (largest / unknown.scale).asinh();
+        let steps = (0..=PLACES).map(|k| f64::from(k) / f64::from(PLACES));
+        let deviations = steps.map(|step| unknown.scale * (reach * step).sinh());
         let best = deviations.map(|deviation| (at(deviation), deviation));
         let best = best.fold(
             (f64::NEG_INFINITY, 0.0),
@@ -195,6 +208,25 @@ mod tests {
         assert!((fitted.deviation - (mean * 8.0 / 6.0 - 0.09).sqrt()).abs() < 2e-3);
         let wide = widened(&problem, &[unknown], &[0.4]);
         assert!((wide.cases[3].measured[0].accuracy - 0.5).abs() < 1e-12);
+    }
+
+    /// A model may miss by any number of accuracies: nothing caps the discrepancy.
+    #[test]
+    fn a_discrepancy_of_many_accuracies_is_found() {
+        let misfits = [0.5, -0.7, 0.2, 0.9, -0.4, -0.6, 0.1, 0.8];
+        let mean = misfits.iter().map(|m| m * m).sum::<f64>() / 8.0;
+        for accuracy in [1e-2, 1e-4, 1e-6] {
+            let (problem, predicted) = problem(&misfits, accuracy);
+            let unknown = Unknown::of(&problem, 0);
+            let found = Discrepancy::estimate(&unknown, &problem, &predicted, 0);
+            let ratio = found.deviation / mean.sqrt();
+            assert!((ratio - 1.0).abs() < 0.01, "{accuracy}: {found:?}");
+            assert!(found.told);
+        }
+        let (problem, predicted) = problem(&[0.0; 4], 0.1);
+        let unknown = Unknown::of(&problem, 0);
+        let found = Discrepancy::estimate(&unknown, &problem, &predicted, 0);
+        assert_eq!((found.deviation, found.told), (0.0, false));
     }
 
     /// Without a discrepancy one is told in about 5 % of records; with one of twice the accuracy nearly always.

@@ -213,25 +213,22 @@ fn excluded(text: &mut String, outcome: &IdentificationOutcome) {
 /// What the data say of the model's discrepancies.
 fn discrepancies(text: &mut String, outcome: &IdentificationOutcome) {
     for own in &outcome.discrepancies {
-        let unit = own
-            .unit
-            .as_deref()
-            .filter(|unit| *unit != "1")
-            .unwrap_or("");
+        let unit = own.unit.as_deref().filter(|unit| *unit != "1");
+        let unit = unit.map_or_else(String::new, |unit| format!(" {unit}"));
         let name = &own.quantity;
         let found = Digits(own.deviation, 3);
         let sampled = own.sampled.map_or_else(String::new, |(_, [low, high])| {
-            format!("; 95 %: {} .. {} {unit}", Digits(low, 3), Digits(high, 3))
+            format!("; 95 %: {} .. {}{unit}", Digits(low, 3), Digits(high, 3))
         });
         let _ = match own.told {
             true => writeln!(
                 text,
-                "\nthe model misses {name} by a discrepancy of its own: {found} {unit}, one standard deviation{sampled}"
+                "\nthe model misses {name} by a discrepancy of its own: {found}{unit}, one standard deviation{sampled}"
             ),
             false => writeln!(
                 text,
                 "\nthe data cannot tell a discrepancy of the model in {name} from the accuracy of the measurement; most \
-                 probable {found} {unit}{sampled}"
+                 probable {found}{unit}{sampled}"
             ),
         };
     }

@@ -396,10 +396,16 @@ impl Study {
         self.base.as_deref().unwrap_or(own).join(file)
     }
 
+    /// The same, in one spelling: two names of one file, such as `a.csv` and `./a.csv`, have one path.
+    pub(super) fn one_path(&self, file: &Path) -> PathBuf {
+        let path = self.beside(file);
+        path.canonicalize().unwrap_or(path)
+    }
+
     /// Whether a sample gives several parameters, which are drawn together.
     pub fn binds_by_samples(&self) -> bool {
         let files = self.parameters.values().filter_map(|own| own.file.as_ref());
-        let mut files: Vec<&PathBuf> = files.map(Spanned::as_ref).collect();
+        let mut files: Vec<PathBuf> = files.map(|file| self.one_path(file.as_ref())).collect();
         files.sort_unstable();
         files.windows(2).any(|pair| pair[0] == pair[1])
     }

@@ -33,16 +33,17 @@ pub(super) struct Together {
 /// # Errors
 /// With the place in the study, when a file cannot be read, has no such column, or has it in another unit.
 pub(super) fn read(study: &Study, known: &[Known<'_>]) -> Result<Vec<Together>, StudyError> {
-    let mut files: Vec<&Spanned<PathBuf>> = Vec::new();
+    let mut files: Vec<(PathBuf, &Spanned<PathBuf>)> = Vec::new();
     for (_, parameter) in sampled(study) {
         let file = file(study, parameter)?;
-        if !files.iter().any(|known| known.as_ref() == file.as_ref()) {
-            files.push(file);
+        let path = study.one_path(file.as_ref());
+        if !files.iter().any(|(known, _)| *known == path) {
+            files.push((path, file));
         }
     }
     files
         .into_iter()
-        .map(|file| together(study, file, known))
+        .map(|(_, file)| together(study, file, known))
         .collect()
 }
 
@@ -72,9 +73,10 @@ fn together(
     file: &Spanned<PathBuf>,
     known: &[Known<'_>],
 ) -> Result<Together, StudyError> {
+    let one = study.one_path(file.as_ref());
     let from_it = |(_, parameter): &(usize, &ParameterText)| {
         let own = parameter.file.as_ref();
-        own.is_some_and(|own| own.as_ref() == file.as_ref())
+        own.is_some_and(|own| study.one_path(own.as_ref()) == one)
     };
     let members: Vec<(usize, &ParameterText)> = sampled(study).filter(from_it).collect();
     let path = study.beside(file.as_ref());

@@ -36,7 +36,7 @@ min = 0
 max = 1
 [parameters.x2]
 distribution = "sample"
-file = "sample.csv"
+file = "./sample.csv"
 [criteria.P]
 variable = "product"
 nominal = 0.04

@@ -69,68 +69,156 @@ fn problem(values: &[f64]) -> Problem {
     }
 }
 
+/// A record: its truths, and what the search and the sample tell of it.
+struct Record {
+    values: Vec<f64>,
+    truth: Vec<f64>,
+    discrepancy: f64,
+    told: bool,
+    /// The normal approximation's intervals.
+    normal: [[f64; 2]; 2],
+    posterior: PosteriorOutcome,
+    /// The discrepancy's median and interval in the sample.
+    sampled: (f64, [f64; 2]),
+}
+
+fn record(setting: &Setting, random: &mut StdRng, seed: u64) -> Record {
+    let places = [random.random::<f64>(), random.random()];
+    let truth = problem(&[]).free_values(&places);
+    let prior = Unknown {
+        quantity: 0,
+        scale: ACCURACY,
+    };
+    let drawn = prior.deviation(random.random());
+    let discrepancy = setting.discrepancy.unwrap_or(drawn);
+    let spread = ACCURACY.hypot(discrepancy);
+    let cases = setting.cases;
+    let value = |case| {
+        let exact = decay(&truth, time(case, cases));
+        exact + spread * random.sample::<f64, _>(StandardNormal)
+    };
+    let values: Vec<f64> = (0..cases).map(value).collect();
+    let problem = problem(&values);
+    let model = |case: usize, p: &[f64], _: &[f64]| Ok(vec![decay(p, time(case, cases))]);
+    let starts = (0..32).map(|_| vec![random.random(), random.random()]);
+    let starts: Vec<Vec<f64>> = starts.collect();
+    let unknown = [Unknown::of(&problem, 0)];
+    let task = Task {
+        problem: &problem,
+        unknown: &unknown,
+        difference: 1e-4,
+        starts: &starts,
+        effort: Effort {
+            descents: 8,
+            iterations: 40,
+            deadline: None,
+        },
+    };
+    let found = searched(&task, &model, &|_| ()).unwrap();
+    let outcome = IdentificationOutcome::new(&found.problem, &found.optima, &found.progress);
+    let outcome = outcome.unwrap();
+    let known = [(unknown[0], found.discrepancies[0].deviation)];
+    let settings = Settings {
+        particles: 400,
+        seed,
+        deadline: None,
+        discrepancies: &known,
+    };
+    let objective = Objective::new(&problem, &model, 1e-4);
+    let sample = sample(&objective, &found.optima, &settings, &|_, _| ()).unwrap();
+    Record {
+        truth,
+        discrepancy,
+        told: found.discrepancies[0].told,
+        normal: [0, 1].map(|k| outcome.free[k].interval),
+        posterior: PosteriorOutcome::new(&objective, &found.optima, &sample),
+        sampled: PosteriorOutcome::discrepancy(&problem, &sample, &unknown[0], 0),
+        values,
+    }
+}
+
 fn held(setting: &Setting) -> Held {
     let mut random = StdRng::seed_from_u64(setting.seed);
     let mut held = Held::default();
-    for record in 0..60 {
-        let places = [random.random::<f64>(), random.random()];
-        let truth = problem(&[]).free_values(&places);
-        let prior = Unknown {
-            quantity: 0,
-            scale: ACCURACY,
-        };
-        let drawn = prior.deviation(random.random());
-        let discrepancy = setting.discrepancy.unwrap_or(drawn);
-        let spread = ACCURACY.hypot(discrepancy);
-        let value = |case| {
-            let exact = decay(&truth, time(case, setting.cases));
-            exact + spread * random.sample::<f64, _>(StandardNormal)
-        };
-        let values: Vec<f64> = (0..setting.cases).map(value).collect();
-        let problem = problem(&values);
-        let cases = setting.cases;
-        let model = |case: usize, p: &[f64], _: &[f64]| Ok(vec![decay(p, time(case, cases))]);
-        let starts = (0..32).map(|_| vec![random.random(), random.random()]);
-        let starts: Vec<Vec<f64>> = starts.collect();
-        let unknown = [Unknown::of(&problem, 0)];
-        let task = Task {
-            problem: &problem,
-            unknown: &unknown,
-            difference: 1e-4,
-            starts: &starts,
-            effort: Effort {
-                descents: 8,
-                iterations: 40,
-                deadline: None,
-            },
-        };
-        let found = searched(&task, &model, &|_| ()).unwrap();
-        let outcome = IdentificationOutcome::new(&found.problem, &found.optima, &found.progress);
-        let outcome = outcome.unwrap();
-        held.told += u32::from(found.discrepancies[0].told);
-        let known = [(unknown[0], found.discrepancies[0].deviation)];
-        let settings = Settings {
-            particles: 400,
-            seed: record,
-            deadline: None,
-            discrepancies: &known,
-        };
-        let objective = Objective::new(&problem, &model, 1e-4);
-        let sample = sample(&objective, &found.optima, &settings, &|_, _| ()).unwrap();
-        let posterior = PosteriorOutcome::new(&objective, &found.optima, &sample);
-        for (k, truth) in truth.iter().enumerate() {
+    for number in 0..60 {
+        let record = record(setting, &mut random, number);
+        held.told += u32::from(record.told);
+        for (k, truth) in record.truth.iter().enumerate() {
             let inside = |[low, high]: &[f64; 2]| (*low..=*high).contains(truth);
-            held.normal[k] += u32::from(inside(&outcome.free[k].interval));
-            held.sampled[k] += u32::from(posterior.free[k].intervals.iter().any(inside));
+            held.normal[k] += u32::from(inside(&record.normal[k]));
+            let sampled = &record.posterior.free[k].intervals;
+            held.sampled[k] += u32::from(sampled.iter().any(inside));
         }
-        let (_, [low, high]) = PosteriorOutcome::discrepancy(&problem, &sample, &unknown[0], 0);
-        held.discrepancy += u32::from((low..=high).contains(&discrepancy));
+        let (_, [low, high]) = record.sampled;
+        held.discrepancy += u32::from((low..=high).contains(&record.discrepancy));
     }
     held
 }
 
+/// Mean and standard deviation of amplitude and rate, by sums over a grid of all three unknowns.
+fn on_a_grid(values: &[f64]) -> [[f64; 2]; 2] {
+    const CELLS: [usize; 3] = [200, 160, 60];
+    let middle = |k: usize, axis: usize| (k as f64 + 0.5) / CELLS[axis] as f64;
+    let prior = Unknown {
+        quantity: 0,
+        scale: ACCURACY,
+    };
+    let variances = (0..CELLS[2]).map(|k| prior.deviation(middle(k, 2)).powi(2));
+    let variances: Vec<f64> = variances.map(|own| own + ACCURACY * ACCURACY).collect();
+    let mut sums = [[0.0; 3]; 2];
+    for i in 0..CELLS[0] {
+        for j in 0..CELLS[1] {
+            let p = problem(&[]).free_values(&[middle(i, 0), middle(j, 1)]);
+            let misfits = values.iter().enumerate();
+            let misfits = misfits.map(|(case, value)| decay(&p, time(case, values.len())) - value);
+            let squares: f64 = misfits.map(|own| own * own).sum();
+            let density = |variance: &f64| {
+                (-0.5 * squares / variance).exp() * variance.powf(-0.5 * values.len() as f64)
+            };
+            let density: f64 = variances.iter().map(density).sum();
+            for (sums, own) in sums.iter_mut().zip(p) {
+                for (power, sum) in sums.iter_mut().enumerate() {
+                    *sum += density * own.powi(power as i32);
+                }
+            }
+        }
+    }
+    sums.map(|[all, first, second]| {
+        let mean = first / all;
+        [mean, (second / all - mean * mean).sqrt()]
+    })
+}
+
+/// Where the true discrepancy is five times the accuracy, the sample is still that of the exact posterior.
+#[test]
+fn the_sample_is_the_posterior_on_a_grid() {
+    let setting = Setting {
+        cases: 12,
+        discrepancy: Some(0.5),
+        seed: 24,
+    };
+    let mut random = StdRng::seed_from_u64(setting.seed);
+    for number in 0..10 {
+        let record = record(&setting, &mut random, number);
+        let exact = on_a_grid(&record.values);
+        let draws = record.posterior.effective;
+        for (own, [mean, deviation]) in record.posterior.free.iter().zip(exact) {
+            let off = (own.mean - mean) / deviation * draws.sqrt();
+            assert!(off.abs() < 4.0, "record {number}, {}: {off}", own.name);
+            // A standard deviation of so many draws scatters by about 4 %.
+            let ratio = own.deviation / deviation;
+            assert!(
+                (0.82..1.22).contains(&ratio),
+                "record {number}, {}: {ratio}",
+                own.name
+            );
+        }
+    }
+}
+
 /// Of 60 intervals that hold with 95 %, 51 to 60 hold with a probability of 99.9 %. That is promised over truths from the
-/// prior; one fixed discrepancy of five times the accuracy is printed, and shows what that is worth for a single one.
+/// prior. With a discrepancy of always five times the accuracy the exact posterior's intervals hold in 93 to 94 %; of 60
+/// such, 48 to 60 hold with a probability of 99.9 %.
 #[test]
 fn intervals_hold_with_an_unknown_discrepancy() {
     let settings = [(12, None, 21), (4, None, 22), (12, Some(0.5), 23)];
@@ -141,9 +229,8 @@ fn intervals_hold_with_an_unknown_discrepancy() {
             seed,
         });
         println!("{cases} cases, discrepancy {discrepancy:?}: {held:?} of 60");
-        if discrepancy.is_none() {
-            assert!(held.sampled.iter().all(|count| *count >= 51), "{held:?}");
-            assert!(held.discrepancy >= 51, "{held:?}");
-        }
+        let least = if discrepancy.is_none() { 51 } else { 48 };
+        assert!(held.sampled.iter().all(|count| *count >= least), "{held:?}");
+        assert!(held.discrepancy >= least, "{held:?}");
     }
 }
