@@ -41,15 +41,31 @@ const Weights = (() => {
     return bottom > 0 ? top / bottom : null;
   };
 
-  /** The interval of a weighted share: Clopper and Pearson's for as many points as the weights leave. */
+  // The upper end for a share: Fay and Feuer's (1997, Statistics in Medicine 16, 791-801) for a weighted count, as a share. One
+  // more point might have met the criteria, and it might have had the largest weight.
+  const upper = (weights, holds, own, most, confidence) => {
+    let sum = most, squares = most ** 2;
+    for (let i = 0; i < weights.length; i++) if (holds(i)) {
+      sum += weights[i];
+      squares += weights[i] ** 2;
+    }
+    const points = Math.min(own, weights.length * sum / squares), count = Math.min(sum * points / weights.length - 1, points);
+    return Numbers.clopperPearson(Math.max(count, 0), points, confidence)[1];
+  };
+
+  /** The interval of a weighted share: Clopper and Pearson's for as many points as the weights leave on its two sides. */
   const interval = (weights, flags, confidence) => {
     const share = mean(weights, i => flags[i]), n = weights.length;
     let variance = 0;
     for (let i = 0; i < n; i++) variance += (weights[i] * (flags[i] - share)) ** 2;
     // The points that carry the share may be weighted unlike the rest.
     const own = variance > 0 ? share * (1 - share) * n * n / variance : Infinity;
-    const points = Math.min(effective(weights), own);
-    return Numbers.clopperPearson(share * points, points, confidence);
+    const points = Math.min(effective(weights), own), most = weights.reduce((a, b) => Math.max(a, b), 0);
+    const [low, high] = Numbers.clopperPearson(share * points, points, confidence);
+    return [
+      Math.min(low, 1 - upper(weights, i => !flags[i], points, most, confidence)),
+      Math.max(high, upper(weights, i => flags[i], points, most, confidence)),
+    ];
   };
 
   return { FEW, REACH, possible, of, effective, mean, interval };
