@@ -214,6 +214,10 @@ pub(super) fn best(summary: &Summary) -> String {
     };
     let with_unit = |name: &str, value: f64, unit: Option<&str>| {
         let unit = unit.map_or_else(String::new, |unit| format!(" {unit}"));
+        // Five places would leave nothing of a coefficient of expansion.
+        if value != 0.0 && value.abs() < 0.01 {
+            return format!("{name} {value:.4e}{unit}");
+        }
         format!("{name} {value:.5}{unit}")
     };
     let parameters = summary.parameters.iter().map(|parameter| {

@@ -53,12 +53,15 @@ impl Rest {
             let texts: Vec<String> = points.iter().map(u64::to_string).collect();
             texts.join(", ")
         };
+        let step = match self.step {
+            short if short < 0.001 => format!("{short:.2e}"),
+            step => format!("{step:.4}"),
+        };
         (!self.observed.is_empty()).then(|| {
             format!(
                 "Whether values still move at the end of the run was looked at on extra runs of the points {}, with \
-                 steps of {:.4} s up to {} s.",
+                 steps of {step} s up to {} s.",
                 list(&self.observed),
-                self.step,
                 (1e6 * self.until).round() / 1e6
             )
         })
