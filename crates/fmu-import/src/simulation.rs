@@ -82,7 +82,20 @@ pub(crate) trait Simulation: Debug + Send {
         sizes: &[f64],
         references: &[u32],
         rows: &mut [f64],
-    ) -> (usize, Result<(), Call>);
+    ) -> (usize, Result<(), Call>) {
+        let width = references.len();
+        for (taken, (&time, &size)) in times.iter().zip(sizes).enumerate() {
+            let row = &mut rows[taken * width..(taken + 1) * width];
+            let mut outcome = self.step(caller, time, size);
+            if outcome.is_ok() && width > 0 {
+                outcome = self.reals(caller, references, row);
+            }
+            if outcome.is_err() {
+                return (taken, outcome);
+            }
+        }
+        (times.len(), Ok(()))
+    }
     /// Goes back to the state after the creation.
     fn reset(&mut self, caller: &mut Caller) -> Result<(), Call>;
     /// Ends the simulation.

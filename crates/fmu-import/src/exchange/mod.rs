@@ -78,28 +78,6 @@ impl<E: Equations> Simulation for Exchange<E> {
         self.advance(caller, time, time + step)
     }
 
-    fn steps(
-        &mut self,
-        caller: &mut Caller,
-        times: &[f64],
-        sizes: &[f64],
-        references: &[u32],
-        rows: &mut [f64],
-    ) -> (usize, Result<(), Call>) {
-        let width = references.len();
-        for (taken, (&time, &size)) in times.iter().zip(sizes).enumerate() {
-            let row = &mut rows[taken * width..(taken + 1) * width];
-            let mut outcome = self.step(caller, time, size);
-            if outcome.is_ok() && width > 0 {
-                outcome = self.reals(caller, references, row);
-            }
-            if outcome.is_err() {
-                return (taken, outcome);
-            }
-        }
-        (times.len(), Ok(()))
-    }
-
     fn reset(&mut self, caller: &mut Caller) -> Result<(), Call> {
         self.mode = Mode::New;
         self.ramps.clear();
