@@ -9,6 +9,7 @@ timeout; with own_folders each point has an unpacked FMU and a working directory
 
 import contextlib
 import ctypes
+import functools
 import json
 import math
 import os
@@ -52,8 +53,10 @@ def communication_points(start, stop, step):
     return [start + i * step for i in range(steps)] + [stop]
 
 
+@functools.cache
 def callbacks():
-    """fmpy's callbacks without Python in them: memory from the C library, messages to nobody."""
+    """fmpy's callbacks without Python in them: memory from the C library, messages to nobody. They live as long as the
+    process: a thread of an FMU may call them when its instance is gone."""
     library, types = ctypes.CDLL(None), fmi2
     made = types.fmi2CallbackFunctions()
     made.logger = ctypes.cast(library.getpid, types.fmi2CallbackLoggerTYPE)
