@@ -39,7 +39,6 @@ unsafe extern "C" fn logger(
 struct Host {
     component: Component,
     // Boxed: the boundary keeps a pointer to the list.
-    #[expect(clippy::box_collection)]
     messages: Box<Messages>,
 }
 
