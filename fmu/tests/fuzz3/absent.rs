@@ -8,9 +8,11 @@ use crate::host::Host;
 /// Calls one of them, and asserts that it was refused.
 macro_rules! refused {
     ($host:ident, $component:ident: $($function:ident($($argument:expr),*);)*) => {{
-        // SAFETY of all: the pointers are ours, or dangle and are not followed.
         let all: &[(&'static str, &dyn Fn(Component) -> Status)] = &[
-            $((stringify!($function), &|c| unsafe { $function(c, $($argument),*) })),*
+            $((stringify!($function), &|c| {
+                // SAFETY: the pointers are ours, or dangle and are not followed.
+                unsafe { $function(c, $($argument),*) }
+            })),*
         ];
         let (name, function) = all[$host.random.below(all.len())];
         let status = $host.call(name, $component, function);
