@@ -1,5 +1,5 @@
-//! A plain-bearing test stand: drive, load mechanism, bearing, oil, heat transfer and sensors, exported as an FMI 2.0
-//! Co-Simulation FMU.
+//! A plain-bearing test stand: drive, load mechanism, bearing, oil, heat transfer and sensors, exported as a
+//! Co-Simulation FMU of FMI 2.0 and 3.0.
 //!
 //! The modules compute in SI units and know nothing of FMI, which comes from [`fmu_export`]. Start reading at [`stand`],
 //! where the blocks are wired, and at [`variables`], which names all that hosts can set and read.

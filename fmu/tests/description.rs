@@ -1,21 +1,31 @@
 //! The stand's variable table and the model description that follows from it.
 #![allow(clippy::unwrap_used)]
 
-use fmu_export::fmi2::description::xml;
 use fmu_export::model::{Kind, Model, faults};
+use fmu_export::{fmi2, fmi3};
 use plain_bearing_stand::stand::Stand;
 
 #[test]
-fn the_committed_description_is_fresh() {
-    let path = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../modelDescription/modelDescription.xml"
-    );
-    let committed = std::fs::read_to_string(path).unwrap_or_default();
-    assert!(
-        committed.replace("\r\n", "\n") == xml::<Stand>(),
-        "{path} is stale: run `cargo run -p plain-bearing-stand --bin model-description`"
-    );
+fn the_committed_descriptions_are_fresh() {
+    for (path, text) in [
+        (
+            concat!(
+                env!("CARGO_MANIFEST_DIR"),
+                "/../modelDescription/modelDescription.xml"
+            ),
+            fmi2::description::xml::<Stand>(),
+        ),
+        (
+            concat!(env!("CARGO_MANIFEST_DIR"), "/descriptions/fmi3.xml"),
+            fmi3::description::xml::<Stand>(),
+        ),
+    ] {
+        let committed = std::fs::read_to_string(path).unwrap_or_default();
+        assert!(
+            committed.replace("\r\n", "\n") == text,
+            "{path} is stale: run `cargo run -p plain-bearing-stand --bin model-description`"
+        );
+    }
 }
 
 #[test]

@@ -1,6 +1,8 @@
-"""The FMU's archive: the same bytes for the same contents."""
+"""The FMUs' archives: the same bytes for the same contents."""
 
 import zipfile
+from dataclasses import dataclass
+from pathlib import Path
 
 from . import parameters
 from .common import ROOT
@@ -8,14 +10,37 @@ from .common import ROOT
 EPOCH = (1980, 1, 1, 0, 0, 0)
 
 
-def write(output, rows):
-    """Zips modelDescription/, the binaries and the parameter sets."""
+@dataclass
+class Form:
+    """One of the FMUs that are made of the same binaries: its version of FMI, its description, its name."""
+
+    version: int
+    description: Path
+    suffix: str
+
+    def beside(self, output):
+        """The FMU's file, beside that of FMI 2.0 Co-Simulation."""
+        return output.with_name(f"{output.stem}{self.suffix}{output.suffix}")
+
+
+FORMS = [
+    Form(2, ROOT / "modelDescription/modelDescription.xml", ""),
+    Form(3, ROOT / "fmu/descriptions/fmi3.xml", "-fmi3"),
+]
+
+
+def write(output, rows, form):
+    """Zips modelDescription/, the form's description, the binaries and the parameter sets."""
     folder = ROOT / "modelDescription"
     files = {path.relative_to(folder).as_posix(): path.read_bytes()
              for path in folder.rglob("*") if path.is_file()}
-    files |= {row.place: row.file.read_bytes() for row in rows if row.file}
+    files["modelDescription.xml"] = form.description.read_bytes()
+    files |= {place: row.file.read_bytes() for row in rows if row.file for place in row.places(form.version)}
     files["documentation/licenses/LICENSE"] = (ROOT / "LICENSE").read_bytes()
     files["terminalsAndIcons/icon.png"] = files["model.png"]
+    if form.version == 3:
+        # There the icon has one place only.
+        del files["model.png"]
     files |= parameters.files()
     output.parent.mkdir(parents=True, exist_ok=True)
     partial = output.with_suffix(".partial")

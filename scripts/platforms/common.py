@@ -21,6 +21,15 @@ PLATFORMS = {
     "aarch64-darwin": ".dylib",
 }
 
+# Their folders in FMI 3.0. The library for darwin64 serves both processors of Macs.
+PLATFORMS_3 = {
+    "linux64": ["x86_64-linux"],
+    "win64": ["x86_64-windows"],
+    "darwin64": ["x86_64-darwin", "aarch64-darwin"],
+    "aarch64-linux": ["aarch64-linux"],
+    "aarch64-darwin": ["aarch64-darwin"],
+}
+
 
 class Failure(Exception):
     """Why a platform is not in the FMU."""
@@ -38,10 +47,10 @@ class Row:
     notes: list = field(default_factory=list)
     result: str = ""
 
-    @property
-    def place(self):
-        """Where the binary goes in the FMU."""
-        return f"binaries/{self.platform}/{IDENTIFIER}{PLATFORMS[self.platform]}"
+    def places(self, version):
+        """Where the binary goes in an FMU of this version of FMI."""
+        folders = [self.platform] if version == 2 else PLATFORMS_3[self.platform]
+        return [f"binaries/{folder}/{IDENTIFIER}{PLATFORMS[self.platform]}" for folder in folders]
 
     def __str__(self):
         if self.file is None:

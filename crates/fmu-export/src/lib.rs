@@ -51,8 +51,10 @@
 //! # Ok::<(), Fault>(())
 //! ```
 
+mod boundary;
 pub mod declare;
 pub mod fmi2;
+pub mod fmi3;
 pub mod model;
 #[cfg(feature = "package")]
 pub mod package;

@@ -13,8 +13,8 @@ use thiserror::Error;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
-use crate::fmi2::description;
 use crate::model::{Model, faults};
+use crate::{fmi2, fmi3};
 use arguments::{Arguments, HELP};
 
 /// Defines the `main` of a program that packs the model of its package into an FMU.
@@ -60,10 +60,37 @@ pub enum PackageError {
     },
 }
 
+/// What an FMU offers: version and kind. Every library serves all of them; the model description says which it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// FMI 2.0 Co-Simulation.
+    CoSimulation2,
+    /// FMI 3.0 Co-Simulation.
+    CoSimulation3,
+}
+
+impl Form {
+    /// The model description.
+    pub fn description<M: Model>(self) -> String {
+        match self {
+            Self::CoSimulation2 => fmi2::description::xml::<M>(),
+            Self::CoSimulation3 => fmi3::description::xml::<M>(),
+        }
+    }
+
+    /// The end of the FMU's name, after the model's identifier.
+    pub fn suffix(self) -> &'static str {
+        match self {
+            Self::CoSimulation2 => "",
+            Self::CoSimulation3 => "-fmi3",
+        }
+    }
+}
+
 /// The binary of one platform.
 #[derive(Debug)]
 pub struct Binary {
-    /// The platform's folder in the FMU, such as `linux64`.
+    /// The platform's folder in the FMU, such as `linux64`, or `x86_64-linux` for FMI 3.0.
     pub platform: &'static str,
     /// The library.
     pub library: PathBuf,
@@ -97,17 +124,21 @@ fn make<M: Model>(
     if !faults.is_empty() {
         return Err(PackageError::Unsound(faults));
     }
-    let mut binaries = arguments.added();
+    let form = arguments.form;
+    let mut binaries = arguments.added()?;
     for target in arguments.targets() {
-        binaries.push(build::library(package, folder, &arguments.profile, target)?);
+        let library = build::library(package, folder, &arguments.profile, target, form)?;
+        binaries.push(library);
     }
     let output = match &arguments.output {
         Some(output) => output.clone(),
-        None => binaries[0]
-            .library
-            .with_file_name(format!("{}.fmu", M::INFO.identifier)),
+        None => binaries[0].library.with_file_name(format!(
+            "{}{}.fmu",
+            M::INFO.identifier,
+            form.suffix()
+        )),
     };
-    let files = contents::<M>(folder, &binaries)?;
+    let files = contents::<M>(folder, &binaries, form)?;
     let size = write(&output, &files).map_err(|error| at(&output, error))?;
     let platforms: Vec<_> = binaries.iter().map(|binary| binary.platform).collect();
     Ok(format!(
@@ -125,6 +156,7 @@ fn make<M: Model>(
 pub fn contents<M: Model>(
     folder: &Path,
     binaries: &[Binary],
+    form: Form,
 ) -> Result<BTreeMap<String, Vec<u8>>, PackageError> {
     let mut files = BTreeMap::new();
     let extra = folder.join("fmu");
@@ -152,7 +184,7 @@ pub fn contents<M: Model>(
     }
     files.insert(
         "modelDescription.xml".to_owned(),
-        description::xml::<M>().into_bytes(),
+        form.description::<M>().into_bytes(),
     );
     Ok(files)
 }
@@ -275,7 +307,7 @@ mod tests {
     #[test]
     fn an_fmu_holds_what_belongs_to_it_and_is_the_same_every_time() {
         let (folder, binaries) = package();
-        let files = contents::<Nothing>(folder.path(), &binaries).unwrap();
+        let files = contents::<Nothing>(folder.path(), &binaries, Form::CoSimulation2).unwrap();
         let (one, two) = (
             folder.path().join("a/one.fmu"),
             folder.path().join("two.fmu"),
@@ -307,7 +339,7 @@ mod tests {
         let mut xml = String::new();
         let mut entry = archive.by_name("modelDescription.xml").unwrap();
         io::Read::read_to_string(&mut entry, &mut xml).unwrap();
-        assert_eq!(xml, description::xml::<Nothing>());
+        assert_eq!(xml, fmi2::description::xml::<Nothing>());
     }
 
     #[test]
@@ -317,7 +349,7 @@ mod tests {
             platform: "linux64",
             library: folder.path().join("libnothing.so"),
         });
-        let refused = contents::<Nothing>(folder.path(), &binaries)
+        let refused = contents::<Nothing>(folder.path(), &binaries, Form::CoSimulation2)
             .unwrap_err()
             .to_string();
         assert!(
@@ -325,7 +357,7 @@ mod tests {
             "{refused}"
         );
         binaries[1].library = folder.path().join("missing.so");
-        let refused = contents::<Nothing>(folder.path(), &binaries)
+        let refused = contents::<Nothing>(folder.path(), &binaries, Form::CoSimulation2)
             .unwrap_err()
             .to_string();
         assert!(refused.contains("missing.so: "), "{refused}");

@@ -1,10 +1,10 @@
 //! Writes the files that follow from the stand's variable table: the value references of new variables,
-//! `modelDescription.xml` and the documentation page.
+//! the model descriptions and the documentation page.
 
 use std::path::Path;
 use std::process::ExitCode;
 
-use fmu_export::fmi2::description;
+use fmu_export::{fmi2, fmi3};
 use plain_bearing_stand::stand::Stand;
 use plain_bearing_stand::{documentation, variables};
 
@@ -18,7 +18,11 @@ fn main() -> ExitCode {
         ),
         (
             folder.join("modelDescription.xml"),
-            description::xml::<Stand>(),
+            fmi2::description::xml::<Stand>(),
+        ),
+        (
+            Path::new(env!("CARGO_MANIFEST_DIR")).join("descriptions/fmi3.xml"),
+            fmi3::description::xml::<Stand>(),
         ),
         (
             folder.join("documentation/index.html"),

@@ -28,6 +28,23 @@ struct Log {
     busy: Cell<Option<Component>>,
 }
 
+/// The functions for saved states, under the names that all versions share.
+pub mod saving {
+    pub use plain_bearing_stand::c_functions::{
+        fmi2DeSerializeFMUstate as deserialize, fmi2FreeFMUstate as free, fmi2GetFMUstate as get,
+        fmi2SerializedFMUstateSize as size, fmi2SetFMUstate as set,
+    };
+
+    /// Their names in the standard.
+    pub const NAMES: crate::states::Names = crate::states::Names {
+        get: "fmi2GetFMUstate",
+        set: "fmi2SetFMUstate",
+        free: "fmi2FreeFMUstate",
+        size: "fmi2SerializedFMUstateSize",
+        deserialize: "fmi2DeSerializeFMUstate",
+    };
+}
+
 /// The host.
 pub struct Host {
     /// Where all choices come from.

@@ -2,14 +2,22 @@
 
 use std::ptr::null_mut;
 
-use fmu_export::fmi2::types::*;
-use plain_bearing_stand::c_functions::*;
+use fmu_export::fmi2::types::{Component, FmuState, Status};
 
 use crate::acts::MOST;
-use crate::host::Host;
+use crate::host::{Host, saving};
 
 /// Bytes in front of the payload: mark, version, fingerprint, length, checksum.
 const HEADER: usize = 8 + 2 + 16 + 8 + 4;
+
+/// The names of the functions for saved states.
+pub struct Names {
+    pub get: &'static str,
+    pub set: &'static str,
+    pub free: &'static str,
+    pub size: &'static str,
+    pub deserialize: &'static str,
+}
 
 /// Does something with saved states.
 pub fn act(host: &mut Host, component: Component) {
@@ -39,8 +47,8 @@ fn save(host: &mut Host, component: Component) {
     };
     let mut state = old;
     // SAFETY: NULL, or a state that is alive; the place is ours.
-    let status = host.call("fmi2GetFMUstate", component, |c| unsafe {
-        fmi2GetFMUstate(c, &raw mut state)
+    let status = host.call(saving::NAMES.get, component, |c| unsafe {
+        saving::get(c, &raw mut state)
     });
     assert!(old.is_null() || state == old, "a state is used again");
     if status == Status::Ok {
@@ -54,8 +62,8 @@ fn save(host: &mut Host, component: Component) {
 fn restore(host: &mut Host, component: Component) {
     let state = any(host);
     // SAFETY: NULL, or a state that is alive.
-    let status = host.call("fmi2SetFMUstate", component, |c| unsafe {
-        fmi2SetFMUstate(c, state)
+    let status = host.call(saving::NAMES.set, component, |c| unsafe {
+        saving::set(c, state)
     });
     if status == Status::Ok {
         host.copied(state, component);
@@ -76,8 +84,8 @@ fn free(host: &mut Host, component: Component) {
     let index = host.random.below(host.states.len());
     let mut state = host.states.swap_remove(index);
     // SAFETY: alive, freed once.
-    let status = host.call("fmi2FreeFMUstate", component, |c| unsafe {
-        fmi2FreeFMUstate(c, &raw mut state)
+    let status = host.call(saving::NAMES.free, component, |c| unsafe {
+        saving::free(c, &raw mut state)
     });
     assert!(status == Status::Ok && state.is_null());
 }
@@ -92,17 +100,17 @@ fn strange(host: &mut Host, component: Component) {
     let mut size = 0;
     // SAFETY of all: NULL, or readable memory that is no state.
     match host.random.below(3) {
-        0 => host.call("fmi2SetFMUstate", component, |c| {
+        0 => host.call(saving::NAMES.set, component, |c| {
             // SAFETY: as said above.
-            unsafe { fmi2SetFMUstate(c, state) }
+            unsafe { saving::set(c, state) }
         }),
-        1 => host.call("fmi2SerializedFMUstateSize", component, |c| {
+        1 => host.call(saving::NAMES.size, component, |c| {
             // SAFETY: as said above.
-            unsafe { fmi2SerializedFMUstateSize(c, state, &raw mut size) }
+            unsafe { saving::size(c, state, &raw mut size) }
         }),
-        _ => host.call("fmi2FreeFMUstate", component, |c| {
+        _ => host.call(saving::NAMES.free, component, |c| {
             // SAFETY: as said above.
-            unsafe { fmi2FreeFMUstate(c, &raw mut state) }
+            unsafe { saving::free(c, &raw mut state) }
         }),
     };
 }
@@ -122,9 +130,9 @@ fn written(host: &mut Host, component: Component) {
         _ => forge(host, &mut bytes),
     }
     let mut state = null_mut();
-    let status = host.call("fmi2DeSerializeFMUstate", component, |c| {
+    let status = host.call(saving::NAMES.deserialize, component, |c| {
         // SAFETY: as many bytes as are there; the place is ours.
-        unsafe { fmi2DeSerializeFMUstate(c, bytes.as_ptr().cast(), bytes.len(), &raw mut state) }
+        unsafe { saving::deserialize(c, bytes.as_ptr().cast(), bytes.len(), &raw mut state) }
     });
     match way {
         0 => assert_eq!(status, Status::Ok),
@@ -149,8 +157,8 @@ fn written(host: &mut Host, component: Component) {
         host.states.push(state);
     } else {
         // SAFETY: alive, freed once.
-        host.call("fmi2FreeFMUstate", component, |c| unsafe {
-            fmi2FreeFMUstate(c, &raw mut state)
+        host.call(saving::NAMES.free, component, |c| unsafe {
+            saving::free(c, &raw mut state)
         });
     }
 }

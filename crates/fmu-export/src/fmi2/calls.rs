@@ -14,11 +14,17 @@ mod status;
 use std::ffi::c_int;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use super::guard::{Handle, enter};
-use super::instance::{Instance, Request};
-use super::phase;
-use super::raw::{lossy, texts, values};
-use super::types::{Boolean, CallbackFunctions, Component, FALSE, Real, Status, Text};
+use super::description;
+use super::functions;
+use super::types::{
+    Boolean, CO_SIMULATION, CallbackFunctions, Component, FALSE, Real, Status, Text,
+};
+use crate::boundary::guard::{Handle, enter};
+use crate::boundary::instance::{Instance, Request};
+use crate::boundary::logger::{Callback, Logger, c_string};
+use crate::boundary::raw::{lossy, texts, values};
+use crate::boundary::refusal::Refusal;
+use crate::boundary::version::Version;
 use crate::model::Model;
 
 pub use access::*;
@@ -40,14 +46,29 @@ pub unsafe fn instantiate<M: Model>(
         let callbacks = unsafe { values(callbacks, 1, "functions") }.ok()?[0];
         // SAFETY: as the host vouches. Some hosts write names and paths in their system's code page, not in UTF-8.
         let [name, guid, resources] = unsafe { [lossy(name), lossy(guid), lossy(resources)] };
+        let name = name.as_deref().unwrap_or_default();
+        let callback = (callbacks.logger).map(|logger| Callback::Two(logger, c_string(name)));
+        let logger = Logger::new(callback, callbacks.component_environment, logging != FALSE);
+        if kind != CO_SIMULATION {
+            let refusal = Refusal::Argument {
+                name: "fmuType",
+                value: kind.to_string(),
+                why: "this FMU supports Co-Simulation (1) only",
+            };
+            logger.refuse("fmi2Instantiate", &refusal);
+            return None;
+        }
+        let fingerprint = description::fingerprint::<M>();
         let request = Request {
-            name: name.as_deref().unwrap_or_default(),
-            kind,
-            guid: guid.as_deref().unwrap_or_default(),
+            function: "fmi2Instantiate",
+            version: Version::Two,
+            name,
+            token: ("fmuGUID", guid.as_deref().unwrap_or_default()),
+            expected: &description::guid(fingerprint),
+            fingerprint,
             resources: resources.as_deref(),
-            logging: logging != FALSE,
         };
-        Instance::<M>::new(&request, &callbacks).map(Handle::give)
+        Instance::<M>::new(&request, logger).map(Handle::give)
     };
     catch_unwind(AssertUnwindSafe(make))
         .ok()
@@ -58,7 +79,7 @@ pub unsafe fn instantiate<M: Model>(
 /// `fmi2FreeInstance`.
 pub unsafe fn free_instance<M: Model>(component: Component) {
     // SAFETY: as the host vouches.
-    unsafe { Handle::<M>::end(component) }
+    unsafe { Handle::<M>::end(component, Version::Two) }
 }
 
 /// `fmi2SetDebugLogging`.
@@ -74,7 +95,7 @@ pub unsafe fn set_debug_logging<M: Model>(
         instance.set_logging(on != FALSE, &categories)
     };
     // SAFETY: as the host vouches.
-    unsafe { enter(component, &phase::SET_DEBUG_LOGGING, body) }
+    unsafe { enter(component, &functions::SET_DEBUG_LOGGING, body) }
 }
 
 /// `fmi2SetupExperiment`.
@@ -90,7 +111,7 @@ pub unsafe fn setup_experiment<M: Model>(
     let stop = (stop_defined != FALSE).then_some(stop);
     let body = |instance: &mut Instance<M>| instance.setup(tolerance, start, stop);
     // SAFETY: as the host vouches.
-    unsafe { enter(component, &phase::SETUP_EXPERIMENT, body) }
+    unsafe { enter(component, &functions::SETUP_EXPERIMENT, body) }
 }
 
 /// Defines functions that take nothing but the component.
@@ -99,7 +120,7 @@ macro_rules! plain {
         $(#[$doc])*
         pub unsafe fn $name<M: Model>(component: Component) -> Status {
             // SAFETY: as the host vouches.
-            unsafe { enter(component, &phase::$function, Instance::<M>::$method) }
+            unsafe { enter(component, &functions::$function, Instance::<M>::$method) }
         }
     )*};
 }
@@ -124,9 +145,11 @@ pub unsafe fn do_step<M: Model>(
 ) -> Status {
     // SAFETY: as the host vouches.
     unsafe {
-        enter(component, &phase::DO_STEP, |instance: &mut Instance<M>| {
-            instance.step(from, step)
-        })
+        enter(
+            component,
+            &functions::DO_STEP,
+            |instance: &mut Instance<M>| instance.step(from, step),
+        )
     }
 }
 
@@ -134,7 +157,7 @@ pub unsafe fn do_step<M: Model>(
 pub unsafe fn cancel_step<M: Model>(component: Component) -> Status {
     // SAFETY: as the host vouches.
     unsafe {
-        enter(component, &phase::CANCEL_STEP, |_: &mut Instance<M>| {
+        enter(component, &functions::CANCEL_STEP, |_: &mut Instance<M>| {
             Ok(Status::Ok)
         })
     }

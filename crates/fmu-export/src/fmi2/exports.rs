@@ -1,12 +1,24 @@
 //! The C functions of FMI 2.0 Co-Simulation under their own names.
 
-/// Defines the 34 C functions of FMI 2.0 Co-Simulation for a model: `fmu_export::export!(Tank);`
+/// Defines the C functions of FMI for a model, the 34 of FMI 2.0 Co-Simulation and the 75 of FMI 3.0:
+/// `fmu_export::export!(Tank);`
 ///
-/// Write it once, at the root of a crate whose `crate-type` is `["lib", "cdylib"]`.
+/// Write it once, at the root of a crate whose `crate-type` is `["lib", "cdylib"]`. Which version a library serves is
+/// said by the model description beside it.
 #[macro_export]
 macro_rules! export {
     ($model:ty) => {
-        $crate::export_functions! { $model:
+        $crate::export_fmi2! { $model }
+        $crate::export_fmi3! { $model }
+    };
+}
+
+/// Defines the C functions of FMI 2.0 for a model; [`export!`](crate::export) calls it.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! export_fmi2 {
+    ($model:ty) => {
+        $crate::export_fmi2_functions! { $model:
             fmi2Instantiate = instantiate(name: Text, kind: c_int, guid: Text, resources: Text,
                 callbacks: *const CallbackFunctions, visible: Boolean, logging: Boolean) -> Component;
             fmi2FreeInstance = free_instance(component: Component);
@@ -68,10 +80,10 @@ macro_rules! export {
     };
 }
 
-/// Defines the functions that [`export!`] lists.
+/// Defines the functions that `export_fmi2!` lists.
 #[doc(hidden)]
 #[macro_export]
-macro_rules! export_functions {
+macro_rules! export_fmi2_functions {
     ($model:ty: $($name:ident = $call:ident($($argument:ident: $of:ty),*) $(-> $result:ty)?;)*) => {
         /// The C functions of FMI 2.0 Co-Simulation. `fmu_export::fmi2::calls` says what they rely on.
         #[allow(non_snake_case, missing_docs)]

@@ -3,14 +3,15 @@
 use std::path::PathBuf;
 
 use super::build::platform;
-use super::{Binary, PackageError};
+use super::{Binary, Form, PackageError};
 
 /// The options, in words.
 pub(super) const HELP: &str = "\
 Builds the model's library and packs it into an FMU.
 
 Options:
-  --output FILE            the FMU (by default IDENTIFIER.fmu beside the library)
+  --fmi VERSION            the version of the standard, 2 or 3 (by default 2)
+  --output FILE            the FMU (by default IDENTIFIER.fmu, or IDENTIFIER-fmi3.fmu, beside the library)
   --profile PROFILE        cargo's profile (by default release)
   --target TRIPLE          build for this platform instead of this machine's; may be repeated
   --add PLATFORM=LIBRARY   take a library that was built elsewhere, such as win64=model.dll; may be repeated
@@ -22,8 +23,9 @@ Example: cargo run -- --output dist/Tank.fmu";
 pub(super) struct Arguments {
     pub(super) output: Option<PathBuf>,
     pub(super) profile: String,
+    pub(super) form: Form,
     targets: Vec<String>,
-    added: Vec<(&'static str, PathBuf)>,
+    added: Vec<(String, PathBuf)>,
 }
 
 impl Arguments {
@@ -39,10 +41,14 @@ impl Arguments {
     }
 
     /// The libraries that were built elsewhere.
-    pub(super) fn added(&self) -> Vec<Binary> {
-        let binary = |(platform, library): &(&'static str, PathBuf)| Binary {
-            platform,
-            library: library.clone(),
+    pub(super) fn added(&self) -> Result<Vec<Binary>, PackageError> {
+        let binary = |(name, library): &(String, PathBuf)| {
+            let platform = platform::named(name, self.form).ok_or_else(|| {
+                let names = platform::names().join(", ");
+                PackageError::Usage(format!("--add {name}=...: the platforms are {names}"))
+            })?;
+            let library = library.clone();
+            Ok(Binary { platform, library })
         };
         self.added.iter().map(binary).collect()
     }
@@ -55,6 +61,7 @@ pub(super) fn parse(
     let mut arguments = Arguments {
         output: None,
         profile: "release".to_owned(),
+        form: Form::CoSimulation2,
         targets: Vec::new(),
         added: Vec::new(),
     };
@@ -62,7 +69,8 @@ pub(super) fn parse(
         if option == "--help" || option == "-h" {
             return Ok(None);
         }
-        let known = ["--output", "--profile", "--target", "--add"].contains(&option.as_str());
+        let known =
+            ["--fmi", "--output", "--profile", "--target", "--add"].contains(&option.as_str());
         if !known {
             return Err(PackageError::Usage(format!("there is no option {option}")));
         }
@@ -70,23 +78,32 @@ pub(super) fn parse(
             .next()
             .ok_or_else(|| PackageError::Usage(format!("{option} needs a value")))?;
         match option.as_str() {
+            "--fmi" => arguments.form = form(&value)?,
             "--output" => arguments.output = Some(value.into()),
             "--profile" => arguments.profile = value,
             "--target" => arguments.targets.push(value),
             _ => arguments.added.push(added(&value)?),
         }
     }
+    arguments.added()?;
     Ok(Some(arguments))
 }
 
-fn added(value: &str) -> Result<(&'static str, PathBuf), PackageError> {
-    let usage = |text: String| PackageError::Usage(format!("--add {value}: {text}"));
+fn form(value: &str) -> Result<Form, PackageError> {
+    match value {
+        "2" | "2.0" => Ok(Form::CoSimulation2),
+        "3" | "3.0" => Ok(Form::CoSimulation3),
+        _ => Err(PackageError::Usage(format!(
+            "--fmi {value}: the versions are 2 and 3"
+        ))),
+    }
+}
+
+fn added(value: &str) -> Result<(String, PathBuf), PackageError> {
     let (name, library) = value
         .split_once('=')
-        .ok_or_else(|| usage("write PLATFORM=LIBRARY".to_owned()))?;
-    let platform = platform::named(name)
-        .ok_or_else(|| usage(format!("the platforms are {}", platform::NAMES.join(", "))))?;
-    Ok((platform, library.into()))
+        .ok_or_else(|| PackageError::Usage(format!("--add {value}: write PLATFORM=LIBRARY")))?;
+    Ok((name.to_owned(), library.into()))
 }
 
 #[cfg(test)]
@@ -103,12 +120,14 @@ mod tests {
             .unwrap()
             .unwrap();
         assert_eq!(arguments.output, Some("a/b.fmu".into()));
-        assert_eq!(arguments.added, [("win64", "c.dll".into())]);
+        assert_eq!(arguments.added, [("win64".to_owned(), "c.dll".into())]);
         assert_eq!(
             (arguments.profile.as_str(), arguments.targets()),
             ("dev", vec![None])
         );
         assert_eq!(parsed("--profile dev --help").unwrap(), None);
+        let three = parsed("--add win64=c.dll --fmi 3").unwrap().unwrap();
+        assert_eq!(three.added().unwrap()[0].platform, "x86_64-windows");
         let two = parsed("--target a --target b").unwrap().unwrap();
         assert_eq!(two.targets(), [Some("a"), Some("b")]);
     }
@@ -120,6 +139,7 @@ mod tests {
             ("--output", "--output needs a value"),
             ("--add c.dll", "write PLATFORM=LIBRARY"),
             ("--add mac=c.dylib", "the platforms are linux64"),
+            ("--fmi 1", "the versions are 2 and 3"),
         ] {
             let message = parsed(line).unwrap_err().to_string();
             assert!(

@@ -4,37 +4,65 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use super::{Binary, PackageError};
+use super::{Binary, Form, PackageError};
 
-/// The folders that FMI 2.0 names for platforms. It names none for 64-bit Arm on Linux, where importers look into the
-/// folder of FMI 3.0.
+/// The folders that the standards name for platforms. FMI 2.0 names none for 64-bit Arm on Linux, where importers look
+/// into the folder of FMI 3.0.
 pub(super) mod platform {
-    /// The folders' names.
-    pub(in crate::package) const NAMES: [&str; 6] = [
-        "linux64",
-        "linux32",
-        "win64",
-        "win32",
-        "darwin64",
-        "aarch64-linux",
+    use crate::package::Form;
+
+    /// The folders of FMI 2.0 and 3.0, with the processors and systems as Rust names them.
+    const ALL: [(&str, &str, &[&str], &[&str]); 7] = [
+        ("linux64", "x86_64-linux", &["x86_64"], &["linux"]),
+        ("linux32", "x86-linux", &["i586", "i686", "x86"], &["linux"]),
+        ("win64", "x86_64-windows", &["x86_64"], &["windows"]),
+        (
+            "win32",
+            "x86-windows",
+            &["i586", "i686", "x86"],
+            &["windows"],
+        ),
+        (
+            "darwin64",
+            "x86_64-darwin",
+            &["x86_64"],
+            &["macos", "darwin"],
+        ),
+        (
+            "darwin64",
+            "aarch64-darwin",
+            &["aarch64"],
+            &["macos", "darwin"],
+        ),
+        ("aarch64-linux", "aarch64-linux", &["aarch64"], &["linux"]),
     ];
 
-    /// The folder of this name.
-    pub(in crate::package) fn named(name: &str) -> Option<&'static str> {
-        NAMES.into_iter().find(|known| *known == name)
+    fn folder(form: Form, (two, three): (&'static str, &'static str)) -> &'static str {
+        match form {
+            Form::CoSimulation2 => two,
+            Form::CoSimulation3 => three,
+        }
+    }
+
+    /// The names that a user may write: those of FMI 2.0.
+    pub(in crate::package) fn names() -> Vec<&'static str> {
+        let mut names: Vec<_> = ALL.iter().map(|(two, ..)| *two).collect();
+        names.dedup();
+        names
+    }
+
+    /// The folder of the platform with this name, which may be that of either version.
+    pub(in crate::package) fn named(name: &str, form: Form) -> Option<&'static str> {
+        let known = (ALL.iter()).find(|(two, three, ..)| *two == name || *three == name)?;
+        Some(folder(form, (known.0, known.1)))
     }
 
     /// The folder for a processor and an operating system, as Rust names them.
-    pub(super) fn of(processor: &str, system: &str) -> Option<&'static str> {
-        named(match (processor, system) {
-            ("x86_64", "linux") => "linux64",
-            ("i586" | "i686" | "x86", "linux") => "linux32",
-            ("x86_64", "windows") => "win64",
-            ("i586" | "i686" | "x86", "windows") => "win32",
-            ("x86_64" | "aarch64", "macos" | "darwin") => "darwin64",
-            ("aarch64", "linux") => "aarch64-linux",
-            _ => return None,
-        })
+    pub(super) fn of(processor: &str, system: &str, form: Form) -> Option<&'static str> {
+        let known = (ALL.iter()).find(|(.., processors, systems)| {
+            processors.contains(&processor) && systems.contains(&system)
+        })?;
+        Some(folder(form, (known.0, known.1)))
     }
 }
 
@@ -48,6 +76,7 @@ pub(super) fn library(
     folder: &Path,
     profile: &str,
     target: Option<&str>,
+    form: Form,
 ) -> Result<Binary, PackageError> {
     let (processor, system) = match target {
         Some(triple) => {
@@ -57,10 +86,8 @@ pub(super) fn library(
         }
         None => (std::env::consts::ARCH, std::env::consts::OS),
     };
-    let platform = platform::of(processor, system).ok_or_else(|| {
-        PackageError::Usage(format!(
-            "FMI 2.0 has no platform for {processor} and {system}"
-        ))
+    let platform = platform::of(processor, system, form).ok_or_else(|| {
+        PackageError::Usage(format!("FMI has no platform for {processor} and {system}"))
     })?;
     let manifest = folder.join("Cargo.toml");
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| OsString::from("cargo"));
@@ -126,15 +153,21 @@ mod tests {
 
     #[test]
     fn platforms_have_the_folders_of_the_standard() {
-        for (processor, system, folder) in [
-            ("x86_64", "linux", Some("linux64")),
-            ("x86_64", "windows", Some("win64")),
-            ("aarch64", "darwin", Some("darwin64")),
-            ("wasm32", "unknown", None),
+        for (processor, system, two, three) in [
+            ("x86_64", "linux", Some("linux64"), Some("x86_64-linux")),
+            ("x86_64", "windows", Some("win64"), Some("x86_64-windows")),
+            (
+                "aarch64",
+                "darwin",
+                Some("darwin64"),
+                Some("aarch64-darwin"),
+            ),
+            ("wasm32", "unknown", None, None),
         ] {
+            let of = |form| platform::of(processor, system, form);
             assert_eq!(
-                platform::of(processor, system),
-                folder,
+                (of(Form::CoSimulation2), of(Form::CoSimulation3)),
+                (two, three),
                 "{processor} {system}"
             );
         }

@@ -11,6 +11,7 @@ mod derivatives;
 mod host;
 mod life;
 mod states;
+mod three;
 
 /// The lag's exact answer to a constant input after `t` seconds, from its start values.
 fn answer(input: f64, t: f64) -> f64 {

@@ -1,9 +1,9 @@
 //! Values of variables, and derivatives.
 
-use crate::fmi2::guard::enter;
-use crate::fmi2::instance::Instance;
-use crate::fmi2::phase;
-use crate::fmi2::raw::{texts, values, values_mut};
+use crate::boundary::guard::enter;
+use crate::boundary::instance::Instance;
+use crate::boundary::raw::{texts, values, values_mut};
+use crate::fmi2::functions;
 use crate::fmi2::types::{Boolean, Component, Integer, Real, Status, Text, ValueReference};
 use crate::model::Model;
 
@@ -25,7 +25,7 @@ macro_rules! access {
                 instance.$method(references, value)
             };
             // SAFETY: as the host vouches.
-            unsafe { enter(component, &phase::$function, body) }
+            unsafe { enter(component, &functions::$function, body) }
         }
     )*};
 }
@@ -61,7 +61,7 @@ pub unsafe fn set_string<M: Model>(
         instance.set_string(references, &texts)
     };
     // SAFETY: as the host vouches.
-    unsafe { enter(component, &phase::SET_STRING, body) }
+    unsafe { enter(component, &functions::SET_STRING, body) }
 }
 
 /// `fmi2GetDirectionalDerivative`.
@@ -87,7 +87,7 @@ pub unsafe fn get_directional_derivative<M: Model>(
         instance.get_directional_derivative(unknowns, knowns, direction, derivative)
     };
     // SAFETY: as the host vouches.
-    unsafe { enter(component, &phase::DIRECTIONAL_DERIVATIVE, body) }
+    unsafe { enter(component, &functions::DIRECTIONAL_DERIVATIVE, body) }
 }
 
 /// `fmi2SetRealInputDerivatives`.
@@ -110,7 +110,7 @@ pub unsafe fn set_real_input_derivatives<M: Model>(
         instance.set_input_derivatives(references, orders, value)
     };
     // SAFETY: as the host vouches.
-    unsafe { enter(component, &phase::SET_INPUT_DERIVATIVES, body) }
+    unsafe { enter(component, &functions::SET_INPUT_DERIVATIVES, body) }
 }
 
 /// `fmi2GetRealOutputDerivatives`.
@@ -133,5 +133,5 @@ pub unsafe fn get_real_output_derivatives<M: Model>(
         instance.get_output_derivatives(references, orders, value)
     };
     // SAFETY: as the host vouches.
-    unsafe { enter(component, &phase::GET_OUTPUT_DERIVATIVES, body) }
+    unsafe { enter(component, &functions::GET_OUTPUT_DERIVATIVES, body) }
 }

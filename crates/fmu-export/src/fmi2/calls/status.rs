@@ -2,11 +2,12 @@
 
 use std::ffi::c_int;
 
-use crate::fmi2::guard::enter;
-use crate::fmi2::instance::Instance;
-use crate::fmi2::phase::{self, Function};
-use crate::fmi2::raw::place;
-use crate::fmi2::refusal::Refusal;
+use crate::boundary::guard::enter;
+use crate::boundary::instance::Instance;
+use crate::boundary::phase::Function;
+use crate::boundary::raw::place;
+use crate::boundary::refusal::Refusal;
+use crate::fmi2::functions;
 use crate::fmi2::types::{
     Boolean, Component, DO_STEP_STATUS, FALSE, Integer, LAST_SUCCESSFUL_TIME, Real, Status,
     TERMINATED, Text,
@@ -39,7 +40,7 @@ pub unsafe fn get_status<M: Model>(
 ) -> Status {
     let ask = |instance: &Instance<M>| (kind == DO_STEP_STATUS).then_some(instance.run.last_step);
     // SAFETY: as the host vouches.
-    unsafe { answer(component, &phase::GET_STATUS, value, ask) }
+    unsafe { answer(component, &functions::GET_STATUS, value, ask) }
 }
 
 /// `fmi2GetRealStatus`: the time that the last successful step has reached.
@@ -50,7 +51,7 @@ pub unsafe fn get_real_status<M: Model>(
 ) -> Status {
     let ask = |instance: &Instance<M>| (kind == LAST_SUCCESSFUL_TIME).then_some(instance.run.time);
     // SAFETY: as the host vouches.
-    unsafe { answer(component, &phase::GET_REAL_STATUS, value, ask) }
+    unsafe { answer(component, &functions::GET_REAL_STATUS, value, ask) }
 }
 
 /// `fmi2GetIntegerStatus`: the standard defines no such status.
@@ -63,7 +64,7 @@ pub unsafe fn get_integer_status<M: Model>(
     unsafe {
         answer(
             component,
-            &phase::GET_INTEGER_STATUS,
+            &functions::GET_INTEGER_STATUS,
             value,
             |_: &Instance<M>| None,
         )
@@ -78,7 +79,7 @@ pub unsafe fn get_boolean_status<M: Model>(
 ) -> Status {
     let ask = |_: &Instance<M>| (kind == TERMINATED).then_some(FALSE);
     // SAFETY: as the host vouches.
-    unsafe { answer(component, &phase::GET_BOOLEAN_STATUS, value, ask) }
+    unsafe { answer(component, &functions::GET_BOOLEAN_STATUS, value, ask) }
 }
 
 /// `fmi2GetStringStatus`: the state of a pending step. Steps are never pending.
@@ -91,7 +92,7 @@ pub unsafe fn get_string_status<M: Model>(
     unsafe {
         answer(
             component,
-            &phase::GET_STRING_STATUS,
+            &functions::GET_STRING_STATUS,
             value,
             |_: &Instance<M>| None,
         )

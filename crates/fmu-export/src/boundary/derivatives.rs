@@ -4,7 +4,7 @@
 use super::instance::Instance;
 use super::phase::Phase;
 use super::refusal::{Outcome, Refusal};
-use super::types::{Integer, Real, Status, ValueReference};
+use super::types::{Real, Status, ValueReference};
 use super::values::{check_settable, inside, variable};
 use crate::model::{Access, Kind, Model, Role, Variable};
 
@@ -26,11 +26,11 @@ struct Known<M: 'static> {
 }
 
 impl<M: Model> Instance<M> {
-    /// `fmi2SetRealInputDerivatives`. The slopes hold for the next step.
+    /// Sets the rates of inputs. The slopes hold for the next step.
     pub fn set_input_derivatives(
         &mut self,
         references: &[ValueReference],
-        orders: &[Integer],
+        orders: &[i32],
         values: &[Real],
     ) -> Outcome {
         let wanted = references.iter().zip(orders).zip(values);
@@ -68,12 +68,12 @@ impl<M: Model> Instance<M> {
         }
     }
 
-    /// `fmi2GetRealOutputDerivatives`: from the model if it knows the derivative, else a one-sided difference of second
+    /// The rates of outputs: from the model if it knows the derivative, else a one-sided difference of second
     /// order, for which a copy of the model is stepped a little ahead.
     pub fn get_output_derivatives(
         &mut self,
         references: &[ValueReference],
-        orders: &[Integer],
+        orders: &[i32],
         values: &mut [Real],
     ) -> Outcome {
         self.refresh()?;
@@ -113,7 +113,7 @@ impl<M: Model> Instance<M> {
         Ok([near, far])
     }
 
-    /// `fmi2GetDirectionalDerivative`: the central difference along the direction, on copies of the model. Near a bound
+    /// The directional derivative: the central difference along the direction, on copies of the model. Near a bound
     /// of a known it is one-sided, of second order.
     pub fn get_directional_derivative(
         &mut self,
@@ -150,6 +150,30 @@ impl<M: Model> Instance<M> {
             for (value, read) in values.iter_mut().zip(&reads) {
                 *value += weight * read(&model) / step;
             }
+        }
+        bounded(values)
+    }
+
+    /// The adjoint derivative: for each known, the sum of the unknowns' derivatives with respect to it, each times its
+    /// component of `seed`.
+    pub fn get_adjoint_derivative(
+        &mut self,
+        unknowns: &[ValueReference],
+        knowns: &[ValueReference],
+        seed: &[Real],
+        values: &mut [Real],
+    ) -> Outcome {
+        if let Some(seed) = seed.iter().find(|seed| !seed.is_finite()) {
+            return Err(Refusal::Argument {
+                name: "seed",
+                value: format!("{seed:?}"),
+                why: "it must be finite",
+            });
+        }
+        let mut column = vec![0.0; unknowns.len()];
+        for (known, value) in knowns.iter().zip(values.iter_mut()) {
+            self.get_directional_derivative(unknowns, &[*known], &[1.0], &mut column)?;
+            *value = column.iter().zip(seed).map(|(one, seed)| one * seed).sum();
         }
         bounded(values)
     }
@@ -245,10 +269,7 @@ fn read<M>(variable: &'static Variable<M>) -> Outcome<Read<M>> {
     }
 }
 
-fn output<M>(
-    variable: &'static Variable<M>,
-    order: Integer,
-) -> Outcome<(Read<M>, Option<Read<M>>)> {
+fn output<M>(variable: &'static Variable<M>, order: i32) -> Outcome<(Read<M>, Option<Read<M>>)> {
     check_order(variable, order)?;
     match (&variable.kind, variable.role) {
         (
@@ -266,7 +287,7 @@ fn output<M>(
 
 fn input_slope<M>(
     variable: &'static Variable<M>,
-    order: Integer,
+    order: i32,
 ) -> Outcome<(&'static Variable<M>, Slope<M>)> {
     check_order(variable, order)?;
     match &variable.kind {
@@ -280,7 +301,7 @@ fn input_slope<M>(
     }
 }
 
-fn check_order<M>(variable: &Variable<M>, order: Integer) -> Outcome<()> {
+fn check_order<M>(variable: &Variable<M>, order: i32) -> Outcome<()> {
     if order == 1 {
         return Ok(());
     }
@@ -304,10 +325,10 @@ mod tests {
     use serde::{Deserialize, Serialize};
 
     use super::*;
+    use crate::boundary::instance::Request;
+    use crate::boundary::logger::Logger;
+    use crate::boundary::version::Version;
     use crate::declare::{input, output};
-    use crate::fmi2::description;
-    use crate::fmi2::instance::Request;
-    use crate::fmi2::types::{CO_SIMULATION, CallbackFunctions};
     use crate::model::{Experiment, Fault, Info, Log};
     use crate::{field, units};
 
@@ -360,21 +381,17 @@ mod tests {
 
     #[test]
     fn rates_are_computed_once_until_something_changes() -> Outcome<()> {
-        let callbacks = CallbackFunctions {
-            logger: None,
-            allocate_memory: None,
-            free_memory: None,
-            step_finished: None,
-            component_environment: null_mut(),
-        };
         let request = Request {
+            function: "instantiate",
+            version: Version::Two,
             name: "counting",
-            kind: CO_SIMULATION,
-            guid: &description::guid(description::fingerprint::<Counting>()),
+            token: ("token", ""),
+            expected: "",
+            fingerprint: 0,
             resources: None,
-            logging: false,
         };
-        let mut instance = Instance::<Counting>::new(&request, &callbacks).unwrap();
+        let logger = Logger::new(None, null_mut(), false);
+        let mut instance = Instance::<Counting>::new(&request, logger).unwrap();
         instance.enter_initialization()?;
         instance.exit_initialization()?;
         let mut rates = [0.0; 2];

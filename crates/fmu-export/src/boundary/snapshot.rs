@@ -12,13 +12,14 @@ use super::instance::{Instance, Run};
 use super::phase::Phase;
 use super::refusal::{Outcome, Refusal};
 use super::types::{FmuState, Status};
+use super::version::Version;
 use crate::model::Model;
 
 const MARK: &[u8; 8] = b"FMUSTATE";
 const VERSION: u16 = 2;
 const HEADER: usize = 8 + 2 + 16 + 8 + 4;
 
-/// The target of an `fmi2FMUstate` pointer.
+/// The target of the pointer that the host has of a saved state.
 #[repr(C)]
 pub struct Saved<M> {
     magic: AtomicU64,
@@ -28,25 +29,25 @@ pub struct Saved<M> {
 impl<M: Model> Saved<M> {
     const KIND: u64 = 0x5a4e_d57a;
 
-    fn give(run: Run<M>) -> FmuState {
-        let magic = AtomicU64::new(magic::<M>(Self::KIND));
+    fn give(run: Run<M>, version: Version) -> FmuState {
+        let magic = AtomicU64::new(magic::<M>(Self::KIND, version));
         Box::into_raw(Box::new(Self { magic, run })).cast()
     }
 
     /// # Safety
     /// The state is NULL, or points to at least eight readable bytes; one of ours is alive and
     /// not written to during `'a`. Several instances may read it at once.
-    unsafe fn find<'a>(state: FmuState) -> Outcome<&'a Self> {
+    unsafe fn find<'a>(state: FmuState, version: Version) -> Outcome<&'a Self> {
         let first = state.cast::<AtomicU64>();
         if first.is_null() {
-            return Err(Refusal::Null("FMUstate"));
+            return Err(Refusal::Null(version.state()));
         }
         if !first.is_aligned() {
-            return Err(Refusal::Misaligned("FMUstate"));
+            return Err(Refusal::Misaligned(version.state()));
         }
         // SAFETY: not NULL, aligned, readable.
-        if unsafe { &*first }.load(Ordering::Relaxed) != magic::<M>(Self::KIND) {
-            return Err(Refusal::Foreign("FMUstate"));
+        if unsafe { &*first }.load(Ordering::Relaxed) != magic::<M>(Self::KIND, version) {
+            return Err(Refusal::Foreign(version.state()));
         }
         // SAFETY: the number is written by `give` only, in front of a state of this type.
         Ok(unsafe { &*state.cast::<Self>() })
@@ -54,43 +55,45 @@ impl<M: Model> Saved<M> {
 }
 
 impl<M: Model> Instance<M> {
-    /// `fmi2GetFMUstate`: saves the state, in place of an earlier one if `place` holds one.
+    /// Saves the state, in place of an earlier one if `place` holds one.
     ///
     /// # Safety
     /// `place` holds NULL or a state of this FMU that was not freed and that no other call uses.
     pub unsafe fn save(&mut self, place: &mut FmuState) -> Outcome {
         let run = self.run.clone();
         if place.is_null() {
-            *place = Saved::give(run);
+            *place = Saved::give(run, self.version);
         } else {
             // SAFETY: as the caller says.
-            unsafe { Saved::<M>::find(*place) }?;
+            unsafe { Saved::<M>::find(*place, self.version) }?;
             // SAFETY: a state of ours, as was just found, which no other call uses.
             unsafe { (*place.cast::<Saved<M>>()).run = run };
         }
         Ok(Status::Ok)
     }
 
-    /// `fmi2SetFMUstate`.
+    /// Goes back to a saved state.
     ///
     /// # Safety
     /// `state` is NULL or a state of this FMU that was not freed.
     pub unsafe fn restore(&mut self, state: FmuState) -> Outcome {
         // SAFETY: as the caller says.
-        self.run = unsafe { Saved::<M>::find(state) }?.run.clone();
+        self.run = unsafe { Saved::<M>::find(state, self.version) }?
+            .run
+            .clone();
         Ok(Status::Ok)
     }
 
-    /// `fmi2FreeFMUstate`.
+    /// Frees a saved state.
     ///
     /// # Safety
     /// `place` holds NULL or a state of this FMU that was not freed and that no other call uses.
-    pub unsafe fn free_state(place: &mut FmuState) -> Outcome {
+    pub unsafe fn free_state(place: &mut FmuState, version: Version) -> Outcome {
         if place.is_null() {
             return Ok(Status::Ok);
         }
         // SAFETY: as the caller says.
-        let saved = unsafe { Saved::<M>::find(*place) }?;
+        let saved = unsafe { Saved::<M>::find(*place, version) }?;
         saved.magic.store(0, Ordering::Relaxed);
         // SAFETY: made by `give`, freed only here.
         drop(unsafe { Box::from_raw(place.cast::<Saved<M>>()) });
@@ -98,19 +101,22 @@ impl<M: Model> Instance<M> {
         Ok(Status::Ok)
     }
 
-    /// `fmi2SerializedFMUstateSize` and `fmi2SerializeFMUstate`: the bytes of a saved state.
+    /// The bytes of a saved state.
     ///
     /// # Safety
     /// `state` is NULL or a state of this FMU that was not freed.
     pub unsafe fn serialize(&self, state: FmuState) -> Outcome<Vec<u8>> {
         // SAFETY: as the caller says.
-        encode(&unsafe { Saved::<M>::find(state) }?.run, self.fingerprint)
+        encode(
+            &unsafe { Saved::<M>::find(state, self.version) }?.run,
+            self.fingerprint,
+        )
     }
 
-    /// `fmi2DeSerializeFMUstate`: makes a saved state of bytes. What `place` held before is not read, as the standard
+    /// Makes a saved state of bytes. What `place` held before is not read, as the standard
     /// does not say that the host initialises it.
     pub fn deserialize(&self, bytes: &[u8], place: &mut FmuState) -> Outcome {
-        *place = Saved::<M>::give(decode(bytes, self.fingerprint)?);
+        *place = Saved::<M>::give(decode(bytes, self.fingerprint)?, self.version);
         Ok(Status::Ok)
     }
 }

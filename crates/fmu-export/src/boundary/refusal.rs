@@ -62,6 +62,9 @@ pub enum Refusal {
     Size { given: usize, needed: usize },
     #[error("{0}")]
     Unsupported(&'static str),
+    /// A function for what this FMU does not offer.
+    #[error("{0}")]
+    Absent(&'static str),
     #[error(transparent)]
     Fault(#[from] Fault),
     #[error("{0}")]

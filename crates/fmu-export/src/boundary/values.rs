@@ -8,7 +8,8 @@ use super::logger::c_string;
 use super::phase::Phase;
 use super::refusal::{Outcome, Refusal};
 use super::types::{Real, Status, Text, ValueReference};
-use crate::model::{Access, Kind, Model, Role, Variable};
+use super::version::Version;
+use crate::model::{Access, Enumeration, Kind, Model, Role, Variable};
 
 /// The variable of a value reference.
 pub fn variable<M: Model>(reference: ValueReference) -> Outcome<&'static Variable<M>> {
@@ -19,11 +20,23 @@ pub fn variable<M: Model>(reference: ValueReference) -> Outcome<&'static Variabl
 }
 
 /// The refusal for a variable of another type than the function's.
-pub fn wrong_type<M>(variable: &Variable<M>, asked: &'static str) -> Refusal {
+pub fn wrong_type<M>(version: Version, variable: &Variable<M>, asked: &'static str) -> Refusal {
     Refusal::Type {
         name: variable.name,
-        is: variable.type_name(),
+        is: version.type_name(variable),
         asked,
+    }
+}
+
+/// The value reference of the independent variable, which FMI 3.0 lists. It is far above those of the table, which may
+/// grow, and a positive number in every signed type.
+pub const TIME: ValueReference = i32::MAX as ValueReference;
+
+/// The type that the host asks for, in words; enumerations have a function of their own in FMI 3.0.
+const fn real(version: Version) -> &'static str {
+    match version {
+        Version::Two => "Real",
+        Version::Three => "Float64",
     }
 }
 
@@ -61,39 +74,83 @@ impl<M: Model> Instance<M> {
         Ok(Status::Ok)
     }
 
-    /// `fmi2GetReal`.
+    /// Reads real values.
     pub fn get_real(&mut self, references: &[ValueReference], values: &mut [Real]) -> Outcome {
-        self.get(references, values, |variable, model| match &variable.kind {
-            Kind::Real { access, .. } => Ok((access.get)(model)),
-            _ => Err(wrong_type(variable, "Real")),
-        })
+        self.refresh()?;
+        let version = self.version;
+        for (reference, value) in references.iter().zip(values) {
+            *value = match variable::<M>(*reference) {
+                Ok(variable) => match &variable.kind {
+                    Kind::Real { access, .. } => (access.get)(&self.run.model),
+                    _ => return Err(wrong_type(version, variable, real(version))),
+                },
+                Err(unknown) => self.unlisted(*reference).ok_or(unknown)?,
+            };
+        }
+        Ok(Status::Ok)
     }
 
-    /// `fmi2GetInteger`, for enumerations too.
+    /// The value of a variable that is not in the model's table.
+    #[cold]
+    fn unlisted(&self, reference: ValueReference) -> Option<Real> {
+        (reference == TIME && self.version == Version::Three).then_some(self.run.time)
+    }
+
+    /// Reads integers and enumerations (FMI 2.0).
     pub fn get_integer(&mut self, references: &[ValueReference], values: &mut [i32]) -> Outcome {
         self.get(references, values, |variable, model| match &variable.kind {
             Kind::Integer { access, .. } | Kind::Enumeration { access, .. } => {
                 Ok((access.get)(model))
             }
-            _ => Err(wrong_type(variable, "Integer or Enumeration")),
+            _ => Err(wrong_type(Version::Two, variable, "Integer or Enumeration")),
         })
     }
 
-    /// `fmi2GetBoolean`.
-    pub fn get_boolean(&mut self, references: &[ValueReference], values: &mut [i32]) -> Outcome {
+    /// Reads integers (FMI 3.0).
+    pub fn get_int32(&mut self, references: &[ValueReference], values: &mut [i32]) -> Outcome {
+        self.get(references, values, |variable, model| match &variable.kind {
+            Kind::Integer { access, .. } => Ok((access.get)(model)),
+            _ => Err(wrong_type(Version::Three, variable, "Int32")),
+        })
+    }
+
+    /// Reads enumerations (FMI 3.0).
+    pub fn get_int64(&mut self, references: &[ValueReference], values: &mut [i64]) -> Outcome {
+        self.get(references, values, |variable, model| match &variable.kind {
+            Kind::Enumeration { access, .. } => Ok((access.get)(model).into()),
+            _ => Err(wrong_type(Version::Three, variable, "Int64 or Enumeration")),
+        })
+    }
+
+    /// Reads booleans: 0 or 1.
+    pub fn get_boolean<T: From<bool>>(
+        &mut self,
+        references: &[ValueReference],
+        values: &mut [T],
+    ) -> Outcome {
+        let version = self.version;
         self.get(references, values, |variable, model| match &variable.kind {
             Kind::Boolean { access } => Ok((access.get)(model).into()),
-            _ => Err(wrong_type(variable, "Boolean")),
+            _ => Err(wrong_type(version, variable, "Boolean")),
         })
     }
 
-    /// `fmi2GetString`. The host may keep the pointer to a text until it reads the same variable again.
+    /// Refuses values of a type that no variable of a model has.
+    pub fn none_of(&mut self, references: &[ValueReference], asked: &'static str) -> Outcome {
+        match references.first() {
+            None => Ok(Status::Ok),
+            Some(first) => Err(wrong_type(self.version, variable::<M>(*first)?, asked)),
+        }
+    }
+
+    /// Reads texts. The host may keep the pointer to a text until it reads the same variable again.
     pub fn get_string(&mut self, references: &[ValueReference], values: &mut [Text]) -> Outcome {
+        let version = self.version;
         let mut texts = vec![CString::default(); references.len()];
         self.get(references, &mut texts, |variable, model| {
             match &variable.kind {
                 Kind::String { access } => Ok(c_string(&(access.get)(model))),
-                _ => Err(wrong_type(variable, "String")),
+                _ => Err(wrong_type(version, variable, "String")),
             }
         })?;
         for ((reference, text), value) in references.iter().zip(texts).zip(values) {
@@ -129,14 +186,15 @@ impl<M: Model> Instance<M> {
         Ok(Status::Ok)
     }
 
-    /// `fmi2SetReal`.
+    /// Writes real values.
     pub fn set_real(&mut self, references: &[ValueReference], values: &[Real]) -> Outcome {
+        let version = self.version;
         self.set(references, values, |variable, value, model| {
             let Kind::Real {
                 access, min, max, ..
             } = &variable.kind
             else {
-                return Err(wrong_type(variable, "Real"));
+                return Err(wrong_type(version, variable, real(version)));
             };
             if !value.is_finite() || !inside(value, *min, *max) {
                 return Err(outside(variable, value, *min, *max));
@@ -145,60 +203,112 @@ impl<M: Model> Instance<M> {
         })
     }
 
-    /// `fmi2SetInteger`, for enumerations too.
+    /// Writes integers and enumerations (FMI 2.0).
     pub fn set_integer(&mut self, references: &[ValueReference], values: &[i32]) -> Outcome {
         self.set(
             references,
             values,
             |variable, value, model| match &variable.kind {
                 Kind::Integer { access, min, max } => {
-                    if !inside(value, *min, *max) {
-                        return Err(outside(variable, value, *min, *max));
-                    }
-                    write(variable, access, &value, model)
+                    write_integer(variable, access, (*min, *max), value, model)
                 }
                 Kind::Enumeration { access, of } => {
-                    if !of.items.iter().any(|item| item.value == value) {
-                        let items = of
-                            .items
-                            .iter()
-                            .map(|item| format!("{} ({})", item.value, item.name));
-                        return Err(Refusal::Value {
-                            name: variable.name,
-                            value: value.to_string(),
-                            allowed: format!("one of {}", items.collect::<Vec<_>>().join(", ")),
-                        });
-                    }
-                    write(variable, access, &value, model)
+                    write_item(variable, access, of, value.into(), model)
                 }
-                _ => Err(wrong_type(variable, "Integer or Enumeration")),
+                _ => Err(wrong_type(Version::Two, variable, "Integer or Enumeration")),
             },
         )
     }
 
-    /// `fmi2SetBoolean`.
-    pub fn set_boolean(&mut self, references: &[ValueReference], values: &[i32]) -> Outcome {
+    /// Writes integers (FMI 3.0).
+    pub fn set_int32(&mut self, references: &[ValueReference], values: &[i32]) -> Outcome {
         self.set(
             references,
             values,
             |variable, value, model| match &variable.kind {
-                Kind::Boolean { access } => write(variable, access, &(value != 0), model),
-                _ => Err(wrong_type(variable, "Boolean")),
+                Kind::Integer { access, min, max } => {
+                    write_integer(variable, access, (*min, *max), value, model)
+                }
+                _ => Err(wrong_type(Version::Three, variable, "Int32")),
             },
         )
     }
 
-    /// `fmi2SetString`.
+    /// Writes enumerations (FMI 3.0).
+    pub fn set_int64(&mut self, references: &[ValueReference], values: &[i64]) -> Outcome {
+        self.set(
+            references,
+            values,
+            |variable, value, model| match &variable.kind {
+                Kind::Enumeration { access, of } => write_item(variable, access, of, value, model),
+                _ => Err(wrong_type(Version::Three, variable, "Int64 or Enumeration")),
+            },
+        )
+    }
+
+    /// Writes booleans: 0 is false, everything else is true.
+    pub fn set_boolean<T: Copy + Default + PartialEq>(
+        &mut self,
+        references: &[ValueReference],
+        values: &[T],
+    ) -> Outcome {
+        let version = self.version;
+        self.set(
+            references,
+            values,
+            |variable, value, model| match &variable.kind {
+                Kind::Boolean { access } => {
+                    write(variable, access, &(value != T::default()), model)
+                }
+                _ => Err(wrong_type(version, variable, "Boolean")),
+            },
+        )
+    }
+
+    /// Writes texts.
     pub fn set_string(&mut self, references: &[ValueReference], values: &[&str]) -> Outcome {
+        let version = self.version;
         self.set(
             references,
             values,
             |variable, value, model| match &variable.kind {
                 Kind::String { access } => write(variable, access, value, model),
-                _ => Err(wrong_type(variable, "String")),
+                _ => Err(wrong_type(version, variable, "String")),
             },
         )
     }
+}
+
+fn write_integer<M>(
+    variable: &Variable<M>,
+    access: &Access<M, i32, i32>,
+    (min, max): (Option<i32>, Option<i32>),
+    value: i32,
+    model: Option<&mut M>,
+) -> Outcome<()> {
+    if !inside(value, min, max) {
+        return Err(outside(variable, value, min, max));
+    }
+    write(variable, access, &value, model)
+}
+
+fn write_item<M>(
+    variable: &Variable<M>,
+    access: &Access<M, i32, i32>,
+    of: &Enumeration,
+    value: i64,
+    model: Option<&mut M>,
+) -> Outcome<()> {
+    let found = of.items.iter().find(|item| i64::from(item.value) == value);
+    let item = found.ok_or_else(|| {
+        let items = (of.items.iter()).map(|item| format!("{} ({})", item.value, item.name));
+        Refusal::Value {
+            name: variable.name,
+            value: value.to_string(),
+            allowed: format!("one of {}", items.collect::<Vec<_>>().join(", ")),
+        }
+    })?;
+    write(variable, access, &item.value, model)
 }
 
 /// Writes a checked value if there is a model to write it to; else checks that it could be written.

@@ -4,7 +4,7 @@ use std::ffi::CString;
 use std::fmt;
 
 use super::refusal::Refusal;
-use super::types::{CallbackFunctions, CallbackLogger, ComponentEnvironment, Status};
+use super::types::{CallbackLogger, ComponentEnvironment, LogMessageCallback, Status};
 use crate::model::{Log, Model};
 
 /// The boundary's own log categories, with the names of the standard.
@@ -38,25 +38,31 @@ pub fn categories<M: Model>() -> impl Iterator<Item = (&'static str, &'static st
     CATEGORIES.iter().chain(models).copied()
 }
 
+/// The host's function for messages.
+pub enum Callback {
+    /// That of FMI 2.0, which also takes the instance's name.
+    Two(CallbackLogger, CString),
+    /// That of FMI 3.0.
+    Three(LogMessageCallback),
+}
+
 /// Sends an instance's messages to the host's logger.
 ///
 /// Warnings and errors are always sent; the model's messages only while debug logging is on and their category is chosen.
 pub struct Logger {
-    callback: Option<CallbackLogger>,
+    callback: Option<Callback>,
     environment: ComponentEnvironment,
-    instance: CString,
     on: bool,
     /// The chosen categories; `None` for all.
     chosen: Option<Vec<&'static str>>,
 }
 
 impl Logger {
-    /// A logger for these callbacks. They are copied, as hosts may keep the struct on their stack.
-    pub fn new(callbacks: &CallbackFunctions, instance: CString, on: bool) -> Self {
+    /// A logger for this function of the host, if it has one, and the pointer that goes with it.
+    pub fn new(callback: Option<Callback>, environment: ComponentEnvironment, on: bool) -> Self {
         Self {
-            callback: callbacks.logger,
-            environment: callbacks.component_environment,
-            instance,
+            callback,
+            environment,
             on,
             chosen: None,
         }
@@ -78,23 +84,30 @@ impl Logger {
         Ok(())
     }
 
-    /// Sends a message with a status. It is an argument of the format `%s`, so that a `%` in it does no harm.
+    /// Sends a message with a status. In FMI 2.0 it is an argument of the format `%s`, so that a `%` in it does no harm.
     pub fn send(&self, status: Status, category: &str, message: &str) {
-        let Some(callback) = self.callback else {
+        let Some(callback) = &self.callback else {
             return;
         };
         let (category, message) = (c_string(category), c_string(message));
-        // SAFETY: the host vouches for its callback at fmi2Instantiate; all strings end with NUL
-        // and live until it returns; the format takes exactly the one argument given.
-        unsafe {
-            callback(
-                self.environment,
-                self.instance.as_ptr(),
-                status,
-                category.as_ptr(),
-                c"%s".as_ptr(),
-                message.as_ptr(),
-            );
+        let (environment, category, message) =
+            (self.environment, category.as_ptr(), message.as_ptr());
+        // SAFETY of both: the host vouches for its callback when it instantiates; all strings end with NUL and live
+        // until it returns; the format takes exactly the one argument given.
+        match callback {
+            // SAFETY: as said above.
+            Callback::Two(log, name) => unsafe {
+                log(
+                    environment,
+                    name.as_ptr(),
+                    status,
+                    category,
+                    c"%s".as_ptr(),
+                    message,
+                );
+            },
+            // SAFETY: as said above.
+            Callback::Three(log) => unsafe { log(environment, status, category, message) },
         }
     }
 

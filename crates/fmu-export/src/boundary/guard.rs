@@ -10,15 +10,18 @@ use super::instance::Instance;
 use super::phase::{Function, Phase};
 use super::refusal::{Outcome, Refusal};
 use super::types::{Component, Status};
+use super::version::Version;
 use crate::model::Model;
 
 /// The number at the start of every object that the host holds a handle of. It differs between kinds of object, between
-/// models, and between loaded libraries, so that a handle of another FMU is not taken for one of ours.
-pub fn magic<M: Model>(kind: u64) -> u64 {
+/// models, between versions of the standard, and between loaded libraries, so that a handle of another FMU is not taken
+/// for one of ours.
+#[inline]
+pub fn magic<M: Model>(kind: u64, version: Version) -> u64 {
     static ANCHOR: u8 = 0;
     // The address differs between libraries. Every call comes through here: the rest is known at compile time.
     let library = (&raw const ANCHOR).addr() as u64;
-    library ^ const { hash(M::INFO.identifier) } ^ kind
+    library ^ const { hash(M::INFO.identifier) } ^ kind ^ ((version as u64) << 32)
 }
 
 /// FNV-1a of 64 bits (Fowler, Noll and Vo, 1991).
@@ -31,7 +34,7 @@ const fn hash(text: &str) -> u64 {
     hash
 }
 
-/// The target of an `fmi2Component` pointer.
+/// The target of the pointer that the host has of an instance.
 #[repr(C)]
 pub struct Handle<M> {
     magic: AtomicU64,
@@ -45,7 +48,7 @@ impl<M: Model> Handle<M> {
     /// Hands an instance over to the host.
     pub fn give(instance: Instance<M>) -> Component {
         Box::into_raw(Box::new(Self {
-            magic: AtomicU64::new(magic::<M>(Self::KIND)),
+            magic: AtomicU64::new(magic::<M>(Self::KIND, instance.version)),
             busy: AtomicBool::new(false),
             instance: UnsafeCell::new(instance),
         }))
@@ -57,9 +60,9 @@ impl<M: Model> Handle<M> {
     /// # Safety
     /// The component is NULL, or points to at least eight readable bytes; one of ours is given
     /// back only once, while no other thread uses it.
-    pub unsafe fn end(component: Component) {
+    pub unsafe fn end(component: Component, version: Version) {
         // SAFETY: as the caller says.
-        let Some(handle) = (unsafe { Self::find(component) }) else {
+        let Some(handle) = (unsafe { Self::find(component, version) }) else {
             return;
         };
         if handle.busy.swap(true, Ordering::Acquire) {
@@ -73,7 +76,7 @@ impl<M: Model> Handle<M> {
 
     /// # Safety
     /// The component is NULL, or points to at least eight readable bytes; one of ours is alive.
-    unsafe fn find<'a>(component: Component) -> Option<&'a Self> {
+    unsafe fn find<'a>(component: Component, version: Version) -> Option<&'a Self> {
         let first = component.cast::<AtomicU64>();
         if first.is_null() || !first.is_aligned() {
             return None;
@@ -81,7 +84,7 @@ impl<M: Model> Handle<M> {
         // SAFETY: not NULL, aligned, readable.
         let found = unsafe { &*first }.load(Ordering::Relaxed);
         // SAFETY: the number is written by `give` only, in front of a handle of this type.
-        (found == magic::<M>(Self::KIND)).then(|| unsafe { &*component.cast::<Self>() })
+        (found == magic::<M>(Self::KIND, version)).then(|| unsafe { &*component.cast::<Self>() })
     }
 }
 
@@ -104,7 +107,7 @@ pub unsafe fn enter<M: Model>(
     body: impl FnOnce(&mut Instance<M>) -> Outcome,
 ) -> Status {
     // SAFETY: as the caller says.
-    let Some(handle) = (unsafe { Handle::<M>::find(component) }) else {
+    let Some(handle) = (unsafe { Handle::<M>::find(component, function.version) }) else {
         return Status::Error;
     };
     if handle.busy.swap(true, Ordering::Acquire) {

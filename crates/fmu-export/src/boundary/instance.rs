@@ -1,14 +1,14 @@
 //! An instance: a model in one of the phases of a simulation.
 
-use std::ffi::{CString, c_int};
+use std::ffi::CString;
 use std::path::{Path, PathBuf};
 
-use super::description;
-use super::logger::{self, Logger};
+use super::logger::Logger;
 use super::phase::Phase;
 use super::refusal::{Outcome, Refusal};
 use super::resources;
-use super::types::{CO_SIMULATION, CallbackFunctions, Status};
+use super::types::Status;
+use super::version::Version;
 use crate::model::{Experiment, Fault, Model};
 
 /// All that belongs to one instance.
@@ -19,8 +19,10 @@ pub struct Instance<M> {
     pub run: Run<M>,
     /// The text that the host last got of each variable. The host reads it until it asks again.
     pub texts: Vec<Option<CString>>,
-    /// The description's [fingerprint](description::fingerprint): states of another version are refused by it.
+    /// A hash of the description: states of another version are refused by it.
     pub fingerprint: u128,
+    /// The version of the standard that the host uses.
+    pub version: Version,
     resources: Option<PathBuf>,
 }
 
@@ -70,36 +72,45 @@ impl<M: Model> Default for Run<M> {
     }
 }
 
-/// The arguments of `fmi2Instantiate`.
+/// The arguments with which a host instantiates.
 pub struct Request<'a> {
+    /// The function's name.
+    pub function: &'static str,
+    /// The version of the standard that it belongs to.
+    pub version: Version,
+    /// The instance's name.
     pub name: &'a str,
-    pub kind: c_int,
-    pub guid: &'a str,
+    /// What the host says to belong to, with the argument's name.
+    pub token: (&'static str, &'a str),
+    /// What it must be.
+    pub expected: &'a str,
+    /// A hash of the description.
+    pub fingerprint: u128,
+    /// The folder of the resources, as a URI or a path.
     pub resources: Option<&'a str>,
-    pub logging: bool,
 }
 
 impl<M: Model> Instance<M> {
     /// Makes an instance, or logs why the request is refused.
-    pub fn new(request: &Request<'_>, callbacks: &CallbackFunctions) -> Option<Self> {
-        let logger = Logger::new(callbacks, logger::c_string(request.name), request.logging);
-        let fingerprint = description::fingerprint::<M>();
-        if let Err(refusal) = check(request, fingerprint) {
-            logger.refuse("fmi2Instantiate", &refusal);
+    pub fn new(request: &Request<'_>, logger: Logger) -> Option<Self> {
+        if let Err(refusal) = check(request) {
+            logger.refuse(request.function, &refusal);
             return None;
         }
-        let uri = request.resources.filter(|uri| !uri.is_empty());
-        let folder = uri.and_then(resources::folder);
-        if let (Some(uri), None) = (uri, &folder) {
+        let given = request.resources.filter(|given| !given.is_empty());
+        let folder = given.and_then(resources::folder);
+        if let (Some(given), None) = (given, &folder) {
+            let function = request.function;
             let message =
-                format!("fmi2Instantiate: {uri} is not a local folder; going on without resources");
+                format!("{function}: {given} is not a local folder; going on without resources");
             logger.send(Status::Warning, "logStatusWarning", &message);
         }
         Some(Self {
             logger,
             run: Run::default(),
             texts: vec![None; M::variables().len()],
-            fingerprint,
+            fingerprint: request.fingerprint,
+            version: request.version,
             resources: folder,
         })
     }
@@ -114,13 +125,13 @@ impl<M: Model> Instance<M> {
         self.run.phase = Phase::Fatal;
     }
 
-    /// `fmi2SetDebugLogging`.
+    /// Chooses the messages that the host gets.
     pub fn set_logging(&mut self, on: bool, categories: &[&str]) -> Outcome {
         self.logger.switch::<M>(on, categories)?;
         Ok(Status::Ok)
     }
 
-    /// `fmi2SetupExperiment`.
+    /// Takes the experiment's tolerance, start and stop.
     pub fn setup(&mut self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Outcome {
         finite("startTime", start)?;
         // Some hosts, Simulink for one, pass infinity when a simulation has no end.
@@ -145,7 +156,7 @@ impl<M: Model> Instance<M> {
         Ok(Status::Ok)
     }
 
-    /// `fmi2EnterInitializationMode`. The model is initialised when the first value is read or the mode is left, as the
+    /// Enters the initialization mode. The model is initialised when the first value is read or the mode is left, as the
     /// host may set more parameters until then.
     pub fn enter_initialization(&mut self) -> Outcome {
         self.run.seed = Some(self.run.model.clone());
@@ -154,7 +165,7 @@ impl<M: Model> Instance<M> {
         Ok(Status::Ok)
     }
 
-    /// `fmi2ExitInitializationMode`.
+    /// Leaves the initialization mode.
     pub fn exit_initialization(&mut self) -> Outcome {
         self.refresh()?;
         self.run.seed = None;
@@ -162,20 +173,20 @@ impl<M: Model> Instance<M> {
         Ok(Status::Ok)
     }
 
-    /// `fmi2Terminate`.
+    /// Ends the simulation.
     pub fn terminate(&mut self) -> Outcome {
         self.refresh()?;
         self.run.phase = Phase::Terminated;
         Ok(Status::Ok)
     }
 
-    /// `fmi2Reset`.
+    /// Goes back to the instantiation.
     pub fn reset(&mut self) -> Outcome {
         self.run = Run::default();
         Ok(Status::Ok)
     }
 
-    /// `fmi2DoStep`.
+    /// Takes a communication step.
     pub fn step(&mut self, from: f64, step: f64) -> Outcome {
         finite("currentCommunicationPoint", from)?;
         let why = "a step must be greater than 0";
@@ -231,7 +242,7 @@ impl<M: Model> Instance<M> {
             return Err(Refusal::Argument {
                 name: "communicationStepSize",
                 value: format!("{step:?}"),
-                why: "the step would end after the stop time that was given to fmi2SetupExperiment",
+                why: "the step would end after the stop time that was announced",
             });
         }
         Ok(())
@@ -294,7 +305,7 @@ impl<M> Run<M> {
     }
 }
 
-fn check(request: &Request<'_>, fingerprint: u128) -> Outcome<()> {
+fn check(request: &Request<'_>) -> Outcome<()> {
     if request.name.trim().is_empty() {
         return Err(Refusal::Argument {
             name: "instanceName",
@@ -302,17 +313,11 @@ fn check(request: &Request<'_>, fingerprint: u128) -> Outcome<()> {
             why: "it must not be empty",
         });
     }
-    if request.kind != CO_SIMULATION {
+    let (name, given) = request.token;
+    if given != request.expected {
         return Err(Refusal::Argument {
-            name: "fmuType",
-            value: request.kind.to_string(),
-            why: "this FMU supports Co-Simulation (1) only",
-        });
-    }
-    if request.guid != description::guid(fingerprint) {
-        return Err(Refusal::Argument {
-            name: "fmuGUID",
-            value: request.guid.to_owned(),
+            name,
+            value: given.to_owned(),
             why: "the modelDescription.xml in use does not belong to this binary; unpack the FMU again",
         });
     }

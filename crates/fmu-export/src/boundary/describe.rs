@@ -1,0 +1,161 @@
+//! What the model descriptions of all versions have in common.
+
+use super::logger::categories;
+use super::xml::{Number, Tag, Xml};
+use crate::model::{DisplayUnit, Enumeration, Info, Kind, Model, Role, Unit, Variable};
+
+/// FNV-1a of 128 bits (Fowler, Noll and Vo, 1991).
+pub fn hash(text: &str) -> u128 {
+    const BASIS: u128 = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d;
+    const PRIME: u128 = 0x0000_0000_0100_0000_0000_0000_0000_013b;
+    text.bytes().fold(BASIS, |hash, byte| {
+        (hash ^ u128::from(byte)).wrapping_mul(PRIME)
+    })
+}
+
+/// A hash in the usual form of a UUID.
+pub fn uuid(hash: u128) -> String {
+    let digits = format!("{hash:032x}");
+    format!(
+        "{}-{}-{}-{}-{}",
+        &digits[..8],
+        &digits[8..12],
+        &digits[12..16],
+        &digits[16..20],
+        &digits[20..]
+    )
+}
+
+/// The root with the attributes that say where the model comes from.
+pub fn origin(root: Tag, info: &Info) -> Tag {
+    root.with_some("description", filled(info.description))
+        .with_some("author", filled(info.author))
+        .with_some("version", filled(info.version))
+        .with_some("copyright", filled(info.copyright))
+        .with_some("license", filled(info.license))
+        .with(
+            "generationTool",
+            concat!(env!("CARGO_PKG_NAME"), " ", env!("CARGO_PKG_VERSION")),
+        )
+}
+
+/// `structured` if all names are paths such as `bearing.film[2].pressure`, else `flat`, which allows any name.
+pub fn convention<M: Model>() -> &'static str {
+    let letter = |c: char| c.is_ascii_alphabetic() || c == '_';
+    let part = |part: &str| {
+        let (name, index) = part.split_once('[').unwrap_or((part, "1]"));
+        let index = index.strip_suffix(']').unwrap_or_default();
+        name.starts_with(letter)
+            && name.chars().all(|c| letter(c) || c.is_ascii_digit())
+            && index.split(',').all(|index| index.parse::<u32>().is_ok())
+    };
+    let structured = M::variables().iter().all(|v| v.name.split('.').all(part));
+    if structured { "structured" } else { "flat" }
+}
+
+fn filled(text: &str) -> Option<&str> {
+    (!text.is_empty()).then_some(text)
+}
+
+/// The log categories.
+pub fn log_categories<M: Model>(xml: &mut Xml) {
+    xml.open(Tag::new("LogCategories"));
+    for (name, description) in categories::<M>() {
+        xml.leaf(
+            Tag::new("Category")
+                .with("name", name)
+                .with("description", description),
+        );
+    }
+    xml.close("LogCategories");
+}
+
+/// The default experiment.
+pub fn experiment(xml: &mut Xml, info: &Info) {
+    xml.leaf(
+        Tag::new("DefaultExperiment")
+            .with("startTime", Number(0.0))
+            .with("stopTime", Number(info.default_stop))
+            .with("tolerance", Number(info.default_tolerance))
+            .with("stepSize", Number(info.default_step)),
+    );
+}
+
+/// The units of all variables, each once, with the display units that any of them has.
+pub fn units<M: Model>(xml: &mut Xml) {
+    let mut units: Vec<(&Unit, Vec<&DisplayUnit>)> = Vec::new();
+    for (_, variable) in listed::<M>() {
+        let Kind::Real { unit, .. } = variable.kind else {
+            continue;
+        };
+        let known = units.iter().position(|(other, _)| other.name == unit.name);
+        let place = known.unwrap_or_else(|| {
+            units.push((unit, Vec::new()));
+            units.len() - 1
+        });
+        let shown = &mut units[place].1;
+        for display in unit.display {
+            if shown.iter().all(|other| other.name != display.name) {
+                shown.push(display);
+            }
+        }
+    }
+    if units.is_empty() {
+        return;
+    }
+    xml.open(Tag::new("UnitDefinitions"));
+    for (unit, shown) in units {
+        xml.open(Tag::new("Unit").with("name", unit.name));
+        let mut base = Tag::new("BaseUnit");
+        for (name, exponent) in unit.base.named() {
+            base = base.with_some(name, (exponent != 0).then_some(exponent));
+        }
+        xml.leaf(base);
+        for DisplayUnit {
+            name,
+            factor,
+            offset,
+        } in shown
+        {
+            xml.leaf(
+                Tag::new("DisplayUnit")
+                    .with("name", name)
+                    .with("factor", Number(*factor))
+                    .with_some("offset", (*offset != 0.0).then_some(Number(*offset))),
+            );
+        }
+        xml.close("Unit");
+    }
+    xml.close("UnitDefinitions");
+}
+
+/// The enumerations of all variables, each once.
+pub fn enumerations<M: Model>() -> Vec<&'static Enumeration> {
+    let mut types: Vec<&Enumeration> = Vec::new();
+    for (_, variable) in listed::<M>() {
+        if let Kind::Enumeration { of, .. } = variable.kind
+            && types.iter().all(|other| other.name != of.name)
+        {
+            types.push(of);
+        }
+    }
+    types
+}
+
+/// The variables in the order of their listing, each with its value reference.
+pub fn listed<M: Model>() -> Vec<(usize, &'static Variable<M>)> {
+    let table = M::variables();
+    (M::listing().into_iter())
+        .filter_map(|reference| Some((reference, table.get(reference)?)))
+        .collect()
+}
+
+/// Whether an output may depend on another variable at the start: on parameters, too, but on no more inputs than later,
+/// as hosts that couple FMUs take each such input for a part of an algebraic loop.
+pub fn initially_known<M>(output: &Variable<M>, other: &Variable<M>) -> bool {
+    match other.role {
+        Role::Input => output.depends_on.contains(&other.name),
+        Role::Parameter | Role::TunableParameter => true,
+        Role::Output | Role::Local => false,
+    }
+}

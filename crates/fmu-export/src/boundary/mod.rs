@@ -1,0 +1,25 @@
+//! The part of an FMI boundary that does not depend on the standard's version: one instance, in safe Rust.
+//!
+//! - `guard`: the checks that every call passes (handle, state machine, panics), and `raw`, the checks of its pointers;
+//! - `instance`: one instance, with `values`, `snapshot` and `derivatives`;
+//! - `phase`: where an instance is in its life;
+//! - `describe` and `xml`: what the model descriptions of all versions have in common.
+//!
+//! An instance owns all its data and the boundary has no globals, so any number of instances can run in any number of
+//! threads. A second call to an instance that is at work is refused.
+
+pub mod derivatives;
+pub mod describe;
+pub mod guard;
+pub mod instance;
+pub mod logger;
+pub mod phase;
+pub mod raw;
+pub mod refusal;
+pub mod resources;
+pub mod snapshot;
+pub mod states;
+pub mod types;
+pub mod values;
+pub mod version;
+pub mod xml;

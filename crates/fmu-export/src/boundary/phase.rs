@@ -1,0 +1,110 @@
+//! The phases of an instance's life, and the functions that may be called in them. Each version of the standard has its
+//! own list of functions.
+
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+use super::version::Version;
+
+/// Where an instance is in its life.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Phase {
+    /// After the instantiation or a reset.
+    Instantiated,
+    /// In initialization mode.
+    Initialization,
+    /// At a communication point.
+    StepComplete,
+    /// After a discarded step.
+    StepFailed,
+    /// After the termination.
+    Terminated,
+    /// After a failed computation. Values can be read for debugging; else restore, reset or free.
+    Error,
+    /// After a panic. The instance can only be freed.
+    Fatal,
+}
+
+impl fmt::Display for Phase {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Instantiated => "before the initialization",
+            Self::Initialization => "in initialization mode",
+            Self::StepComplete => "while running",
+            Self::StepFailed => "after a discarded step",
+            Self::Terminated => "after the termination",
+            Self::Error => "after an error",
+            Self::Fatal => "after a fatal error",
+        })
+    }
+}
+
+/// A function of the standard and the phases in which it may be called.
+pub struct Function {
+    /// The C name.
+    pub name: &'static str,
+    /// The version of the standard that the function belongs to.
+    pub version: Version,
+    /// A bit for each phase.
+    phases: u8,
+}
+
+impl Function {
+    /// A function that may be called in these phases.
+    pub const fn new(name: &'static str, version: Version, phases: &[Phase]) -> Self {
+        let (mut bits, mut at) = (0, 0);
+        while at < phases.len() {
+            bits |= 1 << phases[at] as u8;
+            at += 1;
+        }
+        Self {
+            name,
+            version,
+            phases: bits,
+        }
+    }
+
+    /// Whether the function may be called in this phase.
+    pub fn allowed_in(&self, phase: Phase) -> bool {
+        self.phases & (1 << phase as u8) != 0
+    }
+}
+
+/// All phases but [`Phase::Fatal`].
+pub const ALIVE: &[Phase] = &[
+    Phase::Instantiated,
+    Phase::Initialization,
+    Phase::StepComplete,
+    Phase::StepFailed,
+    Phase::Terminated,
+    Phase::Error,
+];
+
+/// The phases in which computed values can be read.
+pub const READABLE: &[Phase] = &[
+    Phase::Initialization,
+    Phase::StepComplete,
+    Phase::StepFailed,
+    Phase::Terminated,
+    Phase::Error,
+];
+
+/// The phases in which values can be set.
+pub const SETTABLE: &[Phase] = &[
+    Phase::Instantiated,
+    Phase::Initialization,
+    Phase::StepComplete,
+];
+
+/// Defines the functions of a version: a constant each, with its C name and its phases.
+macro_rules! functions {
+    ($version:ident: $($constant:ident $name:ident $phases:expr;)*) => {
+        $(pub const $constant: $crate::boundary::phase::Function = $crate::boundary::phase::Function::new(
+            stringify!($name),
+            $crate::boundary::version::Version::$version,
+            $phases,
+        );)*
+    };
+}
+pub(crate) use functions;

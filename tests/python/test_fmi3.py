@@ -1,0 +1,142 @@
+"""The FMUs of FMI 3.0: the same model, the same variables, the same results as in FMI 2.0."""
+
+import subprocess
+import zipfile
+
+import fmpy
+import fmpy.validation
+import numpy as np
+import pytest
+from conftest import ROOT
+from fmpy.fmi3 import FMU3Slave
+from lxml import etree
+from python_package import PROGRAM
+
+OUTPUTS = ["sensor.loadForce", "sensor.frictionTorque", "sensor.bearingTemperature",
+           "bearing.eccentricityRatio", "drive.angle"]
+TIME = 2**31 - 1
+TYPES = {"Float64": "Real", "Int32": "Integer"}
+
+
+@pytest.fixture(scope="module")
+def fmu3(fmu):
+    path = fmu.with_name("PlainBearingStand-fmi3.fmu")
+    assert path.is_file(), f"{path} is missing: run scripts/package-fmu first"
+    return path
+
+
+@pytest.fixture(scope="module")
+def description3(fmu3):
+    return fmpy.read_model_description(str(fmu3), validate=True)
+
+
+@pytest.fixture
+def stand3(fmu3, description3, tmp_path):
+    folder = fmpy.extract(str(fmu3), str(tmp_path))
+    instance = FMU3Slave(guid=description3.guid, unzipDirectory=folder, instanceName="stand",
+                         modelIdentifier=description3.coSimulation.modelIdentifier)
+    instance.instantiate()
+    instance.enterInitializationMode(startTime=0.0)
+    instance.exitInitializationMode()
+    yield instance
+    instance.freeInstance()
+
+
+def test_the_validator_finds_nothing(fmu3):
+    assert fmpy.validation.validate_fmu(str(fmu3)) == []
+
+
+def test_variables_are_those_of_fmi_2(description, description3):
+    time, *variables = description3.modelVariables
+    assert (time.name, time.causality, time.valueReference) == ("time", "independent", TIME)
+    assert len(variables) == len(description.modelVariables)
+    for two, three in zip(description.modelVariables, variables):
+        assert TYPES.get(three.type, three.type) == two.type
+        for attribute in ("name", "valueReference", "description", "causality", "variability", "initial", "unit",
+                          "displayUnit", "min", "max", "nominal", "start"):
+            assert getattr(three, attribute) == getattr(two, attribute), (two.name, attribute)
+
+
+def test_capabilities_are_those_that_are_there(fmu3):
+    root = etree.fromstring(zipfile.ZipFile(fmu3).read("modelDescription.xml"))
+    assert root.find("ModelExchange") is None and root.find("ScheduledExecution") is None
+    true = {"canGetAndSetFMUState", "canSerializeFMUState", "providesDirectionalDerivatives",
+            "providesAdjointDerivatives", "canHandleVariableCommunicationStepSize"}
+    false = {"hasEventMode", "providesIntermediateUpdate", "mightReturnEarlyFromDoStep",
+             "canReturnEarlyAfterIntermediateUpdate"}
+    expected = {name: "true" for name in true} | {name: "false" for name in false}
+    assert dict(root.find("CoSimulation").attrib) == {
+        **expected, "modelIdentifier": "PlainBearingStand", "maxOutputDerivativeOrder": "1"}
+
+
+def test_files_are_those_of_fmi_2_but_for_binaries_and_icon(fmu, fmu3):
+    def files(path):
+        with zipfile.ZipFile(path) as archive:
+            return {name: archive.read(name) for name in archive.namelist()}
+    two, three = files(fmu), files(fmu3)
+    assert two.pop("binaries/linux64/PlainBearingStand.so") == three.pop("binaries/x86_64-linux/PlainBearingStand.so")
+    assert two.pop("modelDescription.xml") != three.pop("modelDescription.xml")
+    two.pop("model.png")
+    ours = [name for name in two if not name.startswith("binaries/")]
+    assert {name: two[name] for name in ours} == {n: c for n, c in three.items() if not n.startswith("binaries/")}
+
+
+@pytest.mark.parametrize(("film", "stop", "step"), [(1, 2.0, 0.01), (2, 0.2, 0.002), (1, 30.0, 5.0)])
+def test_results_are_those_of_fmi_2_to_the_last_bit(fmu, fmu3, film, stop, step):
+    """Resolved steps with both films, and leaps; with an input that changes."""
+    times = np.linspace(0.0, stop, 5)
+    speed = np.array(list(zip(times, 31.4 + np.sin(times))), dtype=[("time", float), ("drive.speed", float)])
+    results = [fmpy.simulate_fmu(str(path), stop_time=stop, output_interval=step, output=OUTPUTS, input=speed,
+                                 start_values={"bearing.film": film})
+               for path in (fmu, fmu3)]
+    assert len(results[0]) == len(results[1]) > 5
+    for name in ["time", *OUTPUTS]:
+        assert results[0][name].tobytes() == results[1][name].tobytes(), name
+
+
+def test_states_go_back_and_to_bytes(stand3, description3):
+    names = {v.name: v.valueReference for v in description3.modelVariables}
+    references = [names[name] for name in OUTPUTS]
+    def run(first, last):
+        for i in range(first, last):
+            stand3.doStep(i * 0.01, 0.01)
+        return stand3.getFloat64(references)
+    run(0, 20)
+    state = stand3.getFMUState()
+    data = stand3.serializeFMUState(state)
+    expected = run(20, 40)
+    stand3.setFMUState(state)
+    assert stand3.getFloat64([TIME]) == [pytest.approx(0.2)]
+    assert run(20, 40) == expected
+    copy = stand3.deserializeFMUState(data)
+    stand3.setFMUState(copy)
+    assert run(20, 40) == expected
+    for one in (state, copy):
+        stand3.freeFMUState(one)
+
+
+def test_the_lag_becomes_an_fmu_of_fmi_3(tmp_path):
+    file = tmp_path / "Lag-fmi3.fmu"
+    command = ["cargo", "run", "--locked", "--package", "lag", "--", "--profile", "dev", "--fmi", "3", "--output", file]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert "x86_64-linux" in done.stdout
+    assert fmpy.validation.validate_fmu(str(file)) == []
+    result = fmpy.simulate_fmu(str(file), stop_time=1.0, output_interval=0.1, start_values={"input": 3.0})
+    assert result["output"] == pytest.approx(6.0 - 5.0 * np.exp(-result["time"] / 0.5), abs=1e-13)
+
+
+def test_the_orchestrator_takes_it(fmu, fmu3, tmp_path):
+    """No finding, and the same points as with FMI 2.0."""
+    done = subprocess.run([PROGRAM, "check", fmu3], capture_output=True, text=True)
+    assert done.returncode == 0 and done.stdout.endswith("nothing found\n"), done.stdout
+    done = subprocess.run([PROGRAM, "inspect", fmu3], capture_output=True, text=True, check=True)
+    assert "FMI 3.0 for Co-Simulation" in done.stdout
+    points = []
+    for file in (fmu, fmu3):
+        output = tmp_path / file.stem
+        done = subprocess.run([PROGRAM, "verify", ROOT / "studies/paper-table3.toml", "--fmu", file, "--points", "4", "--seed",
+                               "1", "--output", output], capture_output=True, text=True)
+        assert done.returncode in (0, 1), done.stderr
+        points.append((output / "points.csv").read_text())
+    assert points[0] == points[1] and points[0].count("\n") == 5
