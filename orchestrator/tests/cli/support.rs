@@ -1,9 +1,11 @@
 //! Shared by the tests of the command line: an FMU of their own, and a way to run commands.
 
+use std::collections::HashMap;
 use std::fs::{self, File};
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::{Command, Output};
+use std::sync::{LazyLock, Mutex};
 
 use tempfile::TempDir;
 use zip::write::{SimpleFileOptions, ZipWriter};
@@ -107,7 +109,13 @@ impl Bench {
         self.compiled_in(folder, fixture, macros)
     }
 
+    /// Most tests want the same few libraries, and a compiler takes as long as many of the tests: each is made once.
     fn compiled_in(&self, folder: &str, fixture: &str, macros: &[&str]) -> Vec<u8> {
+        static LIBRARIES: LazyLock<Mutex<HashMap<String, Vec<u8>>>> = LazyLock::new(Mutex::default);
+        let key = format!("{folder}/{fixture} {macros:?}");
+        if let Some(library) = LIBRARIES.lock().unwrap().get(&key) {
+            return library.clone();
+        }
         let source = format!("{folder}/{fixture}.c");
         let binary = self.path(&format!("{fixture}.so"));
         let status = Command::new("cc")
@@ -118,7 +126,10 @@ impl Bench {
             .status()
             .unwrap();
         assert!(status.success());
-        fs::read(binary).unwrap()
+        let library = fs::read(&binary).unwrap();
+        fs::remove_file(binary).unwrap();
+        LIBRARIES.lock().unwrap().insert(key, library.clone());
+        library
     }
 
     pub fn zip(&self, name: &str, entries: &[(&str, &[u8])]) {

@@ -1,8 +1,6 @@
 //! The energy balance of a long run, from recorded outputs alone: the work of shaft and load is the heat that went out and the
 //! heat that is stored.
 
-#![allow(clippy::unwrap_used)]
-
 use fmu_export::model::{Experiment, Model};
 use plain_bearing_stand::bearing::ThermalClearance;
 use plain_bearing_stand::sensors::Readings;

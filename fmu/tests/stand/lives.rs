@@ -1,8 +1,6 @@
 //! Random bearings with random lives, through the whole stand: whatever the load and the speed do, the
 //! journal stays inside the bush, every reading is finite, and the film's energy balance is closed.
 
-#![allow(clippy::unwrap_used)]
-
 use fmu_export::model::{Experiment, Fault, Model};
 use journal_bearing::rheology::DensityLaw;
 use plain_bearing_stand::bearing::{FilmModel, Situation};

@@ -1,7 +1,5 @@
 //! The sensors' means over a turn: `sensor.*Mean`.
 
-#![allow(clippy::unwrap_used)]
-
 use fmu_export::model::{Experiment, Model};
 use plain_bearing_stand::bearing::FilmModel;
 use plain_bearing_stand::sensors::Sensed;

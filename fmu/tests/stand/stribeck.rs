@@ -1,8 +1,6 @@
 //! Friction from standstill to full film: the Stribeck curve against a reference of this test's own, the dry journal's
 //! place, and breakaway.
 
-#![allow(clippy::unwrap_used)]
-
 use fmu_export::model::{Experiment, Model};
 use plain_bearing_stand::bearing::FilmModel;
 use plain_bearing_stand::sensors::Readings;

@@ -1,7 +1,5 @@
 //! The hot clearance: thermal expansion and wear in the film, in leaps and in the steady start.
 
-#![allow(clippy::unwrap_used)]
-
 use fmu_export::model::{Experiment, Fault, Model};
 use plain_bearing_stand::bearing::{FilmModel, ThermalClearance};
 use plain_bearing_stand::sensors::Readings;

@@ -1,8 +1,6 @@
 //! Parameters from anywhere in their ranges: a step is made, or refused soon with a message that names what is
 //! unusual. How much work "soon" is, the solver's budget says, and its own tests.
 
-#![allow(clippy::unwrap_used)]
-
 use fmu_export::model::{Experiment, Fault, Kind, Model, Variable};
 use plain_bearing_stand::stand::Stand;
 use proptest::prelude::*;

@@ -1,7 +1,5 @@
 //! The stand as a whole, without FMI.
 
-#![allow(clippy::unwrap_used)]
-
 use fmu_export::model::{Access, Experiment, Fault, Kind, Log, Model, Role};
 use plain_bearing_stand::bearing::FilmModel;
 use plain_bearing_stand::sensors::Readings;

@@ -1,7 +1,5 @@
 //! Leaps of the Reynolds film against turns that are all resolved.
 
-#![allow(clippy::unwrap_used)]
-
 use fmu_export::model::{Experiment, Log, Model};
 use plain_bearing_stand::bearing::FilmModel;
 use plain_bearing_stand::sensors::Readings;

@@ -1,7 +1,5 @@
 //! The stand against published values.
 
-#![allow(clippy::unwrap_used)]
-
 use fmu_export::model::{Experiment, Model};
 use journal_bearing::literature::RAIMONDI_BOYD;
 use plain_bearing_stand::bearing::FilmModel;

@@ -1,5 +1,4 @@
 //! The stand's variable table and the model description that follows from it.
-#![allow(clippy::unwrap_used)]
 
 use fmu_export::model::{Kind, Model, faults};
 use fmu_export::{fmi2, fmi3};

@@ -1,7 +1,5 @@
 //! The steady start: `thermal.initialization = SteadyState`.
 
-#![allow(clippy::unwrap_used)]
-
 use fmu_export::model::{Experiment, Fault, Model};
 use plain_bearing_stand::bearing::FilmModel;
 use plain_bearing_stand::sensors::Readings;

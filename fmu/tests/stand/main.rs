@@ -1,0 +1,15 @@
+//! The stand without FMI. One program, because linking each file on its own takes longer than most of its tests.
+
+#![allow(clippy::unwrap_used)]
+
+mod description;
+mod energy;
+mod extremes;
+mod film_leaps;
+mod hot;
+mod literature;
+mod lives;
+mod means;
+mod steady;
+mod stribeck;
+mod whole;
