@@ -4,6 +4,7 @@ import os
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from . import unwinder
 from .common import PACKAGE, ROOT, Failure, run, say, target_dir, venv
 
 # Zig links against any glibc, and takes LLVM's unwinder in place of libgcc_s.
@@ -24,8 +25,9 @@ class Compiler:
     # The C library's version, where an old one is wanted.
     baseline: str = ""
     notes: list = field(default_factory=list)
-    # For the library alone.
-    link: tuple = ()
+    # What the linker is told for the library alone, and for the program alone.
+    library_link: tuple = ()
+    program_link: tuple = ()
 
     def __post_init__(self):
         self.named = f"{self.target}.{self.baseline}" if self.baseline else self.target
@@ -33,15 +35,14 @@ class Compiler:
     def library(self):
         """The FMU's library, optimised as a whole."""
         run([*self.command, "rustc", "--profile", PROFILE, "--locked", "--package", PACKAGE, "--lib", "--crate-type", "cdylib",
-             "--target", self.named, *self.link], env=self.environment)
+             "--target", self.named, *linking(self.library_link)], env=self.environment)
         name = {"windows": "plain_bearing_stand.dll", "darwin": "libplain_bearing_stand.dylib"}
         return self.folder() / name.get(self.system(), "libplain_bearing_stand.so")
 
     def program(self):
         """The program."""
-        build = "zigbuild" if self.command == ZIGBUILD else "build"
-        run([*self.command, build, "--profile", PROFILE, "--locked", "--package", "orchestrator", "--bin", "orchestrator",
-             "--target", self.named], env=self.environment)
+        run([*self.command, "rustc", "--profile", PROFILE, "--locked", "--package", "orchestrator", "--bin", "orchestrator",
+             "--target", self.named, *linking(self.program_link)], env=self.environment)
         return self.folder() / ("orchestrator.exe" if self.system() == "windows" else "orchestrator")
 
     def folder(self):
@@ -49,6 +50,11 @@ class Compiler:
 
     def system(self):
         return self.target.split("-")[2]
+
+
+def linking(arguments):
+    """Cargo's arguments that hand these to the linker."""
+    return ["--", *(f"-Clink-arg={argument}" for argument in arguments)] if arguments else []
 
 
 def cargo(*arguments, env=None):
@@ -78,9 +84,16 @@ def zig():
     return {"PATH": f"{folder}{os.pathsep}{os.environ['PATH']}"}
 
 
+def old_linux(target, more=""):
+    """For Linux with an old glibc, by Zig."""
+    environment = zig() | flags(target, more)
+    stub = unwinder.library(f"{target.replace('-unknown', '')}.{GLIBC}", venv() / "python")
+    return Compiler(target, environment, ZIGBUILD, GLIBC, program_link=(stub,))
+
+
 def linux():
     """For this machine, where it is Linux on x86-64."""
-    return Compiler(LINUX, zig() | flags(LINUX), ZIGBUILD, GLIBC)
+    return old_linux(LINUX)
 
 
 def linux64(row):

@@ -10,7 +10,7 @@ import re
 import shutil
 from pathlib import Path
 
-from .build import GLIBC, ZIGBUILD, Compiler, flags, zig
+from .build import GLIBC, Compiler, flags, old_linux
 from .common import CACHE, Failure, run, say
 from .debian import install
 
@@ -38,7 +38,7 @@ def arm_linux():
     """For Linux on 64-bit Arm."""
     target = "aarch64-unknown-linux-gnu"
     more = "" if fetched(target) else f"--sysroot={sysroot(target, '', None)}"
-    return Compiler(target, zig() | flags(target, more), ZIGBUILD, GLIBC)
+    return old_linux(target, more)
 
 
 def win64(row):

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from .build import Compiler, flags, zig
 from .common import CACHE, ROOT, Failure, run, say, target_dir
+from .cross import fetched
 
 TARGETS = ("x86_64-apple-darwin", "aarch64-apple-darwin")
 # The oldest system on both processors.
@@ -31,7 +32,8 @@ STUBS = {
 
 def compiler(target):
     """How cargo builds for one of the processors that Macs have."""
-    run(["rustup", "target", "add", target])
+    if not fetched(target):
+        raise Failure(f"no standard library for {target} (rustup target add {target})")
     environment = {"MACOSX_DEPLOYMENT_TARGET": OLDEST}
     if sys.platform == "darwin":
         return Compiler(target, environment | flags(target))
@@ -40,11 +42,12 @@ def compiler(target):
     more = f"-Clinker={linker()} -Clinker-flavor=ld64.lld"
     processor = target.split("-")[0]
     script = CACHE / f"cc-{processor}"
+    CACHE.mkdir(exist_ok=True)
     script.write_text(f'#!/bin/sh\nexec "{ROOT}/.venv/bin/python" -m ziglang cc -target {processor}-macos "$@"\n')
     script.chmod(0o755)
     # The name under which hosts find the library: without it, that would be the path of the build.
-    link = ("--", "-Clink-arg=-install_name", "-Clink-arg=@rpath/libplain_bearing_stand.dylib")
-    return Compiler(target, environment | flags(target, more) | {"SDKROOT": str(sdk()), f"CC_{name}": str(script)}, link=link)
+    link = ("-install_name", "@rpath/libplain_bearing_stand.dylib")
+    return Compiler(target, environment | flags(target, more) | {"SDKROOT": str(sdk()), f"CC_{name}": str(script)}, library_link=link)
 
 
 def linker():

@@ -1,16 +1,19 @@
 """Builds the program for a platform, through its gates."""
 
+import csv
 import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 from . import build as here
-from . import cross, gates, host, mac
+from . import cross, gates, host, mac, unwinder
 from .common import Failure, Row, native, run, say
 from .debian import install
 
 LARGEST = 20e6
+# Enough to see that program, study and FMU fit together.
+POINTS = 5
 COMPILERS = {
     "linux64": here.linux,
     "aarch64-linux": cross.arm_linux,
@@ -45,7 +48,10 @@ def needs(row):
     """The libraries that the program needs, which have to be those that every such system has."""
     if row.platform.endswith(("linux64", "linux")):
         install("binutils", command="readelf")
-        return gates.elf(row)[1]
+        libraries = gates.elf(row, {unwinder.LIBRARY})[1]
+        if unwinder.LIBRARY not in libraries:
+            raise Failure("the program has an unwinder of its own: an FMU that throws would seem to use a wrong address")
+        return libraries
     if row.platform == "win64":
         install("binutils", command="objdump")
         return gates.dll(row.file)[1]
@@ -63,6 +69,25 @@ def step(row):
     if not said.startswith("orchestrator "):
         raise Failure(f"{row.platform}: the program tells no version: {said}")
     return f"run{f' under {Path(runner[0]).name}' if runner else ''}"
+
+
+def paper(row, folder):
+    """Verifies points of the paper with the wheel that is installed in a folder; says why not where that cannot be run."""
+    runner, why = runner_of(row.platform)
+    if why:
+        return f"not run: {why}"
+    package = folder / "fmu_orchestrator"
+    file = package / "bin" / row.file.name
+    file.chmod(0o755)
+    if row.platform == "win64" and runner:
+        host.wine_ready()
+    run([*runner, file, "verify", package / "studies/paper-table3.toml", "--points", POINTS, "--output", folder / "out"],
+        env=host.quiet())
+    with open(folder / "out/points.csv", encoding="utf-8") as table:
+        done = [line["status"] for line in csv.DictReader(table)]
+    if done != ["ok"] * POINTS:
+        raise Failure(f"{row.platform}: the wheel's points are {done}")
+    return f"{POINTS} points of the paper run from it{f' under {Path(runner[0]).name}' if runner else ''}"
 
 
 def runner_of(platform):

@@ -7,6 +7,7 @@ import sys
 import time
 import zipfile
 
+import faulty
 import pytest
 from test_acceptance import ROOT, TABLE3, orchestrator, rows
 
@@ -44,7 +45,7 @@ def bare(wheel, tmp_path_factory):
         assert done.returncode == code, done.stderr
         return done.stdout
 
-    run.folder = folder
+    run.folder, run.environment = folder, environment
     return run
 
 
@@ -79,6 +80,14 @@ def test_the_papers_verification_in_an_empty_environment(bare, tmp_path):
     assert (results / "report.html").stat().st_size > 100_000
     verified = sum(row["verified"] == "true" for row in rows(results / "points.csv"))
     assert f"all criteria: verified {verified}" in " ".join(said.split())
+
+
+def test_an_exception_of_an_fmu_is_told_from_a_wrong_address(bare, tmp_path):
+    """Program and FMU have one unwinder (scripts/platforms/unwinder.py)."""
+    thrower = faulty.Workshop(tmp_path).model(next(model for model in faulty.MODELS if model.name == "throws"))
+    done = subprocess.run(["orchestrator", "simulate", thrower, "--set", "fault=1"], env=bare.environment, capture_output=True,
+                          text=True, cwd=bare.folder)
+    assert done.returncode == 2 and "SIGABRT" in done.stderr, done.stderr
 
 
 API = """
