@@ -2,15 +2,17 @@
 //! another process.
 
 mod curve;
+mod inputs;
 mod schedule;
 
 pub use curve::{Delay, MeasuredCurve};
+pub use inputs::{Series, Unseen, place};
 pub use schedule::{CommunicationPoints, Schedule};
 
 use serde::{Deserialize, Serialize};
 
 use fmu_import::{Content, Handle, Value};
-use sampling::statistics::{Accumulator, Statistic};
+use sampling::statistics::{Accumulator, Direction, Statistic};
 
 /// A simulation without the values that vary from point to point.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -41,47 +43,6 @@ impl Case {
     /// The only simulation of a point.
     pub fn only(task: Task) -> Self {
         Self { name: None, task }
-    }
-}
-
-/// An input over time.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Series {
-    /// The input that takes the values.
-    pub slot: Slot,
-    /// Whether a value holds until the next one; straight lines otherwise.
-    pub hold: bool,
-    /// Whether the input varies linearly within a step; otherwise the FMU sees new values at communication points only.
-    pub ramp: bool,
-    /// When, s, growing.
-    pub times: Vec<f64>,
-    /// The values then, in the FMU's unit.
-    pub values: Vec<f64>,
-}
-
-impl Series {
-    /// The value at a time; before the first and after the last one these hold.
-    pub fn at(&self, time: f64) -> f64 {
-        // At equal times, the last value counts.
-        self.between(self.times.partition_point(|&other| other <= time), time)
-    }
-
-    /// The rate at which it gets from its value at one time to that just before another one, 1/s.
-    pub fn slope(&self, time: f64, next: f64) -> f64 {
-        let end = self.times.partition_point(|&other| other < next);
-        (self.between(end, next) - self.at(time)) / (next - time)
-    }
-
-    /// The value at a time before the `after`th row, and not before the row ahead of that.
-    fn between(&self, after: usize, time: f64) -> f64 {
-        let Some(before) = after.checked_sub(1) else {
-            return self.values.first().copied().unwrap_or(0.0);
-        };
-        if self.hold || after == self.times.len() {
-            return self.values[before];
-        }
-        let share = (time - self.times[before]) / (self.times[after] - self.times[before]);
-        self.values[before] + share * (self.values[after] - self.values[before])
     }
 }
 
@@ -137,6 +98,10 @@ pub enum Detail {
     Percent(f64),
     /// The time of a value, s.
     At(f64),
+    /// The level that a signal crosses, in the FMU's unit, and the way in which it does.
+    Level(f64, Direction),
+    /// The angle whose whole turns count, and how much it changes in a turn, in the FMU's unit.
+    Turns(Handle, f64),
 }
 
 impl Detail {
@@ -145,6 +110,8 @@ impl Detail {
         match self {
             Self::Percent(percent) => format!("{percent} % percentile"),
             Self::At(time) => format!("value at {time} s"),
+            Self::Turns(..) => "mean over whole turns".to_owned(),
+            Self::Level(..) => Statistic::Crossing.label().to_owned(),
         }
     }
 }
@@ -160,10 +127,19 @@ impl Probe {
         self.curve.is_some() || matches!(self.detail, Some(Detail::At(_)))
     }
 
+    /// The angle that is read beside it.
+    pub fn angle(&self) -> Option<Handle> {
+        match self.detail {
+            Some(Detail::Turns(angle, _)) => Some(angle),
+            _ => None,
+        }
+    }
+
     /// An accumulator of its statistic.
     pub fn accumulator(&self) -> Accumulator {
         match self.detail {
             Some(Detail::Percent(percent)) => Accumulator::percentile(percent),
+            Some(Detail::Level(level, direction)) => Accumulator::crossing(level, direction),
             _ => Accumulator::new(self.statistic),
         }
     }
@@ -289,31 +265,5 @@ mod tests {
             "e = 4.2 is none of the enumeration's items 1, 2, 5"
         );
         assert_eq!(slot.allowed(), [[0.5, 2.5], [4.5, 5.5]]);
-    }
-
-    #[test]
-    fn inputs_over_time() {
-        let mut series = Series {
-            slot: Slot {
-                name: "u".to_owned(),
-                handle: handle(Content::Real),
-                min: None,
-                max: None,
-                items: Vec::new(),
-            },
-            hold: false,
-            ramp: true,
-            times: vec![0.0, 1.0, 1.0, 3.0],
-            values: vec![5.0, 7.0, -1.0, 1.0],
-        };
-        let at = |series: &Series| [-1.0, 0.0, 0.5, 1.0, 2.0, 3.0, 9.0].map(|t| series.at(t));
-        assert_eq!(at(&series), [5.0, 5.0, 6.0, -1.0, 0.0, 1.0, 1.0]);
-        // A jump belongs to the step after it; before and after the recording nothing changes.
-        assert_eq!(series.slope(0.5, 1.0), 2.0);
-        assert_eq!(series.slope(1.0, 3.0), 1.0);
-        assert_eq!(series.slope(-2.0, -1.0), 0.0);
-        assert_eq!(series.slope(3.0, 4.0), 0.0);
-        series.hold = true;
-        assert_eq!(at(&series), [5.0, 5.0, 5.0, -1.0, -1.0, 1.0, 1.0]);
     }
 }

@@ -299,9 +299,12 @@ impl Binder<'_> {
         let handle = variable
             .number_handle()
             .ok_or_else(|| at("a text cannot be compared with a measurement".to_owned()))?;
-        if text.statistic == Statistic::Percentile {
-            let message = "identify takes no percentile; choose another statistic, such as max";
-            return Err(at(message.to_owned()));
+        if text.statistic == Statistic::Percentile || text.statistic.unit().is_some() {
+            let message = format!(
+                "identify takes no {}; choose another statistic, such as max, or give the data as [[cases]]",
+                text.statistic.name()
+            );
+            return Err(at(message));
         }
         let scale = self.scale(text.unit.as_deref(), variable).map_err(at)?;
         let probe = Probe {
