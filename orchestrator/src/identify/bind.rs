@@ -96,7 +96,9 @@ impl Binder<'_> {
             return Err(self.study.error(message).into());
         }
         self.refuse_doubles()?;
-        let mut simulations = Plan::new(self.study, self.fmu)?.cases;
+        let plan = Plan::new(self.study, self.fmu)?;
+        plan.tell_of_inputs();
+        let mut simulations = plan.cases;
         for simulation in &mut simulations {
             simulation.task.varied.clear();
             simulation.task.observed.clear();

@@ -237,6 +237,13 @@ impl Plan {
         refused.chain(self.of_inputs.iter().cloned()).collect()
     }
 
+    /// Tells at once of recorded inputs that the FMU gets otherwise, or at a great cost: every analysis rests on them.
+    pub fn tell_of_inputs(&self) {
+        for doubt in &self.of_inputs {
+            crate::tell::line!("note: {doubt}");
+        }
+    }
+
     /// What so many points cannot tell of parameters from samples, a sentence each.
     pub fn concerns_of_samples(&self, points: u64) -> Vec<String> {
         let few = self

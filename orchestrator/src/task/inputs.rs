@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{CommunicationPoints, Schedule, Slot};
+use super::schedule::{CommunicationPoints, Schedule};
+use super::slot::Slot;
 
 /// Rows so close to a communication point, as a part of the step, count as there: times in a file are rounded.
 const NEAR: f64 = 1e-3;
