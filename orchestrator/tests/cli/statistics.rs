@@ -68,7 +68,7 @@ fn the_time_of_an_event_is_judged() {
     // What never happens fails.
     bench.write("study.toml", &once.replace("\"rising\"", "\"falling\""));
     let said = bench.run(&["verify", "study.toml", "--output", "never"]);
-    assert_eq!(said.code, 1, "{}", said.err);
+    assert_eq!(said.code, 3, "{}", said.err);
     assert!(said.out.contains("not finite: 6"), "{}", said.out);
     for (keys, words) in [
         (own.replace("level = 0.5\n", ""), "needs `level`"),
