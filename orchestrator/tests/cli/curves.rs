@@ -352,7 +352,7 @@ fn a_run_that_ends_before_the_reference_fails() {
         assert_eq!(said.code, 3, "{}", said.err);
         let points = bench.read("out/points.csv");
         for line in points.lines().skip(1) {
-            let why = "not finite: lag.y (the FMU ended the simulation at 0.5 s)";
+            let why = "not finite: lag.y (the FMU ended the simulation at 1 s)";
             assert!(line.ends_with(why), "{line}");
             assert!(!line.contains("true"), "{line}");
         }
