@@ -182,10 +182,10 @@ impl Judge {
             let variable = variable.map_err(|message| study.error_at(&text.variable, message))?;
             requirements::check_variable(study, text, variable)?;
             let scale = match (fmu, variable) {
-                (Some(fmu), Some(variable)) => Scale::new(text.unit.as_deref(), fmu, variable)
-                    .map_err(|message| at_name(study, name, &message))?,
-                _ => Scale::alone(text.unit.as_deref()),
+                (Some(fmu), Some(variable)) => text.scale(fmu, variable),
+                _ => text.scale_alone(),
             };
+            let scale = scale.map_err(|message| at_name(study, name, &message))?;
             let criterion = match text.reference {
                 Some(_) => curve::criterion(study, name, text, &scale)?,
                 None => scalar(study, name, text, &scale)?,

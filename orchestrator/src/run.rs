@@ -14,7 +14,7 @@ use std::time::Instant;
 
 use crate::failure::{Failure, Partial};
 use crate::notices::Notices;
-use crate::task::Task;
+use crate::task::{Task, place};
 use fmu_import::{Call, Content, End, Instance, Library, State, Warnings};
 use sampling::statistics::Accumulator;
 use watched::Watched;
@@ -47,6 +47,8 @@ struct Scene {
     /// The number of the case.
     number: usize,
     task: Task,
+    /// The times between communication points to which the FMU takes a step, since a recorded input turns there.
+    stops: Vec<f64>,
     /// The real variables that are read at every communication point.
     watched: Watched,
     /// The numbers of the other probes that are read there.
@@ -55,7 +57,8 @@ struct Scene {
 }
 
 impl Scene {
-    fn new(number: usize, task: Task) -> Self {
+    fn new(number: usize, mut task: Task) -> Self {
+        let stops = place(&mut task.inputs, &task.schedule);
         let over_time = (0..task.observed.len()).filter(|&index| !task.observed[index].is_final());
         let (probes, slow): (Vec<_>, Vec<_>) =
             over_time.partition(|&index| task.observed[index].handle.content == Content::Real);
@@ -67,6 +70,7 @@ impl Scene {
                 .map(|index| (index, task.observed[index].accumulator()))
                 .collect(),
             results: vec![0.0; task.observed.len()],
+            stops,
             task,
         }
     }
@@ -229,11 +233,12 @@ impl Runner {
             .position(|value| !value.is_finite())
         {
             Some(index) => {
-                let variable = &self.scene.task.observed[index].name;
-                Err(Failure::NotFinite(Partial::new(
-                    variable,
-                    &self.scene.results,
-                )))
+                let mut variable = self.scene.task.observed[index].name.clone();
+                if let Some(time) = self.notices.ended {
+                    variable += &format!(" (the FMU ended the simulation at {time} s)");
+                }
+                let partial = Partial::new(&variable, &self.scene.results);
+                Err(Failure::NotFinite(partial))
             }
             None => Ok(()),
         }
@@ -326,9 +331,8 @@ impl Runner {
             let (points, mut time) = (schedule.points(), schedule.start);
             for index in 1..=points.steps {
                 let next = points.at(index);
-                feed(&self.scene.task, instance, time)?;
-                ramp(&self.scene.task, instance, time, next)?;
-                if let Err(call) = instance.step(time, next - time) {
+                if let Err(call) = step(&self.scene.task, &self.scene.stops, instance, [time, next])
+                {
                     // An end that the FMU chose is no failure; its last values count.
                     let end = call.ended.ok_or(call)?;
                     ended = Some(end.at);
@@ -525,6 +529,32 @@ fn feed(task: &Task, instance: &mut Instance, time: f64) -> Result<(), Call> {
             series.slot.handle.reference,
             &series.slot.value(series.at(time)),
         )?;
+    }
+    Ok(())
+}
+
+/// Goes from one communication point to the next, with a step to each time at which a recorded input turns.
+fn step(
+    task: &Task,
+    stops: &[f64],
+    instance: &mut Instance,
+    [begin, end]: [f64; 2],
+) -> Result<(), Call> {
+    let ahead = &stops[stops.partition_point(|&stop| stop <= begin)..];
+    let between = ahead.iter().copied().take_while(|&stop| stop < end);
+    let mut time = begin;
+    for next in between.chain([end]) {
+        feed(task, instance, time)?;
+        ramp(task, instance, time, next)?;
+        instance.step(time, next - time).map_err(|mut call| {
+            // What was read last is that of the communication point.
+            call.ended = call.ended.map(|ended| End {
+                from: begin,
+                ..ended
+            });
+            call
+        })?;
+        time = next;
     }
     Ok(())
 }

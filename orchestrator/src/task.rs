@@ -2,15 +2,19 @@
 //! another process.
 
 mod curve;
+mod inputs;
 mod schedule;
+mod slot;
 
 pub use curve::{Delay, MeasuredCurve};
+pub use inputs::{Series, Unseen, place};
 pub use schedule::{CommunicationPoints, Schedule};
+pub use slot::Slot;
 
 use serde::{Deserialize, Serialize};
 
-use fmu_import::{Content, Handle, Value};
-use sampling::statistics::{Accumulator, Statistic};
+use fmu_import::{Handle, Value};
+use sampling::statistics::{Accumulator, Direction, Statistic};
 
 /// A simulation without the values that vary from point to point.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -44,47 +48,6 @@ impl Case {
     }
 }
 
-/// An input over time.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Series {
-    /// The input that takes the values.
-    pub slot: Slot,
-    /// Whether a value holds until the next one; straight lines otherwise.
-    pub hold: bool,
-    /// Whether the input varies linearly within a step; otherwise the FMU sees new values at communication points only.
-    pub ramp: bool,
-    /// When, s, growing.
-    pub times: Vec<f64>,
-    /// The values then, in the FMU's unit.
-    pub values: Vec<f64>,
-}
-
-impl Series {
-    /// The value at a time; before the first and after the last one these hold.
-    pub fn at(&self, time: f64) -> f64 {
-        // At equal times, the last value counts.
-        self.between(self.times.partition_point(|&other| other <= time), time)
-    }
-
-    /// The rate at which it gets from its value at one time to that just before another one, 1/s.
-    pub fn slope(&self, time: f64, next: f64) -> f64 {
-        let end = self.times.partition_point(|&other| other < next);
-        (self.between(end, next) - self.at(time)) / (next - time)
-    }
-
-    /// The value at a time before the `after`th row, and not before the row ahead of that.
-    fn between(&self, after: usize, time: f64) -> f64 {
-        let Some(before) = after.checked_sub(1) else {
-            return self.values.first().copied().unwrap_or(0.0);
-        };
-        if self.hold || after == self.times.len() {
-            return self.values[before];
-        }
-        let share = (time - self.times[before]) / (self.times[after] - self.times[before]);
-        self.values[before] + share * (self.values[after] - self.values[before])
-    }
-}
-
 /// A point that is run with its trajectory.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Record {
@@ -92,22 +55,6 @@ pub struct Record {
     pub values: Vec<f64>,
     /// Variables that are read at every communication point.
     pub columns: Vec<Handle>,
-}
-
-/// A variable that takes a point's value.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Slot {
-    /// Its name.
-    pub name: String,
-    /// How calls reach it.
-    pub handle: Handle,
-    /// The smallest value that the FMU allows.
-    pub min: Option<f64>,
-    /// The largest value that the FMU allows.
-    pub max: Option<f64>,
-    /// The values of an enumeration's items, growing; empty for other types.
-    #[serde(default)]
-    pub items: Vec<i64>,
 }
 
 /// A variable that is observed.
@@ -137,6 +84,10 @@ pub enum Detail {
     Percent(f64),
     /// The time of a value, s.
     At(f64),
+    /// The level that a signal crosses, in the FMU's unit, and the way in which it does.
+    Level(f64, Direction),
+    /// The angle whose whole turns count, and how much it changes in a turn, in the FMU's unit.
+    Turns(Handle, f64),
 }
 
 impl Detail {
@@ -145,6 +96,8 @@ impl Detail {
         match self {
             Self::Percent(percent) => format!("{percent} % percentile"),
             Self::At(time) => format!("value at {time} s"),
+            Self::Turns(..) => "mean over whole turns".to_owned(),
+            Self::Level(..) => Statistic::Crossing.label().to_owned(),
         }
     }
 }
@@ -160,160 +113,20 @@ impl Probe {
         self.curve.is_some() || matches!(self.detail, Some(Detail::At(_)))
     }
 
+    /// The angle that is read beside it.
+    pub fn angle(&self) -> Option<Handle> {
+        match self.detail {
+            Some(Detail::Turns(angle, _)) => Some(angle),
+            _ => None,
+        }
+    }
+
     /// An accumulator of its statistic.
     pub fn accumulator(&self) -> Accumulator {
         match self.detail {
             Some(Detail::Percent(percent)) => Accumulator::percentile(percent),
+            Some(Detail::Level(level, direction)) => Accumulator::crossing(level, direction),
             _ => Accumulator::new(self.statistic),
         }
-    }
-}
-
-impl Slot {
-    /// Whether the FMU allows the value.
-    ///
-    /// # Errors
-    /// Says which limit is violated.
-    pub fn check(&self, value: f64) -> Result<(), String> {
-        let name = &self.name;
-        if !value.is_finite() {
-            return Err(format!("{name} = {value} is not a finite number"));
-        }
-        // The limits apply to the number that the FMU gets, after rounding.
-        let stored = match self.handle.content {
-            Content::Integer => value.round(),
-            Content::Real | Content::Boolean | Content::Text => value,
-        };
-        if !self.items.is_empty() && !self.items.iter().any(|&item| item as f64 == stored) {
-            return Err(format!(
-                "{name} = {value} is none of the enumeration's items {}",
-                self.allowed_text(|limit| limit)
-            ));
-        }
-        let limit = match (self.min, self.max) {
-            (Some(min), _) if stored < min => format!("less than the smallest value {min}"),
-            (_, Some(max)) if stored > max => format!("more than the largest value {max}"),
-            _ => return Ok(()),
-        };
-        Err(format!("{name} = {value} is {limit} that the FMU allows"))
-    }
-
-    /// The intervals of numbers that the FMU allows, growing and apart from each other. Whole numbers are rounded, so
-    /// each stands for half a unit to both sides.
-    pub fn allowed(&self) -> Vec<[f64; 2]> {
-        let half = match self.handle.content {
-            Content::Integer => 0.5,
-            Content::Real | Content::Boolean | Content::Text => 0.0,
-        };
-        if self.items.is_empty() {
-            let low = self.min.map_or(f64::NEG_INFINITY, |min| min - half);
-            let high = self.max.map_or(f64::INFINITY, |max| max + half);
-            return vec![[low, high]];
-        }
-        let mut allowed: Vec<[f64; 2]> = Vec::new();
-        for item in self.items.iter().copied().map(|item| item as f64) {
-            match allowed.last_mut() {
-                Some(last) if last[1] == item - half => last[1] = item + half,
-                _ => allowed.push([item - half, item + half]),
-            }
-        }
-        allowed
-    }
-
-    /// The allowed values for people: an enumeration's items, or both limits after a conversion of units.
-    pub fn allowed_text(&self, convert: impl Fn(f64) -> f64) -> String {
-        if !self.items.is_empty() {
-            let items: Vec<String> = self.items.iter().map(i64::to_string).collect();
-            return items.join(", ");
-        }
-        let limit = |limit: Option<f64>| {
-            limit.map_or_else(|| "..".to_owned(), |limit| convert(limit).to_string())
-        };
-        format!("{} to {}", limit(self.min), limit(self.max))
-    }
-
-    /// The value as the FMU stores it; whole numbers are rounded.
-    pub fn value(&self, value: f64) -> Value {
-        self.handle.content.value(value)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn handle(content: Content) -> Handle {
-        Handle {
-            reference: 1,
-            content,
-        }
-    }
-
-    #[test]
-    fn whole_numbers_count_as_rounded() {
-        let slot = Slot {
-            name: "n".to_owned(),
-            handle: handle(Content::Integer),
-            min: Some(1.0),
-            max: Some(4.0),
-            items: Vec::new(),
-        };
-        for (value, allowed) in [(0.51, true), (4.49, true), (0.49, false), (4.51, false)] {
-            assert_eq!(slot.check(value).is_ok(), allowed, "{value}");
-        }
-        assert!(matches!(slot.value(0.51), Value::Integer(1)));
-        assert_eq!(slot.allowed(), [[0.5, 4.5]]);
-    }
-
-    #[test]
-    fn an_enumeration_allows_its_items_only() {
-        let slot = Slot {
-            name: "e".to_owned(),
-            handle: handle(Content::Integer),
-            min: None,
-            max: None,
-            items: vec![1, 2, 5],
-        };
-        for (value, allowed) in [
-            (0.4, false),
-            (0.6, true),
-            (2.4, true),
-            (3.0, false),
-            (5.4, true),
-            (5.6, false),
-        ] {
-            assert_eq!(slot.check(value).is_ok(), allowed, "{value}");
-        }
-        assert_eq!(
-            slot.check(4.2).unwrap_err(),
-            "e = 4.2 is none of the enumeration's items 1, 2, 5"
-        );
-        assert_eq!(slot.allowed(), [[0.5, 2.5], [4.5, 5.5]]);
-    }
-
-    #[test]
-    fn inputs_over_time() {
-        let mut series = Series {
-            slot: Slot {
-                name: "u".to_owned(),
-                handle: handle(Content::Real),
-                min: None,
-                max: None,
-                items: Vec::new(),
-            },
-            hold: false,
-            ramp: true,
-            times: vec![0.0, 1.0, 1.0, 3.0],
-            values: vec![5.0, 7.0, -1.0, 1.0],
-        };
-        let at = |series: &Series| [-1.0, 0.0, 0.5, 1.0, 2.0, 3.0, 9.0].map(|t| series.at(t));
-        assert_eq!(at(&series), [5.0, 5.0, 6.0, -1.0, 0.0, 1.0, 1.0]);
-        // A jump belongs to the step after it; before and after the recording nothing changes.
-        assert_eq!(series.slope(0.5, 1.0), 2.0);
-        assert_eq!(series.slope(1.0, 3.0), 1.0);
-        assert_eq!(series.slope(-2.0, -1.0), 0.0);
-        assert_eq!(series.slope(3.0, 4.0), 0.0);
-        series.hold = true;
-        assert_eq!(at(&series), [5.0, 5.0, 5.0, -1.0, -1.0, 1.0, 1.0]);
     }
 }

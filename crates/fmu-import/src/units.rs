@@ -66,6 +66,14 @@ impl Conversion {
         offset: 0.0,
     };
 
+    /// The change between two units of the same zero.
+    pub const fn scaled(factor: f64) -> Self {
+        Self {
+            factor,
+            offset: 0.0,
+        }
+    }
+
     /// Converts a value.
     pub fn value(self, value: f64) -> f64 {
         self.factor * value + self.offset

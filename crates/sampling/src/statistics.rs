@@ -5,21 +5,28 @@
 
 mod amplitude;
 mod collect;
+mod crossing;
+mod frequency;
 mod last;
 mod max;
 mod mean;
 mod min;
 pub mod moments;
+mod oscillation;
+mod oscillation_amplitude;
 mod percentile;
 mod rms;
 pub mod share;
 mod slope;
+mod turns;
 
 use serde::{Deserialize, Serialize};
 
 use collect::Collect;
 
+pub use crossing::Direction;
 pub use share::wilson;
+pub use turns::MeanOverTurns;
 
 /// Makes the choice of the statistics from lines of name, type and meaning.
 macro_rules! statistics {
@@ -48,9 +55,24 @@ macro_rules! statistics {
                     $(Self::$statistic => <$collector>::DIFFERENCE,)*
                 }
             }
+
+            /// Its unit, where that does not follow from the signal's.
+            pub fn unit(self) -> Option<&'static str> {
+                match self {
+                    $(Self::$statistic => <$collector>::UNIT,)*
+                }
+            }
+
+            /// Whether it is the time since the first value.
+            pub fn is_since_first(self) -> bool {
+                match self {
+                    $(Self::$statistic => <$collector>::SINCE_FIRST,)*
+                }
+            }
         }
 
-        /// Collects what a statistic of a signal needs, value by value; in constant memory, except for percentiles.
+        /// Collects what a statistic of a signal needs, value by value; in constant memory, except for percentiles and
+        /// oscillations.
         #[derive(Clone, Debug)]
         pub struct Accumulator(Collector);
 
@@ -60,12 +82,17 @@ macro_rules! statistics {
         }
 
         impl Accumulator {
-    /// An accumulator for the percentile of so many percent, from 0 to 100.
-    pub fn percentile(percent: f64) -> Self {
-        Self(Collector::Percentile(percentile::Percentile::new(percent)))
-    }
+            /// An accumulator for the percentile of so many percent, from 0 to 100.
+            pub fn percentile(percent: f64) -> Self {
+                Self(Collector::Percentile(percentile::Percentile::new(percent)))
+            }
 
-            /// An accumulator without values; for a percentile, that of the median.
+            /// An accumulator for the first crossing of a level.
+            pub fn crossing(level: f64, direction: Direction) -> Self {
+                Self(Collector::Crossing(crossing::Crossing::new(level, direction)))
+            }
+
+            /// An accumulator without values; for a percentile, that of the median, and for a crossing, that of zero.
             pub fn new(statistic: Statistic) -> Self {
                 Self(match statistic {
                     $(Statistic::$statistic => Collector::$statistic(Default::default()),)*
@@ -100,6 +127,9 @@ statistics! {
     Amplitude = amplitude::Amplitude, "Half the distance from the smallest to the largest value.";
     Slope = slope::Slope, "The slope of the straight line of least squares, a second.";
     Percentile = percentile::Percentile, "The value that is not exceeded for a share of the time.";
+    Crossing = crossing::Crossing, "The time at which the signal first crosses a level, s.";
+    Frequency = frequency::Frequency, "The frequency of the strongest oscillation, Hz.";
+    OscillationAmplitude = oscillation_amplitude::OscillationAmplitude, "The amplitude of the strongest oscillation.";
 }
 
 impl Default for Statistic {
@@ -239,6 +269,43 @@ mod tests {
         assert_eq!(one.result(0.0), -3.0);
     }
 
+    /// Up through 1 at 0.25 s and 3.5 s, down at 2 s; the signal stands at 3 from 1 s to 1.5 s.
+    #[test]
+    fn crossings_are_those_of_straight_lines() {
+        let values = [
+            (0.0, 0.0),
+            (0.75, 3.0),
+            (0.25, 3.0),
+            (0.5, 3.0),
+            (1.0, -1.0),
+            (1.5, 3.0),
+        ];
+        let at = |level: f64, direction| {
+            let mut signal = Accumulator::crossing(level, direction);
+            signal.add_all(values.into_iter());
+            signal.result(4.0)
+        };
+        assert_eq!(at(1.0, Direction::Either), 0.25);
+        assert_eq!(at(1.0, Direction::Rising), 0.25);
+        assert_eq!(at(1.0, Direction::Falling), 2.0);
+        assert_eq!(at(-0.5, Direction::Either), 2.375);
+        assert_eq!(at(-0.5, Direction::Rising), 2.5 + 0.125 * 1.5);
+        // It comes to its highest value without going on, and begins at zero.
+        assert_eq!(at(3.0, Direction::Rising), 0.75);
+        assert_eq!(at(0.0, Direction::Either), 2.25);
+        assert!(at(3.5, Direction::Either).is_nan());
+        // What comes before a crossing must be known, what comes after need not.
+        let broken = |place: usize| {
+            let mut signal = Accumulator::crossing(1.0, Direction::Falling);
+            let value =
+                |(k, (elapsed, value))| (elapsed, if k == place { f64::NAN } else { value });
+            signal.add_all(values.into_iter().enumerate().map(value));
+            signal.result(4.0)
+        };
+        assert!(broken(0).is_nan() && broken(2).is_nan() && broken(4).is_nan());
+        assert_eq!(broken(5), 2.0);
+    }
+
     #[test]
     fn not_a_number_is_not_lost() {
         for statistic in [
@@ -247,6 +314,8 @@ mod tests {
             Statistic::Amplitude,
             Statistic::Slope,
             Statistic::Percentile,
+            Statistic::Frequency,
+            Statistic::OscillationAmplitude,
         ] {
             let mut broken = of_sine(1.0, statistic);
             broken.add(1.0, f64::NAN);
@@ -271,7 +340,10 @@ mod tests {
                 "rms",
                 "amplitude",
                 "slope",
-                "percentile"
+                "percentile",
+                "crossing",
+                "frequency",
+                "oscillation-amplitude"
             ]
         );
     }

@@ -108,7 +108,11 @@ fn moves(time: &[f64], signal: &[f64], schedule: Schedule, probe: &Probe) -> Opt
         return None;
     }
     match probe.statistic {
-        Statistic::Slope | Statistic::Percentile => None,
+        Statistic::Slope
+        | Statistic::Percentile
+        | Statistic::Crossing
+        | Statistic::Frequency
+        | Statistic::OscillationAmplitude => None,
         Statistic::Final | Statistic::Mean | Statistic::Rms => {
             let mut found = motion(time, signal, run)?;
             // At a moment of its own, a value may be on its way.

@@ -28,10 +28,13 @@ pub(super) fn observed(
 ) -> Result<Summary, CommandError> {
     let found = numerical(verification, means)?;
     let mut summary = summary.clone();
-    for ((name, comparison), numerical) in summary.validation.iter_mut().zip(found) {
-        if let Some(count) = summary.criteria.get(name) {
+    // Curves are found among the criteria, but have no comparison.
+    for (name, comparison) in &mut summary.validation {
+        let place = summary.criteria.get_full(name);
+        let numerical = place.and_then(|(number, ..)| found.get(number));
+        if let (Some((_, _, count)), Some(numerical)) = (place, numerical) {
             let spread = [comparison.model, comparison.u_input];
-            *comparison = Comparison::new(&count.criterion, spread, numerical);
+            *comparison = Comparison::new(&count.criterion, spread, numerical.clone());
         }
     }
     write_atomically(&folder.join("summary.json"), |out| {

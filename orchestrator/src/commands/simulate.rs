@@ -38,8 +38,9 @@ pub(super) fn run(options: &Simulate) -> Result<ExitCode, CommandError> {
         !set.iter()
             .any(|(other, new)| other == reference && new.content() == value.content())
     };
+    let schedule = schedule(options, fmu)?;
     let task = Task {
-        schedule: schedule(options, fmu)?,
+        schedule,
         fixed: from
             .into_iter()
             .filter(own)
@@ -47,7 +48,7 @@ pub(super) fn run(options: &Simulate) -> Result<ExitCode, CommandError> {
             .collect(),
         varied: Vec::new(),
         inputs: match &options.input {
-            Some(path) => recorded::inputs(path, fmu)?,
+            Some(path) => recorded::inputs(path, fmu, &schedule)?,
             None => Vec::new(),
         },
         observed: Vec::new(),

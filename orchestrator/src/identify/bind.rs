@@ -96,7 +96,9 @@ impl Binder<'_> {
             return Err(self.study.error(message).into());
         }
         self.refuse_doubles()?;
-        let mut simulations = Plan::new(self.study, self.fmu)?.cases;
+        let plan = Plan::new(self.study, self.fmu)?;
+        plan.tell_of_inputs();
+        let mut simulations = plan.cases;
         for simulation in &mut simulations {
             simulation.task.varied.clear();
             simulation.task.observed.clear();
@@ -299,9 +301,12 @@ impl Binder<'_> {
         let handle = variable
             .number_handle()
             .ok_or_else(|| at("a text cannot be compared with a measurement".to_owned()))?;
-        if text.statistic == Statistic::Percentile {
-            let message = "identify takes no percentile; choose another statistic, such as max";
-            return Err(at(message.to_owned()));
+        if text.statistic == Statistic::Percentile || text.statistic.unit().is_some() {
+            let message = format!(
+                "identify takes no {}; choose another statistic, such as max, or give the data as [[cases]]",
+                text.statistic.name()
+            );
+            return Err(at(message));
         }
         let scale = self.scale(text.unit.as_deref(), variable).map_err(at)?;
         let probe = Probe {

@@ -38,6 +38,7 @@ pub fn bind(
         return Err(study.error_at(&study.cases[0].name, message));
     }
     let plan = Plan::new(&fitted, fmu)?;
+    plan.tell_of_inputs();
     let judge = Judge::new(&fitted, Some(fmu))?;
     let mut bound = Bound {
         problem: Problem::default(),

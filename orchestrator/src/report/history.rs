@@ -33,6 +33,10 @@ pub fn read(folder: &Path, table: &PointTable, study: Option<&Study>) -> Vec<Ser
     let mut series = |time: &[f64], (name, values): Signal| {
         let run = [time.first(), time.last()].map(|end| end.copied().unwrap_or_default());
         let criterion = table.criteria.iter().find(|c| c.name == name)?;
+        // A time or a frequency has another axis than its signal.
+        if statistic_of(&criterion.source).is_some_and(|statistic| statistic.unit().is_some()) {
+            return None;
+        }
         Some(Series {
             judged: study.and_then(|study| judged(study, &name, &criterion.source, run)),
             measured: curves.swap_remove(&name),
@@ -56,7 +60,11 @@ pub fn read(folder: &Path, table: &PointTable, study: Option<&Study>) -> Vec<Ser
 fn judged(study: &Study, name: &str, source: &str, run: [f64; 2]) -> Option<[f64; 2]> {
     let [start, stop] = run;
     let criterion = study.criteria.get(name)?;
-    let simulation = &study.simulation;
+    let case = criterion.case.and_then(|case| study.cases.get(case));
+    let simulation = match case {
+        Some(case) => case.simulation.or(&study.simulation),
+        None => study.simulation.clone(),
+    };
     let [from, to] = match (&criterion.window, simulation.warm_up, simulation.window) {
         (Some(window), ..) => window.as_ref().times(run).ok()?,
         (None, Some(warm_up), _) => [start + warm_up, stop],
@@ -109,17 +117,17 @@ fn trajectory(path: &Path) -> Option<Trajectory> {
 
 /// Whether the limits of a criterion with this source are limits of the signal itself, as those of an amplitude are not.
 fn limits_the_signal(source: &str) -> bool {
-    let of = |statistic: &&Statistic| {
+    let is_difference = statistic_of(source).is_some_and(Statistic::is_difference);
+    metric_of(source).is_none() && !is_difference
+}
+
+/// The statistic of a criterion with this source.
+fn statistic_of(source: &str) -> Option<Statistic> {
+    let of = |statistic: &Statistic| {
         let rest = source.strip_prefix(statistic.label());
         rest.is_some_and(|rest| rest.starts_with(" of "))
     };
-    if metric_of(source).is_some() {
-        return false;
-    }
-    !Statistic::ALL
-        .iter()
-        .find(of)
-        .is_some_and(|statistic| statistic.is_difference())
+    Statistic::ALL.iter().copied().find(of)
 }
 
 /// The names of a table, and its columns.

@@ -2,12 +2,16 @@
 
 use crate::task::{Delay, Detail, MeasuredCurve, Probe};
 use curves::{Curve, Pair, Sampler, delay};
-use sampling::statistics::Accumulator;
+use sampling::statistics::{Accumulator, MeanOverTurns};
 
 /// Gathers what a probe asks for, value by value.
 #[derive(Clone, Debug)]
 pub(super) enum Collector {
     Statistic(Accumulator),
+    /// A time since the first value, and when that was.
+    Event(Accumulator, Option<f64>),
+    /// The mean over whole turns of an angle.
+    Turns(MeanOverTurns),
     Curve(Box<Comparison>),
     /// The value at a time between communication points.
     Value(Sampler),
@@ -18,6 +22,8 @@ impl Collector {
         match (&probe.curve, probe.detail) {
             (Some(curve), _) => Self::Curve(Box::new(Comparison::new(curve))),
             (None, Some(Detail::At(time))) => Self::Value(Sampler::new(vec![time])),
+            (None, Some(Detail::Turns(_, turn))) => Self::Turns(MeanOverTurns::new(turn)),
+            (None, _) if probe.statistic.is_since_first() => Self::Event(probe.accumulator(), None),
             (None, _) => Self::Statistic(probe.accumulator()),
         }
     }
@@ -26,6 +32,8 @@ impl Collector {
     pub(super) fn restart(&mut self, probe: &Probe) {
         match self {
             Self::Statistic(accumulator) => *accumulator = probe.accumulator(),
+            Self::Event(accumulator, first) => (*accumulator, *first) = (probe.accumulator(), None),
+            Self::Turns(_) => *self = Self::new(probe),
             Self::Curve(comparison) => comparison.restart(),
             Self::Value(sampler) => sampler.restart(),
         }
@@ -35,8 +43,21 @@ impl Collector {
     pub(super) fn add(&mut self, time: f64, elapsed: f64, value: f64) {
         match self {
             Self::Statistic(accumulator) => accumulator.add(elapsed, value),
+            Self::Event(accumulator, first) => {
+                first.get_or_insert(time);
+                accumulator.add(elapsed, value);
+            }
+            // An angle is looked at through `turn`.
+            Self::Turns(mean) => mean.add(elapsed, value, f64::NAN),
             Self::Curve(comparison) => comparison.add(time, value),
             Self::Value(sampler) => sampler.add(time, value),
+        }
+    }
+
+    /// Takes a value with the angle that stands beside it.
+    pub(super) fn turn(&mut self, elapsed: f64, value: f64, angle: f64) {
+        if let Self::Turns(mean) = self {
+            mean.add(elapsed, value, angle);
         }
     }
 
@@ -45,6 +66,8 @@ impl Collector {
     pub(super) fn result(&mut self, span: f64) -> f64 {
         match self {
             Self::Statistic(accumulator) => accumulator.result(span),
+            Self::Event(accumulator, first) => first.unwrap_or(f64::NAN) + accumulator.result(span),
+            Self::Turns(mean) => mean.result(),
             Self::Curve(comparison) => comparison.result(),
             Self::Value(sampler) => sampler.finish().map_or(f64::NAN, |values| values[0]),
         }

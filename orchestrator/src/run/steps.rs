@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::{Runner, feed, ramp};
+use super::{Runner, step};
 use crate::task::CommunicationPoints;
 use fmu_import::{Call, Instance};
 
@@ -37,12 +37,9 @@ impl Runner {
     ) -> Result<(), Call> {
         for index in steps {
             let (time, next) = (points.at(index), points.at(index + 1));
-            let step = next - time;
-            feed(&self.scene.task, instance, time)?;
-            ramp(&self.scene.task, instance, time, next)?;
-            instance.step(time, step)?;
+            step(&self.scene.task, &self.scene.stops, instance, [time, next])?;
             if WATCH {
-                self.watch(instance, time, step)?;
+                self.watch(instance, time, next - time)?;
             }
         }
         Ok(())

@@ -77,6 +77,15 @@ fn take_columns(collectors: &mut [Collector], begins: &[f64], sizes: &[f64], val
                 let column = values[number..].iter().step_by(count).copied();
                 accumulator.add_all(sizes.iter().copied().zip(column));
             }
+            Collector::Event(accumulator, first) => {
+                if let ([begin, ..], [size, ..]) = (begins, sizes) {
+                    first.get_or_insert(begin + size);
+                }
+                let column = values[number..].iter().step_by(count).copied();
+                accumulator.add_all(sizes.iter().copied().zip(column));
+            }
+            // It needs its angle, which `simulate_windows` reads.
+            Collector::Turns(_) => {}
             Collector::Curve(comparison) => {
                 comparison.add_steps(begins, sizes, &values[number..], count);
             }

@@ -1,7 +1,7 @@
 //! A simulation in which criteria look at different parts of the run.
 
 use super::collector::Collector;
-use super::{Runner, before_the_window, feed, ramp, start};
+use super::{Runner, before_the_window, start, step};
 use crate::task::Probe;
 use fmu_import::{Call, Instance};
 
@@ -24,20 +24,26 @@ impl Gauge<'_> {
         }
         let [first, last] = self.seen.unwrap_or([time, time]);
         let value = self.probe.read(instance)?;
-        self.collector.add(time, time - last, value);
+        match self.probe.angle() {
+            Some(angle) => {
+                let angle = instance.value(angle)?.number();
+                self.collector.turn(time - last, value, angle);
+            }
+            None => self.collector.add(time, time - last, value),
+        }
         self.seen = Some([first, time]);
         Ok(())
     }
 }
 
 impl Runner {
-    /// Whether a criterion has a window of its own.
+    /// Whether a criterion has a window of its own, or looks at an angle, too.
     pub(super) fn has_windows(&self) -> bool {
         self.scene
             .task
             .observed
             .iter()
-            .any(|probe| probe.window.is_some())
+            .any(|probe| probe.window.is_some() || probe.angle().is_some())
     }
 
     /// Simulates a point and takes each statistic over its own window.
@@ -69,9 +75,7 @@ impl Runner {
         look(&mut gauges, points.at(0), instance)?;
         for index in 0..points.steps {
             let (time, next) = (points.at(index), points.at(index + 1));
-            feed(&task, instance, time)?;
-            ramp(&task, instance, time, next)?;
-            let Err(call) = instance.step(time, next - time) else {
+            let Err(call) = step(&task, &self.scene.stops, instance, [time, next]) else {
                 look(&mut gauges, next, instance)?;
                 continue;
             };

@@ -74,6 +74,7 @@ impl Session {
         let judge = Judge::new(&study, Some(package.description()))?;
         let plan = Plan::new(&study, package.description())?;
         points::varies(&study)?;
+        plan.tell_of_inputs();
         Ok(Self {
             request,
             study,

@@ -138,7 +138,7 @@ impl Study {
 
 impl Simulation {
     /// These settings, and those of `general` where there are none.
-    fn or(&self, general: &Self) -> Self {
+    pub fn or(&self, general: &Self) -> Self {
         // Warm-up and window say the same in two ways.
         let own = self.warm_up.is_some() || self.window.is_some();
         let seen = if own { self } else { general };

@@ -1,16 +1,55 @@
 //! Numbers without which a statistic is not complete.
 
 use super::CriterionText;
+use super::quantity::Scale;
 use super::window::seconds;
 use crate::task::Detail;
+use fmu_import::{Description, Variable};
 use sampling::statistics::Statistic;
 
 impl CriterionText {
+    /// The scale of its numbers, tied to the FMU's variable: a time and a frequency have units of their own.
+    ///
+    /// # Errors
+    /// When its unit does not fit.
+    pub fn scale<'a>(
+        &self,
+        fmu: &'a Description,
+        variable: &'a Variable,
+    ) -> Result<Scale<'a>, String> {
+        let unit = self.unit.as_deref();
+        match self.statistic.and_then(Statistic::unit) {
+            Some(own) => Scale::own(unit, own),
+            None => Scale::new(unit, fmu, variable),
+        }
+    }
+
+    /// The same without an FMU.
+    ///
+    /// # Errors
+    /// When its unit is none of time or frequency where it must be.
+    pub fn scale_alone(&self) -> Result<Scale<'_>, String> {
+        let unit = self.unit.as_deref();
+        match self.statistic.and_then(Statistic::unit) {
+            Some(own) => Scale::own(unit, own),
+            None => Ok(Scale::alone(unit)),
+        }
+    }
+
     /// The number that its statistic needs, where it needs one.
     ///
     /// # Errors
     /// When it is missing, means nothing, or belongs to no statistic of this criterion.
     pub fn detail(&self) -> Result<Option<Detail>, String> {
+        let is_mean = self.statistic == Some(Statistic::Mean) && self.reference.is_none();
+        if self.turns.is_some() && !is_mean {
+            return Err(
+                "`turns` belongs to statistic = \"mean\"; add that, or remove `turns`".to_owned(),
+            );
+        }
+        if let Some(level) = self.level()? {
+            return Ok(Some(level));
+        }
         let is_percentile = self.statistic == Some(Statistic::Percentile);
         match (&self.percent, &self.at) {
             (_, Some(_)) if self.statistic.is_some() || self.window.is_some() => Err(
@@ -36,6 +75,29 @@ impl CriterionText {
         }
     }
 
+    /// The level of a crossing, as the study writes its number.
+    fn level(&self) -> Result<Option<Detail>, String> {
+        let is_crossing = self.statistic == Some(Statistic::Crossing);
+        match (&self.level, &self.direction) {
+            (Some(_), _) | (_, Some(_)) if !is_crossing => Err(
+                "`level` and `direction` belong to statistic = \"crossing\"; add that, or remove them"
+                    .to_owned(),
+            ),
+            (None, _) if is_crossing => {
+                Err("a crossing needs `level`, such as level = \"50 N\"".to_owned())
+            }
+            (Some(_), _) if self.percent.is_some() || self.at.is_some() => {
+                Err("`percent` and `at` have no place beside `level`; remove them".to_owned())
+            }
+            (Some(level), direction) => {
+                let direction = direction.as_ref().map(|direction| *direction.as_ref());
+                let level = level.as_ref().number;
+                Ok(Some(Detail::Level(level, direction.unwrap_or_default())))
+            }
+            (None, _) => Ok(None),
+        }
+    }
+
     fn moment(&self, time: f64) -> Result<Detail, String> {
         if self.reference.is_some() {
             return Err(
@@ -52,6 +114,7 @@ impl CriterionText {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use sampling::statistics::Direction;
 
     fn detail(keys: &str) -> Result<Option<Detail>, String> {
         let text = format!("variable = \"v\"\n{keys}");
@@ -65,6 +128,9 @@ mod tests {
         assert_eq!(percentile, Ok(Some(Detail::Percent(95.0))));
         assert_eq!(detail("at = \"12 s\""), Ok(Some(Detail::At(12.0))));
         assert_eq!(detail("at = \"20 ms\""), Ok(Some(Detail::At(0.02))));
+        let crossing =
+            detail("statistic = \"crossing\"\nlevel = \"50 N\"\ndirection = \"falling\"");
+        assert_eq!(crossing, Ok(Some(Detail::Level(50.0, Direction::Falling))));
     }
 
     #[test]
@@ -78,6 +144,17 @@ mod tests {
                 "between 0 and 100",
             ),
             ("statistic = \"mean\"\nat = 1", "remove `statistic`"),
+            ("statistic = \"crossing\"", "needs `level`"),
+            ("level = 5", "belong to statistic"),
+            ("turns = \"drive.angle\"", "belongs to statistic = \"mean\""),
+            (
+                "statistic = \"max\"\ndirection = \"rising\"",
+                "belong to statistic",
+            ),
+            (
+                "statistic = \"crossing\"\nlevel = 5\nat = 1",
+                "no place beside `level`",
+            ),
             ("window = 3\nat = 1", "remove `statistic`"),
             ("percent = 5\nat = 1", "add that, or remove"),
             ("at = \"1 N\"", "no unit of time"),

@@ -4,7 +4,7 @@ use super::quantity::Scale;
 use super::values::{find, slot_of};
 use super::{Name, RecordingText, Study, StudyError};
 use crate::table::Table;
-use crate::task::{Schedule, Series, Slot};
+use crate::task::{Schedule, Series, Slot, place};
 use fmu_import::units::Conversion;
 use fmu_import::{Causality, Content, Description, Variability, Variable};
 
@@ -13,8 +13,9 @@ pub(super) fn series(
     study: &Study,
     fmu: &Description,
     schedule: &Schedule,
-) -> Result<Vec<Series>, StudyError> {
-    let bind = |(name, recording): (&Name, &RecordingText)| {
+) -> Result<(Vec<Series>, Vec<String>), StudyError> {
+    let mut concerns = Vec::new();
+    let mut bind = |(name, recording): (&Name, &RecordingText)| {
         let wrong = |message: String| study.error_at(name, message);
         let key = name.as_ref().as_str();
         let named = |message: String| wrong(format!("{key}: {message}"));
@@ -48,9 +49,60 @@ pub(super) fn series(
             .map_err(|message| named(format!("{}: {message}", path.display())))?;
         series.hold = recording.hold;
         series.ramp = recording.ramp;
+        series.each_row = takes_any_step(fmu);
+        concerns.extend(missed(&series, schedule, &scale));
         Ok(series)
     };
-    study.inputs.iter().map(bind).collect()
+    let inputs = study.inputs.iter().map(&mut bind);
+    let inputs: Vec<Series> = inputs.collect::<Result<_, _>>()?;
+    concerns.extend(many_steps(&inputs, schedule));
+    Ok((inputs, concerns))
+}
+
+/// Whether the FMU can take a step to any time.
+pub(crate) fn takes_any_step(fmu: &Description) -> bool {
+    fmu.capabilities.can_handle_variable_communication_step_size
+}
+
+/// Warns of rows of a recording that an FMU of fixed steps cannot follow.
+pub(crate) fn missed(series: &Series, schedule: &Schedule, scale: &Scale<'_>) -> Option<String> {
+    let unseen = Some(series)
+        .filter(|series| !series.each_row)
+        .and_then(|series| series.unseen(schedule))?;
+    let unit = scale.unit.as_deref().unwrap_or_default();
+    let most = scale.conversion.inverse().difference(unseen.most).abs();
+    let rows = match unseen.rows {
+        1 => "1 row".to_owned(),
+        rows => format!("{rows} rows"),
+    };
+    Some(format!(
+        "{}: the FMU gets another input than the recorded one at {rows} between communication points, by up to {} (at \
+         {} s), since it does not take steps of any size (canHandleVariableCommunicationStepSize); make `step` a divisor \
+         of the recording's",
+        series.slot.name,
+        format!("{} {unit}", short(most)).trim_end(),
+        short(unseen.at),
+    ))
+}
+
+/// Tells of recordings that make the steps many more than the study asks for.
+pub(crate) fn many_steps(inputs: &[Series], schedule: &Schedule) -> Option<String> {
+    const MANY: u64 = 2;
+    let more = place(&mut inputs.to_vec(), schedule).len() as u64;
+    let steps = schedule.steps();
+    (more >= MANY * steps).then(|| {
+        format!(
+            "the recorded inputs have {more} rows between the communication points, and each takes a step of its own: {} \
+             steps rather than {steps}; where they are noise, smooth and thin the recordings",
+            more + steps
+        )
+    })
+}
+
+/// Four significant digits.
+fn short(number: f64) -> String {
+    let rounded: f64 = format!("{number:.3e}").parse().unwrap_or(number);
+    rounded.to_string()
 }
 
 /// How a variable takes numbers between the steps of a simulation.
@@ -99,6 +151,7 @@ pub(crate) fn follow(
         slot,
         hold: false,
         ramp: false,
+        each_row: false,
         times,
         values,
     })

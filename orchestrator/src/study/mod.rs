@@ -43,7 +43,7 @@ use ::curves::Metric;
 use error::Place;
 use fmu_import::digest;
 use sampling::design::Sampling;
-use sampling::statistics::Statistic;
+use sampling::statistics::{Direction, Statistic};
 
 /// A name with its place in the file.
 pub type Name = Spanned<String>;
@@ -273,6 +273,12 @@ pub struct CriterionText {
     pub percent: Option<Spanned<f64>>,
     /// The time of the value, in place of a statistic.
     pub at: Option<Spanned<Quantity>>,
+    /// The angle over whose whole turns the mean is taken.
+    pub turns: Option<Spanned<String>>,
+    /// The level that a signal crosses.
+    pub level: Option<Spanned<Quantity>>,
+    /// The way in which it crosses the level; either one otherwise.
+    pub direction: Option<Spanned<Direction>>,
     /// The measured value.
     pub nominal: Option<Quantity>,
     /// The accuracy to both sides: `0.5 degC`, or `0.75 %` of the nominal value in the

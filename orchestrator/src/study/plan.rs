@@ -17,6 +17,7 @@ use fmu_import::{Content, Description, Handle, Value, Variable};
 use sampling::design::correlation::Correlation;
 use sampling::design::{self, Design, Joint, Sampling};
 use sampling::distribution::Distribution;
+use sampling::statistics::Statistic;
 
 pub use super::values::{find, slot_of, value_of};
 
@@ -38,6 +39,8 @@ pub struct Plan {
     correlation: Option<Correlation>,
     /// Parameters that are drawn together from samples.
     joints: Vec<Joint>,
+    /// Doubts about the inputs that follow recordings, a sentence each.
+    of_inputs: Vec<String>,
 }
 
 /// One uncertain parameter.
@@ -66,11 +69,15 @@ impl Plan {
         let (mut inputs, varied) = binder.parameters()?;
         let joints = binder.samples(&mut inputs)?;
         binder.within(&inputs, &varied)?;
-        let (mut cases, mut outputs) = (Vec::new(), Vec::new());
+        let (mut cases, mut outputs, mut of_inputs) = (Vec::new(), Vec::new(), Vec::new());
         for (case, study) in study.by_case() {
             let binder = Binder { study: &study, fmu };
-            let (own, task) = binder.task(case, varied.clone())?;
+            let (own, task, doubts) = binder.task(case, varied.clone())?;
             outputs.extend(own);
+            of_inputs.extend(doubts.into_iter().map(|doubt| match case {
+                Some(case) => format!("case {}: {doubt}", case.name.as_ref()),
+                None => doubt,
+            }));
             cases.push(Case {
                 name: case.map(|case| case.name.as_ref().clone()),
                 task,
@@ -84,6 +91,7 @@ impl Plan {
             levels: study.parameters.values().map(|p| p.levels).collect(),
             correlation: points::correlation(study)?,
             joints,
+            of_inputs,
         })
     }
 
@@ -197,7 +205,8 @@ impl Plan {
         alone + correlated
     }
 
-    /// Parameters of which the FMU refuses a large part of the distribution, a sentence each.
+    /// Doubts about the study's numbers, a sentence each: parameters of which the FMU refuses a large part of the
+    /// distribution, recorded inputs that it cannot follow.
     pub fn concerns(&self) -> Vec<String> {
         const LARGE: f64 = 0.05;
         let concern = |(input, slot): (&Input, &Slot)| {
@@ -224,7 +233,15 @@ impl Plan {
             })
         };
         let pairs = self.inputs.iter().zip(&self.slots);
-        pairs.filter_map(concern).collect()
+        let refused = pairs.filter_map(concern);
+        refused.chain(self.of_inputs.iter().cloned()).collect()
+    }
+
+    /// Tells at once of recorded inputs that the FMU gets otherwise, or at a great cost: every analysis rests on them.
+    pub fn tell_of_inputs(&self) {
+        for doubt in &self.of_inputs {
+            crate::tell::line!("note: {doubt}");
+        }
     }
 
     /// What so many points cannot tell of parameters from samples, a sentence each.
@@ -288,6 +305,14 @@ impl Plan {
     }
 }
 
+/// Whether a statistic means nothing for a variable that jumps between whole numbers.
+fn is_of_lines(statistic: Statistic) -> bool {
+    matches!(
+        statistic,
+        Statistic::Frequency | Statistic::OscillationAmplitude
+    )
+}
+
 /// Finds variables and checks values for one FMU.
 struct Binder<'a> {
     study: &'a Study,
@@ -295,12 +320,12 @@ struct Binder<'a> {
 }
 
 impl Binder<'_> {
-    /// The simulation of a point, and from the FMU's units to the study's, a criterion each.
+    /// From the FMU's units to the study's, a criterion each; the simulation of a point; doubts about its inputs.
     fn task(
         &self,
         case: Option<&CaseText>,
         varied: Vec<Slot>,
-    ) -> Result<(Vec<Conversion>, Task), StudyError> {
+    ) -> Result<(Vec<Conversion>, Task, Vec<String>), StudyError> {
         let mut schedule = self.schedule().map_err(|message| match case {
             None => self.study.error(format!("[simulation] {message}")),
             Some(case) => {
@@ -311,14 +336,15 @@ impl Binder<'_> {
         })?;
         let (outputs, observed) = self.criteria(&schedule)?;
         let observed = self.windows(&mut schedule, observed)?;
+        let (inputs, doubts) = inputs::series(self.study, self.fmu, &schedule)?;
         let task = Task {
             schedule,
             fixed: self.fixed()?,
             varied,
-            inputs: inputs::series(self.study, self.fmu, &schedule)?,
+            inputs,
             observed,
         };
-        Ok((outputs, task))
+        Ok((outputs, task, doubts))
     }
 
     fn variable<T: AsRef<str>>(&self, name: &Spanned<T>) -> Result<&Variable, StudyError> {
@@ -385,15 +411,14 @@ impl Binder<'_> {
             let handle = variable
                 .number_handle()
                 .ok_or_else(|| at("a text cannot be compared with a measurement".to_owned()))?;
-            let unit = criterion.unit.as_deref();
-            let scale = Scale::new(unit, self.fmu, variable).map_err(at)?;
+            let scale = criterion.scale(self.fmu, variable).map_err(at)?;
             let probe = Probe {
                 name: variable.name.clone(),
                 handle,
                 statistic: criterion.statistic.unwrap_or_default(),
                 window: None,
                 curve: self.curve(name, criterion, &scale, &handle, schedule)?,
-                detail: self.detail(name, criterion, &handle, schedule)?,
+                detail: self.detail(name, criterion, variable, schedule)?,
             };
             Ok((scale.conversion.inverse(), probe))
         };
@@ -405,7 +430,7 @@ impl Binder<'_> {
         &self,
         name: &Name,
         text: &CriterionText,
-        handle: &Handle,
+        variable: &Variable,
         schedule: &Schedule,
     ) -> Result<Option<Detail>, StudyError> {
         let named = |message: String| {
@@ -413,11 +438,25 @@ impl Binder<'_> {
             self.study.error_at(name, message)
         };
         let detail = text.detail().map_err(named)?;
-        if detail.is_some() && handle.content != Content::Real {
-            let message = "`percentile` and `at` follow straight lines, and the variable is not real; take final, mean, min or max";
+        let needs_lines =
+            detail.is_some() || text.turns.is_some() || text.statistic.is_some_and(is_of_lines);
+        if needs_lines && variable.handle().content != Content::Real {
+            let message = "this statistic follows straight lines, and the variable is not real; take final, mean, min or max";
             return Err(named(message.to_owned()));
         }
+        if let Some(angle) = &text.turns {
+            return self.turns(angle, variable).map(Some);
+        }
         match detail {
+            Some(Detail::Level(number, direction)) => {
+                let own = text
+                    .level
+                    .as_ref()
+                    .and_then(|level| level.as_ref().unit.as_deref());
+                let scale = Scale::new(own, self.fmu, variable).map_err(named)?;
+                let level = scale.conversion.value(number);
+                Ok(Some(Detail::Level(level, direction)))
+            }
             Some(Detail::At(time)) if !(schedule.start..=schedule.stop).contains(&time) => {
                 Err(named(format!(
                     "at = {time} s is not within the run from {} s to {} s; correct it, or start and stop under [simulation]",
@@ -426,6 +465,21 @@ impl Binder<'_> {
             }
             detail => Ok(detail),
         }
+    }
+
+    /// The angle over whose whole turns the mean of a variable is taken.
+    fn turns(&self, name: &Spanned<String>, of: &Variable) -> Result<Detail, StudyError> {
+        let at = |message: String| self.study.error_at(name, message);
+        let angle = self.variable(name)?;
+        let handle = angle.number_handle();
+        let handle =
+            handle.filter(|handle| handle.content == Content::Real && angle.name != of.name);
+        let handle = handle
+            .ok_or_else(|| at("turns must name another real variable, an angle".to_owned()))?;
+        let scale = Scale::new(Some("rad"), self.fmu, angle);
+        let scale = scale.map_err(|message| at(format!("turns must name an angle: {message}")))?;
+        let turn = scale.conversion.difference(std::f64::consts::TAU);
+        Ok(Detail::Turns(handle, turn.abs()))
     }
 
     /// The measured curve of a criterion, where it has one.

@@ -78,7 +78,37 @@ pub struct Scale<'a> {
     is_stated: bool,
     /// From the study's unit to the variable's.
     pub conversion: Conversion,
-    fmu: Option<(&'a Description, &'a Variable)>,
+    base: Base<'a>,
+}
+
+/// That to which a scale converts.
+#[derive(Clone, Copy, Debug)]
+enum Base<'a> {
+    /// A variable's unit.
+    Variable(&'a Description, &'a Variable),
+    /// Seconds or hertz.
+    Own(&'static str),
+    /// The FMU is missing.
+    Unknown,
+}
+
+/// From a unit of time to seconds, or from one of frequency to hertz.
+fn to_own(unit: &str, own: &'static str) -> Result<Conversion, String> {
+    let factor = match (own, unit) {
+        ("s", "s") | ("Hz", "Hz" | "1/s") => 1.0,
+        ("s", "ms") => 1e-3,
+        ("s", "min") => 60.0,
+        ("s", "h") => 3600.0,
+        ("Hz", "kHz") => 1e3,
+        ("Hz", "rpm" | "1/min") => 1.0 / 60.0,
+        ("s", _) => return Err(format!("`{unit}` is no unit of time: use s, ms, min or h")),
+        _ => {
+            return Err(format!(
+                "`{unit}` is no unit of frequency: use Hz, kHz, 1/s or rpm"
+            ));
+        }
+    };
+    Ok(Conversion::scaled(factor))
 }
 
 /// Whether a study's number is a value or a difference: temperatures convert differently.
@@ -110,7 +140,20 @@ impl<'a> Scale<'a> {
             unit: unit.or(variable.unit()).map(str::to_owned),
             is_stated: unit.is_some(),
             conversion,
-            fmu: Some((fmu, variable)),
+            base: Base::Variable(fmu, variable),
+        })
+    }
+
+    /// The scale of a time or a frequency, whatever the FMU's variable is measured in; `own` is "s" or "Hz".
+    ///
+    /// # Errors
+    /// When the unit is none of time, or none of frequency.
+    pub fn own(unit: Option<&str>, own: &'static str) -> Result<Self, String> {
+        Ok(Self {
+            unit: Some(unit.unwrap_or(own).to_owned()),
+            is_stated: unit.is_some(),
+            conversion: unit.map_or(Ok(Conversion::IDENTITY), |unit| to_own(unit, own))?,
+            base: Base::Own(own),
         })
     }
 
@@ -120,7 +163,7 @@ impl<'a> Scale<'a> {
             unit: unit.map(str::to_owned),
             is_stated: unit.is_some(),
             conversion: Conversion::IDENTITY,
-            fmu: None,
+            base: Base::Unknown,
         }
     }
 
@@ -172,15 +215,18 @@ impl<'a> Scale<'a> {
         if self.unit.as_deref() == Some(unit) {
             return Ok(Conversion::IDENTITY);
         }
-        let Some((fmu, variable)) = self.fmu else {
-            let own = self.unit.as_deref().unwrap_or("no unit");
-            return Err(format!(
-                "unit `{unit}` cannot be converted to {own} without the FMU, which is missing"
-            ));
+        let to_base = match self.base {
+            Base::Variable(fmu, variable) => fmu
+                .conversion(unit, variable)
+                .map_err(|error| error.to_string())?,
+            Base::Own(own) => to_own(unit, own)?,
+            Base::Unknown => {
+                let own = self.unit.as_deref().unwrap_or("no unit");
+                return Err(format!(
+                    "unit `{unit}` cannot be converted to {own} without the FMU, which is missing"
+                ));
+            }
         };
-        let to_fmu = fmu
-            .conversion(unit, variable)
-            .map_err(|error| error.to_string())?;
-        Ok(to_fmu.then(self.conversion.inverse()))
+        Ok(to_base.then(self.conversion.inverse()))
     }
 }

@@ -562,6 +562,14 @@ fn the_numerical_uncertainty_is_that_of_the_step() {
     let expected = 0.05 * (1.0 - (-2.0_f64).exp()) * 1.25 / 1.15;
     let u_num = found["u_num"].as_f64().unwrap();
     assert!((u_num / expected - 1.0).abs() < 0.15, "{found}");
+    // A curve before it has no comparison, and takes none away.
+    let curve = "[criteria.A]\nvariable = \"lag.y\"\nreference = { file = \"u.csv\", column = \"u\" }\n\
+        metric = \"rmse\"\ntolerance = 9\n[criteria.Y]";
+    assert!(study.contains("[criteria.Y]"));
+    bench.write("study.toml", &study.replace("[criteria.Y]", curve));
+    let said = bench.run(&["verify", "study.toml", "--output", "both", "--validation"]);
+    assert!(said.code < 2, "{}", said.err);
+    assert_eq!(bench.summary("both")["validation"]["Y"], found);
     // An error of three tolerances, where the study states one.
     bench.fmu(
         "lag.fmu",

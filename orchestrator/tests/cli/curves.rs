@@ -339,3 +339,22 @@ fn a_percentile_without_percent_is_refused_with_its_line() {
         );
     }
 }
+
+/// An FMU that ends the simulation before the last row of a reference is not judged by the rows before.
+#[test]
+fn a_run_that_ends_before_the_reference_fails() {
+    let early = STUDY.replace("[design]", "[fixed]\n\"lag.fault\" = \"End\"\n[design]");
+    let found = "[criteria.Y]\ndelay = { from = \"-20 ms\", to = \"20 ms\" }";
+    for study in [early.clone(), early.replace("[criteria.Y]", found)] {
+        let bench = bench(&study);
+        let said = bench.run(&["verify", "study.toml", "--output", "out"]);
+        // Of points that all fail nothing is known.
+        assert_eq!(said.code, 3, "{}", said.err);
+        let points = bench.read("out/points.csv");
+        for line in points.lines().skip(1) {
+            let why = "not finite: lag.y (the FMU ended the simulation at 1 s)";
+            assert!(line.ends_with(why), "{line}");
+            assert!(!line.contains("true"), "{line}");
+        }
+    }
+}

@@ -89,7 +89,7 @@ fn inputs_follow_a_recording() {
         .is_mistake(&["another study"]);
 }
 
-/// With the slopes, the lag follows the recording exactly, whatever the step.
+/// With the slopes, the lag follows the recording exactly, whatever the step: also where the jump lies within one.
 #[test]
 fn an_input_ramps_within_a_step() {
     let bench = bench();
@@ -98,7 +98,7 @@ fn an_input_ramps_within_a_step() {
     let gone = (-r).exp();
     let middle = 4.0 * (1.0 - (1.0 - gone) / r);
     let expected = -1.0 + (middle + 1.0) * gone;
-    for step in ["0.25", "0.01"] {
+    for step in ["0.25", "0.01", "0.3", "2"] {
         let step_line = format!("step = {step}");
         bench.write(
             "studies/study.toml",
@@ -113,6 +113,86 @@ fn an_input_ramps_within_a_step() {
             assert!((y - expected).abs() < 1e-12, "{step}: {y} {expected}");
         }
     }
+}
+
+/// A value that is held changes when it was recorded, also within a step, and in windows.
+#[test]
+fn held_values_change_at_their_rows() {
+    let bench = bench();
+    bench.write("studies/drive.csv", "t,n\n0,4\n0.7,-1\n1.0001,2\n");
+    let held = STUDY.replace("time = \"t\"", "time = \"t\"\nhold = true");
+    // The last row counts as at 1 s: it lies within a thousandth of the step.
+    let r: f64 = 2.5;
+    let towards = |y: f64, u: f64, time: f64| u + (y - u) * (-r * time).exp();
+    let expected = towards(towards(towards(0.0, 4.0, 0.7), -1.0, 0.3), 2.0, 1.0);
+    for (step, window) in [
+        ("0.5", ""),
+        ("1", ""),
+        ("0.5", "\nwindow = { from = \"1 s\" }"),
+    ] {
+        let study = held
+            .replace("step = 0.01", &format!("step = {step}"))
+            .replace("unit = \"degC\"", &format!("unit = \"degC\"{window}"));
+        bench.write("studies/study.toml", &study);
+        let folder = format!("{step}{}", window.len());
+        let said = bench.run(&["verify", "studies/study.toml", "--output", &folder]);
+        assert_eq!(said.code, 0, "{}", said.err);
+        let table = bench.read(&format!("{folder}/points.csv"));
+        let mut rows = csv::Reader::from_reader(table.as_bytes());
+        for row in rows.records().map(Result::unwrap) {
+            let y: f64 = row[2].parse().unwrap();
+            assert!((y - expected).abs() < 1e-12, "{folder}: {y} {expected}");
+        }
+    }
+}
+
+/// What an FMU of fixed steps cannot follow is told, with its size.
+#[test]
+fn rows_that_an_fmu_cannot_follow_are_told() {
+    let bench = bench();
+    bench.write(
+        "studies/drive.csv",
+        "t,n\n0,0\n0.5,4\n0.7,9\n0.75,1\n1,4\n2,-1\n",
+    );
+    let study = ramping().replace("step = 0.01", "step = 0.5");
+    bench.write("studies/study.toml", &study);
+    let any = " canHandleVariableCommunicationStepSize=\"true\"";
+    let concerns = |folder: &str| {
+        let said = bench.run(&["verify", "studies/study.toml", "--output", folder]);
+        assert_eq!(said.code, 0, "{}", said.err);
+        assert!(
+            !said.out.contains("another input") || folder == "fixed",
+            "{}",
+            said.out
+        );
+        bench.summary(folder)["concerns"].to_string()
+    };
+    assert!(!concerns("any").contains("another input"));
+    bench.fmu("lag.fmu", &[], &crate::support::model(any, ""));
+    let told = concerns("fixed");
+    assert!(
+        told.contains("drive.u: the FMU gets another input than the recorded one at 2 rows"),
+        "{told}"
+    );
+    assert!(told.contains("by up to 5 (at 0.7 s)"), "{told}");
+}
+
+/// Where a recording is finer than the steps by far, the run tells what that costs.
+#[test]
+fn many_rows_between_communication_points_are_told() {
+    let bench = bench();
+    let rows: String = (0..2000)
+        .map(|k| format!("{},{}\n", 1e-3 * f64::from(k), k % 7))
+        .collect();
+    bench.write("studies/drive.csv", &format!("t,n\n{rows}"));
+    bench.write(
+        "studies/study.toml",
+        &ramping().replace("step = 0.01", "step = 0.5"),
+    );
+    let said = bench.run(&["verify", "studies/study.toml", "--output", "out"]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    let told = bench.summary("out")["concerns"].to_string();
+    assert!(told.contains("2000 steps rather than 4"), "{told}");
 }
 
 #[test]

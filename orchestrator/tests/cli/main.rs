@@ -23,6 +23,7 @@ mod reuse;
 mod samples;
 mod sensitivities;
 mod simulate;
+mod statistics;
 mod support;
 mod three;
 mod verdicts;

@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use super::{Columns, CommandError};
-use crate::study::inputs::{follow, slot_while_running};
+use crate::study::inputs::{follow, many_steps, missed, slot_while_running, takes_any_step};
 use crate::study::plan::find;
 use crate::study::quantity::Scale;
 use crate::table::csv_file::{self, CsvFile};
 use crate::table::{Table, TableError};
-use crate::task::Series;
+use crate::task::{Schedule, Series};
 use fmu_import::Description;
 
 /// The variables of `--record`.
@@ -59,7 +59,11 @@ fn end_of_name(list: &str) -> usize {
 }
 
 /// The inputs of `--input`: each column beside the time is one, as under `[inputs]` in a study.
-pub(super) fn inputs(path: &Path, fmu: &Description) -> Result<Vec<Series>, CommandError> {
+pub(super) fn inputs(
+    path: &Path,
+    fmu: &Description,
+    schedule: &Schedule,
+) -> Result<Vec<Series>, CommandError> {
     const TIME: &str = "time";
     let failed = |source| TableError::Read {
         path: path.to_owned(),
@@ -87,7 +91,12 @@ pub(super) fn inputs(path: &Path, fmu: &Description) -> Result<Vec<Series>, Comm
             (vec![column.clone()], format!("the input {name}")),
         ];
         let table = Table::read(path, &columns)?;
-        follow(&table, "time", slot, scale.conversion).map_err(wrong)
+        let mut series = follow(&table, "time", slot, scale.conversion).map_err(wrong)?;
+        series.each_row = takes_any_step(fmu);
+        if let Some(concern) = missed(&series, schedule, &scale) {
+            crate::tell::line!("note: {concern}");
+        }
+        Ok(series)
     };
     let inputs = header.iter().filter(|name| *name != TIME);
     let inputs = inputs
@@ -99,6 +108,9 @@ pub(super) fn inputs(path: &Path, fmu: &Description) -> Result<Vec<Series>, Comm
             path.display()
         );
         return Err(mistake("input", message));
+    }
+    if let Some(concern) = many_steps(&inputs, schedule) {
+        crate::tell::line!("note: {concern}");
     }
     Ok(inputs)
 }

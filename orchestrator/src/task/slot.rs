@@ -1,0 +1,144 @@
+//! A variable that takes a point's value.
+
+use serde::{Deserialize, Serialize};
+
+use fmu_import::{Content, Handle, Value};
+
+/// A variable that takes a point's value.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Slot {
+    /// Its name.
+    pub name: String,
+    /// How calls reach it.
+    pub handle: Handle,
+    /// The smallest value that the FMU allows.
+    pub min: Option<f64>,
+    /// The largest value that the FMU allows.
+    pub max: Option<f64>,
+    /// The values of an enumeration's items, growing; empty for other types.
+    #[serde(default)]
+    pub items: Vec<i64>,
+}
+
+impl Slot {
+    /// Whether the FMU allows the value.
+    ///
+    /// # Errors
+    /// Says which limit is violated.
+    pub fn check(&self, value: f64) -> Result<(), String> {
+        let name = &self.name;
+        if !value.is_finite() {
+            return Err(format!("{name} = {value} is not a finite number"));
+        }
+        // The limits apply to the number that the FMU gets, after rounding.
+        let stored = match self.handle.content {
+            Content::Integer => value.round(),
+            Content::Real | Content::Boolean | Content::Text => value,
+        };
+        if !self.items.is_empty() && !self.items.iter().any(|&item| item as f64 == stored) {
+            return Err(format!(
+                "{name} = {value} is none of the enumeration's items {}",
+                self.allowed_text(|limit| limit)
+            ));
+        }
+        let limit = match (self.min, self.max) {
+            (Some(min), _) if stored < min => format!("less than the smallest value {min}"),
+            (_, Some(max)) if stored > max => format!("more than the largest value {max}"),
+            _ => return Ok(()),
+        };
+        Err(format!("{name} = {value} is {limit} that the FMU allows"))
+    }
+
+    /// The intervals of numbers that the FMU allows, growing and apart from each other. Whole numbers are rounded, so
+    /// each stands for half a unit to both sides.
+    pub fn allowed(&self) -> Vec<[f64; 2]> {
+        let half = match self.handle.content {
+            Content::Integer => 0.5,
+            Content::Real | Content::Boolean | Content::Text => 0.0,
+        };
+        if self.items.is_empty() {
+            let low = self.min.map_or(f64::NEG_INFINITY, |min| min - half);
+            let high = self.max.map_or(f64::INFINITY, |max| max + half);
+            return vec![[low, high]];
+        }
+        let mut allowed: Vec<[f64; 2]> = Vec::new();
+        for item in self.items.iter().copied().map(|item| item as f64) {
+            match allowed.last_mut() {
+                Some(last) if last[1] == item - half => last[1] = item + half,
+                _ => allowed.push([item - half, item + half]),
+            }
+        }
+        allowed
+    }
+
+    /// The allowed values for people: an enumeration's items, or both limits after a conversion of units.
+    pub fn allowed_text(&self, convert: impl Fn(f64) -> f64) -> String {
+        if !self.items.is_empty() {
+            let items: Vec<String> = self.items.iter().map(i64::to_string).collect();
+            return items.join(", ");
+        }
+        let limit = |limit: Option<f64>| {
+            limit.map_or_else(|| "..".to_owned(), |limit| convert(limit).to_string())
+        };
+        format!("{} to {}", limit(self.min), limit(self.max))
+    }
+
+    /// The value as the FMU stores it; whole numbers are rounded.
+    pub fn value(&self, value: f64) -> Value {
+        self.handle.content.value(value)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn handle(content: Content) -> Handle {
+        Handle {
+            reference: 1,
+            content,
+        }
+    }
+
+    #[test]
+    fn whole_numbers_count_as_rounded() {
+        let slot = Slot {
+            name: "n".to_owned(),
+            handle: handle(Content::Integer),
+            min: Some(1.0),
+            max: Some(4.0),
+            items: Vec::new(),
+        };
+        for (value, allowed) in [(0.51, true), (4.49, true), (0.49, false), (4.51, false)] {
+            assert_eq!(slot.check(value).is_ok(), allowed, "{value}");
+        }
+        assert!(matches!(slot.value(0.51), Value::Integer(1)));
+        assert_eq!(slot.allowed(), [[0.5, 4.5]]);
+    }
+
+    #[test]
+    fn an_enumeration_allows_its_items_only() {
+        let slot = Slot {
+            name: "e".to_owned(),
+            handle: handle(Content::Integer),
+            min: None,
+            max: None,
+            items: vec![1, 2, 5],
+        };
+        for (value, allowed) in [
+            (0.4, false),
+            (0.6, true),
+            (2.4, true),
+            (3.0, false),
+            (5.4, true),
+            (5.6, false),
+        ] {
+            assert_eq!(slot.check(value).is_ok(), allowed, "{value}");
+        }
+        assert_eq!(
+            slot.check(4.2).unwrap_err(),
+            "e = 4.2 is none of the enumeration's items 1, 2, 5"
+        );
+        assert_eq!(slot.allowed(), [[0.5, 2.5], [4.5, 5.5]]);
+    }
+}
