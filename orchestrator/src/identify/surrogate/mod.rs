@@ -261,7 +261,7 @@ impl Work<'_> {
             task.unknown.iter().copied().zip(deviations).collect();
         let unknowns = (problem.unknowns() + task.unknown.len()) as u64;
         let settings = Settings {
-            particles: (2 * FEWEST).max(20 * unknowns),
+            particles: FEWEST.max(20 * unknowns),
             seed: task.seed.wrapping_add(round),
             deadline: task.effort.deadline,
             discrepancies: &discrepancies,

@@ -134,16 +134,31 @@ fn intervals_on_rough_surrogates_hold() {
     assert!(held.iter().all(|count| *count >= 15), "{held:?}");
 }
 
-/// The table of docs/analysis.md. Of 60 intervals that hold with 95 %, 51 to 60 hold with a probability of 99.9 %.
+/// A row of docs/analysis.md. Of 60 intervals that hold with 95 %, 51 to 60 hold with a probability of 99.9 %.
+fn row(accuracy: f64, runs: usize, seed: u64) {
+    let (held, asked) = held(accuracy, runs, 60, seed);
+    println!("accuracy {accuracy}, at most {runs} runs: {held:?} of 60, {asked:.0} runs each");
+    assert!(held.iter().all(|count| *count >= 51), "{held:?}");
+    assert!(asked <= runs as f64);
+}
+
 #[test]
 #[ignore = "takes minutes"]
-fn intervals_on_surrogates_hold_as_often_as_they_say() {
-    for (accuracy, runs, seed) in [(0.01, 80, 21), (0.01, 30, 22), (0.1, 60, 23), (0.5, 60, 24)] {
-        let (held, asked) = held(accuracy, runs, 60, seed);
-        println!("accuracy {accuracy}, at most {runs} runs: {held:?} of 60, {asked:.0} runs each");
-        assert!(held.iter().all(|count| *count >= 51), "{held:?}");
-        assert!(asked <= runs as f64);
-    }
+fn intervals_on_surrogates_hold_with_good_data() {
+    row(0.01, 80, 21);
+}
+
+#[test]
+#[ignore = "takes minutes"]
+fn intervals_on_surrogates_hold_though_they_are_rough() {
+    row(0.01, 30, 22);
+}
+
+#[test]
+#[ignore = "takes minutes"]
+fn intervals_on_surrogates_hold_with_weak_data() {
+    row(0.1, 60, 23);
+    row(0.5, 60, 24);
 }
 
 #[test]
