@@ -11,12 +11,14 @@ use sampling::statistics::share::Fraction;
 
 use crate::percent;
 
+/// A criterion: its value at a point, the measured value and the tolerance.
+type Look = (fn(&[f64]) -> f64, f64, f64);
+
 /// What the criteria of a study look at.
 struct Case {
     name: &'static str,
     dimensions: usize,
-    /// Criteria with the measured value and the tolerance.
-    criteria: Vec<(fn(&[f64]) -> f64, f64, f64)>,
+    criteria: Vec<Look>,
 }
 
 const LEVEL: f64 = 0.9;
@@ -71,7 +73,7 @@ impl Case {
     /// The points of a study.
     fn table(&self, points: &[Vec<f64>]) -> PointTable {
         let criteria = self.criteria.iter().enumerate();
-        let criterion = |(k, &(f, nominal, tolerance)): (usize, &(fn(&[f64]) -> f64, f64, f64))| {
+        let criterion = |(k, &(f, nominal, tolerance)): (usize, &Look)| {
             let values: Vec<f64> = points.iter().map(|u| f(u)).collect();
             CriterionColumn {
                 name: format!("c{k}"),
