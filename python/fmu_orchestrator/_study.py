@@ -145,6 +145,7 @@ class Study:
         starts: int | None = None,
         cross_validate: bool = False,
         posterior: int | None = None,
+        surrogate: int | None = None,
         seed: int | None = None,
         time_limit: float | None = None,
         output: StrPath | None = None,
@@ -153,12 +154,12 @@ class Study:
         """Finds the parameters that make the measured values most probable; the study needs a section ``[identify]``.
 
         ``cross_validate`` also predicts each case from the others. ``posterior`` draws so many sets of parameters from the
-        posterior into ``posterior.csv``. ``time_limit``, s, ends the search and takes the best so
-        far.
+        posterior into ``posterior.csv``. ``surrogate`` searches and samples on polynomials from at most so many runs of each
+        case. ``time_limit``, s, ends the search and takes the best so far.
         """
         folder = self._folder(output)
         options: dict[str, Value] = {"starts": starts, "cross_validate": cross_validate, "posterior": posterior}
-        options |= {"seed": seed, "time_limit": time_limit}
+        options |= {"surrogate": surrogate, "seed": seed, "time_limit": time_limit}
         done = self._run("identify", folder, options, running, state="identify")
         return Identification(folder, done.text, converged=done.code == 0)
 

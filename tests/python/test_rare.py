@@ -3,23 +3,15 @@
 import csv
 import json
 import subprocess
-import zipfile
 
 import numpy as np
 import openturns as ot
 import pytest
+from functions import pack
 from scipy import integrate, special
-from test_acceptance import PROGRAM, ROOT
+from test_acceptance import PROGRAM
 
-SOURCE = ROOT / "orchestrator" / "tests" / "fixtures" / "functions.c"
 NOMINAL, TOLERANCE = 16, 1
-DESCRIPTION = """<?xml version="1.0" encoding="UTF-8"?>
-<fmiModelDescription fmiVersion="2.0" modelName="Functions" guid="functions"><CoSimulation modelIdentifier="functions"/>
-<DefaultExperiment startTime="0" stopTime="1" stepSize="1"/><ModelVariables>
-<ScalarVariable name="x1" valueReference="1" causality="parameter" variability="fixed"><Real start="0.5"/></ScalarVariable>
-<ScalarVariable name="x2" valueReference="2" causality="parameter" variability="fixed"><Real start="0.5"/></ScalarVariable>
-<ScalarVariable name="product" valueReference="105" causality="output"><Real/></ScalarVariable>
-</ModelVariables><ModelStructure><Outputs><Unknown index="3"/></Outputs></ModelStructure></fmiModelDescription>"""
 STUDY = f"""fmu = "functions.fmu"
 [parameters.x1]
 distribution = "normal"
@@ -39,11 +31,7 @@ tolerance = {TOLERANCE}
 @pytest.fixture(scope="module")
 def found(tmp_path_factory):
     folder = tmp_path_factory.mktemp("rare")
-    binary = folder / "functions.so"
-    subprocess.run(["cc", "-shared", "-fPIC", "-O2", "-o", binary, SOURCE, "-lm"], check=True)
-    with zipfile.ZipFile(folder / "functions.fmu", "w") as fmu:
-        fmu.writestr("modelDescription.xml", DESCRIPTION)
-        fmu.write(binary, "binaries/linux64/functions.so")
+    pack(folder, 2, "product")
     (folder / "study.toml").write_text(STUDY)
     call = [PROGRAM, "verify", "study.toml", "--rare", "--points", "100000", "--output", "out"]
     subprocess.run(call, cwd=folder, check=True, capture_output=True)

@@ -1,28 +1,12 @@
 """Parameters from a posterior's sample, through the Python package, against numpy and the exact posterior."""
 
-import subprocess
-import zipfile
-
 import numpy as np
 import pytest
-from python_package import ROOT
+from functions import pack
 from scipy.stats import norm
 
 from fmu_orchestrator import OrchestratorError, Study
 
-SOURCE = ROOT / "orchestrator" / "tests" / "fixtures" / "functions.c"
-PARAMETERS = "".join(
-    f'<ScalarVariable name="x{k}" valueReference="{k}" causality="parameter" variability="fixed"><Real start="0.5"/>'
-    "</ScalarVariable>"
-    for k in (1, 2, 3)
-)
-DESCRIPTION = f"""<?xml version="1.0" encoding="UTF-8"?>
-<fmiModelDescription fmiVersion="2.0" modelName="Functions" guid="functions"><CoSimulation modelIdentifier="functions"/>
-<DefaultExperiment startTime="0" stopTime="1" stepSize="1"/><ModelVariables>{PARAMETERS}
-<ScalarVariable name="product" valueReference="105" causality="output"><Real/></ScalarVariable>
-<ScalarVariable name="linear" valueReference="108" causality="output"><Real/></ScalarVariable>
-</ModelVariables><ModelStructure><Outputs><Unknown index="4"/><Unknown index="5"/></Outputs></ModelStructure>
-</fmiModelDescription>"""
 FIT = """fmu = "functions.fmu"
 [identify.free.x1]
 min = 0.5
@@ -67,11 +51,7 @@ def good(x1, x2, x3):
 @pytest.fixture(scope="module")
 def study(tmp_path_factory):
     folder = tmp_path_factory.mktemp("samples")
-    binary = folder / "functions.so"
-    subprocess.run(["cc", "-shared", "-fPIC", "-O2", "-o", binary, SOURCE, "-lm"], check=True)
-    with zipfile.ZipFile(folder / "functions.fmu", "w") as fmu:
-        fmu.writestr("modelDescription.xml", DESCRIPTION)
-        fmu.write(binary, "binaries/linux64/functions.so")
+    pack(folder, 3, "product", "linear")
     (folder / "fit.toml").write_text(FIT)
     Study.load(folder / "fit.toml").identify(posterior=1000, output=folder / "fit", progress=False)
     (folder / "study.toml").write_text(STUDY)

@@ -1,8 +1,9 @@
 //! How often the stated 95 % intervals hold the exact value:
 //! `cargo run --release --example coverage -- 200` (repetitions), with `-- 200 shapley` one part of it: `sobol`, `share`,
-//! `failures`, `morris`, `shapley`.
+//! `failures`, `morris`, `shapley`, `regions`.
 
 mod failures;
+mod regions;
 mod screening;
 mod shapley;
 
@@ -55,12 +56,13 @@ type Part = fn(u64) -> Result<(), String>;
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let repetitions = std::env::args().nth(1).unwrap_or("200".into()).parse()?;
     let wanted = std::env::args().nth(2);
-    let parts: [(&str, Part); 5] = [
+    let parts: [(&str, Part); 6] = [
         ("sobol", indices_hold),
         ("share", shares_hold),
         ("failures", failures::print),
         ("morris", screening::print),
         ("shapley", shapley::print),
+        ("regions", regions::print),
     ];
     for (name, part) in parts {
         if wanted.as_ref().is_none_or(|wanted| wanted == name) {

@@ -165,6 +165,9 @@ pub struct Identify {
     /// Draw this many sets of parameters from the posterior, too: several modes and curved valleys as they are
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub posterior: Option<u64>,
+    /// Search and sample on polynomials from at most this many runs of each case, where runs are dear; their error counts
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub surrogate: Option<u64>,
     /// The seed of the starts, instead of the study's
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub seed: Option<u64>,

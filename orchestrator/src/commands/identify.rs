@@ -2,6 +2,7 @@
 
 mod files;
 mod posterior;
+mod surrogate;
 
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
@@ -14,12 +15,13 @@ use crate::identify::bind::Bound;
 use crate::identify::cross::outcome::{CrossValidation, Found};
 use crate::identify::cross::{self, Whole, cross_validate};
 use crate::identify::error::BindError;
+use crate::identify::failures::Excluded;
 use crate::identify::from_study;
 use crate::identify::local::{End, Minimum};
 use crate::identify::model::FmuModel;
 use crate::identify::objective::Objective;
 use crate::identify::outcome::IdentificationOutcome;
-use crate::identify::problem::Problem;
+use crate::identify::problem::{Problem, Simulate};
 use crate::identify::remembered::Remembered;
 use crate::identify::rounds;
 use crate::identify::sample::{self, Sample};
@@ -32,8 +34,7 @@ use crate::session::{Asking, Request};
 use crate::study::Identification;
 use crate::study::Study;
 use fmu_import::{Description, Package, digest};
-use sampling::design::{Design, Method, Sampling};
-use sampling::distribution::Distribution;
+use sampling::design::cube;
 
 /// The name of the command, and of the folder of its journal.
 const NAME: &str = "identify";
@@ -65,6 +66,7 @@ pub(super) fn run(options: &Identify) -> Result<ExitCode, CommandError> {
         });
     }
     posterior::check(&study, &settings, &bound, options.posterior.is_some())?;
+    surrogate::check(&study, &settings, &bound, options)?;
     let folder = asking::folder(
         options.work.output.as_deref(),
         &options.work.study,
@@ -144,6 +146,9 @@ fn settings(options: &Identify, study: &Study) -> Result<Identification, Command
     if let Some(particles) = options.posterior {
         settings.posterior = Some(toml::Spanned::new(0..0, particles));
     }
+    if let Some(runs) = options.surrogate {
+        settings.surrogate = Some(toml::Spanned::new(0..0, runs));
+    }
     Ok(settings)
 }
 
@@ -154,6 +159,7 @@ fn request(options: &Identify) -> Request {
         seed,
         cross_validate,
         posterior,
+        surrogate,
         ..
     } = options;
     Request {
@@ -162,7 +168,9 @@ fn request(options: &Identify) -> Request {
         seed: *seed,
         analysis: Some(Asking {
             name: NAME.to_owned(),
-            options: serde_json::json!({ "starts": starts, "cross-validate": cross_validate, "posterior": posterior }),
+            options: serde_json::json!({
+                "starts": starts, "cross-validate": cross_validate, "posterior": posterior, "surrogate": surrogate,
+            }),
         }),
         ..Request::default()
     }
@@ -215,16 +223,32 @@ fn find(
         starts: &starts,
         effort: limits,
     };
-    let found = rounds::searched(&task, &remembered, &|progress| {
-        model.say(so_far(progress));
-    });
-    let found = found.and_then(|found| {
+    let search = || {
+        let replaced = surrogate::replaced(study, settings, &task, &remembered, &|text| {
+            model.say(text);
+        })?;
+        let mut task = task;
+        let mut asked: &dyn Simulate = &remembered;
+        // Without surrogates: the places of a sample hardly ever come twice, and there are many.
+        let mut sampled: &dyn Simulate = &model;
+        if let Some(own) = &replaced {
+            task.problem = &own.problem;
+            (asked, sampled) = (&own.model, &own.model);
+        }
+        let found = rounds::searched(&task, asked, &|progress| {
+            model.say(so_far(progress));
+        })?;
         let rounds::Found {
             problem,
-            optima,
+            mut optima,
             progress,
             discrepancies,
         } = found;
+        let again = replaced.as_ref().map(|own| {
+            let objective = Objective::new(&problem, &remembered, settings.difference);
+            surrogate::run_again(&objective, own, &mut optima)
+        });
+        let again = again.transpose()?;
         let outcome = IdentificationOutcome::new(&problem, &optima, &progress);
         let (first, outcome) = optima.first().zip(outcome).ok_or(SearchError::NoTime)?;
         let minimum = &first.minimum;
@@ -241,10 +265,15 @@ fn find(
         let mut outcome = IdentificationOutcome {
             cross_validation: cross_validation.transpose()?,
             discrepancies,
+            surrogate: again,
             ..outcome
         };
-        // Its places hardly ever come twice, and there are many.
-        let objective = Objective::new(&bound.problem, &model, settings.difference);
+        if let Some(own) = &replaced {
+            // Only the model's own runs tell where it fails.
+            let ended = own.screened.iter().copied();
+            outcome.excluded = Excluded::new(&bound.problem, &own.failures, ended);
+        }
+        let objective = Objective::new(task.problem, sampled, settings.difference);
         let sample = posterior::sampled(
             &objective,
             &optima,
@@ -255,7 +284,8 @@ fn find(
             &|text| model.say(text),
         )?;
         Ok((outcome, sample))
-    });
+    };
+    let found = search();
     found.map_err(|error: SearchError| match model.halted() {
         Some(halt) => halt.into(),
         None => CommandError::Search(error.to_string()),
@@ -310,14 +340,6 @@ fn starts(
     settings: &Identification,
     unknowns: usize,
 ) -> Result<Vec<Vec<f64>>, CommandError> {
-    let place = Distribution::Uniform { min: 0.0, max: 1.0 };
-    let design = Sampling {
-        method: Method::Sobol,
-        points: settings.starts.max(1),
-        seed: settings.seed,
-        ..Sampling::default()
-    };
-    let design = Design::new(&design, vec![place; unknowns])
-        .map_err(|message| study.error(format!("[identify] {message}")))?;
-    Ok((0..design.len()).map(|index| design.point(index)).collect())
+    let starts = cube(unknowns, settings.starts.max(1), settings.seed, 1);
+    Ok(starts.map_err(|message| study.error(format!("[identify] {message}")))?)
 }

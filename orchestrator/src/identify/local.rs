@@ -44,12 +44,15 @@ pub struct Minimum {
     pub end: End,
     /// Whether the way down leads to where runs fail: the sum of squares may be less beyond.
     pub blocked: bool,
+    /// The unknowns on both sides of which runs fail: nothing is known of what they change.
+    pub surrounded: Vec<usize>,
 }
 
-/// Looks for the minimum nearest to a start. Unknowns that are `held` stay where they are.
+/// Looks for the minimum nearest to a start. Unknowns that are `held` stay where they are, as do those on both sides of
+/// which runs fail.
 ///
 /// # Errors
-/// When a simulation fails at the start, or all around a point on the way.
+/// When a simulation fails at the start.
 pub fn minimise(
     objective: &Objective<'_>,
     start: Vec<f64>,
@@ -63,6 +66,7 @@ pub fn minimise(
         misfit,
         end: End::Iterations,
         blocked: false,
+        surrounded: Vec::new(),
     };
     let mut damping = Damping::default();
     for _ in 0..limits.iterations {
@@ -75,31 +79,35 @@ pub fn minimise(
         }
         let linear = objective.linear(&at.places, &at.misfit, differences)?;
         let before = at.misfit.cost();
-        if !descend(objective, &linear, held, &mut damping, &mut at)?
+        at.blocked |= !linear.surrounded.is_empty();
+        let held = [held, &linear.surrounded].concat();
+        if !descend(objective, &linear, &held, &mut damping, &mut at)?
             || before - at.misfit.cost() < limits.decrease * before
         {
             at.end = End::Converged;
             break;
         }
     }
-    at.blocked = at.blocked && at.end != End::Time && goes_on(objective, held, differences, &at)?;
+    at.blocked =
+        at.blocked && at.end != End::Time && goes_on(objective, held, differences, &mut at)?;
     Ok(at)
 }
 
-/// Whether the linearised problem goes on down to a place where a run fails.
+/// Whether the linearised problem goes on down to a place where a run fails, or is unknown as runs fail all around.
 fn goes_on(
     objective: &Objective<'_>,
     held: &[usize],
     differences: Differences,
-    at: &Minimum,
+    at: &mut Minimum,
 ) -> Result<bool, NoPrediction> {
     /// A smaller decrease of the sum of squares matters to no probability.
     const LITTLE: f64 = 0.01;
-    let mut linear = match objective.linear(&at.places, &at.misfit, differences) {
-        Ok(linear) => linear,
-        Err(NoPrediction::Here(_)) => return Ok(true),
-        Err(NoPrediction::Stopped) => return Err(NoPrediction::Stopped),
-    };
+    let mut linear = objective.linear(&at.places, &at.misfit, differences)?;
+    at.surrounded = std::mem::take(&mut linear.surrounded);
+    at.surrounded.retain(|unknown| !held.contains(unknown));
+    if !at.surrounded.is_empty() {
+        return Ok(true);
+    }
     let size = linear.curvature.diagonal().amax().max(f64::MIN_POSITIVE);
     for index in 0..at.places.len() {
         linear.curvature[(index, index)] += 1e-9 * size;

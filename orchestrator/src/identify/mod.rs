@@ -8,6 +8,7 @@
 //! - [`optima`] tells which of the ends are distinct, and what part of the posterior each has;
 //! - [`posterior`] says how well the data determine it;
 //! - [`sample`] draws from the posterior where its normal approximation will not do;
+//! - [`surrogate`] puts polynomials in place of a model whose runs are dear;
 //! - [`failures`] says what is excluded as runs failed there;
 //! - [`discrepancy`] is how far the model is from the truth by itself, and [`rounds`] searches with unknown ones;
 //! - [`cross`] leaves out one case at a time and predicts it from the others.
@@ -42,4 +43,5 @@ pub mod remembered;
 pub mod rounds;
 pub mod sample;
 pub mod search;
+pub mod surrogate;
 pub mod text;

@@ -56,6 +56,9 @@ pub struct Linear {
     pub curvature: DMatrix<f64>,
     /// Half the gradient.
     pub gradient: DVector<f64>,
+    /// The unknowns without a derivative, as runs fail on both sides: rows and columns above are those of an output that
+    /// does not depend on them.
+    pub surrounded: Vec<usize>,
 }
 
 /// One simulation for a derivative: the case, the unknown, and its displaced place.
@@ -162,7 +165,7 @@ impl<'a> Objective<'a> {
     /// The linearised problem at a set of unknowns. A latent parameter touches its own case only.
     ///
     /// # Errors
-    /// When a simulation fails on both sides of a place.
+    /// When there are no further predictions.
     pub fn linear(
         &self,
         places: &[f64],
@@ -175,6 +178,7 @@ impl<'a> Objective<'a> {
         let mut linear = Linear {
             curvature: DMatrix::zeros(n, n),
             gradient: DVector::zeros(n),
+            surrounded: surrounded(&jobs, &columns),
         };
         let quantities = self.problem.quantities.len();
         let per_case = self.problem.free.len() + self.problem.latents.len();
@@ -184,10 +188,15 @@ impl<'a> Objective<'a> {
             .enumerate()
         {
             let residuals = misfit.residuals.rows(case * quantities, quantities);
-            for (a, first) in jobs.iter().zip(columns) {
-                linear.gradient[a.unknown] += first.dot(&residuals);
-                for (b, second) in jobs.iter().zip(columns) {
-                    linear.curvature[(a.unknown, b.unknown)] += first.dot(second);
+            // A place counts only where the runs of all cases end, so one that fails hides the others' slopes, too.
+            let known = jobs.iter().zip(columns);
+            let known = known.filter_map(|(job, column)| Some((job.unknown, column.as_ref()?)));
+            let known = known.filter(|(unknown, _)| !linear.surrounded.contains(unknown));
+            let known: Vec<(usize, &DVector<f64>)> = known.collect();
+            for &(a, first) in &known {
+                linear.gradient[a] += first.dot(&residuals);
+                for &(b, second) in &known {
+                    linear.curvature[(a, b)] += first.dot(second);
                 }
             }
         }
@@ -219,14 +228,14 @@ impl<'a> Objective<'a> {
         (0..self.problem.cases.len()).flat_map(displaced).collect()
     }
 
-    /// Derivatives of the cases' weighted misfits, each over the place of one unknown.
+    /// Derivatives of the cases' weighted misfits, each over the place of one unknown; `None` where runs fail on both sides.
     fn derivatives(
         &self,
         jobs: &[Displaced],
         places: &[f64],
         misfit: &Misfit,
         differences: Differences,
-    ) -> Result<Vec<DVector<f64>>, NoPrediction> {
+    ) -> Result<Vec<Option<DVector<f64>>>, NoPrediction> {
         let at = |job: &Displaced, place: f64| {
             let mut places = places.to_vec();
             places[job.unknown] = place;
@@ -255,8 +264,7 @@ impl<'a> Objective<'a> {
             let opposite = wanted(&(job, there)).then(|| opposite.next()).flatten();
             let here = &misfit.predicted[job.case];
             let distance = job.place - places[job.unknown];
-            let column = self.derivative(job, here, there, opposite.as_ref(), distance);
-            columns.push(column.map_err(NoPrediction::Here)?);
+            columns.push(self.derivative(job, here, there, opposite.as_ref(), distance));
         }
         Ok(columns)
     }
@@ -270,16 +278,26 @@ impl<'a> Objective<'a> {
         there: &Prediction,
         opposite: Option<&Prediction>,
         distance: f64,
-    ) -> Result<DVector<f64>, String> {
+    ) -> Option<DVector<f64>> {
         let (ahead, behind, distance) = match (there, opposite) {
             (Ok(ahead), Some(Ok(behind))) => (&ahead[..], &behind[..], 2.0 * distance),
             (Ok(ahead), _) => (&ahead[..], here, distance),
             (Err(_), Some(Ok(behind))) => (here, &behind[..], distance),
-            (Err(error), _) => return Err(error.clone()),
+            (Err(_), _) => return None,
         };
         let measured = &self.problem.cases[job.case].measured;
         let slopes = ahead.iter().zip(behind).zip(measured);
         let slopes = slopes.map(|((a, b), measured)| (a - b) / distance / measured.accuracy);
-        Ok(DVector::from_iterator(measured.len(), slopes))
+        Some(DVector::from_iterator(measured.len(), slopes))
     }
+}
+
+/// The unknowns of which a derivative is missing.
+fn surrounded(jobs: &[Displaced], columns: &[Option<DVector<f64>>]) -> Vec<usize> {
+    let pairs = jobs.iter().zip(columns);
+    let lost = pairs.filter(|(_, column)| column.is_none());
+    let mut unknowns: Vec<usize> = lost.map(|(job, _)| job.unknown).collect();
+    unknowns.sort_unstable();
+    unknowns.dedup();
+    unknowns
 }

@@ -120,7 +120,7 @@ impl<'a, 'b> Optima<'a, 'b> {
     /// to matter are left out.
     ///
     /// # Errors
-    /// When there are no further predictions, or those around a minimum fail.
+    /// When there are no further predictions.
     pub fn add(&mut self, places: &[f64], cost: f64) -> Result<(), NoPrediction> {
         if cost > self.least() + RELEVANT {
             return Ok(());

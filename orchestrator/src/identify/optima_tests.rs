@@ -166,3 +166,41 @@ fn a_minimum_that_is_too_improbable_is_no_solution() {
     });
     assert_eq!(optima.len(), 2);
 }
+
+/// Runs end on a grid of single places only: nothing is known around the best of them.
+#[test]
+fn an_optimum_amid_failing_runs_is_no_minimum_and_no_error() {
+    let problem = problem(&[(0.0, 1.0), (0.0, 1.0)], &[(0.4, 0.1), (0.5, 0.1)]);
+    let stripes = |_: usize, p: &[f64], _: &[f64]| match (p[0] * 1e3).fract() {
+        0.2..0.8 => Err("too thin".to_owned()),
+        _ => Ok(vec![p[0], p[1]]),
+    };
+    let starts = starts(2, 64);
+    // The starts of which a run ends have failing runs at this distance of a derivative.
+    let objective = Objective::new(&problem, &stripes, 5e-4);
+    let (optima, progress) = search(&objective, &starts, &EFFORT, &|_| ()).unwrap();
+    assert!(
+        optima
+            .iter()
+            .all(|own| own.minimum.surrounded == [0] && own.edge.blocked)
+    );
+    let outcome = IdentificationOutcome::new(&problem, &optima, &progress).unwrap();
+    let [first, second] = &outcome.free[..] else {
+        panic!()
+    };
+    // The second parameter is found as usual; of the first one the prior is left.
+    assert!((second.value - 0.5).abs() < 0.01 && !second.surrounded && second.left < 0.5);
+    assert!(
+        first.surrounded && (first.left - 1.0).abs() < 1e-9,
+        "{first:?}"
+    );
+    let text = text::summary(&outcome);
+    for words in [
+        "no minimum is known",
+        "the interval is that of the prior",
+        "Runs failed at",
+    ] {
+        assert!(text.contains(words), "{text}");
+    }
+    assert!(!text.contains("determine every parameter"), "{text}");
+}

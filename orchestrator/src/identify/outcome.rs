@@ -12,6 +12,7 @@ use super::posterior::{Direction, Posterior, UNDETERMINED};
 use super::problem::{Interval, Latent, Problem};
 use super::sample::outcome::PosteriorOutcome;
 use super::search::Progress;
+use super::surrogate::outcome::SurrogateOutcome;
 use crate::study::identification::Spacing;
 
 /// The standard deviations to both sides that hold 95 % of a Gaussian.
@@ -59,6 +60,9 @@ pub struct IdentificationOutcome {
     /// Each case predicted from the others, where that was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cross_validation: Option<CrossValidation>,
+    /// The surrogates in place of the model, where they were asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub surrogate: Option<SurrogateOutcome>,
     /// A sample of the posterior, where that was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub posterior: Option<PosteriorOutcome>,
@@ -104,6 +108,9 @@ pub struct FreeOutcome {
     pub at_bound: Option<&'static str>,
     /// The part of the prior's standard deviation that the data leave.
     pub left: f64,
+    /// Whether runs fail on both sides of it: then nothing is known of what it changes, and the interval is the prior's.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub surrounded: bool,
 }
 
 /// A combination of free parameters.
@@ -230,6 +237,7 @@ impl IdentificationOutcome {
             ),
             discrepancies: Vec::new(),
             cross_validation: None,
+            surrogate: None,
             posterior: None,
         })
     }
@@ -278,6 +286,7 @@ fn free(problem: &Problem, minimum: &Minimum, posterior: &Posterior, index: usiz
         bounds: [free.min, free.max],
         at_bound: bound(place),
         left: deviation * posterior.prior[index].sqrt(),
+        surrounded: minimum.surrounded.contains(&index),
     }
 }
 

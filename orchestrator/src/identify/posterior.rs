@@ -46,10 +46,10 @@ pub struct Direction {
 }
 
 impl Posterior {
-    /// The posterior at a minimum.
+    /// The posterior at a minimum. Of unknowns on both sides of which runs fail it knows the prior only.
     ///
     /// # Errors
-    /// When a simulation fails.
+    /// When there are no further predictions.
     pub fn at(objective: &Objective<'_>, minimum: &Minimum) -> Result<Self, NoPrediction> {
         let linear = objective.linear(&minimum.places, &minimum.misfit, Differences::Central)?;
         let problem = objective.problem;

@@ -81,6 +81,9 @@ pub enum SearchError {
     /// The posterior could not be sampled.
     #[error("{0}")]
     Sample(String),
+    /// There are no surrogates.
+    #[error("{0}")]
+    Surrogate(String),
     /// There are no further predictions.
     #[error("the search was stopped")]
     Stopped,

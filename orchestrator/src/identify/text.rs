@@ -6,6 +6,7 @@ pub use super::digits::{Digits, digits};
 use super::failures::words;
 use super::local::End;
 use super::outcome::{DirectionOutcome, FreeOutcome, IdentificationOutcome, Residual};
+use super::surrogate;
 
 /// The free parameters as the section `[fixed]` of a study.
 pub fn fixed_section(study: &str, place: usize, outcome: &IdentificationOutcome) -> String {
@@ -36,6 +37,9 @@ pub fn summary(outcome: &IdentificationOutcome) -> String {
     }
     undetermined(&mut text, outcome);
     excluded(&mut text, outcome);
+    if let Some(told) = &outcome.surrogate {
+        text += &surrogate::text::summary(told);
+    }
     discrepancies(&mut text, outcome);
     residuals(&mut text, outcome);
     goodness(&mut text, outcome);
@@ -107,6 +111,10 @@ fn parameters(text: &mut String, parameters: &[FreeOutcome], on_ridges: &[&str])
 
 fn remark(free: &FreeOutcome, on_ridge: bool) -> String {
     const LITTLE: f64 = 0.5;
+    if free.surrounded {
+        let text = "; runs fail next to it on every side, so the interval is that of the prior";
+        return text.to_owned();
+    }
     let bound = free.at_bound.map(|side| match on_ridge {
         false => format!("; at its {side} bound"),
         // All places along the ridge fit alike, and the search has to end at one.
@@ -194,7 +202,12 @@ fn excluded(text: &mut String, outcome: &IdentificationOutcome) {
             true => format!("optimum {}", place + 1),
             false => "the optimum".to_owned(),
         };
-        if optimum.edge.blocked {
+        if optimum.free.iter().any(|free| free.surrounded) {
+            let _ = writeln!(
+                text,
+                "  runs fail all around {name}: it is the best place at which runs end, and no minimum is known"
+            );
+        } else if optimum.edge.blocked {
             let _ = writeln!(
                 text,
                 "  {name} lies at the edge of these places: the sum of squares falls towards them, so it is no minimum, and \

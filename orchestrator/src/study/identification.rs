@@ -54,6 +54,8 @@ pub struct Identification {
     /// Where that sample starts.
     #[serde(default)]
     pub posterior_start: PosteriorStart,
+    /// Runs of each case, at most, from which polynomials are made that stand in for the model.
+    pub surrogate: Option<Spanned<u64>>,
     /// How far apart simulations stand for a derivative, as a part of the distance between the bounds.
     #[serde(default = "difference")]
     pub difference: f64,
@@ -82,6 +84,7 @@ impl Default for Identification {
             seed: seed(),
             posterior: None,
             posterior_start: PosteriorStart::default(),
+            surrogate: None,
             difference: difference(),
             free: IndexMap::new(),
             known: IndexMap::new(),

@@ -189,8 +189,8 @@ impl Said {
 }
 
 /// The outputs of `functions.c`, from value reference 101 on.
-const OUTPUTS: [&str; 9] = [
-    "wave", "first", "second", "ripple", "product", "radius", "gap", "linear", "holed",
+const OUTPUTS: [&str; 10] = [
+    "wave", "first", "second", "ripple", "product", "radius", "gap", "linear", "holed", "stripes",
 ];
 
 /// The model description of `functions.c`.

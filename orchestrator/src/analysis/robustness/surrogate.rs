@@ -31,6 +31,8 @@ pub struct Surrogate {
     terms: Vec<Vec<u8>>,
     coefficients: Vec<f64>,
     degree: usize,
+    /// Leave-one-out errors of the points fitted, in their order.
+    pub errors: Vec<f64>,
     /// Quality of the fit.
     pub quality: Quality,
 }
@@ -39,6 +41,8 @@ pub struct Surrogate {
 const MOST_POINTS: usize = 4000;
 /// A fit has at least this many points a term.
 const POINTS_A_TERM: f64 = 2.0;
+/// The highest total degree.
+const DEGREE: usize = 6;
 /// The hyperbolic norm: below 1, interactions of high degree are left out first.
 const NORM: f64 = 0.7;
 
@@ -46,6 +50,11 @@ impl Surrogate {
     /// Fits an output to parameters (rows of `inputs`). `None` where the points are too few for a line,
     /// or nothing varies.
     pub fn fit(inputs: &[Vec<f64>], output: &[f64]) -> Option<Self> {
+        Self::fit_to(inputs, output, DEGREE)
+    }
+
+    /// The same with another highest degree, which few parameters can afford.
+    pub fn fit_to(inputs: &[Vec<f64>], output: &[f64], most: usize) -> Option<Self> {
         let kept: Vec<usize> = (0..output.len())
             .filter(|&j| output[j].is_finite() && inputs[j].iter().all(|v| v.is_finite()))
             .collect();
@@ -63,7 +72,7 @@ impl Surrogate {
         let scale: Vec<f64> = (0..d).map(|k| spread(k).max(f64::MIN_POSITIVE)).collect();
         let y = DVector::from_iterator(kept.len(), kept.iter().map(|&j| output[j]));
         let mut best: Option<Self> = None;
-        for degree in 1..=6 {
+        for degree in 1..=most {
             let terms = terms(d, degree);
             if terms.len() as f64 * POINTS_A_TERM > n {
                 break;
@@ -73,6 +82,7 @@ impl Surrogate {
                 scale: scale.clone(),
                 terms,
                 coefficients: vec![],
+                errors: vec![],
                 degree,
                 quality: NONE,
             };
@@ -112,7 +122,8 @@ impl Surrogate {
             let leverage = q.row(j).iter().map(|v| v * v).sum::<f64>();
             (y[j] - fitted[j]) / (1.0 - leverage).max(1e-9)
         });
-        let mean_square = errors.map(|e| e * e).sum::<f64>() / y.len() as f64;
+        self.errors = errors.collect();
+        let mean_square = self.errors.iter().map(|e| e * e).sum::<f64>() / y.len() as f64;
         let variance = y.variance();
         self.quality = Quality {
             degree: self.degree,
@@ -129,32 +140,30 @@ impl Surrogate {
         Some(self)
     }
 
+    /// The polynomials of each parameter, by degree.
+    fn powers(&self, x: &[f64]) -> Vec<Vec<f64>> {
+        let standard = x.iter().zip(&self.centre).zip(&self.scale);
+        let standard = standard.map(|((v, centre), scale)| (v - centre) / scale);
+        standard.map(|z| hermite(z, self.degree)).collect()
+    }
+
     fn basis(&self, x: &[f64]) -> Vec<f64> {
-        let powers: Vec<Vec<f64>> = x
-            .iter()
-            .enumerate()
-            .map(|(k, v)| hermite((v - self.centre[k]) / self.scale[k], self.degree))
-            .collect();
-        self.terms
-            .iter()
-            .map(|term| {
-                term.iter()
-                    .enumerate()
-                    .filter(|(_, p)| **p > 0)
-                    .map(|(k, p)| powers[k][usize::from(*p)])
-                    .product()
-            })
-            .collect()
+        let powers = self.powers(x);
+        self.terms.iter().map(|term| value(term, &powers)).collect()
     }
 
     /// The predicted output.
     pub fn at(&self, x: &[f64]) -> f64 {
-        self.basis(x)
-            .iter()
-            .zip(&self.coefficients)
-            .map(|(b, c)| b * c)
-            .sum()
+        let powers = self.powers(x);
+        let terms = self.terms.iter().zip(&self.coefficients);
+        terms.map(|(term, c)| value(term, &powers) * c).sum()
     }
+}
+
+/// The product of one term's polynomials.
+fn value(term: &[u8], powers: &[Vec<f64>]) -> f64 {
+    let pairs = term.iter().zip(powers).filter(|(p, _)| **p > 0);
+    pairs.map(|(p, powers)| powers[usize::from(*p)]).product()
 }
 
 /// The columns that depend on those before them.

@@ -1,0 +1,201 @@
+//! Box and ellipsoid: what part of them is verified, by fresh samples, against what is stated.
+
+use orchestrator::analysis::robustness::region::Confirmed;
+use orchestrator::analysis::robustness::robustness;
+use orchestrator::analysis::table::{CriterionColumn, ParameterColumn, PointTable};
+use rand::rngs::StdRng;
+use rand::{RngExt, SeedableRng};
+use rayon::prelude::*;
+use sampling::design::cube;
+use sampling::statistics::share::Fraction;
+
+use crate::percent;
+
+/// A criterion: its value at a point, the measured value and the tolerance.
+type Look = (fn(&[f64]) -> f64, f64, f64);
+
+/// What the criteria of a study look at.
+struct Case {
+    name: &'static str,
+    dimensions: usize,
+    criteria: Vec<Look>,
+}
+
+const LEVEL: f64 = 0.9;
+
+/// Fresh runs of `--confirm`.
+const CONFIRM: usize = 400;
+
+fn cases() -> Vec<Case> {
+    let case = |name, dimensions, criteria| Case {
+        name,
+        dimensions,
+        criteria,
+    };
+    let root = |u: &[f64]| (u[0] - 0.5).hypot(u[1] - 0.5);
+    vec![
+        case(
+            "corner of 9 %",
+            2,
+            vec![(|u| u[0], 0.85, 0.15), (|u| u[1], 0.85, 0.15)],
+        ),
+        case(
+            "curved band",
+            2,
+            vec![(|u| (8.0 * u[0]).sin() + u[1], 0.5, 0.4)],
+        ),
+        case("disc", 2, vec![(root, 0.0, 0.3)]),
+        case(
+            "sums of 5",
+            5,
+            vec![
+                (|u| u.iter().sum(), 2.5, 0.5),
+                (|u| u[0] - u[1] + 0.5 * u[2], 0.25, 0.4),
+            ],
+        ),
+        case(
+            "products of 7",
+            7,
+            vec![
+                (|u| u[0] * (1.0 + u[1]) / (1.0 + u[2]), 0.5, 0.3),
+                (|u| (u[3] - u[4]).exp() + 0.3 * u[5] * u[6], 1.1, 0.5),
+            ],
+        ),
+    ]
+}
+
+impl Case {
+    fn is_verified(&self, u: &[f64]) -> bool {
+        let mut criteria = self.criteria.iter();
+        criteria.all(|(f, nominal, tolerance)| (f(u) - nominal).abs() <= *tolerance)
+    }
+
+    /// The points of a study.
+    fn table(&self, points: &[Vec<f64>]) -> PointTable {
+        let criteria = self.criteria.iter().enumerate();
+        let criterion = |(k, &(f, nominal, tolerance)): (usize, &Look)| {
+            let values: Vec<f64> = points.iter().map(|u| f(u)).collect();
+            CriterionColumn {
+                name: format!("c{k}"),
+                source: String::new(),
+                unit: String::new(),
+                nominal,
+                lower: nominal - tolerance,
+                upper: nominal + tolerance,
+                group: None,
+                ok: values
+                    .iter()
+                    .map(|v| (v - nominal).abs() <= tolerance)
+                    .collect(),
+                values,
+            }
+        };
+        let column = |k: usize| ParameterColumn {
+            name: format!("p{k}"),
+            unit: String::new(),
+            distribution: String::new(),
+            values: points.iter().map(|u| u[k]).collect(),
+        };
+        PointTable {
+            ids: (1..=points.len() as u64).collect(),
+            parameters: (0..self.dimensions).map(column).collect(),
+            criteria: criteria.map(criterion).collect(),
+            verified: points.iter().map(|u| self.is_verified(u)).collect(),
+            status: vec!["ok".into(); points.len()],
+        }
+    }
+}
+
+/// A region: what it states, what part of it is verified in truth, and whether the interval of fresh runs holds that.
+#[derive(Clone, Copy)]
+struct Judged {
+    stated: f64,
+    truth: f64,
+    holds: bool,
+}
+
+fn uniform(dimensions: usize, random: &mut StdRng) -> Vec<f64> {
+    (0..dimensions).map(|_| random.random()).collect()
+}
+
+fn judged(
+    case: &Case,
+    contains: impl Fn(&[f64]) -> bool,
+    stated: f64,
+    seed: u64,
+) -> Option<Judged> {
+    const MANY: usize = 100_000;
+    let mut random = StdRng::seed_from_u64(7_000_000 + seed);
+    let mut inside = |draws: usize, wanted: usize| -> Vec<bool> {
+        let points = (0..draws).map(|_| uniform(case.dimensions, &mut random));
+        let inside = points.filter(|u| contains(u));
+        inside.take(wanted).map(|u| case.is_verified(&u)).collect()
+    };
+    let part = |held: &[bool]| held.iter().filter(|v| **v).count();
+    let all = inside(MANY, MANY);
+    let truth = part(&all) as f64 / all.len() as f64;
+    let drawn = inside(usize::MAX, CONFIRM);
+    let share = Fraction::wilson(part(&drawn), CONFIRM);
+    let confirmed = Confirmed {
+        points: CONFIRM,
+        verified: part(&drawn),
+        interval: [share.low, share.high],
+    };
+    Some(Judged {
+        stated,
+        truth,
+        holds: confirmed.holds(truth),
+    })
+}
+
+fn one(case: &Case, points: u64, seed: u64) -> Option<[Option<Judged>; 2]> {
+    let study = cube(case.dimensions, points, 100 + seed, 1).ok()?;
+    let mut random = StdRng::seed_from_u64(5_000_000 + seed);
+    let cloud = (0..20_000).map(|_| uniform(case.dimensions, &mut random));
+    let cloud: Vec<Vec<f64>> = cloud.collect();
+    let found = robustness(&case.table(&study), &cloud, LEVEL)?;
+    let region = found.region.and_then(|own| {
+        let stated = own.probability;
+        judged(case, |u| own.contains(u), stated, seed)
+    });
+    let ellipsoid = found.ellipsoid.and_then(|own| {
+        let stated = own.probability;
+        judged(case, |u| own.contains(u), stated, seed)
+    });
+    Some([region, ellipsoid])
+}
+
+pub fn print(repetitions: u64) -> Result<(), String> {
+    println!(
+        "\nBox and ellipsoid of {} % or more, {repetitions} studies each: found; of these in truth at least 90 %, and 89 %; least;",
+        percent(LEVEL)
+    );
+    println!("mean of truth less stated; intervals of {CONFIRM} fresh runs that hold the truth");
+    for case in cases() {
+        for points in [128, 512] {
+            let all: Vec<[Option<Judged>; 2]> = (0..repetitions)
+                .into_par_iter()
+                .map(|seed| one(&case, points, seed).unwrap_or_default())
+                .collect();
+            for (k, shape) in ["box", "ellipsoid"].iter().enumerate() {
+                let found: Vec<Judged> = all.iter().filter_map(|own| own[k]).collect();
+                let n = found.len() as f64;
+                let part = |of: &dyn Fn(&Judged) -> bool| {
+                    percent(found.iter().filter(|own| of(own)).count() as f64 / n)
+                };
+                let least = found.iter().map(|own| own.truth).fold(1.0, f64::min);
+                let excess = found.iter().map(|own| own.truth - own.stated).sum::<f64>() / n;
+                println!(
+                    "  {:<14} {points:>4} points, {shape:<9}: {n} found; {:.1}, {:.1}; least {:.1}; {:+.2}; {:.1}",
+                    case.name,
+                    part(&|own| own.truth >= LEVEL),
+                    part(&|own| own.truth >= LEVEL - 0.01),
+                    percent(least),
+                    percent(excess),
+                    part(&|own| own.holds),
+                );
+            }
+        }
+    }
+    Ok(())
+}

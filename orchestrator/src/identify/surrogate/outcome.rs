@@ -1,0 +1,141 @@
+//! What the surrogates were, and how far they err: plain data that becomes JSON.
+
+use serde::Serialize;
+
+use super::super::failures::Range;
+use super::super::optima::Optimum;
+use super::super::problem::Problem;
+use super::fitted::Surrogates;
+
+/// The surrogates of an identification.
+#[derive(Clone, Debug, Serialize)]
+pub struct SurrogateOutcome {
+    /// At how many places the model was run, all cases each; those of the optima, which are run again, come on top.
+    pub runs: usize,
+    /// At how many of them a run failed.
+    pub failed: u64,
+    /// How often the surrogates were fitted, each time nearer to the posterior.
+    pub rounds: usize,
+    /// Fresh places of the posterior at which surrogates and model were compared.
+    pub checked: usize,
+    /// The box of the last surrogates.
+    pub within: Vec<Range>,
+    /// The factor by which the counted variance is larger than that of each error, as errors of several values go together.
+    pub together: f64,
+    /// The errors of each measured value, case by case.
+    pub errors: Vec<Vec<ValueError>>,
+    /// The largest part of an accuracy that an error counted comes to.
+    pub largest: f64,
+    /// The optima run again in the model.
+    pub optima: Vec<RunAgain>,
+}
+
+/// A surrogate's error of a measured value, in its unit.
+#[derive(Clone, Debug, Serialize)]
+pub struct ValueError {
+    /// The quantity.
+    pub quantity: String,
+    /// Root mean square of the leave-one-out errors of the runs in the box.
+    pub leave_one_out: f64,
+    /// Root mean square at the fresh places; `None` where none could be compared.
+    pub held_out: Option<f64>,
+    /// The standard uncertainty that is counted beside the accuracy.
+    pub counted: f64,
+    /// The accuracy.
+    pub accuracy: f64,
+}
+
+/// An optimum of the surrogates as the model sees it.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct RunAgain {
+    /// The sum of squares by the surrogates.
+    pub surrogate: f64,
+    /// The model's; `None` where a run failed.
+    pub model: Option<f64>,
+}
+
+impl SurrogateOutcome {
+    /// Gathers the errors; `checked` has a row of errors for each fresh place. `counts` are rounds, runs and failed ones.
+    pub(super) fn new(
+        problem: &Problem,
+        surrogates: &Surrogates,
+        (rounds, runs, failed): (usize, usize, u64),
+        checked: &[Vec<f64>],
+    ) -> Self {
+        let quantities = problem.quantities.len();
+        let together = surrogates.last().map_or(1.0, |layer| layer.together);
+        let held_out = |index: usize| {
+            let squares: f64 = checked.iter().map(|row| row[index].powi(2)).sum();
+            (!checked.is_empty()).then(|| (squares / checked.len() as f64).sqrt())
+        };
+        let errors = surrogates
+            .last()
+            .map_or_else(Vec::new, |layer| layer.errors());
+        let value = |case: usize, quantity: usize, leave_one_out: f64| {
+            let held_out = held_out(case * quantities + quantity);
+            ValueError {
+                quantity: problem.quantities[quantity].name.clone(),
+                leave_one_out,
+                held_out,
+                counted: together.sqrt()
+                    * held_out.map_or(leave_one_out, |own| own.max(leave_one_out)),
+                accuracy: problem.cases[case].measured[quantity].accuracy,
+            }
+        };
+        let case = |(case, errors): (usize, &Vec<[f64; 2]>)| {
+            let errors = errors.iter().enumerate();
+            errors
+                .map(|(quantity, error)| value(case, quantity, error[0]))
+                .collect()
+        };
+        let errors: Vec<Vec<ValueError>> = errors.iter().enumerate().map(case).collect();
+        let parts = errors
+            .iter()
+            .flatten()
+            .map(|own| own.counted / own.accuracy);
+        Self {
+            runs,
+            failed,
+            rounds,
+            checked: checked.len(),
+            within: surrogates
+                .last()
+                .map_or_else(Vec::new, |layer| ranges(problem, &layer.region)),
+            together,
+            largest: parts.fold(0.0, f64::max),
+            errors,
+            optima: Vec::new(),
+        }
+    }
+
+    /// The problem with the errors counted beside its accuracies.
+    pub fn widened(&self, problem: &Problem) -> Problem {
+        let mut problem = problem.clone();
+        for (case, errors) in problem.cases.iter_mut().zip(&self.errors) {
+            for (measured, own) in case.measured.iter_mut().zip(errors) {
+                measured.accuracy = measured.accuracy.hypot(own.counted);
+            }
+        }
+        problem
+    }
+
+    /// Takes note of the optima that were run again: their sums of squares by the surrogates, and by the model.
+    pub fn run_again(&mut self, optima: &[Optimum], model: &[Option<f64>]) {
+        let pairs = optima.iter().zip(model);
+        let again = pairs.map(|(own, &model)| RunAgain {
+            surrogate: own.minimum.misfit.cost(),
+            model,
+        });
+        self.optima = again.collect();
+    }
+}
+
+fn ranges(problem: &Problem, region: &[[f64; 2]]) -> Vec<Range> {
+    let pairs = problem.free.iter().zip(region);
+    let range = pairs.map(|(free, ends)| Range {
+        name: free.name.clone(),
+        unit: free.unit.clone(),
+        range: ends.map(|place| free.value(place)),
+    });
+    range.collect()
+}
