@@ -6,7 +6,7 @@ const Playground = (() => {
   const CONTROLS = [
     ["drive.speed", "speed", "rpm", [Math.PI / 30, 0], 60, 1500],
     ["bearing.radialClearance", "radial clearance", "µm", [1e-6, 0], 10, 40],
-    ["bearing.roughness", "roughness", "µm", [1e-6, 0], 0, 2],
+    ["bearing.roughness", "roughness", "µm", [1e-6, 0], 0, 10],
     ["load.preload", "preload", "N", [1, 0], 20, 80],
     ["load.eccentricity", "load eccentricity", "mm", [1e-3, 0], 0, 0.8],
     ["oil.viscosityScale", "viscosity, times the oil's", "", [1, 0], 0.3, 2],
@@ -45,7 +45,8 @@ const Playground = (() => {
     return [low - room, high + room];
   };
   // Lines over a common axis, each with its words; `mark` is a point of the first one.
-  const plot = (id, x, lines, [across, along], mark) => {
+  const plot = (id, across_, lines, [across, along], mark, logarithmic) => {
+    const scaled = logarithmic ? Math.log10 : v => v, x = across_.map(scaled);
     const svg = document.getElementById(id), [left, right, top, bottom] = [56, 410, 26, 222];
     svg.replaceChildren();
     const [x0, x1] = [Math.min(...x), Math.max(...x)], [y0, y1] = ends(lines.map(line => line.list));
@@ -53,7 +54,7 @@ const Playground = (() => {
     draw(svg, "path", { class: "axis", d: `M${left},${top}V${bottom}H${right}` });
     for (const part of [0, 0.5, 1]) {
       draw(svg, "text", { x: left - 6, y: bottom - (bottom - top) * part + 4, "text-anchor": "end" }, round(y0 + part * (y1 - y0)));
-      draw(svg, "text", { x: left + (right - left) * part, y: bottom + 16, "text-anchor": part === 1 ? "end" : "middle" }, round(x0 + part * (x1 - x0)));
+      draw(svg, "text", { x: left + (right - left) * part, y: bottom + 16, "text-anchor": part === 1 ? "end" : "middle" }, round(logarithmic ? 10 ** (x0 + part * (x1 - x0)) : x0 + part * (x1 - x0)));
     }
     draw(svg, "text", { x: right, y: 252, "text-anchor": "end" }, across);
     draw(svg, "text", { x: 4, y: 14 }, along);
@@ -61,7 +62,7 @@ const Playground = (() => {
       draw(svg, "path", { class: ["one", "two"][k], d: `M${list.map((v, i) => at(x[i], v).map(c => c.toFixed(1)).join()).join("L")}` });
       if (words) draw(svg, "text", { x: right, y: at(0, list.at(-1))[1] - 6, "text-anchor": "end" }, words);
     });
-    if (mark) draw(svg, "circle", { class: "now", r: 5, cx: at(...mark)[0], cy: at(...mark)[1] });
+    if (mark) draw(svg, "circle", { class: "now", r: 5, cx: at(scaled(mark[0]), mark[1])[0], cy: at(0, mark[1])[1] });
   };
   const orbit = ([ratios, angles]) => {
     const svg = document.getElementById("orbit"), at = k => [150 + 130 * ratios[k] * Math.sin(angles[k]), 150 + 130 * ratios[k] * Math.cos(angles[k])];
@@ -70,14 +71,24 @@ const Playground = (() => {
     draw(svg, "path", { class: "axis", d: "M145,150h10M150,145v10" });
     draw(svg, "path", { class: "one", d: `M${ratios.map((_, k) => at(k).map(c => c.toFixed(1)).join()).join("L")}` });
     draw(svg, "circle", { class: "now", r: 4, cx: at(0)[0], cy: at(0)[1] });
+    // The same, drawn larger in a corner: most orbits are small.
+    const places = ratios.map((_, k) => at(k)), [xs, ys] = [0, 1].map(k => places.map(place => place[k]));
+    const [low, high] = [[xs, ys].map(list => Math.min(...list)), [xs, ys].map(list => Math.max(...list))];
+    const zoom = Math.min(56 / Math.max(high[0] - low[0], high[1] - low[1], 1e-6), 1000);
+    if (zoom > 2) {
+      const near = places.map(place => place.map((v, k) => [34, 34][k] + zoom * (v - (low[k] + high[k]) / 2)));
+      draw(svg, "path", { class: "one", d: `M${near.map(place => place.map(c => c.toFixed(1)).join()).join("L")}` });
+      draw(svg, "text", { x: 4, y: 80 }, `× ${round(Math.round(zoom))}`);
+    }
     document.getElementById("orbit-note").textContent = `Eccentricity ratio ${round(Math.min(...ratios))} to ${round(Math.max(...ratios))}. The angle is the attitude angle from the load, which points down.`;
   };
 
   // ---- what is simulated ---------------------------------------------------------------------------------------
-  // The second turn from given temperatures: the first one forgets where the journal started.
+  // A turn at given temperatures, after others that forget where the journal started.
+  const BEFORE = 4;
   const turn = (changes, steps) => {
-    const speed = (changes["drive.speed"] ?? state["drive.speed"]) / 60, found = run(2 / speed, 2 * steps, TURN, values(changes));
-    return found && { times: found.times.slice(steps).map(t => t - found.times[steps]), values: found.values.map(list => list.slice(steps)) };
+    const speed = (changes["drive.speed"] ?? state["drive.speed"]) / 60, found = run((BEFORE + 1) / speed, (BEFORE + 1) * steps, TURN, values(changes)), from = BEFORE * steps;
+    return found && { times: found.times.slice(from).map(t => t - found.times[from]), values: found.values.map(list => list.slice(from)) };
   };
   const mean = list => list.reduce((a, b) => a + b, 0) / list.length;
   let last = null;
@@ -86,17 +97,18 @@ const Playground = (() => {
     if (!over) return void (note.textContent = "The stand cannot run with these parameters: it would stop with a message in a simulation tool.");
     const [oil, bearing, torque] = over.values;
     plot("temperature", over.times, [{ list: bearing, words: "bearing" }, { list: oil, words: "oil" }], ["s", "°C"]);
-    plot("torque", over.times, [{ list: torque }], ["s", "N·m"]);
+    // The journal starts in the middle, without friction in the contact: that instant would hide the rest.
+    plot("torque", over.times.slice(1), [{ list: torque.slice(1) }], ["s", "N·m"]);
     const warm = { "thermal.initialOilTemperature": oil.at(-1), "thermal.initialBearingTemperature": bearing.at(-1) }, now = turn(warm, FINE);
     if (!now) return void (note.textContent = "The turn at the end cannot be computed with these parameters.");
     orbit(now.values);
     plot("pressure", now.times.map(t => 1e3 * t), [{ list: now.values[2] }], ["ms", "MPa"]);
     const own = mean(now.values[3]), speed = state["drive.speed"];
-    const speeds = Array.from({ length: 24 }, (_, k) => 60 * 25 ** (k / 23));
+    const speeds = Array.from({ length: 24 }, (_, k) => 30 * 50 ** (k / 23));
     const curve = speeds.map(v => [v, turn({ ...warm, "drive.speed": v }, 48)]).filter(([, found]) => found).map(([v, found]) => [v, mean(found.values[3])]);
-    plot("stribeck", curve.map(([v]) => v), [{ list: curve.map(([, f]) => f) }], ["rpm", "friction coefficient"], [speed, own]);
+    plot("stribeck", curve.map(([v]) => v), [{ list: curve.map(([, f]) => f) }], ["rpm", "friction coefficient"], [speed, own], true);
     last = { oil: oil.at(-1), bearing: bearing.at(-1), torque: torque.at(-1), friction: own, curve };
-    note.textContent = `${SECONDS} s and ${curve.length + 1} turns simulated in ${Math.round(performance.now() - begun)} ms.`;
+    note.textContent = `${SECONDS} s and ${(BEFORE + 1) * (curve.length + 1)} turns simulated in ${Math.round(performance.now() - begun)} ms.`;
   };
 
   // ---- controls ---------------------------------------------------------------------------------------------------

@@ -6,6 +6,7 @@ Needs Chromium and its driver (Debian: chromium, chromium-driver), the selenium 
 
 import csv
 import json
+import re
 import subprocess
 import zipfile
 
@@ -149,6 +150,11 @@ def test_a_slider_simulates_and_the_mouse_draws(browser, tmp_path, module):  # n
     browser.set_script_timeout(90)
     assert "From 2,000 fresh points" in browser.execute_async_script(wait).replace("\u202f", ",")
     assert browser.execute_script("return document.querySelector('#whatif .outcome').textContent").startswith("What if: ")
+    # The plots count their own points, not the fresh ones.
+    browser.execute_async_script("const done = arguments[0]; setTimeout(done, 300)")
+    counts = browser.execute_script("return document.querySelector('figure.plane svg').textContent")
+    points, accepted = (int(number) for number in re.search(r"(\d+) points.*?(\d+) accepted", counts).groups())
+    assert points == 200 and accepted <= 200
     trace = """const done = arguments[0], svg = document.querySelector('figure.plane svg');
       svg.focus(); svg.dispatchEvent(new KeyboardEvent('keydown', { key: 'ArrowRight' }));
       const begun = Date.now(), look = () => {

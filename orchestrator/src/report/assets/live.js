@@ -116,7 +116,7 @@ const Live = (() => {
     found.values.slice(0, 4).forEach((list, k) => {
       const low = list.reduce((a, b) => Math.min(a, b)), high = list.reduce((a, b) => Math.max(a, b));
       const line = list.map((v, i) => `${(WIDTH * (times[i] - times[0]) / span).toFixed(1)},${(HEIGHT - 2 - (HEIGHT - 4) * (high > low ? (v - low) / (high - low) : 0.5)).toFixed(1)}`);
-      make("p", `${columns[k].name}: ${number(low)} – ${number(high)}${columns[k].unit && columns[k].unit !== "1" ? ` ${columns[k].unit}` : ""} in ${number(span)} s`, place).className = "quiet";
+      make("p", `${columns[k].name}: ${number(low)} – ${number(high)}${columns[k].unit && columns[k].unit !== "1" ? ` ${columns[k].unit}` : ""} at ${times.length} instants of ${number(span)} s`, place).className = "quiet";
       const svg = document.createElementNS(NS, "svg"), path = document.createElementNS(NS, "path");
       svg.setAttribute("viewBox", `0 0 ${WIDTH} ${HEIGHT}`);
       svg.setAttribute("class", "trace");

@@ -64,10 +64,10 @@ const WhatIf = (() => {
       c.ok = Uint8Array.from(c.data, (value, i) => page.completed[i] && Math.abs(value - nominal) <= tolerance ? 1 : 0);
       for (let i = 0; i < margins.length; i++) margins[i] = Math.min(margins[i], page.completed[i] ? Judge.margin(criterion, c.data[i]) : -Infinity);
     });
-    page.redraw({
-      changed: differs(), guarded: band !== 0, accepted: found.accepted,
-      verified: Uint8Array.from(margins, m => band !== null && m >= band ? 1 : 0),
-    });
+    const verified = Uint8Array.from(margins, m => band !== null && m >= band ? 1 : 0);
+    // Fresh points are not in the plots.
+    const accepted = found.fresh ? verified.reduce((sum, is) => sum + is, 0) : found.accepted;
+    page.redraw({ changed: differs(), guarded: band !== 0, accepted, verified });
   };
 
   // ---- the changed study as text -------------------------------------------------------------------------------------------
@@ -199,7 +199,7 @@ const WhatIf = (() => {
       if (found.some) list.push(`If the points of a fresh study were independent, at least one of ${page.grouped(page.data.total)} would be accepted with a probability of ${ends(found.some)} %.`);
       if (found.effective < Weights.FEW) list.push("That is too few to rely on: run the changed study.");
     }
-    if (found.fresh) list.push(`From ${page.grouped(Live.POINTS)} fresh points of the changed distributions, simulated here. The plots show the points of the study.`);
+    if (found.fresh) list.push(`From ${page.grouped(Live.POINTS)} fresh points of the changed distributions, simulated here. The plots show the study's own points, judged in the same way.`);
     if (running) list.push("Fresh points are being simulated …");
     if (trouble) list.push(`Fresh points could not be simulated: ${trouble}.`);
     if (found.verdict === "not decided") list.push(differs() ? "Run the changed study to decide." : "The verdict above is that of the whole study.");
