@@ -5,8 +5,11 @@ const Simulator = (module, task) => {
   const PAGE = 65536, OK = 1, DISCARD = 2, TERMINATED = 3;
   const NAME = 0, GUID = 256, CALLBACKS = 2048, REFERENCE = 2080, NUMBER = 2088;
   let fmi, own;
+  // The instance of the last point, and whether such a one may be reset for the next: not known before one was compared with a new one.
+  let used = 0, reuse;
 
   const begin = () => {
+    used = 0;
     fmi = new WebAssembly.Instance(module, {}).exports;
     fmi._initialize?.();
     // A page of our own: the module's allocator does not know of it.
@@ -63,9 +66,18 @@ const Simulator = (module, task) => {
     };
   };
 
-  const prepared = values => {
+  const created = () => {
     const component = fmi.fmi2Instantiate(own + NAME, 1, own + GUID, 0, own + CALLBACKS, 0, 0);
     if (!component) throw new Error("fmi2Instantiate refused");
+    return component;
+  };
+  const again = () => {
+    const component = used;
+    used = 0;
+    call("Reset", component);
+    return component;
+  };
+  const prepared = (values, component) => {
     call("SetupExperiment", component, task.tolerance === null ? 0 : 1, task.tolerance ?? 0, start, 1, stop);
     for (const [reference, content, value] of task.fixed) set(component, reference, content, value);
     task.varied.forEach((slot, k) => set(component, slot.reference, slot.content, values[k]));
@@ -84,14 +96,14 @@ const Simulator = (module, task) => {
     }
   };
   const done = component => {
-    fmi.fmi2Terminate(component);
-    fmi.fmi2FreeInstance(component);
+    const ended = fmi.fmi2Terminate(component) <= OK;
+    if (used || reuse === false || !ended || !fmi.fmi2Reset) fmi.fmi2FreeInstance(component);
+    else used = component;
   };
   // A trap leaves the module in no known state.
   const guarded = compute => {
-    let component = 0;
     try {
-      return compute(values => component = prepared(values));
+      return compute((values, ready = created) => prepared(values, ready()));
     } catch (error) {
       if (error.whole) throw error;
       begin();
@@ -102,10 +114,10 @@ const Simulator = (module, task) => {
   /** A point's results in the study's units; NaN where it has none. `values` are in the study's units, too. */
   const point = values => {
     const own = task.varied.map(({ unit: [factor, offset] }, k) => factor * values[k] + offset);
-    const none = task.observed.map(() => NaN);
+    const none = task.observed.map(() => NaN), compared = used !== 0;
     if (!task.varied.every((slot, k) => allowed(slot, own[k]))) return none;
-    const results = guarded(instance => {
-      const component = instance(own), collectors = task.observed.map(collector);
+    const once = ready => guarded(instance => {
+      const component = instance(own, ready), collectors = task.observed.map(collector);
       const watched = task.observed.map((o, k) => [o, collectors[k]]).filter(([o]) => o.statistic !== "final");
       const watch = elapsed => watched.forEach(([o, c]) => c.add(elapsed, get(component, o)));
       if (from === 0) watch(0);
@@ -117,6 +129,13 @@ const Simulator = (module, task) => {
       done(component);
       return found;
     });
+    let results = reuse !== false && used ? once(again) : once(created);
+    if (reuse === undefined && compared) {
+      // As the program does: the first point on a used instance runs on a new one, too, whose results count.
+      const before = results;
+      results = once(created);
+      reuse = Boolean(before && results && before.every((v, k) => Object.is(v, results[k])));
+    }
     if (!results || !results.every(Number.isFinite)) return none;
     return results.map((v, k) => task.observed[k].unit[0] * v + task.observed[k].unit[1]);
   };
