@@ -29,8 +29,8 @@ FORMS = [
 ]
 
 
-def write(output, rows, form):
-    """Zips modelDescription/, the form's description, the binaries and the parameter sets."""
+def write(output, rows, form, more=None):
+    """Zips modelDescription/, the form's description, the binaries and the parameter sets; `more` has further files by places."""
     folder = ROOT / "modelDescription"
     files = {path.relative_to(folder).as_posix(): path.read_bytes()
              for path in folder.rglob("*") if path.is_file()}
@@ -42,6 +42,7 @@ def write(output, rows, form):
         # There the icon has one place only.
         del files["model.png"]
     files |= parameters.files()
+    files |= {place: file.read_bytes() for place, file in (more or {}).items()}
     output.parent.mkdir(parents=True, exist_ok=True)
     partial = output.with_suffix(".partial")
     with zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as fmu:

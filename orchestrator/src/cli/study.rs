@@ -186,4 +186,10 @@ pub struct Report {
     /// Write the plots as PNG, too (plots/ holds them as SVG in any case)
     #[arg(long)]
     pub png: bool,
+    /// Put the FMU's WebAssembly module into the page, so that "What if" simulates fresh points
+    #[arg(long)]
+    pub live: bool,
+    /// The FMU, instead of the study's (with --live)
+    #[arg(long, value_name = "FMU", requires = "live")]
+    pub fmu: Option<PathBuf>,
 }

@@ -11,10 +11,12 @@ use crate::engine::process::Limits;
 use crate::engine::single::Recorder;
 use crate::engine::working_directory;
 use crate::pipeline::stop;
+use crate::report::live::Live;
 use crate::report::{Report, history};
 use crate::results::summary::{BestPoint, Summary};
 use crate::results::{ResultsError, write_atomically};
 use crate::run::{Runner, Trouble};
+use crate::session::Verification;
 use crate::study::Study;
 use crate::study::plan::Plan;
 use crate::table::csv_file;
@@ -28,13 +30,31 @@ const LIMITS: Limits = Limits {
 };
 
 pub(super) fn run(options: &cli::Report) -> Result<ExitCode, CommandError> {
-    let report = Report::from_folder(&options.folder)?;
+    let mut report = Report::from_folder(&options.folder)?;
+    if options.live {
+        report.live = Some(live(options, &report)?);
+    }
     let page = report.write(&options.folder)?;
     if options.png {
         report.write_png(&options.folder)?;
     }
     output::print(&format!("{}\n", page.display()));
     Ok(ExitCode::SUCCESS)
+}
+
+/// The FMU's module and a point's simulation, for the page.
+fn live(options: &cli::Report, report: &Report) -> Result<Live, CommandError> {
+    let cannot = |message| CommandError::Option {
+        option: "live",
+        message,
+    };
+    match &report.whatif {
+        None => return Err(cannot("the points cannot be judged in the page".to_owned())),
+        Some(study) => study.can_be_drawn().map_err(cannot)?,
+    }
+    let verification = Verification::reopen(&options.folder, options.fmu.clone())?;
+    let mut session = verification.session;
+    Live::new(&session.plan, &mut session.package).map_err(cannot)
 }
 
 /// Keeps the study's text and the best point's trajectory in a folder of results. `trusted`: the points ran in this

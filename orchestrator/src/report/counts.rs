@@ -96,7 +96,10 @@ fn guarded(judgement: &Judgement, total: usize) -> Option<(String, Fraction)> {
     let [low, high] = interval?;
     let band = judgement.guard?;
     let note = if band.is_finite() {
-        format!("guard band {} U", number(band, 3))
+        format!(
+            "each tolerance drawn in by {} expanded uncertainties (guard band)",
+            number(band, 3)
+        )
     } else {
         "no guard band keeps the risk as low as required".into()
     };

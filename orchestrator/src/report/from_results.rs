@@ -86,6 +86,7 @@ fn remarks(summary: &Summary, shown: usize) -> Vec<String> {
         .chain(thinned)
         .chain(watched)
         .chain(concerns)
+        .map(|remark| format!("{}.", capitalised(remark.trim_end_matches('.'))))
         .collect()
 }
 

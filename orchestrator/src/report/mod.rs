@@ -10,6 +10,7 @@ pub mod format;
 mod from_results;
 pub mod history;
 pub mod judgement;
+pub mod live;
 pub mod outlook;
 mod overlay;
 mod page;
@@ -80,6 +81,8 @@ pub struct Report {
     pub outlook: Outlook,
     /// The study to be changed in the page, where its points can be judged there.
     pub whatif: Option<whatif::WhatIf>,
+    /// The FMU's module, where the page shall simulate points by itself.
+    pub live: Option<live::Live>,
     /// Trade-offs between criteria, where they were computed.
     pub pareto: Option<Pareto>,
     /// Versions, seed and hashes: all that is needed to compute the same again.

@@ -28,6 +28,8 @@ struct Page<'a> {
     script: &'static str,
     /// Whether the study can be changed in the page.
     whatif: bool,
+    /// Whether the page simulates points.
+    live: bool,
     data: String,
     remarks: &'a [String],
     title: String,
@@ -114,6 +116,7 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
         counts,
         conformance.as_deref(),
         report.whatif.as_ref(),
+        report.live.as_ref(),
     );
     let data = serde_json::to_string(&data)?;
     let decision = decision(report, &counted);
@@ -135,11 +138,15 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
             include_str!("assets/moments.js"),
             include_str!("assets/judge.js"),
             include_str!("assets/weights.js"),
+            include_str!("assets/reweigh.js"),
+            include_str!("assets/simulator.js"),
+            include_str!("assets/live.js"),
             include_str!("assets/toml.js"),
             include_str!("assets/whatif.js"),
             include_str!("assets/report.js")
         ),
         whatif: report.whatif.is_some(),
+        live: report.live.is_some(),
         data: script_safe(&data),
         remarks: &report.remarks,
         title: capitalised(&decision.to_string()),
@@ -414,7 +421,9 @@ fn failures(table: &PointTable, whole: Option<&Whole>) -> Vec<(String, String, S
 /// A number of points that need not be whole.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
 fn expected(points: f64) -> String {
-    if points < 1e3 {
+    if points > 0.0 && points < 0.01 {
+        "fewer than 0.01".into()
+    } else if points < 1e3 {
         number(points, 4)
     } else {
         count(points.round() as usize)

@@ -3,6 +3,7 @@
 
 use super::bins;
 use super::judgement::Judgement;
+use super::live::Live;
 use super::whatif::WhatIf;
 use crate::analysis::table::PointTable;
 use crate::results::choice::Even;
@@ -41,6 +42,8 @@ pub struct Payload {
     study: Option<WhatIf>,
     /// A byte a point: of an even choice of all points, which is what can be judged where not all are embedded.
     sample: Option<String>,
+    /// How the page simulates points, where it can.
+    live: Option<Live>,
 }
 
 #[derive(Serialize)]
@@ -157,7 +160,8 @@ fn even(n: usize, most: usize) -> Even {
 
 /// Collects the data for the page's script; there are `total` points, `accepted` of them accepted, of which the table may
 /// hold only some. In the table the accepted points count as verified. `conformance` is the conformance probability of every
-/// point, where it is known; `study` is what can be changed.
+/// point, where it is known; `study` is what can be changed, `live` how the page
+/// simulates points.
 pub fn payload(
     table: &PointTable,
     columns: &[PlotColumn<'_>],
@@ -165,6 +169,7 @@ pub fn payload(
     [total, accepted]: [usize; 2],
     conformance: Option<&[f64]>,
     study: Option<&WhatIf>,
+    live: Option<&Live>,
 ) -> Payload {
     let first_criterion = table.parameters.len();
     let flags = |flag: &dyn Fn(usize) -> bool| {
@@ -232,6 +237,7 @@ pub fn payload(
             true => study.of_some(),
             false => study,
         }),
+        live: live.cloned(),
         density: (points.len() < total).then(|| densities(table, columns)),
     }
 }

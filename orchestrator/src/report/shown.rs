@@ -113,6 +113,11 @@ fn doubt(judgement: &Judgement, accepted: usize) -> String {
     let risk = judgement.all.as_ref();
     let share = risk.and_then(|risk| risk.not_conforming_given_accepted);
     match share {
+        Some(share) if accepted == 1 => format!(
+            " The accepted point is outside of the tolerances of the true values with a probability of {} %, since the \
+             measured values are uncertain.",
+            number(100.0 * share, 2)
+        ),
         Some(share) => format!(
             " Of the {} accepted points {} are expected to be outside of the tolerances of the true values, since the \
              measured values are uncertain.",

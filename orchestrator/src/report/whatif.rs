@@ -20,6 +20,8 @@ pub struct WhatIf {
     /// The rule of the verdict; none where one point is enough.
     rule: Option<Rule>,
     criteria: Vec<Criterion>,
+    /// Whether the criteria are those of cases, with the names `CASE/NAME`.
+    cases: bool,
     /// Which measured values' errors are correlated, by the criteria's numbers.
     correlations: Vec<(usize, usize, f64)>,
     /// The parameters' distributions as `summary.json` has them.
@@ -95,6 +97,7 @@ impl WhatIf {
             looked_again: required.is_some_and(|r| r.looks > 1 || r.method.contains("look")),
             rule,
             criteria: summary.criteria.iter().map(criterion).collect(),
+            cases: !summary.cases.is_empty(),
             correlations: correlations.collect::<Option<_>>()?,
             parameters: parameters.map(|p| p.distribution.clone()).collect(),
             fixed: fixed(summary, study),
@@ -102,6 +105,22 @@ impl WhatIf {
                 .map(|study| study.text().to_owned())
                 .unwrap_or_default(),
         })
+    }
+
+    /// Whether points of other distributions can be drawn in the page.
+    ///
+    /// # Errors
+    /// Says why not.
+    pub fn can_be_drawn(&self) -> Result<(), String> {
+        let cannot = |reason: &str| {
+            Err(format!(
+                "no fresh points can be drawn in the page: {reason}"
+            ))
+        };
+        match self.fixed {
+            Some(reason) => cannot(reason),
+            None => Ok(()),
+        }
     }
 
     /// The points that the page holds are a choice of independent ones, in no order of the design.

@@ -161,6 +161,17 @@ const Judge = (() => {
     const verdict = verdicts[0] === "verified" ? "verified" : verdicts[1] === "not verified" ? "not verified" : "inconclusive";
     return { verdict, interval: [low, high] };
   };
+  /** The narrowest band, in steps, that keeps the risk at or below a limit for any distribution of the points; Infinity if none. */
+  const sureStep = (criteria, limit) => {
+    if (worst(criteria, MOST_STEPS * STEP) > limit) return Infinity;
+    let low = -1, high = MOST_STEPS;
+    while (high - low > 1) {
+      const middle = Math.floor((low + high) / 2);
+      if (worst(criteria, middle * STEP) <= limit) high = middle; else low = middle;
+    }
+    return high;
+  };
+  const undecided = ({ verdict, interval }) => ({ verdict: verdict === "inconclusive" ? "not decided" : verdict, interval });
   // Where no point can be accepted, although some are within all tolerances.
   const unfit = (rule, within, points) => {
     const interval = Numbers.randomised(within, points, rule.confidence);
@@ -240,6 +251,9 @@ const Judge = (() => {
     const cannot = limiting ? band === null : anyWithin && accepted === 0 && !possible;
     const one = { least: acceptedBySample, most: acceptedBySample };
     const bands = limiting && all.known && anyWithin ? allowedBands(all, criteria, rule.risk, rule.confidence) : one;
+    // Where the joint probabilities are not known, the guard band is not known either.
+    const unknown = limiting && !all.known && anyWithin, sure = unknown ? sureStep(criteria, rule.risk) : 0;
+    const bounds = unknown && { least: countBy(samples, size, i => widest(rule, margins[i]) >= sure), most: within };
     const failed = size - sum(completed), result = failed < size;
     const groups = [...new Set(criteria.map(c => c.group).filter(Boolean))].map(name => {
       const members = own.filter((_, k) => criteria[k].group === name);
@@ -249,7 +263,9 @@ const Judge = (() => {
       points: size,
       failed,
       // Where all points failed, nothing was compared.
-      ...(result ? conclude(rule, bands, accepted, within, size, cannot) : { verdict: "inconclusive", interval: null }),
+      ...(!result ? { verdict: "inconclusive", interval: null }
+        : unknown ? undecided(byBands(rule, bounds, size)) : conclude(rule, bands, accepted, within, size, cannot)),
+      cannot,
       verified: share(countBy(samples, size, i => own.every(({ ok }) => ok[i]))),
       accepted,
       acceptedShare: share(acceptedBySample),
@@ -266,9 +282,9 @@ const Judge = (() => {
       risk: result ? risk(all, from, grid) : null,
       expected_verified: probability && result ? sum(probability) : null,
       jointKnown: !certain || blocks !== null,
-      flags: { ok: own.map(({ ok }) => ok), probability, accepted: Uint8Array.from(margins, m => band !== null && widest(rule, m) >= from ? 1 : 0) },
+      flags: { ok: own.map(({ ok }) => ok), margins, probability, accepted: Uint8Array.from(margins, m => band !== null && widest(rule, m) >= from ? 1 : 0) },
     };
   };
 
-  return { judge, margin };
+  return { judge, margin, widest, sureStep, STEP };
 })();

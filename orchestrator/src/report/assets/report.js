@@ -133,6 +133,12 @@
       }
       before = c;
     }
+    if (Live.able()) {
+      const place = make("div", undefined, tip), own = columns.filter(c => c.criterion);
+      place.className = "traces";
+      place.style.minHeight = `${58 * Math.min(own.length, 4)}px`;
+      Live.draw(columns.filter(c => !c.criterion).map(c => c.data[i]), own, place, { make, number });
+    }
     tip.hidden = false;
     const box = tip.getBoundingClientRect(), gap = 16;
     const room = document.documentElement.clientWidth;
@@ -503,5 +509,6 @@
     renderers.forEach(render => render());
     changed();
   };
+  Live.start(data);
   WhatIf.start({ data, columns, completed, bytes, make, number, grouped, redraw });
 })();

@@ -10,12 +10,21 @@ const Toml = (() => {
     return new RegExp(`^\\s*\\[\\s*${path.map(part).join("\\s*\\.\\s*")}\\s*\\]\\s*(?:#.*)?$`);
   };
 
-  /** The changes alone: a list of { path, values }. */
-  const snippet = changes => changes.map(({ path, values }) =>
-    [header(path), ...Object.entries(values).map(([key, value]) => `${bare(key)} = ${value}`)].join("\n")).join("\n\n");
+  // A criterion of a case may stand in the case in several forms, or in the study for all cases: told in a comment.
+  const ofCase = ({ inCase, name, values }) => [
+    `# under [[cases]] with name = ${JSON.stringify(inCase)}, in its criteria.${bare(name)} (a criterion that the study has for all`,
+    "# cases is copied there as a whole):",
+    ...Object.entries(values).map(([key, value]) => `#   ${bare(key)} = ${value}`),
+  ];
+  /** The changes alone: a list of { path, values }, or of { inCase, name, values } for a criterion of one case. */
+  const snippet = changes => changes.map(change => {
+    const lines = Object.entries(change.values).map(([key, value]) => `${bare(key)} = ${value}`);
+    return (change.inCase ? ofCase(change) : [header(change.path), ...lines]).join("\n");
+  }).join("\n\n");
 
   /** The study's text with the changes; null where a table is written in another way. */
   const edited = (text, changes) => {
+    if (changes.some(change => change.inCase)) return null;
     const lines = text.split("\n");
     for (const { path, values, mayBeNew } of changes) {
       const start = lines.findIndex(line => headerLine(path).test(line));

@@ -6,6 +6,8 @@ const WhatIf = (() => {
   // As many digits as a hand on a slider can mean.
   const rounded = v => Number(v.toPrecision(5));
   let page, study, points, setting, changes, found;
+  // Points that were simulated here, with the changes of the distributions that they belong to.
+  let fresh = null, running = null, trouble = "";
 
   // ---- what is asked ------------------------------------------------------------------------------------------
   const begin = () => {
@@ -29,35 +31,23 @@ const WhatIf = (() => {
   };
 
   // ---- what follows -------------------------------------------------------------------------------------------------
-  // Shares and risks of the changed distributions; counts are of the points as they are, and intervals hold roughly.
-  const weigh = result => {
-    const { ok, accepted, probability } = result.flags, weights = Weights.of(study.parameters, changes, points.parameters, points.size);
-    const confidence = setting.rule?.confidence ?? 0.95;
-    const share = (flags, level = 0.95) => ({ fraction: Weights.mean(weights, i => flags[i]), interval: points.grid ? null : Weights.interval(weights, flags, level) });
-    const risk = chance => chance && {
-      consumer: Weights.mean(weights, i => accepted[i] * (1 - chance[i])),
-      producer: Weights.mean(weights, i => (1 - accepted[i]) * chance[i]),
-      conformance_probability: Weights.mean(weights, i => chance[i]),
-      not_conforming_given_accepted: Weights.mean(weights, i => 1 - chance[i], accepted),
-    };
-    const all = Uint8Array.from({ length: points.size }, (_, i) => ok.every(flags => flags[i]) ? 1 : 0);
-    const decided = share(accepted, confidence), [low, high] = decided.interval;
-    const verdict = !setting.rule ? result.verdict : low >= setting.rule.share ? "verified" : high < setting.rule.share ? "not verified" : "inconclusive";
-    return {
-      ...result, verdict,
-      interval: setting.rule && result.interval ? decided.interval : result.interval,
-      effective: Weights.effective(weights),
-      verified: { ...result.verified, ...share(all) },
-      acceptedShare: { ...result.acceptedShare, ...share(accepted) },
-      criteria: result.criteria.map((c, k) => ({ ...c, ...share(ok[k]), risk: null })),
-      groups: [],
-      risk: risk(probability),
-      expected_verified: null,
-    };
-  };
+  const keyOf = own => JSON.stringify(Object.entries(own).sort());
   const evaluate = () => {
     const result = Judge.judge(setting, points);
-    found = Object.keys(changes).length ? weigh(result) : result;
+    found = result;
+    const key = keyOf(changes);
+    if (fresh?.key === key) {
+      found = Judge.judge(setting, fresh.points);
+      found.fresh = true;
+      return found;
+    }
+    if (Object.keys(changes).length) {
+      const weights = Weights.of(study.parameters, changes, points.parameters, points.size);
+      found = Reweigh.judge(setting, points, result, weights, page.data.total);
+    }
+    // Some of the points can show that one is accepted, but not that none is, and not that all of them decide nothing.
+    const open = setting.rule ? found.verdict === "inconclusive" : found.verdict === "not verified";
+    if (page.data.sample && open && found.failed < found.points) found.verdict = "not decided";
     return found;
   };
 
@@ -74,10 +64,10 @@ const WhatIf = (() => {
       c.ok = Uint8Array.from(c.data, (value, i) => page.completed[i] && Math.abs(value - nominal) <= tolerance ? 1 : 0);
       for (let i = 0; i < margins.length; i++) margins[i] = Math.min(margins[i], page.completed[i] ? Judge.margin(criterion, c.data[i]) : -Infinity);
     });
-    page.redraw({
-      changed: differs(), guarded: band !== 0, accepted: found.accepted,
-      verified: Uint8Array.from(margins, m => band !== null && m >= band ? 1 : 0),
-    });
+    const verified = Uint8Array.from(margins, m => band !== null && m >= band ? 1 : 0);
+    // Fresh points are not in the plots.
+    const accepted = found.fresh ? verified.reduce((sum, is) => sum + is, 0) : found.accepted;
+    page.redraw({ changed: differs(), guarded: band !== 0, accepted, verified });
   };
 
   // ---- the changed study as text -------------------------------------------------------------------------------------------
@@ -90,11 +80,17 @@ const WhatIf = (() => {
       const values = { nominal: c.nominal, tolerance: c.tolerance };
       if (c.uncertainty) values.uncertainty = c.uncertainty.expanded;
       if (c.uncertainty && !before.uncertainty) values.coverage = c.uncertainty.coverage;
-      list.push({ path: ["criteria", c.name], values });
+      const [name, inCase] = c.name.split("/").reverse();
+      if (study.cases && inCase) list.push({ inCase, name, values: { ...values, ...(before.unit && { unit: JSON.stringify(before.unit) }) } });
+      else list.push({ path: ["criteria", c.name], values });
     });
     if (setting.rule && JSON.stringify(setting.rule) !== JSON.stringify(study.rule)) list.push({ path: ["verdict"], values: { share: setting.rule.share }, mayBeNew: true });
     const named = page.columns.filter(c => !c.criterion);
-    Object.entries(changes).forEach(([k, values]) => list.push({ path: ["parameters", named[k].name], values }));
+    Object.entries(changes).forEach(([k, values]) => {
+      // The study may have its unit only in a text such as "0.08 mm", which the number takes the place of.
+      const { name, unit } = named[k];
+      list.push({ path: ["parameters", name], values: { ...values, ...(unit && unit !== "1" && { unit: JSON.stringify(unit) }) } });
+    });
     return list;
   };
 
@@ -184,22 +180,29 @@ const WhatIf = (() => {
   const capital = text => text[0].toUpperCase() + text.slice(1);
   const sentence = () => {
     const weighted = found.effective !== undefined;
+    const known = found.guard_band !== null || found.jointKnown;
+    if (!known) return "The guard band is not computed here.";
     const count = weighted ? "" : `${page.grouped(found.accepted)} of ${page.grouped(found.points)} points, `;
     const interval = setting.rule ? found.interval : found.acceptedShare.interval, level = 100 * (setting.rule?.confidence ?? 0.95);
     const range = interval ? ` (${page.number(level, 4)} % interval ${ends(interval)} %)` : "";
-    const band = found.guard_band ? ` Guard band ${page.number(found.guard_band, 3)} U.` : found.guard_band === null ? " No guard band keeps the risk as low as required." : "";
+    const band = found.guard_band ? ` Every tolerance is drawn in by a guard band of ${page.number(found.guard_band, 3)} expanded uncertainties.` : found.guard_band === null ? " No guard band keeps the risk as low as required." : "";
     const wrong = found.risk?.not_conforming_given_accepted;
     const risk = Number.isFinite(wrong) ? ` Of the accepted points ${percent(wrong)} % are expected not to conform.` : "";
     return `${count}${percent(found.acceptedShare.fraction)} % of the space accepted${range}.${band}${risk}`;
   };
   const warnings = () => {
     const list = [];
-    if (page.data.sample) list.push(`From an even choice of ${page.grouped(points.size)} of the ${page.grouped(page.data.total)} points; the intervals count these.`);
+    if (page.data.sample && !found.fresh) list.push(`From an even choice of ${page.grouped(points.size)} of the ${page.grouped(page.data.total)} points; the intervals count these.`);
     if (found.effective !== undefined) {
       list.push(`Other distributions by weights: the points count as ${page.grouped(Math.round(found.effective))} of ${page.grouped(points.size)}.`);
-      if (setting.rule?.risk !== undefined) list.push("The guard band is that of the points as they are.");
+      if (setting.rule?.risk !== undefined) list.push("A fresh study would find a guard band of its own; the one here is an estimate, and the verdict and its interval hold for any that the required risk allows.");
+      if (found.some) list.push(`If the points of a fresh study were independent, at least one of ${page.grouped(page.data.total)} would be accepted with a probability of ${ends(found.some)} %.`);
       if (found.effective < Weights.FEW) list.push("That is too few to rely on: run the changed study.");
     }
+    if (found.fresh) list.push(`From ${page.grouped(Live.POINTS)} fresh points of the changed distributions, simulated here. The plots show the study's own points, judged in the same way.`);
+    if (running) list.push("Fresh points are being simulated …");
+    if (trouble) list.push(`Fresh points could not be simulated: ${trouble}.`);
+    if (found.verdict === "not decided") list.push(differs() ? "Run the changed study to decide." : "The verdict above is that of the whole study.");
     if (study.looked_again && setting.rule) list.push("This study was looked at more than once; the verdict here is that of one look and surer than it may be.");
     if (!found.jointKnown) list.push("Three or more measured values are correlated: the risks of all criteria together are not computed here; judge the changed study.");
     return list.join(" ");
@@ -234,7 +237,9 @@ const WhatIf = (() => {
     snippet.textContent = list.length ? Toml.snippet(list) : "# nothing is changed";
     const whole = Toml.edited(study.text, list);
     saved.hidden = !whole;
-    page.elements.hint.textContent = whole ? "" : "These tables are written in another way in the study: put the lines there by hand.";
+    page.elements.hint.textContent = whole ? "" : list.some(change => change.inCase)
+      ? "Criteria of single cases are changed by hand: the lines above say where."
+      : "These tables are written in another way in the study: put the lines there by hand.";
     shows.forEach(refresh => refresh());
   };
   // The verdict follows every movement; the plots, which take longer, come when there is time.
@@ -247,8 +252,25 @@ const WhatIf = (() => {
       evaluate();
       show();
       clearTimeout(drawing);
-      drawing = setTimeout(applyToPlots, 30);
+      drawing = setTimeout(() => { applyToPlots(); simulate(); }, 30);
     });
+  };
+  // Fresh points for the present distributions, one request after the other: the last one counts.
+  const simulate = async () => {
+    const key = keyOf(changes);
+    if (!Live.able() || running || !Object.keys(changes).length || fresh?.key === key) return;
+    running = key;
+    show();
+    try {
+      fresh = { key, points: await Live.points(study.parameters, clone(changes)) };
+      trouble = "";
+    } catch (error) {
+      trouble = error.message;
+      fresh = null;
+    }
+    running = null;
+    update();
+    if (!trouble) simulate();
   };
   const update = () => { evaluate(); show(); applyToPlots(); };
 
@@ -299,5 +321,15 @@ const WhatIf = (() => {
     return { ...rest, text: text() };
   };
 
-  return { start, ask };
+  /** The same, with fresh points for changed distributions: what follows, the points, and how long they took, ms. */
+  const askFresh = async request => {
+    ask(request);
+    const begun = performance.now(), own = await Live.points(study.parameters, clone(changes)), milliseconds = performance.now() - begun;
+    fresh = { key: keyOf(changes), points: own };
+    update();
+    const { flags, ...rest } = found;
+    return { ...rest, milliseconds, parameters: own.parameters.map(list => Array.from(list)), values: own.values.map(list => Array.from(list)) };
+  };
+
+  return { start, ask, askFresh };
 })();
