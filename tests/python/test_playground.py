@@ -26,7 +26,7 @@ SPEED = """const s = document.querySelector('input[data-name="drive.speed"]'); d
 def simulated(fmu, folder, **values):
     settings = [part for name, value in values.items() for part in ("--set", f"{name.replace('__', '.')}={value}")]
     path = folder / "run.csv"
-    subprocess.run([PROGRAM, "simulate", fmu, "--stop", "150", "--step", "1", *settings, "--output", path], check=True)
+    subprocess.run([PROGRAM, "simulate", fmu, "--stop", "150", "--step", "1", *settings, "--output", path], check=True, stdout=subprocess.DEVNULL)
     with path.open() as file:
         return list(csv.DictReader(file))[-1]
 
