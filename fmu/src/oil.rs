@@ -215,7 +215,7 @@ impl Properties {
     }
 
     /// Dynamic viscosity, Pa.s, without the viscosity scale.
-    fn real(&self, temperature: f64) -> f64 {
+    pub(crate) fn real(&self, temperature: f64) -> f64 {
         self.kinematic_viscosity(temperature) * self.density(temperature)
     }
 

@@ -12,6 +12,7 @@
 //! The shaft angle is not one of them: it follows from the speed in closed form.
 
 mod clearance;
+mod exchange;
 mod film_leap;
 mod inputs;
 mod march;
@@ -27,7 +28,7 @@ use crate::load::Load;
 use crate::oil::{Nearby, Oil, Properties};
 use crate::sensors::{self, Readings, Sensed, TurnMeans};
 use crate::thermal::{Heat, Temperatures, Thermal};
-use fmu_export::model::{self, Experiment, Fault, Info, Log, Model, Variable};
+use fmu_export::model::{self, Exchange, Experiment, Fault, Info, Log, Model, Variable};
 use serde::{Deserialize, Serialize};
 
 pub use inputs::{Input, Inputs};
@@ -250,9 +251,16 @@ impl Stand {
     }
 
     /// Rates of the unknowns, and what the physical stand's sensors read, `tau` seconds into the step.
+    #[inline]
     fn course_at(&self, tau: f64, y: &Unknowns, oil: &mut Nearby) -> (Unknowns, Sensed) {
+        let viscosity = oil.viscosity(&self.fluid, temperatures(y).film);
+        self.course_with(tau, y, viscosity)
+    }
+
+    /// The same with the oil's viscosity, Pa.s, at the film's temperature.
+    #[inline]
+    fn course_with(&self, tau: f64, y: &Unknowns, viscosity: f64) -> (Unknowns, Sensed) {
         let temperatures = temperatures(y);
-        let viscosity = oil.viscosity(&self.fluid, temperatures.film);
         let clearance = self.clearance(&temperatures, worn(y));
         let (at, drift) = self.drift(tau, [y[0], y[1]], viscosity, clearance);
         let t = self.thermal_rates(tau, &temperatures, clearance, &drift.flows);
@@ -375,6 +383,8 @@ impl Model for Stand {
         )],
         ..fmu_export::info!()
     };
+
+    const EXCHANGE: Option<Exchange<Self>> = Some(exchange::EXCHANGE);
 
     fn variables() -> &'static [Variable<Self>] {
         crate::variables::table()

@@ -26,6 +26,8 @@ class Form:
 FORMS = [
     Form(2, ROOT / "modelDescription/modelDescription.xml", ""),
     Form(3, ROOT / "fmu/descriptions/fmi3.xml", "-fmi3"),
+    Form(2, ROOT / "fmu/descriptions/me.xml", "-me"),
+    Form(3, ROOT / "fmu/descriptions/me-fmi3.xml", "-me-fmi3"),
 ]
 
 

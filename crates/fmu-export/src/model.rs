@@ -3,6 +3,7 @@
 //! A [`Model`] declares its variables once, in a table of [`Variable`]s. Value references, units, start values,
 //! descriptions and the model description follow from that table. Nothing here knows FMI.
 
+mod continuous;
 mod faults;
 mod variable;
 
@@ -13,6 +14,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use thiserror::Error;
 
+pub use continuous::{Continuous, Exchange, State, offered};
 pub use faults::faults;
 pub use variable::{
     Access, Base, DisplayUnit, Enumeration, Item, Kind, Role, Unit, Variable, check_ranges,
@@ -28,6 +30,10 @@ pub use variable::{
 pub trait Model: Clone + Default + Serialize + DeserializeOwned + Send + Sync + 'static {
     /// Name, identifier, description, version, licence and default experiment; [`info!`](crate::info) fills in most of it.
     const INFO: Info;
+
+    /// What Model Exchange needs: `Some(Exchange::of())` for a model that is [`Continuous`]. Without it, FMUs of the model
+    /// are for Co-Simulation only.
+    const EXCHANGE: Option<Exchange<Self>> = None;
 
     /// All variables. A variable's place in this table is its value reference: hosts store it, so that variables may
     /// only be added at the end.

@@ -13,7 +13,7 @@ use thiserror::Error;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
-use crate::model::{Model, faults};
+use crate::model::{Model, faults, offered};
 use crate::{fmi2, fmi3};
 use arguments::{Arguments, HELP};
 
@@ -67,6 +67,10 @@ pub enum Form {
     CoSimulation2,
     /// FMI 3.0 Co-Simulation.
     CoSimulation3,
+    /// FMI 2.0 Model Exchange.
+    ModelExchange2,
+    /// FMI 3.0 Model Exchange.
+    ModelExchange3,
 }
 
 impl Form {
@@ -75,6 +79,8 @@ impl Form {
         match self {
             Self::CoSimulation2 => fmi2::description::xml::<M>(),
             Self::CoSimulation3 => fmi3::description::xml::<M>(),
+            Self::ModelExchange2 => fmi2::description::exchange_xml::<M>(),
+            Self::ModelExchange3 => fmi3::description::exchange_xml::<M>(),
         }
     }
 
@@ -83,6 +89,8 @@ impl Form {
         match self {
             Self::CoSimulation2 => "",
             Self::CoSimulation3 => "-fmi3",
+            Self::ModelExchange2 => "-me",
+            Self::ModelExchange3 => "-me-fmi3",
         }
     }
 }
@@ -125,6 +133,13 @@ fn make<M: Model>(
         return Err(PackageError::Unsound(faults));
     }
     let form = arguments.form;
+    let exchange = matches!(form, Form::ModelExchange2 | Form::ModelExchange3);
+    if exchange && offered::<M>().is_none() {
+        return Err(PackageError::Usage(
+            "--exchange: the model is not `Continuous`, or does not say so in `Model::EXCHANGE`"
+                .to_owned(),
+        ));
+    }
     let mut binaries = arguments.added()?;
     for target in arguments.targets() {
         let library = build::library(package, folder, &arguments.profile, target, form)?;

@@ -85,6 +85,10 @@ units! {
     HERTZ = "Hz", {s: -1}, [];
     /// Time.
     SECOND = "s", {s: 1}, [scaled("ms", 1e3)];
+    /// Rate of a ratio or of a count.
+    PER_SECOND = "1/s", {s: -1}, [];
+    /// Rate of a temperature.
+    KELVIN_PER_SECOND = "K/s", {s: -1, k: 1}, [];
     /// Force.
     NEWTON = "N", {kg: 1, m: 1, s: -2}, [scaled("kN", 1e-3)];
     /// Stiffness.

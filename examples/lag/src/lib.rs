@@ -6,8 +6,10 @@ use serde::{Deserialize, Serialize};
 
 use fmu_export::declare::{input, output, parameter, tunable, variable};
 use fmu_export::field;
-use fmu_export::model::{Access, Experiment, Fault, Info, Kind, Log, Model, Role, Variable};
-use fmu_export::units::{ONE, SECOND};
+use fmu_export::model::{
+    Access, Continuous, Exchange, Experiment, Fault, Info, Kind, Log, Model, Role, State, Variable,
+};
+use fmu_export::units::{ONE, PER_SECOND, SECOND};
 
 /// The lag: parameters, inputs, state.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -175,6 +177,8 @@ impl Model for Lag {
         ..fmu_export::info!()
     };
 
+    const EXCHANGE: Option<Exchange<Self>> = Some(Exchange::of());
+
     fn variables() -> &'static [Variable<Self>] {
         &VARIABLES
     }
@@ -202,6 +206,45 @@ impl Model for Lag {
         self.steps = self.steps.wrapping_add(1);
         self.reached = Some(time + step);
         log.log("lag", format_args!("step to {} s", time + step));
+        Ok(())
+    }
+}
+
+static STATES: [State<Lag>; 1] = [State {
+    name: "state",
+    description: "The lag's state: its output, but for the sign",
+    unit: &ONE,
+    rate_unit: &PER_SECOND,
+    nominal: 1.0,
+    get: |lag| lag.state,
+    set: |lag, value| lag.state = value,
+}];
+
+impl Continuous for Lag {
+    fn states() -> &'static [State<Self>] {
+        &STATES
+    }
+
+    /// The lag's own steps are what it counts.
+    fn without() -> &'static [&'static str] {
+        &["steps"]
+    }
+
+    fn set_time(&mut self, time: f64) {
+        self.reached = Some(time);
+    }
+
+    /// The troubles of a step are those of the rates, too.
+    fn rates(&self, rates: &mut [f64]) -> Result<(), Fault> {
+        match self.trouble {
+            2 => return Err(Fault::Failed("the lag has no rate here".to_owned())),
+            3 => return Err(Fault::Invalid("the lag does not like its input".to_owned())),
+            4 => panic!("the lag panics"),
+            _ => {}
+        }
+        if let [rate] = rates {
+            *rate = (self.gain * self.input - self.state) / self.constant;
+        }
         Ok(())
     }
 }

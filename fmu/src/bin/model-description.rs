@@ -25,6 +25,14 @@ fn main() -> ExitCode {
             fmi3::description::xml::<Stand>(),
         ),
         (
+            Path::new(env!("CARGO_MANIFEST_DIR")).join("descriptions/me.xml"),
+            fmi2::description::exchange_xml::<Stand>(),
+        ),
+        (
+            Path::new(env!("CARGO_MANIFEST_DIR")).join("descriptions/me-fmi3.xml"),
+            fmi3::description::exchange_xml::<Stand>(),
+        ),
+        (
             folder.join("documentation/index.html"),
             documentation::page(),
         ),

@@ -5,8 +5,9 @@
 //! Required: no crash; no panic (it would end in `fmi3Fatal`); values that are read are finite; a call that is refused
 //! changes nothing; a state that is restored or read again is the same, byte for byte.
 //!
-//! The long run, with a report: `cargo test --release -p plain-bearing-stand --test fuzz3 -- --ignored --nocapture`.
-//! `FUZZ_CALLS` and `FUZZ_SEED` set its length and its seed; `scripts/test --long` draws a seed.
+//! The long run, with a report: `cargo test -p plain-bearing-stand --test fuzz3 -- --ignored --nocapture` (optimised, with all
+//! checks of the arithmetic on). `FUZZ_CALLS` and `FUZZ_SEED` set its length and its seed; `scripts/test --long` draws a
+//! seed.
 
 mod absent;
 mod acts;

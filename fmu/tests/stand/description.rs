@@ -18,6 +18,14 @@ fn the_committed_descriptions_are_fresh() {
             concat!(env!("CARGO_MANIFEST_DIR"), "/descriptions/fmi3.xml"),
             fmi3::description::xml::<Stand>(),
         ),
+        (
+            concat!(env!("CARGO_MANIFEST_DIR"), "/descriptions/me.xml"),
+            fmi2::description::exchange_xml::<Stand>(),
+        ),
+        (
+            concat!(env!("CARGO_MANIFEST_DIR"), "/descriptions/me-fmi3.xml"),
+            fmi3::description::exchange_xml::<Stand>(),
+        ),
     ] {
         let committed = std::fs::read_to_string(path).unwrap_or_default();
         assert!(

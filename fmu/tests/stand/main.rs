@@ -4,6 +4,7 @@
 
 mod description;
 mod energy;
+mod exchange;
 mod extremes;
 mod film_leaps;
 mod hot;

@@ -388,6 +388,7 @@ mod tests {
             token: ("token", ""),
             expected: "",
             fingerprint: 0,
+            exchange: false,
             resources: None,
         };
         let logger = Logger::new(None, null_mut(), false);

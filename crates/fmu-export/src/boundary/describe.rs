@@ -2,7 +2,18 @@
 
 use super::logger::categories;
 use super::xml::{Number, Tag, Xml};
-use crate::model::{DisplayUnit, Enumeration, Info, Kind, Model, Role, Unit, Variable};
+use crate::model::{
+    DisplayUnit, Enumeration, Info, Kind, Model, Role, State, Unit, Variable, offered,
+};
+
+/// What a description is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Interface {
+    /// The FMU steps itself.
+    CoSimulation,
+    /// The host integrates the FMU's states.
+    ModelExchange,
+}
 
 /// FNV-1a of 128 bits (Fowler, Noll and Vo, 1991).
 pub fn hash(text: &str) -> u128 {
@@ -82,12 +93,15 @@ pub fn experiment(xml: &mut Xml, info: &Info) {
 }
 
 /// The units of all variables, each once, with the display units that any of them has.
-pub fn units<M: Model>(xml: &mut Xml) {
+pub fn units<M: Model>(xml: &mut Xml, interface: Interface) {
     let mut units: Vec<(&Unit, Vec<&DisplayUnit>)> = Vec::new();
-    for (_, variable) in listed::<M>() {
-        let Kind::Real { unit, .. } = variable.kind else {
-            continue;
-        };
+    let variables = listed::<M>(interface).into_iter();
+    let of_variables = variables.filter_map(|(_, variable)| match variable.kind {
+        Kind::Real { unit, .. } => Some(unit),
+        _ => None,
+    });
+    let of_states = (states::<M>(interface).iter()).flat_map(|state| [state.unit, state.rate_unit]);
+    for unit in of_variables.chain(of_states) {
         let known = units.iter().position(|(other, _)| other.name == unit.name);
         let place = known.unwrap_or_else(|| {
             units.push((unit, Vec::new()));
@@ -132,7 +146,7 @@ pub fn units<M: Model>(xml: &mut Xml) {
 /// The enumerations of all variables, each once.
 pub fn enumerations<M: Model>() -> Vec<&'static Enumeration> {
     let mut types: Vec<&Enumeration> = Vec::new();
-    for (_, variable) in listed::<M>() {
+    for (_, variable) in listed::<M>(Interface::CoSimulation) {
         if let Kind::Enumeration { of, .. } = variable.kind
             && types.iter().all(|other| other.name != of.name)
         {
@@ -142,12 +156,26 @@ pub fn enumerations<M: Model>() -> Vec<&'static Enumeration> {
     types
 }
 
-/// The variables in the order of their listing, each with its value reference.
-pub fn listed<M: Model>() -> Vec<(usize, &'static Variable<M>)> {
+/// The variables in the order of their listing, each with its value reference. Model Exchange leaves out those that need
+/// the model's own steps.
+pub fn listed<M: Model>(interface: Interface) -> Vec<(usize, &'static Variable<M>)> {
     let table = M::variables();
+    let left_out = match (interface, offered::<M>()) {
+        (Interface::ModelExchange, Some(exchange)) => (exchange.without)(),
+        _ => &[],
+    };
     (M::listing().into_iter())
         .filter_map(|reference| Some((reference, table.get(reference)?)))
+        .filter(|(_, variable)| !left_out.contains(&variable.name))
         .collect()
+}
+
+/// The states that the host integrates; none in Co-Simulation.
+pub fn states<M: Model>(interface: Interface) -> &'static [State<M>] {
+    match (interface, offered::<M>()) {
+        (Interface::ModelExchange, Some(exchange)) => (exchange.states)(),
+        _ => &[],
+    }
 }
 
 /// Whether an output may depend on another variable at the start: on parameters, too, but on no more inputs than later,

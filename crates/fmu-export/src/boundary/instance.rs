@@ -9,7 +9,7 @@ use super::refusal::{Outcome, Refusal};
 use super::resources;
 use super::types::Status;
 use super::version::Version;
-use crate::model::{Experiment, Fault, Model};
+use crate::model::{Experiment, Fault, Model, offered};
 
 /// All that belongs to one instance.
 pub struct Instance<M> {
@@ -52,6 +52,8 @@ pub struct Run<M> {
     pub tolerance: Option<f64>,
     /// How the last step ended.
     pub last_step: Status,
+    /// Whether the host integrates the model (Model Exchange).
+    pub exchange: bool,
 }
 
 impl<M: Model> Default for Run<M> {
@@ -68,6 +70,7 @@ impl<M: Model> Default for Run<M> {
             stop: None,
             tolerance: None,
             last_step: Status::Ok,
+            exchange: false,
         }
     }
 }
@@ -86,6 +89,8 @@ pub struct Request<'a> {
     pub expected: &'a str,
     /// A hash of the description.
     pub fingerprint: u128,
+    /// Whether it is for Model Exchange.
+    pub exchange: bool,
     /// The folder of the resources, as a URI or a path.
     pub resources: Option<&'a str>,
 }
@@ -107,7 +112,10 @@ impl<M: Model> Instance<M> {
         }
         Some(Self {
             logger,
-            run: Run::default(),
+            run: Run {
+                exchange: request.exchange,
+                ..Run::default()
+            },
             texts: vec![None; M::variables().len()],
             fingerprint: request.fingerprint,
             version: request.version,
@@ -169,7 +177,11 @@ impl<M: Model> Instance<M> {
     pub fn exit_initialization(&mut self) -> Outcome {
         self.refresh()?;
         self.run.seed = None;
-        self.run.phase = Phase::StepComplete;
+        self.run.phase = if self.run.exchange {
+            Phase::Event
+        } else {
+            Phase::StepComplete
+        };
         Ok(Status::Ok)
     }
 
@@ -182,7 +194,10 @@ impl<M: Model> Instance<M> {
 
     /// Goes back to the instantiation.
     pub fn reset(&mut self) -> Outcome {
-        self.run = Run::default();
+        self.run = Run {
+            exchange: self.run.exchange,
+            ..Run::default()
+        };
         Ok(Status::Ok)
     }
 
@@ -266,6 +281,7 @@ impl<M: Model> Instance<M> {
                 }
             }
             Phase::StepComplete => self.run.model.update()?,
+            Phase::Event | Phase::Continuous => self.run.model.update().map_err(Refusal::Step)?,
             // Before the initialization, which computes the outputs anyway, and after the end.
             _ => return Ok(()),
         }
@@ -278,6 +294,9 @@ impl<M: Model> Instance<M> {
     fn initialised(&mut self, mut model: M) -> Outcome<M> {
         let experiment = self.run.experiment(self.resources.as_deref());
         model.initialise(&experiment, &mut self.logger)?;
+        if let (true, Some(exchange)) = (self.run.exchange, offered::<M>()) {
+            (exchange.allow)(&model)?;
+        }
         Ok(model)
     }
 

@@ -1,7 +1,7 @@
 //! The part of an FMI boundary that does not depend on the standard's version: one instance, in safe Rust.
 //!
 //! - `guard`: the checks that every call passes (handle, state machine, panics), and `raw`, the checks of its pointers;
-//! - `instance`: one instance, with `values`, `snapshot` and `derivatives`;
+//! - `instance`: one instance, with `values`, `snapshot`, `derivatives` and, for Model Exchange, `exchange`;
 //! - `phase`: where an instance is in its life;
 //! - `describe` and `xml`: what the model descriptions of all versions have in common.
 //!
@@ -10,6 +10,7 @@
 
 pub mod derivatives;
 pub mod describe;
+pub mod exchange;
 pub mod guard;
 pub mod instance;
 pub mod logger;

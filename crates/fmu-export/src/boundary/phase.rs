@@ -24,6 +24,10 @@ pub enum Phase {
     Error,
     /// After a panic. The instance can only be freed.
     Fatal,
+    /// Model Exchange: between two stretches of continuous time.
+    Event,
+    /// Model Exchange: the host integrates.
+    Continuous,
 }
 
 impl fmt::Display for Phase {
@@ -36,6 +40,8 @@ impl fmt::Display for Phase {
             Self::Terminated => "after the termination",
             Self::Error => "after an error",
             Self::Fatal => "after a fatal error",
+            Self::Event => "in event mode",
+            Self::Continuous => "in continuous-time mode",
         })
     }
 }
@@ -47,7 +53,7 @@ pub struct Function {
     /// The version of the standard that the function belongs to.
     pub version: Version,
     /// A bit for each phase.
-    phases: u8,
+    phases: u16,
 }
 
 impl Function {
@@ -79,6 +85,8 @@ pub const ALIVE: &[Phase] = &[
     Phase::StepFailed,
     Phase::Terminated,
     Phase::Error,
+    Phase::Event,
+    Phase::Continuous,
 ];
 
 /// The phases in which computed values can be read.
@@ -88,6 +96,26 @@ pub const READABLE: &[Phase] = &[
     Phase::StepFailed,
     Phase::Terminated,
     Phase::Error,
+    Phase::Event,
+    Phase::Continuous,
+];
+
+/// The phases in which partial derivatives can be asked for: not in Model Exchange.
+pub const DERIVABLE: &[Phase] = &[
+    Phase::Initialization,
+    Phase::StepComplete,
+    Phase::StepFailed,
+    Phase::Terminated,
+    Phase::Error,
+];
+
+/// The phases in which states can be read.
+pub const INTEGRABLE: &[Phase] = &[
+    Phase::Initialization,
+    Phase::Event,
+    Phase::Continuous,
+    Phase::Terminated,
+    Phase::Error,
 ];
 
 /// The phases in which values can be set.
@@ -95,6 +123,8 @@ pub const SETTABLE: &[Phase] = &[
     Phase::Instantiated,
     Phase::Initialization,
     Phase::StepComplete,
+    Phase::Event,
+    Phase::Continuous,
 ];
 
 /// Defines the functions of a version: a constant each, with its C name and its phases.

@@ -16,7 +16,7 @@ use super::version::Version;
 use crate::model::Model;
 
 const MARK: &[u8; 8] = b"FMUSTATE";
-const VERSION: u16 = 2;
+const VERSION: u16 = 3;
 const HEADER: usize = 8 + 2 + 16 + 8 + 4;
 
 /// The target of the pointer that the host has of a saved state.
@@ -78,9 +78,11 @@ impl<M: Model> Instance<M> {
     /// `state` is NULL or a state of this FMU that was not freed.
     pub unsafe fn restore(&mut self, state: FmuState) -> Outcome {
         // SAFETY: as the caller says.
-        self.run = unsafe { Saved::<M>::find(state, self.version) }?
-            .run
-            .clone();
+        let run = &unsafe { Saved::<M>::find(state, self.version) }?.run;
+        if run.exchange != self.run.exchange {
+            return Err(Refusal::Foreign(self.version.state()));
+        }
+        self.run = run.clone();
         Ok(Status::Ok)
     }
 
@@ -133,6 +135,7 @@ struct Record {
     tolerance: Option<f64>,
     discarded: bool,
     failed: bool,
+    exchange: bool,
     model: Vec<u8>,
     seed: Option<Vec<u8>>,
 }
@@ -148,6 +151,7 @@ fn encode<M: Model>(run: &Run<M>, fingerprint: u128) -> Outcome<Vec<u8>> {
         tolerance: run.tolerance,
         discarded: run.last_step == Status::Discard,
         failed: run.last_step == Status::Error,
+        exchange: run.exchange,
         model: run.model.save()?,
         seed: run.seed.as_ref().map(Model::save).transpose()?,
     };
@@ -180,8 +184,13 @@ fn decode<M: Model>(bytes: &[u8], fingerprint: u128) -> Outcome<Run<M>> {
             (false, true) => Status::Discard,
             (false, false) => Status::Ok,
         },
+        exchange: record.exchange,
     };
+    let integrated = matches!(run.phase, Phase::Event | Phase::Continuous);
+    let stepped = matches!(run.phase, Phase::StepComplete | Phase::StepFailed);
     let plausible = run.time.is_finite()
+        && (!integrated || run.exchange)
+        && (!stepped || !run.exchange)
         && run.phase != Phase::Fatal
         && run.seed.is_some() == (run.phase == Phase::Initialization);
     if plausible {

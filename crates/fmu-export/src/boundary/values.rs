@@ -43,9 +43,16 @@ const fn real(version: Version) -> &'static str {
 /// Whether the host may set a variable of this role in this phase.
 pub fn check_settable<M>(variable: &Variable<M>, phase: Phase) -> Outcome<()> {
     let (role, settable) = match variable.role {
-        Role::Input => ("an input", true),
-        Role::TunableParameter => ("a tunable parameter", true),
-        Role::Parameter => ("a fixed parameter", phase != Phase::StepComplete),
+        // While a host integrates, it may change what is continuous, and nothing else.
+        Role::Input => {
+            let real = matches!(variable.kind, Kind::Real { .. });
+            ("an input", real || phase != Phase::Continuous)
+        }
+        Role::TunableParameter => ("a tunable parameter", phase != Phase::Continuous),
+        Role::Parameter => {
+            let before = matches!(phase, Phase::Instantiated | Phase::Initialization);
+            ("a fixed parameter", before)
+        }
         Role::Output => ("an output", false),
         Role::Local => ("a local variable", false),
     };
@@ -84,7 +91,7 @@ impl<M: Model> Instance<M> {
                     Kind::Real { access, .. } => (access.get)(&self.run.model),
                     _ => return Err(wrong_type(version, variable, real(version))),
                 },
-                Err(unknown) => self.unlisted(*reference).ok_or(unknown)?,
+                Err(unknown) => self.unlisted(*reference)?.ok_or(unknown)?,
             };
         }
         Ok(Status::Ok)
@@ -92,8 +99,11 @@ impl<M: Model> Instance<M> {
 
     /// The value of a variable that is not in the model's table.
     #[cold]
-    fn unlisted(&self, reference: ValueReference) -> Option<Real> {
-        (reference == TIME && self.version == Version::Three).then_some(self.run.time)
+    fn unlisted(&self, reference: ValueReference) -> Outcome<Option<Real>> {
+        if reference == TIME && self.version == Version::Three {
+            return Ok(Some(self.run.time));
+        }
+        self.state_or_rate(reference)
     }
 
     /// Reads integers and enumerations (FMI 2.0).

@@ -1,4 +1,4 @@
-//! The functions of FMI 2.0 Co-Simulation, generic over the model. [`export!`](crate::export)
+//! The functions of FMI 2.0, generic over the model. [`export!`](crate::export)
 //! gives them their C names.
 //!
 //! # Safety
@@ -8,6 +8,7 @@
 #![allow(clippy::missing_safety_doc)] // said above for all functions
 
 mod access;
+mod exchange;
 mod states;
 mod status;
 
@@ -17,7 +18,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use super::description;
 use super::functions;
 use super::types::{
-    Boolean, CO_SIMULATION, CallbackFunctions, Component, FALSE, Real, Status, Text,
+    Boolean, CO_SIMULATION, CallbackFunctions, Component, FALSE, MODEL_EXCHANGE, Real, Status, Text,
 };
 use crate::boundary::guard::{Handle, enter};
 use crate::boundary::instance::{Instance, Request};
@@ -25,9 +26,10 @@ use crate::boundary::logger::{Callback, Logger, c_string};
 use crate::boundary::raw::{lossy, texts, values};
 use crate::boundary::refusal::Refusal;
 use crate::boundary::version::Version;
-use crate::model::Model;
+use crate::model::{Model, offered};
 
 pub use access::*;
+pub use exchange::*;
 pub use states::*;
 pub use status::*;
 
@@ -49,16 +51,22 @@ pub unsafe fn instantiate<M: Model>(
         let name = name.as_deref().unwrap_or_default();
         let callback = (callbacks.logger).map(|logger| Callback::Two(logger, c_string(name)));
         let logger = Logger::new(callback, callbacks.component_environment, logging != FALSE);
-        if kind != CO_SIMULATION {
-            let refusal = Refusal::Argument {
-                name: "fmuType",
-                value: kind.to_string(),
-                why: "this FMU supports Co-Simulation (1) only",
-            };
-            logger.refuse("fmi2Instantiate", &refusal);
-            return None;
-        }
-        let fingerprint = description::fingerprint::<M>();
+        let fingerprint = match (kind, offered::<M>()) {
+            (CO_SIMULATION, _) => description::fingerprint::<M>(),
+            (MODEL_EXCHANGE, Some(_)) => description::exchange_fingerprint::<M>(),
+            (_, offered) => {
+                let refusal = Refusal::Argument {
+                    name: "fmuType",
+                    value: kind.to_string(),
+                    why: match offered {
+                        Some(_) => "it must be Model Exchange (0) or Co-Simulation (1)",
+                        None => "this FMU supports Co-Simulation (1) only",
+                    },
+                };
+                logger.refuse("fmi2Instantiate", &refusal);
+                return None;
+            }
+        };
         let request = Request {
             function: "fmi2Instantiate",
             version: Version::Two,
@@ -66,6 +74,7 @@ pub unsafe fn instantiate<M: Model>(
             token: ("fmuGUID", guid.as_deref().unwrap_or_default()),
             expected: &description::guid(fingerprint),
             fingerprint,
+            exchange: kind == MODEL_EXCHANGE,
             resources: resources.as_deref(),
         };
         Instance::<M>::new(&request, logger).map(Handle::give)

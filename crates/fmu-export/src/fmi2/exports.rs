@@ -1,9 +1,9 @@
-//! The C functions of FMI 2.0 Co-Simulation under their own names.
+//! The C functions of FMI 2.0 under their own names.
 
-/// Defines the C functions of FMI for a model, the 34 of FMI 2.0 Co-Simulation and the 75 of FMI 3.0:
+/// Defines the C functions of FMI for a model, the 44 of FMI 2.0 and the 75 of FMI 3.0:
 /// `fmu_export::export!(Tank);`
 ///
-/// Write it once, at the root of a crate whose `crate-type` is `["lib", "cdylib"]`. Which version a library serves is
+/// Write it once, at the root of a crate whose `crate-type` is `["lib", "cdylib"]`. Which interface a library serves is
 /// said by the model description beside it.
 #[macro_export]
 macro_rules! export {
@@ -64,6 +64,21 @@ macro_rules! export_fmi2 {
             fmi2GetRealOutputDerivatives = get_real_output_derivatives(component: Component,
                 references: *const ValueReference, n: usize, orders: *const Integer,
                 value: *mut Real) -> Status;
+            fmi2EnterEventMode = enter_event_mode(component: Component) -> Status;
+            fmi2NewDiscreteStates = new_discrete_states(component: Component, info: *mut EventInfo) -> Status;
+            fmi2EnterContinuousTimeMode = enter_continuous_time_mode(component: Component) -> Status;
+            fmi2CompletedIntegratorStep = completed_integrator_step(component: Component,
+                no_set_state_prior: Boolean, enter_event_mode: *mut Boolean, terminate: *mut Boolean) -> Status;
+            fmi2SetTime = set_time(component: Component, time: Real) -> Status;
+            fmi2SetContinuousStates = set_continuous_states(component: Component, value: *const Real,
+                n: usize) -> Status;
+            fmi2GetDerivatives = get_derivatives(component: Component, value: *mut Real, n: usize) -> Status;
+            fmi2GetEventIndicators = get_event_indicators(component: Component, value: *mut Real,
+                n: usize) -> Status;
+            fmi2GetContinuousStates = get_continuous_states(component: Component, value: *mut Real,
+                n: usize) -> Status;
+            fmi2GetNominalsOfContinuousStates = get_nominals_of_continuous_states(component: Component,
+                value: *mut Real, n: usize) -> Status;
             fmi2DoStep = do_step(component: Component, from: Real, step: Real,
                 no_set_state_prior: Boolean) -> Status;
             fmi2CancelStep = cancel_step(component: Component) -> Status;
@@ -85,7 +100,7 @@ macro_rules! export_fmi2 {
 #[macro_export]
 macro_rules! export_fmi2_functions {
     ($model:ty: $($name:ident = $call:ident($($argument:ident: $of:ty),*) $(-> $result:ty)?;)*) => {
-        /// The C functions of FMI 2.0 Co-Simulation. `fmu_export::fmi2::calls` says what they rely on.
+        /// The C functions of FMI 2.0. `fmu_export::fmi2::calls` says what they rely on.
         #[allow(non_snake_case, missing_docs)]
         #[allow(clippy::missing_safety_doc, clippy::too_many_arguments)]
         pub mod c_functions {
@@ -95,7 +110,7 @@ macro_rules! export_fmi2_functions {
             use super::*;
             use $crate::fmi2::calls;
             use $crate::fmi2::types::{
-                Boolean, Byte, CallbackFunctions, Component, FmuState, Integer, Real, Status, Text, ValueReference,
+                Boolean, Byte, CallbackFunctions, Component, EventInfo, FmuState, Integer, Real, Status, Text, ValueReference,
             };
 
             #[unsafe(no_mangle)]

@@ -1,9 +1,9 @@
-//! The functions of FMI 2.0 Co-Simulation with the phases in which they may be called (standard 2.0.4, section 4.2.4).
+//! The functions of FMI 2.0 with the phases in which they may be called (standard 2.0.4, sections 3.2.3 and 4.2.4).
 
 use crate::boundary::phase::Phase::{
-    Error, Initialization, Instantiated, StepComplete, StepFailed, Terminated,
+    Continuous, Error, Event, Initialization, Instantiated, StepComplete, StepFailed, Terminated,
 };
-use crate::boundary::phase::{ALIVE, READABLE, SETTABLE, functions};
+use crate::boundary::phase::{ALIVE, DERIVABLE, INTEGRABLE, READABLE, SETTABLE, functions};
 
 functions! {
     Two:
@@ -11,7 +11,7 @@ functions! {
     SETUP_EXPERIMENT fmi2SetupExperiment &[Instantiated];
     ENTER_INITIALIZATION fmi2EnterInitializationMode &[Instantiated];
     EXIT_INITIALIZATION fmi2ExitInitializationMode &[Initialization];
-    TERMINATE fmi2Terminate &[StepComplete, StepFailed];
+    TERMINATE fmi2Terminate &[StepComplete, StepFailed, Event, Continuous];
     RESET fmi2Reset ALIVE;
     GET_REAL fmi2GetReal READABLE;
     GET_INTEGER fmi2GetInteger READABLE;
@@ -27,11 +27,21 @@ functions! {
     SERIALIZED_SIZE fmi2SerializedFMUstateSize ALIVE;
     SERIALIZE fmi2SerializeFMUstate ALIVE;
     DESERIALIZE fmi2DeSerializeFMUstate ALIVE;
-    DIRECTIONAL_DERIVATIVE fmi2GetDirectionalDerivative READABLE;
+    DIRECTIONAL_DERIVATIVE fmi2GetDirectionalDerivative DERIVABLE;
     SET_INPUT_DERIVATIVES fmi2SetRealInputDerivatives SETTABLE;
     GET_OUTPUT_DERIVATIVES fmi2GetRealOutputDerivatives &[StepComplete, StepFailed, Terminated, Error];
     DO_STEP fmi2DoStep &[StepComplete];
     CANCEL_STEP fmi2CancelStep &[];
+    ENTER_EVENT_MODE fmi2EnterEventMode &[Continuous];
+    NEW_DISCRETE_STATES fmi2NewDiscreteStates &[Event];
+    ENTER_CONTINUOUS_TIME fmi2EnterContinuousTimeMode &[Event];
+    COMPLETED_STEP fmi2CompletedIntegratorStep &[Continuous];
+    SET_TIME fmi2SetTime &[Event, Continuous];
+    SET_STATES fmi2SetContinuousStates &[Continuous];
+    GET_RATES fmi2GetDerivatives INTEGRABLE;
+    GET_INDICATORS fmi2GetEventIndicators INTEGRABLE;
+    GET_STATES fmi2GetContinuousStates INTEGRABLE;
+    GET_NOMINALS fmi2GetNominalsOfContinuousStates &[Instantiated, Initialization, Event, Continuous, Terminated, Error];
     GET_STATUS fmi2GetStatus &[StepComplete, StepFailed, Terminated, Error];
     GET_REAL_STATUS fmi2GetRealStatus &[StepComplete, StepFailed, Terminated, Error];
     GET_INTEGER_STATUS fmi2GetIntegerStatus &[StepComplete, StepFailed, Terminated, Error];

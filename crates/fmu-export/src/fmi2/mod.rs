@@ -1,4 +1,4 @@
-//! The FMI 2.0 Co-Simulation boundary, generic over any [`Model`](crate::model::Model).
+//! The FMI 2.0 boundary, Co-Simulation and Model Exchange, generic over any [`Model`](crate::model::Model).
 //!
 //! From the outside in:
 //! - [`exports`]: the C functions, defined for one model by [`export!`](crate::export);

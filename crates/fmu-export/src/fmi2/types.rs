@@ -17,6 +17,8 @@ pub type Byte = c_char;
 pub const TRUE: Boolean = 1;
 /// `fmi2False`.
 pub const FALSE: Boolean = 0;
+/// `fmi2ModelExchange` of `fmi2Type`.
+pub const MODEL_EXCHANGE: c_int = 0;
 /// `fmi2CoSimulation` of `fmi2Type`.
 pub const CO_SIMULATION: c_int = 1;
 
@@ -26,6 +28,24 @@ pub const DO_STEP_STATUS: c_int = 0;
 pub const LAST_SUCCESSFUL_TIME: c_int = 2;
 /// `fmi2Terminated` of `fmi2StatusKind`.
 pub const TERMINATED: c_int = 3;
+
+/// `fmi2EventInfo`; by default nothing happens.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C)]
+pub struct EventInfo {
+    /// Whether `fmi2NewDiscreteStates` must be called again.
+    pub new_discrete_states_needed: Boolean,
+    /// Whether the simulation must end.
+    pub terminate_simulation: Boolean,
+    /// Whether nominal values have changed.
+    pub nominals_changed: Boolean,
+    /// Whether states have changed.
+    pub states_changed: Boolean,
+    /// Whether the next time event is known.
+    pub next_event_time_defined: Boolean,
+    /// When it is, s.
+    pub next_event_time: Real,
+}
 
 /// `fmi2CallbackFunctions`. The memory functions are never called: the boundary uses Rust's
 /// allocator and declares `canNotUseMemoryManagementFunctions`.

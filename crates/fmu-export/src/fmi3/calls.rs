@@ -9,6 +9,7 @@
 
 mod absent;
 mod access;
+mod exchange;
 mod states;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -23,12 +24,15 @@ use crate::boundary::instance::{Instance, Request};
 use crate::boundary::logger::{Callback, Logger};
 use crate::boundary::phase::Phase;
 use crate::boundary::raw::{lossy, place, texts};
-use crate::boundary::refusal::Refusal;
+use crate::boundary::refusal::{Outcome, Refusal};
 use crate::boundary::version::Version;
-use crate::model::Model;
+use crate::model::{Model, offered};
+
+use absent::NO_CLOCKS;
 
 pub use absent::*;
 pub use access::*;
+pub use exchange::*;
 pub use states::*;
 
 /// `fmi3InstantiateCoSimulation`. There are no intermediate updates, so it does not matter which variables the host would
@@ -48,27 +52,84 @@ pub unsafe fn instantiate_co_simulation<M: Model>(
     _update: Unused,
 ) -> Component {
     const FUNCTION: &str = "fmi3InstantiateCoSimulation";
-    let make = || {
-        let logger = Logger::new(log.map(Callback::Three), environment, logging != FALSE);
-        if event_mode != FALSE {
-            let refusal = Refusal::Argument {
-                name: "eventModeUsed",
-                value: "fmi3True".to_owned(),
-                why: "this FMU has no event mode",
-            };
-            logger.refuse(FUNCTION, &refusal);
-            return None;
+    let check = || {
+        if event_mode == FALSE {
+            return Ok(description::fingerprint::<M>());
         }
+        Err(Refusal::Argument {
+            name: "eventModeUsed",
+            value: "fmi3True".to_owned(),
+            why: "this FMU has no event mode",
+        })
+    };
+    let logger = || Logger::new(log.map(Callback::Three), environment, logging != FALSE);
+    // SAFETY: as the host vouches.
+    unsafe { instantiate::<M>(FUNCTION, [name, token, resources], false, logger, check) }
+}
+
+/// `fmi3InstantiateModelExchange`.
+pub unsafe fn instantiate_model_exchange<M: Model>(
+    name: Text,
+    token: Text,
+    resources: Text,
+    _visible: Boolean,
+    logging: Boolean,
+    environment: ComponentEnvironment,
+    log: Option<LogMessageCallback>,
+) -> Component {
+    const FUNCTION: &str = "fmi3InstantiateModelExchange";
+    let check = || match offered::<M>() {
+        Some(_) => Ok(description::exchange_fingerprint::<M>()),
+        None => Err(Refusal::Absent("this FMU supports Co-Simulation only")),
+    };
+    let logger = || Logger::new(log.map(Callback::Three), environment, logging != FALSE);
+    // SAFETY: as the host vouches.
+    unsafe { instantiate::<M>(FUNCTION, [name, token, resources], true, logger, check) }
+}
+
+/// `fmi3InstantiateScheduledExecution`: refused.
+pub unsafe fn instantiate_scheduled_execution<M: Model>(
+    name: Text,
+    token: Text,
+    resources: Text,
+    _visible: Boolean,
+    logging: Boolean,
+    environment: ComponentEnvironment,
+    log: Option<LogMessageCallback>,
+    _update: Unused,
+    _lock: Unused,
+    _unlock: Unused,
+) -> Component {
+    const FUNCTION: &str = "fmi3InstantiateScheduledExecution";
+    let check = || Err(Refusal::Absent(NO_CLOCKS));
+    let logger = || Logger::new(log.map(Callback::Three), environment, logging != FALSE);
+    // SAFETY: as the host vouches.
+    unsafe { instantiate::<M>(FUNCTION, [name, token, resources], false, logger, check) }
+}
+
+/// Makes an instance, if `check` knows the fingerprint of its description.
+unsafe fn instantiate<M: Model>(
+    function: &'static str,
+    texts: [Text; 3],
+    exchange: bool,
+    logger: impl FnOnce() -> Logger,
+    check: impl FnOnce() -> Outcome<u128>,
+) -> Component {
+    let make = || {
+        let logger = logger();
+        let fingerprint = check()
+            .map_err(|refusal| logger.refuse(function, &refusal))
+            .ok()?;
         // SAFETY: as the host vouches. Some hosts write names and paths in their system's code page, not in UTF-8.
-        let [name, token, resources] = unsafe { [lossy(name), lossy(token), lossy(resources)] };
-        let fingerprint = description::fingerprint::<M>();
+        let [name, token, resources] = texts.map(|text| unsafe { lossy(text) });
         let request = Request {
-            function: FUNCTION,
+            function,
             version: Version::Three,
             name: name.as_deref().unwrap_or_default(),
             token: ("instantiationToken", token.as_deref().unwrap_or_default()),
             expected: &description::token(fingerprint),
             fingerprint,
+            exchange,
             resources: resources.as_deref(),
         };
         Instance::<M>::new(&request, logger).map(Handle::give)
@@ -77,52 +138,6 @@ pub unsafe fn instantiate_co_simulation<M: Model>(
         .ok()
         .flatten()
         .unwrap_or(std::ptr::null_mut())
-}
-
-/// `fmi3InstantiateModelExchange`: refused.
-pub unsafe fn instantiate_model_exchange<M: Model>(
-    _name: Text,
-    _token: Text,
-    _resources: Text,
-    _visible: Boolean,
-    _logging: Boolean,
-    environment: ComponentEnvironment,
-    log: Option<LogMessageCallback>,
-) -> Component {
-    only_co_simulation("fmi3InstantiateModelExchange", environment, log)
-}
-
-/// `fmi3InstantiateScheduledExecution`: refused.
-pub unsafe fn instantiate_scheduled_execution<M: Model>(
-    _name: Text,
-    _token: Text,
-    _resources: Text,
-    _visible: Boolean,
-    _logging: Boolean,
-    environment: ComponentEnvironment,
-    log: Option<LogMessageCallback>,
-    _update: Unused,
-    _lock: Unused,
-    _unlock: Unused,
-) -> Component {
-    only_co_simulation("fmi3InstantiateScheduledExecution", environment, log)
-}
-
-fn only_co_simulation(
-    function: &str,
-    environment: ComponentEnvironment,
-    log: Option<LogMessageCallback>,
-) -> Component {
-    let tell = || {
-        let logger = Logger::new(log.map(Callback::Three), environment, true);
-        logger.refuse(
-            function,
-            &Refusal::Absent("this FMU supports Co-Simulation only"),
-        );
-    };
-    // Nothing is to be done about a panic here.
-    let _ = catch_unwind(AssertUnwindSafe(tell));
-    std::ptr::null_mut()
 }
 
 /// `fmi3FreeInstance`.

@@ -1,22 +1,37 @@
 //! The model description of FMI 3.0, `modelDescription.xml`, written from the model's variable table.
 
 use crate::boundary::describe::{
-    convention, enumerations, experiment, hash, initially_known, listed, log_categories, origin,
-    units, uuid,
+    Interface, convention, enumerations, experiment, hash, initially_known, listed, log_categories,
+    origin, states, units, uuid,
 };
+use crate::boundary::exchange::{RATE, STATE};
+use crate::boundary::types::ValueReference;
 use crate::boundary::values::TIME;
 use crate::boundary::version::Version;
 use crate::boundary::xml::{Number, Tag, Xml};
 use crate::model::{Kind, Model, Role, Variable};
 
-/// The text of `modelDescription.xml`.
+/// The text of `modelDescription.xml` for Co-Simulation.
 pub fn xml<M: Model>() -> String {
-    with_token::<M>(&token(fingerprint::<M>()))
+    with_token::<M>(Interface::CoSimulation, &token(fingerprint::<M>()))
+}
+
+/// The text of `modelDescription.xml` for Model Exchange, of a model with [`Model::EXCHANGE`].
+pub fn exchange_xml<M: Model>() -> String {
+    with_token::<M>(
+        Interface::ModelExchange,
+        &token(exchange_fingerprint::<M>()),
+    )
 }
 
 /// A hash of the whole description, token apart: binaries with the same fingerprint have the same description.
 pub fn fingerprint<M: Model>() -> u128 {
-    hash(&with_token::<M>(""))
+    hash(&with_token::<M>(Interface::CoSimulation, ""))
+}
+
+/// The same of the description for Model Exchange.
+pub fn exchange_fingerprint<M: Model>() -> u128 {
+    hash(&with_token::<M>(Interface::ModelExchange, ""))
 }
 
 /// The instantiation token of a fingerprint. `fmi3Instantiate...` compares it, so that a binary never runs with another
@@ -25,7 +40,7 @@ pub fn token(fingerprint: u128) -> String {
     format!("{{{}}}", uuid(fingerprint))
 }
 
-fn with_token<M: Model>(token: &str) -> String {
+fn with_token<M: Model>(interface: Interface, token: &str) -> String {
     let mut xml = Xml::new();
     let info = M::INFO;
     let root = Tag::new("fmiModelDescription")
@@ -33,13 +48,16 @@ fn with_token<M: Model>(token: &str) -> String {
         .with("modelName", info.name)
         .with("instantiationToken", token);
     xml.open(origin(root, &info).with("variableNamingConvention", convention::<M>()));
-    co_simulation::<M>(&mut xml);
-    units::<M>(&mut xml);
+    match interface {
+        Interface::CoSimulation => co_simulation::<M>(&mut xml),
+        Interface::ModelExchange => model_exchange::<M>(&mut xml),
+    }
+    units::<M>(&mut xml, interface);
     types::<M>(&mut xml);
     log_categories::<M>(&mut xml);
     experiment(&mut xml, &info);
-    variables::<M>(&mut xml);
-    structure::<M>(&mut xml);
+    variables::<M>(&mut xml, interface);
+    structure::<M>(&mut xml, interface);
     xml.close("fmiModelDescription");
     xml.text()
 }
@@ -60,6 +78,17 @@ fn co_simulation<M: Model>(xml: &mut Xml) {
             .with("mightReturnEarlyFromDoStep", false)
             .with("canReturnEarlyAfterIntermediateUpdate", false)
             .with("hasEventMode", false),
+    );
+}
+
+/// A completed step changes nothing, so the host need not tell of it.
+fn model_exchange<M: Model>(xml: &mut Xml) {
+    xml.leaf(
+        Tag::new("ModelExchange")
+            .with("modelIdentifier", M::INFO.identifier)
+            .with("canGetAndSetFMUState", true)
+            .with("canSerializeFMUState", true)
+            .with("needsCompletedIntegratorStep", false),
     );
 }
 
@@ -89,7 +118,7 @@ fn types<M: Model>(xml: &mut Xml) {
 }
 
 /// The independent variable, then those of the table. A model that has a variable called `time` keeps the name.
-fn variables<M: Model>(xml: &mut Xml) {
+fn variables<M: Model>(xml: &mut Xml, interface: Interface) {
     let taken = |name: &str| M::variables().iter().any(|variable| variable.name == name);
     let name = ["time", "independentTime"]
         .into_iter()
@@ -104,8 +133,36 @@ fn variables<M: Model>(xml: &mut Xml) {
             .with("causality", "independent")
             .with("variability", "continuous"),
     );
-    for (reference, variable) in listed::<M>() {
+    for (reference, variable) in listed::<M>(interface) {
         describe(xml, reference, variable, &initial);
+    }
+    let states = states::<M>(interface);
+    let local = |name: &str, reference: ValueReference, description: &str| {
+        Tag::new("Float64")
+            .with("name", name)
+            .with("valueReference", reference)
+            .with("description", description)
+            .with("causality", "local")
+            .with("variability", "continuous")
+            .with("initial", "calculated")
+    };
+    for (reference, state) in (STATE..).zip(states) {
+        xml.leaf(
+            local(state.name, reference, state.description)
+                .with("unit", state.unit.name)
+                .with("nominal", Number(state.nominal)),
+        );
+    }
+    for ((reference, of), state) in (RATE..).zip(STATE..).zip(states) {
+        let (name, description) = (
+            format!("der({})", state.name),
+            format!("Rate of: {}", state.description),
+        );
+        xml.leaf(
+            local(&name, reference, &description)
+                .with("unit", state.rate_unit.name)
+                .with("derivative", of),
+        );
     }
     xml.close("ModelVariables");
 }
@@ -171,17 +228,25 @@ fn describe<M: Model>(xml: &mut Xml, reference: usize, variable: &Variable<M>, i
     }
 }
 
-/// Outputs and what they depend on, by value references.
-fn structure<M: Model>(xml: &mut Xml) {
-    let listed = listed::<M>();
-    xml.open(Tag::new("ModelStructure"));
-    let mut unknowns = |element: &str, known: fn(&Variable<M>, &Variable<M>) -> bool| {
+/// Outputs and what they depend on, by value references. Without a list of dependencies an unknown depends on all that is
+/// known.
+fn structure<M: Model>(xml: &mut Xml, interface: Interface) {
+    let listed = listed::<M>(interface);
+    let states = states::<M>(interface);
+    let of = |first: ValueReference| (first..).zip(states).map(|(reference, _)| reference);
+    let outputs = |xml: &mut Xml,
+                   element: &str,
+                   known: fn(&Variable<M>, &Variable<M>) -> bool,
+                   more: &[ValueReference]| {
         for (reference, output) in &listed {
             if output.role != Role::Output {
                 continue;
             }
-            let dependencies = listed.iter().filter(|(_, other)| known(output, other));
-            let references: Vec<_> = dependencies.map(|(other, _)| other.to_string()).collect();
+            let variables = listed.iter().filter(|(_, other)| known(output, other));
+            let references: Vec<_> = variables
+                .map(|(other, _)| other.to_string())
+                .chain(more.iter().map(ToString::to_string))
+                .collect();
             xml.leaf(
                 Tag::new(element)
                     .with("valueReference", reference)
@@ -189,9 +254,17 @@ fn structure<M: Model>(xml: &mut Xml) {
             );
         }
     };
-    unknowns("Output", |output, other| {
-        output.depends_on.contains(&other.name)
-    });
-    unknowns("InitialUnknown", initially_known);
+    xml.open(Tag::new("ModelStructure"));
+    let on_states: Vec<_> = of(STATE).collect();
+    let inputs =
+        |output: &Variable<M>, other: &Variable<M>| output.depends_on.contains(&other.name);
+    outputs(xml, "Output", inputs, &on_states);
+    for rate in of(RATE) {
+        xml.leaf(Tag::new("ContinuousStateDerivative").with("valueReference", rate));
+    }
+    outputs(xml, "InitialUnknown", initially_known, &[]);
+    for reference in of(STATE).chain(of(RATE)) {
+        xml.leaf(Tag::new("InitialUnknown").with("valueReference", reference));
+    }
     xml.close("ModelStructure");
 }

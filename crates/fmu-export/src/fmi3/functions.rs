@@ -1,20 +1,20 @@
-//! The functions of FMI 3.0 with the phases in which they may be called (standard 3.0.2, sections 2.3.1 and 4.2.1).
+//! The functions of FMI 3.0 with the phases in which they may be called (standard 3.0.2, sections 2.3.1, 3.2.1 and 4.2.1).
 //!
 //! A discarded step leaves an instance in step mode. Functions for what this boundary does not offer can be called at any
 //! time, and say so.
 
 use crate::boundary::phase::Phase::{
-    Error, Initialization, Instantiated, StepComplete, StepFailed, Terminated,
+    Continuous, Error, Event, Initialization, Instantiated, StepComplete, StepFailed, Terminated,
 };
-use crate::boundary::phase::{ALIVE, READABLE, SETTABLE, functions};
+use crate::boundary::phase::{ALIVE, DERIVABLE, INTEGRABLE, SETTABLE, functions};
 
 functions! {
     Three:
     SET_DEBUG_LOGGING fmi3SetDebugLogging ALIVE;
     ENTER_INITIALIZATION fmi3EnterInitializationMode &[Instantiated];
     EXIT_INITIALIZATION fmi3ExitInitializationMode &[Initialization];
-    ENTER_EVENT_MODE fmi3EnterEventMode ALIVE;
-    TERMINATE fmi3Terminate &[StepComplete];
+    ENTER_EVENT_MODE fmi3EnterEventMode &[Continuous];
+    TERMINATE fmi3Terminate &[StepComplete, Event, Continuous];
     RESET fmi3Reset ALIVE;
     GET_FLOAT32 fmi3GetFloat32 ALIVE;
     GET_FLOAT64 fmi3GetFloat64 ALIVE;
@@ -52,8 +52,8 @@ functions! {
     SERIALIZED_SIZE fmi3SerializedFMUStateSize ALIVE;
     SERIALIZE fmi3SerializeFMUState ALIVE;
     DESERIALIZE fmi3DeserializeFMUState ALIVE;
-    DIRECTIONAL_DERIVATIVE fmi3GetDirectionalDerivative READABLE;
-    ADJOINT_DERIVATIVE fmi3GetAdjointDerivative READABLE;
+    DIRECTIONAL_DERIVATIVE fmi3GetDirectionalDerivative DERIVABLE;
+    ADJOINT_DERIVATIVE fmi3GetAdjointDerivative DERIVABLE;
     ENTER_CONFIGURATION fmi3EnterConfigurationMode ALIVE;
     EXIT_CONFIGURATION fmi3ExitConfigurationMode ALIVE;
     GET_INTERVAL_DECIMAL fmi3GetIntervalDecimal ALIVE;
@@ -65,14 +65,14 @@ functions! {
     SET_SHIFT_DECIMAL fmi3SetShiftDecimal ALIVE;
     SET_SHIFT_FRACTION fmi3SetShiftFraction ALIVE;
     EVALUATE_DISCRETE_STATES fmi3EvaluateDiscreteStates ALIVE;
-    UPDATE_DISCRETE_STATES fmi3UpdateDiscreteStates ALIVE;
-    ENTER_CONTINUOUS_TIME fmi3EnterContinuousTimeMode ALIVE;
-    COMPLETED_STEP fmi3CompletedIntegratorStep ALIVE;
-    SET_TIME fmi3SetTime ALIVE;
-    SET_STATES fmi3SetContinuousStates ALIVE;
-    GET_RATES fmi3GetContinuousStateDerivatives ALIVE;
-    GET_INDICATORS fmi3GetEventIndicators ALIVE;
-    GET_STATES fmi3GetContinuousStates ALIVE;
+    UPDATE_DISCRETE_STATES fmi3UpdateDiscreteStates &[Event];
+    ENTER_CONTINUOUS_TIME fmi3EnterContinuousTimeMode &[Event];
+    COMPLETED_STEP fmi3CompletedIntegratorStep &[Continuous];
+    SET_TIME fmi3SetTime &[Event, Continuous];
+    SET_STATES fmi3SetContinuousStates &[Continuous];
+    GET_RATES fmi3GetContinuousStateDerivatives INTEGRABLE;
+    GET_INDICATORS fmi3GetEventIndicators INTEGRABLE;
+    GET_STATES fmi3GetContinuousStates INTEGRABLE;
     GET_NOMINALS fmi3GetNominalsOfContinuousStates ALIVE;
     COUNT_INDICATORS fmi3GetNumberOfEventIndicators ALIVE;
     COUNT_STATES fmi3GetNumberOfContinuousStates ALIVE;

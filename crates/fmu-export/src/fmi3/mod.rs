@@ -1,4 +1,4 @@
-//! The FMI 3.0 Co-Simulation boundary, generic over any [`Model`](crate::model::Model).
+//! The FMI 3.0 boundary, Co-Simulation and Model Exchange, generic over any [`Model`](crate::model::Model).
 //!
 //! From the outside in:
 //! - [`exports`]: the C functions, defined for one model by [`export!`](crate::export);
@@ -7,7 +7,7 @@
 //! - [`description`]: the model description, written from the variable table.
 //!
 //! Value references are those of FMI 2.0. Reals are `Float64`, integers `Int32`; no variable has a dimension. A step is
-//! never interrupted, so there are no intermediate updates, no early returns and no event mode; the description says so,
+//! never interrupted, so there are no intermediate updates, no early returns and, in Co-Simulation, no event mode; the description says so,
 //! and a host that wants to use them is refused. Everything else is the same for all versions: see `boundary`.
 
 pub mod calls;

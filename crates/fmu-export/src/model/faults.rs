@@ -25,6 +25,7 @@ pub fn faults<M: Model>() -> Vec<String> {
     check_listing::<M>(&mut faults);
     check_names::<M>(&mut faults);
     check_definitions::<M>(&mut faults);
+    check_states::<M>(&mut faults);
     let start = M::default();
     for variable in M::variables() {
         let mut fault = |text: String| faults.push(format!("{}: {text}", variable.name));
@@ -85,6 +86,31 @@ fn check_names<M: Model>(faults: &mut Vec<String>) {
                     "{name}: it depends on {input:?}, which is not an input"
                 ));
             }
+        }
+    }
+}
+
+fn check_states<M: Model>(faults: &mut Vec<String>) {
+    let Some(exchange) = &M::EXCHANGE else {
+        return;
+    };
+    for state in (exchange.states)() {
+        let name = state.name;
+        if M::variables().iter().any(|variable| variable.name == name) {
+            faults.push(format!("{name}: a state and a variable have this name"));
+        }
+        if !(state.nominal > 0.0 && state.nominal.is_finite()) {
+            faults.push(format!("{name}: its nominal value must be above 0"));
+        }
+    }
+    for left_out in (exchange.without)() {
+        if M::variables()
+            .iter()
+            .all(|variable| variable.name != *left_out)
+        {
+            faults.push(format!(
+                "{left_out}: Model Exchange leaves it out, but there is no such variable"
+            ));
         }
     }
 }

@@ -11,7 +11,8 @@ Builds the model's library and packs it into an FMU.
 
 Options:
   --fmi VERSION            the version of the standard, 2 or 3 (by default 2)
-  --output FILE            the FMU (by default IDENTIFIER.fmu, or IDENTIFIER-fmi3.fmu, beside the library)
+  --exchange               Model Exchange instead of Co-Simulation
+  --output FILE            the FMU (by default IDENTIFIER.fmu, with -me and -fmi3 as it may be, beside the library)
   --profile PROFILE        cargo's profile (by default release)
   --target TRIPLE          build for this platform instead of this machine's; may be repeated
   --add PLATFORM=LIBRARY   take a library that was built elsewhere, such as win64=model.dll; may be repeated
@@ -65,9 +66,14 @@ pub(super) fn parse(
         targets: Vec::new(),
         added: Vec::new(),
     };
+    let mut exchange = false;
     while let Some(option) = given.next() {
         if option == "--help" || option == "-h" {
             return Ok(None);
+        }
+        if option == "--exchange" {
+            exchange = true;
+            continue;
         }
         let known =
             ["--fmi", "--output", "--profile", "--target", "--add"].contains(&option.as_str());
@@ -85,6 +91,11 @@ pub(super) fn parse(
             _ => arguments.added.push(added(&value)?),
         }
     }
+    arguments.form = match (exchange, arguments.form) {
+        (true, Form::CoSimulation2) => Form::ModelExchange2,
+        (true, Form::CoSimulation3) => Form::ModelExchange3,
+        (_, form) => form,
+    };
     arguments.added()?;
     Ok(Some(arguments))
 }
@@ -126,6 +137,8 @@ mod tests {
             ("dev", vec![None])
         );
         assert_eq!(parsed("--profile dev --help").unwrap(), None);
+        let exchange = parsed("--exchange --fmi 3").unwrap().unwrap();
+        assert_eq!(exchange.form, Form::ModelExchange3);
         let three = parsed("--add win64=c.dll --fmi 3").unwrap().unwrap();
         assert_eq!(three.added().unwrap()[0].platform, "x86_64-windows");
         let two = parsed("--target a --target b").unwrap().unwrap();

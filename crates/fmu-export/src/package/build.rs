@@ -39,8 +39,8 @@ pub(super) mod platform {
 
     fn folder(form: Form, (two, three): (&'static str, &'static str)) -> &'static str {
         match form {
-            Form::CoSimulation2 => two,
-            Form::CoSimulation3 => three,
+            Form::CoSimulation2 | Form::ModelExchange2 => two,
+            Form::CoSimulation3 | Form::ModelExchange3 => three,
         }
     }
 

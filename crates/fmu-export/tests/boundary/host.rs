@@ -70,6 +70,14 @@ impl Host {
         host
     }
 
+    /// An instance for Model Exchange, not yet initialised.
+    pub fn exchange() -> Self {
+        let guid = description::guid(description::exchange_fingerprint::<Lag>());
+        let host = Self::with(c"lag", &CString::new(guid).unwrap(), 0, c"file:///tmp");
+        assert!(!host.component.is_null(), "{:?}", host.messages);
+        host
+    }
+
     /// Calls `fmi2Instantiate` with these arguments.
     pub fn with(name: &CStr, guid: &CStr, kind: i32, resources: &CStr) -> Self {
         let mut messages = Box::new(Vec::<Message>::new());

@@ -31,7 +31,13 @@ fn instantiation_is_refused_with_a_reason() {
             "`instanceName` = \"\": it must not be empty",
         ),
         (c"a", c"{1}", 1, "does not belong to this binary"),
-        (c"a", guid().as_c_str(), 0, "Co-Simulation"),
+        (
+            c"a",
+            guid().as_c_str(),
+            7,
+            "Model Exchange (0) or Co-Simulation (1)",
+        ),
+        (c"a", guid().as_c_str(), 0, "does not belong to this binary"),
     ] {
         let mut host = Host::with(name, guid, kind, c"");
         assert!(host.component.is_null());

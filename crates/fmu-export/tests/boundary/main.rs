@@ -8,6 +8,7 @@
 
 mod arguments;
 mod derivatives;
+mod exchange;
 mod host;
 mod life;
 mod states;

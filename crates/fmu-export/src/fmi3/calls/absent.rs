@@ -5,14 +5,13 @@ use crate::boundary::guard::enter;
 use crate::boundary::instance::Instance;
 use crate::boundary::refusal::Refusal;
 use crate::fmi3::functions;
-use crate::fmi3::types::{Boolean, Component, Real, Status, ValueReference};
+use crate::fmi3::types::{Component, Real, Status, ValueReference};
 use crate::model::Model;
 
-const NO_CLOCKS: &str = "this FMU has no clocks";
-const NO_EVENTS: &str = "this FMU has no event mode";
+pub(super) const NO_CLOCKS: &str = "this FMU has no clocks";
+const NO_EVENTS: &str = "this FMU has no event mode in Co-Simulation, and no discrete states";
 const NO_STRUCTURE: &str = "this FMU has no structural parameters";
 const NO_ELEMENTS: &str = "this FMU provides no dependencies of single elements";
-const NO_EXCHANGE: &str = "this FMU supports Co-Simulation only";
 
 /// Defines functions that are refused. No argument is touched.
 macro_rules! absent {
@@ -28,17 +27,10 @@ macro_rules! absent {
 }
 
 absent! {
-    /// `fmi3EnterEventMode`.
-    enter_event_mode = ENTER_EVENT_MODE, NO_EVENTS();
     /// `fmi3EnterStepMode`.
     enter_step_mode = ENTER_STEP_MODE, NO_EVENTS();
     /// `fmi3EvaluateDiscreteStates`.
     evaluate_discrete_states = EVALUATE_DISCRETE_STATES, NO_EVENTS();
-    /// `fmi3UpdateDiscreteStates`.
-    update_discrete_states = UPDATE_DISCRETE_STATES, NO_EVENTS(
-        again: *mut Boolean, terminate: *mut Boolean, nominals: *mut Boolean, values: *mut Boolean,
-        defined: *mut Boolean, time: *mut Real
-    );
     /// `fmi3EnterConfigurationMode`.
     enter_configuration_mode = ENTER_CONFIGURATION, NO_STRUCTURE();
     /// `fmi3ExitConfigurationMode`.
@@ -82,26 +74,4 @@ absent! {
     );
     /// `fmi3ActivateModelPartition`.
     activate_model_partition = ACTIVATE_PARTITION, NO_CLOCKS(clock: ValueReference, time: Real);
-    /// `fmi3EnterContinuousTimeMode`.
-    enter_continuous_time_mode = ENTER_CONTINUOUS_TIME, NO_EXCHANGE();
-    /// `fmi3CompletedIntegratorStep`.
-    completed_integrator_step = COMPLETED_STEP, NO_EXCHANGE(
-        no_set_state_prior: Boolean, enter_event_mode: *mut Boolean, terminate: *mut Boolean
-    );
-    /// `fmi3SetTime`.
-    set_time = SET_TIME, NO_EXCHANGE(time: Real);
-    /// `fmi3SetContinuousStates`.
-    set_continuous_states = SET_STATES, NO_EXCHANGE(states: *const Real, n: usize);
-    /// `fmi3GetContinuousStateDerivatives`.
-    get_continuous_state_derivatives = GET_RATES, NO_EXCHANGE(rates: *mut Real, n: usize);
-    /// `fmi3GetEventIndicators`.
-    get_event_indicators = GET_INDICATORS, NO_EXCHANGE(indicators: *mut Real, n: usize);
-    /// `fmi3GetContinuousStates`.
-    get_continuous_states = GET_STATES, NO_EXCHANGE(states: *mut Real, n: usize);
-    /// `fmi3GetNominalsOfContinuousStates`.
-    get_nominals_of_continuous_states = GET_NOMINALS, NO_EXCHANGE(nominals: *mut Real, n: usize);
-    /// `fmi3GetNumberOfEventIndicators`.
-    get_number_of_event_indicators = COUNT_INDICATORS, NO_EXCHANGE(n: *mut usize);
-    /// `fmi3GetNumberOfContinuousStates`.
-    get_number_of_continuous_states = COUNT_STATES, NO_EXCHANGE(n: *mut usize);
 }

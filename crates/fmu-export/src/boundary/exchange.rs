@@ -1,0 +1,143 @@
+//! Model Exchange: an instance whose states the host integrates. There are no events.
+
+use super::instance::Instance;
+use super::phase::Phase;
+use super::refusal::{Outcome, Refusal};
+use super::types::{Real, Status, ValueReference};
+use crate::model::{Exchange, Model, offered};
+
+/// The value reference of the first state, and that of its derivative; the others follow. They are far above those of the
+/// table, which may grow.
+pub const STATE: ValueReference = 1_000_000_000;
+/// The value reference of the first state's derivative.
+pub const RATE: ValueReference = 1_100_000_000;
+
+impl<M: Model> Instance<M> {
+    fn exchange(&self) -> Outcome<&'static Exchange<M>> {
+        let ours = offered::<M>().filter(|_| self.run.exchange);
+        ours.ok_or(Refusal::Absent("this instance is for Co-Simulation"))
+    }
+
+    /// Leaves the event mode for the continuous time.
+    pub fn enter_continuous(&mut self) -> Outcome {
+        self.run.phase = Phase::Continuous;
+        Ok(Status::Ok)
+    }
+
+    /// Enters the event mode, where nothing happens.
+    pub fn enter_event(&mut self) -> Outcome {
+        self.run.phase = Phase::Event;
+        Ok(Status::Ok)
+    }
+
+    /// Takes the time.
+    pub fn set_time(&mut self, time: Real) -> Outcome {
+        let exchange = self.exchange()?;
+        if !time.is_finite() {
+            return Err(Refusal::Argument {
+                name: "time",
+                value: format!("{time:?}"),
+                why: "it must be a finite number",
+            });
+        }
+        (exchange.set_time)(&mut self.run.model, time);
+        self.run.time = time;
+        self.run.stale = true;
+        Ok(Status::Ok)
+    }
+
+    /// The number of states.
+    pub fn states(&self) -> Outcome<usize> {
+        Ok((self.exchange()?.states)().len())
+    }
+
+    /// Takes the states. Those that are not finite are discarded, so that a solver tries a shorter step.
+    pub fn set_states(&mut self, values: &[Real]) -> Outcome {
+        let states = (self.exchange()?.states)();
+        check_count(values.len(), states.len())?;
+        if !values.iter().all(|value| value.is_finite()) {
+            return Err(Refusal::Unsupported("a state is not finite"));
+        }
+        for (state, value) in states.iter().zip(values) {
+            (state.set)(&mut self.run.model, *value);
+        }
+        self.run.stale = true;
+        Ok(Status::Ok)
+    }
+
+    /// Reads the states.
+    pub fn get_states(&mut self, values: &mut [Real]) -> Outcome {
+        let states = (self.exchange()?.states)();
+        check_count(values.len(), states.len())?;
+        self.start_if_needed()?;
+        for (state, value) in states.iter().zip(values) {
+            *value = (state.get)(&self.run.model);
+        }
+        Ok(Status::Ok)
+    }
+
+    /// Reads the states' typical magnitudes.
+    pub fn get_nominals(&mut self, values: &mut [Real]) -> Outcome {
+        let states = (self.exchange()?.states)();
+        check_count(values.len(), states.len())?;
+        for (state, value) in states.iter().zip(values) {
+            *value = state.nominal;
+        }
+        Ok(Status::Ok)
+    }
+
+    /// Reads the event indicators, of which there are none.
+    pub fn get_indicators(&mut self, values: &mut [Real]) -> Outcome {
+        self.exchange()?;
+        if values.is_empty() {
+            return Ok(Status::Ok);
+        }
+        Err(Refusal::Absent("this FMU has no event indicators"))
+    }
+
+    /// Reads the states' time derivatives, which do not need the outputs.
+    pub fn get_rates(&mut self, values: &mut [Real]) -> Outcome {
+        let exchange = self.exchange()?;
+        check_count(values.len(), (exchange.states)().len())?;
+        self.start_if_needed()?;
+        (exchange.rates)(&self.run.model, values).map_err(Refusal::Step)?;
+        Ok(Status::Ok)
+    }
+
+    /// A state or a derivative as a variable.
+    pub fn state_or_rate(&self, reference: ValueReference) -> Outcome<Option<Real>> {
+        let Ok(exchange) = self.exchange() else {
+            return Ok(None);
+        };
+        let states = (exchange.states)();
+        let place = |first| usize::try_from(reference.checked_sub(first)?).ok();
+        if let Some(state) = place(STATE).and_then(|place| states.get(place)) {
+            return Ok(Some((state.get)(&self.run.model)));
+        }
+        let Some(place) = place(RATE).filter(|place| *place < states.len()) else {
+            return Ok(None);
+        };
+        let mut rates = vec![0.0; states.len()];
+        (exchange.rates)(&self.run.model, &mut rates).map_err(Refusal::Step)?;
+        Ok(Some(rates[place]))
+    }
+
+    /// In initialization mode the states follow from the parameters.
+    fn start_if_needed(&mut self) -> Outcome<()> {
+        if self.run.phase == Phase::Initialization {
+            self.refresh()?;
+        }
+        Ok(())
+    }
+}
+
+fn check_count(given: usize, states: usize) -> Outcome<()> {
+    if given == states {
+        return Ok(());
+    }
+    Err(Refusal::Argument {
+        name: "nContinuousStates",
+        value: given.to_string(),
+        why: "it is not the number of the model's states",
+    })
+}

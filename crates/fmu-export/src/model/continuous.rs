@@ -1,0 +1,86 @@
+//! Continuous states, for models whose differential equations another solver may integrate.
+
+use super::{Fault, Model, Unit};
+
+/// A continuous state of a model.
+pub struct State<M: 'static> {
+    /// The structured name, such as `state.angle`; no variable of the table has it.
+    pub name: &'static str,
+    /// One sentence for users.
+    pub description: &'static str,
+    /// The unit.
+    pub unit: &'static Unit,
+    /// The unit of its time derivative.
+    pub rate_unit: &'static Unit,
+    /// A typical magnitude, by which solvers scale their errors; above 0.
+    pub nominal: f64,
+    /// Reads it.
+    pub get: fn(&M) -> f64,
+    /// Writes it.
+    pub set: fn(&mut M, f64),
+}
+
+/// A model whose state can be given to it from outside at any instant, so that its host may integrate it (Model Exchange).
+///
+/// The boundary calls [`Model::initialise`] and [`allow`](Continuous::allow) at the start. After that it never calls
+/// [`Model::advance`]: it sets time, states and inputs, and reads [`rates`](Continuous::rates) and, after
+/// [`Model::update`], the variables. There are no events: the rates must be smooth in time, states and inputs.
+pub trait Continuous: Model {
+    /// The states, in the order in which hosts know them.
+    fn states() -> &'static [State<Self>];
+
+    /// Names of outputs that need the model's own steps, such as means over a turn: Model Exchange leaves them out.
+    fn without() -> &'static [&'static str] {
+        &[]
+    }
+
+    /// Whether the parameters that were chosen allow it.
+    ///
+    /// # Errors
+    /// When they choose a part of the model that has states of another kind; the message should name the remedy.
+    fn allow(&self) -> Result<(), Fault> {
+        Ok(())
+    }
+
+    /// Sets the time, s.
+    fn set_time(&mut self, time: f64);
+
+    /// The time derivatives of the states, per second, into as many places. They depend on time, states, inputs and
+    /// parameters alone, and not on the calls before.
+    ///
+    /// # Errors
+    /// [`Fault::Failed`] where they do not exist; the host then tries a shorter step.
+    fn rates(&self, rates: &mut [f64]) -> Result<(), Fault>;
+}
+
+/// What the boundary needs of [`Continuous`], for [`Model::EXCHANGE`].
+pub struct Exchange<M: 'static> {
+    /// [`Continuous::states`].
+    pub states: fn() -> &'static [State<M>],
+    /// [`Continuous::without`].
+    pub without: fn() -> &'static [&'static str],
+    /// [`Continuous::allow`].
+    pub allow: fn(&M) -> Result<(), Fault>,
+    /// [`Continuous::set_time`].
+    pub set_time: fn(&mut M, f64),
+    /// [`Continuous::rates`].
+    pub rates: fn(&M, &mut [f64]) -> Result<(), Fault>,
+}
+
+impl<M: Continuous> Exchange<M> {
+    /// The model's own.
+    pub const fn of() -> Self {
+        Self {
+            states: M::states,
+            without: M::without,
+            allow: M::allow,
+            set_time: M::set_time,
+            rates: M::rates,
+        }
+    }
+}
+
+/// What a model offers for Model Exchange, if it does.
+pub fn offered<M: Model>() -> Option<&'static Exchange<M>> {
+    const { &M::EXCHANGE }.as_ref()
+}

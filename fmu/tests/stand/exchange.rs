@@ -1,0 +1,121 @@
+//! Model Exchange: another solver integrates the stand's rates, and comes to what the stand's own steps give.
+
+use fmu_export::model::{Continuous, Experiment, Fault, Kind, Model};
+use plain_bearing_stand::bearing::FilmModel;
+use plain_bearing_stand::stand::Stand;
+
+fn started(tolerance: f64) -> Stand {
+    let mut stand = Stand::default();
+    stand.solver.tolerance = tolerance;
+    stand.drive.fluctuation_amplitude = 0.025;
+    stand.initialise(&Experiment::default(), &mut ()).unwrap();
+    stand
+}
+
+fn read(stand: &Stand, name: &str) -> f64 {
+    let variable = Stand::variables().iter().find(|v| v.name == name).unwrap();
+    match &variable.kind {
+        Kind::Real { access, .. } => (access.get)(stand),
+        _ => panic!("{name} is no Real"),
+    }
+}
+
+fn rates(stand: &mut Stand, time: f64, y: &[f64]) -> Vec<f64> {
+    stand.set_time(time);
+    for (state, value) in Stand::states().iter().zip(y) {
+        (state.set)(stand, *value);
+    }
+    let mut rates = vec![f64::NAN; y.len()];
+    Continuous::rates(stand, &mut rates).unwrap();
+    rates
+}
+
+/// The classical Runge-Kutta method with steps of fixed length.
+fn integrate(stand: &mut Stand, end: f64, h: f64) {
+    let steps = (end / h).round() as usize;
+    let ahead = |y: &[f64], h: f64, slope: &[f64]| -> Vec<f64> {
+        y.iter()
+            .zip(slope)
+            .map(|(y, slope)| y + h * slope)
+            .collect()
+    };
+    let mut y: Vec<f64> = Stand::states()
+        .iter()
+        .map(|state| (state.get)(stand))
+        .collect();
+    for step in 0..steps {
+        let time = step as f64 * h;
+        let a = rates(stand, time, &y);
+        let b = rates(stand, time + h / 2.0, &ahead(&y, h / 2.0, &a));
+        let c = rates(stand, time + h / 2.0, &ahead(&y, h / 2.0, &b));
+        let d = rates(stand, time + h, &ahead(&y, h, &c));
+        for (i, y) in y.iter_mut().enumerate() {
+            *y += h / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]);
+        }
+    }
+    rates(stand, end, &y);
+    stand.update().unwrap();
+}
+
+#[test]
+fn another_solver_comes_to_the_same() {
+    let (mut own, mut other) = (started(1e-12), started(1e-12));
+    for step in 0..5 {
+        own.advance(f64::from(step) * 0.1, 0.1, &mut ()).unwrap();
+    }
+    integrate(&mut other, 0.5, 1e-5);
+    for variable in Stand::variables() {
+        let real = matches!(variable.kind, Kind::Real { .. });
+        if !real || Stand::without().contains(&variable.name) {
+            continue;
+        }
+        let (a, b) = (read(&own, variable.name), read(&other, variable.name));
+        assert!(
+            (a - b).abs() <= 1e-6 * a.abs() + 1e-15,
+            "{}: {a} {b}",
+            variable.name
+        );
+    }
+}
+
+/// Rates are a function of time, states, inputs and parameters: earlier calls leave nothing behind.
+#[test]
+fn rates_do_not_remember() {
+    let mut stand = started(1e-6);
+    stand.advance(0.0, 0.1, &mut ()).unwrap();
+    let y: Vec<f64> = Stand::states()
+        .iter()
+        .map(|state| (state.get)(&stand))
+        .collect();
+    let first = rates(&mut stand, 0.1, &y);
+    for change in [-30.0, 0.1, 0.24, 40.0] {
+        let mut away = y.clone();
+        away[3] += change;
+        assert_ne!(rates(&mut stand, 0.7, &away), first);
+        assert_eq!(rates(&mut stand, 0.1, &y), first);
+    }
+}
+
+#[test]
+fn what_cannot_be_integrated_is_refused() {
+    let mut stand = started(1e-6);
+    assert!(stand.allow().is_ok());
+    let mut y: Vec<f64> = Stand::states()
+        .iter()
+        .map(|state| (state.get)(&stand))
+        .collect();
+    y[3] = 0.0;
+    stand.set_time(0.0);
+    for (state, value) in Stand::states().iter().zip(&y) {
+        (state.set)(&mut stand, *value);
+    }
+    let refused = Continuous::rates(&stand, &mut vec![0.0; y.len()]);
+    assert!(matches!(refused, Err(Fault::Failed(why)) if why.contains("film temperature 0.00 K")));
+    let mut stand = Stand::default();
+    stand.film.model = FilmModel::Reynolds;
+    stand.initialise(&Experiment::default(), &mut ()).unwrap();
+    let refused = stand.allow();
+    assert!(
+        matches!(refused, Err(Fault::Invalid(why)) if why.starts_with("bearing.film = Reynolds:"))
+    );
+}
