@@ -267,7 +267,7 @@ fn text(result: &Robustness) -> String {
     }
     if let Some(region) = &result.region {
         out += &format!(
-            "\nlargest box with a verification probability of {} or more: {} of the sampled space, probability {}\n",
+            "\nlargest box with a verification probability of {} or more: {} of the sampled space, probability {} by the surrogates\n",
             result.level,
             number(region.share, 3),
             number(region.probability, 3)
@@ -288,7 +288,7 @@ fn text(result: &Robustness) -> String {
     }
     if let Some(e) = &result.ellipsoid {
         out += &format!(
-            "\nlargest ellipsoid: {} of the sampled space, probability {}\n",
+            "\nlargest ellipsoid: {} of the sampled space, probability {} by the surrogates\n",
             number(e.share, 3),
             number(e.probability, 3)
         );

@@ -72,7 +72,9 @@ impl Answer {
     /// The answer in a line.
     pub fn words(&self) -> &'static str {
         match self {
-            Self::Found => "a box was found; --confirm N runs the model in it",
+            Self::Found => {
+                "a box was found by the surrogates alone, which often promise too much; --confirm N runs the model in it"
+            }
             Self::Confirmed => "a box was found, and fresh runs confirm it",
             Self::Refuted => "a box was found, but fresh runs contradict it",
             Self::NotFound { .. } => {
