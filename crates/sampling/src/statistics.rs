@@ -304,6 +304,10 @@ mod tests {
         };
         assert!(broken(0).is_nan() && broken(2).is_nan() && broken(4).is_nan());
         assert_eq!(broken(5), 2.0);
+        // There is no straight line to an infinite value.
+        let mut infinite = Accumulator::crossing(1.0, Direction::Rising);
+        infinite.add_all([(0.0, 0.0), (0.5, f64::INFINITY), (0.5, 2.0)].into_iter());
+        assert!(infinite.result(1.0).is_nan());
     }
 
     #[test]

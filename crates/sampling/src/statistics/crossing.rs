@@ -40,7 +40,7 @@ pub struct Crossing {
     last: Option<f64>,
     /// Time since the first value.
     time: f64,
-    /// When it came there; not a number where a value before was none.
+    /// When it came there; not a number where a value up to then was none, or infinite.
     found: Option<f64>,
 }
 
@@ -66,8 +66,8 @@ impl Collect for Crossing {
                 return;
             }
             let before = *self.last.get_or_insert(value);
-            if value.is_nan() {
-                self.found = Some(value);
+            if !value.is_finite() {
+                self.found = Some(f64::NAN);
             } else if self.direction.passes(self.level, before, value) {
                 let share = (self.level - before) / (value - before);
                 self.found = Some(self.time + share * elapsed);

@@ -1,13 +1,13 @@
 //! The mean over whole turns of an angle.
 
 /// A signal and an angle on straight lines, until the last turn that is complete. An angle may grow or shrink, but must not
-/// jump back after a turn.
+/// jump back after a turn: a way back of more than half a turn between two values is taken for such a jump.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeanOverTurns {
     /// How much the angle changes in a turn.
     turn: f64,
     first: Option<f64>,
-    /// The last value, and the turns until then.
+    /// The last value, and the turns until then, with their sign.
     last: [f64; 2],
     /// Time and the signal's integral since the first value.
     all: [f64; 2],
@@ -32,10 +32,16 @@ impl MeanOverTurns {
     /// Takes a value and the angle at it, `elapsed` after the one before; the first one after zero.
     pub fn add(&mut self, elapsed: f64, value: f64, angle: f64) {
         const ROUNDING: f64 = 1e-9;
-        let turned = (angle - *self.first.get_or_insert(angle)).abs() / self.turn;
-        let [before, then] = self.last;
+        const JUMP: f64 = 0.5;
+        let signed = (angle - *self.first.get_or_insert(angle)) / self.turn;
+        let [before, last] = self.last;
+        let (turned, then) = (signed.abs(), last.abs());
+        let jumps = (signed - last) * last.signum() < -JUMP;
         let complete = (turned + ROUNDING).floor();
-        if complete > self.turns {
+        // Without all angles nobody knows how many turns there were, nor when they ended.
+        if !signed.is_finite() || jumps && then > 0.0 {
+            (self.whole, self.turns) = ([f64::NAN; 2], f64::INFINITY);
+        } else if complete > self.turns {
             let share = ((complete - then) / (turned - then)).min(1.0);
             let mean = before + 0.5 * share * (value - before);
             let part = share * elapsed;
@@ -44,10 +50,11 @@ impl MeanOverTurns {
         }
         self.all[0] += elapsed;
         self.all[1] += 0.5 * elapsed * (before + value);
-        self.last = [value, turned];
+        self.last = [value, signed];
     }
 
-    /// The mean; not a number where no turn was completed, or a value before its end was none.
+    /// The mean; not a number where no turn was completed, a value before its end or any angle was none, or the angle
+    /// jumped back.
     pub fn result(&self) -> f64 {
         self.whole[1] / self.whole[0]
     }
@@ -97,5 +104,38 @@ mod tests {
         within.add(0.0, 0.0, 0.0);
         within.add(1.0, 1.0, 1.5);
         assert!((within.result() - 1.0 / 3.0).abs() < 1e-15);
+    }
+
+    /// A crank angle of a four-stroke engine is often written from 0 to 720 degrees: a turn is complete before it jumps back.
+    #[test]
+    fn angles_that_jump_back_or_are_none_give_no_mean() {
+        let of = |angle: fn(f64) -> f64| {
+            let mut mean = MeanOverTurns::new(360.0);
+            for k in 0..=400_u32 {
+                let time = 0.01 * f64::from(k);
+                mean.add(if k == 0 { 0.0 } else { 0.01 }, time, angle(time));
+            }
+            mean.result()
+        };
+        assert!((of(|time| 360.0 * time) - 2.0).abs() < 1e-12);
+        assert!((of(|time| 100.0 - 360.0 * time) - 2.0).abs() < 1e-12);
+        for angle in [
+            |time: f64| (360.0 * time) % 720.0,
+            |time: f64| (-360.0 * time) % 720.0,
+            |time: f64| (200.0 + 360.0 * time) % 720.0,
+            |time: f64| (360.0 * time).rem_euclid(360.0),
+            |time: f64| (360.0 * time + 180.0).rem_euclid(360.0) - 180.0,
+            // The value before the end of a turn: when it ended is not known.
+            |time: f64| match (time - 1.99).abs() < 1e-6 {
+                true => f64::NAN,
+                false => 360.0 * time,
+            },
+            |time: f64| match time > 2.5 {
+                true => f64::INFINITY,
+                false => 360.0 * time,
+            },
+        ] {
+            assert!(of(angle).is_nan(), "{}", of(angle));
+        }
     }
 }
