@@ -89,6 +89,10 @@ impl CriterionText {
             (Some(_), _) if self.percent.is_some() || self.at.is_some() => {
                 Err("`percent` and `at` have no place beside `level`; remove them".to_owned())
             }
+            (Some(level), _) if !level.as_ref().number.is_finite() => Err(format!(
+                "level = {} is no level that a signal can cross; give a finite number",
+                level.as_ref().number
+            )),
             (Some(level), direction) => {
                 let direction = direction.as_ref().map(|direction| *direction.as_ref());
                 let level = level.as_ref().number;
@@ -145,6 +149,10 @@ mod tests {
             ),
             ("statistic = \"mean\"\nat = 1", "remove `statistic`"),
             ("statistic = \"crossing\"", "needs `level`"),
+            (
+                "statistic = \"crossing\"\nlevel = nan",
+                "give a finite number",
+            ),
             ("level = 5", "belong to statistic"),
             ("turns = \"drive.angle\"", "belongs to statistic = \"mean\""),
             (

@@ -114,7 +114,11 @@ pub fn replaced(
         return Err(work.too_few());
     }
     let mut rounds = 1;
-    while work.widening(RMS) > SMALL && work.runs.len() + check < task.runs && in_time(task) {
+    // Where runs fail, only nearer ones tell where that begins.
+    while (work.widening(RMS) > SMALL || work.failures.failed > 0)
+        && work.runs.len() + check < task.runs
+        && in_time(task)
+    {
         observe(format!(
             "surrogate of round {rounds}, {} runs a case",
             work.runs.len()
@@ -133,13 +137,15 @@ pub fn replaced(
         "surrogate of round {rounds}, checked at {check} particles"
     ));
     let particles = work.sample(RMS, rounds as u64)?;
-    let checked = work.check(&evenly(&particles, check))?;
-    let told = SurrogateOutcome::new(
+    let places = evenly(&particles, check);
+    let checked = work.check(&places)?;
+    let mut told = SurrogateOutcome::new(
         task.problem,
         &work.surrogates,
         (rounds, work.runs.len() + check, work.failures.failed),
         &checked,
     );
+    told.check_failed = places.len() - checked.len();
     Ok(Replaced {
         problem: told.widened(task.problem),
         model: work.surrogates,

@@ -18,6 +18,8 @@ pub struct SurrogateOutcome {
     pub rounds: usize,
     /// Fresh places of the posterior at which surrogates and model were compared.
     pub checked: usize,
+    /// Fresh places of the posterior at which the model's run failed.
+    pub check_failed: usize,
     /// The box of the last surrogates.
     pub within: Vec<Range>,
     /// The factor by which the counted variance is larger than that of each error, as errors of several values go together.
@@ -98,6 +100,7 @@ impl SurrogateOutcome {
             failed,
             rounds,
             checked: checked.len(),
+            check_failed: 0,
             within: surrogates
                 .last()
                 .map_or_else(Vec::new, |layer| ranges(problem, &layer.region)),

@@ -270,6 +270,24 @@ fn latent_parameters_of_several_cases_have_surrogates_of_their_own() {
     );
 }
 
+/// Stripes so narrow that no run tells of its neighbours: what the fresh runs meet is told.
+#[test]
+fn a_sample_at_which_the_model_fails_is_told() {
+    let stripes = |_: usize, p: &[f64], _: &[f64]| match (500.0 * p[0]).fract() < 0.4 {
+        true => Ok(vec![p[0]]),
+        false => Err("too thin".to_owned()),
+    };
+    let unknown = vec![free("x", 0.0, 1.0, Spacing::Linear)];
+    let measured = problem(unknown, &[0.4], 0.1);
+    let told = made(&measured, &stripes, 60, 1).unwrap().told;
+    assert!(told.check_failed > 0, "{told:?}");
+    let text = text::summary(&told);
+    assert!(
+        text.contains("intervals of the sample do not hold"),
+        "{text}"
+    );
+}
+
 #[test]
 fn where_the_nearest_run_failed_there_is_no_surrogate() {
     let holed = |_: usize, p: &[f64], _: &[f64]| match p[0] > 2.4 && p[1] > 0.5 {

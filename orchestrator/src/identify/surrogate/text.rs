@@ -52,6 +52,16 @@ pub fn summary(told: &SurrogateOutcome) -> String {
     if told.checked == 0 {
         text += "  no fresh run could be compared, so only the leave-one-out error is known\n";
     }
+    if told.check_failed > 0 {
+        let _ = writeln!(
+            text,
+            "  at {} of {} fresh places in the posterior the model's run failed: the surrogate does not know where runs fail, so \
+             the intervals of the sample do not hold; sample the model itself, or give more runs (--surrogate {})",
+            told.check_failed,
+            told.check_failed + told.checked,
+            2 * told.runs
+        );
+    }
     for (place, own) in told.optima.iter().enumerate() {
         let name = match told.optima.len() {
             1 => "the optimum".to_owned(),
@@ -70,7 +80,7 @@ pub fn summary(told: &SurrogateOutcome) -> String {
             ),
             None => writeln!(
                 text,
-                "  the model's run fails at {name}: it is no optimum of the model"
+                "  the model's run fails at {name}: it is no optimum of the model, and its values and sum of squares are the surrogate's"
             ),
         };
     }
