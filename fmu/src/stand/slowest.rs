@@ -9,21 +9,23 @@ use super::Stand;
 use super::inputs::Inputs;
 use crate::bearing::{Film, Flows};
 use crate::multirate::{self, Departure, Vector4};
-use crate::thermal::Temperatures;
 use fmu_export::model::Fault;
 use std::sync::{Mutex, PoisonError};
 
 /// The tolerance of the orbits.
 const TOLERANCE: f64 = 1e-6;
-/// The time constant is computed at temperatures that are multiples of this, K. So it follows from the state alone, and a
-/// host that reads it after each short step does not pay for orbits each time.
+/// The orbits are computed at temperatures that are multiples of this, K. So the time constant follows from the state
+/// alone, and a host that reads it after each short step does not pay for orbits each time.
 const GRAIN: f64 = 0.1;
+/// The same for wear depths, m: some 1e-5 of a clearance.
+const WEAR_GRAIN: f64 = 1e-10;
 
-/// The time constant that was computed last, s, and for what: the temperatures in grains, and the inputs.
+/// The time constant that was computed last, s, and for what. It is `None` where there is no orbit.
 #[derive(Debug, Default)]
-pub(super) struct Remembered(Mutex<Option<(Key, f64)>>);
+pub(super) struct Remembered(Mutex<Option<(Key, Option<f64>)>>);
 
-type Key = ([i64; 4], [u64; 3]);
+/// Temperatures and wear depth in grains, and the inputs.
+type Key = ([i64; 4], i64, [u64; 3]);
 
 impl Clone for Remembered {
     /// A clone may get other parameters, so that it computes anew.
@@ -54,52 +56,58 @@ impl Stand {
         let grains: [f64; 4] = multirate::vector(&self.state.temperatures)
             .map(|t| (t / GRAIN).round())
             .into();
+        let wear = (self.state.worn / WEAR_GRAIN).round();
         let inputs =
             [speed, external_force, ambient_temperature].map(|input| input.value.to_bits());
-        let key = (grains.map(|grain| grain as i64), inputs);
+        let key = (grains.map(|grain| grain as i64), wear as i64, inputs);
+        let from = Departure {
+            before: [0.0; 2],
+            eccentricity: [0.0; 2],
+            temperatures: multirate::temperatures(&(Vector4::from(grains) * GRAIN)),
+            worn: wear * WEAR_GRAIN,
+        };
         let mut remembered = self
             .slowest
             .0
             .lock()
             .unwrap_or_else(PoisonError::into_inner);
-        match *remembered {
+        let averaged = match *remembered {
             Some((known, value)) if known == key => value,
             _ => {
-                let value =
-                    self.linearised_at(&multirate::temperatures(&(Vector4::from(grains) * GRAIN)));
+                let value = self.averaged_at(&from);
                 *remembered = Some((key, value));
                 value
             }
-        }
+        };
+        averaged.unwrap_or_else(|| self.under_present_friction(&from))
     }
 
-    /// The time constant at these temperatures.
-    fn linearised_at(&self, at: &Temperatures) -> f64 {
-        let mut still = self.clone();
-        still.drive.fluctuation_amplitude = 0.0;
-        for input in still.inputs.all() {
-            input.slope = 0.0;
-        }
-        let from = Departure {
-            before: [0.0; 2],
-            eccentricity: [0.0; 2],
-            temperatures: *at,
-            worn: self.state.worn,
-        };
+    /// The time constant under the heat averaged over the orbit there; `None` where there is no orbit.
+    fn averaged_at(&self, from: &Departure) -> Option<f64> {
         let drift = if self.inputs.speed.value == 0.0 {
             // At rest there is no friction heat.
-            multirate::network(self, &from, &Flows::default())
+            multirate::network(self, from, &Flows::default())
         } else {
-            let fast = still.with_a_fast_film().ok();
-            let averaged = fast.and_then(|fast| multirate::drift(&fast, TOLERANCE, &from).ok());
-            // Without an orbit, the friction counts as constant.
-            averaged.unwrap_or_else(|| {
-                let viscosity = self.fluid.viscosity(at.film);
-                let clearance = self.clearance(at, self.state.worn);
-                let (_, drift) = self.drift(0.0, self.state.eccentricity, viscosity, clearance);
-                multirate::network(self, &from, &drift.flows)
-            })
+            let mut still = self.clone();
+            still.drive.fluctuation_amplitude = 0.0;
+            // The last digits of an orbit depend on where it begins.
+            (still.state.time, still.state.angle) = (0.0, 0.0);
+            for input in still.inputs.all() {
+                input.slope = 0.0;
+            }
+            let fast = still.with_a_fast_film().ok()?;
+            multirate::drift(&fast, TOLERANCE, from).ok()?
         };
+        Some(multirate::slowest_time_constant(&drift))
+    }
+
+    /// The time constant where the friction stays as it is now. It depends on where the journal is, so it is not remembered.
+    fn under_present_friction(&self, from: &Departure) -> f64 {
+        let at = &from.temperatures;
+        let viscosity = self.fluid.viscosity(at.film);
+        let clearance = self.clearance(at, from.worn);
+        let (_, drift) = self.drift(0.0, self.state.eccentricity, viscosity, clearance);
+        let drift = multirate::network(self, from, &drift.flows);
         multirate::slowest_time_constant(&drift)
     }
 

@@ -178,6 +178,20 @@ fn deviations_decay_with_the_slowest_time_constant() {
     );
 }
 
+/// It follows from the state, and not from when it was read before: a stand brought back to a saved state reads the same.
+#[test]
+fn the_slowest_time_constant_follows_from_the_state_alone() {
+    let mut stand = Stand::default();
+    stand.bearing.wear.coefficient = 1e-12;
+    let mut stand = start(stand, Initialization::Given);
+    for i in 0..30 {
+        stand.advance(0.013 * f64::from(i), 0.013, &mut ()).unwrap();
+        let read_before = stand.slowest_time_constant();
+        // A clone remembers nothing.
+        assert_eq!(read_before, stand.clone().slowest_time_constant(), "{i}");
+    }
+}
+
 /// Boundary friction of 0.10 on smoother surfaces: around 75 degC it grows by more watts per kelvin than the losses.
 fn bistable(celsius: f64) -> Stand {
     let mut stand = Stand::default();

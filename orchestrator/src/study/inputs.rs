@@ -69,7 +69,8 @@ pub(crate) fn missed(series: &Series, schedule: &Schedule, scale: &Scale<'_>) ->
     let unseen = Some(series)
         .filter(|series| !series.each_row)
         .and_then(|series| series.unseen(schedule))?;
-    let unit = scale.unit.as_deref().unwrap_or_default();
+    let unit = scale.unit.as_deref().filter(|unit| *unit != "1");
+    let unit = unit.unwrap_or_default();
     let most = scale.conversion.inverse().difference(unseen.most).abs();
     let rows = match unseen.rows {
         1 => "1 row".to_owned(),
