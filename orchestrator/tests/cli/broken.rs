@@ -21,7 +21,14 @@ fn amiss(bench: &Bench, name: &str, found: &str) -> Option<String> {
     let (rule, words) = found.split_once(": ").unwrap();
     let (severity, rule) = rule.split_once(' ').unwrap_or(("error", rule));
     // One case hangs; the others are done in milliseconds, or in a second on a machine that is overloaded.
-    let said = bench.run(&["check", "broken.fmu", "--patience", "10", "--format", "json"]);
+    let said = bench.run(&[
+        "check",
+        "broken.fmu",
+        "--patience",
+        "10",
+        "--format",
+        "json",
+    ]);
     let Said { out, err, code } = &said;
     let report: serde_json::Value = serde_json::from_str(out).unwrap_or_default();
     let [finding] = report["findings"].as_array().map_or(&[][..], Vec::as_slice) else {
