@@ -11,6 +11,8 @@ import subprocess
 import zipfile
 
 import pytest
+from small_modules import ENDLESS, TRAP, constant, with_module
+from small_modules import module as small_module
 from test_acceptance import PROGRAM
 from test_report import browser, pytestmark  # noqa: F401
 
@@ -163,6 +165,53 @@ def test_a_slider_simulates_and_the_mouse_draws(browser, tmp_path, module):  # n
       }; look()"""
     assert browser.execute_async_script(trace) == [201, 201]
     assert browser.get_log("browser") == []
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory, module):
+    return live(tmp_path_factory.mktemp("page"), module, points=200)
+
+
+@pytest.mark.parametrize("other, trouble", [
+    (b"no module", "expected magic word"),
+    (small_module(imports=True), "Import #0"),
+    (small_module(without=["DoStep"]), "the module does not export fmi2DoStep"),
+    # Each new module takes address space: a browser refuses some hundredth of them.
+    (small_module({"DoStep": TRAP}), "each of them failed"),
+    (small_module({"DoStep": constant(3)}), "each of them failed"),
+    (small_module({"Instantiate": constant(0)}), "each of them failed"),
+    # GetReal writes nothing.
+    (small_module(), "each of them failed"),
+    (small_module({"DoStep": ENDLESS}), "does not end a simulation"),
+], ids=["no module", "imports", "no function", "trap", "error", "refused", "no results", "endless"])
+def test_a_module_that_does_not_work_leaves_the_weights_and_the_page_says_why(browser, tmp_path, page, other, trouble):  # noqa: F811
+    changed = tmp_path / "report.html"
+    changed.write_text(with_module(page.read_text(), other))
+    browser.get(changed.as_uri())
+    browser.execute_script("""document.querySelectorAll('#whatif details').forEach(d => { d.open = true; });
+      const s = document.querySelector('#whatif .parameters input[type=range]'); s.value = 0.4; s.dispatchEvent(new Event('input'))""")
+    wait = """const done = arguments[0], begun = Date.now(), look = () => {
+      const text = document.querySelector('#whatif .caution').textContent;
+      if (/could not|simulated here/.test(text) || Date.now() - begun > 120000) done(text); else setTimeout(look, 50);
+    }; look()"""
+    browser.set_script_timeout(150)
+    told = browser.execute_async_script(wait)
+    assert "Other distributions by weights" in told and trouble in told
+    assert browser.get_log("browser") == []
+
+
+def test_what_a_cut_leaves_of_a_distribution_is_drawn_at_once(browser, page):  # noqa: F811
+    """Beyond six deviations, where the mean is six and 1/6 deviations less a little; by rejection it takes hours."""
+    browser.get(page.as_uri())
+    browser.set_script_timeout(30)
+    draw = """const [min, max] = arguments; let seed = 0.5;
+      const uniform = () => { seed = (seed + 0.6180339887498949) % 1; return seed; };
+      return Array.from({ length: 2000 }, () => Live.drawn({ distribution: 'truncated-normal', mean: 10, deviation: 2, min, max }, uniform))"""
+    for ends, sign in (((22, None), 1), ((None, -2), -1)):
+        values = [sign * (value - 10) / 2 for value in browser.execute_script(draw, *ends)]
+        assert min(values) >= 6
+        # Density by upper tail at 6, by the asymptotic series (Abramowitz and Stegun 26.2.12).
+        assert sum(values) / 2000 == pytest.approx(6.1584, abs=0.01)
 
 
 def test_without_a_module_the_message_says_so(tmp_path, fmu):

@@ -2,48 +2,94 @@
 // Fresh points: drawn from the changed distributions, simulated by two workers with the FMU's own module.
 const Live = (() => {
   const POINTS = 2000, WORKERS = 2, STEPS = 200;
+  /** Seconds for a simulation, and how many may take longer. */
+  const PATIENCE = 10, STUCK = 3;
   let task, workers = null;
 
   // ---- the workers ----------------------------------------------------------------------------------------------
   const answer = () => {
     let simulator;
-    onmessage = ({ data: { id, module, task: given, rows, values, steps } }) => {
+    onmessage = ({ data: { module, task: given, rows, values, steps } }) => {
       try {
         if (module) simulator = Simulator(module, given);
-        else if (steps) postMessage({ id, result: simulator.trace(values, steps) });
-        else postMessage({ id, result: Float64Array.from(rows.flatMap(row => simulator.point(row))) });
+        else if (steps) postMessage({ result: simulator.trace(values, steps) });
+        else for (const row of rows) postMessage({ result: simulator.point(row) });
       } catch (error) {
-        postMessage({ id, error: String(error.message ?? error) });
+        postMessage({ error: String(error.message ?? error), lost: error.lost });
+        close();
       }
     };
   };
-  const waiting = new Map();
-  const ask = (worker, message) => new Promise((resolve, reject) => {
-    const id = waiting.size ? Math.max(...waiting.keys()) + 1 : 1;
-    waiting.set(id, { resolve, reject });
-    worker.postMessage({ id, ...message });
-  });
   const unpacked = async text => {
     const bytes = Uint8Array.from(atob(text), c => c.charCodeAt(0));
     const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
     return new Response(stream).arrayBuffer();
   };
+  // A worker does its jobs in turn. One that says nothing for too long, or has lost its module, is replaced: the job at hand is
+  // given back with the answers until then, and the others are asked again.
+  const employed = (module, own, address) => {
+    const jobs = [];
+    let worker = null, clock;
+    const submit = job => {
+      if (!worker) begin();
+      jobs.push(job);
+      worker.postMessage(job.message);
+      if (jobs.length === 1) watch();
+    };
+    const dismiss = (message, { lost, stuck }) => {
+      clearTimeout(clock);
+      worker.terminate();
+      worker = null;
+      const [{ reject, answers }, ...others] = jobs.splice(0);
+      reject(Object.assign(new Error(message), { lost, stuck, answers }));
+      others.forEach(submit);
+    };
+    // Half of the time twice: a page that slept hears first what came meanwhile.
+    const watch = (again = false) => {
+      clearTimeout(clock);
+      if (jobs.length) clock = setTimeout(() => again ? dismiss(`the module does not end a simulation within ${PATIENCE} s`, { lost: true, stuck: true }) : watch(true), 500 * PATIENCE);
+    };
+    const begin = () => {
+      const own_ = worker = new Worker(address);
+      worker.onmessage = ({ data: { result, error, lost } }) => {
+        // What a dismissed worker still says is not heard.
+        if (own_ !== worker) return;
+        if (error) return void dismiss(error, { lost });
+        const { answers, count, resolve } = jobs[0];
+        answers.push(result);
+        if (answers.length === count) {
+          jobs.shift();
+          resolve(answers);
+        }
+        watch();
+      };
+      worker.postMessage({ module, task: own });
+    };
+    return (message, count) => new Promise((resolve, reject) => submit({ message, count, answers: [], resolve, reject }));
+  };
   const begin = async () => {
     const module = await WebAssembly.compile(await unpacked(task.module));
     const code = new Blob([`"use strict";const Simulator=${Simulator};(${answer})()`], { type: "text/javascript" });
     const address = URL.createObjectURL(code), { module: _, ...own } = task;
-    return Array.from({ length: WORKERS }, () => {
-      const worker = new Worker(address);
-      worker.onmessage = ({ data: { id, result, error } }) => {
-        const { resolve, reject } = waiting.get(id) ?? {};
-        waiting.delete(id);
-        if (error) reject?.(new Error(error)); else resolve?.(result);
-      };
-      worker.postMessage({ module, task: own });
-      return worker;
-    });
+    return Array.from({ length: WORKERS }, () => employed(module, own, address));
   };
   const crew = () => workers ??= begin();
+  // A point that the module does not survive, or does not end, fails; the others go on. A module that sticks again and again is
+  // not asked any more.
+  const simulated = async (ask, rows) => {
+    const found = [];
+    for (let stuck = 0; found.length < rows.length;) {
+      try {
+        found.push(...await ask({ rows: rows.slice(found.length) }, rows.length - found.length));
+      } catch (error) {
+        if (error.stuck) stuck += 1;
+        if (stuck === STUCK) (workers = Promise.reject(error)).catch(() => {});
+        if (!error.lost || stuck === STUCK) throw error;
+        found.push(...error.answers, task.observed.map(() => NaN));
+      }
+    }
+    return found.flat();
+  };
 
   // ---- fresh points -----------------------------------------------------------------------------------------------
   // Numbers evenly from 0 to 1, without the ends: the generator sfc32 (C. Doty-Humphrey, PractRand), 53 bits at a time.
@@ -61,15 +107,27 @@ const Live = (() => {
     return () => ((next() >>> 5) * 2 ** 26 + (next() >>> 6) + 0.5) / 2 ** 53;
   };
   const normal = uniform => Math.sqrt(-2 * Math.log(uniform())) * Math.cos(2 * Math.PI * uniform());
+  // A standard normal number between two limits that leave little of it: by the quantile, on the side where small tails are exact.
+  const cut = ([low, high], uniform) => {
+    if (low > 0) return -cut([-high, -low], uniform);
+    const [least, most] = [low, high].map(Numbers.below), share = least + (most - least) * uniform();
+    let [from, to] = [Math.max(low, -40), Math.min(high, 40)];
+    for (let half = 0; half < 60; half++) {
+      const middle = 0.5 * (from + to);
+      if (Numbers.below(middle) < share) from = middle; else to = middle;
+    }
+    return to;
+  };
   const drawn = (q, uniform) => {
     const { mean, deviation, min, mode, max } = q;
     switch (q.distribution) {
       case "normal": return mean + deviation * normal(uniform);
       case "truncated-normal":
-        for (;;) {
+        for (let trial = 0; trial < 20; trial++) {
           const value = mean + deviation * normal(uniform);
           if (value >= (min ?? -Infinity) && value <= (max ?? Infinity)) return value;
         }
+        return mean + deviation * cut([min ?? -Infinity, max ?? Infinity].map(end => (end - mean) / deviation), uniform);
       case "lognormal": {
         const variance = Math.log(1 + (deviation / mean) ** 2);
         return Math.exp(Math.log(mean) - variance / 2 + Math.sqrt(variance) * normal(uniform));
@@ -88,9 +146,9 @@ const Live = (() => {
   const points = async (parameters, changes, seed = 1) => {
     const uniform = generator(seed), own = parameters.map((q, k) => ({ ...q, ...changes[k] }));
     const rows = Array.from({ length: POINTS }, () => own.map(q => drawn(q, uniform)));
-    const own_ = await crew(), part = Math.ceil(POINTS / own_.length);
-    const parts = await Promise.all(own_.map((worker, k) => ask(worker, { rows: rows.slice(k * part, (k + 1) * part) })));
-    const results = parts.flatMap(list => Array.from(list)), n = task.observed.length;
+    const hands = await crew(), part = Math.ceil(POINTS / hands.length);
+    const results = (await Promise.all(hands.map((ask, k) => simulated(ask, rows.slice(k * part, (k + 1) * part))))).flat(), n = task.observed.length;
+    if (!results.some(Number.isFinite)) throw new Error("each of them failed in the module");
     return {
       size: POINTS, samples: 1, grid: false,
       completed: Uint8Array.from(rows, (_, i) => Number.isFinite(results[i * n]) ? 1 : 0),
@@ -100,7 +158,7 @@ const Live = (() => {
   };
 
   /** A point's criteria over time: { times, values }, or null where it fails. */
-  const trace = async values => ask((await crew())[0], { values, steps: STEPS });
+  const trace = async values => (await (await crew())[0]({ values, steps: STEPS }, 1))[0];
 
   /** Small pictures of a point over time, below each other. */
   const draw = async (values, columns, place, { make, number }) => {
@@ -128,5 +186,5 @@ const Live = (() => {
 
   const start = data => { task = data.live ?? null; };
   const able = () => Boolean(task);
-  return { POINTS, start, able, points, trace, draw };
+  return { POINTS, start, able, drawn, points, trace, draw };
 })();

@@ -2,15 +2,20 @@
 // Simulates points with an FMU's WebAssembly module: the functions of FMI 2.0 for Co-Simulation (docs/live.md). The function is
 // whole by itself, since a worker gets its text. `task` is what `report/live.rs` writes.
 const Simulator = (module, task) => {
-  const PAGE = 65536, OK = 1, DISCARD = 2, TERMINATED = 3;
+  const PAGE = 65536, OK = 1, DISCARD = 2, ERROR = 3, TERMINATED = 3;
   const NAME = 0, GUID = 256, CALLBACKS = 2048, REFERENCE = 2080, NUMBER = 2088;
+  const NEEDED = ["Instantiate", "FreeInstance", "SetupExperiment", "EnterInitializationMode", "ExitInitializationMode", "DoStep", "Terminate"].map(name => `fmi2${name}`);
   let fmi, own;
   // The instance of the last point, and whether such a one may be reset for the next: not known before one was compared with a new one.
   let used = 0, reuse;
+  // The instance of the point at hand.
+  let present = 0;
 
   const begin = () => {
-    used = 0;
+    used = present = 0;
     fmi = new WebAssembly.Instance(module, {}).exports;
+    const missing = NEEDED.find(name => typeof fmi[name] !== "function");
+    if (missing || !fmi.memory) throw new Error(`the module does not export ${missing ?? "its memory"}`);
     fmi._initialize?.();
     // A page of our own: the module's allocator does not know of it.
     own = fmi.memory.grow(1) * PAGE;
@@ -34,6 +39,8 @@ const Simulator = (module, task) => {
   };
   const get = (component, { reference, content }) => {
     memory().setUint32(REFERENCE, reference, true);
+    // A module that writes nothing has no result, rather than the number before.
+    if (content === "Real") memory().setFloat64(NUMBER, NaN, true);
     call(`Get${content}`, component, own + REFERENCE, 1, own + NUMBER);
     return content === "Real" ? memory().getFloat64(NUMBER, true) : memory().getInt32(NUMBER, true);
   };
@@ -68,11 +75,11 @@ const Simulator = (module, task) => {
 
   const created = () => {
     const component = fmi.fmi2Instantiate(own + NAME, 1, own + GUID, 0, own + CALLBACKS, 0, 0);
-    if (!component) throw new Error("fmi2Instantiate refused");
-    return component;
+    if (!component) throw Object.assign(new Error("fmi2Instantiate refused"), { status: ERROR });
+    return present = component;
   };
   const again = () => {
-    const component = used;
+    const component = present = used;
     used = 0;
     call("Reset", component);
     return component;
@@ -99,14 +106,25 @@ const Simulator = (module, task) => {
     const ended = fmi.fmi2Terminate(component) <= OK;
     if (used || reuse === false || !ended || !fmi.fmi2Reset) fmi.fmi2FreeInstance(component);
     else used = component;
+    present = 0;
   };
-  // A trap leaves the module in no known state.
+  // An error ends its instance. A trap leaves the module in no known state: it is made anew, which a browser does some hundred
+  // times and then refuses. That ends the worker, not the points.
+  const recovered = error => {
+    try {
+      if (!(error.status <= ERROR)) return begin();
+      if (present) fmi.fmi2FreeInstance(present);
+      present = 0;
+    } catch (after) {
+      throw Object.assign(after, { lost: true });
+    }
+  };
   const guarded = compute => {
     try {
       return compute((values, ready = created) => prepared(values, ready()));
     } catch (error) {
       if (error.whole) throw error;
-      begin();
+      recovered(error);
       return null;
     }
   };

@@ -199,7 +199,7 @@ const WhatIf = (() => {
       if (found.some) list.push(`If the points of a fresh study were independent, at least one of ${page.grouped(page.data.total)} would be accepted with a probability of ${ends(found.some)} %.`);
       if (found.effective < Weights.FEW) list.push("That is too few to rely on: run the changed study.");
     }
-    if (found.fresh) list.push(`From ${page.grouped(Live.POINTS)} fresh points of the changed distributions, simulated here. The plots show the study's own points, judged in the same way.`);
+    if (found.fresh) list.push(`From ${page.grouped(Live.POINTS)} fresh points of the changed distributions, simulated here.${found.failed ? ` Of these, ${page.grouped(found.failed)} failed and count as not accepted.` : ""} The plots show the study's own points, judged in the same way.`);
     if (running) list.push("Fresh points are being simulated …");
     if (trouble) list.push(`Fresh points could not be simulated: ${trouble}.`);
     if (found.verdict === "not decided") list.push(differs() ? "Run the changed study to decide." : "The verdict above is that of the whole study.");
