@@ -176,7 +176,7 @@ def page(tmp_path_factory, module):
     (b"no module", "expected magic word"),
     (small_module(imports=True), "Import #0"),
     (small_module(without=["DoStep"]), "the module does not export fmi2DoStep"),
-    # Each new module takes address space: a browser refuses some hundredth of them.
+    # Each new module takes address space: a browser refuses more than some hundred of them.
     (small_module({"DoStep": TRAP}), "each of them failed"),
     (small_module({"DoStep": constant(3)}), "each of them failed"),
     (small_module({"Instantiate": constant(0)}), "each of them failed"),
@@ -200,8 +200,23 @@ def test_a_module_that_does_not_work_leaves_the_weights_and_the_page_says_why(br
     assert browser.get_log("browser") == []
 
 
+def test_points_that_fail_are_counted_and_the_page_says_so(browser, tmp_path, module):  # noqa: F811
+    """Clearances of less than nothing are outside of the description's limits."""
+    study = STUDY.replace('"truncated-normal"\nmean = 0.020\ndeviation = 0.005\nmin = 0.002', '"normal"\nmean = 0.007\ndeviation = 0.005')
+    (tmp_path / "study.toml").write_text(study.format(fmu=module, points=200, simulation="", criteria=FINAL))
+    program("verify", tmp_path / "study.toml", "--output", tmp_path / "out")
+    assert program("report", tmp_path / "out", "--live").returncode == 0
+    browser.get((tmp_path / "out" / "report.html").as_uri())
+    browser.set_script_timeout(120)
+    found = browser.execute_async_script(ASK, {"parameters": {"bearing.radialClearance": {"mean": 0.006, "deviation": 0.005}}})
+    outside = sum(value < 0 for value in found["parameters"][0])
+    assert found["failed"] >= outside > 50
+    told = browser.execute_script("return document.querySelector('#whatif .caution').textContent")
+    assert f"{found['failed']} failed and count as not accepted" in told
+
+
 def test_what_a_cut_leaves_of_a_distribution_is_drawn_at_once(browser, page):  # noqa: F811
-    """Beyond six deviations, where the mean is six and 1/6 deviations less a little; by rejection it takes hours."""
+    """Beyond six deviations, of which one in 10^9 numbers lies; by rejection that takes hours."""
     browser.get(page.as_uri())
     browser.set_script_timeout(30)
     draw = """const [min, max] = arguments; let seed = 0.5;
