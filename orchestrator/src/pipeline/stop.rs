@@ -12,10 +12,12 @@ use crate::results::ResultsError;
 
 /// The exit code of an interrupted command.
 pub const INTERRUPTED: u8 = 130;
-/// How long an interrupted command may take to put things in order.
+/// How long an interrupted run may take to put things in order.
 const PATIENCE: Duration = Duration::from_millis(600);
-/// How long it may take to end what it has started.
-const FAREWELL: Duration = Duration::from_millis(150);
+/// How long it may take after that to end what it has started, and to remove what it has unpacked.
+const FAREWELL: Duration = Duration::from_millis(300);
+/// The same for a command without a run: it has nothing to put in order. Either way it ends within a second.
+const FAREWELL_AT_ONCE: Duration = Duration::from_millis(900);
 
 /// Whether a run is to end.
 static STOP: AtomicBool = AtomicBool::new(false);
@@ -38,13 +40,16 @@ fn heed() {
         // Without a handler, Ctrl-C ends the process at once; the journal is sound all the same.
         let _ = ctrlc::set_handler(|| {
             let again = STOP.swap(true, Ordering::Relaxed);
-            if again || !RUNS.load(Ordering::Relaxed) {
+            if !RUNS.load(Ordering::Relaxed) {
+                leave(FAREWELL_AT_ONCE);
+            }
+            if again {
                 // The second Ctrl-C does not wait.
-                leave();
+                leave(FAREWELL);
             }
             thread::spawn(|| {
                 thread::sleep(PATIENCE);
-                leave();
+                leave(FAREWELL);
             });
         });
     });
@@ -66,16 +71,16 @@ pub fn give_way() {
     }
 }
 
-/// Ends this process at once, and all that it has started.
-fn leave() {
-    // Nobody can end a process that the kernel holds (a dead network disk). It must not hold us up.
+/// Ends this process, and all that it has started.
+fn leave(farewell: Duration) {
+    // Nobody can end a process that the kernel holds (a dead network disk). It holds us up no longer than this.
     let (done, wait) = sync_channel(1);
     thread::spawn(move || {
         process::abandon_all();
         scratch::remove_all();
         let _ = done.send(());
     });
-    let _ = wait.recv_timeout(FAREWELL);
+    let _ = wait.recv_timeout(farewell);
     if RUNS.load(Ordering::Relaxed) {
         crate::tell::line!("interrupted; --resume goes on");
     } else {
