@@ -120,6 +120,23 @@ fn a_check_survives_an_fmu_that_replaces_descriptors() {
     assert!(said.out.contains("nothing found"), "{}", said.out);
 }
 
+/// On a busy machine a probe may take longer than the first one did.
+#[test]
+fn a_check_that_is_late_once_is_no_finding() {
+    let bench = Bench::empty();
+    let check = |delay: &str| {
+        bench.fmu("late.fmu", &[delay], &model("", ""));
+        bench.run(&["check", "late.fmu", "--patience", "1.5"])
+    };
+    let said = check("SLOW_RESET=2000000");
+    assert_eq!(said.code, 0, "{}", said.out);
+    let said = check("SLOW_RESET=20000000");
+    assert_eq!(said.code, 1, "{}", said.out);
+    let words =
+        "fmi2Reset failed: not done after 4.5 s, where a first simulation was done within 1.5 s";
+    assert!(said.out.contains(words), "{}", said.out);
+}
+
 #[test]
 fn a_signal_leaves_no_unpacked_fmu_behind() {
     let bench = Bench::empty();

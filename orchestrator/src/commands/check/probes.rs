@@ -64,7 +64,7 @@ impl<'a> Probes<'a> {
         })
     }
 
-    fn run(&self, life: Life, fill: Option<u8>) -> io::Result<Outcome> {
+    fn run(&self, life: Life, fill: Option<u8>, patience: Duration) -> io::Result<Outcome> {
         let own = self.own_folder()?;
         let fmu = own.as_ref().map_or(&*self.setup.fmu, TempDir::path);
         let setup = Setup {
@@ -72,7 +72,27 @@ impl<'a> Probes<'a> {
             fmu: fmu.to_owned(),
             ..self.setup.clone()
         };
-        child::run(&setup, self.patience, fill)
+        child::run(&setup, patience, fill)
+    }
+
+    /// A probe of an FMU that has ended in time alone. Where this one does not, the machine may be busy: it gets another
+    /// chance before it is said to hang.
+    fn later(&self, life: Life, fill: Option<u8>) -> io::Result<Outcome> {
+        const LONGER: u32 = 3;
+        let timed_out = |outcome: &Outcome| outcome.fate.as_deref() == Some(child::TIMEOUT);
+        let outcome = self.run(life, fill, self.patience)?;
+        if !timed_out(&outcome) {
+            return Ok(outcome);
+        }
+        let patience = LONGER * self.patience;
+        let mut outcome = self.run(life, fill, patience)?;
+        if timed_out(&outcome) {
+            let [longer, usual] = [patience, self.patience].map(|time| time.as_secs_f64());
+            outcome.fate = Some(format!(
+                "not done after {longer} s, where a first simulation was done within {usual} s"
+            ));
+        }
+        Ok(outcome)
     }
 
     /// A newly unpacked FMU, where an earlier probe has changed the files of the first one.
@@ -142,14 +162,14 @@ impl<'a> Probes<'a> {
     /// One simulation. A step that the FMU refuses and does not suggest itself is replaced by another, with a note.
     fn alone(&mut self) -> io::Result<(Outcome, Option<Breach>)> {
         const STEPS: [f64; 5] = [1.0, 0.1, 0.01, 0.001, 0.0001];
-        let first = self.run(Life::Alone, None)?;
+        let first = self.run(Life::Alone, None, self.patience)?;
         if !refused(&first) || self.fmu.default_experiment.step.is_some() {
             return Ok((first, None));
         }
         let usual = self.setup.schedule;
         for step in STEPS {
             self.setup.schedule = experiment::with_step(usual, step);
-            let outcome = self.run(Life::Alone, None)?;
+            let outcome = self.run(Life::Alone, None, self.patience)?;
             if sound(&outcome, 1).is_ok() {
                 let text = format!(
                     "it refuses the communication step of {} s and suggests none (stepSize); with {step} s it runs: \
@@ -166,7 +186,7 @@ impl<'a> Probes<'a> {
     /// Whether the values depend on memory that was never written, or on nothing that can be named.
     fn memory(&self, whole: &Run) -> io::Result<Option<Breach>> {
         let [filled, again, other] =
-            [FILLS[0], FILLS[0], FILLS[1]].map(|fill| self.run(Life::Alone, Some(fill)));
+            [FILLS[0], FILLS[0], FILLS[1]].map(|fill| self.later(Life::Alone, Some(fill)));
         let (filled, again, other) = (filled?, again?, other?);
         let all = [&filled, &again, &other].map(|outcome| sound(outcome, 1).map(|runs| &runs[0]));
         let [filled, again, other] = &all;
@@ -235,7 +255,7 @@ impl<'a> Probes<'a> {
             // These are one run.
             Life::Alone | Life::Halved => return Ok(None),
         };
-        let outcome = self.run(life, None)?;
+        let outcome = self.later(life, None)?;
         let runs = match sound(&outcome, 2) {
             // With changed parameters it may fail, and that says nothing of the reset.
             Err(_) if life == Life::Changed && !first_is_whole(&outcome) => return Ok(None),
@@ -264,7 +284,7 @@ impl<'a> Probes<'a> {
         if whole.ended.is_some() {
             return Ok(None);
         }
-        let outcome = self.run(Life::Halved, None)?;
+        let outcome = self.later(Life::Halved, None)?;
         let text = match sound(&outcome, 1) {
             Err(text) => Some(format!("with half the communication step, {text}")),
             Ok(runs) => {
