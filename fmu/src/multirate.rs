@@ -15,6 +15,7 @@
 mod correction;
 mod curve;
 mod curves;
+mod differences;
 mod equilibrium;
 mod orbit;
 
@@ -22,6 +23,7 @@ use crate::bearing::Flows;
 use crate::solver::{Budget, Failure, Rodas3};
 use crate::thermal::Temperatures;
 pub use correction::{CLOSEST, Correction};
+pub use curves::Across;
 use curves::Curves;
 pub use equilibrium::{Equilibrium, NoEquilibrium, equilibrium, slowest_time_constant};
 use nalgebra::{SMatrix, SVector, Vector2};
@@ -106,7 +108,7 @@ pub fn leap(
     turns: usize,
     from: Departure,
 ) -> Result<Landing, NoLeap> {
-    let mean = Averaged::new(model, tolerance, &from)?;
+    let mean = Averaged::new(model, tolerance, Across::Cubics, &from)?;
     let span = turns as f64 * model.period();
     let (t, worn) = if model.wears() {
         mean.follow_wear(tolerance, span, &from)?
@@ -130,7 +132,7 @@ pub fn way(
     turns: usize,
     from: &Departure,
 ) -> Result<Vec<Temperatures>, NoLeap> {
-    let mean = Averaged::new(model, tolerance, from)?;
+    let mean = Averaged::new(model, tolerance, Across::Cubics, from)?;
     let mut way = Vec::new();
     let span = turns as f64 * model.period();
     let end = mean.follow(tolerance, span, from, |t| way.push(temperatures(t)))?;
@@ -143,7 +145,7 @@ pub fn way(
 /// # Errors
 /// When there is no orbit there.
 pub fn flows(model: &impl TwoScales, tolerance: f64, at: &Departure) -> Result<Flows, NoLeap> {
-    let (_, orbit) = Curves::new(model, tolerance, at)?;
+    let (_, orbit) = Curves::new(model, tolerance, Across::Cubics, at)?;
     Ok(orbit.flows())
 }
 
@@ -152,7 +154,7 @@ pub fn flows(model: &impl TwoScales, tolerance: f64, at: &Departure) -> Result<F
 /// # Errors
 /// When there is no orbit at a temperature.
 pub fn drift(model: &impl TwoScales, tolerance: f64, from: &Departure) -> Result<Matrix4, NoLeap> {
-    let mean = Averaged::new(model, tolerance, from)?;
+    let mean = Averaged::new(model, tolerance, Across::Cubics, from)?;
     mean.linear(&vector(&from.temperatures))
         .map(|(_, drift)| drift)
 }
@@ -186,11 +188,11 @@ struct Averaged<'a, M> {
 }
 
 impl<'a, M: TwoScales> Averaged<'a, M> {
-    fn new(model: &'a M, tolerance: f64, from: &Departure) -> Result<Self, NoLeap> {
+    fn new(model: &'a M, tolerance: f64, across: Across, from: &Departure) -> Result<Self, NoLeap> {
         let Departure {
             temperatures, worn, ..
         } = from;
-        let (curves, first) = Curves::new(model, tolerance, from)?;
+        let (curves, first) = Curves::new(model, tolerance, across, from)?;
         let clearance = model.clearance(temperatures, *worn);
         let drift = model.thermal_rates(temperatures, clearance, &first.flows());
         Ok(Self {
@@ -247,7 +249,7 @@ impl<'a, M: TwoScales> Averaged<'a, M> {
         for column in 0..4 {
             let mut beside = *t;
             beside[column] += self.nudge;
-            let changed = if column == 0 || self.clearance(&beside, self.worn) != clearance {
+            let changed = if self.follows(column, &beside, clearance) {
                 self.flows(&beside, self.worn)?
             } else {
                 here
@@ -256,6 +258,11 @@ impl<'a, M: TwoScales> Averaged<'a, M> {
             jacobian.set_column(column, &(change / self.nudge));
         }
         Ok((at_here, jacobian))
+    }
+
+    /// Whether the orbit follows this temperature: the film's, or one that has changed the clearance, m.
+    fn follows(&self, column: usize, beside: &Vector4, clearance: f64) -> bool {
+        column == 0 || self.clearance(beside, self.worn) != clearance
     }
 
     /// Ends the way where the clearance closes.

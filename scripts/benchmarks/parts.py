@@ -111,7 +111,16 @@ def multirate(scale):
     rows = [row, leap(scale, "the rig, 150 s in one step", (here, 100), (there, min(mixed, 32)))]
     rows.append(leap(scale, "the rig, one turn from the steady start / 150 s from given temperatures",
                      (here, 100), (steady_rig("rig-steady"), 400), words=("from given temperatures", "steady start")))
+    rows.append(steady_cost(scale))
     return rows, [(errors(leaping, resolved, scale.points), scale.points), (errors(here, there, mixed), mixed)]
+
+
+def steady_cost(scale):
+    """A point of the rig's study as it is shipped."""
+    measure = longer(lambda count: alone(steady_rig("rig-steady"), count), 20, 400)
+    cost = Ratio([1e3 * measure() for _ in range(scale.repetitions)])
+    return Row("the rig, one turn from the steady start, CPU time a point", cost, unit=" ms", note="400 points, all included",
+               **at_most(cost, 2))
 
 
 REYNOLDS = '"bearing.film" = "Reynolds"\n'

@@ -17,7 +17,7 @@ mod clearances;
 pub use clearances::ContactFamily;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, SQRT_2};
-use std::sync::LazyLock;
+use std::sync::{LazyLock, OnceLock};
 
 /// The asperities of both surfaces together, and their boundary friction.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -102,6 +102,12 @@ impl Surface {
             * self.composite_modulus
     }
 
+    /// Logarithm of the contact force, N, over its integral around a bearing of width and diameter in m.
+    fn log_force_scale(&self, width: f64, diameter: f64) -> f64 {
+        let area = 0.5 * diameter * width;
+        (self.pressure_scale() * area).ln()
+    }
+
     /// Contact pressure over the nominal area, Pa, at a distance of the mean planes, m.
     pub fn pressure(&self, film_thickness: f64) -> f64 {
         if self.roughness == 0.0 {
@@ -167,9 +173,16 @@ pub struct Contact {
 pub struct ContactTable {
     /// Eccentricity ratio of the first node: where contact begins.
     start: f64,
+    /// Distance of the nodes in the eccentricity ratio.
+    spacing: f64,
     /// Nodes per eccentricity ratio.
     per_spacing: f64,
-    nodes: Vec<[Knot; 2]>,
+    /// Clearance over roughness, 1.
+    ratio: f64,
+    /// Logarithm of the force over the integrals, N.
+    scale: f64,
+    /// A journal visits few of them, so each is made on first use.
+    nodes: Vec<OnceLock<[Knot; 2]>>,
 }
 
 /// A logarithm at a node of the table.
@@ -196,29 +209,49 @@ impl ContactTable {
         if surface.roughness <= 0.0 || surface.pressure_scale() <= 0.0 {
             return Self::default();
         }
-        let start = Self::start(surface, clearance);
-        let spacing = (1.0 - start) / (NODES - 1) as f64;
-        let area = 0.5 * diameter * width;
-        let ratio = clearance / surface.roughness;
-        let nodes = (0..NODES)
-            .map(|i| log_integrals(start + i as f64 * spacing, ratio, spacing))
-            .map(|[mut force, mut normal]| {
-                let scale = (surface.pressure_scale() * area).ln();
-                force.value += scale;
-                normal.value += scale;
-                [force, normal]
-            })
-            .collect();
         Self {
-            start,
-            per_spacing: 1.0 / spacing,
-            nodes,
+            scale: surface.log_force_scale(width, diameter),
+            ..Self::of_integrals(surface.roughness, clearance)
         }
     }
 
+    /// Tabulates the integrals alone, which depend on roughness and clearance (m) only.
+    fn of_integrals(roughness: f64, clearance: f64) -> Self {
+        let start = Self::start(roughness, clearance);
+        let spacing = (1.0 - start) / (NODES - 1) as f64;
+        Self {
+            start,
+            spacing,
+            per_spacing: 1.0 / spacing,
+            ratio: clearance / roughness,
+            scale: 0.0,
+            nodes: vec![OnceLock::new(); NODES],
+        }
+    }
+
+    /// The knots of resultant and normal force at both ends of a cell.
+    #[inline]
+    fn ends(&self, cell: usize) -> [&[Knot; 2]; 2] {
+        let [left, right] = [cell, cell + 1];
+        let nodes = &self.nodes[left..=right];
+        [
+            nodes[0].get_or_init(|| self.node(left)),
+            nodes[1].get_or_init(|| self.node(right)),
+        ]
+    }
+
+    #[cold]
+    fn node(&self, i: usize) -> [Knot; 2] {
+        let e = self.start + i as f64 * self.spacing;
+        log_integrals(e, self.ratio, self.spacing).map(|mut knot| {
+            knot.value += self.scale;
+            knot
+        })
+    }
+
     /// Eccentricity ratio at which contact begins.
-    fn start(surface: &Surface, clearance: f64) -> f64 {
-        (1.0 - NO_CONTACT * surface.roughness / clearance).max(0.0)
+    fn start(roughness: f64, clearance: f64) -> f64 {
+        (1.0 - NO_CONTACT * roughness / clearance).max(0.0)
     }
 
     /// The contact at an eccentricity ratio. Beyond the table's end at 1 the last cell's cubics continue it.
@@ -228,7 +261,7 @@ impl ContactTable {
             return Contact::default();
         }
         let (cell, t) = cell(position);
-        let (left, right) = (&self.nodes[cell], &self.nodes[cell + 1]);
+        let [left, right] = self.ends(cell);
         // Where contact begins off the centre it fades in, so that the force has no jump.
         let fades = cell == 0 && self.start > 0.0;
         between(left, right, t, eccentricity_ratio, fades)

@@ -123,23 +123,34 @@ impl<'a, M: TwoScales> Curve<'a, M> {
         Ok((curve, first))
     }
 
-    /// The same at another clearance, with an orbit at a viscosity that begins near `guess`.
+    /// The same at another clearance, m, and `slack` times the tolerance, still without orbits.
+    pub(super) fn at_clearance(&self, clearance: f64, slack: f64) -> Self {
+        Self {
+            clearance,
+            tolerance: slack * self.tolerance,
+            nodes: Vec::new(),
+            piece: None,
+            ..*self
+        }
+    }
+
+    /// The same at another clearance, m, with an orbit at a viscosity that begins near `guess`.
     pub(super) fn beside(
         &self,
         clearance: f64,
         viscosity: f64,
         guess: Vector2<f64>,
     ) -> Result<Self, NoLeap> {
-        let mut curve = Self {
-            clearance,
-            nodes: Vec::new(),
-            latest: viscosity.ln(),
-            piece: None,
-            ..*self
-        };
-        let first = curve.search(viscosity, guess, Aim::Heat)?;
-        curve.nodes.push((viscosity.ln(), first));
+        let mut curve = self.at_clearance(clearance, 1.0);
+        let first = curve.orbit(viscosity, guess)?;
+        curve.latest = viscosity.ln();
+        curve.nodes.push((curve.latest, first));
         Ok(curve)
+    }
+
+    /// The orbit at a viscosity that begins near `guess`, searched for.
+    pub(super) fn orbit(&mut self, viscosity: f64, guess: Vector2<f64>) -> Result<Orbit, NoLeap> {
+        self.search(viscosity, guess, Aim::Heat)
     }
 
     /// The clearance, m.
@@ -199,9 +210,9 @@ impl<'a, M: TwoScales> Curve<'a, M> {
         Ok(self.search(viscosity, near, Aim::Place)?.place())
     }
 
-    /// Approximate derivative of a turn's end over its beginning, at the latest orbit.
-    pub(super) fn slope(&self) -> Matrix2<f64> {
-        self.slope.fixed_rows::<2>(0).into()
+    /// Approximate derivative of a turn's end and flows over its beginning, at the latest orbit.
+    pub(super) fn slope(&self) -> SMatrix<f64, 5, 2> {
+        self.slope
     }
 
     /// Whether `x` is not further from the nodes than these are from each other.

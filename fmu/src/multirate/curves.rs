@@ -3,11 +3,25 @@
 //!
 //! Temperatures and wear change the clearance as slowly as the viscosity. The curves stand at clearances of equal ratios,
 //! counted from that of the departure; each is made where it is first needed. A clearance that stays is one curve.
+//!
+//! A steady start needs less: turns that are resolved refine its temperatures. There, parabolas pass through the
+//! [differences](super::differences) between the orbits at three clearances.
 
 use super::curve::Curve;
+use super::differences::Differences;
 use super::orbit::Orbit;
 use super::{Departure, NoLeap, TwoScales};
-use nalgebra::{Matrix2, Vector2};
+use nalgebra::{SMatrix, SVector, Vector2};
+
+/// What stands between the clearances.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Across {
+    /// Parabolas through differences from the departure's curve, which need few orbits: for temperatures that resolved turns
+    /// refine.
+    Parabolas,
+    /// Cubic polynomials through curves.
+    Cubics,
+}
 
 /// Curves over the logarithm of the clearance.
 pub(super) struct Curves<'a, M> {
@@ -15,12 +29,20 @@ pub(super) struct Curves<'a, M> {
     middle: f64,
     /// The distance of neighbouring curves in the logarithm of the clearance.
     spacing: f64,
+    across: Across,
+    /// The number of the clearance in the middle of the last parabola.
+    centre: i32,
+    /// At each clearance of a parabola but the departure's, by its number.
+    differences: Vec<(i32, Differences<'a, M>)>,
     /// Each with its number; the departure's has the number zero and comes first.
     curves: Vec<(i32, Curve<'a, M>)>,
     /// The place in `curves` of the one that was used last.
     latest: usize,
 }
 
+/// A parabola serves up to this distance from its middle, in distances of curves. From half of one on, the next would serve, too:
+/// so Newton's method never jumps to and fro between two.
+const KEPT: f64 = 0.75;
 /// Curves that a polynomial passes through.
 const THROUGH: i32 = 4;
 /// The distance of two curves at a tolerance of [`USUAL`]. The error of a cubic goes as its fourth power.
@@ -32,6 +54,7 @@ impl<'a, M: TwoScales> Curves<'a, M> {
     pub(super) fn new(
         model: &'a M,
         tolerance: f64,
+        across: Across,
         from: &Departure,
     ) -> Result<(Self, Orbit), NoLeap> {
         let clearance = model.clearance(&from.temperatures, from.worn);
@@ -39,6 +62,9 @@ impl<'a, M: TwoScales> Curves<'a, M> {
         let curves = Self {
             middle: clearance.ln(),
             spacing: SPACING * (tolerance / USUAL).powf(0.25).min(1.0),
+            across,
+            centre: 0,
+            differences: Vec::new(),
             curves: vec![(0, curve)],
             latest: 0,
         };
@@ -52,14 +78,70 @@ impl<'a, M: TwoScales> Curves<'a, M> {
             self.latest = 0;
             return self.curves[0].1.at(viscosity);
         }
+        if self.across == Across::Parabolas {
+            return self.on_parabola(viscosity, x);
+        }
         let lowest = x.floor() as i32 - 1;
         let mut sum = Orbit::default();
         // From the middle outwards, so that a new curve has a neighbour.
         for j in [1, 2, 0, 3] {
             let curve = self.curve(lowest + j, viscosity)?;
-            sum.0 += curve.at(viscosity)?.0 * weight(x - f64::from(lowest), j);
+            sum.0 += curve.at(viscosity)?.0 * weight(x - f64::from(lowest), j, THROUGH);
         }
         Ok(sum)
+    }
+
+    /// The orbit at a viscosity and at the place `x` among the clearances, on a parabola.
+    fn on_parabola(&mut self, viscosity: f64, x: f64) -> Result<Orbit, NoLeap> {
+        if (x - f64::from(self.centre)).abs() > KEPT {
+            self.centre = x.round() as i32;
+        }
+        self.latest = 0;
+        let departure = self.curves[0].1.at(viscosity)?;
+        let lowest = self.centre - 1;
+        let mut sum = departure;
+        // From the middle outwards, so that each has a neighbour that tells where to search.
+        for j in [1, 0, 2] {
+            let number = lowest + j;
+            if number != 0 {
+                let difference = self.difference(number, viscosity, &departure)?;
+                sum.0 += difference * weight(x - f64::from(lowest), j, 3);
+            }
+        }
+        Ok(sum)
+    }
+
+    /// The difference at the clearance with this number from the departure's orbit.
+    fn difference(
+        &mut self,
+        number: i32,
+        viscosity: f64,
+        departure: &Orbit,
+    ) -> Result<SVector<f64, 5>, NoLeap> {
+        let place = self.differences.iter().position(|(n, _)| *n == number);
+        let index = match place {
+            Some(index) => index,
+            None => {
+                let clearance = (self.middle + f64::from(number) * self.spacing).exp();
+                let differences = Differences::new(&self.curves[0].1, clearance);
+                self.differences.push((number, differences));
+                self.differences.len() - 1
+            }
+        };
+        let (others, rest) = self.differences.split_at_mut(index);
+        let Some(((_, differences), more)) = rest.split_first_mut() else {
+            return Err(NoLeap::NoOrbit(viscosity));
+        };
+        let x = viscosity.ln();
+        // The differences go nearly as the distance from the departure's clearance.
+        let guess = || {
+            let known = others.iter().chain(more.iter());
+            let nearest = known.min_by_key(|(n, _)| n.abs_diff(number));
+            nearest.map_or(SVector::zeros(), |(n, near)| {
+                near.line(x) * (f64::from(number) / f64::from(*n))
+            })
+        };
+        differences.at(viscosity, departure, guess)
     }
 
     /// Where the orbit at a viscosity and a clearance begins.
@@ -72,8 +154,8 @@ impl<'a, M: TwoScales> Curves<'a, M> {
         curve.beside(clearance, viscosity, near)?.place(viscosity)
     }
 
-    /// Approximate derivative of a turn's end over its beginning, at the latest orbit.
-    pub(super) fn slope(&self) -> Matrix2<f64> {
+    /// Approximate derivative of a turn's end and flows over its beginning, at the latest orbit.
+    pub(super) fn slope(&self) -> SMatrix<f64, 5, 2> {
         self.curves[self.latest].1.slope()
     }
 
@@ -102,10 +184,105 @@ impl<'a, M: TwoScales> Curves<'a, M> {
     }
 }
 
-/// Lagrange's weight of the node `j` of [`THROUGH`] nodes at 0, 1, ..., at the place `x`.
-fn weight(x: f64, j: i32) -> f64 {
-    (0..THROUGH)
+/// Lagrange's weight of the node `j` of so many nodes at 0, 1, ..., at the place `x`.
+fn weight(x: f64, j: i32, through: i32) -> f64 {
+    (0..through)
         .filter(|k| *k != j)
         .map(|k| (x - f64::from(k)) / f64::from(j - k))
         .product()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bearing::Flows;
+    use crate::multirate::equilibrium;
+    use crate::thermal::Temperatures;
+    use std::cell::Cell;
+
+    /// A film of 20 W at 300 K, whose heat falls with the clearance, and a bush that it warms and that widens the clearance. The
+    /// journal goes to a place that follows both.
+    #[derive(Default)]
+    struct Widening {
+        looks: Cell<usize>,
+    }
+
+    impl TwoScales for Widening {
+        fn period(&self) -> f64 {
+            0.2
+        }
+
+        fn journal(&self, tau: f64, [x, y]: [f64; 2], viscosity: f64, c: f64) -> ([f64; 2], Flows) {
+            self.looks.set(self.looks.get() + 1);
+            let turning = (tau / 0.2 * std::f64::consts::TAU).sin();
+            let place = 0.5 * c.powf(0.3) * viscosity.powf(-0.1) + 0.1 * turning;
+            let flows = Flows {
+                viscous: 20.0 * viscosity.powf(0.7) * c.powf(-1.5) * (1.0 + x * x),
+                ..Flows::default()
+            };
+            ([20.0 * (place - x), -20.0 * y], flows)
+        }
+
+        fn viscosity(&self, film_temperature: f64) -> f64 {
+            (-0.03 * (film_temperature - 300.0)).exp()
+        }
+
+        fn clearance(&self, t: &Temperatures, _: f64) -> f64 {
+            1.0 + 0.02 * (t.bush - 300.0)
+        }
+
+        fn is_closed(&self, _: &Temperatures, _: f64) -> bool {
+            false
+        }
+
+        fn wears(&self) -> bool {
+            false
+        }
+
+        fn wear_rate(&self, _: &Flows) -> f64 {
+            0.0
+        }
+
+        fn thermal_rates(&self, t: &Temperatures, _: f64, flows: &Flows) -> Temperatures {
+            let to_bush = t.film - t.bush;
+            Temperatures {
+                film: flows.viscous - to_bush,
+                bush: (to_bush - (t.bush - 300.0)) / 10.0,
+                shaft: 300.0 - t.shaft,
+                oil: 300.0 - t.oil,
+            }
+        }
+    }
+
+    /// The film is warmer than the bush by as much as the bush is warmer than its surroundings, and its heat is a watt per
+    /// kelvin of that.
+    #[test]
+    fn parabolas_find_the_equilibrium_of_cubics_with_fewer_orbits() {
+        let mut looks = Vec::new();
+        let mut found = Vec::new();
+        for across in [Across::Parabolas, Across::Cubics] {
+            let model = Widening::default();
+            let from = Departure {
+                before: [0.0; 2],
+                eccentricity: [0.0; 2],
+                temperatures: Temperatures {
+                    film: 305.0,
+                    bush: 302.0,
+                    shaft: 300.0,
+                    oil: 300.0,
+                },
+                worn: 0.0,
+            };
+            let t = equilibrium(&model, 1e-6, across, &from)
+                .unwrap()
+                .temperatures;
+            looks.push(model.looks.get());
+            let rise = t.bush - 300.0;
+            assert!((t.film - t.bush - rise).abs() < 1e-5, "{across:?} {t:?}");
+            found.push(rise);
+        }
+        assert!((found[0] - found[1]).abs() < 0.02, "{found:?}");
+        assert!(found[0] > 5.0, "{found:?}");
+        assert!(3 * looks[0] < 2 * looks[1], "{looks:?}");
+    }
 }

@@ -9,11 +9,14 @@
 //!
 //! The equilibrium is stable if all eigenvalues of the linearised drift have negative real parts (Lyapunov's first method).
 
-use super::{Averaged, Departure, Matrix4, NoLeap, TwoScales, Vector4, temperatures, vector};
+use super::orbit::Orbit;
+use super::{
+    Across, Averaged, Departure, Matrix4, NoLeap, TwoScales, Vector4, temperatures, vector,
+};
 use crate::solver::{Budget, Rodas3};
 use crate::thermal::Temperatures;
 use nalgebra::linalg::Schur;
-use nalgebra::{Matrix2, Vector2};
+use nalgebra::{Matrix2, SMatrix};
 use thiserror::Error;
 
 /// Why no equilibrium was found.
@@ -56,10 +59,12 @@ pub struct Equilibrium {
     pub temperatures: Temperatures,
     /// Derivatives of the temperatures' rates, 1/s.
     pub drift: Matrix4,
-    /// Derivative of the orbit's beginning over the film's temperature, 1/K.
-    pub shift: Vector2<f64>,
+    /// Derivative of the orbit's beginning over the temperatures, 1/K.
+    pub shift: SMatrix<f64, 2, 4>,
     /// Derivative of a turn's end over its beginning, 1.
     pub slope: Matrix2<f64>,
+    /// Derivative of the temperatures' mean rates in a turn over its beginning, K/s.
+    pub heating: SMatrix<f64, 4, 2>,
 }
 
 /// Nearer than this to an equilibrium, Newton's method finishes, K.
@@ -79,6 +84,8 @@ const LONGEST: f64 = 1e8;
 const WAY_ERROR: f64 = 0.05;
 /// No oil is left at this temperature, K.
 const HOTTEST: f64 = 1000.0;
+/// The change of a turn's beginning from which derivatives are taken.
+const MOVED: f64 = 1e-6;
 /// So near to an unstable equilibrium, K, the temperatures count as given there.
 const ON_THE_RIDGE: f64 = 1e-3;
 
@@ -89,9 +96,10 @@ const ON_THE_RIDGE: f64 = 1e-3;
 pub fn equilibrium(
     model: &impl TwoScales,
     tolerance: f64,
+    across: Across,
     from: &Departure,
 ) -> Result<Equilibrium, NoEquilibrium> {
-    let mean = Averaged::new(model, tolerance, from)?;
+    let mean = Averaged::new(model, tolerance, across, from)?;
     let integrator = Rodas3 {
         allowed: [WAY_ERROR; 4],
         budget: Budget::of(100_000),
@@ -188,17 +196,32 @@ fn settled<M: TwoScales>(
     t: &Vector4,
     drift: Matrix4,
 ) -> Result<Equilibrium, NoEquilibrium> {
-    let place = mean.place(t, mean.worn)?;
-    let mut beside = *t;
-    beside[0] += mean.nudge;
-    let [ahead, here] =
-        [mean.orbit(&beside, mean.worn)?, mean.orbit(t, mean.worn)?].map(|orbit| orbit.place());
+    let here = mean.orbit(t, mean.worn)?;
+    let clearance = mean.clearance(t, mean.worn);
+    let mut shift = SMatrix::<f64, 2, 4>::zeros();
+    for column in 0..4 {
+        let mut beside = *t;
+        beside[column] += mean.nudge;
+        if mean.follows(column, &beside, clearance) {
+            let ahead = mean.orbit(&beside, mean.worn)?.place();
+            shift.set_column(column, &((ahead - here.place()) / mean.nudge));
+        }
+    }
+    let slope = mean.curves.borrow().slope();
+    let at_here = mean.rates_under(t, mean.worn, &here.flows());
+    let mut heating = SMatrix::<f64, 4, 2>::zeros();
+    for column in 0..2 {
+        let ahead = Orbit(here.0 + slope.column(column) * MOVED);
+        let rates = mean.rates_under(t, mean.worn, &ahead.flows());
+        heating.set_column(column, &((rates - at_here) / MOVED));
+    }
     Ok(Equilibrium {
-        eccentricity: place.into(),
+        eccentricity: here.place().into(),
         temperatures: temperatures(t),
         drift,
-        shift: (ahead - here) / mean.nudge,
-        slope: mean.curves.borrow().slope(),
+        shift,
+        slope: slope.fixed_rows::<2>(0).into(),
+        heating,
     })
 }
 
@@ -305,7 +328,7 @@ mod tests {
             (340.2, 370.0),
             (400.0, 370.0),
         ] {
-            let found = equilibrium(&THREE, 1e-7, &from(begin)).unwrap();
+            let found = equilibrium(&THREE, 1e-7, Across::Cubics, &from(begin)).unwrap();
             assert!(
                 (found.temperatures.film - end).abs() < 1e-3,
                 "{begin}: {found:?}"
@@ -318,7 +341,7 @@ mod tests {
 
     #[test]
     fn an_unstable_equilibrium_is_refused() {
-        let found = equilibrium(&THREE, 1e-7, &from(340.0));
+        let found = equilibrium(&THREE, 1e-7, Across::Cubics, &from(340.0));
         let Err(NoEquilibrium::Unstable { film, growth }) = found else {
             unreachable!("{found:?}");
         };
@@ -330,7 +353,12 @@ mod tests {
 
     #[test]
     fn a_runaway_is_refused() {
-        let found = equilibrium(&Toy(|t| 1.1 * (t - 300.0) + 1.0), 1e-6, &from(300.0));
+        let found = equilibrium(
+            &Toy(|t| 1.1 * (t - 300.0) + 1.0),
+            1e-6,
+            Across::Cubics,
+            &from(300.0),
+        );
         assert!(
             matches!(found, Err(NoEquilibrium::Runaway { node: "film", .. })),
             "{found:?}"

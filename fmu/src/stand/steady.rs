@@ -6,32 +6,40 @@
 //! temperatures' part of the turn's derivative is nearly `exp(J*T)`, with J of the averaged balance, so that
 //! `(1 - exp(J*T)) dy = P(y) - y` gives the next start (Lust, Roose, Spence & Champneys 1998, SIAM J. Sci. Comput. 19,
 //! 1188-1209: the few slow directions by Newton's method; the others settle by themselves). The journal's
-//! two directions follow Broyden's method, which begins with the slope that the averaged balance has found.
+//! two directions follow Broyden's method ([`newton`]), which begins with the slopes that the averaged balance has found.
+//!
+//! Most of the cost is that of the last turns, which must be exact. So the first ones are rough, and the averaged balance knows
+//! the clearance's part from few orbits ([`Across::Parabolas`]).
 //!
 //! For the Reynolds film the mobility film's balance chooses the equilibrium and gives J. Every turn of the refinement is one
 //! of the Reynolds film, so that its own heat is balanced.
 
+mod newton;
+
 use super::{EVENTS, Stand, State, Unknowns, unknowns};
 use crate::multirate::{
-    self, Departure, Equilibrium, Matrix4, NoEquilibrium, NoLeap, Vector4, vector,
+    self, Across, Departure, Equilibrium, Matrix4, NoEquilibrium, NoLeap, Vector4, vector,
 };
 use crate::sensors::{Sensed, TurnMeans};
 use crate::solver::{Budget, DormandPrince, Failure, Quadrature};
 use crate::thermal::Initialization;
 use fmu_export::model::{Fault, Log};
-use nalgebra::{Const, LU, Matrix2, SVector, Vector2};
+use nalgebra::Vector2;
+use newton::{Newton, Turn, lasting};
 use std::fmt::Display;
 
 /// The tolerance of the averaged balance, which later turns refine.
 const AVERAGED: f64 = 1e-6;
 /// Errors allowed per step in a turn that refines: of the eccentricity ratio, and of the temperatures, K.
-const PLACE_ERROR: f64 = 1e-9;
-const TEMPERATURE_ERROR: f64 = 1e-9;
-/// The first turns allow more by this factor. They bring the temperatures so near that Newton's method needs no more of
-/// the later turns. A heat balance with a longer time constant than this, s, magnifies errors of a turn too much for that.
-const ROUGH: f64 = 100.0;
+const PLACE_ERROR: f64 = 2e-9;
+const TEMPERATURE_ERROR: f64 = 2e-9;
+/// The first turn allows more by this factor, and each later one this share of what the one before has missed. A heat balance
+/// with a longer time constant than this, s, magnifies errors of a turn too much for that.
+const ROUGH: f64 = 500.0;
+const SHARE: f64 = 1e-3;
 const QUICK: f64 = 1e4;
-const ROUGH_TURNS: usize = 2;
+/// Change of the temperatures, K, that a change of the eccentricity ratio by one brings about, roughly.
+const WARMING: f64 = 20.0;
 /// The steady state is known when the last turn moved its temperatures by less than this, K, and its eccentricity
 /// ratio by less than this.
 const CLOSE: f64 = 1e-6;
@@ -72,13 +80,15 @@ impl Stand {
             temperatures: self.state.temperatures,
             worn: self.state.worn,
         };
-        let fast = self.clone().with_a_fast_film()?;
-        let found =
-            multirate::equilibrium(&fast, AVERAGED, &from).map_err(|why| self.refuse(&why))?;
-        let turns = if self.film.is_transient() {
-            self.refine_transient(&fast, &found)?
+        let (drift, turns) = if self.film.is_transient() {
+            self.settle_across(Across::Cubics, &from)?
         } else {
-            self.refine(&found)?
+            let begin = self.state;
+            // Few orbits will do for nearly every stand; where they do not, more may.
+            self.settle_across(Across::Parabolas, &from).or_else(|_| {
+                self.state = begin;
+                self.settle_across(Across::Cubics, &from)
+            })?
         };
         let t = &self.state.temperatures;
         log.log(
@@ -90,10 +100,27 @@ impl Stand {
                 t.bush,
                 t.shaft,
                 t.oil,
-                multirate::slowest_time_constant(&found.drift)
+                multirate::slowest_time_constant(&drift)
             ),
         );
         Ok(())
+    }
+
+    /// Returns the linearised heat balance, and the number of turns that refined its equilibrium.
+    fn settle_across(
+        &mut self,
+        across: Across,
+        from: &Departure,
+    ) -> Result<(Matrix4, usize), Fault> {
+        let fast = self.clone().with_a_fast_film()?;
+        let found = multirate::equilibrium(&fast, AVERAGED, across, from)
+            .map_err(|why| self.refuse(&why))?;
+        let turns = if self.film.is_transient() {
+            self.refine_transient(&fast, &found)?
+        } else {
+            self.refine(&found)?
+        };
+        Ok((found.drift, turns))
     }
 
     /// Refuses what has no steady state: there must be a turn that repeats, and heat must be able to leave.
@@ -138,57 +165,39 @@ impl Stand {
     fn refine(&mut self, found: &Equilibrium) -> Result<usize, Fault> {
         self.state.eccentricity = found.eccentricity;
         self.state.temperatures = found.temperatures;
-        let near = unknowns(&self.state);
         let period = self.period();
-        let slow = Vector4::from_row_slice(&near[2..6]);
-        let settle = settling(&found.drift, period);
-        let mut step = period / 100.0;
+        let slow = vector(&found.temperatures);
         let quick = (0.0..QUICK).contains(&multirate::slowest_time_constant(&found.drift));
-        let rough_turns = if quick { ROUGH_TURNS } else { 0 };
-        let mut slope = found.slope;
-        let mut before: Option<(Vector2<f64>, Vector2<f64>)> = None;
+        let mut newton = Newton::new(found, period, self.thermal.isothermal);
+        let mut step = period / 100.0;
+        let mut slack = if quick { ROUGH } else { 1.0 };
         for turn in 1..=TURNS {
             let start = unknowns(&self.state);
-            let from = Vector2::from(self.state.eccentricity);
-            let slack = if turn <= rough_turns { ROUGH } else { 1.0 };
             let (end, means) = self
                 .steady_turn(&start, slack, &mut step)
                 .map_err(|failure| refusal(self.explain(failure, &start, 0..7)))?;
-            let miss = SVector::<f64, 7>::from(end) - SVector::from(start);
-            let warmer = if self.thermal.isothermal {
-                Vector4::zeros()
-            } else {
-                settle
-                    .solve(&miss.fixed_rows::<4>(2).into_owned())
-                    .ok_or_else(|| refusal("the heat balance has no definite solution"))?
-            };
-            let place: Vector2<f64> = miss.fixed_rows::<2>(0).into();
-            if let Some((e, miss)) = before {
-                // Broyden's correction: a turn's end moves by what its beginning and its miss move.
-                let (moved, missed) = (from - e, place - miss);
-                if moved.norm() > CLOSE_PLACE {
-                    slope +=
-                        (moved + missed - slope * moved) * moved.transpose() / moved.norm_squared();
-                }
-            }
-            // Differences of rough turns would tell more of their errors.
-            before = (slack == 1.0).then_some((from, place));
-            let shift = found.shift * warmer[0];
-            let back = Matrix2::identity() - slope;
-            let Some(closer) = back.lu().solve(&place) else {
+            let seen = Turn::of(&start, &end, slack * PLACE_ERROR);
+            newton.learn(seen);
+            let Some(change) = newton.change() else {
                 break;
             };
-            let e = from + closer + shift;
-            let t = Vector4::from_row_slice(&start[2..6]) + warmer;
+            let e = Vector2::from(self.state.eccentricity) + change.place;
+            let t = vector(&self.state.temperatures) + change.temperatures;
             if !((t - slow).amax() < FARTHEST && e.norm() < 1.0) {
                 break;
             }
             self.state.eccentricity = e.into();
             self.state.temperatures = multirate::temperatures(&t);
-            if turn > rough_turns && warmer.amax() < CLOSE && place.norm() < CLOSE_PLACE {
+            let (warmer, moved) = (change.temperatures.amax(), seen.miss.norm());
+            if slack == 1.0 && warmer < CLOSE && moved < CLOSE_PLACE {
                 self.state.means = TurnMeans::after(means);
                 return Ok(turn);
             }
+            let off = moved.max(warmer / WARMING);
+            let next = (SHARE * off / PLACE_ERROR).clamp(1.0, slack);
+            // The step size is proportional to the fifth root of the allowed error.
+            step *= (next / slack).powf(0.2);
+            slack = next;
         }
         Err(refusal(format_args!(
             "journal and temperatures have found no periodic orbit; {}",
@@ -246,7 +255,8 @@ impl Stand {
             worn: self.state.worn,
         };
         let drift = multirate::drift(self, AVERAGED, &from).map_err(refusal)?;
-        settling(&drift, self.period())
+        (Matrix4::identity() - lasting(&drift, self.period()))
+            .lu()
             .solve(miss)
             .ok_or_else(|| refusal("the heat balance has no definite solution"))
     }
@@ -280,9 +290,4 @@ impl Stand {
 
 fn refusal(why: impl Display) -> Fault {
     Fault::Invalid(format!("thermal.initialization = SteadyState: {why}"))
-}
-
-/// `1 - exp(J*T)` of a drift J over a turn's duration T: what is left of a change of the temperatures after a turn.
-fn settling(drift: &Matrix4, period: f64) -> LU<f64, Const<4>, Const<4>> {
-    (Matrix4::identity() - (drift * period).exp()).lu()
 }

@@ -1,14 +1,15 @@
 //! The contact of a journal whose clearance changes: tables at several clearances, and polynomials between them.
 
 use super::{Contact, ContactTable, Knot, NO_CONTACT, NODES, Surface};
-use std::sync::OnceLock;
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// The contact of an aligned, round journal over its eccentricity ratio and its radial clearance.
 ///
 /// Tables stand at clearances of equal ratios, and are made where they are first needed. Between them, the knots of a
 /// contact follow cubic polynomials over the logarithm of the clearance. The tables' places are fixed, so that a contact does not
 /// depend on which ones were made before. One of them lies at seven roughnesses, where contact begins to reach around the whole
-/// bush; no polynomial crosses it.
+/// bush; no polynomial crosses it. Tables of one roughness are the same for all bearings, so a process makes them once.
 ///
 /// # Examples
 /// ```
@@ -23,15 +24,31 @@ use std::sync::OnceLock;
 /// ```
 #[derive(Debug, Default)]
 pub struct ContactFamily {
-    surface: Surface,
+    roughness: f64,
+    /// Logarithm of the force over the integrals in `tables`, N.
+    scale: f64,
     /// The clearance that was given, m, and its own table.
     clearance: f64,
     own: ContactTable,
-    width: f64,
-    diameter: f64,
     /// The number of the first of `tables`, counted from the one at seven roughnesses.
     first: i32,
-    tables: Vec<OnceLock<ContactTable>>,
+    tables: Vec<OnceLock<Arc<ContactTable>>>,
+}
+
+/// The tables of the roughness that was met last, m, by their numbers. The points of a study seldom differ in it.
+static KNOWN: Mutex<(f64, BTreeMap<i32, Arc<ContactTable>>)> = Mutex::new((0.0, BTreeMap::new()));
+
+/// The table of a roughness, m, with a number.
+fn shared(roughness: f64, number: i32) -> Arc<ContactTable> {
+    let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+    if known.0 != roughness {
+        *known = (roughness, BTreeMap::new());
+    }
+    let table = known.1.entry(number).or_insert_with(|| {
+        let clearance = NO_CONTACT * roughness * (f64::from(number) * SPACING).exp();
+        Arc::new(ContactTable::of_integrals(roughness, clearance))
+    });
+    Arc::clone(table)
 }
 
 /// Ratio of neighbouring clearances, as a logarithm.
@@ -58,11 +75,10 @@ impl ContactFamily {
         };
         let count = (last - first) as usize;
         Self {
-            surface: surface.clone(),
+            roughness: surface.roughness,
+            scale: surface.log_force_scale(width, diameter),
             clearance,
             own,
-            width,
-            diameter,
             first: first as i32,
             tables: (0..count).map(|_| OnceLock::new()).collect(),
         }
@@ -80,13 +96,13 @@ impl ContactFamily {
     /// The same between tables.
     fn between(&self, eccentricity_ratio: f64, clearance: f64) -> Contact {
         let clearance = clearance.clamp(LEAST * self.clearance, MOST * self.clearance);
-        let start = ContactTable::start(&self.surface, clearance);
+        let start = ContactTable::start(self.roughness, clearance);
         let position = (eccentricity_ratio - start) * ((NODES - 1) as f64 / (1.0 - start));
         if position < 0.0 {
             return Contact::default();
         }
         let (cell, t) = super::cell(position);
-        let x = (clearance / (NO_CONTACT * self.surface.roughness)).ln() / SPACING;
+        let x = (clearance / (NO_CONTACT * self.roughness)).ln() / SPACING;
         let below = x.floor() as i32;
         let lowest = if below >= 0 {
             (below - 1).max(0)
@@ -94,12 +110,10 @@ impl ContactFamily {
             (below - 1).min(1 - THROUGH as i32)
         };
         let mut knots = [[Knot::default(); 2]; 2];
-        for j in 0..THROUGH as i32 {
-            let weight = weight(x - f64::from(lowest), j);
-            let nodes = &self.table(lowest + j).nodes;
-            for (sum, node) in knots.iter_mut().zip(&nodes[cell..]) {
+        for (j, weight) in (lowest..).zip(weights(x - f64::from(lowest))) {
+            for (sum, node) in knots.iter_mut().zip(self.table(j).ends(cell)) {
                 for (sum, knot) in sum.iter_mut().zip(node) {
-                    sum.value += weight * knot.value;
+                    sum.value += weight * (knot.value + self.scale);
                     sum.slope += weight * knot.slope;
                 }
             }
@@ -112,20 +126,20 @@ impl ContactFamily {
     fn table(&self, number: i32) -> &ContactTable {
         let last = self.tables.len() - 1;
         let index = usize::try_from(number - self.first).unwrap_or(0).min(last);
-        self.tables[index].get_or_init(|| {
-            let steps = f64::from(self.first) + index as f64;
-            let clearance = NO_CONTACT * self.surface.roughness * (steps * SPACING).exp();
-            ContactTable::new(&self.surface, clearance, self.width, self.diameter)
-        })
+        self.tables[index].get_or_init(|| shared(self.roughness, self.first + index as i32))
     }
 }
 
-/// Lagrange's weight of the node `j` of [`THROUGH`] nodes at 0, 1, ..., at the place `x`.
-fn weight(x: f64, j: i32) -> f64 {
-    (0..THROUGH as i32)
-        .filter(|k| *k != j)
-        .map(|k| (x - f64::from(k)) / f64::from(j - k))
-        .product()
+/// Lagrange's weights of the nodes at 0, 1, 2 and 3 at the place `x`.
+#[inline]
+fn weights(x: f64) -> [f64; THROUGH] {
+    let [a, b, c, d] = [x, x - 1.0, x - 2.0, x - 3.0];
+    [
+        -b * (c / -2.0) * (d / -3.0),
+        a * -c * (d / -2.0),
+        a / 2.0 * b * -d,
+        a / 3.0 * (b / 2.0) * c,
+    ]
 }
 
 #[cfg(test)]
