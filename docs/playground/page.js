@@ -16,19 +16,23 @@ const Playground = (() => {
   ];
   const OVER_TIME = [["sensor.oilTemperature", [1, -273.15]], ["sensor.bearingTemperature", [1, -273.15]], ["sensor.frictionTorque", [1, 0]]];
   const TURN = [["bearing.eccentricityRatio", [1, 0]], ["bearing.attitudeAngle", [1, 0]], ["bearing.maxFilmPressure", [1e-6, 0]],
-    ["sensor.frictionCoefficient", [1, 0]]];
+    ["sensor.frictionCoefficient", [1, 0]], ["sensor.loadForce", [1, 0]], ["bearing.contactShare", [1, 0]], ["bearing.filmViscosity", [1, 0]],
+    ["bearing.hotRadialClearance", [1, 0]]];
   const SECONDS = 150, STEPS = 150, FINE = 180;
   const round = v => Number(v.toPrecision(4));
   const state = {};
-  let module;
+  let module, film;
 
-  const variable = ([name, unit]) => ({ reference: data.variables[name][0], content: "Real", statistic: "final", unit });
+  const variable = ([name, unit]) => ({ reference: data.variables[name][0], content: "Real", statistic: "final", at: null, curve: null, signal: unit });
   const task = (stop, steps, observed) => ({
-    guid: data.guid, tolerance: null, fixed: [], observed: observed.map(variable),
-    times: { start: 0, stop, step: stop / steps, steps, leap: 0, even: 0, from: 0 },
+    guid: data.guid,
+    cases: [{
+      tolerance: null, fixed: [], stops: [], inputs: [], observed: observed.map(variable),
+      times: { start: 0, stop, step: stop / steps, steps, leap: 0, even: 0 },
+    }],
     varied: CONTROLS.map(([name, , , unit]) => ({ reference: data.variables[name][0], content: "Real", unit, min: null, max: null, items: [] })),
   });
-  const run = (stop, steps, observed, values) => Simulator(module, task(stop, steps, observed)).trace(values, steps);
+  const run = (stop, steps, observed, values) => Simulator(module, task(stop, steps, observed)).trace(values, 0, 0);
   const values = changes => CONTROLS.map(([name]) => ({ ...state, ...changes })[name]);
 
   // ---- drawing ------------------------------------------------------------------------------------------------
@@ -41,9 +45,22 @@ const Playground = (() => {
     return node;
   };
   const ends = lists => {
-    const all = lists.flat(), low = Math.min(...all), high = Math.max(...all), room = 0.05 * (high - low) || 0.05 * Math.abs(high) || 1;
+    const all = lists.flat(), low = Math.min(...all), high = Math.max(...all), room = Math.max(0.05 * (high - low), 0.005 * Math.abs(high)) || 1;
     return [low - room, high + room];
   };
+  // Round numbers from the low to the high end; of a logarithmic axis 1, 2 and 5 times powers of ten.
+  const ticks = (low, high, count) => {
+    const raw = (high - low) / count, power = 10 ** Math.floor(Math.log10(raw)), step = [1, 2, 2.5, 5, 10].map(m => m * power).find(s => s >= raw * 0.999);
+    return Array.from({ length: Math.floor(high / step + 1e-9) - Math.ceil(low / step - 1e-9) + 1 }, (_, k) => (Math.ceil(low / step - 1e-9) + k) * step);
+  };
+  const decades = (low, high) => {
+    const all = [];
+    for (let power = Math.floor(Math.log10(low)); power <= Math.log10(high); power++) all.push(...[1, 2, 5].map(m => m * 10 ** power));
+    return all.filter(v => v >= low * 0.999 && v <= high * 1.001);
+  };
+  // As many digits as tell neighbours apart.
+  const decimals = step => [...Array(12).keys()].find(count => Math.abs(step - Number(step.toFixed(count))) < 1e-6 * step) ?? 12;
+  const label = (v, step) => v.toFixed(decimals(step)).replace("-", "−");
   // Lines over a common axis, each with its words; `mark` is a point of the first one.
   const plot = (id, across_, lines, [across, along], mark, logarithmic) => {
     const scaled = logarithmic ? Math.log10 : v => v, x = across_.map(scaled);
@@ -52,9 +69,16 @@ const Playground = (() => {
     const [x0, x1] = [Math.min(...x), Math.max(...x)], [y0, y1] = ends(lines.map(line => line.list));
     const at = (a, b) => [left + (right - left) * (a - x0) / (x1 - x0), bottom - (bottom - top) * (b - y0) / (y1 - y0)];
     draw(svg, "path", { class: "axis", d: `M${left},${top}V${bottom}H${right}` });
-    for (const part of [0, 0.5, 1]) {
-      draw(svg, "text", { x: left - 6, y: bottom - (bottom - top) * part + 4, "text-anchor": "end" }, round(y0 + part * (y1 - y0)));
-      draw(svg, "text", { x: left + (right - left) * part, y: bottom + 16, "text-anchor": part === 1 ? "end" : "middle" }, round(logarithmic ? 10 ** (x0 + part * (x1 - x0)) : x0 + part * (x1 - x0)));
+    const upward = ticks(y0, y1, 4), sideways = logarithmic ? decades(10 ** x0, 10 ** x1) : ticks(x0, x1, 5);
+    for (const v of upward) {
+      const [, y] = at(x0, v);
+      draw(svg, "path", { class: "grid", d: `M${left},${y.toFixed(1)}H${right}` });
+      draw(svg, "text", { x: left - 6, y: y + 4, "text-anchor": "end" }, label(v, upward[1] - upward[0]));
+    }
+    for (const v of sideways) {
+      const [x] = at(scaled(v), y0);
+      draw(svg, "path", { class: "grid", d: `M${x.toFixed(1)},${top}V${bottom}` });
+      draw(svg, "text", { x, y: bottom + 16, "text-anchor": x > right - 12 ? "end" : "middle" }, logarithmic ? round(v) : label(v, sideways[1] - sideways[0]));
     }
     draw(svg, "text", { x: right, y: 252, "text-anchor": "end" }, across);
     draw(svg, "text", { x: 4, y: 14 }, along);
@@ -63,6 +87,51 @@ const Playground = (() => {
       if (words) draw(svg, "text", { x: right, y: at(0, list.at(-1))[1] - 6, "text-anchor": "end" }, words);
     });
     if (mark) draw(svg, "circle", { class: "now", r: 5, cx: at(scaled(mark[0]), mark[1])[0], cy: at(0, mark[1])[1] });
+  };
+  // The field of the Reynolds equation at one instant, unrolled: around the bush from left to right, along it from bottom to top.
+  const [COLUMNS, ROWS] = [96, 12];
+  const VIRIDIS = ["440154", "472d7b", "3b528b", "2c728e", "21918c", "28ae80", "5ec962", "addc30", "fde725"].map(c => [0, 2, 4].map(k => parseInt(c.slice(k, k + 2), 16)));
+  const shade = share => {
+    const place = Math.min(Math.max(share, 0), 1) * (VIRIDIS.length - 1), k = Math.min(Math.floor(place), VIRIDIS.length - 2);
+    return VIRIDIS[k].map((c, j) => Math.round(c + (place - k) * (VIRIDIS[k + 1][j] - c)));
+  };
+  const field = ({ times, values: [ratios, angles, pressures, , loads, shares, viscosities, clearances] }) => {
+    const k = pressures.reduce((best, p, i) => p > pressures[best] ? i : best, 0), canvas = document.getElementById("field");
+    const [width, diameter, friction] = ["bearing.width", "bearing.diameter", "bearing.boundaryFriction"].map(name => data.variables[name][1]);
+    const unit = [Math.cos(angles[k]), Math.sin(angles[k])], scale = 12 * viscosities[k] * (diameter / 2 / clearances[k]) ** 2;
+    // The film carries what touching asperities, which push from the wall to the middle, and their friction leave.
+    const touched = [unit[0] - friction * unit[1], unit[1] + friction * unit[0]];
+    const load = [1 - shares[k] * touched[0], -shares[k] * touched[1]].map(part => part * loads[k] / (scale * diameter / 2 * width));
+    const { film_pressure, memory } = film, at = film_pressure(ratios[k] * unit[0], ratios[k] * unit[1], ...load, width / diameter);
+    if (!at) return null;
+    const cells = Array.from(new Float64Array(memory.buffer, at, COLUMNS * ROWS), p => p * scale / 1e6), most = Math.max(...cells);
+    const [W, H, LEFT, TOP, WIDE, HIGH] = [840, 460, 96, 16, 610, 360], small = new OffscreenCanvas(COLUMNS, 2 * ROWS), image = new ImageData(COLUMNS, 2 * ROWS);
+    Object.assign(canvas, { width: W, height: H });
+    for (let i = 0; i < COLUMNS; i++) {
+      for (let row = 0; row < 2 * ROWS; row++) {
+        const j = row < ROWS ? ROWS - 1 - row : row - ROWS;
+        image.data.set([...shade(cells[i * ROWS + j] / most), 255], 4 * (row * COLUMNS + i));
+      }
+    }
+    small.getContext("2d").putImageData(image, 0, 0);
+    const pen = canvas.getContext("2d"), colour = getComputedStyle(canvas).getPropertyValue("--soft");
+    pen.drawImage(small, LEFT, TOP, WIDE, HIGH);
+    Object.assign(pen, { fillStyle: colour, strokeStyle: colour, font: "24px system-ui, sans-serif", textAlign: "center" });
+    for (const angle of [-180, -90, 0, 90, 180]) pen.fillText(`${angle}°`.replace("-", "−"), LEFT + WIDE * (angle + 180) / 360, TOP + HIGH + 30);
+    pen.fillText("angle from the load line, in the direction of rotation", LEFT + WIDE / 2, TOP + HIGH + 64);
+    pen.textAlign = "right";
+    [[0, `${round(500 * width)}`], [0.5, "0"], [1, `−${round(500 * width)}`]].forEach(([share, words]) => pen.fillText(words, LEFT - 10, TOP + 8 + HIGH * share));
+    pen.fillText("mm", LEFT - 10, TOP + HIGH * 0.27);
+    pen.textAlign = "left";
+    for (let y = 0; y < HIGH; y++) {
+      pen.fillStyle = `rgb(${shade(1 - y / HIGH)})`;
+      pen.fillRect(LEFT + WIDE + 14, TOP + y, 18, 1.5);
+    }
+    pen.fillStyle = colour;
+    [[0, round(Number(most.toPrecision(3)))], [1, 0]].forEach(([share, words]) => pen.fillText(words, LEFT + WIDE + 40, TOP + 12 + (HIGH - 4) * share));
+    pen.fillText("MPa", LEFT + WIDE + 40, TOP + HIGH / 2);
+    document.getElementById("field-note").textContent = `${round(1e3 * times[k])} ms into the turn, when it is largest; the bush is unrolled.`;
+    return [most, pressures[k]];
   };
   const orbit = ([ratios, angles]) => {
     const svg = document.getElementById("orbit"), at = k => [150 + 130 * ratios[k] * Math.sin(angles[k]), 150 + 130 * ratios[k] * Math.cos(angles[k])];
@@ -102,12 +171,13 @@ const Playground = (() => {
     const warm = { "thermal.initialOilTemperature": oil.at(-1), "thermal.initialBearingTemperature": bearing.at(-1) }, now = turn(warm, FINE);
     if (!now) return void (note.textContent = "The turn at the end cannot be computed with these parameters.");
     orbit(now.values);
+    const pressure = field(now);
     plot("pressure", now.times.map(t => 1e3 * t), [{ list: now.values[2] }], ["ms", "MPa"]);
     const own = mean(now.values[3]), speed = state["drive.speed"];
     const speeds = Array.from({ length: 24 }, (_, k) => 30 * 50 ** (k / 23));
     const curve = speeds.map(v => [v, turn({ ...warm, "drive.speed": v }, 48)]).filter(([, found]) => found).map(([v, found]) => [v, mean(found.values[3])]);
-    plot("stribeck", curve.map(([v]) => v), [{ list: curve.map(([, f]) => f) }], ["rpm", "friction coefficient"], [speed, own], true);
-    last = { oil: oil.at(-1), bearing: bearing.at(-1), torque: torque.at(-1), friction: own, curve };
+    plot("stribeck", curve.map(([v]) => v), [{ list: curve.map(([, f]) => f) }], ["speed in rpm, logarithmic", "friction coefficient"], [speed, own], true);
+    last = { pressure, oil: oil.at(-1), bearing: bearing.at(-1), torque: torque.at(-1), friction: own, curve };
     note.textContent = `${SECONDS} s and ${(BEFORE + 1) * (curve.length + 1)} turns simulated in ${Math.round(performance.now() - begun)} ms.`;
   };
 
@@ -134,6 +204,8 @@ const Playground = (() => {
   const begin = async () => {
     const bytes = Uint8Array.from(atob(data.module), c => c.charCodeAt(0));
     module = await WebAssembly.compile(await new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"))).arrayBuffer());
+    film = (await WebAssembly.instantiate(module, {})).exports;
+    film._initialize?.();
     controls();
     simulate();
   };

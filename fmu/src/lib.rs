@@ -10,6 +10,8 @@ pub mod drive;
 pub mod load;
 pub mod multirate;
 pub mod oil;
+#[cfg(target_family = "wasm")]
+pub mod picture;
 pub mod sensors;
 pub mod solver;
 pub mod stand;

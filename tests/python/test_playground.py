@@ -43,7 +43,13 @@ def test_the_page_shows_what_the_fmu_computes(browser, tmp_path, module):  # noq
         assert found["oil"] + 273.15 == pytest.approx(float(row["sensor.oilTemperature"]), rel=1e-9)
         assert found["bearing"] + 273.15 == pytest.approx(float(row["sensor.bearingTemperature"]), rel=1e-9)
         assert found["torque"] == pytest.approx(float(row["sensor.frictionTorque"]), rel=1e-6)
+        # The field of the Reynolds equation against the map of the FMU, which was made of such fields.
+        field, largest = found["pressure"]
+        assert field == pytest.approx(largest, rel=0.02)
         assert len(found["curve"]) == 24
+        labels = browser.execute_script("return ['pressure', 'stribeck', 'temperature', 'torque'].map(id => [...document.querySelectorAll(`#${id} text`)].map(t => t.textContent))")
+        for texts in labels:
+            assert len(texts) == len(set(texts)) or texts.count("0") <= 2, texts
         assert browser.execute_script("return document.querySelectorAll('.plots svg .one').length") >= 5
     for width in (400, 1280):
         browser.set_window_size(width, 900)

@@ -10,7 +10,7 @@ import tomllib
 import pytest
 from test_acceptance import PROGRAM
 from test_report import browser, pytestmark  # noqa: F401
-from test_whatif import STUDY, judged, table
+from test_whatif import STUDY, judged, same, table
 
 # Studies of normal parameters and linear values. Points that were drawn from some distributions are judged under others; then
 # many fresh points of these tell the truth.
@@ -39,7 +39,7 @@ for (let study = 0; study < studies; study++) {
   const sample = (of, n) => {
     const parameters = of.map(q => Float32Array.from({ length: n }, () => q.mean + q.deviation * normal()));
     const values = slopes.map(own => Float64Array.from({ length: n }, (_, i) => own[0] * parameters[0][i] + own[1] * parameters[1][i]));
-    return { size: n, samples: 1, grid: false, completed: new Uint8Array(n).fill(1), values, parameters };
+    return { size: n, samples: 1, grid: false, completed: new Uint8Array(n).fill(1), known: Judge.known(values.map(() => ''), values), values, parameters };
   };
   const points = sample(drawn, size), weights = Weights.of(drawn, changes, points.parameters, size);
   if (Weights.effective(weights) < Weights.FEW) continue;
@@ -148,6 +148,21 @@ def test_a_criterion_of_a_case_makes_no_table_of_its_own(browser, tmp_path):  # 
     # Comments alone: pasted into a study, they change nothing.
     assert tomllib.loads(snippet) == {}
     assert "by hand" in hint and hidden
+
+
+def test_what_fails_in_one_case_counts_in_the_others(browser, tmp_path):  # noqa: F811
+    table(tmp_path / "table.csv")
+    rows = [row.split(",") for row in (tmp_path / "table.csv").read_text().splitlines()[1:]]
+    # The second case has no value at every seventh point.
+    rows = ["point,slow/T,fast/T", *(f"{k},{t},{'nan' if int(k) % 7 == 0 else t}" for k, t, *_ in rows)]
+    (tmp_path / "table.csv").write_text("\n".join(rows) + "\n")
+    summary = judged(tmp_path / "first", CASES.replace("tolerance = 0.6", "tolerance = 0.6\nuncertainty = 0.2", 1).replace("tolerance = 0.6, unit", "tolerance = 0.6, uncertainty = 0.3, unit"))
+    browser.get((tmp_path / "first" / "out" / "report.html").as_uri())
+    asked = browser.execute_script("return WhatIf.ask({})")
+    for found, criterion in zip(asked["criteria"], summary["criteria"].values(), strict=True):
+        same(found, {key: criterion.get(key) for key in ("passed", "fraction", "interval", "risk")})
+    same(asked["verified"]["passed"], summary["verified"])
+    assert asked["failed"] == summary["failed"] == 57
 
 
 def test_words_of_one_accepted_point(browser, tmp_path):  # noqa: F811

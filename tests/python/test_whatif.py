@@ -156,6 +156,7 @@ const points = {
   size: rows.length, samples: 1, grid: false, completed: Uint8Array.from(rows, row => row.every(v => v !== null) ? 1 : 0),
   values: setting.criteria.map((_, k) => Float64Array.from(rows, row => row[k] ?? NaN)),
 };
+points.known = Judge.known(setting.criteria.map(() => ""), points.values);
 const { flags, ...found } = Judge.judge(setting, points);
 return found;
 """

@@ -24,10 +24,16 @@ pub enum FolderError {
 /// # Errors
 /// When there is no finished study in the folder, or one of the files is damaged.
 pub fn read(folder: &Path) -> Result<(Summary, PointTable), FolderError> {
-    read_some(folder, u64::MAX)
+    let (summary, mut table) = read_some(folder, u64::MAX)?;
+    let failed: Vec<usize> = (0..table.len()).filter(|&i| !table.completed(i)).collect();
+    for criterion in &mut table.criteria {
+        failed.iter().for_each(|&i| criterion.values[i] = f64::NAN);
+    }
+    Ok((summary, table))
 }
 
-/// Reads `summary.json` and an even choice of the rows in `points.csv`, with the best ones.
+/// Reads `summary.json` and an even choice of the rows in `points.csv`, with the best ones. A case that failed has no values; the other
+/// cases of its point keep theirs, which count.
 ///
 /// # Errors
 /// As [`read`].
@@ -35,9 +41,29 @@ pub fn read_some(folder: &Path, most: u64) -> Result<(Summary, PointTable), Fold
     let summary = summary(folder)?;
     let points = Points::read_some(&folder.join("points.csv"), &summary, most)?;
     let mut table = table(&summary, points);
-    let failed: Vec<usize> = (0..table.len()).filter(|&i| !table.completed(i)).collect();
-    for criterion in &mut table.criteria {
-        failed.iter().for_each(|&i| criterion.values[i] = f64::NAN);
+    let case = |name: &str| match name.split_once('/') {
+        Some((case, _)) if summary.cases.contains_key(case) => Some(case.to_owned()),
+        _ => None,
+    };
+    let cases: Vec<Option<String>> = table.criteria.iter().map(|c| case(&c.name)).collect();
+    for i in (0..table.len())
+        .filter(|&i| !table.completed(i))
+        .collect::<Vec<_>>()
+    {
+        let known: Vec<bool> = table
+            .criteria
+            .iter()
+            .map(|c| c.values[i].is_finite())
+            .collect();
+        let whole = |case: &Option<String>| {
+            let mut own = cases.iter().zip(&known).filter(|(other, _)| *other == case);
+            case.is_some() && own.all(|(_, known)| *known)
+        };
+        for (criterion, case) in table.criteria.iter_mut().zip(&cases) {
+            if !whole(case) {
+                criterion.values[i] = f64::NAN;
+            }
+        }
     }
     Ok((summary, table))
 }

@@ -54,7 +54,7 @@ fn live(options: &cli::Report, report: &Report) -> Result<Live, CommandError> {
     }
     let verification = Verification::reopen(&options.folder, options.fmu.clone())?;
     let mut session = verification.session;
-    Live::new(&session.plan, &mut session.package).map_err(cannot)
+    Live::new(&session.plan, &mut session.package, &report.table).map_err(cannot)
 }
 
 /// Keeps the study's text and the best point's trajectory in a folder of results. `trusted`: the points ran in this

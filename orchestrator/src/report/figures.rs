@@ -133,17 +133,24 @@ fn density_cells(
         (frame.y.from - frame.y.to) / BINS as f64,
     );
     let mut paths = vec![String::new(); SHADES];
-    for (k, &level) in cells.iter().enumerate().filter(|(_, level)| **level > 0) {
-        let (left, top) = (
-            frame.x.from + (k % BINS) as f64 * w,
-            frame.y.from - (k / BINS + 1) as f64 * h,
-        );
-        let [left, right] = [left, left + w].map(|x| x.clamp(across[0], across[1]));
+    let shade = |level: u8| (level > 0).then(|| usize::from(level - 1) * SHADES / 255);
+    for (row, cells) in cells.chunks(BINS).enumerate() {
+        let top = frame.y.from - (row + 1) as f64 * h;
         let [top, bottom] = [top, top + h].map(|y| y.clamp(along[1], along[0]));
-        let _ = write!(
-            paths[usize::from(level - 1) * SHADES / 255],
-            "M{left:.1},{top:.1}H{right:.1}V{bottom:.1}H{left:.1}z"
-        );
+        let mut first = 0;
+        // Neighbours of one shade are one area.
+        for run in cells.chunk_by(|a, b| shade(*a) == shade(*b)) {
+            let ends = [first, first + run.len()];
+            let [left, right] =
+                ends.map(|cell| (frame.x.from + cell as f64 * w).clamp(across[0], across[1]));
+            if let Some(shade) = shade(run[0]) {
+                let _ = write!(
+                    paths[shade],
+                    "M{left:.1},{top:.1}H{right:.1}V{bottom:.1}H{left:.1}z"
+                );
+            }
+            first = ends[1];
+        }
     }
     paths
         .iter()
@@ -458,10 +465,11 @@ pub fn residuals(series: &Series) -> Option<String> {
     measured.residuals(&series.name, &series.unit, &series.time, &series.values)
 }
 
-/// A polyline through the first, least, greatest and last value of every pixel column.
+/// A polyline through the first, least, greatest and last value of every pixel column, in tenths of a pixel.
+#[allow(clippy::cast_possible_truncation)]
 pub(super) fn envelope(time: &[f64], values: &[f64], frame: &Frame) -> String {
     let mut d = String::new();
-    let mut pen = 'M';
+    let mut pen: Option<[i64; 2]> = None;
     let points: Vec<(f64, f64)> = time
         .iter()
         .zip(values)
@@ -479,9 +487,29 @@ pub(super) fn envelope(time: &[f64], values: &[f64], frame: &Frame) -> String {
         kept.sort_by(|a, b| a.0.total_cmp(&b.0));
         kept.dedup();
         for (px, py) in kept {
-            let _ = write!(d, "{pen}{px:.2},{py:.1}");
-            pen = 'L';
+            let place = [px, py].map(|p| (10.0 * p).round() as i64);
+            let [dx, dy] = match pen {
+                Some([x, y]) => [place[0] - x, place[1] - y].map(tenths),
+                None => place.map(tenths),
+            };
+            let mark = match pen {
+                None => 'M',
+                Some(before) if before == place => continue,
+                Some(_) => 'l',
+            };
+            let _ = write!(d, "{mark}{dx},{dy}");
+            pen = Some(place);
         }
     }
     d
+}
+
+/// A number of tenths, as short as can be.
+fn tenths(number: i64) -> String {
+    let sign = if number < 0 { "-" } else { "" };
+    match [number.abs() / 10, number.abs() % 10] {
+        [whole, 0] => format!("{sign}{whole}"),
+        [0, part] => format!("{sign}.{part}"),
+        [whole, part] => format!("{sign}{whole}.{part}"),
+    }
 }

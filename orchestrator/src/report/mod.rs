@@ -34,13 +34,16 @@ use crate::analysis::sensitivity::study::Sensitivity;
 use crate::analysis::table::PointTable;
 use crate::analysis::tolerances::stated::Tolerances;
 use crate::analysis::verdict::PassCounts;
+use base64::{Engine, engine::general_purpose::STANDARD};
 use figures::Series;
+use flate2::{Compression, write::GzEncoder};
 use indexmap::IndexMap;
 use judgement::Judgement;
 use outlook::Outlook;
 #[cfg(feature = "png")]
 use rayon::prelude::*;
 use sampling::statistics::share::Fraction;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -272,4 +275,11 @@ fn write_file(path: &Path, text: &str) -> Result<(), ReportError> {
         path: path.to_owned(),
         source,
     })
+}
+
+/// What the page unpacks, as text.
+fn packed(bytes: &[u8]) -> std::io::Result<String> {
+    let mut packer = GzEncoder::new(Vec::new(), Compression::best());
+    packer.write_all(bytes)?;
+    Ok(STANDARD.encode(packer.finish()?))
 }

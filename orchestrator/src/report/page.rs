@@ -12,10 +12,14 @@ use super::{Report, ReportError, Whole};
 use crate::analysis::table::PointTable;
 use crate::analysis::verdict::{PassCounts, verdict};
 use crate::results::words::capitalised;
+use base64::{Engine, engine::general_purpose::STANDARD};
 use conformity::decision::Decision;
 use minijinja::{Environment, value::Serde};
 use serde::Serialize;
 use std::collections::BTreeMap;
+
+/// More bytes are packed. Fewer are read at once, and in browsers that cannot unpack, too.
+const MOST_PLAIN: usize = 300_000;
 
 /// Values that the template shows.
 #[derive(Serialize)]
@@ -26,11 +30,15 @@ struct Page<'a> {
     date: &'a str,
     style: &'static str,
     script: &'static str,
+    simulator: &'static str,
     /// Whether the study can be changed in the page.
     whatif: bool,
-    /// Whether the page simulates points.
-    live: bool,
+    /// How the page simulates points, where it can.
+    live: Option<String>,
     data: String,
+    bytes: String,
+    /// Whether the bytes are packed.
+    packed: bool,
     remarks: &'a [String],
     title: String,
     kind: &'static str,
@@ -109,6 +117,7 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
     let conformance = report.judgement.conformance(table);
     let total = report.points();
     let counts = [total, report.accepted(&counted)];
+    let bytes = payload::Bytes::default();
     let data = payload::payload(
         table,
         &columns,
@@ -116,9 +125,16 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
         counts,
         conformance.as_deref(),
         report.whatif.as_ref(),
-        report.live.as_ref(),
+        &bytes,
     );
-    let data = serde_json::to_string(&data)?;
+    let data = script_safe(&serde_json::to_string(&data)?);
+    let bytes = bytes.all();
+    let packed = bytes.len() > MOST_PLAIN;
+    let live = report
+        .live
+        .as_ref()
+        .map(serde_json::to_string)
+        .transpose()?;
     let decision = decision(report, &counted);
 
     let mut environment = Environment::new();
@@ -134,20 +150,26 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
             include_str!("assets/whatif.css")
         ),
         script: concat!(
+            include_str!("assets/packed.js"),
             include_str!("assets/numbers.js"),
             include_str!("assets/moments.js"),
             include_str!("assets/judge.js"),
             include_str!("assets/weights.js"),
             include_str!("assets/reweigh.js"),
-            include_str!("assets/simulator.js"),
             include_str!("assets/live.js"),
             include_str!("assets/toml.js"),
             include_str!("assets/whatif.js"),
             include_str!("assets/report.js")
         ),
+        simulator: include_str!("assets/simulator.js"),
         whatif: report.whatif.is_some(),
-        live: report.live.is_some(),
-        data: script_safe(&data),
+        live: live.as_deref().map(script_safe),
+        data,
+        bytes: match packed {
+            true => super::packed(&bytes).map_err(serde_json::Error::io)?,
+            false => STANDARD.encode(&bytes),
+        },
+        packed,
         remarks: &report.remarks,
         title: capitalised(&decision.to_string()),
         kind: match decision {

@@ -3,12 +3,11 @@
 
 use super::bins;
 use super::judgement::Judgement;
-use super::live::Live;
 use super::whatif::WhatIf;
 use crate::analysis::table::PointTable;
 use crate::results::choice::Even;
-use base64::{Engine, engine::general_purpose::STANDARD};
 use serde::Serialize;
+use std::cell::RefCell;
 use std::collections::BTreeMap;
 
 /// Largest number of points that are drawn one by one.
@@ -17,6 +16,25 @@ pub(super) const MOST_POINTS: usize = 20_000;
 const MOST_COLUMN_BYTES: usize = 2_000_000;
 /// Largest size of the embedded densities, bytes.
 const MOST_DENSITY_BYTES: usize = 1_500_000;
+
+/// Bytes beside the data, which name their parts by begin and end.
+#[derive(Default)]
+pub struct Bytes(RefCell<Vec<u8>>);
+
+type Part = [usize; 2];
+
+impl Bytes {
+    fn add(&self, bytes: impl IntoIterator<Item = u8>) -> Part {
+        let mut all = self.0.borrow_mut();
+        let begin = all.len();
+        all.extend(bytes);
+        [begin, all.len()]
+    }
+
+    pub fn all(self) -> Vec<u8> {
+        self.0.into_inner()
+    }
+}
 
 /// Data for the page's script.
 #[derive(Serialize)]
@@ -28,22 +46,20 @@ pub struct Payload {
     sampled: bool,
     columns: Vec<EmbeddedColumn>,
     /// Point numbers, 32-bit.
-    ids: String,
+    ids: Part,
     /// Whether a guard band acts, so that fewer points are accepted than lie within all tolerances.
     guarded: bool,
     /// A byte a point: accepted.
-    verified: String,
+    verified: Part,
     /// A byte a point: simulated to its end.
-    completed: String,
-    /// The conformance probabilities, 32-bit floats, where they are known.
-    conformance: Option<String>,
+    completed: Part,
+    /// The conformance probabilities, 32-bit floats of five digits, where they are known.
+    conformance: Option<Part>,
     density: Option<Density>,
     /// The study to be changed, where the points can be judged in the page.
     study: Option<WhatIf>,
     /// A byte a point: of an even choice of all points, which is what can be judged where not all are embedded.
-    sample: Option<String>,
-    /// How the page simulates points, where it can.
-    live: Option<Live>,
+    sample: Option<Part>,
 }
 
 #[derive(Serialize)]
@@ -53,8 +69,8 @@ struct EmbeddedColumn {
     range: [f64; 2],
     /// Points with a value that lies outside `range`.
     outside: usize,
-    /// 32-bit floats; of a criterion 64-bit ones, since its values are judged.
-    data: String,
+    /// 32-bit floats; of a criterion 64-bit ones, since its values are judged. Their bytes stand apart (`apart`).
+    data: Part,
     criterion: Option<Acceptance>,
 }
 
@@ -66,15 +82,15 @@ struct Acceptance {
     /// The tolerance interval drawn in by the guard band, where one acts and anything is left.
     drawn_in: Option<[f64; 2]>,
     /// A byte a point.
-    ok: String,
+    ok: Part,
 }
 
 #[derive(Serialize)]
 struct Density {
     bins: usize,
     /// By "x,y" (column indices, x below y): a byte a cell.
-    all: BTreeMap<String, String>,
-    verified: BTreeMap<String, String>,
+    all: BTreeMap<String, Part>,
+    verified: BTreeMap<String, Part>,
     /// Points in the fullest cell: of all, of the accepted ones.
     most: BTreeMap<String, [u32; 2]>,
 }
@@ -160,8 +176,7 @@ fn even(n: usize, most: usize) -> Even {
 
 /// Collects the data for the page's script; there are `total` points, `accepted` of them accepted, of which the table may
 /// hold only some. In the table the accepted points count as verified. `conformance` is the conformance probability of every
-/// point, where it is known; `study` is what can be changed, `live` how the page
-/// simulates points.
+/// point, where it is known; `study` is what can be changed. What is many goes into `bytes`.
 pub fn payload(
     table: &PointTable,
     columns: &[PlotColumn<'_>],
@@ -169,26 +184,17 @@ pub fn payload(
     [total, accepted]: [usize; 2],
     conformance: Option<&[f64]>,
     study: Option<&WhatIf>,
-    live: Option<&Live>,
+    bytes: &Bytes,
 ) -> Payload {
     let first_criterion = table.parameters.len();
-    let flags = |flag: &dyn Fn(usize) -> bool| {
-        STANDARD.encode(
-            points
-                .iter()
-                .map(|&i| u8::from(flag(i)))
-                .collect::<Vec<_>>(),
-        )
-    };
+    let flags = |flag: &dyn Fn(usize) -> bool| bytes.add(points.iter().map(|&i| u8::from(flag(i))));
     let floats = |values: &[f64]| {
-        let bytes = points
-            .iter()
-            .flat_map(|&i| (values[i] as f32).to_le_bytes());
-        STANDARD.encode(bytes.collect::<Vec<_>>())
+        let numbers = points.iter().map(|&i| (values[i] as f32).to_le_bytes());
+        bytes.add(apart(numbers))
     };
     let doubles = |values: &[f64]| {
-        let bytes = points.iter().flat_map(|&i| values[i].to_le_bytes());
-        STANDARD.encode(bytes.collect::<Vec<_>>())
+        let numbers = points.iter().map(|&i| values[i].to_le_bytes());
+        bytes.add(apart(numbers))
     };
     let some = points.len() < table.len();
     let even = even(table.len(), most_embedded(columns.len()));
@@ -222,27 +228,41 @@ pub fn payload(
         accepted,
         sampled: points.len() < total,
         columns: described.collect(),
-        ids: STANDARD.encode(
-            points
-                .iter()
-                .flat_map(|&i| (table.ids[i] as u32).to_le_bytes())
-                .collect::<Vec<_>>(),
-        ),
+        ids: bytes.add(apart(
+            points.iter().map(|&i| (table.ids[i] as u32).to_le_bytes()),
+        )),
         guarded: columns.iter().any(|c| c.drawn_in.is_some()),
         verified: flags(&|i| table.verified[i]),
         completed: flags(&|i| table.completed(i)),
-        conformance: conformance.map(floats),
+        conformance: conformance.map(|chances| {
+            let numbers = points.iter().map(|&i| short(chances[i]).to_le_bytes());
+            bytes.add(apart(numbers))
+        }),
         sample: some.then(|| flags(&|i| even.has(i as u64))),
         study: study.cloned().map(|study| match some {
             true => study.of_some(),
             false => study,
         }),
-        live: live.cloned(),
-        density: (points.len() < total).then(|| densities(table, columns)),
+        density: (points.len() < total).then(|| densities(table, columns, bytes)),
     }
 }
 
-fn densities(table: &PointTable, columns: &[PlotColumn<'_>]) -> Density {
+/// A number of five digits, which can be packed better.
+fn short(number: f64) -> f32 {
+    const DROPPED: u32 = 7;
+    let bits = (number as f32).to_bits();
+    f32::from_bits((bits + (1 << (DROPPED - 1))) >> DROPPED << DROPPED)
+}
+
+/// The bytes of numbers, all first ones, then all second ones, and so on: sign and exponent of neighbours are alike, so they can be
+/// packed.
+fn apart<const SIZE: usize>(
+    numbers: impl Iterator<Item = [u8; SIZE]> + Clone,
+) -> impl Iterator<Item = u8> {
+    (0..SIZE).flat_map(move |place| numbers.clone().map(move |number| number[place]))
+}
+
+fn densities(table: &PointTable, columns: &[PlotColumn<'_>], bytes: &Bytes) -> Density {
     let all_pairs = |keep: &dyn Fn(usize, usize) -> bool| -> Vec<(usize, usize)> {
         (0..columns.len())
             .flat_map(|a| (a + 1..columns.len()).map(move |b| (a, b)))
@@ -281,12 +301,9 @@ fn densities(table: &PointTable, columns: &[PlotColumn<'_>]) -> Density {
         let verified = counts(a, b, &|i| table.verified[i]);
         let most = [&all, &verified].map(|cells| cells.iter().copied().max().unwrap_or(0));
         density.most.insert(key(), most);
-        density
-            .all
-            .insert(key(), STANDARD.encode(bins::levels(&all)));
-        density
-            .verified
-            .insert(key(), STANDARD.encode(bins::levels(&verified)));
+        density.all.insert(key(), bytes.add(bins::levels(&all)));
+        let verified = bytes.add(bins::levels(&verified));
+        density.verified.insert(key(), verified);
     }
     density
 }

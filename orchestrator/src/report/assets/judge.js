@@ -184,11 +184,12 @@ const Judge = (() => {
   };
 
   // ---- one criterion over all points ---------------------------------------------------------------------------------
-  const assess = (criterion, { size, completed, values }) => {
+  const assess = (criterion, { size, completed, known, values }) => {
     const ok = new Uint8Array(size), margins = new Float64Array(size), chance = new Float64Array(size);
     for (let i = 0; i < size; i++) {
       const value = completed[i] ? values[i] : NaN;
-      ok[i] = Math.abs(value - criterion.nominal) <= criterion.tolerance ? 1 : 0;
+      // The counts of a case do not depend on what happens in another one; the risks are those of points that came to their end.
+      ok[i] = known[i] && Math.abs(values[i] - criterion.nominal) <= criterion.tolerance ? 1 : 0;
       margins[i] = margin(criterion, value);
       if (criterion.uncertainty && completed[i]) chance[i] = Numbers.between(...limits(criterion, value));
     }
@@ -198,7 +199,7 @@ const Judge = (() => {
   const assessed = (criterion, points, k) => {
     const { nominal, tolerance, uncertainty } = criterion;
     const key = JSON.stringify([nominal, tolerance, uncertainty]), cache = points.cache ??= [];
-    if (cache[k]?.key !== key) cache[k] = { key, found: assess(criterion, { ...points, values: points.values[k] }) };
+    if (cache[k]?.key !== key) cache[k] = { key, found: assess(criterion, { ...points, known: points.known[k], values: points.values[k] }) };
     return cache[k].found;
   };
 
@@ -237,6 +238,13 @@ const Judge = (() => {
     return step === null ? { band: null, from: Infinity } : { band: step * STEP, from: step };
   };
   const sum = list => list.reduce((a, b) => a + b, 0);
+
+  /** Which points count for each criterion: those of whose case all values are known. What fails in one case costs no other one. */
+  const known = (cases, values) => {
+    const finite = members => Uint8Array.from(values[0] ?? [], (_, i) => members.every(k => Number.isFinite(values[k][i])) ? 1 : 0);
+    const of = [...new Set(cases)].map(name => [name, finite([...cases.keys()].filter(k => cases[k] === name))]);
+    return cases.map(name => of.find(([own]) => own === name)[1]);
+  };
 
   /** Judges all points by a setting. */
   const judge = ({ criteria, correlations, rule }, points) => {
@@ -286,5 +294,5 @@ const Judge = (() => {
     };
   };
 
-  return { judge, margin, widest, sureStep, STEP };
+  return { judge, known, margin, widest, sureStep, STEP };
 })();

@@ -1,29 +1,27 @@
 "use strict";
-// Fresh points: drawn from the changed distributions, simulated by two workers with the FMU's own module.
+// Fresh points: drawn from the changed distributions, simulated by two workers with the FMU's own module. Before it is believed,
+// it must give what the study has of some of its own points.
 const Live = (() => {
-  const POINTS = 2000, WORKERS = 2, STEPS = 200;
+  const POINTS = 2000, WORKERS = 2;
+  /** A picture over time has at least about so many instants. */
+  const FEW = 100;
   /** Seconds for a simulation, and how many may take longer. */
   const PATIENCE = 10, STUCK = 3;
-  let task, workers = null;
+  let task, workers = null, compared = null;
 
   // ---- the workers ----------------------------------------------------------------------------------------------
   const answer = () => {
     let simulator;
-    onmessage = ({ data: { module, task: given, rows, values, steps } }) => {
+    onmessage = ({ data: { module, task: given, rows, traced } }) => {
       try {
         if (module) simulator = Simulator(module, given);
-        else if (steps) postMessage({ result: simulator.trace(values, steps) });
+        else if (traced) postMessage({ result: simulator.trace(...traced) });
         else for (const row of rows) postMessage({ result: simulator.point(row) });
       } catch (error) {
         postMessage({ error: String(error.message ?? error), lost: error.lost });
         close();
       }
     };
-  };
-  const unpacked = async text => {
-    const bytes = Uint8Array.from(atob(text), c => c.charCodeAt(0));
-    const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
-    return new Response(stream).arrayBuffer();
   };
   // A worker does its jobs in turn. One that says nothing for too long, or has lost its module, is replaced: the job at hand is
   // given back with the answers until then, and the others are asked again.
@@ -68,9 +66,9 @@ const Live = (() => {
     return (message, count) => new Promise((resolve, reject) => submit({ message, count, answers: [], resolve, reject }));
   };
   const begin = async () => {
-    const module = await WebAssembly.compile(await unpacked(task.module));
+    const module = await WebAssembly.compile(await Packed.opened(task.module));
     const code = new Blob([`"use strict";const Simulator=${Simulator};(${answer})()`], { type: "text/javascript" });
-    const address = URL.createObjectURL(code), { module: _, ...own } = task;
+    const address = URL.createObjectURL(code), { module: _, own: __, ...own } = task;
     return Array.from({ length: WORKERS }, () => employed(module, own, address));
   };
   const crew = () => workers ??= begin();
@@ -85,10 +83,29 @@ const Live = (() => {
         if (error.stuck) stuck += 1;
         if (stuck === STUCK) (workers = Promise.reject(error)).catch(() => {});
         if (!error.lost || stuck === STUCK) throw error;
-        found.push(...error.answers, task.observed.map(() => NaN));
+        found.push(...error.answers, Array(task.cases.reduce((sum, { observed }) => sum + observed.length, 0)).fill(NaN));
       }
     }
-    return found.flat();
+    return found;
+  };
+  /** The results of rows of parameters. */
+  const results = async rows => {
+    const hands = await crew(), part = Math.ceil(rows.length / hands.length);
+    const parts = await Promise.all(hands.map((ask, k) => simulated(ask, rows.slice(k * part, (k + 1) * part))));
+    const found = parts.flat();
+    if (!found.some(own => own.every(Number.isFinite))) throw new Error("each of them failed in the module");
+    return found;
+  };
+
+  // ---- points of the study ------------------------------------------------------------------------------------------
+  // A module that computes something else than the study did is not asked again.
+  const compare = async columns => {
+    const found = await results(task.own.map(({ values }) => values));
+    task.own.forEach(({ id, results: own, within }, i) => own.forEach((value, k) => {
+      if (Math.abs(found[i][k] - value) <= within[k]) return;
+      const short = v => String(Number(v.toPrecision(8))), said = Number.isFinite(found[i][k]) ? `is ${short(found[i][k])}` : "has no value";
+      throw new Error(`the module does not give the study's own points: ${columns[k].name} of point ${id} ${said} instead of ${short(value)}`);
+    }));
   };
 
   // ---- fresh points -----------------------------------------------------------------------------------------------
@@ -146,45 +163,73 @@ const Live = (() => {
   const points = async (parameters, changes, seed = 1) => {
     const uniform = generator(seed), own = parameters.map((q, k) => ({ ...q, ...changes[k] }));
     const rows = Array.from({ length: POINTS }, () => own.map(q => drawn(q, uniform)));
-    const hands = await crew(), part = Math.ceil(POINTS / hands.length);
-    const results = (await Promise.all(hands.map((ask, k) => simulated(ask, rows.slice(k * part, (k + 1) * part))))).flat(), n = task.observed.length;
-    if (!results.some(Number.isFinite)) throw new Error("each of them failed in the module");
+    await compared;
+    const found = await results(rows);
     return {
       size: POINTS, samples: 1, grid: false,
-      completed: Uint8Array.from(rows, (_, i) => Number.isFinite(results[i * n]) ? 1 : 0),
-      values: task.observed.map((_, k) => Float64Array.from(rows, (_, i) => results[i * n + k])),
+      completed: Uint8Array.from(found, own => own.every(Number.isFinite) ? 1 : 0),
+      values: found[0].map((_, k) => Float64Array.from(found, own => own[k])),
       parameters: own.map((_, k) => Float64Array.from(rows, row => row[k])),
     };
   };
 
-  /** A point's criteria over time: { times, values }, or null where it fails. */
-  const trace = async values => (await (await crew())[0]({ values, steps: STEPS }, 1))[0];
+  // The signals of the first criteria over time, with the measured curves: { times, values, curve }; a null where a case fails.
+  const SHOWN = 4;
+  const traces = async values => {
+    const [ask] = await crew(), found = [];
+    for (const [number, { observed }] of task.cases.entries()) {
+      if (found.length >= SHOWN) break;
+      const [own] = await ask({ traced: [values, number, FEW] }, 1);
+      observed.forEach(({ curve }, k) => found.push(own && { times: own.times, values: own.values[k], curve }));
+    }
+    return found.slice(0, SHOWN);
+  };
 
   /** Small pictures of a point over time, below each other. */
   const draw = async (values, columns, place, { make, number }) => {
     let found;
     try {
-      found = await trace(values);
+      found = await traces(values);
     } catch {
-      found = null;
+      found = [];
     }
     if (!place.isConnected) return;
-    if (!found) return void (make("p", "cannot be simulated here", place).className = "quiet");
-    const [WIDTH, HEIGHT, NS] = [220, 36, "http://www.w3.org/2000/svg"], { times } = found, span = times.at(-1) - times[0];
-    found.values.slice(0, 4).forEach((list, k) => {
-      const low = list.reduce((a, b) => Math.min(a, b)), high = list.reduce((a, b) => Math.max(a, b));
-      const line = list.map((v, i) => `${(WIDTH * (times[i] - times[0]) / span).toFixed(1)},${(HEIGHT - 2 - (HEIGHT - 4) * (high > low ? (v - low) / (high - low) : 0.5)).toFixed(1)}`);
-      make("p", `${columns[k].name}: ${number(low)} – ${number(high)}${columns[k].unit && columns[k].unit !== "1" ? ` ${columns[k].unit}` : ""} at ${times.length} instants of ${number(span)} s`, place).className = "quiet";
-      const svg = document.createElementNS(NS, "svg"), path = document.createElementNS(NS, "path");
+    if (!found.some(Boolean)) return void (make("p", "cannot be simulated here", place).className = "quiet");
+    const [WIDTH, HEIGHT, NS] = [220, 36, "http://www.w3.org/2000/svg"];
+    found.forEach((own, k) => {
+      const { name, unit } = columns[k];
+      if (!own) return void (make("p", `${name}: fails`, place).className = "quiet");
+      const { times, values: list, curve } = own, span = times.at(-1) - times[0], all = curve ? list.concat(curve.values) : list;
+      const low = all.reduce((a, b) => Math.min(a, b)), high = all.reduce((a, b) => Math.max(a, b));
+      const line = (at, of) => `M${of.map((v, i) => `${(WIDTH * (at[i] - times[0]) / span).toFixed(1)},${(HEIGHT - 2 - (HEIGHT - 4) * (high > low ? (v - low) / (high - low) : 0.5)).toFixed(1)}`).join("L")}`;
+      const what = curve ? `${name}, the signal and what was measured` : name, ofUnit = !curve && unit && unit !== "1" ? ` ${unit}` : "";
+      make("p", `${what}: ${number(low)} – ${number(high)}${ofUnit} at ${times.length} instants of ${number(span)} s`, place).className = "quiet";
+      const svg = document.createElementNS(NS, "svg");
       svg.setAttribute("viewBox", `0 0 ${WIDTH} ${HEIGHT}`);
       svg.setAttribute("class", "trace");
-      path.setAttribute("d", `M${line.join("L")}`);
-      svg.append(path);
+      for (const [kind, at, of] of [["measured", curve?.times, curve?.values], ["", times, list]]) {
+        if (!at) continue;
+        const path = document.createElementNS(NS, "path");
+        path.setAttribute("class", kind);
+        path.setAttribute("d", line(at, of));
+        svg.append(path);
+      }
       place.append(svg);
     });
   };
 
-  const start = data => { task = data.live ?? null; };
+  const start = columns => {
+    const place = document.getElementById("module");
+    if (!place) return;
+    task = JSON.parse(place.textContent);
+    compared = compare(columns).catch(error => {
+      task = null;
+      throw error;
+    });
+    compared.catch(() => {});
+  };
   const able = () => Boolean(task);
-  return { POINTS, start, able, drawn, points, trace, draw };
+  /** Ends in an error where the module is not to be believed. */
+  const checked = () => compared;
+  return { POINTS, start, able, checked, drawn, points, draw };
 })();

@@ -1,17 +1,18 @@
 "use strict";
 // The page works without this script; with it, points can be hovered, selected and compared.
-(() => {
+(async () => {
   // ---- data -------------------------------------------------------------------------------
-  const data = JSON.parse(document.getElementById("data").textContent);
-  const bytes = text => Uint8Array.from(atob(text), c => c.charCodeAt(0));
-  const ids = new Uint32Array(bytes(data.ids).buffer);
+  const data = JSON.parse(document.getElementById("data").textContent), held = Packed.held(document.getElementById("bytes"));
+  const all = held instanceof Promise ? await held : held;
+  const bytes = ([begin, end]) => all.subarray(begin, end), numbers = (part, Type) => Packed.numbers(bytes(part), Type);
+  const ids = numbers(data.ids, Uint32Array);
   // Under a guard band fewer points are accepted than lie within all tolerances; these count as verified here.
   let verified = bytes(data.verified);
   const word = data.guarded ? "accepted" : "verified";
   const completed = bytes(data.completed);
   const columns = data.columns.map(c => ({
     ...c,
-    data: new (c.criterion ? Float64Array : Float32Array)(bytes(c.data).buffer),
+    data: numbers(c.data, c.criterion ? Float64Array : Float32Array),
     ok: c.criterion ? bytes(c.criterion.ok) : null,
     title: c.unit && c.unit !== "1" ? `${c.name} (${c.unit})` : c.name,
   }));
@@ -104,7 +105,7 @@
   document.addEventListener("keydown", e => { if (e.key === "Escape") { hover(-1); hideTip(); select([]); } });
 
   // ---- how probably a point conforms; unknown without the uncertainties of the measured values ------------------
-  const conformance = data.conformance === null ? null : new Float32Array(bytes(data.conformance).buffer);
+  const conformance = data.conformance === null ? null : numbers(data.conformance, Float32Array);
   const percent = p => `${number(100 * p, 3)} %`;
 
   // ---- the description of one point ----------------------------------------------------------
@@ -490,6 +491,13 @@
     row.classList.toggle("selected", state.selected.has(i));
   }));
 
+  // ---- tables whose rows stand below themselves on small screens -----------------------------------------------
+  const labelled = table => {
+    const heads = [...table.querySelectorAll("thead th, thead td")].map(head => head.textContent);
+    table.querySelectorAll("tbody tr").forEach(row => [...row.cells].forEach((cell, k) => { cell.dataset.label = heads[k]; }));
+  };
+  document.querySelectorAll(".stack").forEach(labelled);
+
   // ---- print with everything open ------------------------------------------------------------------------------
   addEventListener("beforeprint", () => document.querySelectorAll("details").forEach(d => { d.open = true; }));
 
@@ -509,6 +517,6 @@
     renderers.forEach(render => render());
     changed();
   };
-  Live.start(data);
-  WhatIf.start({ data, columns, completed, bytes, make, number, grouped, redraw });
+  Live.start(columns.filter(c => c.criterion));
+  WhatIf.start({ data, columns, completed, bytes, make, number, grouped, labelled, redraw });
 })();

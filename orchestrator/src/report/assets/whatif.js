@@ -1,6 +1,6 @@
 "use strict";
 // The panel "What if": controls, and what follows from them. `page` is what the rest of the page's script lends:
-// { data, columns, completed, bytes, make, number, grouped, redraw }.
+// { data, columns, completed, bytes, make, number, grouped, labelled, redraw }.
 const WhatIf = (() => {
   const clone = value => JSON.parse(JSON.stringify(value));
   // As many digits as a hand on a slider can mean.
@@ -17,6 +17,8 @@ const WhatIf = (() => {
   const differs = () => Object.keys(changes).length > 0
     || JSON.stringify([setting.criteria, setting.rule]) !== JSON.stringify([study.criteria, study.rule]);
 
+  // The case of each criterion; they are all of one in a study without cases.
+  const cases = () => study.criteria.map(({ name }) => study.cases ? name.split("/")[0] : "");
   // The points that are judged: all that the page holds, or the even choice among them.
   const choose = () => {
     const { data, columns, completed } = page;
@@ -28,6 +30,7 @@ const WhatIf = (() => {
       values: own.map(c => pick(c.data)),
       parameters: columns.filter(c => !c.criterion).map(c => pick(c.data)),
     };
+    points.known = Judge.known(cases(), points.values);
   };
 
   // ---- what follows -------------------------------------------------------------------------------------------------
@@ -53,7 +56,7 @@ const WhatIf = (() => {
 
   // ---- the plots follow -----------------------------------------------------------------------------------------------
   const applyToPlots = () => {
-    const band = found.guard_band, own = page.columns.filter(c => c.criterion), margins = new Float64Array(page.completed.length).fill(Infinity);
+    const band = found.guard_band, own = page.columns.filter(c => c.criterion), known = Judge.known(cases(), own.map(c => c.data)), margins = new Float64Array(page.completed.length).fill(Infinity);
     own.forEach((c, k) => {
       const criterion = setting.criteria[k], { nominal, tolerance, uncertainty } = criterion;
       const inner = tolerance - (band ?? Infinity) * (uncertainty?.expanded ?? 0);
@@ -61,7 +64,7 @@ const WhatIf = (() => {
         nominal, lower: nominal - tolerance, upper: nominal + tolerance,
         drawn_in: inner >= 0 ? [nominal - inner, nominal + inner] : null,
       });
-      c.ok = Uint8Array.from(c.data, (value, i) => page.completed[i] && Math.abs(value - nominal) <= tolerance ? 1 : 0);
+      c.ok = Uint8Array.from(c.data, (value, i) => known[k][i] && Math.abs(value - nominal) <= tolerance ? 1 : 0);
       for (let i = 0; i < margins.length; i++) margins[i] = Math.min(margins[i], page.completed[i] ? Judge.margin(criterion, c.data[i]) : -Infinity);
     });
     const verified = Uint8Array.from(margins, m => band !== null && m >= band ? 1 : 0);
@@ -218,7 +221,7 @@ const WhatIf = (() => {
     warning.classList.toggle("warning", found.effective < Weights.FEW);
     table.replaceChildren();
     const head = make("tr", undefined, make("thead", undefined, table));
-    ["Criterion", "Points", "Share %", "95 % interval", "C_m", "Consumer's risk %", "Producer's risk %", "Not conforming % of accepted"]
+    ["Criterion", "Points", "Share %", "95 % interval", "Cm", "Consumer's risk %", "Producer's risk %", "Not conforming % of accepted"]
       .forEach((words, k) => { const th = make("th", words, head); th.scope = "col"; if (k) th.className = "num"; });
     const body = make("tbody", undefined, table), weighted = found.effective !== undefined;
     const row = (name, count, risk, capability, total) => {
@@ -233,6 +236,7 @@ const WhatIf = (() => {
     found.groups.forEach(group => row(`group ${group.name}`, group));
     row("all criteria", found.verified, found.guard_band === 0 ? found.risk : null, null, true);
     if (found.guard_band !== 0) row("accepted", { passed: found.accepted, fraction: found.acceptedShare.fraction, interval: found.acceptedShare.interval }, found.risk, null, true);
+    page.labelled(table);
     const list = edits();
     snippet.textContent = list.length ? Toml.snippet(list) : "# nothing is changed";
     const whole = Toml.edited(study.text, list);
@@ -255,6 +259,10 @@ const WhatIf = (() => {
       drawing = setTimeout(() => { applyToPlots(); simulate(); }, 30);
     });
   };
+  const simulated = async () => {
+    const own = await Live.points(study.parameters, clone(changes));
+    return { ...own, known: Judge.known(cases(), own.values) };
+  };
   // Fresh points for the present distributions, one request after the other: the last one counts.
   const simulate = async () => {
     const key = keyOf(changes);
@@ -262,7 +270,7 @@ const WhatIf = (() => {
     running = key;
     show();
     try {
-      fresh = { key, points: await Live.points(study.parameters, clone(changes)) };
+      fresh = { key, points: await simulated() };
       trouble = "";
     } catch (error) {
       trouble = error.message;
@@ -302,6 +310,10 @@ const WhatIf = (() => {
     saved.addEventListener("click", save);
     evaluate();
     show();
+    Live.checked()?.catch(error => {
+      trouble = error.message;
+      show();
+    });
   };
 
   /** Changes the study by numbers, and returns what follows: { criteria: { NAME: { nominal, tolerance, expanded } }, share, parameters }. */
@@ -324,7 +336,7 @@ const WhatIf = (() => {
   /** The same, with fresh points for changed distributions: what follows, the points, and how long they took, ms. */
   const askFresh = async request => {
     ask(request);
-    const begun = performance.now(), own = await Live.points(study.parameters, clone(changes)), milliseconds = performance.now() - begun;
+    const begun = performance.now(), own = await simulated(), milliseconds = performance.now() - begun;
     fresh = { key: keyOf(changes), points: own };
     update();
     const { flags, ...rest } = found;
