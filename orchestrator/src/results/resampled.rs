@@ -49,7 +49,8 @@ pub(super) fn not_stated(
              metric's value alone"
         }
         (_, Some(_)) => {
-            "its reference is put on even times, where the errors of single rows are not known; give even times or correlation = 1"
+            "iso18571 tells it up to 1,000 samples only, and where errors of single rows are not lost between even times: thin the \
+             reference, and give even times or correlation = 1"
         }
     };
     Some(reason.to_owned())

@@ -14,6 +14,10 @@ use fmu_import::units::Conversion;
 /// How many standard uncertainties the uncertainty of a reference is.
 const COVERAGE: f64 = 2.0;
 
+/// The most samples of which a rating is drawn again: its time grows with their square, and 256 draws of 1,000 take a third of
+/// a second.
+const MOST_DRAWN: f64 = 1000.0;
+
 /// The rows of a recording that count.
 struct Recorded {
     curve: Curve,
@@ -282,7 +286,7 @@ impl Binder<'_> {
             // An error that all rows share goes along the same straight lines as the values; that of a single row does not.
             let widths = Curve::new(curve.times().to_vec(), widths.to_vec());
             match widths {
-                Ok(widths) if curve.is_even() || correlation == 1.0 => {
+                Ok(widths) if count <= MOST_DRAWN && (curve.is_even() || correlation == 1.0) => {
                     standard(widths.evenly().values())
                 }
                 _ => Vec::new(),
