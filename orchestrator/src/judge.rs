@@ -51,6 +51,10 @@ pub struct Criterion {
     /// The uncertainty of the measured value, where the study states it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub uncertainty: Option<Uncertainty>,
+    /// The correlation of the errors of any two rows of the measured curve, where it has an uncertainty. The risk is that over
+    /// draws of the curve then.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub row_correlation: Option<f64>,
     /// The group in which it is counted.
     pub group: Option<String>,
 }
@@ -407,6 +411,7 @@ fn criterion(
         statistic: text.statistic.unwrap_or_default(),
         detail: text.detail()?,
         metric: None,
+        row_correlation: None,
         unit: scale.unit.clone(),
         nominal,
         tolerance: tolerance(accuracy, measured, scale)?,

@@ -1,4 +1,5 @@
-//! An FMU's remarks in a simulation, beside its results: warnings, an early end, errors of its end.
+//! What a simulation gives beside its results: the FMU's warnings, an early end, errors of its end; to which of the curves that a
+//! measured one may truly have been the model conforms.
 
 use serde::{Deserialize, Serialize};
 
@@ -24,7 +25,13 @@ pub struct Notices {
     /// The answer of `fmi2GetVersion`, where it is not "2.0".
     #[serde(skip_serializing_if = "Option::is_none")]
     pub version: Option<String>,
+    /// For each measured curve that has an uncertainty: to which of the curves that it may truly have been the model conforms.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub conforming: Vec<Replicates>,
 }
+
+/// Draws of a measured curve to which the model conforms, a bit each; empty where the curve cannot be drawn.
+pub type Replicates = Vec<u64>;
 
 #[allow(clippy::trivially_copy_pass_by_ref)] // as serde calls it
 fn is_zero(count: &u64) -> bool {
@@ -32,7 +39,7 @@ fn is_zero(count: &u64) -> bool {
 }
 
 impl Notices {
-    /// Whether the FMU said nothing.
+    /// Whether there is nothing beside the results.
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
     }
@@ -57,6 +64,7 @@ impl Notices {
         self.unfinished = unfinished.or_else(|| named(&other.unfinished));
         let version = self.version.take();
         self.version = version.or_else(|| other.version.clone());
+        self.conforming.extend(other.conforming.iter().cloned());
     }
 
     /// Notes a call that ends a simulation, and failed.

@@ -5,6 +5,7 @@
 //! to reset something is found out, and gets a fresh instance for every point from then on.
 
 mod collector;
+mod resampled;
 mod steps;
 mod watched;
 mod windows;
@@ -470,6 +471,7 @@ impl Runner {
         let watched = &mut self.scene.watched;
         for (index, collector) in watched.probes.iter().zip(&mut watched.collectors) {
             self.scene.results[*index] = collector.result(span);
+            self.notices.conforming.extend(collector.conforming());
         }
         for (index, accumulator) in &self.scene.slow {
             self.scene.results[*index] = accumulator.result(span);

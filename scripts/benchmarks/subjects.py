@@ -134,8 +134,15 @@ def alone(study, points, *options):
 
 
 def constant(fmu, step, steps, statistic):
-    """A study whose points are all but the same, at the FMU's start values: one that varies nothing is refused."""
+    """A study whose points are all but the same, at the FMU's start values: one that varies nothing is refused. In place of a
+    statistic it may compare a `curve`, a row every ten steps."""
     file = WORK / f"{fmu.file.stem}-{step:g}-{steps}-{statistic}.toml"
+    criterion = f'statistic = "{statistic}"\nnominal = 1\ntolerance = 1e9'
+    if statistic == "curve":
+        curve = file.with_suffix(".csv")
+        rows = (f"{10 * step * row!r},{row % 7}\n" for row in range(steps // 10 + 1))
+        curve.write_text("time,value\n" + "".join(rows), encoding="utf-8")
+        criterion = f'reference = {{ file = "{curve.name}", column = "value" }}\nmetric = "rmse"\ntolerance = 1e9'
     file.write_text(f"""\
 fmu = "{fmu.file.as_posix()}"
 [simulation]
@@ -147,9 +154,7 @@ min = {fmu.value}
 max = {fmu.value * (1 + 1e-9)!r}
 [criteria.output]
 variable = "{fmu.output}"
-statistic = "{statistic}"
-nominal = 1
-tolerance = 1e9
+{criterion}
 """, encoding="utf-8")
     return file
 

@@ -93,10 +93,21 @@ pub struct Assessed {
     pub probability: Option<f64>,
 }
 
+/// Conformance probabilities of one point that come from elsewhere, such as from draws of a measured curve.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Told {
+    /// The criteria's numbers, each with its probability.
+    pub each: Vec<(usize, f64)>,
+    /// That of all of them together.
+    pub all: f64,
+}
+
 /// All criteria with the joint distribution of the errors of their measured values.
 #[derive(Clone, Debug, Default)]
 pub struct Measurement {
     criteria: Vec<Measured>,
+    /// The numbers of the criteria whose conformance probabilities are told point by point.
+    told: Vec<usize>,
     correlations: Vec<(usize, usize, f64)>,
     errors: JointNormal,
 }
@@ -111,9 +122,25 @@ impl Measurement {
         let correlations = pairs.to_vec();
         Ok(Self {
             criteria,
+            told: Vec::new(),
             correlations,
             errors,
         })
+    }
+
+    /// The same, where the conformance probabilities of these criteria are told point by point: see
+    /// [`assess_with`](Self::assess_with).
+    pub fn with_told(self, told: Vec<usize>) -> Self {
+        Self { told, ..self }
+    }
+
+    /// Whether the conformance probability of a criterion is known, by its uncertainty or as it is told.
+    pub fn knows(&self, criterion: usize) -> bool {
+        let by_uncertainty = self
+            .criteria
+            .get(criterion)
+            .is_some_and(|c| c.uncertainty.is_some());
+        by_uncertainty || self.told.contains(&criterion)
     }
 
     /// The same, with joint probabilities of many correlated errors to about 1e-3 only (see [`JointNormal::roughly`]).
@@ -150,15 +177,34 @@ impl Measurement {
 
     /// Assesses the model values of a point, of which there is one a criterion.
     pub fn assess(&self, values: &[f64]) -> Conformity {
+        self.assess_with(values, None)
+    }
+
+    /// The same with the conformance probabilities that are told of this point. Their errors are independent of those of the
+    /// other criteria's measured values.
+    pub fn assess_with(&self, values: &[f64], told: Option<&Told>) -> Conformity {
+        /// No normal error is so many standard deviations.
+        const ANY: [f64; 2] = [-40.0, 40.0];
         let pairs = || self.criteria.iter().zip(values);
+        let told_of = |number: usize| {
+            let mut each = told.iter().flat_map(|told| &told.each);
+            let found = each.find(|(criterion, _)| *criterion == number);
+            found.map(|(_, probability)| *probability)
+        };
         let limits: Vec<Option<[f64; 2]>> = pairs()
-            .map(|(c, &value)| c.uncertainty.map(|u| c.limits(value, u)))
+            .enumerate()
+            .map(|(number, (c, &value))| {
+                let own = c.uncertainty.map(|u| c.limits(value, u));
+                own.or_else(|| told_of(number).map(|_| ANY))
+            })
             .collect();
         let criteria: Vec<Assessed> = pairs()
             .zip(&limits)
-            .map(|((c, &value), limits)| Assessed {
+            .enumerate()
+            .map(|(number, ((c, &value), limits))| Assessed {
                 margin: c.margin(value),
-                probability: limits.map(|[lower, upper]| super::normal::between(lower, upper)),
+                probability: told_of(number)
+                    .or_else(|| limits.map(|[lower, upper]| super::normal::between(lower, upper))),
             })
             .collect();
         let known: Option<Vec<[f64; 2]>> = limits.into_iter().collect();
@@ -167,7 +213,7 @@ impl Measurement {
                 .into_iter()
                 .map(|[lower, upper]| (lower, upper))
                 .unzip();
-            self.errors.probability(&lower, &upper)
+            self.errors.probability(&lower, &upper) * told.map_or(1.0, |told| told.all)
         });
         let all = Assessed {
             margin: self.margin(values),

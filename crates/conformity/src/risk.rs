@@ -165,8 +165,9 @@ impl RiskTally {
     /// accepted.
     pub fn new(measurement: &Measurement, guard: Guard, samples: u64) -> Self {
         let samples = usize::try_from(samples).unwrap_or(1).max(1);
-        let criteria = measurement.criteria().iter();
-        let known = criteria.map(|criterion| criterion.uncertainty.is_some());
+        let count = measurement.criteria().len();
+        let known = (0..count).map(|criterion| measurement.knows(criterion));
+        let knows_all = count > 0 && known.clone().all(|known| known);
         Self {
             guard,
             possible: guard.leaves_something(measurement),
@@ -175,7 +176,7 @@ impl RiskTally {
             within: vec![0; samples],
             measured: measurement.criteria().to_vec(),
             criteria: known.map(|known| Acceptance::new(samples, known)).collect(),
-            all: Acceptance::new(samples, measurement.complete()),
+            all: Acceptance::new(samples, knows_all),
         }
     }
 

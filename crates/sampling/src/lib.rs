@@ -7,6 +7,7 @@
 pub mod design;
 pub mod distribution;
 pub mod rare;
+pub mod recording;
 pub mod statistics;
 
 /// The README's example, as a test.

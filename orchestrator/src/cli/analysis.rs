@@ -135,6 +135,12 @@ pub struct Synchronise {
     /// Also make criteria for the amplitudes of load and torque
     #[arg(long)]
     pub amplitudes: bool,
+    /// Also write a case of this name for a study, case.toml: the inputs, and the signals as curves in case.csv
+    #[arg(long, value_name = "NAME")]
+    pub case: Option<String>,
+    /// The case is judged, and never fitted
+    #[arg(long, requires = "case")]
+    pub held_out: bool,
     /// The folder for the results
     #[arg(long, value_name = "DIR", default_value = "results/measured")]
     pub output: PathBuf,

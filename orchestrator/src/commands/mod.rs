@@ -1,6 +1,7 @@
 //! The commands, one file each.
 
 mod asking;
+mod bands;
 mod best;
 mod check;
 mod completion;

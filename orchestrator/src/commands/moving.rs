@@ -207,6 +207,7 @@ mod tests {
             statistic,
             detail: None,
             metric: None,
+            row_correlation: None,
             unit: Some("degC".into()),
             nominal: 82.0,
             tolerance: 0.6,

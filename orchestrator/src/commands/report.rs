@@ -5,6 +5,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
 
+use super::bands::{self, Bands};
 use super::{CommandError, output};
 use crate::cli;
 use crate::engine::process::Limits;
@@ -20,7 +21,7 @@ use crate::session::Verification;
 use crate::study::Study;
 use crate::study::plan::Plan;
 use crate::table::csv_file;
-use crate::task::{Delay, Schedule, Task};
+use crate::task::{Schedule, Task};
 use fmu_import::{Content, Handle, Package, Value};
 
 /// Limits for the best point's trajectory. They may be short: the point itself has finished before.
@@ -58,7 +59,7 @@ fn live(options: &cli::Report, report: &Report) -> Result<Live, CommandError> {
 }
 
 /// Keeps the study's text and the best point's trajectory in a folder of results. `trusted`: the points ran in this
-/// process.
+/// process. `most` are the extra runs that are allowed.
 pub(super) fn keep_trajectory(
     folder: &Path,
     study: &Study,
@@ -66,9 +67,11 @@ pub(super) fn keep_trajectory(
     package: &mut Package,
     summary: &Summary,
     trusted: bool,
+    most: usize,
 ) -> Result<(), CommandError> {
     keep_study(folder, study)?;
-    keep_measured(folder, study, plan)?;
+    let bands = bands::found(folder, plan, package, summary, most, LIMITS);
+    keep_measured(folder, study, plan, &bands)?;
     for number in 0..plan.cases.len() {
         keep_case(folder, plan, number, package, summary, trusted)?;
     }
@@ -112,11 +115,19 @@ fn keep_case(
 }
 
 /// Keeps the measured curves beside the results, where there are any.
-fn keep_measured(folder: &Path, study: &Study, plan: &Plan) -> Result<(), CommandError> {
+fn keep_measured(
+    folder: &Path,
+    study: &Study,
+    plan: &Plan,
+    bands: &Bands,
+) -> Result<(), CommandError> {
     let path = folder.join(history::MEASURED);
-    let probes = study.criteria.keys().zip(plan.probes());
+    let probes = study.criteria.keys().zip(plan.probes()).enumerate();
     let curves: Vec<_> = probes
-        .filter_map(|(name, probe)| Some((name.as_ref(), probe.curve.as_ref()?)))
+        .filter_map(|(k, (name, probe))| {
+            let band = bands.of.get(k).and_then(Option::as_ref);
+            Some((name.as_ref(), probe.curve.as_ref()?, band))
+        })
         .collect();
     if curves.is_empty() {
         let _ = fs::remove_file(&path);
@@ -125,19 +136,23 @@ fn keep_measured(folder: &Path, study: &Study, plan: &Plan) -> Result<(), Comman
     write_atomically(&path, |out| {
         let mut table = csv::Writer::from_writer(out);
         table.write_record(history::MEASURED_COLUMNS)?;
-        for (name, curve) in curves {
-            let delay = match curve.delay {
-                Delay::Known(delay) => delay,
-                Delay::Within(_) => 0.0,
-            };
-            for (row, (time, value)) in curve.times.iter().zip(&curve.values).enumerate() {
-                let width = curve.uncertainty.get(row);
-                let width = width.map_or_else(String::new, f64::to_string);
+        for (name, curve, band) in curves {
+            let times = curve.shown_times().zip(&curve.values);
+            for (row, (time, value)) in times.enumerate() {
+                let text = |number: Option<&f64>| number.map_or_else(String::new, f64::to_string);
+                let [low, high] = [0, 1].map(|side| band.and_then(|band| band[side].get(row)));
                 table.write_record([
                     &*csv_file::cell(name),
-                    (time - delay).to_string().as_str(),
+                    time.to_string().as_str(),
                     value.to_string().as_str(),
-                    width.as_str(),
+                    text(curve.uncertainty.get(row)).as_str(),
+                    text(low).as_str(),
+                    text(high).as_str(),
+                    match band {
+                        Some(_) => bands.points.to_string(),
+                        None => String::new(),
+                    }
+                    .as_str(),
                 ])?;
             }
         }

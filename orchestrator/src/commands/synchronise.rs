@@ -8,7 +8,8 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use super::{CommandError, output};
-use crate::analysis::synchronise::{Synchronised, criteria, synchronise};
+use crate::analysis::synchronise::case::{Case, Frame};
+use crate::analysis::synchronise::{RigRecording, Synchronised, criteria, synchronise};
 use crate::cli;
 use crate::report::recording;
 use crate::results::{ResultsError, write_atomically};
@@ -37,8 +38,40 @@ pub(super) fn run(options: &cli::Synchronise) -> Result<ExitCode, CommandError> 
     let title = options.measured.file_name().unwrap_or_default();
     let title = title.to_string_lossy();
     recording::write(&recorded, &result, &title, options.amplitudes, folder)?;
+    if let Some(name) = &options.case {
+        text = case(name, options, &settings, &recorded, &result)?;
+    }
     output::print(&format!("{text}\nresults in {}\n", folder.display()));
     Ok(ExitCode::SUCCESS)
+}
+
+/// Writes the recording as a case of a study; gives its text.
+fn case(
+    name: &str,
+    options: &cli::Synchronise,
+    settings: &Settings,
+    recorded: &RigRecording,
+    result: &Synchronised,
+) -> Result<String, CommandError> {
+    let (folder, drives) = (
+        &options.output,
+        settings.drives(&options.settings, &options.measured)?,
+    );
+    settings.check_case(&options.settings, name)?;
+    let case = Case::new(recorded, result, &drives);
+    let table = folder.join("case.csv");
+    let frame = Frame {
+        name,
+        held_out: options.held_out,
+        file: &table.to_string_lossy().replace('\\', "/"),
+        drives: &drives,
+        tolerances: &settings.tolerances(),
+        lag: settings.lag(&options.settings)?,
+    };
+    let text = case.to_toml(&frame);
+    save(&table, &case.table(&drives))?;
+    save(&folder.join("case.toml"), &text)?;
+    Ok(text)
 }
 
 fn save(path: &Path, text: &str) -> Result<(), CommandError> {

@@ -178,7 +178,7 @@ pub(super) fn conclude(
         package,
         ..
     } = &mut verification.session;
-    report::keep_trajectory(folder, study, plan, package, summary, trusted)?;
+    report::keep_trajectory(folder, study, plan, package, summary, trusted, most)?;
     let summary = &moving::observed(folder, summary, plan, watched)?;
     best::write(folder, plan, package.description(), summary)?;
     dossier::write(folder, summary)?;

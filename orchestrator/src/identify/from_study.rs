@@ -139,6 +139,16 @@ fn check(study: &Study, settings: &Identification) -> Result<(), StudyError> {
                        [[uncertainty-correlations]]";
         return Err(study.error_at(pair, message));
     }
+    let references = study
+        .criteria
+        .values()
+        .filter_map(|text| text.reference.as_ref());
+    let mut stated = references.filter_map(|reference| reference.correlation.as_ref());
+    if let Some(correlation) = stated.find(|correlation| *correlation.as_ref() != 0.0) {
+        let message = "identify takes the errors of a curve's rows as independent; set correlation = 0 where they are noise, or leave \
+                       this criterion out";
+        return Err(study.error_at(correlation, message));
+    }
     Ok(())
 }
 
@@ -185,6 +195,7 @@ fn samples(name: &str, probe: &Probe, curve: &MeasuredCurve) -> Result<Vec<Datum
             values: vec![value],
             band: Vec::new(),
             uncertainty: Vec::new(),
+            resampling: None,
             reads: true,
             ..curve.clone()
         };

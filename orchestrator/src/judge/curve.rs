@@ -1,12 +1,10 @@
 //! Criteria on whole curves, as far as they need neither the FMU nor the measured curve.
 
 use super::{Criterion, at_name};
-use crate::study::quantity::{Scale, Sense};
-use crate::study::{CriterionText, Name, Quantity, Study, StudyError};
+use crate::study::limit::{error, limit, part};
+use crate::study::quantity::Scale;
+use crate::study::{CriterionText, Name, Quantity, ReferenceText, Study, StudyError};
 use curves::{Kind, Metric};
-
-/// How much a corridor's share may fall short of all: less than one of any number of times.
-const ALL: f64 = 1e-9;
 
 /// Refuses keys of curves on a criterion that has no `reference`.
 pub(super) fn refuse_keys(
@@ -46,6 +44,7 @@ pub(super) fn criterion(
     check_keys(text, metric).map_err(at)?;
     text.detail().map_err(at)?;
     let (nominal, tolerance, stated) = limit(text, metric, scale).map_err(at)?;
+    let reference = text.reference.as_ref();
     Ok(Criterion {
         name: name.as_ref().clone(),
         variable: text.variable.as_ref().clone(),
@@ -57,6 +56,9 @@ pub(super) fn criterion(
         tolerance,
         stated_tolerance: stated,
         uncertainty: None,
+        row_correlation: reference
+            .filter(|reference| reference.is_uncertain())
+            .map(ReferenceText::row_correlation),
         group: text.group.clone(),
     })
 }
@@ -111,43 +113,6 @@ fn check_keys(text: &CriterionText, metric: Metric) -> Result<(), String> {
     }
 }
 
-/// The ideal value, how far away from it is accepted, and both in words.
-fn limit(
-    text: &CriterionText,
-    metric: Metric,
-    scale: &Scale<'_>,
-) -> Result<(f64, f64, String), String> {
-    let label = metric.label();
-    match (metric.kind(), &text.tolerance, &text.least) {
-        (Kind::Error, Some(stated), _) => {
-            let tolerance = error(stated, scale)?;
-            Ok((0.0, tolerance, format!("{label} at most {stated}")))
-        }
-        (Kind::Relative, Some(stated), _) => {
-            let tolerance = part(stated).filter(|tolerance| *tolerance > 0.0);
-            let tolerance = tolerance.ok_or_else(|| {
-                format!("the tolerance {stated} must be a positive share, such as \"5 %\"")
-            })?;
-            Ok((0.0, tolerance, format!("{label} at most {stated}")))
-        }
-        (_, _, Some(stated)) => {
-            let least = part(stated).filter(|least| *least > 0.0 && *least <= 1.0);
-            let least = least.ok_or_else(|| {
-                format!("`least` = {stated} must be more than 0 and at most 1, such as \"90 %\"")
-            })?;
-            if least == 1.0 && metric == Metric::Iso18571 {
-                return Err("only equal curves have a rating of 1; give `least` below 1".to_owned());
-            }
-            Ok((
-                1.0,
-                (1.0 - least).max(ALL),
-                format!("{label} at least {stated}"),
-            ))
-        }
-        _ => Err("the limit is missing".to_owned()),
-    }
-}
-
 /// Another largest error of a curve.
 pub(super) fn variant(
     stated: &Quantity,
@@ -163,32 +128,6 @@ pub(super) fn variant(
             }),
         _ => Err("a variant cannot change `least`; add a criterion of its own".to_owned()),
     }
-}
-
-/// The largest error, in the criterion's unit.
-fn error(stated: &Quantity, scale: &Scale<'_>) -> Result<f64, String> {
-    if stated.unit.as_deref() == Some("%") {
-        return Err(format!(
-            "the tolerance {stated} of a curve is not a part of anything; give it with a unit, or use metric = \"nrmse\""
-        ));
-    }
-    let tolerance = scale.number(stated, Sense::Difference)?;
-    match tolerance > 0.0 && tolerance.is_finite() {
-        true => Ok(tolerance),
-        false => Err(format!(
-            "the tolerance {stated} must be a positive, finite number"
-        )),
-    }
-}
-
-/// A share, in percent or not.
-fn part(stated: &Quantity) -> Option<f64> {
-    let part = match stated.unit.as_deref() {
-        None => stated.number,
-        Some("%") => stated.number / 100.0,
-        Some(_) => return None,
-    };
-    part.is_finite().then_some(part)
 }
 
 #[cfg(test)]

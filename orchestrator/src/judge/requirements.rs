@@ -109,7 +109,10 @@ impl Judge {
             let pairs: Vec<(usize, usize, f64)> = pairs.iter().filter(within).copied().collect();
             Measurement::new(criteria.collect(), &pairs)
         };
-        measured(self.criteria.len()).map_err(|message| {
+        let told = (0..self.criteria.len()).filter(|&k| self.criteria[k].row_correlation.is_some());
+        let all = measured(self.criteria.len());
+        let all = all.map(|measurement| measurement.with_told(told.collect()));
+        all.map_err(|message| {
             // The first criterion with which it cannot be.
             let first = (0..self.criteria.len()).find(|&k| measured(k + 1).is_err());
             let name = first.map_or("", |k| self.criteria[k].name.as_str());
@@ -206,8 +209,8 @@ impl Judge {
         };
         let message = match without.metric {
             Some(_) => format!(
-                "{what} needs the probability that a point conforms, which is not known of the curve {}; remove {what} or \
-                 the criterion",
+                "{what} needs a guard band, which draws an acceptance interval in by a part of the expanded uncertainty, and the \
+                 curve {} has none, since its metric is no measured value; remove {what} or the criterion",
                 without.name
             ),
             None => format!(

@@ -191,6 +191,7 @@ impl RiskRow {
                     number(u.expanded, 4),
                     number(u.coverage, 3)
                 ),
+                None if measured.is_some() && risk.is_some() => "that of the rows".to_owned(),
                 None if measured.is_some() => "not stated".to_owned(),
                 None => String::new(),
             },

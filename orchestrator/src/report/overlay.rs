@@ -15,6 +15,10 @@ pub struct Measured {
     pub values: Vec<f64>,
     /// The expanded uncertainty of each value; empty where it is not stated.
     pub uncertainty: Vec<f64>,
+    /// The least and the largest value of some verified points; empty where they were not run again.
+    pub verified: [Vec<f64>; 2],
+    /// How many points these are.
+    pub points: usize,
 }
 
 /// The metric of a criterion on a curve, from its source, such as "rmse of sensor.frictionTorque".
@@ -40,22 +44,33 @@ impl Measured {
     /// All values that a picture must have room for.
     pub(super) fn extremes(&self) -> Vec<f64> {
         let edges = self.edges().into_iter().flatten().flatten();
-        self.values.iter().copied().chain(edges).collect()
+        let verified = self.verified.iter().flatten().copied();
+        self.values
+            .iter()
+            .copied()
+            .chain(edges)
+            .chain(verified)
+            .collect()
+    }
+
+    /// The area between two lines.
+    fn between(&self, class: &str, [low, high]: [&[f64]; 2], frame: &Frame) -> String {
+        let back = self.time.iter().rev().zip(high.iter().rev());
+        let back = back.map(|(t, v)| format!("L{:.2},{:.1}", frame.x.at(*t), frame.y.clamped(*v)));
+        let back: String = back.collect();
+        let there = line(&self.time, low, frame);
+        format!("<path class=\"{class}\" d=\"{there}{back}z\"/>")
     }
 
     /// The band, the curve, and its first and last time, between which the model is judged.
     pub(super) fn draw(&self, frame: &Frame) -> String {
         let mut out = String::new();
         if let Some([low, high]) = self.edges() {
-            let back = self.time.iter().rev().zip(high.iter().rev());
-            let back =
-                back.map(|(t, v)| format!("L{:.2},{:.1}", frame.x.at(*t), frame.y.clamped(*v)));
-            let back: String = back.collect();
-            let _ = write!(
-                out,
-                "<path class=\"band\" d=\"{}{back}z\"/>",
-                line(&self.time, &low, frame)
-            );
+            out.push_str(&self.between("band", [&low, &high], frame));
+        }
+        let [least, most] = &self.verified;
+        if least.len() == self.time.len() && most.len() == self.time.len() {
+            out.push_str(&self.between("verified", [least, most], frame));
         }
         for time in [self.time.first(), self.time.last()].into_iter().flatten() {
             let _ = write!(
@@ -93,6 +108,10 @@ impl Measured {
             .collect::<Option<_>>()?;
         let around = Self {
             values: vec![0.0; self.values.len()],
+            verified: [0, 1].map(|side| {
+                let pairs = self.verified[side].iter().zip(&self.values);
+                pairs.map(|(verified, value)| verified - value).collect()
+            }),
             ..self.clone()
         };
         let all: Vec<f64> = deviations
@@ -133,6 +152,7 @@ mod tests {
             time: vec![0.0, 1.0, 2.0],
             values: vec![0.0, 1.0, 2.0],
             uncertainty: vec![0.5; 3],
+            ..Measured::default()
         };
         assert_eq!(measured.extremes().len(), 9);
         let of = |model: &[f64]| measured.residuals("y", "m", &[0.0, 2.0], model).unwrap();

@@ -94,6 +94,8 @@ struct History {
     detail: Option<String>,
     /// The deviations from the measured curve.
     residuals: Option<String>,
+    /// How many verified points the band beside the measured curve holds.
+    verified: Option<usize>,
 }
 
 #[derive(Serialize)]
@@ -372,6 +374,11 @@ fn histories(report: &Report) -> Vec<History> {
             judged: judged(s),
             detail: s.last_periods().as_ref().and_then(figures::history),
             residuals: figures::residuals(s),
+            verified: s
+                .measured
+                .as_ref()
+                .map(|m| m.points)
+                .filter(|&points| points > 0),
         })
     };
     report.history.iter().filter_map(history).collect()

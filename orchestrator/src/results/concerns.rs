@@ -157,6 +157,7 @@ mod tests {
             statistic: Statistic::Final,
             detail: None,
             metric: None,
+            row_correlation: None,
             unit: None,
             nominal,
             tolerance,

@@ -23,6 +23,7 @@ pub mod origin;
 pub mod parquet;
 pub mod points;
 mod probable;
+mod resampled;
 pub mod rest;
 pub mod summary;
 pub mod survey;

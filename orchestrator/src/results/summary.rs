@@ -211,6 +211,9 @@ pub struct CriterionCount {
     /// The risks of this criterion alone, where its uncertainty is known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub risk: Option<Risk>,
+    /// Of a measured curve: why it is not known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub risk_not_stated: Option<String>,
     /// The criterion.
     #[serde(flatten)]
     pub criterion: Criterion,

@@ -7,11 +7,13 @@ use indexmap::IndexMap;
 use super::Outcome;
 use super::conclusion::{Conclusion, Ruling};
 use super::failed;
+use super::resampled::{not_stated, told};
 use super::summary::{
     BestPoint, CaseCount, Correlated, Count, CriterionCount, FailedPoint, ParameterSummary,
     Provenance, Summary, VariantCount,
 };
 use crate::judge::{Judge, PointVerdict, Variant};
+use crate::notices::{Notices, Replicates};
 use conformity::decision::randomised;
 use conformity::looks::Looks;
 use conformity::risk::RiskTally;
@@ -74,6 +76,8 @@ pub struct Tally<'a> {
     /// By case: points whose simulation of it has no result.
     lost: Vec<u64>,
     risk: RiskTally,
+    /// Whether any point came with the draws of its measured curves.
+    resampled: bool,
     best: Option<Best>,
 }
 
@@ -167,6 +171,7 @@ impl<'a> Tally<'a> {
             held: vec![Shares::none(replicates, grid); judge.cases.len()],
             lost: vec![0; judge.cases.len()],
             risk: RiskTally::new(&judge.measurement, judge.guard, replicates as u64),
+            resampled: false,
             best: None,
         }
     }
@@ -182,12 +187,28 @@ impl<'a> Tally<'a> {
 
     /// Counts a point and returns the verdict on it.
     pub fn add(&mut self, label: u64, parameters: &[f64], outcome: &Outcome) -> PointVerdict {
+        self.add_noted(label, parameters, outcome, None)
+    }
+
+    /// The same for a point with what came beside its results.
+    pub fn add_noted(
+        &mut self,
+        label: u64,
+        parameters: &[f64],
+        outcome: &Outcome,
+        notices: Option<&Notices>,
+    ) -> PointVerdict {
+        let conforming: &[Replicates] = notices.map_or(&[], |notices| &notices.conforming);
+        self.resampled |= !conforming.is_empty();
         let replicate = (self.points % self.replicates as u64) as usize;
         self.points += 1;
         let values = outcome.as_deref().ok();
         let verdict = self.judge.judged(outcome.as_deref());
         self.count_cases(outcome, &verdict, replicate);
-        let conformity = values.map(|values| self.judge.measurement.assess(values));
+        let conformity = values.map(|values| {
+            let told = told(self.judge, conforming);
+            self.judge.measurement.assess_with(values, told.as_ref())
+        });
         self.risk.add(conformity.as_ref());
         self.own.add(self.judge, &verdict, replicate);
         for (counts, variant) in self.variants.iter_mut().zip(&self.judge.variants) {
@@ -336,6 +357,11 @@ impl<'a> Tally<'a> {
                         count,
                         binds: self.binds[k],
                         only_failure: self.only_failure[k],
+                        risk_not_stated: not_stated(
+                            criterion,
+                            statement.criteria[k].as_ref(),
+                            self.resampled,
+                        ),
                         risk: statement.criteria[k].clone().filter(|_| compared),
                         criterion: criterion.clone(),
                     };

@@ -200,6 +200,7 @@ mod tests {
             statistic: Statistic::Final,
             detail: None,
             metric: None,
+            row_correlation: None,
             unit: None,
             nominal: 82.0,
             tolerance: 0.6,

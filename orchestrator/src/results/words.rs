@@ -2,6 +2,7 @@
 
 use super::Summary;
 use super::conclusion::{Conclusion, Requirement, grouped};
+use super::resampled::presumed;
 use conformity::risk::Risk;
 
 /// The first lines for a reader: the verdict, how firmly it stands, and how many of the accepted points conform.
@@ -20,6 +21,8 @@ pub fn sentences(summary: &Summary) -> Vec<String> {
         Some(risk) => accepted(conclusion.accepted, risk, summary),
         None => unknown(summary),
     });
+    let curves = presumed(summary);
+    found.extend(curves);
     found.retain(|sentence| !sentence.is_empty());
     found
 }
@@ -139,13 +142,26 @@ fn accepted(accepted: u64, risk: &Risk, summary: &Summary) -> String {
 }
 
 fn unknown(summary: &Summary) -> String {
-    let without = summary.criteria.iter();
-    let without = without.filter(|(_, entry)| entry.criterion.uncertainty.is_none());
+    let mut reasons = Vec::new();
+    let without = summary.criteria.iter().filter(|(_, entry)| {
+        entry.criterion.uncertainty.is_none() && entry.criterion.row_correlation.is_none()
+    });
     let names: Vec<&str> = without.map(|(name, _)| name.as_str()).collect();
+    if !names.is_empty() {
+        reasons.push(format!(
+            "the study states no uncertainty of {}, and nothing is assumed",
+            names.join(", ")
+        ));
+    }
+    let curves = summary.criteria.iter().filter_map(|(name, entry)| {
+        entry.criterion.row_correlation?;
+        let reason = entry.risk_not_stated.as_ref()?;
+        Some(format!("of the curve {name}, {reason}"))
+    });
+    reasons.extend(curves);
     format!(
-        "How many of the accepted points conform is not known: the study states no uncertainty of {}, and nothing is \
-         assumed.",
-        names.join(", ")
+        "How many of the accepted points conform is not known: {}.",
+        reasons.join("; ")
     )
 }
 

@@ -1,5 +1,7 @@
 //! What is gathered of one variable while a point runs.
 
+use super::resampled::Draws;
+use crate::notices::Replicates;
 use crate::task::{Delay, Detail, MeasuredCurve, Probe};
 use curves::{Curve, Pair, Sampler, delay};
 use sampling::statistics::{Accumulator, MeanOverTurns};
@@ -72,6 +74,14 @@ impl Collector {
             Self::Value(sampler) => sampler.finish().map_or(f64::NAN, |values| values[0]),
         }
     }
+
+    /// To which draws of the measured curve the last result conforms; none where that was not asked.
+    pub(super) fn conforming(&mut self) -> Option<Replicates> {
+        match self {
+            Self::Curve(comparison) => comparison.conforming.take(),
+            _ => None,
+        }
+    }
 }
 
 /// Compares a variable with a measured curve.
@@ -79,6 +89,9 @@ impl Collector {
 pub(super) struct Comparison {
     measured: MeasuredCurve,
     kept: Kept,
+    /// The curves that the measured one may truly have been.
+    draws: Option<Draws>,
+    conforming: Option<Replicates>,
 }
 
 /// What is kept of the variable.
@@ -100,12 +113,15 @@ impl Comparison {
             Delay::Within(_) => Kept::Everything(Vec::new(), Vec::new()),
         };
         Self {
+            draws: measured.resampling.as_ref().map(Draws::new),
+            conforming: None,
             measured: measured.clone(),
             kept,
         }
     }
 
     fn restart(&mut self) {
+        self.conforming = None;
         match &mut self.kept {
             Kept::Samples(sampler) => sampler.restart(),
             Kept::Everything(times, values) => {
@@ -160,6 +176,10 @@ impl Comparison {
             normaliser: measured.normaliser,
             ..Pair::new(&measured.values, &model)
         };
+        self.conforming = self
+            .draws
+            .as_mut()
+            .map(|draws| draws.conforming(measured.metric, &pair));
         measured.metric.compare(&pair)
     }
 }
@@ -191,6 +211,7 @@ mod tests {
             values: vec![10.0, 25.0, 31.0],
             band: Vec::new(),
             uncertainty: Vec::new(),
+            resampling: None,
             normaliser: 1.0,
             delay,
             factor: 10.0,

@@ -98,6 +98,7 @@ impl Runner {
             } else {
                 gauge.collector.result(span)
             };
+            self.notices.conforming.extend(gauge.collector.conforming());
         }
         Ok(())
     }

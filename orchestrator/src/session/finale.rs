@@ -60,7 +60,7 @@ impl Verification {
             };
             let (outcome, notices) = outcomes.get_noted(index)?.ok_or_else(incomplete)?;
             let (label, parameters) = (self.source.label(index), self.source.parameters(index));
-            let verdict = tally.add(label, &parameters, &outcome);
+            let verdict = tally.add_noted(label, &parameters, &outcome, notices.as_ref());
             survey.add(label, &parameters, &outcome);
             if let Some(notices) = notices {
                 asides.add(label, &notices);

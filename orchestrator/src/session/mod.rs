@@ -63,6 +63,16 @@ impl Session {
     /// # Errors
     /// When either cannot be used.
     pub fn open(request: Request) -> Result<Self, SessionError> {
+        let mut session = Self::open_with_risk(request)?;
+        session.plan.forget_resampling();
+        Ok(session)
+    }
+
+    /// The same, with the draws of measured curves: the risk of a verdict needs them, and they take time.
+    ///
+    /// # Errors
+    /// When either cannot be used.
+    pub fn open_with_risk(request: Request) -> Result<Self, SessionError> {
         let mut study = Study::read(&request.study)?;
         if let Some(folder) = &request.base {
             study.rebase(folder.clone());

@@ -27,7 +27,7 @@ impl Verification {
     /// # Errors
     /// When any of them cannot be used.
     pub fn open(request: Request) -> Result<Self, SessionError> {
-        let session = Session::open(request)?;
+        let session = Session::open_with_risk(request)?;
         let Session { study, plan, .. } = &session;
         let (source, table) = match &session.request.points_from {
             Some(path) => {

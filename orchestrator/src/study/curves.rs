@@ -1,13 +1,31 @@
 //! Reads measured curves and ties them to an FMU.
 
+use super::limit::limit;
 use super::quantity::{Quantity, Scale, Sense};
 use super::reference::{DelayRange, DelayText, Normalise, OwnNormaliser, ReferenceText};
 use super::window::seconds;
 use super::{CriterionText, Name, Study, StudyError};
 use crate::table::Table;
-use crate::task::{Delay, MeasuredCurve};
+use crate::task::{Delay, MeasuredCurve, Resampling};
 use curves::{Curve, Metric, iso18571};
+use fmu_import::digest;
 use fmu_import::units::Conversion;
+
+/// How many standard uncertainties the uncertainty of a reference is.
+const COVERAGE: f64 = 2.0;
+
+/// The most samples of which a rating is drawn again: its time grows with their square, and 256 draws of 1,000 take a third of
+/// a second.
+const MOST_DRAWN: f64 = 1000.0;
+
+/// The rows of a recording that count.
+struct Recorded {
+    curve: Curve,
+    /// The expanded uncertainty of each.
+    expanded: Option<Vec<f64>>,
+    /// The number of the first of them in the file.
+    first: u64,
+}
 
 /// A criterion on a curve that is tied to an FMU.
 pub(super) struct Binder<'a> {
@@ -31,7 +49,11 @@ impl Binder<'_> {
         metric: Metric,
     ) -> Result<MeasuredCurve, StudyError> {
         let named = |message: String| self.named(message);
-        let (curve, expanded) = self.read(reference)?;
+        let Recorded {
+            curve,
+            expanded,
+            first,
+        } = self.read(reference)?;
         let delay = self.delay().map_err(named)?;
         if metric == Metric::Iso18571 && matches!(delay, Delay::Within(_)) {
             let message =
@@ -39,11 +61,10 @@ impl Binder<'_> {
             return Err(named(message.to_owned()));
         }
         let band = self.band(metric, &curve, expanded.clone()).map_err(named)?;
-        let rows = curve.times().len();
-        let curve = self.even(metric, curve).map_err(named)?;
-        // Between the rows of an uneven curve the uncertainty is not known.
-        let expanded =
-            expanded.filter(|widths| curve.times().len() == rows && widths.len() == rows);
+        let (even, standard) = self.even(metric, &curve, expanded.as_deref(), reference)?;
+        // Between the rows of an uneven curve the uncertainty of a single value is not known.
+        let expanded = expanded.filter(|_| even.times() == curve.times());
+        let curve = even;
         let back = self.scale.conversion.inverse();
         let measured = MeasuredCurve {
             metric,
@@ -52,6 +73,9 @@ impl Binder<'_> {
             values: curve.values().to_vec(),
             band,
             uncertainty: expanded.unwrap_or_default(),
+            resampling: standard
+                .map(|standard| self.resampling(reference, metric, standard, first))
+                .transpose()?,
             delay,
             factor: back.difference(1.0),
             offset: back.value(0.0),
@@ -66,8 +90,49 @@ impl Binder<'_> {
         self.study.error_at(self.name, format!("{name}: {message}"))
     }
 
+    /// How the curve is drawn anew within its uncertainty. Criteria on the same column see the same errors.
+    fn resampling(
+        &self,
+        reference: &ReferenceText,
+        metric: Metric,
+        standard: Vec<f64>,
+        first: u64,
+    ) -> Result<Resampling, StudyError> {
+        let (ideal, tolerance, _) =
+            limit(self.text, metric, self.scale).map_err(|m| self.named(m))?;
+        let file = reference.file.as_ref().display().to_string();
+        let column = reference.column.as_ref();
+        let column = column.unwrap_or_else(|| self.text.variable.as_ref());
+        let name = digest(format!("{file}\0{column}").as_bytes());
+        let name = u64::from_str_radix(name.get(..16).unwrap_or_default(), 16);
+        Ok(Resampling {
+            standard,
+            correlation: self.correlation(reference)?,
+            seed: self.study.design.seed ^ name.unwrap_or(0),
+            first,
+            ideal,
+            tolerance,
+        })
+    }
+
+    /// The correlation of the errors of any two rows.
+    fn correlation(&self, reference: &ReferenceText) -> Result<f64, StudyError> {
+        if let Some(stated) = &reference.correlation
+            && !(0.0..=1.0).contains(stated.as_ref())
+        {
+            let message = format!(
+                "{}: the correlation of the reference's errors is {}; it must be from 0 (noise) to 1 (an offset that all rows \
+                 share)",
+                self.name.as_ref(),
+                stated.as_ref()
+            );
+            return Err(self.study.error_at(stated, message));
+        }
+        Ok(reference.row_correlation())
+    }
+
     /// The rows that count, and the expanded uncertainty of each, in the criterion's unit.
-    fn read(&self, reference: &ReferenceText) -> Result<(Curve, Option<Vec<f64>>), StudyError> {
+    fn read(&self, reference: &ReferenceText) -> Result<Recorded, StudyError> {
         let name = self.name.as_ref();
         let path = self.study.beside(reference.file.as_ref());
         let time = reference.time.clone().unwrap_or_else(|| "time".to_owned());
@@ -118,7 +183,7 @@ impl Binder<'_> {
         reference: &ReferenceText,
         curve: Curve,
         expanded: Option<Vec<f64>>,
-    ) -> Result<(Curve, Option<Vec<f64>>), StudyError> {
+    ) -> Result<Recorded, StudyError> {
         if let Some(row) = expanded
             .iter()
             .flatten()
@@ -132,7 +197,11 @@ impl Binder<'_> {
             return Err(self.study.error_at(&reference.file, message));
         }
         if !self.is_stated {
-            return Ok((curve, expanded));
+            return Ok(Recorded {
+                curve,
+                expanded,
+                first: 0,
+            });
         }
         let rounding = 1e-9 * (self.window[0].abs() + self.window[1].abs());
         let window = [self.window[0] - rounding, self.window[1] + rounding];
@@ -148,7 +217,11 @@ impl Binder<'_> {
             );
             self.study.error_at(&reference.file, message)
         })?;
-        Ok((cut, expanded.map(|widths| widths[rows].to_vec())))
+        Ok(Recorded {
+            curve: cut,
+            first: rows.start as u64,
+            expanded: expanded.map(|widths| widths[rows].to_vec()),
+        })
     }
 
     /// A width at each value: a constant, or a part of the value.
@@ -187,20 +260,39 @@ impl Binder<'_> {
         }
     }
 
-    /// The curve at even times, where the metric needs them.
-    fn even(&self, metric: Metric, curve: Curve) -> Result<Curve, String> {
+    /// The curve at even times, where the metric needs them, with the standard uncertainty of each value where one is stated:
+    /// empty where it is not known.
+    fn even(
+        &self,
+        metric: Metric,
+        curve: &Curve,
+        expanded: Option<&[f64]>,
+        reference: &ReferenceText,
+    ) -> Result<(Curve, Option<Vec<f64>>), StudyError> {
+        let correlation = self.correlation(reference)?;
+        let standard = |widths: &[f64]| widths.iter().map(|width| width / COVERAGE).collect();
         if !metric.needs_even_times() {
-            return Ok(curve);
+            return Ok((curve.clone(), expanded.map(standard)));
         }
         let (least, most) = (iso18571::LEAST, iso18571::MOST);
         let count = curve.even_count();
         if count < least as f64 || count > most as f64 {
-            return Err(format!(
+            return Err(self.named(format!(
                 "{} needs {least} to {most} evenly spaced samples, and the reference has {count}; resample it",
                 metric.name()
-            ));
+            )));
         }
-        Ok(curve.evenly())
+        let standard = expanded.map(|widths| {
+            // An error that all rows share goes along the same straight lines as the values; that of a single row does not.
+            let widths = Curve::new(curve.times().to_vec(), widths.to_vec());
+            match widths {
+                Ok(widths) if count <= MOST_DRAWN && (curve.is_even() || correlation == 1.0) => {
+                    standard(widths.evenly().values())
+                }
+                _ => Vec::new(),
+            }
+        });
+        Ok((curve.evenly(), standard))
     }
 
     fn normaliser(&self, metric: Metric, values: &[f64]) -> Result<f64, String> {

@@ -9,6 +9,7 @@ pub mod dossier;
 mod error;
 pub mod identification;
 pub(crate) mod inputs;
+pub(crate) mod limit;
 pub mod plan;
 pub mod points;
 pub mod quantity;

@@ -95,6 +95,17 @@ impl Plan {
         })
     }
 
+    /// Leaves out the draws of measured curves, which nothing but the risk of a verdict needs.
+    pub fn forget_resampling(&mut self) {
+        let observed = self
+            .cases
+            .iter_mut()
+            .flat_map(|case| &mut case.task.observed);
+        for curve in observed.filter_map(|probe| probe.curve.as_mut()) {
+            curve.resampling = None;
+        }
+    }
+
     /// The points of a design over the parameters.
     ///
     /// # Errors

@@ -23,6 +23,25 @@ pub struct ReferenceText {
     pub uncertainty: Option<Quantity>,
     /// The column of the expanded uncertainties, in the unit of the values.
     pub uncertainty_column: Option<String>,
+    /// The correlation of the errors of any two rows, from 0 (noise) to 1 (an offset, or a factor); 1 otherwise.
+    pub correlation: Option<Spanned<f64>>,
+}
+
+impl ReferenceText {
+    /// The correlation of the errors of any two rows, for the risk.
+    ///
+    /// Without a word on it all rows share their error, as they do where a sensor is out of calibration. What is not
+    /// shared is noise, which the recording shows already.
+    pub fn row_correlation(&self) -> f64 {
+        self.correlation
+            .as_ref()
+            .map_or(1.0, |stated| *stated.as_ref())
+    }
+
+    /// Whether the risk of a metric can be told.
+    pub fn is_uncertain(&self) -> bool {
+        self.uncertainty.is_some() || self.uncertainty_column.is_some()
+    }
 }
 
 /// By what `nrmse` divides the rmse.

@@ -427,6 +427,71 @@ fn synchronise_writes_criteria() {
     assert!(!said.out.contains("[criteria.P_fr]") && said.out.contains("power = {"));
 }
 
+/// A recording as a case: what drove the rig, and the signals as curves with their delay and uncertainty.
+#[test]
+fn synchronise_writes_a_case() {
+    let bench = Bench::empty();
+    // A spike, and a lost sample.
+    let recording = recording().replacen("\n3000,", "\n3000,9,0.4,48\n3000.4,", 1);
+    let lost = recording.replacen("\n4000,", "\n4000,,", 1);
+    let head = lost.lines().next().unwrap();
+    let column = |row: &str| row.split(',').take(4).collect::<Vec<_>>().join(",");
+    let rows: Vec<String> = lost.lines().skip(1).map(column).collect();
+    bench.write("measured.csv", &format!("{head}\n{}\n", rows.join("\n")));
+    bench.write("settings.toml", SETTINGS);
+    let run = |more: &[&str]| {
+        let all = ["synchronise", "measured.csv", "--settings", "settings.toml"];
+        bench.run(&[&all, &["--case", "300 rpm", "--output", "m"], more].concat())
+    };
+    run(&[]).is_mistake(&["settings.toml", "nothing drives the model", "variable = "]);
+    let driven = SETTINGS
+        .replace(
+            "speed = { ",
+            "lag = \"2 ms\"\nspeed = { variable = \"drive.speed\", ",
+        )
+        .replace(
+            "accuracy = \"1 %\", group",
+            "accuracy = \"1 %\", tolerance = \"15 N\", group",
+        );
+    bench.write("settings.toml", &driven);
+    let said = run(&["--held-out"]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    let text = bench.read("m/case.toml");
+    let study: toml::Table = text.parse().unwrap();
+    let case = &study["cases"][0];
+    assert_eq!(case["held-out"].as_bool(), Some(true));
+    assert_eq!(case["fixed"]["drive.speed"].as_str(), Some("300 rpm"));
+    let [load, torque] = ["F_N", "M"].map(|name| &case["criteria"][name]);
+    // A rectangle of 1 % to both sides has a standard deviation of 1 % / sqrt(3).
+    assert_eq!(load["reference"]["uncertainty"].as_str(), Some("1.1547 %"));
+    assert_eq!(load["tolerance"].as_str(), Some("15 N"));
+    assert!(load.get("delay").is_none() && torque.get("tolerance").is_none());
+    // Found are 12.3 ms, of which 2 ms are the rig's.
+    let delay = torque["delay"]
+        .as_str()
+        .unwrap()
+        .strip_suffix(" ms")
+        .unwrap();
+    assert!(
+        (delay.parse::<f64>().unwrap() - 10.3).abs() < 0.01,
+        "{delay}"
+    );
+    assert!(torque["window"]["from"].as_float().unwrap() >= 0.0103);
+    assert!(
+        text.contains("2 rows with a missing sample, a spike"),
+        "{text}"
+    );
+    let table = bench.read("m/case.csv");
+    assert!(
+        table.starts_with("time,F_N,M,T_oil\n0.000000000,7.5"),
+        "{}",
+        &table[..80]
+    );
+    assert_eq!(table.lines().count(), 1 + 12_001 - 2);
+    bench.write("settings.toml", &driven.replace("\"15 N\"", "\"2 %\""));
+    run(&[]).is_mistake(&["settings.toml", "F_N: the tolerance 2 %", "with a unit"]);
+}
+
 #[test]
 fn mistakes_of_a_recording_are_named() {
     let bench = Bench::empty();

@@ -279,6 +279,168 @@ fn mistakes_of_curves() {
     }
 }
 
+const UNCERTAIN: &str = r#"
+fmu = "lag.fmu"
+[simulation]
+stop = 2
+step = 0.05
+[design]
+points = 24
+[parameters."lag.rate"]
+distribution = "uniform"
+min = 0.8
+max = 1.4
+[criteria.Y]
+variable = "lag.y"
+reference = { file = "measured.csv", time = "t", column = "y", uncertainty = 0.04 }
+metric = "rmse"
+tolerance = 0.03
+[criteria.T]
+variable = "lag.temperature"
+nominal = 8.9
+tolerance = 0.3
+uncertainty = 0.2
+unit = "degC"
+"#;
+
+/// The probability that the rmse of a point is at most 0.03, where all rows are off by the same error z of standard deviation
+/// 0.02: (d - z)^2 = mean((e - z)^2) + (mean e)^2 - mean(e^2), so z lies between two limits.
+fn conforms(rate: f64) -> f64 {
+    let errors: Vec<f64> = times()
+        .into_iter()
+        .map(|t| model(rate, t) - measured(t))
+        .collect();
+    let mean = errors.iter().sum::<f64>() / 40.0;
+    let squares = errors.iter().map(|e| e * e).sum::<f64>() / 40.0;
+    let rest = 0.03 * 0.03 + mean * mean - squares;
+    match rest > 0.0 {
+        true => {
+            conformity::normal::between((mean - rest.sqrt()) / 0.02, (mean + rest.sqrt()) / 0.02)
+        }
+        false => 0.0,
+    }
+}
+
+#[test]
+fn the_risk_of_a_curve_joins_that_of_numbers() {
+    let bench = bench(UNCERTAIN);
+    let said = verify(&bench);
+    let summary = bench.summary("out");
+    let risk = &summary["criteria"]["Y"]["risk"];
+    let rows = rows(&bench, &["Y", "T"]);
+    let mean = |of: &dyn Fn(&[f64]) -> f64| rows.iter().map(|row| of(row)).sum::<f64>() / 24.0;
+    let near = |found: &serde_json::Value, expected: f64| {
+        let found = found.as_f64().unwrap();
+        // A point's probability is one of 256 draws.
+        assert!((found - expected).abs() < 1.0 / 256.0, "{found} {expected}");
+    };
+    near(
+        &risk["conformance_probability"],
+        mean(&|row| conforms(row[0])),
+    );
+    let consumer = |row: &[f64]| f64::from(u8::from(row[1] <= 0.03)) * (1.0 - conforms(row[0]));
+    near(&risk["consumer"], mean(&consumer));
+    let number = |value: f64| {
+        conformity::normal::between((value - 8.9 - 0.3) / 0.1, (value - 8.9 + 0.3) / 0.1)
+    };
+    let both = mean(&|row| conforms(row[0]) * number(row[2]));
+    near(&summary["risk"]["conformance_probability"], both);
+    let expected = summary["expected_verified"].as_f64().unwrap() / 24.0;
+    near(&expected.into(), both);
+    assert_eq!(summary["criteria"]["Y"]["row_correlation"], 1.0);
+    assert!(
+        said.out
+            .contains("risk presumes that all measured rows of Y share one error"),
+        "{}",
+        said.out
+    );
+    // The same numbers whatever the processes, and after the run was interrupted.
+    for isolation in ["fresh", "reuse"] {
+        bench.run(&[
+            "verify",
+            "study.toml",
+            "--isolation",
+            isolation,
+            "--output",
+            isolation,
+        ]);
+        assert_eq!(bench.summary(isolation)["risk"], summary["risk"]);
+    }
+    for half in ["1/2", "2/2"] {
+        bench.run(&[
+            "verify",
+            "study.toml",
+            "--shard",
+            half,
+            "--output",
+            &half[..1],
+        ]);
+    }
+    bench.run(&["merge", "1", "2", "--output", "merged"]);
+    assert_eq!(bench.summary("merged")["risk"], summary["risk"]);
+    // A table has no curve to compare with.
+    let judged = bench.run(&[
+        "judge",
+        "study.toml",
+        "out/points.csv",
+        "--output",
+        "judged",
+    ]);
+    let of_table = bench.summary("judged");
+    assert!(of_table["risk"].is_null() && of_table["criteria"]["Y"]["risk"].is_null());
+    let reason = of_table["criteria"]["Y"]["risk_not_stated"]
+        .as_str()
+        .unwrap();
+    assert!(
+        reason.contains("a table has the metric's value alone"),
+        "{reason}"
+    );
+    assert!(
+        judged
+            .out
+            .contains("of the curve Y, the points come without"),
+        "{}",
+        judged.out
+    );
+    assert!(!of_table["criteria"]["T"]["risk"].is_null());
+}
+
+/// Criteria on one recorded column share its errors; independent errors of 40 rows add their variance.
+#[test]
+fn curves_of_one_recording_share_their_errors() {
+    let twice = UNCERTAIN.replace("[criteria.T]", "[criteria.Z]\nvariable = \"lag.y\"\nreference = { file = \"measured.csv\", time = \"t\", column = \"y\", uncertainty = 0.04 }\nmetric = \"rmse\"\ntolerance = 0.03\n[criteria.T]");
+    let bench_of_two = bench(&twice);
+    verify(&bench_of_two);
+    let alone = bench(UNCERTAIN);
+    verify(&alone);
+    assert_eq!(
+        bench_of_two.summary("out")["risk"],
+        alone.summary("out")["risk"]
+    );
+    let noise = UNCERTAIN.replace(
+        "uncertainty = 0.04 }",
+        "uncertainty = 0.04, correlation = 0 }",
+    );
+    let of_noise = bench(&noise);
+    verify(&of_noise);
+    let risk = &of_noise.summary("out")["criteria"]["Y"]["risk"];
+    // sqrt(rmse^2 + 0.02^2) <= 0.03 leaves the points with an rmse below 0.0224.
+    let near = rows(&of_noise, &["Y"])
+        .iter()
+        .filter(|row| row[1] < 0.0224)
+        .count();
+    let found = 24.0 * risk["conformance_probability"].as_f64().unwrap();
+    assert!((found - near as f64).abs() < 2.0, "{found} {near}");
+    let wrong = bench(&noise.replace("correlation = 0", "correlation = 1.5"));
+    wrong
+        .run(&["verify", "study.toml", "--output", "out"])
+        .is_mistake(&["study.toml:14:", "from 0 (noise) to 1"]);
+    let guarded = bench(&format!("{UNCERTAIN}[verdict]\nshare = 0.1\nrisk = 0.05\n"));
+    guarded
+        .run(&["verify", "study.toml", "--output", "out"])
+        .is_mistake(&["study.toml:25:", "guard band", "curve Y"]);
+}
+
 /// The model rises, so its percentiles are its values after so much of the time, on straight lines between its steps.
 #[test]
 fn percentiles_and_values_at_a_time_lie_between_steps() {

@@ -37,6 +37,8 @@ impl Acceptance {
             }
             None => &mut self.outside,
         };
+        // Of a point whose probability was to be told, and was not.
+        self.known &= assessed.probability.is_some();
         place[sample].add(1.0 - assessed.probability.unwrap_or(0.0));
     }
 

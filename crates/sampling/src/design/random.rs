@@ -38,6 +38,10 @@ pub(crate) enum Purpose {
     Swap = 3,
     /// The moves of a search.
     Search = 4,
+    /// The errors that the rows of a recording share.
+    Common = 5,
+    /// The errors of single rows of a recording.
+    Row = 6,
 }
 
 /// A number in the open interval (0, 1).
@@ -56,6 +60,13 @@ pub(crate) fn bits(seed: u64, purpose: Purpose, index: u64, dimension: u32) -> u
     let counter = [low(index), high(index), dimension, purpose as u32];
     let [a, b, ..] = philox(counter, [low(seed), high(seed)]);
     u64::from(b) << 32 | u64::from(a)
+}
+
+/// Two numbers in the open interval (0, 1).
+pub(crate) fn pair(seed: u64, purpose: Purpose, index: u64, dimension: u32) -> [f64; 2] {
+    let counter = [low(index), high(index), dimension, purpose as u32];
+    let [a, b, c, d] = philox(counter, [low(seed), high(seed)]);
+    [[a, b], [c, d]].map(|[a, b]| to_unit(u64::from(b) << 32 | u64::from(a)))
 }
 
 /// A fast bijective mixer of 64 bits (Stafford's variant 13 of the MurmurHash3 finaliser, as in

@@ -2,6 +2,7 @@
 //! its uncertainty (section 5.1 of Vrublevskyi & Skonieczna, and beyond it).
 
 mod aligned;
+pub mod case;
 mod clean;
 pub mod criteria;
 pub mod delay;

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use serde::Deserialize;
 
+use crate::analysis::synchronise::case::{Drive, Driven};
 use crate::analysis::synchronise::smooth::Smoothing;
 use crate::analysis::synchronise::{Accuracy, Channel, Derived, RigRecording};
 use crate::study::Quantity;
@@ -30,6 +31,9 @@ pub(super) struct Settings {
     /// Further signals by the criteria's names.
     #[serde(default)]
     signals: indexmap::IndexMap<String, Signal>,
+    /// Further columns that drive the model in a case, by the FMU's variables.
+    #[serde(default)]
+    inputs: indexmap::IndexMap<String, InputColumn>,
     /// The part of the record to use, s.
     window: Option<[f64; 2]>,
     /// Smoothing of load and torque.
@@ -37,6 +41,8 @@ pub(super) struct Settings {
     smoothing: Smoothing,
     /// The longest delay to look for.
     longest_delay: Option<Quantity>,
+    /// By how much the torque lags behind the load in the rig itself, for a case: the model has this lag, too.
+    lag: Option<Quantity>,
     /// Confidence of the tests of stationarity.
     confidence: Option<f64>,
 }
@@ -56,12 +62,23 @@ struct Signal {
     variable: String,
     unit: Option<String>,
     accuracy: Quantity,
+    /// How far the model may be from the true curve, in a case.
+    tolerance: Option<Quantity>,
     group: Option<String>,
 }
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
+struct InputColumn {
+    column: String,
+    unit: Option<String>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
 struct Speed {
+    /// The FMU's variable that it drives in a case.
+    variable: Option<String>,
     column: Option<String>,
     value: Option<f64>,
     unit: Option<String>,
@@ -99,6 +116,97 @@ impl Settings {
                 message: format!("line {line}: {}", error.message()),
             }
         })
+    }
+
+    /// What drives the model in a case: the speed, where its variable is named, and the further inputs.
+    pub(super) fn drives(&self, own: &Path, measured: &Path) -> Result<Vec<Drive>, SettingsError> {
+        let table = RecordedTable::read(measured, &self.time.column)?;
+        let recorded = |variable: &String, column: &str, unit: Option<&str>| {
+            Ok::<_, SettingsError>(Drive {
+                variable: variable.clone(),
+                unit: table.unit(column, unit)?,
+                values: Driven::Recorded(table.column(column)?.values.clone()),
+            })
+        };
+        let mut drives = Vec::new();
+        let Speed {
+            variable,
+            column,
+            value,
+            unit,
+            ..
+        } = &self.speed;
+        match (variable, column, value) {
+            (Some(variable), Some(column), _) => {
+                drives.push(recorded(variable, column, unit.as_deref())?);
+            }
+            (Some(variable), None, Some(value)) => drives.push(Drive {
+                variable: variable.clone(),
+                unit: unit.clone().unwrap_or_default(),
+                values: Driven::Constant(*value),
+            }),
+            _ => {}
+        }
+        for (variable, input) in &self.inputs {
+            drives.push(recorded(variable, &input.column, input.unit.as_deref())?);
+        }
+        if drives.is_empty() {
+            return Err(SettingsError::Content {
+                path: own.to_owned(),
+                message: "nothing drives the model in a case: add the FMU's variable to the speed, speed = { variable = \
+                          \"drive.speed\", ... }, or inputs.\"VARIABLE\" = { column = \"...\" }"
+                    .to_owned(),
+            });
+        }
+        Ok(drives)
+    }
+
+    /// By how much the torque lags behind the load in the rig itself, s.
+    pub(super) fn lag(&self, own: &Path) -> Result<f64, SettingsError> {
+        let Some(lag) = &self.lag else { return Ok(0.0) };
+        let factor = scale(lag.unit.as_deref().unwrap_or("s"), TIME);
+        let lag = factor.map(|factor| factor * lag.number);
+        lag.map_err(|message| SettingsError::Content {
+            path: own.to_owned(),
+            message: format!("lag: {message}"),
+        })
+    }
+
+    /// How far the model may be off, by criteria's names.
+    pub(super) fn tolerances(&self) -> Vec<(String, String)> {
+        let named = |signal: &Signal, name: &str| {
+            let name = signal.name.clone().unwrap_or_else(|| name.to_owned());
+            Some((name, signal.tolerance.as_ref()?.to_string()))
+        };
+        let own = [named(&self.load, "F_N"), named(&self.torque, "M")];
+        let others = self
+            .signals
+            .iter()
+            .map(|(name, signal)| named(signal, name));
+        own.into_iter().chain(others).flatten().collect()
+    }
+
+    /// Refuses what no case can be called, and tolerances that are no errors of a curve.
+    pub(super) fn check_case(&self, own: &Path, name: &str) -> Result<(), SettingsError> {
+        let wrong = |message: String| SettingsError::Content {
+            path: own.to_owned(),
+            message,
+        };
+        if name.is_empty() || name.contains('/') {
+            return Err(wrong(format!(
+                "--case {name}: the name of a case must not be empty and has no `/`"
+            )));
+        }
+        let tolerances = self.tolerances();
+        match tolerances
+            .iter()
+            .find(|(_, tolerance)| tolerance.ends_with('%'))
+        {
+            Some((signal, tolerance)) => Err(wrong(format!(
+                "{signal}: the tolerance {tolerance} of a curve is not a part of anything; give it with a unit"
+            ))),
+            None => Ok(()),
+        }
     }
 
     /// Reads the recording's columns in SI units.
