@@ -1,7 +1,10 @@
 """The FMUs for Model Exchange: other solvers integrate the stand, and come to what Co-Simulation gives."""
 
 import csv
+import re
+import signal
 import subprocess
+import time
 import zipfile
 
 import fmpy
@@ -56,18 +59,91 @@ def test_cvode_comes_to_the_same(exchange, expected):
         assert difference < 1e-6, (name, difference)
 
 
+def trajectory(fmu, file):
+    """Of `orchestrator simulate` over 1 s, by name."""
+    subprocess.run([PROGRAM, "simulate", fmu, "--stop", "1", "--step", "0.05", "--output", file], check=True,
+                   capture_output=True)
+    with file.open() as lines:
+        names = [key.split(" ")[0] for key in next(csv.reader(lines))]
+    return dict(zip(names, np.loadtxt(file, delimiter=",", skiprows=1).T))
+
+
+def with_tolerance(fmu, tolerance, to):
+    """A copy whose description suggests another tolerance."""
+    with zipfile.ZipFile(fmu) as original, zipfile.ZipFile(to, "w") as copy:
+        for name in original.namelist():
+            content = original.read(name)
+            if name == "modelDescription.xml":
+                content, changed = re.subn(rb'(<DefaultExperiment[^>]* tolerance=)"[^"]*"', rb'\1"%s"' % tolerance, content)
+                assert changed == 1
+            copy.writestr(name, content)
+    return to
+
+
 def test_our_own_importer_takes_it(exchange, expected, tmp_path):
     done = subprocess.run([PROGRAM, "check", exchange], capture_output=True, text=True)
     assert done.returncode == 0 and done.stdout.endswith("nothing found\n"), done.stdout
-    file = tmp_path / "run.csv"
-    subprocess.run([PROGRAM, "simulate", exchange, "--stop", "1", "--step", "0.05", "--output", file], check=True,
-                   capture_output=True)
-    with file.open() as lines:
-        last = list(csv.DictReader(lines))[-1]
+    result = trajectory(exchange, tmp_path / "run.csv")
     for name in OUTPUTS:
-        column = next(key for key in last if key.split(" ")[0] == name)
         # The tolerance that the description suggests is 1e-6 a step.
-        assert float(last[column]) == pytest.approx(expected[name][-1], rel=1e-4), name
+        assert result[name][-1] == pytest.approx(expected[name][-1], rel=1e-4), name
+
+
+def test_our_own_importer_comes_to_the_same(exchange, expected, tmp_path):
+    """With a tight tolerance, from the first instant on; relative to the largest value. The difference shrinks with the
+    tolerance: it is the solver's error."""
+    worst = []
+    for tolerance in (b"1e-8", b"1e-10"):
+        result = trajectory(with_tolerance(exchange, tolerance, tmp_path / "tight.fmu"), tmp_path / "run.csv")
+        assert result["time"] == pytest.approx(expected["time"], abs=1e-12)
+        worst.append(max(np.abs(result[name] - expected[name]).max() / np.abs(expected[name]).max() for name in OUTPUTS))
+    assert worst[0] < 1e-6 and worst[1] < 1e-8, worst
+
+
+STUDY = """
+fmu = "{fmu}"
+[simulation]
+stop = 0.2
+step = 0.05
+[design]
+method = "sobol"
+points = 40
+seed = 1
+[parameters."bearing.radialClearance"]
+distribution = "uniform"
+min = 0.015
+max = 0.025
+unit = "mm"
+[criteria.P]
+variable = "sensor.frictionPower"
+nominal = 14
+tolerance = "50 %"
+"""
+
+
+def test_points_are_the_same_however_they_are_run(fmu, tmp_path):
+    """One worker or two, processes of many points or of one, killed and resumed."""
+    study = tmp_path / "study.toml"
+    study.write_text(STUDY.format(fmu=fmu.with_name("PlainBearingStand-me-fmi3.fmu")))
+
+    def command(name, *options):
+        return [PROGRAM, "verify", study, "--output", tmp_path / name, *options]
+
+    def points(name, *options):
+        done = subprocess.run(command(name, *options), capture_output=True, text=True)
+        assert done.returncode in (0, 1), done.stderr
+        return (tmp_path / name / "points.csv").read_bytes()
+
+    one = points("one", "--jobs", "1", "--isolation", "fresh")
+    assert one.count(b",ok\n") == 40
+    assert points("two", "--jobs", "2", "--isolation", "reuse") == one
+    running = subprocess.Popen(command("killed", "--jobs", "2"), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    journal = tmp_path / "killed" / "journal.txt"
+    while running.poll() is None and not (journal.exists() and journal.read_text().count("\n") > 4):
+        time.sleep(0.002)
+    running.kill()
+    assert running.wait() == -signal.SIGKILL, "it was done before it could be killed: give it more points"
+    assert points("killed", "--jobs", "2", "--resume") == one
 
 
 def test_the_film_that_steps_itself_is_refused(exchange, capfd):
