@@ -352,6 +352,11 @@ def large(fmu, points, parameters=PARAMETERS):
     return LARGE.format(fmu=fmu, points=points, parameters=parameters, criteria=criteria)
 
 
+def seeded(text, seed):
+    text = re.sub(r"^seed = .*\n", "", text, flags=re.M)
+    return re.sub(r"^(points = .*)$", rf"\1\nseed = {seed}", text, count=1, flags=re.M)
+
+
 def ran(folder, text, *options):
     folder.mkdir(exist_ok=True)
     (folder / "study.toml").write_text(text)
@@ -399,21 +404,22 @@ def test_a_drag_over_20000_points_gives_the_verdict_of_judge(browser, tmp_path, 
 
 @pytest.mark.long
 def test_weights_come_to_what_fresh_studies_do(browser, tmp_path, module):  # noqa: F811
-    """100 changes of the distributions: the share of a fresh study of 10,000 points lies in the interval of the weights of 1,000
-    in at least 95 - 3 % of them; takes some minutes."""
+    """100 studies of 1,000 points, a change of the distributions each: the share of a fresh study of 10,000 points lies in the
+    interval of the weights in 95 +- 3 % of them; takes some minutes."""
     # The runs at one speed are cheap.
     parameters = {name: numbers for name, numbers in PARAMETERS.items() if name != "drive.speed"}
-    ran(tmp_path / "first", large(module, 1000, parameters))
-    browser.get((tmp_path / "first" / "out" / "report.html").as_uri())
     draw, held, tried, few, shares = random.Random(11), 0, 0, 0, []
     while tried < 100:
+        # One study for all changes would put its own luck into every interval.
+        ran(tmp_path / "first", seeded(large(module, 1000, parameters), 2000 + tried + few))
+        browser.get((tmp_path / "first" / "out" / "report.html").as_uri())
         change = {name: {"mean": parameters[name][0] + parameters[name][1] * draw.uniform(-1, 1),
                          "deviation": parameters[name][1] * draw.uniform(0.5, 1.3)} for name in draw.sample(sorted(parameters), draw.randint(1, 3))}
         asked = browser.execute_script("return WhatIf.ask(arguments[0])", {"parameters": change})
         if asked["effective"] < 100:  # the page says that it is too few
             few += 1
             continue
-        text = re.sub(r"points = \d+", f"points = 10000\nseed = {1000 + tried}", asked["text"])
+        text = re.sub(r"points = \d+", "points = 10000", seeded(asked["text"], 1000 + tried))
         fresh_share = ran(tmp_path / "fresh", text)["verified_fraction"]
         low, high = asked["verified"]["interval"]
         held += low <= fresh_share <= high
@@ -421,5 +427,4 @@ def test_weights_come_to_what_fresh_studies_do(browser, tmp_path, module):  # no
         shares.append(fresh_share)
     print(f"{held} of {tried} intervals hold the share of the fresh study, which is {min(shares):.3f} to {max(shares):.3f}; "
           f"{few} changes left too few points")
-    # They may be wider than they say, but not narrower.
-    assert held >= 92
+    assert 92 <= held <= 98
