@@ -16,12 +16,12 @@ pub(super) fn text(summary: &Summary) -> String {
     let open = found.changes.iter().filter(|c| c.sign() == Sign::Open);
     let open = match open.count() {
         0 => String::new(),
-        1 => "; 1 change is not distinguishable from no gain".to_owned(),
-        n => format!("; {n} changes are not distinguishable from no gain"),
+        1 => "; 1 change may gain or not".to_owned(),
+        n => format!("; {n} changes may gain or not"),
     };
     let Some(first) = gains().next() else {
         return format!(
-            "to improve first: by {} points halving no uncertainty or tolerance is sure to gain{open}\n",
+            "to improve first: not known: {} points show no gain from half an uncertainty or tolerance{open}\n",
             found.points
         );
     };

@@ -108,13 +108,14 @@ fn risks(text: &mut String, summary: &Summary) {
     let own = criteria.filter_map(|(name, entry)| Some((name.as_str(), entry.risk.as_ref()?)));
     let conclusion = summary.conclusion.as_ref();
     let all = conclusion.and_then(|found| Some(("all criteria", found.risk.as_ref()?)));
-    let mut rows = own.chain(all).peekable();
-    if rows.peek().is_none() {
+    let rows: Vec<_> = own.chain(all).collect();
+    let Some(longest) = rows.iter().map(|(name, _)| name.chars().count()).max() else {
         return;
-    }
+    };
+    let width = longest.max(22);
     let _ = writeln!(
         text,
-        "\n{:<22}{:>24}{:>26}{:>26}",
+        "\n{:<width$}{:>24}{:>26}{:>26}",
         match summary.verified_interval {
             Some(_) => "risk, 95 % interval",
             None => "risk",
@@ -127,7 +128,7 @@ fn risks(text: &mut String, summary: &Summary) {
         let intervals = risk.intervals.as_ref();
         let _ = writeln!(
             text,
-            "{name:<22}{:>24}{:>26}{:>26}",
+            "{name:<width$}{:>24}{:>26}{:>26}",
             with_interval(Some(risk.consumer), intervals.map(|of| of.consumer)),
             with_interval(Some(risk.producer), intervals.map(|of| of.producer)),
             with_interval(
