@@ -1,15 +1,13 @@
 //! Sobol indices where runs fail: how often the conditional intervals hold the conditional indices, and the bounds hold the
 //! indices of the function with values everywhere.
 
-use orchestrator::analysis::sensitivity::Estimate;
-use orchestrator::analysis::sensitivity::functions::{
-    ishigami, ishigami_indices, sobol_g, sobol_g_indices,
-};
-use orchestrator::analysis::sensitivity::method::{FirstOrder, Settled};
-use orchestrator::analysis::sensitivity::sobol::{Indices, design, indices};
-use orchestrator::analysis::sensitivity::{morris, shapley};
 use rayon::prelude::*;
 use sampling::design::cube;
+use sensitivity::Estimate;
+use sensitivity::functions::{ishigami, ishigami_indices, sobol_g, sobol_g_indices};
+use sensitivity::method::{FirstOrder, Settled};
+use sensitivity::sobol::{Indices, design, indices};
+use sensitivity::{morris, shapley};
 
 use crate::{Case, G, percent};
 

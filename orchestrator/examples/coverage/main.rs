@@ -9,13 +9,11 @@ mod shapley;
 
 use conformity::decision::randomised;
 use conformity::interval::clopper_pearson;
-use orchestrator::analysis::sensitivity::functions::{
-    ishigami, ishigami_indices, sobol_g, sobol_g_indices,
-};
-use orchestrator::analysis::sensitivity::method::FirstOrder;
-use orchestrator::analysis::sensitivity::sobol::{design, indices};
 use rayon::prelude::*;
 use sampling::design::cube;
+use sensitivity::functions::{ishigami, ishigami_indices, sobol_g, sobol_g_indices};
+use sensitivity::method::FirstOrder;
+use sensitivity::sobol::{design, indices};
 
 /// A function with its exact indices.
 struct Case {

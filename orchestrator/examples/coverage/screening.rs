@@ -1,8 +1,8 @@
 //! Morris's mu*: how often its interval holds the mean over the whole grid.
 
-use orchestrator::analysis::sensitivity::functions::{ishigami, sobol_g};
-use orchestrator::analysis::sensitivity::morris::{design, effects};
 use rayon::prelude::*;
+use sensitivity::functions::{ishigami, sobol_g};
+use sensitivity::morris::{design, effects};
 
 use crate::{Case, G, percent};
 

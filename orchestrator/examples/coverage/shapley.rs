@@ -1,11 +1,11 @@
 //! Shapley effects: how often their intervals hold the exact effects, and how large the error is.
 
 use nalgebra::DMatrix;
-use orchestrator::analysis::sensitivity::functions::{ishigami, ishigami_indices, sobol_g};
-use orchestrator::analysis::sensitivity::method::{FirstOrder, Settled};
-use orchestrator::analysis::sensitivity::shapley::{design, effects};
 use rayon::prelude::*;
 use sampling::design::cube;
+use sensitivity::functions::{ishigami, ishigami_indices, sobol_g};
+use sensitivity::method::{FirstOrder, Settled};
+use sensitivity::shapley::{design, effects};
 use statrs::distribution::{ContinuousCDF, Normal};
 
 use crate::{G, percent};

@@ -3,9 +3,16 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use super::Work;
-use crate::analysis::sensitivity::method::FirstOrder;
+use sensitivity::method::FirstOrder;
+
+fn estimator() -> impl TypedValueParser<Value = FirstOrder> {
+    let names = PossibleValuesParser::new(FirstOrder::ALL.map(FirstOrder::name));
+    // The parser lets no other name pass.
+    names.map(|name| FirstOrder::named(&name).unwrap_or_default())
+}
 
 /// Options of `sensitivity`.
 #[derive(Debug, Args)]
@@ -36,7 +43,7 @@ pub struct Sensitivity {
     #[arg(long, value_name = "N")]
     pub shapley: Option<u64>,
     /// How first-order Sobol indices are estimated [default: the study's, or combined]
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = estimator())]
     pub estimator: Option<FirstOrder>,
     /// The seed [default: the study's, or 1]
     #[arg(long, value_name = "S")]

@@ -3,7 +3,6 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-use clap::ValueEnum;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
@@ -11,21 +10,21 @@ use super::CommandError;
 use super::asking::{self, Analysis, PointSet};
 use super::finding::{self, AnalysisResult};
 use crate::analysis::from_results;
-use crate::analysis::sensitivity::Estimate;
-use crate::analysis::sensitivity::method::{self, FirstOrder, Measure, Settled, Space};
-use crate::analysis::sensitivity::methods::{RUNS, named};
 use crate::analysis::sensitivity::study::{Output, Sensitivity, from_points, from_runs};
 use crate::analysis::table::PointTable;
 use crate::cli;
 use crate::pipeline::Pipeline;
 use crate::report::format::number;
-use crate::report::sensitivity;
+use crate::report::sensitivity as shown;
 use crate::results::origin::Origin;
 use crate::results::{ResultsError, points, write_atomically};
 use crate::session::Session;
 use crate::study::Study;
 use crate::study::plan::Plan;
 use crate::table::csv_file;
+use ::sensitivity::Estimate;
+use ::sensitivity::method::{self, FirstOrder, Measure, Settled, Space};
+use ::sensitivity::methods::{RUNS, named};
 
 pub(super) const NAME: &str = "sensitivity";
 
@@ -61,12 +60,7 @@ pub(super) fn run(options: &cli::Sensitivity) -> Result<ExitCode, CommandError> 
             result.warnings.insert(0, SAMPLED.to_owned());
         }
         let text = text(&result);
-        let finding = AnalysisResult::new(
-            &result,
-            Origin::of_points(&summary),
-            text,
-            sensitivity::FILE,
-        )?;
+        let finding = AnalysisResult::new(&result, Origin::of_points(&summary), text, shown::FILE)?;
         return finding.tell(output.as_ref().unwrap_or(folder));
     }
     let session = asking::open(&options.work, &analysis)?;
@@ -92,11 +86,9 @@ impl Runs {
     fn new(options: &cli::Sensitivity, study: &Study) -> Result<Self, CommandError> {
         let said = &study.sensitivity;
         let estimator = said.estimator.as_ref().map(|name| {
-            FirstOrder::from_str(name.as_ref(), false).map_err(|_| {
-                study.error_at(
-                    name,
-                    "the estimators are `combined`, `jansen` and `saltelli`",
-                )
+            FirstOrder::named(name.as_ref()).ok_or_else(|| {
+                let known = FirstOrder::ALL.map(FirstOrder::name).join(", ");
+                study.error_at(name, format!("the estimators are {known}"))
             })
         });
         let method = said.method.as_ref().map(|name| {
@@ -204,7 +196,7 @@ impl Analysis for Runs {
             result.warnings.insert(0, CORRELATED.to_owned());
         }
         let origin = asking::origin(session)?;
-        AnalysisResult::new(&result, origin, text(&result), sensitivity::FILE)
+        AnalysisResult::new(&result, origin, text(&result), shown::FILE)
     }
 }
 

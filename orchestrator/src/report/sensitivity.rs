@@ -1,10 +1,10 @@
 //! The page's part on sensitivity: bars with intervals, an output each.
 
 use super::format::{escape, number};
-use crate::analysis::sensitivity::Estimate;
-use crate::analysis::sensitivity::method::Measure;
 use crate::analysis::sensitivity::study::{Output, Sensitivity};
 use crate::analysis::table::PointTable;
+use sensitivity::Estimate;
+use sensitivity::method::Measure;
 use serde::Serialize;
 use std::fmt::Write as _;
 
@@ -31,7 +31,7 @@ struct OutputView {
 
 /// Prepares a result for the template; `table` knows the parameters' units.
 pub fn view(result: &Sensitivity, table: &PointTable) -> View {
-    let split = |(name, s): (&String, &crate::analysis::sensitivity::regional::Split)| {
+    let split = |(name, s): (&String, &::sensitivity::regional::Split)| {
         let known = table.parameters.iter().find(|p| p.name == *name);
         let unit = known.map_or("", |p| p.unit.as_str());
         let with_unit = |value| format!("{} {unit}", number(value, 5)).trim_end().to_owned();

@@ -7,10 +7,10 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use super::Study;
-use crate::analysis::sensitivity::methods::RUNS;
 use curves::Metric;
 use sampling::design::Method;
 use sampling::statistics::Statistic;
+use sensitivity::methods::RUNS;
 
 fn studies() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../studies")

@@ -1,7 +1,7 @@
 //! Runs without values: how many there are of each output, and what the numbers mean without them.
 
-use super::method::FromRuns;
 use crate::analysis::table::{CriterionColumn, PointTable};
+use sensitivity::method::FromRuns;
 
 /// The output that tells whether a run failed.
 pub(super) const OUTPUT: &str = "failed";

@@ -1,9 +1,10 @@
 //! The sensitivity of all outputs of a study in one result: of every criterion, and of "is verified".
 
-use super::method::{FirstOrder, FromRuns, Measure, Settled, Told};
-use super::methods::{RUNS, VIEWS};
-use super::{dominant, failures, regional};
+use super::failures;
 use crate::analysis::table::PointTable;
+use sensitivity::method::{FirstOrder, FromRuns, Measure, Settled, Told};
+use sensitivity::methods::{RUNS, VIEWS};
+use sensitivity::{dominant, regional};
 use serde::{Deserialize, Serialize};
 
 /// The sensitivity of a study's outputs to its parameters.

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use super::uncertainty::from_bound;
 use super::{Accuracy, Channel, DerivedCriterion, RigRecording, Synchronised};
-use crate::analysis::sensitivity::Estimate;
+use sensitivity::Estimate;
 
 /// What turns a recording into a case.
 #[derive(Clone, Debug)]

@@ -13,7 +13,7 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::kernel::Kernel;
 use super::signal::{Even, SignalError};
-use crate::analysis::sensitivity::Estimate;
+use sensitivity::Estimate;
 
 /// The delay that was found, with its uncertainty.
 #[derive(Clone, Debug, PartialEq)]

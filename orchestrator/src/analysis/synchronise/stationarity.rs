@@ -3,8 +3,8 @@
 //! Samples of a fast record depend on each other; means of blocks (whole turns, where the turn is
 //! known) hardly do. All tests work on them.
 
-use crate::analysis::sensitivity::Estimate;
 use sampling::statistics::moments::{mean, variance};
+use sensitivity::Estimate;
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 

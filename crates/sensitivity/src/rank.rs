@@ -5,8 +5,8 @@
 //! Marino et al. (2008), "A methodology for performing global uncertainty and sensitivity analysis
 //! in systems biology", J. Theoretical Biology 254, 178-196. Intervals: Fisher's z.
 
-use super::Estimate;
-use super::method::{FromPoints, Measure, Told, read};
+use crate::Estimate;
+use crate::method::{FromPoints, Measure, Told, read};
 use nalgebra::DMatrix;
 use sampling::statistics::moments::{pearson, ranks};
 use sampling::statistics::share::Z95;

@@ -1,10 +1,10 @@
 //! The sensitivity methods: the one place that knows them all.
 //!
-//! A new method is a file beside [`super::morris`] with a type that implements [`FromRuns`] or [`FromPoints`], its `mod`
-//! line in `sensitivity/mod.rs`, and its name in a list below. The command, the terminal and the page show its results.
+//! A new method is a file beside [`crate::morris`] with a type that implements [`FromRuns`] or [`FromPoints`], its `mod`
+//! line in ``lib.rs``, and its name in a list below. The command, the terminal and the page show its results.
 
-use super::method::{FromPoints, FromRuns};
-use super::{morris, pawn, rank, shapley, sobol};
+use crate::method::{FromPoints, FromRuns};
+use crate::{morris, pawn, rank, shapley, sobol};
 
 /// Methods that need runs of their own; the first one is the usual one.
 pub const RUNS: &[&dyn FromRuns] = &[&sobol::Sobol, &morris::Morris, &shapley::Shapley];

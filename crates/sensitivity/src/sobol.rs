@@ -5,11 +5,11 @@
 //! Computer Physics Communications 181, 259-270: two independent samples A and B, and for every
 //! parameter i the sample A_B^(i), which is A with column i from B.
 
-use super::Estimate;
-use super::lost::{self, Triple};
-use super::method::{FirstOrder, FromRuns, Measure, Settled, Space, Told, read};
-use super::rare;
-use super::ratio::{self, Parts};
+use crate::Estimate;
+use crate::lost::{self, Triple};
+use crate::method::{FirstOrder, FromRuns, Measure, Settled, Space, Told, read};
+use crate::rare;
+use crate::ratio::{self, Parts};
 use sampling::statistics::moments::mean;
 use serde::{Deserialize, Serialize};
 use serde_json::json;

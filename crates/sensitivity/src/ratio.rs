@@ -1,6 +1,6 @@
 //! The ratio of two means over base points, such as a part of the variance over the variance, with its 95 % interval.
 
-use super::Estimate;
+use crate::Estimate;
 use sampling::statistics::moments::mean;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 

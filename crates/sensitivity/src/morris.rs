@@ -5,8 +5,8 @@
 //! "An effective screening design for sensitivity analysis of large models",
 //! Environmental Modelling & Software 22, 1509-1518.
 
-use super::Estimate;
-use super::method::{FromRuns, Measure, Settled, Space, Told, read};
+use crate::Estimate;
+use crate::method::{FromRuns, Measure, Settled, Space, Told, read};
 use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use sampling::statistics::moments::{mean, variance};

@@ -4,8 +4,8 @@
 //! Pianosi & Wagener (2018), "Distribution-based sensitivity analysis from a generic input-output
 //! sample", Environmental Modelling & Software 108, 197-207.
 
-use super::Estimate;
-use super::method::{FromPoints, Measure, Told, read};
+use crate::Estimate;
+use crate::method::{FromPoints, Measure, Told, read};
 use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use sampling::statistics::moments::{ks_distance, mean, quantile, sorted};

@@ -13,9 +13,9 @@
 //! of both is (f_after - f_before) (f_A - f_B) / 2, after Goda (2021), "A simple algorithm for global sensitivity analysis with
 //! Shapley effects", Reliability Engineering & System Safety 213, 107702.
 
-use super::Estimate;
-use super::method::{FromRuns, Measure, Settled, Space, Told, read};
-use super::ratio::{self, Parts};
+use crate::Estimate;
+use crate::method::{FromRuns, Measure, Settled, Space, Told, read};
+use crate::ratio::{self, Parts};
 use nalgebra::{DMatrix, DVector};
 use rand::seq::SliceRandom;
 use rand::{SeedableRng, rngs::StdRng};

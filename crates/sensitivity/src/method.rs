@@ -4,13 +4,13 @@ use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
-use super::Estimate;
+use crate::Estimate;
 
 /// Results of a method for one output, under their keys in `sensitivity.json`.
 pub type Told = Map<String, Value>;
 
 /// The estimator of first-order Sobol indices.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FirstOrder {
     /// The weighted mean of both others that scatters least, with weights from the same runs: their difference has the
@@ -24,6 +24,25 @@ pub enum FirstOrder {
     /// mean(f_B (f_AB - f_A)): Saltelli et al. (2010), table 2 (b). Surer for a parameter without
     /// influence, of which it is exactly 0.
     Saltelli,
+}
+
+impl FirstOrder {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Combined, Self::Jansen, Self::Saltelli];
+
+    /// Its name in a study and on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Combined => "combined",
+            Self::Jansen => "jansen",
+            Self::Saltelli => "saltelli",
+        }
+    }
+
+    /// The one of this name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|one| one.name() == name)
+    }
 }
 
 /// The parameters that vary.
@@ -158,6 +177,6 @@ impl Measure {
 }
 
 /// The result under a key, if there is one.
-pub(super) fn read<T: serde::de::DeserializeOwned>(told: &Told, key: &str) -> Option<T> {
+pub(crate) fn read<T: serde::de::DeserializeOwned>(told: &Told, key: &str) -> Option<T> {
     serde_json::from_value(told.get(key)?.clone()).ok()
 }

@@ -6,14 +6,14 @@
 
 use conformity::interval::clopper_pearson;
 
-use super::Estimate;
+use crate::Estimate;
 
 /// So many pairs show their scatter themselves.
 const ENOUGH: usize = 3;
 
 /// The estimate of a first-order index, with a wider interval where the output has two values and hardly any of the `pairs`
 /// with the parameter in common has the rarer one twice. `ends` are the independent runs.
-pub(super) fn widened<P: Iterator<Item = [f64; 2]>>(
+pub(crate) fn widened<P: Iterator<Item = [f64; 2]>>(
     estimate: Estimate,
     ends: &[[f64; 2]],
     pairs: impl Fn() -> P,

@@ -6,7 +6,7 @@
 //! are: bisection finds the smallest such t, and a base point's worst values are found on their own (Dinkelbach 1967, "On
 //! nonlinear fractional programming", Management Science 13, 492-498).
 
-use super::ratio::{Parts, half_width, ratio, variance};
+use crate::ratio::{Parts, half_width, ratio, variance};
 use sampling::statistics::moments::mean;
 
 /// A base point's runs: the one that is compared, the one that it is compared with, and an independent one.
