@@ -50,7 +50,7 @@ BEHAVES(logs_percent_signs) {
 }
 
 static void *talk(void *of) {
-    for (int k = 0; k < 100; k++) say(of, OK, "from another thread");
+    for (int k = 0; k < 20; k++) say(of, OK, "from another thread");
     return NULL;
 }
 

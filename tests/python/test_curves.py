@@ -1,5 +1,6 @@
 """The metrics of curves against numpy, scipy and a public implementation of ISO/TS 18571."""
 
+import itertools
 import os
 import subprocess
 import warnings
@@ -82,12 +83,14 @@ def test_metrics_are_those_of_numpy_and_scipy(program):
             assert found[name] == pytest.approx(value, abs=1e-12), (number, name)
 
 
-def test_ratings_are_those_of_a_public_implementation(program):
+# The public implementation is slow: an ordinary run takes some of the pairs.
+@pytest.mark.parametrize("every", [4, pytest.param(1, marks=pytest.mark.long)])
+def test_ratings_are_those_of_a_public_implementation(program, every):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         from objective_rating_metrics.rating import ISO18571
     shifts = set()
-    for number, (reference, model) in enumerate(pairs()):
+    for number, (reference, model) in enumerate(itertools.islice(pairs(), 0, None, every)):
         found = compared(program, reference, model, 1.0, 1.0)
         times, measured = evenly(*reference) if np.ptp(np.diff(reference[0])) > 1e-9 else reference
         both = [np.column_stack([times, values]) for values in (measured, np.interp(times, *model))]

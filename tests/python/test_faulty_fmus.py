@@ -38,6 +38,14 @@ def test_all_other_points_are_right(case):
         assert case.model.said in case.whole.said.lower() + str(case.whole.summary).lower()
 
 
+@pytest.mark.long
+@every_model
+def test_points_without_a_fault_are_those_of_the_healthy_model(case, laboratory):
+    fmu = laboratory.workshop.folder / f"{case.model.name}.fmu"
+    if case.model.reproducible and case.model.results != "own":
+        assert laboratory.fresh(fmu) == laboratory.sound
+
+
 @every_model
 def test_no_process_is_left(case):
     assert case.whole.strays == []

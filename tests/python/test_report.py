@@ -183,8 +183,9 @@ def test_the_page_of_a_recording(browser, tmp_path):
     assert len(browser.find_elements(By.CSS_SELECTOR, "#steady svg[aria-label]")) == 3
 
 
-def test_a_million_points_stay_small_and_work(browser, tmp_path):
-    page = report(tmp_path, 1_000_000)
+@pytest.mark.parametrize("points", [100_000, pytest.param(1_000_000, marks=pytest.mark.long)])
+def test_many_points_stay_small_and_work(browser, tmp_path, points):
+    page = report(tmp_path, points)
     assert page.stat().st_size < 5_000_000
     plot = opened(browser, page)
     assert browser.get_log("browser") == []

@@ -74,25 +74,44 @@ fn names_a_variable(fault: &Fault) -> bool {
     Stand::variables().iter().any(|v| message.contains(v.name))
 }
 
+fn is_made_or_refused(settings: &[(&'static str, f64)]) -> Result<(), TestCaseError> {
+    match run(settings, &[1e-3, 0.1]) {
+        Ok(stand) => {
+            for variable in Stand::variables() {
+                if let Kind::Real {
+                    access, min, max, ..
+                } = &variable.kind
+                {
+                    let value = (access.get)(&stand);
+                    let (least, most) = (min.unwrap_or(f64::MIN), max.unwrap_or(f64::MAX));
+                    // Written so that what is no number fails, too.
+                    let within = least <= value && value <= most;
+                    prop_assert!(within, "{} = {value}", variable.name);
+                }
+            }
+        }
+        Err(fault) => prop_assert!(names_a_variable(&fault), "{fault}"),
+    }
+    Ok(())
+}
+
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 500, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 150, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn a_step_is_made_or_refused_with_a_name(settings in corners()) {
-        match run(&settings, &[1e-3, 0.1]) {
-            Ok(stand) => {
-                for variable in Stand::variables() {
-                    if let Kind::Real { access, min, max, .. } = &variable.kind {
-                        let value = (access.get)(&stand);
-                        let (least, most) = (min.unwrap_or(f64::MIN), max.unwrap_or(f64::MAX));
-                        // Written so that what is no number fails, too.
-                        let within = least <= value && value <= most;
-                        prop_assert!(within, "{} = {value}", variable.name);
-                    }
-                }
-            }
-            Err(fault) => prop_assert!(names_a_variable(&fault), "{fault}"),
-        }
+        is_made_or_refused(&settings)?;
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 3_000, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// The seed comes from `PROPTEST_RNG_SEED`, which `scripts/test --long` draws.
+    #[test]
+    #[ignore = "takes minutes: scripts/test --long"]
+    fn thousands_of_steps_are_made_or_refused_with_a_name(settings in corners()) {
+        is_made_or_refused(&settings)?;
     }
 }
 
