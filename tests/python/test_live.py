@@ -15,7 +15,7 @@ import pytest
 from small_modules import ENDLESS, TRAP, constant, with_module
 from small_modules import module as small_module
 from test_acceptance import PROGRAM
-from test_report import browser, pytestmark  # noqa: F401
+from test_report import barriers, browser, pytestmark  # noqa: F401
 
 STUDY = """
 fmu = "{fmu}"
@@ -243,6 +243,7 @@ def test_a_slider_simulates_and_the_mouse_draws(browser, tmp_path, module):  # n
         if (paths.length === 2 || Date.now() - begun > 30000) done(paths.map(p => p.getAttribute('d').split('L').length)); else setTimeout(look, 50);
       }; look()"""
     assert browser.execute_async_script(trace) == [101, 101]
+    assert barriers(browser) == []
     assert browser.get_log("browser") == []
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from test_acceptance import PROGRAM
 from test_live import module  # noqa: F401
-from test_report import browser, pytestmark  # noqa: F401
+from test_report import barriers, browser, pytestmark  # noqa: F401
 
 ROOT = Path(__file__).resolve().parents[2]
 STATE = """const done = arguments[0], begun = Date.now(), look = () => {
@@ -55,4 +55,5 @@ def test_the_page_shows_what_the_fmu_computes(browser, tmp_path, module):  # noq
         browser.set_window_size(width, 900)
         assert browser.execute_script("return document.documentElement.scrollWidth <= innerWidth")
     assert browser.execute_script("return [...document.querySelectorAll('input')].every(i => i.closest('label'))")
+    assert barriers(browser) == []
     assert browser.get_log("browser") == []

@@ -11,6 +11,7 @@ import time
 from pathlib import Path
 
 import pytest
+from axe_core_python.selenium import Axe
 from test_acceptance import PROGRAM
 
 selenium = pytest.importorskip("selenium")
@@ -83,11 +84,27 @@ def selected(browser):
     return browser.find_element(By.ID, "selection-count").text
 
 
+def barriers(browser):
+    """What keeps people out of the page that is open, in a narrow window and in a wide one: rules of axe-core."""
+    found = []
+    try:
+        for width in (400, 1280):
+            metrics = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": False}
+            browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
+            settle(browser)
+            violations = Axe().run(browser)["violations"]
+            found += [(width, rule["id"], node["html"][:200]) for rule in violations for node in rule["nodes"]]
+    finally:
+        browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+    return found
+
+
 def test_no_errors_and_nothing_from_outside(browser, small):
     opened(browser, small)
     assert browser.get_log("browser") == []
     assert browser.execute_script("return performance.getEntriesByType('resource').length") == 0
     assert "http" not in small.read_text().replace("http://www.w3.org/2000/svg", "").replace("http-equiv", "")
+    assert barriers(browser) == []
 
 
 def test_hovering_shows_the_point_everywhere(browser, small):
@@ -181,6 +198,7 @@ def test_the_page_of_a_recording(browser, tmp_path):
     assert browser.find_element(By.ID, "delay-title").text == "Torque 16 ms later than the load"
     assert len(browser.find_elements(By.CSS_SELECTOR, "#signals svg[aria-label]")) == 5
     assert len(browser.find_elements(By.CSS_SELECTOR, "#steady svg[aria-label]")) == 3
+    assert barriers(browser) == []
 
 
 @pytest.mark.parametrize("points", [100_000, pytest.param(1_000_000, marks=pytest.mark.long)])

@@ -9,7 +9,7 @@ import tomllib
 
 import pytest
 from test_acceptance import PROGRAM
-from test_report import browser, pytestmark  # noqa: F401
+from test_report import barriers, browser, pytestmark  # noqa: F401
 from test_whatif import STUDY, judged, same, table
 
 # Studies of normal parameters and linear values. Points that were drawn from some distributions are judged under others; then
@@ -163,6 +163,7 @@ def test_what_fails_in_one_case_counts_in_the_others(browser, tmp_path):  # noqa
         same(found, {key: criterion.get(key) for key in ("passed", "fraction", "interval", "risk")})
     same(asked["verified"]["passed"], summary["verified"])
     assert asked["failed"] == summary["failed"] == 57
+    assert barriers(browser) == []
 
 
 def test_words_of_one_accepted_point(browser, tmp_path):  # noqa: F811
