@@ -118,7 +118,10 @@ pub(super) fn serialized_states(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// The first of these elements with an attribute that an earlier one has, too.
-fn twice<'a>(nodes: impl Iterator<Item = Node<'a, 'a>>, attribute: &'static str) -> Vec<Hit> {
+pub(super) fn twice<'a>(
+    nodes: impl Iterator<Item = Node<'a, 'a>>,
+    attribute: &'static str,
+) -> Vec<Hit> {
     let mut seen = HashSet::new();
     let mut known = nodes.filter_map(|node| Some((node, node.attribute(attribute)?)));
     let second = known.find(|(_, value)| !seen.insert(*value));

@@ -1,5 +1,8 @@
 //! Rules about model descriptions of FMI 3.0 (sections 2.4 to 2.4.8).
 
+pub(super) mod definitions;
+pub(super) mod kinds;
+
 use std::collections::{HashMap, HashSet};
 
 use roxmltree::Node;
@@ -130,12 +133,12 @@ pub(super) fn starts(document: &Document<'_>) -> Vec<Hit> {
             return None;
         }
         let causality = node.attribute("causality").unwrap_or("local");
-        let initial = node.attribute("initial");
+        let initial = kinds::initial(node);
         let given = node.has_attribute("start") || named(node, "Start").next().is_some();
         let needed = matches!(causality, "parameter" | "structuralParameter" | "input")
             || node.attribute("variability") == Some("constant")
-            || matches!(initial, Some("exact" | "approx"));
-        let forbidden = initial == Some("calculated") || causality == "calculatedParameter";
+            || matches!(initial, "exact" | "approx");
+        let forbidden = initial == "calculated";
         if needed && !given {
             Some("it needs a start value".to_owned())
         } else if forbidden && !needed && given {
