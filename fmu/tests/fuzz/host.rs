@@ -70,8 +70,12 @@ pub enum Kinds {
 /// The data behind the environment pointer of the host's callbacks.
 pub struct Log {
     messages: Cell<u64>,
-    /// The instance that is at work: the logger calls back into it.
-    busy: Cell<Option<Component>>,
+    /// The instance that is at work: the callbacks call back into it.
+    pub busy: Cell<Option<Component>>,
+    /// The number of intermediate updates.
+    pub updates: Cell<u64>,
+    /// Where the choices of callbacks come from.
+    pub random: Cell<u64>,
     reset: Plain,
 }
 
@@ -142,6 +146,8 @@ impl Host {
             log: Box::new(Log {
                 messages: Cell::default(),
                 busy: Cell::default(),
+                updates: Cell::default(),
+                random: Cell::new(seed),
                 reset: interface.reset.1,
             }),
             seed,
@@ -364,7 +370,8 @@ impl Host {
             self.release(component);
         }
         let (seed, calls, messages) = (self.seed, self.calls, self.log.messages.get());
-        println!("seed {seed}: {calls} calls, {messages} messages");
+        let updates = self.log.updates.get();
+        println!("seed {seed}: {calls} calls, {messages} messages, {updates} intermediate updates");
         let head = ["OK", "warning", "discard", "error"].map(|word| format!("{word:>9}"));
         println!("{:36} {}", "", head.join(" "));
         for (name, counts) in &self.tally {
@@ -375,7 +382,8 @@ impl Host {
     }
 }
 
-fn reference_of(name: &str) -> ValueReference {
+/// The value reference of a variable.
+pub fn reference_of(name: &str) -> ValueReference {
     let index = Stand::variables().iter().position(|v| v.name == name);
     index
         .and_then(|index| index.try_into().ok())

@@ -80,6 +80,7 @@ impl<M: Model> Instance<M> {
         values: &mut [T],
         read: impl Fn(&Variable<M>, &M) -> Outcome<T>,
     ) -> Outcome {
+        self.check_intermediate(references, false)?;
         self.refresh()?;
         for (reference, value) in references.iter().zip(values) {
             *value = read(variable::<M>(*reference)?, &self.run.model)?;
@@ -90,6 +91,7 @@ impl<M: Model> Instance<M> {
     /// Reads real values. In Model Exchange the states are the host's, and not every output exists at every state: the
     /// solver then tries a shorter step.
     pub fn get_real(&mut self, references: &[ValueReference], values: &mut [Real]) -> Outcome {
+        self.check_intermediate(references, false)?;
         self.refresh()?;
         let version = self.version;
         for (reference, value) in references.iter().zip(values) {
@@ -192,6 +194,7 @@ impl<M: Model> Instance<M> {
         values: &[T],
         put: impl Fn(&Variable<M>, T, Option<&mut M>) -> Outcome<()>,
     ) -> Outcome {
+        self.check_intermediate(references, true)?;
         for (reference, value) in references.iter().zip(values) {
             let variable = variable::<M>(*reference)?;
             check_settable(variable, self.run.phase)?;
