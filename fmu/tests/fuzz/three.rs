@@ -115,7 +115,7 @@ unsafe extern "C" fn update(
     let [input, output, other] = announced();
     let mut value = f64::NAN;
     let speed = random.magnitude(1.0, 300.0);
-    // SAFETY of all: the instance is at work, and alive; the places are ours.
+    // SAFETY: the instance is at work, and alive; the places are ours.
     let (status, expected) = unsafe {
         match random.below(12) {
             0 | 1 => {

@@ -219,7 +219,8 @@ impl<M: Model> Instance<M> {
         Ok(Status::Ok)
     }
 
-    /// In intermediate update mode only the variables that the host has announced can be accessed.
+    /// In intermediate update mode a host sets inputs that it has announced, and reads continuous inputs and outputs. By the
+    /// standard it must announce those, too; its own example (3.0.2, section 4.3) does not, and reading does no harm.
     #[inline]
     pub fn check_intermediate(&self, references: &[ValueReference], set: bool) -> Outcome<()> {
         if self.run.phase == Phase::Intermediate {
@@ -235,8 +236,13 @@ impl<M: Model> Instance<M> {
         };
         let more = matches!(&watch.underway, Some(underway) if underway.left > 0.0);
         for reference in references {
-            let name = variable::<M>(*reference)?.name;
-            if watch.variables.binary_search(reference).is_err() {
+            let variable = variable::<M>(*reference)?;
+            let name = variable.name;
+            if !is_intermediate(variable) {
+                let why = "it has no intermediateUpdate attribute";
+                return Err(Refusal::NotIntermediate { name, why });
+            }
+            if set && watch.variables.binary_search(reference).is_err() {
                 let why = "it is not among the requiredIntermediateVariables";
                 return Err(Refusal::NotIntermediate { name, why });
             }

@@ -224,15 +224,17 @@ fn a_host_reads_and_sets_announced_variables_and_nothing_else() {
         assert!((rate - (2.0 * input - output) / 0.5).abs() < 1e-12);
         let next = set(lag, "input", input + 1.0);
         assert_eq!(next, if update.set { Ok } else { Error });
-        // Set, but not announced; announced, but not settable; read, but not announced; no access at all.
+        assert!(get(lag, "feed").is_ok(), "an output that was not announced");
+        // Not accessible, not settable, or not announced.
         assert_eq!(set(lag, "gain", 3.0), Error);
+        assert_eq!(get(lag, "gain"), Err(Error));
         assert_eq!(set(lag, "output", 3.0), Error);
-        assert_eq!(get(lag, "feed"), Err(Error));
+        assert_eq!(set(lag, "feed", 3.0), Error);
         assert_eq!(trouble(lag, 2), Error);
         let mut state = null_mut();
-        // SAFETY of all: the component is alive, and the pointers are ours.
+        let (a, b, c, d) = (&mut 0, &mut 0, &mut 0, &mut 0.0);
+        // SAFETY: the component is alive, and the pointers are ours.
         let others = unsafe {
-            let (a, b, c, d) = (&mut 0, &mut 0, &mut 0, &mut 0.0);
             [
                 calls::do_step::<Lag>(lag, 0.0, 1.0, 1, a, b, c, d),
                 calls::reset::<Lag>(lag),
@@ -250,7 +252,8 @@ fn a_host_reads_and_sets_announced_variables_and_nothing_else() {
     assert_eq!(host.updates().len(), 4);
     let messages = host.1.messages.take();
     for expected in [
-        "fmi3SetFloat64: gain cannot be accessed in intermediate update mode: it is not among the requiredIntermediateVariables",
+        "fmi3SetFloat64: gain cannot be accessed in intermediate update mode: it has no intermediateUpdate attribute",
+        "fmi3SetFloat64: feed cannot be accessed in intermediate update mode: it is not among the requiredIntermediateVariables",
         "fmi3SetFloat64: output is an output, which cannot be set in intermediate update mode",
         "fmi3DoStep: this function must not be called in intermediate update mode",
         "fmi3SetFloat64: input cannot be accessed in intermediate update mode: the step is complete",
