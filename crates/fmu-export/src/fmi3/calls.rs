@@ -19,6 +19,7 @@ use super::types::{
     LogMessageCallback, Real, Status, Text, Unused, ValueReference,
 };
 use super::{description, functions};
+use crate::boundary::calls::plain;
 use crate::boundary::guard::{Handle, enter};
 use crate::boundary::instance::{Instance, Request};
 use crate::boundary::intermediate::Watch;
@@ -190,17 +191,6 @@ pub unsafe fn enter_initialization_mode<M: Model>(
     };
     // SAFETY: as the host vouches.
     unsafe { enter(component, &functions::ENTER_INITIALIZATION, body) }
-}
-
-/// Defines functions that take nothing but the instance.
-macro_rules! plain {
-    ($($(#[$doc:meta])* $name:ident = $function:ident, $method:ident;)*) => {$(
-        $(#[$doc])*
-        pub unsafe fn $name<M: Model>(component: Component) -> Status {
-            // SAFETY: as the host vouches.
-            unsafe { enter(component, &functions::$function, Instance::<M>::$method) }
-        }
-    )*};
 }
 
 plain! {
