@@ -115,21 +115,20 @@ impl<M: Model> Watch<M> {
 impl<M: Model> Instance<M> {
     /// Takes a communication step, or its first part if the host looks into steps: `pause` then holds the call that is due.
     pub fn begin_step(&mut self, from: f64, step: f64, pause: &mut Option<Update>) -> Outcome {
-        let Some(mut watch) = self.watch.take() else {
+        if self.watch.is_none() {
             return self.step(from, step);
-        };
-        let begun = self.check_step(from, step).and_then(|()| self.refresh());
-        if begun.is_ok() {
+        }
+        self.check_step(from, step)?;
+        self.refresh()?;
+        if let Some(watch) = &mut self.watch {
             watch.underway = Some(Underway {
                 before: Box::new(self.run.clone()),
                 until: from + step,
                 left: step,
                 least: step / MOST_UPDATES,
             });
-            self.run.time = from;
         }
-        self.watch = Some(watch);
-        begun?;
+        self.run.time = from;
         self.advance_by_part(pause)
     }
 

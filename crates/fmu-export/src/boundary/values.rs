@@ -93,7 +93,7 @@ impl<M: Model> Instance<M> {
     pub fn get_real(&mut self, references: &[ValueReference], values: &mut [Real]) -> Outcome {
         self.check_intermediate(references, false)?;
         self.refresh()?;
-        let version = self.version;
+        let (version, exchange) = (self.version, self.run.exchange);
         for (reference, value) in references.iter().zip(values) {
             *value = match variable::<M>(*reference) {
                 Ok(variable) => match &variable.kind {
@@ -102,7 +102,7 @@ impl<M: Model> Instance<M> {
                 },
                 Err(unknown) => self.unlisted(*reference)?.ok_or(unknown)?,
             };
-            if self.run.exchange && !value.is_finite() {
+            if exchange && !value.is_finite() {
                 return Err(no_value::<M>(*reference, *value));
             }
         }
