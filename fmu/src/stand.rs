@@ -386,6 +386,8 @@ impl Model for Stand {
 
     const EXCHANGE: Option<Exchange<Self>> = Some(exchange::EXCHANGE);
 
+    const INNER_STEP: Option<fn(&Self, f64) -> f64> = Some(Self::inner_step);
+
     fn variables() -> &'static [Variable<Self>] {
         crate::variables::table()
     }

@@ -13,6 +13,7 @@ use fmu_export::fmi2::description;
 use fmu_export::fmi2::types::{
     Boolean, CO_SIMULATION, CallbackFunctions, Component, FALSE, Real, Status, TRUE, ValueReference,
 };
+use fmu_export::fmi3;
 use fmu_export::model::{Experiment, Fault, Info, Log, Model, Variable};
 use fmu_export::units;
 use lag::Lag;
@@ -142,4 +143,55 @@ fn set_real<M: Model>(bencher: Bencher<'_, '_>) {
         let status: Status = unsafe { call(host.component, &0, 1, &0.5) };
         status
     });
+}
+
+/// A step of 1 ms in FMI 3.0, of a host that does not look into it.
+#[divan::bench(types = [Empty, Lag], sample_size = 10_000)]
+fn do_step_of_fmi_3<M: Model>(bencher: Bencher<'_, '_>) {
+    let token = fmi3::description::token(fmi3::description::fingerprint::<M>()) + "\0";
+    let (name, token) = (c"bench".as_ptr(), token.as_ptr().cast());
+    // SAFETY: all arguments are what the standard asks for.
+    let component = unsafe {
+        let component = fmi3::calls::instantiate_co_simulation::<M>(
+            name,
+            token,
+            null(),
+            0,
+            0,
+            0,
+            1,
+            null(),
+            0,
+            null_mut(),
+            None,
+            None,
+        );
+        let done = [
+            fmi3::calls::enter_initialization_mode::<M>(component, 0, 0.0, 0.0, 0, 0.0),
+            fmi3::calls::exit_initialization_mode::<M>(component),
+        ];
+        assert_eq!(done, [Status::Ok; 2]);
+        component
+    };
+    let call = black_box(fmi3::calls::do_step::<M>);
+    let mut time = 0.0;
+    bencher.bench_local(|| {
+        let (mut event, mut end, mut early) = (0, 0, 0);
+        let places = (&raw mut event, &raw mut end, &raw mut early);
+        // SAFETY: the component is alive, and the places are ours.
+        unsafe {
+            call(
+                component,
+                time,
+                1e-3,
+                1,
+                places.0,
+                places.1,
+                places.2,
+                &raw mut time,
+            )
+        }
+    });
+    // SAFETY: our own component, freed once.
+    unsafe { fmi3::calls::free_instance::<M>(component) }
 }

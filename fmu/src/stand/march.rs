@@ -121,8 +121,7 @@ impl Stand {
     /// Lets `span` seconds pass with a transient film, in steps that are `longer` by a factor: in each of them first the film
     /// advances, then the temperatures. Returns means over the span.
     fn resolve_transient(&mut self, span: f64, longer: f64) -> Result<Turn, Stuck> {
-        let longest = longer * LONGEST_FILM_STEP.min(self.period() / FILM_STEPS_PER_TURN);
-        let steps = (span / longest).ceil().max(1.0);
+        let steps = self.film_steps(span, longer);
         if steps > MOST_FILM_STEPS {
             return Err(Stuck::TooLong(steps));
         }
@@ -161,6 +160,28 @@ impl Stand {
             before = now;
         }
         Ok(mean)
+    }
+
+    /// The number of steps of a transient film in `span` seconds, `longer` by a factor than they should be.
+    fn film_steps(&self, span: f64, longer: f64) -> f64 {
+        (span / (longer * self.longest_film_step())).ceil().max(1.0)
+    }
+
+    fn longest_film_step(&self) -> f64 {
+        LONGEST_FILM_STEP.min(self.period() / FILM_STEPS_PER_TURN)
+    }
+
+    /// The first inner step of a communication step of `span` seconds, s: one of the film or of the time integration. Where that
+    /// takes tiny steps, some of them are one: each inner step may take as much work as a communication step. A leap passes over
+    /// its turns, so that there is nothing to see within it.
+    pub(super) fn inner_step(&self, span: f64) -> f64 {
+        if self.can_leap(span) {
+            span
+        } else if self.film.is_transient() {
+            span / self.film_steps(span, 1.0)
+        } else {
+            self.state.next_step.max(self.longest_film_step())
+        }
     }
 
     /// What the physical stand's sensors read at present.

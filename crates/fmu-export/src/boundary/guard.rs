@@ -68,6 +68,12 @@ impl<M: Model> Handle<M> {
         if handle.busy.swap(true, Ordering::Acquire) {
             return;
         }
+        // SAFETY: the busy flag was clear, so this is the only reference.
+        if unsafe { &*handle.instance.get() }.phase() == Phase::Intermediate {
+            // The host's callback tries to free the instance whose step has called it.
+            handle.busy.store(false, Ordering::Release);
+            return;
+        }
         handle.magic.store(0, Ordering::Relaxed);
         // SAFETY: made by `give`, and no longer found by anyone else.
         let handle = unsafe { Box::from_raw(component.cast::<Self>()) };

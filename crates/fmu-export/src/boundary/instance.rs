@@ -3,6 +3,7 @@
 use std::ffi::CString;
 use std::path::{Path, PathBuf};
 
+use super::intermediate::Watch;
 use super::logger::Logger;
 use super::phase::Phase;
 use super::refusal::{Outcome, Refusal};
@@ -23,6 +24,8 @@ pub struct Instance<M> {
     pub fingerprint: u128,
     /// The version of the standard that the host uses.
     pub version: Version,
+    /// How the host looks into communication steps, if it does.
+    pub watch: Option<Watch<M>>,
     resources: Option<PathBuf>,
 }
 
@@ -119,6 +122,7 @@ impl<M: Model> Instance<M> {
             texts: vec![None; M::variables().len()],
             fingerprint: request.fingerprint,
             version: request.version,
+            watch: None,
             resources: folder,
         })
     }
@@ -203,6 +207,13 @@ impl<M: Model> Instance<M> {
 
     /// Takes a communication step.
     pub fn step(&mut self, from: f64, step: f64) -> Outcome {
+        self.check_step(from, step)?;
+        self.refresh()?;
+        self.advance(from, step, from + step)
+    }
+
+    /// Checks a communication step before anything is done.
+    pub fn check_step(&self, from: f64, step: f64) -> Outcome<()> {
         finite("currentCommunicationPoint", from)?;
         let why = "a step must be greater than 0";
         require(
@@ -211,13 +222,16 @@ impl<M: Model> Instance<M> {
             step,
             why,
         )?;
-        self.check_times(from, step)?;
-        self.refresh()?;
+        self.check_times(from, step)
+    }
+
+    /// Lets `step` seconds pass in the model, to the time `to`.
+    pub fn advance(&mut self, from: f64, step: f64, to: f64) -> Outcome {
         self.run.differentiated = false;
         let result = self.run.model.advance(from, step, &mut self.logger);
         match &result {
             Ok(()) => {
-                self.run.time = from + step;
+                self.run.time = to;
                 self.clear_slopes();
                 self.run.last_step = Status::Ok;
             }
@@ -280,7 +294,7 @@ impl<M: Model> Instance<M> {
                     self.run.model = self.initialised(seed)?;
                 }
             }
-            Phase::StepComplete => self.run.model.update()?,
+            Phase::StepComplete | Phase::Intermediate => self.run.model.update()?,
             Phase::Event | Phase::Continuous => self.run.model.update().map_err(Refusal::Step)?,
             // Before the initialization, which computes the outputs anyway, and after the end.
             _ => return Ok(()),

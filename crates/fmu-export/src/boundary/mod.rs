@@ -1,18 +1,22 @@
 //! The part of an FMI boundary that does not depend on the standard's version: one instance, in safe Rust.
 //!
 //! - `guard`: the checks that every call passes (handle, state machine, panics), and `raw`, the checks of its pointers;
-//! - `instance`: one instance, with `values`, `snapshot`, `derivatives` and, for Model Exchange, `exchange`;
+//! - `instance`: one instance, with `values`, `snapshot`, `derivatives`, for Model Exchange `exchange`, and
+//!   `intermediate` for hosts that look into communication steps;
 //! - `phase`: where an instance is in its life;
+//! - `calls`: the functions that all versions have with the same arguments;
 //! - `describe` and `xml`: what the model descriptions of all versions have in common.
 //!
 //! An instance owns all its data and the boundary has no globals, so any number of instances can run in any number of
 //! threads. A second call to an instance that is at work is refused.
 
+pub mod calls;
 pub mod derivatives;
 pub mod describe;
 pub mod exchange;
 pub mod guard;
 pub mod instance;
+pub mod intermediate;
 pub mod logger;
 pub mod phase;
 pub mod raw;

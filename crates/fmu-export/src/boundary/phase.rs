@@ -28,6 +28,8 @@ pub enum Phase {
     Event,
     /// Model Exchange: the host integrates.
     Continuous,
+    /// FMI 3.0 Co-Simulation: between two inner steps of a communication step, while the host's callback runs.
+    Intermediate,
 }
 
 impl fmt::Display for Phase {
@@ -42,6 +44,7 @@ impl fmt::Display for Phase {
             Self::Fatal => "after a fatal error",
             Self::Event => "in event mode",
             Self::Continuous => "in continuous-time mode",
+            Self::Intermediate => "in intermediate update mode",
         })
     }
 }
@@ -77,7 +80,7 @@ impl Function {
     }
 }
 
-/// All phases but [`Phase::Fatal`].
+/// All phases but [`Phase::Fatal`], and [`Phase::Intermediate`], in which a call is still at work.
 pub const ALIVE: &[Phase] = &[
     Phase::Instantiated,
     Phase::Initialization,
@@ -87,6 +90,19 @@ pub const ALIVE: &[Phase] = &[
     Phase::Error,
     Phase::Event,
     Phase::Continuous,
+];
+
+/// The phases in which FMI 3.0 lets values be read: they are start values at first.
+pub const VISIBLE: &[Phase] = &[
+    Phase::Instantiated,
+    Phase::Initialization,
+    Phase::StepComplete,
+    Phase::StepFailed,
+    Phase::Terminated,
+    Phase::Error,
+    Phase::Event,
+    Phase::Continuous,
+    Phase::Intermediate,
 ];
 
 /// The phases in which computed values can be read.
@@ -125,6 +141,7 @@ pub const SETTABLE: &[Phase] = &[
     Phase::StepComplete,
     Phase::Event,
     Phase::Continuous,
+    Phase::Intermediate,
 ];
 
 /// Defines the functions of a version: a constant each, with its C name and its phases.

@@ -44,6 +44,11 @@ pub enum Refusal {
         role: &'static str,
         phase: Phase,
     },
+    #[error("{name} cannot be accessed in intermediate update mode: {why}")]
+    NotIntermediate {
+        name: &'static str,
+        why: &'static str,
+    },
     #[error("{name} cannot be set to {value}: it must be {allowed}")]
     Value {
         name: &'static str,

@@ -191,7 +191,7 @@ fn decode<M: Model>(bytes: &[u8], fingerprint: u128) -> Outcome<Run<M>> {
     let plausible = run.time.is_finite()
         && (!integrated || run.exchange)
         && (!stepped || !run.exchange)
-        && run.phase != Phase::Fatal
+        && !matches!(run.phase, Phase::Fatal | Phase::Intermediate)
         && run.seed.is_some() == (run.phase == Phase::Initialization);
     if plausible {
         Ok(run)

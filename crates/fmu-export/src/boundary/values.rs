@@ -9,7 +9,7 @@ use super::phase::Phase;
 use super::refusal::{Outcome, Refusal};
 use super::types::{Real, Status, Text, ValueReference};
 use super::version::Version;
-use crate::model::{Access, Enumeration, Kind, Model, Role, Variable};
+use crate::model::{Access, Enumeration, Fault, Kind, Model, Role, Variable};
 
 /// The variable of a value reference.
 pub fn variable<M: Model>(reference: ValueReference) -> Outcome<&'static Variable<M>> {
@@ -38,6 +38,12 @@ const fn real(version: Version) -> &'static str {
         Version::Two => "Real",
         Version::Three => "Float64",
     }
+}
+
+/// The refusal for a real variable that has no finite value at the host's states.
+fn no_value<M: Model>(reference: ValueReference, value: Real) -> Refusal {
+    let name = variable::<M>(reference).map_or("the value", |variable| variable.name);
+    Refusal::Step(Fault::Failed(format!("{name} is {value} at these states")))
 }
 
 /// Whether the host may set a variable of this role in this phase.
@@ -74,6 +80,7 @@ impl<M: Model> Instance<M> {
         values: &mut [T],
         read: impl Fn(&Variable<M>, &M) -> Outcome<T>,
     ) -> Outcome {
+        self.check_intermediate(references, false)?;
         self.refresh()?;
         for (reference, value) in references.iter().zip(values) {
             *value = read(variable::<M>(*reference)?, &self.run.model)?;
@@ -81,10 +88,12 @@ impl<M: Model> Instance<M> {
         Ok(Status::Ok)
     }
 
-    /// Reads real values.
+    /// Reads real values. In Model Exchange the states are the host's, and not every output exists at every state: the
+    /// solver then tries a shorter step.
     pub fn get_real(&mut self, references: &[ValueReference], values: &mut [Real]) -> Outcome {
+        self.check_intermediate(references, false)?;
         self.refresh()?;
-        let version = self.version;
+        let (version, exchange) = (self.version, self.run.exchange);
         for (reference, value) in references.iter().zip(values) {
             *value = match variable::<M>(*reference) {
                 Ok(variable) => match &variable.kind {
@@ -93,6 +102,9 @@ impl<M: Model> Instance<M> {
                 },
                 Err(unknown) => self.unlisted(*reference)?.ok_or(unknown)?,
             };
+            if exchange && !value.is_finite() {
+                return Err(no_value::<M>(*reference, *value));
+            }
         }
         Ok(Status::Ok)
     }
@@ -182,6 +194,7 @@ impl<M: Model> Instance<M> {
         values: &[T],
         put: impl Fn(&Variable<M>, T, Option<&mut M>) -> Outcome<()>,
     ) -> Outcome {
+        self.check_intermediate(references, true)?;
         for (reference, value) in references.iter().zip(values) {
             let variable = variable::<M>(*reference)?;
             check_settable(variable, self.run.phase)?;

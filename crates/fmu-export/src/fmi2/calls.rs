@@ -20,6 +20,7 @@ use super::functions;
 use super::types::{
     Boolean, CO_SIMULATION, CallbackFunctions, Component, FALSE, MODEL_EXCHANGE, Real, Status, Text,
 };
+use crate::boundary::calls::plain;
 use crate::boundary::guard::{Handle, enter};
 use crate::boundary::instance::{Instance, Request};
 use crate::boundary::logger::{Callback, Logger, c_string};
@@ -121,17 +122,6 @@ pub unsafe fn setup_experiment<M: Model>(
     let body = |instance: &mut Instance<M>| instance.setup(tolerance, start, stop);
     // SAFETY: as the host vouches.
     unsafe { enter(component, &functions::SETUP_EXPERIMENT, body) }
-}
-
-/// Defines functions that take nothing but the component.
-macro_rules! plain {
-    ($($(#[$doc:meta])* $name:ident = $function:ident, $method:ident;)*) => {$(
-        $(#[$doc])*
-        pub unsafe fn $name<M: Model>(component: Component) -> Status {
-            // SAFETY: as the host vouches.
-            unsafe { enter(component, &functions::$function, Instance::<M>::$method) }
-        }
-    )*};
 }
 
 plain! {

@@ -15,15 +15,17 @@ mod states;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use super::types::{
-    Boolean, Component, ComponentEnvironment, FALSE, LogMessageCallback, Real, Status, Text,
-    Unused, ValueReference,
+    Boolean, Component, ComponentEnvironment, FALSE, IntermediateUpdateCallback,
+    LogMessageCallback, Real, Status, Text, Unused, ValueReference,
 };
 use super::{description, functions};
+use crate::boundary::calls::plain;
 use crate::boundary::guard::{Handle, enter};
 use crate::boundary::instance::{Instance, Request};
+use crate::boundary::intermediate::Watch;
 use crate::boundary::logger::{Callback, Logger};
 use crate::boundary::phase::Phase;
-use crate::boundary::raw::{lossy, place, texts};
+use crate::boundary::raw::{lossy, place, texts, values};
 use crate::boundary::refusal::{Outcome, Refusal};
 use crate::boundary::version::Version;
 use crate::model::{Model, offered};
@@ -35,8 +37,8 @@ pub use access::*;
 pub use exchange::*;
 pub use states::*;
 
-/// `fmi3InstantiateCoSimulation`. There are no intermediate updates, so it does not matter which variables the host would
-/// want then, nor whether it allows early returns.
+/// `fmi3InstantiateCoSimulation`. Without a callback for intermediate updates, or for a model without inner steps, it does not
+/// matter which variables the host would want then, nor whether it allows early returns.
 pub unsafe fn instantiate_co_simulation<M: Model>(
     name: Text,
     token: Text,
@@ -44,23 +46,31 @@ pub unsafe fn instantiate_co_simulation<M: Model>(
     _visible: Boolean,
     logging: Boolean,
     event_mode: Boolean,
-    _early_return: Boolean,
-    _intermediate: *const ValueReference,
-    _n_intermediate: usize,
+    early_return: Boolean,
+    intermediate: *const ValueReference,
+    n_intermediate: usize,
     environment: ComponentEnvironment,
     log: Option<LogMessageCallback>,
-    _update: Unused,
+    update: Option<IntermediateUpdateCallback>,
 ) -> Component {
     const FUNCTION: &str = "fmi3InstantiateCoSimulation";
     let check = || {
-        if event_mode == FALSE {
-            return Ok(description::fingerprint::<M>());
+        if event_mode != FALSE {
+            return Err(Refusal::Argument {
+                name: "eventModeUsed",
+                value: "fmi3True".to_owned(),
+                why: "this FMU has no event mode",
+            });
         }
-        Err(Refusal::Argument {
-            name: "eventModeUsed",
-            value: "fmi3True".to_owned(),
-            why: "this FMU has no event mode",
-        })
+        let (Some(update), Some(inner_step)) = (update, M::INNER_STEP) else {
+            return Ok((description::fingerprint::<M>(), None));
+        };
+        let name = "requiredIntermediateVariables";
+        // SAFETY: as the host vouches.
+        let variables = unsafe { values(intermediate, n_intermediate, name) }?;
+        let early = early_return != FALSE;
+        let watch = Watch::new(update, environment, early, variables, inner_step)?;
+        Ok((description::fingerprint::<M>(), Some(watch)))
     };
     let logger = || Logger::new(log.map(Callback::Three), environment, logging != FALSE);
     // SAFETY: as the host vouches.
@@ -79,7 +89,7 @@ pub unsafe fn instantiate_model_exchange<M: Model>(
 ) -> Component {
     const FUNCTION: &str = "fmi3InstantiateModelExchange";
     let check = || match offered::<M>() {
-        Some(_) => Ok(description::exchange_fingerprint::<M>()),
+        Some(_) => Ok((description::exchange_fingerprint::<M>(), None)),
         None => Err(Refusal::Absent("this FMU supports Co-Simulation only")),
     };
     let logger = || Logger::new(log.map(Callback::Three), environment, logging != FALSE);
@@ -107,17 +117,17 @@ pub unsafe fn instantiate_scheduled_execution<M: Model>(
     unsafe { instantiate::<M>(FUNCTION, [name, token, resources], false, logger, check) }
 }
 
-/// Makes an instance, if `check` knows the fingerprint of its description.
+/// Makes an instance, if `check` knows the fingerprint of its description and how the host looks into steps.
 unsafe fn instantiate<M: Model>(
     function: &'static str,
     texts: [Text; 3],
     exchange: bool,
     logger: impl FnOnce() -> Logger,
-    check: impl FnOnce() -> Outcome<u128>,
+    check: impl FnOnce() -> Outcome<(u128, Option<Watch<M>>)>,
 ) -> Component {
     let make = || {
         let logger = logger();
-        let fingerprint = check()
+        let (fingerprint, watch) = check()
             .map_err(|refusal| logger.refuse(function, &refusal))
             .ok()?;
         // SAFETY: as the host vouches. Some hosts write names and paths in their system's code page, not in UTF-8.
@@ -132,7 +142,9 @@ unsafe fn instantiate<M: Model>(
             exchange,
             resources: resources.as_deref(),
         };
-        Instance::<M>::new(&request, logger).map(Handle::give)
+        let mut instance = Instance::<M>::new(&request, logger)?;
+        instance.watch = watch;
+        Some(Handle::give(instance))
     };
     catch_unwind(AssertUnwindSafe(make))
         .ok()
@@ -181,17 +193,6 @@ pub unsafe fn enter_initialization_mode<M: Model>(
     unsafe { enter(component, &functions::ENTER_INITIALIZATION, body) }
 }
 
-/// Defines functions that take nothing but the instance.
-macro_rules! plain {
-    ($($(#[$doc:meta])* $name:ident = $function:ident, $method:ident;)*) => {$(
-        $(#[$doc])*
-        pub unsafe fn $name<M: Model>(component: Component) -> Status {
-            // SAFETY: as the host vouches.
-            unsafe { enter(component, &functions::$function, Instance::<M>::$method) }
-        }
-    )*};
-}
-
 plain! {
     /// `fmi3ExitInitializationMode`.
     exit_initialization_mode = EXIT_INITIALIZATION, exit_initialization;
@@ -201,7 +202,8 @@ plain! {
     reset = RESET, reset;
 }
 
-/// `fmi3DoStep`. After a discarded step the instance is where it was, in step mode: the host may try a shorter one.
+/// `fmi3DoStep`. After a discarded step the instance is where it was, in step mode: the host may try a shorter one. A host that
+/// looks into the step is called while the instance is free for it.
 pub unsafe fn do_step<M: Model>(
     component: Component,
     from: Real,
@@ -212,28 +214,43 @@ pub unsafe fn do_step<M: Model>(
     early_return: *mut Boolean,
     last_successful_time: *mut Real,
 ) -> Status {
-    let body = |instance: &mut Instance<M>| {
-        // SAFETY: as the host vouches.
-        let (flags, reached) = unsafe {
-            (
-                [
-                    place(event_handling_needed, "eventHandlingNeeded")?,
-                    place(terminate_simulation, "terminateSimulation")?,
+    let (mut answer, mut pause) = (None, None);
+    loop {
+        let body = |instance: &mut Instance<M>| {
+            // SAFETY: as the host vouches.
+            let (flags, early, reached) = unsafe {
+                (
+                    [
+                        place(event_handling_needed, "eventHandlingNeeded")?,
+                        place(terminate_simulation, "terminateSimulation")?,
+                    ],
                     place(early_return, "earlyReturn")?,
-                ],
-                place(last_successful_time, "lastSuccessfulTime")?,
-            )
+                    place(last_successful_time, "lastSuccessfulTime")?,
+                )
+            };
+            let outcome = match answer {
+                None => instance.begin_step(from, step, &mut pause),
+                Some(answer) => instance.go_on(answer, &mut pause),
+            };
+            for flag in flags {
+                *flag = FALSE;
+            }
+            *early = (outcome.is_ok() && instance.run.time < from + step).into();
+            *reached = instance.run.time;
+            if instance.run.phase == Phase::StepFailed {
+                instance.run.phase = Phase::StepComplete;
+            }
+            outcome
         };
-        for flag in flags {
-            *flag = FALSE;
+        let function = match answer {
+            None => &functions::DO_STEP,
+            Some(_) => &functions::GO_ON,
+        };
+        // SAFETY: as the host vouches; it cannot free the instance in its callback.
+        let status = unsafe { enter(component, function, body) };
+        match pause.take() {
+            None => return status,
+            Some(update) => answer = Some(update.ask()),
         }
-        let outcome = instance.step(from, step);
-        *reached = instance.run.time;
-        if instance.run.phase == Phase::StepFailed {
-            instance.run.phase = Phase::StepComplete;
-        }
-        outcome
-    };
-    // SAFETY: as the host vouches.
-    unsafe { enter(component, &functions::DO_STEP, body) }
+    }
 }

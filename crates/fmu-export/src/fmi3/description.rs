@@ -5,6 +5,7 @@ use crate::boundary::describe::{
     origin, states, units, uuid,
 };
 use crate::boundary::exchange::{RATE, STATE};
+use crate::boundary::intermediate::is_intermediate;
 use crate::boundary::types::ValueReference;
 use crate::boundary::values::TIME;
 use crate::boundary::version::Version;
@@ -62,9 +63,10 @@ fn with_token<M: Model>(interface: Interface, token: &str) -> String {
     xml.text()
 }
 
-/// All that can be done, and nothing that cannot: the boundary steps through without a stop, so there is no intermediate
-/// update, no early return and no event mode.
+/// All that can be done, and nothing that cannot: a model without inner steps is stepped through without a stop. There is no
+/// event mode.
 fn co_simulation<M: Model>(xml: &mut Xml) {
+    let inner = M::INNER_STEP.is_some();
     xml.leaf(
         Tag::new("CoSimulation")
             .with("modelIdentifier", M::INFO.identifier)
@@ -74,9 +76,9 @@ fn co_simulation<M: Model>(xml: &mut Xml) {
             .with("providesAdjointDerivatives", true)
             .with("canHandleVariableCommunicationStepSize", true)
             .with("maxOutputDerivativeOrder", 1)
-            .with("providesIntermediateUpdate", false)
-            .with("mightReturnEarlyFromDoStep", false)
-            .with("canReturnEarlyAfterIntermediateUpdate", false)
+            .with("providesIntermediateUpdate", inner)
+            .with("mightReturnEarlyFromDoStep", inner)
+            .with("canReturnEarlyAfterIntermediateUpdate", inner)
             .with("hasEventMode", false),
     );
 }
@@ -134,7 +136,8 @@ fn variables<M: Model>(xml: &mut Xml, interface: Interface) {
             .with("variability", "continuous"),
     );
     for (reference, variable) in listed::<M>(interface) {
-        describe(xml, reference, variable, &initial);
+        let intermediate = interface == Interface::CoSimulation && is_intermediate(variable);
+        describe(xml, reference, variable, &initial, intermediate);
     }
     let states = states::<M>(interface);
     let local = |name: &str, reference: ValueReference, description: &str| {
@@ -168,7 +171,13 @@ fn variables<M: Model>(xml: &mut Xml, interface: Interface) {
 }
 
 /// One variable. It has a start value if the host may set it.
-fn describe<M: Model>(xml: &mut Xml, reference: usize, variable: &Variable<M>, initial: &M) {
+fn describe<M: Model>(
+    xml: &mut Xml,
+    reference: usize,
+    variable: &Variable<M>,
+    initial: &M,
+    intermediate: bool,
+) {
     let changing = match variable.kind {
         Kind::Real { .. } => "continuous",
         _ => "discrete",
@@ -188,7 +197,8 @@ fn describe<M: Model>(xml: &mut Xml, reference: usize, variable: &Variable<M>, i
         .with("description", variable.description)
         .with("causality", causality)
         .with("variability", variability)
-        .with_some("initial", first);
+        .with_some("initial", first)
+        .with_some("intermediateUpdate", intermediate.then_some(true));
     match &variable.kind {
         Kind::Real {
             access,

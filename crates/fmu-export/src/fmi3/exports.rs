@@ -12,7 +12,7 @@ macro_rules! export_fmi3 {
             fmi3InstantiateCoSimulation = instantiate_co_simulation(name: Text, token: Text, resources: Text,
                 visible: Boolean, logging: Boolean, event_mode: Boolean, early_return: Boolean, intermediate: *const
                 ValueReference, n_intermediate: usize, environment: ComponentEnvironment, log:
-                Option<LogMessageCallback>, update: Unused) -> Component;
+                Option<LogMessageCallback>, update: Option<IntermediateUpdateCallback>) -> Component;
             fmi3InstantiateScheduledExecution = instantiate_scheduled_execution(name: Text, token: Text, resources:
                 Text, visible: Boolean, logging: Boolean, environment: ComponentEnvironment, log:
                 Option<LogMessageCallback>, update: Unused, lock: Unused, unlock: Unused) -> Component;
@@ -167,7 +167,7 @@ macro_rules! export_fmi3_functions {
             use super::*;
             use $crate::fmi3::calls;
             use $crate::fmi3::types::{
-                Binary, Boolean, Byte, Component, ComponentEnvironment, FmuState, LogMessageCallback, Real, Status,
+                Binary, Boolean, Byte, Component, ComponentEnvironment, FmuState, IntermediateUpdateCallback, LogMessageCallback, Real, Status,
                 Text, Unused, ValueReference,
             };
 

@@ -4,9 +4,10 @@
 //! time, and say so.
 
 use crate::boundary::phase::Phase::{
-    Continuous, Error, Event, Initialization, Instantiated, StepComplete, StepFailed, Terminated,
+    Continuous, Error, Event, Initialization, Instantiated, Intermediate, StepComplete, StepFailed,
+    Terminated,
 };
-use crate::boundary::phase::{ALIVE, DERIVABLE, INTEGRABLE, SETTABLE, functions};
+use crate::boundary::phase::{ALIVE, DERIVABLE, INTEGRABLE, SETTABLE, VISIBLE, functions};
 
 functions! {
     Three:
@@ -16,20 +17,20 @@ functions! {
     ENTER_EVENT_MODE fmi3EnterEventMode &[Continuous];
     TERMINATE fmi3Terminate &[StepComplete, Event, Continuous];
     RESET fmi3Reset ALIVE;
-    GET_FLOAT32 fmi3GetFloat32 ALIVE;
-    GET_FLOAT64 fmi3GetFloat64 ALIVE;
-    GET_INT8 fmi3GetInt8 ALIVE;
-    GET_UINT8 fmi3GetUInt8 ALIVE;
-    GET_INT16 fmi3GetInt16 ALIVE;
-    GET_UINT16 fmi3GetUInt16 ALIVE;
-    GET_INT32 fmi3GetInt32 ALIVE;
-    GET_UINT32 fmi3GetUInt32 ALIVE;
-    GET_INT64 fmi3GetInt64 ALIVE;
-    GET_UINT64 fmi3GetUInt64 ALIVE;
-    GET_BOOLEAN fmi3GetBoolean ALIVE;
-    GET_STRING fmi3GetString ALIVE;
-    GET_BINARY fmi3GetBinary ALIVE;
-    GET_CLOCK fmi3GetClock ALIVE;
+    GET_FLOAT32 fmi3GetFloat32 VISIBLE;
+    GET_FLOAT64 fmi3GetFloat64 VISIBLE;
+    GET_INT8 fmi3GetInt8 VISIBLE;
+    GET_UINT8 fmi3GetUInt8 VISIBLE;
+    GET_INT16 fmi3GetInt16 VISIBLE;
+    GET_UINT16 fmi3GetUInt16 VISIBLE;
+    GET_INT32 fmi3GetInt32 VISIBLE;
+    GET_UINT32 fmi3GetUInt32 VISIBLE;
+    GET_INT64 fmi3GetInt64 VISIBLE;
+    GET_UINT64 fmi3GetUInt64 VISIBLE;
+    GET_BOOLEAN fmi3GetBoolean VISIBLE;
+    GET_STRING fmi3GetString VISIBLE;
+    GET_BINARY fmi3GetBinary VISIBLE;
+    GET_CLOCK fmi3GetClock VISIBLE;
     SET_FLOAT32 fmi3SetFloat32 SETTABLE;
     SET_FLOAT64 fmi3SetFloat64 SETTABLE;
     SET_INT8 fmi3SetInt8 SETTABLE;
@@ -77,7 +78,8 @@ functions! {
     COUNT_INDICATORS fmi3GetNumberOfEventIndicators ALIVE;
     COUNT_STATES fmi3GetNumberOfContinuousStates ALIVE;
     ENTER_STEP_MODE fmi3EnterStepMode ALIVE;
-    GET_OUTPUT_DERIVATIVES fmi3GetOutputDerivatives &[StepComplete, StepFailed, Terminated, Error];
+    GET_OUTPUT_DERIVATIVES fmi3GetOutputDerivatives &[StepComplete, StepFailed, Terminated, Error, Intermediate];
     DO_STEP fmi3DoStep &[StepComplete];
+    GO_ON fmi3DoStep &[Intermediate];
     ACTIVATE_PARTITION fmi3ActivateModelPartition ALIVE;
 }

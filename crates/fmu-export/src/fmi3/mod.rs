@@ -6,9 +6,9 @@
 //! - `functions`: which of them may be called when;
 //! - [`description`]: the model description, written from the variable table.
 //!
-//! Value references are those of FMI 2.0. Reals are `Float64`, integers `Int32`; no variable has a dimension. A step is
-//! never interrupted, so there are no intermediate updates, no early returns and, in Co-Simulation, no event mode; the description says so,
-//! and a host that wants to use them is refused. Everything else is the same for all versions: see `boundary`.
+//! Value references are those of FMI 2.0. Reals are `Float64`, integers `Int32`; no variable has a dimension. A
+//! host may look into the steps of a model with [inner steps](crate::model::Model::INNER_STEP). There is no event mode in
+//! Co-Simulation; the description says so, and a host that wants to use it is refused. Everything else is the same for all versions: see `boundary`.
 
 pub mod calls;
 pub mod description;

@@ -73,7 +73,7 @@ impl Host {
                 0,
                 environment,
                 log,
-                null(),
+                None,
             )
         };
         Self {

@@ -1,27 +1,12 @@
 //! Model Exchange.
 
+use crate::boundary::calls::{integration, plain, vectors};
 use crate::boundary::guard::enter;
 use crate::boundary::instance::Instance;
 use crate::boundary::raw::{place, values, values_mut};
 use crate::fmi3::functions;
 use crate::fmi3::types::{Boolean, Component, FALSE, Real, Status};
 use crate::model::Model;
-
-/// Defines functions that take or give a number for each state.
-macro_rules! vectors {
-    ($($(#[$doc:meta])* $name:ident = $function:ident, $method:ident($pointer:ty, $slice:ident);)*) => {$(
-        $(#[$doc])*
-        pub unsafe fn $name<M: Model>(component: Component, value: $pointer, n: usize) -> Status {
-            let body = |instance: &mut Instance<M>| {
-                // SAFETY: as the host vouches.
-                let value = unsafe { $slice(value, n, "values") }?;
-                instance.$method(value)
-            };
-            // SAFETY: as the host vouches.
-            unsafe { enter(component, &functions::$function, body) }
-        }
-    )*};
-}
 
 vectors! {
     /// `fmi3SetContinuousStates`.
@@ -36,17 +21,6 @@ vectors! {
     get_event_indicators = GET_INDICATORS, get_indicators(*mut Real, values_mut);
 }
 
-/// Defines functions that take nothing but the instance.
-macro_rules! plain {
-    ($($(#[$doc:meta])* $name:ident = $function:ident, $method:ident;)*) => {$(
-        $(#[$doc])*
-        pub unsafe fn $name<M: Model>(component: Component) -> Status {
-            // SAFETY: as the host vouches.
-            unsafe { enter(component, &functions::$function, Instance::<M>::$method) }
-        }
-    )*};
-}
-
 plain! {
     /// `fmi3EnterEventMode`.
     enter_event_mode = ENTER_EVENT_MODE, enter_event;
@@ -54,35 +28,11 @@ plain! {
     enter_continuous_time_mode = ENTER_CONTINUOUS_TIME, enter_continuous;
 }
 
-/// `fmi3SetTime`.
-pub unsafe fn set_time<M: Model>(component: Component, time: Real) -> Status {
-    let body = |instance: &mut Instance<M>| instance.set_time(time);
-    // SAFETY: as the host vouches.
-    unsafe { enter(component, &functions::SET_TIME, body) }
-}
-
-/// `fmi3CompletedIntegratorStep`. A completed step changes nothing.
-pub unsafe fn completed_integrator_step<M: Model>(
-    component: Component,
-    _no_set_state_prior: Boolean,
-    enter_event_mode: *mut Boolean,
-    terminate: *mut Boolean,
-) -> Status {
-    let body = |_: &mut Instance<M>| {
-        // SAFETY: as the host vouches.
-        let flags = unsafe {
-            [
-                place(enter_event_mode, "enterEventMode")?,
-                place(terminate, "terminateSimulation")?,
-            ]
-        };
-        for flag in flags {
-            *flag = FALSE;
-        }
-        Ok(Status::Ok)
-    };
-    // SAFETY: as the host vouches.
-    unsafe { enter(component, &functions::COMPLETED_STEP, body) }
+integration! {
+    /// `fmi3SetTime`.
+    set_time;
+    /// `fmi3CompletedIntegratorStep`. A completed step changes nothing.
+    completed_integrator_step;
 }
 
 /// `fmi3UpdateDiscreteStates`. Nothing ever happens.

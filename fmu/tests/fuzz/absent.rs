@@ -33,10 +33,8 @@ pub fn act(host: &mut Host, component: Component) {
         std::ptr::without_provenance_mut::<i32>(4),
     );
     refused! { host, component:
-        fmi3EnterEventMode();
         fmi3EnterStepMode();
         fmi3EvaluateDiscreteStates();
-        fmi3UpdateDiscreteStates(flag, flag, flag, flag, flag, real);
         fmi3EnterConfigurationMode();
         fmi3ExitConfigurationMode();
         fmi3GetNumberOfVariableDependencies(3, size);
@@ -50,16 +48,6 @@ pub fn act(host: &mut Host, component: Component) {
         fmi3SetShiftDecimal(r, 1, real);
         fmi3SetShiftFraction(r, 1, long, long);
         fmi3ActivateModelPartition(0, 1.0);
-        fmi3EnterContinuousTimeMode();
-        fmi3CompletedIntegratorStep(0, flag, flag);
-        fmi3SetTime(1.0);
-        fmi3SetContinuousStates(real, 7);
-        fmi3GetContinuousStateDerivatives(real, 7);
-        fmi3GetEventIndicators(real, 7);
-        fmi3GetContinuousStates(real, 7);
-        fmi3GetNominalsOfContinuousStates(real, 7);
-        fmi3GetNumberOfEventIndicators(size);
-        fmi3GetNumberOfContinuousStates(size);
         fmi3GetFloat32(&2, 1, real.cast(), 1);
         fmi3GetInt8(&2, 1, flag.cast(), 1);
         fmi3GetUInt8(&2, 1, flag, 1);
