@@ -21,7 +21,7 @@ use conformity::decision::Rule;
 use conformity::measured::{Measured, Measurement, Uncertainty};
 use conformity::risk::Guard;
 use curves::{Kind, Metric};
-use fmu_import::Description;
+use fmu_import::{Description, Variable};
 use sampling::statistics::Statistic;
 
 /// Measured value of one quantity with its tolerance, in the study's unit.
@@ -36,6 +36,9 @@ pub struct Criterion {
     /// The number that the statistic needs, where it needs one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub detail: Option<Detail>,
+    /// The level of an event with its unit, as the study gives it, and the way in which the signal comes to it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub level: Option<String>,
     /// How a whole curve is compared, in place of a statistic. The value is 0 or 1 then for equal curves, and so is the
     /// measured value.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -76,7 +79,9 @@ impl Criterion {
             (None, Some(detail)) => detail.label(),
             (None, None) => self.statistic.label().to_owned(),
         };
-        format!("{label} of {}", self.variable)
+        let level = self.level.as_deref();
+        let level = level.map_or_else(String::new, |level| format!(", {level}"));
+        format!("{label} of {}{level}", self.variable)
     }
 
     /// The accepted interval as people read and see it: no error is negative, and no rating more than 1, but for rounding.
@@ -190,10 +195,11 @@ impl Judge {
                 _ => text.scale_alone(),
             };
             let scale = scale.map_err(|message| at_name(study, name, &message))?;
-            let criterion = match text.reference {
+            let mut criterion = match text.reference {
                 Some(_) => curve::criterion(study, name, text, &scale)?,
                 None => scalar(study, name, text, &scale)?,
             };
+            criterion.level = text.event(variable.and_then(Variable::unit));
             judge.add_to_group(criterion.group.as_deref());
             judge.criteria.push(criterion);
             scales.push(scale);
@@ -410,6 +416,7 @@ fn criterion(
         variable: text.variable.as_ref().clone(),
         statistic: text.statistic.unwrap_or_default(),
         detail: text.detail()?,
+        level: None,
         metric: None,
         row_correlation: None,
         unit: scale.unit.clone(),

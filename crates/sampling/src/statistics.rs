@@ -15,6 +15,7 @@ pub mod moments;
 mod oscillation;
 mod oscillation_amplitude;
 mod percentile;
+mod periods;
 mod rms;
 pub mod share;
 mod slope;
@@ -25,6 +26,7 @@ use serde::{Deserialize, Serialize};
 use collect::Collect;
 
 pub use crossing::Direction;
+pub use periods::MeanOverPeriods;
 pub use share::wilson;
 pub use turns::MeanOverTurns;
 

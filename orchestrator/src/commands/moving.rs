@@ -206,6 +206,7 @@ mod tests {
             variable: "t".into(),
             statistic,
             detail: None,
+            level: None,
             metric: None,
             row_correlation: None,
             unit: Some("degC".into()),

@@ -200,7 +200,8 @@ fn samples(name: &str, probe: &Probe, curve: &MeasuredCurve) -> Result<Vec<Datum
             ..curve.clone()
         };
         Ok(Datum {
-            name: format!("{name} at {time} s"),
+            // Without the rounding of times that were shifted by a delay.
+            name: format!("{name} at {} s", (time * 1e9).round() / 1e9),
             probe: Probe {
                 curve: Some(Box::new(single)),
                 ..probe.clone()

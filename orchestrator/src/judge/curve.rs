@@ -50,6 +50,7 @@ pub(super) fn criterion(
         variable: text.variable.as_ref().clone(),
         statistic: text.statistic.unwrap_or_default(),
         detail: None,
+        level: None,
         metric: Some(metric),
         unit: scale.unit.clone().filter(|_| metric.kind() == Kind::Error),
         nominal,

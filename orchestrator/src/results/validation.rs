@@ -199,6 +199,7 @@ mod tests {
             variable: "t".into(),
             statistic: Statistic::Final,
             detail: None,
+            level: None,
             metric: None,
             row_correlation: None,
             unit: None,

@@ -84,8 +84,8 @@ fn take_columns(collectors: &mut [Collector], begins: &[f64], sizes: &[f64], val
                 let column = values[number..].iter().step_by(count).copied();
                 accumulator.add_all(sizes.iter().copied().zip(column));
             }
-            // It needs its angle, which `simulate_windows` reads.
-            Collector::Turns(_) => {}
+            // They need another variable beside them, which `simulate_windows` reads.
+            Collector::Turns(_) | Collector::Periods(_) => {}
             Collector::Curve(comparison) => {
                 comparison.add_steps(begins, sizes, &values[number..], count);
             }

@@ -24,10 +24,10 @@ impl Gauge<'_> {
         }
         let [first, last] = self.seen.unwrap_or([time, time]);
         let value = self.probe.read(instance)?;
-        match self.probe.angle() {
-            Some(angle) => {
-                let angle = instance.value(angle)?.number();
-                self.collector.turn(time - last, value, angle);
+        match self.probe.companion() {
+            Some(other) => {
+                let other = instance.value(other)?.number();
+                self.collector.add_beside(time - last, value, other);
             }
             None => self.collector.add(time, time - last, value),
         }
@@ -37,13 +37,13 @@ impl Gauge<'_> {
 }
 
 impl Runner {
-    /// Whether a criterion has a window of its own, or looks at an angle, too.
+    /// Whether a criterion has a window of its own, or looks at another variable, too.
     pub(super) fn has_windows(&self) -> bool {
         self.scene
             .task
             .observed
             .iter()
-            .any(|probe| probe.window.is_some() || probe.angle().is_some())
+            .any(|probe| probe.window.is_some() || probe.companion().is_some())
     }
 
     /// Simulates a point and takes each statistic over its own window.

@@ -158,8 +158,12 @@ impl Binder<'_> {
                 .row()
                 .map_or_else(String::new, |row| format!(" row {}:", row + 1));
             let path = path.display();
+            let remedy = match fault.row() {
+                Some(_) => "correct or remove the row",
+                None => "record a curve, or state the value as `nominal`",
+            };
             at_file(format!(
-                "{path}:{row} {fault} (columns `{time}` and `{column}`); correct or remove the row"
+                "{path}:{row} {fault} (columns `{time}` and `{column}`); {remedy}"
             ))
         })?;
         let expanded = match (&reference.uncertainty, &reference.uncertainty_column) {

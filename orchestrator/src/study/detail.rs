@@ -5,7 +5,7 @@ use super::quantity::Scale;
 use super::window::seconds;
 use crate::task::Detail;
 use fmu_import::{Description, Variable};
-use sampling::statistics::Statistic;
+use sampling::statistics::{Direction, Statistic};
 
 impl CriterionText {
     /// The scale of its numbers, tied to the FMU's variable: a time and a frequency have units of their own.
@@ -45,6 +45,18 @@ impl CriterionText {
         if self.turns.is_some() && !is_mean {
             return Err(
                 "`turns` belongs to statistic = \"mean\"; add that, or remove `turns`".to_owned(),
+            );
+        }
+        if self.periods.is_some() && !is_mean {
+            return Err(
+                "`periods` belongs to statistic = \"mean\"; add that, or remove `periods`"
+                    .to_owned(),
+            );
+        }
+        if self.periods.is_some() && self.turns.is_some() {
+            return Err(
+                "`turns` names an angle, `periods` a signal that swings; keep one of them"
+                    .to_owned(),
             );
         }
         if let Some(level) = self.level()? {
@@ -102,6 +114,19 @@ impl CriterionText {
         }
     }
 
+    /// The level of an event and its direction as people read them; its unit is the variable's where it has none of its own.
+    pub fn event(&self, unit: Option<&str>) -> Option<String> {
+        let level = self.level.as_ref()?.as_ref();
+        let way = match self.direction.as_ref().map(|direction| *direction.as_ref()) {
+            None | Some(Direction::Either) => "at",
+            Some(Direction::Rising) => "rising to",
+            Some(Direction::Falling) => "falling to",
+        };
+        let unit = level.unit.as_deref().or(unit);
+        let unit = unit.map_or_else(String::new, |unit| format!(" {unit}"));
+        Some(format!("{way} {}{unit}", level.number))
+    }
+
     fn moment(&self, time: f64) -> Result<Detail, String> {
         if self.reference.is_some() {
             return Err(
@@ -118,7 +143,6 @@ impl CriterionText {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sampling::statistics::Direction;
 
     fn detail(keys: &str) -> Result<Option<Detail>, String> {
         let text = format!("variable = \"v\"\n{keys}");
@@ -135,6 +159,23 @@ mod tests {
         let crossing =
             detail("statistic = \"crossing\"\nlevel = \"50 N\"\ndirection = \"falling\"");
         assert_eq!(crossing, Ok(Some(Detail::Level(50.0, Direction::Falling))));
+    }
+
+    #[test]
+    fn a_level_is_shown_with_its_unit() {
+        let event = |keys: &str, unit| {
+            let text = format!("variable = \"v\"\nstatistic = \"crossing\"\n{keys}");
+            toml::from_str::<CriterionText>(&text).unwrap().event(unit)
+        };
+        let shown = |text: &str| Some(text.to_owned());
+        assert_eq!(event("level = 50", Some("N")), shown("at 50 N"));
+        let own = "level = \"0.05 kN\"\ndirection = \"rising\"";
+        assert_eq!(event(own, Some("N")), shown("rising to 0.05 kN"));
+        assert_eq!(
+            event("level = 50\ndirection = \"falling\"", None),
+            shown("falling to 50")
+        );
+        assert_eq!(event("", Some("N")), None);
     }
 
     #[test]
@@ -155,6 +196,11 @@ mod tests {
             ),
             ("level = 5", "belong to statistic"),
             ("turns = \"drive.angle\"", "belongs to statistic = \"mean\""),
+            ("periods = \"v\"", "belongs to statistic = \"mean\""),
+            (
+                "statistic = \"mean\"\nperiods = \"v\"\nturns = \"a\"",
+                "keep one of them",
+            ),
             (
                 "statistic = \"max\"\ndirection = \"rising\"",
                 "belong to statistic",

@@ -276,6 +276,8 @@ pub struct CriterionText {
     pub at: Option<Spanned<Quantity>>,
     /// The angle over whose whole turns the mean is taken.
     pub turns: Option<Spanned<String>>,
+    /// The variable over whose whole periods the mean is taken.
+    pub periods: Option<Spanned<String>>,
     /// The level that a signal crosses.
     pub level: Option<Spanned<Quantity>>,
     /// The way in which it crosses the level; either one otherwise.

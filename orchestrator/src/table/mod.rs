@@ -33,7 +33,7 @@ pub enum TableError {
         message: String,
     },
     /// A cell is not a number.
-    #[error("{path}:{line}: column `{column}`: `{text}` is not a number")]
+    #[error("{path}:{line}: column `{column}`: `{text}` is not a number{}", remedy(.text))]
     Number {
         /// The table.
         path: PathBuf,
@@ -63,6 +63,22 @@ pub enum TableError {
     /// There are no rows.
     #[error("{0}: the table has no rows")]
     Empty(PathBuf),
+}
+
+/// What helps where a cell is no number.
+fn remedy(text: &str) -> &'static str {
+    let is_stamp = text.len() >= 8
+        && text.starts_with(|first: char| first.is_ascii_digit())
+        && text.contains(':');
+    if is_stamp {
+        "; it looks like a time of day: write the seconds since the first row"
+    } else if text.is_empty() {
+        "; fill it, or remove the row"
+    } else if text.chars().any(char::is_alphabetic) {
+        "; a table has one line of names and then numbers: units belong in the study"
+    } else {
+        ""
+    }
 }
 
 /// Columns of numbers from a csv or Parquet file, with the rows' own numbers where it has a column `point`.

@@ -1,6 +1,7 @@
 //! The signals once they are aligned, and what follows from them.
 
 use super::delay::Delay;
+use super::holes::Holes;
 use super::signal::{Even, SignalError, Spline};
 use super::stationarity::{self, block_means, uncertainty_of_mean};
 use super::uncertainty::{MeasuredValue, from_bound, of_product};
@@ -10,7 +11,11 @@ use sampling::statistics::moments::{mean, variance};
 /// The aligned signals over their common time.
 pub(super) struct Aligned {
     delay: Delay,
+    /// Times without samples of the load, and of the torque as recorded.
+    holes: [Holes; 2],
     step: f64,
+    /// The time at which the common part of load and torque begins before the shift, s.
+    first: f64,
     time: Vec<f64>,
     load_raw: Vec<f64>,
     torque_raw: Vec<f64>,
@@ -31,7 +36,7 @@ impl Aligned {
         load: &Even,
         late: &Spline,
         speed: Even,
-        delay: Delay,
+        (delay, holes): (Delay, [Holes; 2]),
     ) -> Self {
         let (start, end) = late.span();
         let shift = delay.shift();
@@ -56,6 +61,7 @@ impl Aligned {
         let turns = (n / 30 / turn).max(1);
         Self {
             step: load.step,
+            first: load.start,
             load_raw: kept.iter().map(|&k| load_raw.values[k]).collect(),
             torque_raw: kept
                 .iter()
@@ -72,13 +78,14 @@ impl Aligned {
             turn,
             time,
             delay,
+            holes,
         }
     }
 
     pub(super) fn finish(
         self,
         recording: &RigRecording,
-        even: impl Fn(&Channel) -> Result<Even, SignalError>,
+        even: impl Fn(&Channel) -> Result<(Vec<f64>, Holes), SignalError>,
     ) -> Result<Synchronised, SignalError> {
         let half = recording.diameter / 2.0;
         let friction = |torque: &[f64]| -> Vec<f64> {
@@ -107,14 +114,26 @@ impl Aligned {
             relative(&recording.torque, &self.torque),
             relative(&recording.speed, &self.speed),
         );
-        let mut findings = vec![
-            self.mean(&recording.load, &self.load, recording, |v| {
-                recording.load.accuracy.standard(v)
-            }),
-            self.mean(&recording.torque, &self.torque, recording, |v| {
-                recording.torque.accuracy.standard(v)
-            }),
-        ];
+        let [load_holes, torque_holes] = &self.holes;
+        let (start, late) = (self.time[0], self.time[0] + self.delay.shift());
+        let mut lost = Vec::new();
+        let mut findings = Vec::new();
+        for (channel, values, holes, start) in [
+            (&recording.load, &self.load, load_holes, start),
+            (&recording.torque, &self.torque, torque_holes, late),
+        ] {
+            let turns = holes.whole_turns(values, self.turn, [start, self.step]);
+            lost.extend(turns.concern(&channel.name, self.turn_name()));
+            findings.push(self.mean(channel, &turns.values, recording, |v| {
+                channel.accuracy.standard(v)
+            }));
+        }
+        // What follows from both lacks what either one lacks.
+        let both = load_holes.and(torque_holes, self.delay.shift());
+        let of_both = |values: &[f64]| {
+            both.whole_turns(values, self.turn, [start, self.step])
+                .values
+        };
         if let Some(derived) = &recording.power {
             let channel = Channel {
                 name: derived.name.clone(),
@@ -123,13 +142,15 @@ impl Aligned {
                 group: derived.group.clone(),
                 ..recording.torque.clone()
             };
-            findings.push(self.mean(&channel, &power, recording, |v| {
+            findings.push(self.mean(&channel, &of_both(&power), recording, |v| {
                 of_product(v, &[parts.1, parts.2])
             }));
         }
         for channel in &recording.others {
-            let values = even(channel)?.values;
-            findings.push(self.mean(channel, &values, recording, |v| {
+            let (values, holes) = even(channel)?;
+            let turns = holes.whole_turns(&values, self.turn, [self.first, self.step]);
+            lost.extend(turns.concern(&channel.name, self.turn_name()));
+            findings.push(self.mean(channel, &turns.values, recording, |v| {
                 channel.accuracy.standard(v)
             }));
         }
@@ -137,14 +158,15 @@ impl Aligned {
         findings.push(self.amplitude(&recording.torque, &self.torque));
         let coefficient = friction(&self.torque);
         let mean_friction = self
-            .mean(&recording.torque, &coefficient, recording, |v| {
+            .mean(&recording.torque, &of_both(&coefficient), recording, |v| {
                 of_product(v, &[parts.0, parts.1])
             })
             .measured;
         let friction_before = friction(&self.torque_before);
         let scatter = [&friction_before, &coefficient]
             .map(|values| variance(values, 0).sqrt() / mean(values).abs());
-        let warnings = self.warnings(&findings, scatter);
+        let mut warnings = self.warnings(&findings, scatter);
+        warnings.extend(lost);
         Ok(Synchronised {
             friction_before,
             friction_scatter: scatter,
@@ -164,15 +186,18 @@ impl Aligned {
         })
     }
 
+    fn turn_name(&self) -> &'static str {
+        if self.turn > 1 { "turn" } else { "sample" }
+    }
+
+    /// The mean of a signal's whole turns.
     fn mean(
         &self,
         channel: &Channel,
-        values: &[f64],
+        whole: &[f64],
         recording: &RigRecording,
         sensor: impl Fn(f64) -> f64,
     ) -> DerivedCriterion {
-        // Whole turns only: a part of one would shift the mean.
-        let whole = &values[..values.len() / self.turn * self.turn];
         let blocks = block_means(whole, self.block);
         let value = mean(whole);
         DerivedCriterion {

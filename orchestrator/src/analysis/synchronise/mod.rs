@@ -6,6 +6,7 @@ pub mod case;
 mod clean;
 pub mod criteria;
 pub mod delay;
+mod holes;
 mod kernel;
 pub mod signal;
 pub mod smooth;
@@ -15,6 +16,7 @@ pub mod uncertainty;
 use aligned::Aligned;
 use clean::{Cleaned, clean};
 use delay::{Delay, Pair};
+use holes::Holes;
 use sampling::statistics::moments::mean;
 use signal::{Even, SignalError, Spline};
 use smooth::Smoothing;
@@ -205,9 +207,12 @@ pub fn synchronise(recording: &RigRecording) -> Result<Synchronised, SignalError
     for channel in &recording.others {
         notes.extend(concerns(channel, &cleaned(channel)));
     }
-    let mut result = Aligned::new(recording, raw, &load, &late, even(&speed), delay)
+    let holes = [&clean_load, &clean_torque].map(|signal| Holes::of(&time, signal));
+    let mut result = Aligned::new(recording, raw, &load, &late, even(&speed), (delay, holes))
         .finish(recording, |c| {
-            Ok(even(&spline(&c.name, &cleaned(c).values)?))
+            let signal = cleaned(c);
+            let values = even(&spline(&c.name, &signal.values)?).values;
+            Ok((values, Holes::of(&time, &signal)))
         })?;
     result.warnings.extend(notes);
     Ok(result)

@@ -178,6 +178,33 @@ fn spikes_and_clipping_are_said_and_do_not_move_the_delay() {
     assert!(said.contains("F_N is clipped"), "{said}");
 }
 
+/// Nine samples are lost around the peak of every tenth turn. A curve through the rest is no measurement: these turns do
+/// not count, so the means are those of the whole turns that are left, by the record's own closed form.
+#[test]
+fn turns_with_a_gap_do_not_count_in_the_mean() {
+    let mut r = recording(0.0);
+    for k in (0..30_000).step_by(2000) {
+        r.load.values[k + 46..k + 55].fill(f64::NAN);
+        // The oil is told to be hot where the samples are missing: a curve through its gap would be, too.
+        r.others[0].values[k + 45] = 48.6;
+        r.others[0].values[k + 46..k + 55].fill(f64::NAN);
+    }
+    let s = synchronise(&r).unwrap();
+    let said = s.warnings.join("\n");
+    assert!(
+        said.contains("15 of 149 turns of F_N lie in gaps"),
+        "{said}"
+    );
+    assert!(said.contains("turns of T_oil lie in gaps"), "{said}");
+    let [load, _, power, oil, ..] = s.findings.as_slice() else {
+        panic!("{:?}", s.findings)
+    };
+    // Noise of 10 N in 26,800 samples leaves 0.06 N, noise of 0.1 K 0.0006 K.
+    assert!((load.measured.value - 750.0).abs() < 0.25, "{load:?}");
+    assert!((oil.measured.value - 48.0).abs() < 0.003, "{oil:?}");
+    assert!((power.measured.value - 0.4425 * TAU * 5.0).abs() < 0.03);
+}
+
 #[test]
 fn signals_that_are_not_related_are_not_shifted() {
     let mut r = recording(0.0);
