@@ -28,7 +28,7 @@ impl MeanOverPeriods {
             let ([before, low, _], [after, high, _]) = (pair[0], pair[1]);
             let (begin, end) = (before.max(from), after.min(to));
             let middle = (0.5 * (begin + end) - before) / (after - before);
-            (begin < end).then(|| (end - begin) * (low + middle * (high - low)))
+            (begin < end).then_some((end - begin) * (low + middle * (high - low)))
         });
         pieces.sum::<f64>() / (to - from)
     }
