@@ -75,4 +75,20 @@ mod tests {
         ends[7][0] = 0.5;
         assert_eq!(widened(narrow, &ends, none), narrow);
     }
+
+    /// One pair of 100, where the rare value has a share of 0.3: both ends of Clopper and Pearson's interval (0.000 253 and
+    /// 0.054 459, as scipy has them) as an index, (q - p^2) / (p (1 - p)).
+    #[test]
+    fn the_interval_is_that_of_the_pairs() {
+        let mut ends = vec![[0.0; 2]; 100];
+        for pair in ends.iter_mut().take(30) {
+            *pair = [1.0; 2];
+        }
+        let one = || (0..100).map(|k| [f64::from(u8::from(k == 0)); 2]);
+        let found = widened(Estimate::around(-0.3, 0.01), &ends, one);
+        let index = |q: f64| (q - 0.09) / 0.21;
+        assert!((found.low - index(0.000_253_146)).abs() < 1e-6, "{found:?}");
+        assert!((found.high - index(0.054_459_4)).abs() < 1e-6, "{found:?}");
+        assert_eq!(found.value, -0.3);
+    }
 }

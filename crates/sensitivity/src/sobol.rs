@@ -395,4 +395,15 @@ mod tests {
         );
         assert_eq!(steps[3].1, indices(&y, 3, FirstOrder::Saltelli).unwrap());
     }
+
+    /// The design has the rows A, A_B of each parameter, B: those of A and B are a sample of the parameters.
+    #[test]
+    fn the_plain_sample_is_a_and_b() {
+        let settled = Settled {
+            size: 2,
+            estimator: FirstOrder::Combined,
+            seed: 1,
+        };
+        assert_eq!(Sobol.plain_sample(3, 10, &settled), [0, 4, 5, 9]);
+    }
 }
