@@ -43,7 +43,11 @@ def compiler(target):
     processor = target.split("-")[0]
     script = CACHE / f"cc-{processor}"
     CACHE.mkdir(exist_ok=True)
-    script.write_text(f'#!/bin/sh\nexec "{ROOT}/.venv/bin/python" -m ziglang cc -target {processor}-macos "$@"\n')
+    # Crates with C code name the target as Apple does, which Zig does not know.
+    script.write_text(f"""#!/bin/sh
+for argument do shift; case $argument in --target=*) ;; *) set -- "$@" "$argument" ;; esac; done
+exec "{ROOT}/.venv/bin/python" -m ziglang cc -target {processor}-macos "$@"
+""")
     script.chmod(0o755)
     # The name under which hosts find the library: without it, that would be the path of the build.
     link = ("-install_name", "@rpath/libplain_bearing_stand.dylib")

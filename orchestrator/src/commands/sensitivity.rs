@@ -87,7 +87,9 @@ impl Runs {
         let said = &study.sensitivity;
         let estimator = said.estimator.as_ref().map(|name| {
             FirstOrder::named(name.as_ref()).ok_or_else(|| {
-                let known = FirstOrder::ALL.map(FirstOrder::name).join(", ");
+                let [others @ .., last] =
+                    &FirstOrder::ALL.map(|known| format!("`{}`", known.name()));
+                let known = format!("{} and {last}", others.join(", "));
                 study.error_at(name, format!("the estimators are {known}"))
             })
         });

@@ -5,6 +5,7 @@ use super::values::{find, slot_of};
 use super::{Name, RecordingText, Study, StudyError};
 use crate::table::Table;
 use crate::task::{Schedule, Series, Slot, place};
+use fmu_import::description::Interface;
 use fmu_import::units::Conversion;
 use fmu_import::{Causality, Content, Description, Variability, Variable};
 
@@ -31,7 +32,7 @@ pub(super) fn series(
         let variable = find(fmu, key).map_err(wrong)?;
         let slot = slot_while_running(variable).map_err(named)?;
         if recording.ramp {
-            can_ramp(recording, fmu, &slot).map_err(named)?;
+            can_ramp(recording, fmu, variable, &slot).map_err(named)?;
         }
         let scale = Scale::new(recording.unit.as_deref(), fmu, variable).map_err(named)?;
         let path = study.beside(recording.file.as_ref());
@@ -47,8 +48,8 @@ pub(super) fn series(
         let table = table.map_err(|error| study.error_at(&recording.file, error.to_string()))?;
         let mut series = follow(&table, &columns[0].0[0], slot, scale.conversion)
             .map_err(|message| named(format!("{}: {message}", path.display())))?;
-        series.hold = recording.hold;
-        series.ramp = recording.ramp;
+        series.hold = recording.hold || is_discrete(variable, &series.slot);
+        series.ramp = !series.hold && (recording.ramp || is_integrated(variable, fmu));
         series.each_row = takes_any_step(fmu);
         concerns.extend(missed(&series, schedule, &scale));
         Ok(series)
@@ -57,6 +58,19 @@ pub(super) fn series(
     let inputs: Vec<Series> = inputs.collect::<Result<_, _>>()?;
     concerns.extend(many_steps(&inputs, schedule));
     Ok((inputs, concerns))
+}
+
+/// Whether a variable has its values one after the other, with nothing in between: the mean of two numbers of gears is none.
+pub(crate) fn is_discrete(variable: &Variable, slot: &Slot) -> bool {
+    slot.handle.content != Content::Real || variable.variability == Variability::Discrete
+}
+
+/// Whether a variable is an input of rates that are integrated here. These are evaluated within a step, with the input's value
+/// then: one that was held from the step's begin would be late by half a step.
+pub(crate) fn is_integrated(variable: &Variable, fmu: &Description) -> bool {
+    fmu.interface == Interface::ModelExchange
+        && variable.causality == Causality::Input
+        && variable.variability == Variability::Continuous
 }
 
 /// Whether the FMU can take a step to any time.
@@ -159,11 +173,18 @@ pub(crate) fn follow(
 }
 
 /// Whether an input can vary within a step.
-fn can_ramp(recording: &RecordingText, fmu: &Description, slot: &Slot) -> Result<(), String> {
+fn can_ramp(
+    recording: &RecordingText,
+    fmu: &Description,
+    variable: &Variable,
+    slot: &Slot,
+) -> Result<(), String> {
     let why = if recording.hold {
         "hold keeps the value between rows"
     } else if slot.handle.content != Content::Real {
         "the variable is not a Real"
+    } else if is_discrete(variable, slot) {
+        "the variable is discrete"
     } else if !fmu.capabilities.can_interpolate_inputs {
         "the FMU does not interpolate inputs (canInterpolateInputs)"
     } else {

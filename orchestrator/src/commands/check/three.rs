@@ -128,11 +128,11 @@ pub(super) fn independent(document: &Document<'_>) -> Vec<Hit> {
 
 pub(super) fn starts(document: &Document<'_>) -> Vec<Hit> {
     of_each(document, |node| {
-        let kind = node.tag_name().name();
-        if kind == "Clock" {
+        let causality = node.attribute("causality").unwrap_or("local");
+        // The time has a rule of its own.
+        if node.tag_name().name() == "Clock" || causality == "independent" {
             return None;
         }
-        let causality = node.attribute("causality").unwrap_or("local");
         let initial = kinds::initial(node);
         let given = node.has_attribute("start") || named(node, "Start").next().is_some();
         let needed = matches!(causality, "parameter" | "structuralParameter" | "input")

@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use super::{Columns, CommandError};
-use crate::study::inputs::{follow, many_steps, missed, slot_while_running, takes_any_step};
+use crate::study::inputs::{
+    follow, is_discrete, is_integrated, many_steps, missed, slot_while_running, takes_any_step,
+};
 use crate::study::plan::find;
 use crate::study::quantity::Scale;
 use crate::table::csv_file::{self, CsvFile};
@@ -92,6 +94,8 @@ pub(super) fn inputs(
         ];
         let table = Table::read(path, &columns)?;
         let mut series = follow(&table, "time", slot, scale.conversion).map_err(wrong)?;
+        series.hold = is_discrete(variable, &series.slot);
+        series.ramp = !series.hold && is_integrated(variable, fmu);
         series.each_row = takes_any_step(fmu);
         if let Some(concern) = missed(&series, schedule, &scale) {
             crate::tell::line!("note: {concern}");
