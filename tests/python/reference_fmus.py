@@ -236,7 +236,8 @@ def judge_feedthrough(fmu, folder):
     got = simulate(fmu, folder, *OPTIONS["Feedthrough"], "--input", file)
     for name in names:
         output = name.replace("input", "output")
-        exact = 3 * got["time"] if "continuous" in name else (got["time"] >= 1 - 1e-9) + float(
+        # The row of a communication point has what the inputs gave until then: a jump at 1 s shows in the row after it.
+        exact = 3 * got["time"] if "continuous" in name else (got["time"] > 1 + 1e-9) + float(
             name.startswith("Enumeration"))
         if output in got and np.abs(got[output] - exact).max() > (1e-6 if "32" in name else 1e-12):
             raise Wrong(f"{output} is not {name}")

@@ -1,16 +1,17 @@
 //! An instance: a model in one of the phases of a simulation.
 
 use std::ffi::CString;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use super::intermediate::Watch;
 use super::logger::Logger;
 use super::phase::Phase;
 use super::refusal::{Outcome, Refusal};
 use super::resources;
+use super::run::Run;
 use super::types::Status;
 use super::version::Version;
-use crate::model::{Experiment, Fault, Model, offered};
+use super::watch::Watch;
+use crate::model::{Fault, Model, offered};
 
 /// All that belongs to one instance.
 pub struct Instance<M> {
@@ -27,55 +28,6 @@ pub struct Instance<M> {
     /// How the host looks into communication steps, if it does.
     pub watch: Option<Watch<M>>,
     resources: Option<PathBuf>,
-}
-
-/// The part of an instance that a saved state holds.
-#[derive(Clone)]
-pub struct Run<M> {
-    /// The phase of the simulation.
-    pub phase: Phase,
-    /// The model. In initialization mode: a copy of `seed`, initialised.
-    pub model: M,
-    /// In initialization mode, the model as the host has configured it. It is kept so that the host may set another
-    /// parameter after it has read an output.
-    pub seed: Option<M>,
-    /// Whether something was set since the outputs were last computed.
-    pub stale: bool,
-    /// Whether the model has computed its outputs' rates since something last changed.
-    pub differentiated: bool,
-    /// Whether an input has a slope for the next step.
-    pub sloped: bool,
-    /// The present communication point, s.
-    pub time: f64,
-    /// The start time, s.
-    pub start: f64,
-    /// The stop time, s, if the host has set one.
-    pub stop: Option<f64>,
-    /// The relative tolerance, if the host has set one.
-    pub tolerance: Option<f64>,
-    /// How the last step ended.
-    pub last_step: Status,
-    /// Whether the host integrates the model (Model Exchange).
-    pub exchange: bool,
-}
-
-impl<M: Model> Default for Run<M> {
-    fn default() -> Self {
-        Self {
-            phase: Phase::Instantiated,
-            model: M::default(),
-            seed: None,
-            stale: false,
-            differentiated: false,
-            sloped: false,
-            time: 0.0,
-            start: 0.0,
-            stop: None,
-            tolerance: None,
-            last_step: Status::Ok,
-            exchange: false,
-        }
-    }
 }
 
 /// The arguments with which a host instantiates.
@@ -324,17 +276,6 @@ impl<M: Model> Instance<M> {
             model.update()?;
         }
         Ok(model)
-    }
-}
-
-impl<M> Run<M> {
-    fn experiment<'a>(&self, resources: Option<&'a Path>) -> Experiment<'a> {
-        Experiment {
-            start: self.start,
-            stop: self.stop,
-            tolerance: self.tolerance,
-            resources,
-        }
     }
 }
 

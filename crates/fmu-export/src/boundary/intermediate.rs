@@ -4,41 +4,17 @@
 //! callback the host may call this instance again, so no reference to it may be held: a step pauses, the caller asks the host,
 //! and the step goes on with the answer.
 
-use super::instance::{Instance, Run};
+use super::instance::Instance;
 use super::phase::Phase;
 use super::refusal::{Outcome, Refusal};
+use super::run::Run;
 use super::types::{ComponentEnvironment, IntermediateUpdateCallback, Status, ValueReference};
 use super::values::variable;
+use super::watch::{Underway, Watch};
 use crate::model::{Kind, Model, Role, Variable};
 
 /// The most updates in a communication step: where a model takes more inner steps, an update comes after several of them.
 const MOST_UPDATES: f64 = 1000.0;
-
-/// How a host looks into communication steps.
-pub struct Watch<M> {
-    callback: IntermediateUpdateCallback,
-    environment: ComponentEnvironment,
-    /// Whether steps may return early.
-    early: bool,
-    /// The variables that the host will access, in ascending order.
-    variables: Vec<ValueReference>,
-    /// The length of a model's first inner step.
-    inner_step: fn(&M, f64) -> f64,
-    /// The step that is at work.
-    underway: Option<Underway<M>>,
-}
-
-/// A communication step that is at work.
-struct Underway<M> {
-    /// The instance at its start, for a step that fails later.
-    before: Box<Run<M>>,
-    /// Where it ends, s.
-    until: f64,
-    /// What is left of it, s.
-    left: f64,
-    /// The shortest part of it, s.
-    least: f64,
-}
 
 /// A call of the host that is due.
 pub struct Update {

@@ -8,9 +8,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use serde::{Deserialize, Serialize};
 
 use super::guard::magic;
-use super::instance::{Instance, Run};
+use super::instance::Instance;
 use super::phase::Phase;
 use super::refusal::{Outcome, Refusal};
+use super::run::Run;
 use super::types::{FmuState, Status};
 use super::version::Version;
 use crate::model::Model;

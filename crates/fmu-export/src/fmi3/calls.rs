@@ -22,12 +22,12 @@ use super::{description, functions};
 use crate::boundary::calls::plain;
 use crate::boundary::guard::{Handle, enter};
 use crate::boundary::instance::{Instance, Request};
-use crate::boundary::intermediate::Watch;
 use crate::boundary::logger::{Callback, Logger};
 use crate::boundary::phase::Phase;
 use crate::boundary::raw::{lossy, place, texts, values};
 use crate::boundary::refusal::{Outcome, Refusal};
 use crate::boundary::version::Version;
+use crate::boundary::watch::Watch;
 use crate::model::{Model, offered};
 
 use absent::NO_CLOCKS;

@@ -1,0 +1,68 @@
+//! A model with its phase and times.
+
+use std::path::Path;
+
+use super::phase::Phase;
+use super::types::Status;
+use crate::model::{Experiment, Model};
+
+/// The part of an instance that a saved state holds.
+#[derive(Clone)]
+pub struct Run<M> {
+    /// The phase of the simulation.
+    pub phase: Phase,
+    /// The model. In initialization mode: a copy of `seed`, initialised.
+    pub model: M,
+    /// In initialization mode, the model as the host has configured it. It is kept so that the host may set another
+    /// parameter after it has read an output.
+    pub seed: Option<M>,
+    /// Whether something was set since the outputs were last computed.
+    pub stale: bool,
+    /// Whether the model has computed its outputs' rates since something last changed.
+    pub differentiated: bool,
+    /// Whether an input has a slope for the next step.
+    pub sloped: bool,
+    /// The present communication point, s.
+    pub time: f64,
+    /// The start time, s.
+    pub start: f64,
+    /// The stop time, s, if the host has set one.
+    pub stop: Option<f64>,
+    /// The relative tolerance, if the host has set one.
+    pub tolerance: Option<f64>,
+    /// How the last step ended.
+    pub last_step: Status,
+    /// Whether the host integrates the model (Model Exchange).
+    pub exchange: bool,
+}
+
+impl<M: Model> Default for Run<M> {
+    fn default() -> Self {
+        Self {
+            phase: Phase::Instantiated,
+            model: M::default(),
+            seed: None,
+            stale: false,
+            differentiated: false,
+            sloped: false,
+            time: 0.0,
+            start: 0.0,
+            stop: None,
+            tolerance: None,
+            last_step: Status::Ok,
+            exchange: false,
+        }
+    }
+}
+
+impl<M> Run<M> {
+    /// The experiment that the host has asked for, with the folder of the resources.
+    pub fn experiment<'a>(&self, resources: Option<&'a Path>) -> Experiment<'a> {
+        Experiment {
+            start: self.start,
+            stop: self.stop,
+            tolerance: self.tolerance,
+            resources,
+        }
+    }
+}
