@@ -165,3 +165,22 @@ def test_the_lag_is_exchanged(tmp_path):
         result = fmpy.simulate_fmu(str(file), stop_time=1.0, output_interval=0.1, start_values={"input": 3.0},
                                    relative_tolerance=1e-9)
         assert result["output"] == pytest.approx(6.0 - 5.0 * np.exp(-result["time"] / 0.5), abs=1e-7)
+        # Driven by a sine in straight lines of 10 ms, with communication steps of 0.2 s: 0.5 y' = 2 u - y, exactly. An importer
+        # that holds the input over a step is some 20 % off.
+        times = np.arange(0, 2.0001, 0.01)
+        sine = np.sin(2 * np.pi * times)
+        table = tmp_path / f"sine{version}.csv"
+        np.savetxt(table, np.column_stack([times, sine]), delimiter=",", header="time,input", comments="", fmt="%.17g")
+        exact, decay = [1.0], np.exp(-0.01 / 0.5)
+        for before, after in zip(sine[:-1], sine[1:], strict=True):
+            slope = (after - before) / 0.01
+            # y = 2 (u - 0.5 u') is a solution for an input that grows evenly.
+            exact.append(2 * (after - 0.5 * slope) + (exact[-1] - 2 * (before - 0.5 * slope)) * decay)
+        out = tmp_path / f"sine{version}.out.csv"
+        subprocess.run([PROGRAM, "simulate", file, "--stop", "2", "--step", "0.2", "--input", table,
+                        "--output", out], check=True, capture_output=True)
+        with out.open() as lines:
+            found = {round(float(row["time"]), 9): float(row["output"]) for row in csv.DictReader(lines)}
+        assert len(found) == 11
+        for time_, value in found.items():
+            assert value == pytest.approx(exact[round(time_ / 0.01)], abs=1e-8)
