@@ -106,6 +106,8 @@ pub enum About {
     Name,
     /// A variable that cannot be used.
     Variable,
+    /// What the standard allows, and cannot be used here.
+    Limit,
 }
 
 impl fmt::Display for Remark {

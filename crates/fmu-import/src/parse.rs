@@ -341,7 +341,7 @@ impl Reader {
                     if self.boolean(display, "inverse") == Some(true) {
                         let text =
                             "an inverse display unit, which is left out: give values in the unit";
-                        self.remark(display, About::Value, text);
+                        self.remark(display, About::Limit, text);
                         return None;
                     }
                     Some(DisplayUnit {

@@ -153,6 +153,7 @@ pub(super) static RULES: &[Rule] = &[
     rule("three-token", Error, "FMI 3.0.2, 2.4", "instantiationToken is there", Three(three::token)),
     rule("three-state", Error, "FMI 3.0.2, 2.4.1", "canSerializeFMUState implies canGetAndSetFMUState", Three(three::serialized_states)),
     rule("three-type", Error, "FMI 3.0.2, 2.4.7", "a variable is of a type of FMI 3.0", Three(three::types)),
+    rule("display-unit-usable", Note, "FMI 3.0.2, 2.4.3", "every display unit can be used here", Three(values::not_usable)),
     rule("three-usable", Note, "FMI 3.0.2, 2.4.7", "every variable can be set or judged here", Three(three::unusable)),
     rule("three-reference", Error, "FMI 3.0.2, 2.4.7", "a value reference is that of one variable", Three(three::references)),
     rule("three-independent", Error, "FMI 3.0.2, 2.4.7", "one independent variable, a float without a start value", Three(three::independent)),

@@ -56,6 +56,10 @@ pub(super) fn unreadable(document: &Document<'_>) -> Vec<Hit> {
     remarks(document, About::Value)
 }
 
+pub(super) fn not_usable(document: &Document<'_>) -> Vec<Hit> {
+    remarks(document, About::Limit)
+}
+
 pub(super) fn left_out(document: &Document<'_>) -> Vec<Hit> {
     remarks(document, About::Variable)
 }
