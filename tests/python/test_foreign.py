@@ -11,6 +11,7 @@ from pathlib import Path
 import fmpy
 import pytest
 
+from reference_fmus import exchange_only
 from test_acceptance import PROGRAM, ROOT, rows
 
 PACKAGE = "gemseo-fmu==3.1.1"
@@ -64,6 +65,24 @@ def compare(fmu, parameters, outputs, folder, environment=None):
 @pytest.mark.parametrize("name", CASES)
 def test_openmodelica(foreign, tmp_path, name):
     assert compare(foreign / f"{name}.fmu", *CASES[name], tmp_path) == 12
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_openmodelica_by_model_exchange(foreign, tmp_path, name):
+    """The same FMUs without their own solver, against CVode at a tighter tolerance."""
+    parameters, outputs = CASES[name]
+    fmu = exchange_only(foreign / f"{name}.fmu", tmp_path / f"{name}.fmu")
+    (tmp_path / "study.toml").write_text(study(fmu, parameters, outputs))
+    subprocess.run([PROGRAM, "verify", tmp_path / "study.toml", "--output", tmp_path / "out", "--jobs", "2"],
+                   capture_output=True, check=True)
+    points = rows(tmp_path / "out" / "points.csv")
+    assert [point["status"] for point in points] == ["ok"] * 12
+    for point in points:
+        values = {name: float(point[name]) for name in parameters}
+        end = fmpy.simulate_fmu(str(fmu), fmi_type="ModelExchange", start_values=values, output=outputs, stop_time=1.0,
+                                output_interval=0.01, relative_tolerance=1e-12)[-1]
+        for name in outputs:
+            assert float(point[name]) == pytest.approx(end[name], rel=1e-6, abs=1e-8), (point["point"], name)
 
 
 MODEL = '''
