@@ -276,8 +276,9 @@ fn stop(child: Child, signal: &str) -> bool {
     let output = child.wait_with_output().unwrap();
     if output.status.code() == Some(130) {
         let message = String::from_utf8(output.stderr).unwrap();
+        // A run that is not in order within 0.6 s, on a busy machine, leaves without the count.
         assert!(
-            message.starts_with("interrupted: ") && message.ends_with("done; --resume goes on\n"),
+            message.starts_with("interrupted") && message.ends_with("; --resume goes on\n"),
             "{message}"
         );
         return true;
