@@ -2,6 +2,7 @@
 
 import os
 import platform as this
+import shutil
 import subprocess
 import sys
 from dataclasses import dataclass, field
@@ -69,6 +70,16 @@ def native():
         ("darwin", "arm64"): "darwin64",
     }
     return names.get((sys.platform, machine))
+
+
+def qemu():
+    """What runs programs for 64-bit Arm, by the name that it has here."""
+    return shutil.which("qemu-aarch64") or shutil.which("qemu-aarch64-static")
+
+
+def wheels(platform):
+    """Where the wheels for a platform lie: this machine's alone, since pip refuses those for others."""
+    return ROOT / "dist" if platform == native() else ROOT / "dist/elsewhere"
 
 
 def say(text):

@@ -6,7 +6,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from .common import CACHE, ROOT, Failure, native, run
+from .common import CACHE, ROOT, Failure, native, qemu, run
 from .debian import install
 
 SOURCE = Path(__file__).with_name("host.c")
@@ -25,14 +25,15 @@ def run_with(row, wanted=False):
         return (([compiler] if compiler and wine() else None), [wine()], missing(wine=wine(), mingw=compiler))
     if row.platform == "aarch64-linux":
         if wanted:
-            install("qemu-user", command="qemu-aarch64")
+            if not qemu():
+                install("qemu-user", command="qemu-aarch64")
             install("gcc-aarch64-linux-gnu", command="aarch64-linux-gnu-gcc")
             install("libc6-dev-arm64-cross", file="usr/aarch64-linux-gnu/include/stdio.h")
-        qemu = shutil.which("qemu-aarch64") or shutil.which("qemu-aarch64-static")
+        emulator = qemu()
         compiler = shutil.which("aarch64-linux-gnu-gcc")
         libraries = "/usr/aarch64-linux-gnu"
-        return (([compiler] if compiler and qemu else None), [qemu, "-L", libraries],
-                missing(**{"qemu": qemu, "aarch64-linux-gnu-gcc": compiler}))
+        return (([compiler] if compiler and emulator else None), [emulator, "-L", libraries],
+                missing(**{"qemu": emulator, "aarch64-linux-gnu-gcc": compiler}))
     return None, [], "no such machine here"
 
 

@@ -97,6 +97,8 @@ struct Running {
     ticket: u64,
     /// The working directory, which is removed with the guard.
     place: Option<TempDir>,
+    /// Whether it has ever answered.
+    answered: bool,
 }
 
 impl Process {
@@ -283,6 +285,7 @@ impl Running {
             replies,
             ticket: 0,
             place,
+            answered: false,
         };
         let own = running.place.as_ref().map(|place| place.path().to_owned());
         let setup = Setup {
@@ -312,7 +315,10 @@ impl Running {
         let begun = Instant::now();
         loop {
             match self.replies.arrived() {
-                Ok(Some(payload)) => return Ok(payload),
+                Ok(Some(payload)) => {
+                    self.answered = true;
+                    return Ok(payload);
+                }
                 Ok(None) => {}
                 Err(broken) => return Err(Gone::Lost(Failure::Crashed(broken.to_string()))),
             }
@@ -337,6 +343,13 @@ impl Running {
         let status = self.wait_for_end(Duration::from_secs(1));
         let reason = match status.map(system::loss) {
             Some(Loss::Signal(signal)) => signal_name(signal),
+            // An emulator, for one, cannot start the program again: then no FMU has been loaded yet.
+            Some(Loss::Exit(code)) if !self.answered => {
+                return Failure::Crashed(format!(
+                    "the process that watches the FMU ended before its first answer, with exit code {code}; where every point \
+                     says so, the program cannot start itself here: try --in-process"
+                ));
+            }
             Some(Loss::Exit(code)) => format!("exit code {code}"),
             _ => "its pipes are closed".to_owned(),
         };
