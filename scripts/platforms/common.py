@@ -11,6 +11,9 @@ ROOT = Path(__file__).resolve().parent.parent.parent
 IDENTIFIER = "PlainBearingStand"
 PACKAGE = "plain-bearing-stand"
 CACHE = ROOT / ".cache"
+# This machine's wheel, and those for other platforms.
+WHEELS = ROOT / "dist"
+OTHER_WHEELS = WHEELS / "wheels"
 
 # FMI 2.0 names the first three; for 64-bit Arm it names none, and importers look where FMI 3 says.
 PLATFORMS = {

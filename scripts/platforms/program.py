@@ -1,7 +1,6 @@
 """Builds the program for a platform, through its gates."""
 
 import csv
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -97,8 +96,7 @@ def runner_of(platform):
     if platform == "win64":
         return [host.wine()], "" if host.wine() else "no wine"
     if platform == "aarch64-linux":
-        qemu = shutil.which("qemu-aarch64")
-        return [qemu, "-L", "/usr/aarch64-linux-gnu"], "" if qemu else "no qemu"
+        return host.arm_again()
     return [], "no such machine here"
 
 
