@@ -2,7 +2,6 @@
 
 import os
 import platform as this
-import shutil
 import subprocess
 import sys
 from dataclasses import dataclass, field
@@ -12,6 +11,9 @@ ROOT = Path(__file__).resolve().parent.parent.parent
 IDENTIFIER = "PlainBearingStand"
 PACKAGE = "plain-bearing-stand"
 CACHE = ROOT / ".cache"
+# This machine's wheel, and those for other platforms.
+WHEELS = ROOT / "dist"
+OTHER_WHEELS = WHEELS / "wheels"
 
 # FMI 2.0 names the first three; for 64-bit Arm it names none, and importers look where FMI 3 says.
 PLATFORMS = {
@@ -70,16 +72,6 @@ def native():
         ("darwin", "arm64"): "darwin64",
     }
     return names.get((sys.platform, machine))
-
-
-def qemu():
-    """What runs programs for 64-bit Arm, by the name that it has here."""
-    return shutil.which("qemu-aarch64") or shutil.which("qemu-aarch64-static")
-
-
-def wheels(platform):
-    """Where the wheels for a platform lie: this machine's alone, since pip refuses those for others."""
-    return ROOT / "dist" if platform == native() else ROOT / "dist/elsewhere"
 
 
 def say(text):

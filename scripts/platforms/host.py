@@ -6,11 +6,15 @@ import sys
 import tempfile
 from pathlib import Path
 
-from .common import CACHE, ROOT, Failure, native, qemu, run
+from .build import GLIBC, zig
+from .common import CACHE, ROOT, Failure, native, run, venv
 from .debian import install
 
 SOURCE = Path(__file__).with_name("host.c")
 STEPS = 100
+# Where Debian puts libraries for 64-bit Arm.
+ARM = "/usr/aarch64-linux-gnu"
+ARM_LIBRARY = "usr/aarch64-linux-gnu/lib/libgcc_s.so.1"
 
 
 def run_with(row, wanted=False):
@@ -25,16 +29,44 @@ def run_with(row, wanted=False):
         return (([compiler] if compiler and wine() else None), [wine()], missing(wine=wine(), mingw=compiler))
     if row.platform == "aarch64-linux":
         if wanted:
-            if not qemu():
-                install("qemu-user", command="qemu-aarch64")
-            install("gcc-aarch64-linux-gnu", command="aarch64-linux-gnu-gcc")
-            install("libc6-dev-arm64-cross", file="usr/aarch64-linux-gnu/include/stdio.h")
-        emulator = qemu()
-        compiler = shutil.which("aarch64-linux-gnu-gcc")
-        libraries = "/usr/aarch64-linux-gnu"
-        return (([compiler] if compiler and emulator else None), [emulator, "-L", libraries],
-                missing(**{"qemu": emulator, "aarch64-linux-gnu-gcc": compiler}))
+            install_arm()
+        runner, why = arm()
+        return None if why else arm_compiler(), runner, why
     return None, [], "no such machine here"
+
+
+def qemu():
+    return shutil.which("qemu-aarch64") or shutil.which("qemu-aarch64-static")
+
+
+def install_arm():
+    """Installs what runs programs for 64-bit Arm."""
+    if not qemu():
+        install("qemu-user", command="qemu-aarch64")
+    # It brings the C library too.
+    install("libgcc-s1-arm64-cross", file=ARM_LIBRARY)
+
+
+def arm():
+    """What runs programs for 64-bit Arm, or why nothing does."""
+    libraries = Path("/", ARM_LIBRARY).exists()
+    return [qemu(), "-L", ARM], missing(**{"qemu": qemu(), "glibc for Arm (libgcc-s1-arm64-cross)": libraries})
+
+
+def arm_again():
+    """The same for a program that starts itself again."""
+    runner, why = arm()
+    if why:
+        return runner, why
+    library = CACHE / "again.so"
+    run([*arm_compiler(), "-O1", "-Wall", "-shared", "-fPIC", "-o", library, SOURCE.with_name("again.c"), "-ldl"])
+    return [*runner, "-E", f"LD_PRELOAD={library}", "-E", f"QEMU_AGAIN={qemu()}", "-E", f"QEMU_ROOT={ARM}"], ""
+
+
+def arm_compiler():
+    """A C compiler for 64-bit Arm: Zig, which builds the binaries too."""
+    zig()
+    return [venv() / "python", "-m", "ziglang", "cc", "-target", f"aarch64-linux-gnu.{GLIBC}"]
 
 
 def missing(**tools):

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from . import build as here
 from . import cross, gates, host, mac, unwinder
-from .common import Failure, Row, native, qemu, run, say
+from .common import Failure, Row, native, run, say
 from .debian import install
 
 LARGEST = 20e6
@@ -80,15 +80,13 @@ def paper(row, folder):
     file.chmod(0o755)
     if row.platform == "win64" and runner:
         host.wine_ready()
-    # Under qemu the program cannot start itself again, as it does for the processes of its points.
-    alone = ["--in-process"] if row.platform == "aarch64-linux" and runner else []
-    run([*runner, file, "verify", package / "studies/paper-table3.toml", "--points", POINTS, *alone, "--output", folder / "out"],
+    run([*runner, file, "verify", package / "studies/paper-table3.toml", "--points", POINTS, "--output", folder / "out"],
         env=host.quiet())
     with open(folder / "out/points.csv", encoding="utf-8") as table:
         done = [line["status"] for line in csv.DictReader(table)]
     if done != ["ok"] * POINTS:
         raise Failure(f"{row.platform}: the wheel's points are {done}")
-    return f"{POINTS} points of the paper run from it{f' under {Path(runner[0]).name}' if runner else ''}{', in one process' if alone else ''}"
+    return f"{POINTS} points of the paper run from it{f' under {Path(runner[0]).name}' if runner else ''}"
 
 
 def runner_of(platform):
@@ -98,8 +96,7 @@ def runner_of(platform):
     if platform == "win64":
         return [host.wine()], "" if host.wine() else "no wine"
     if platform == "aarch64-linux":
-        libraries = Path("/usr/aarch64-linux-gnu")
-        return [qemu(), "-L", libraries], host.missing(qemu=qemu(), glibc=libraries.is_dir())
+        return host.arm_again()
     return [], "no such machine here"
 
 
