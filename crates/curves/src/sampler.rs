@@ -52,7 +52,7 @@ impl Sampler {
         self.add_all(std::iter::once((time, value)));
     }
 
-    /// Takes the values at the ends of steps: every `stride`th one of `values`, from the first on, one a step. Steps among
+    /// Takes the values at the ends of steps: every `stride`th one of `values`, from the first on, one a step. Steps in
     /// which no sample lies cost next to nothing.
     ///
     /// # Panics
@@ -61,18 +61,25 @@ impl Sampler {
         let Some(last) = begins.len().checked_sub(1) else {
             return;
         };
-        let end = begins[last] + sizes[last];
-        if end < self.next {
-            self.last = [end, values[last * stride]];
-            return;
-        }
-        for (step, (begin, size)) in begins.iter().zip(sizes).enumerate() {
-            let (time, value) = (begin + size, values[step * stride]);
-            if time >= self.next {
-                self.reach(time, value);
+        let end = |step: usize| begins[step] + sizes[step];
+        let mut first = 0;
+        while self.next <= end(last) {
+            // Most steps are as long as the first one, which tells about where the sample lies.
+            let ahead = (self.next - begins[first]) / sizes[first];
+            let mut step = first.saturating_add(ahead as usize).min(last);
+            while step > first && end(step - 1) >= self.next {
+                step -= 1;
             }
-            self.last = [time, value];
+            while end(step) < self.next {
+                step += 1;
+            }
+            if step > 0 {
+                self.last = [end(step - 1), values[(step - 1) * stride]];
+            }
+            self.reach(end(step), values[step * stride]);
+            first = (step + 1).min(last);
         }
+        self.last = [end(last), values[last * stride]];
     }
 
     /// Samples what lies between the last value and this one.
@@ -167,6 +174,42 @@ mod tests {
             );
         }
         assert_eq!(one.finish(), many.finish());
+    }
+
+    /// Also uneven ones, events that take no time, and samples at their ends.
+    #[test]
+    fn uneven_steps_together_are_as_one_by_one() {
+        let sizes: Vec<f64> = (0..60)
+            .map(|k| [0.5, 0.25, 0.0, 0.125, 4.0, 0.0, 0.0][k % 7])
+            .collect();
+        let begin = |step: usize| sizes[..step].iter().sum::<f64>();
+        let begins: Vec<f64> = (0..60).map(begin).collect();
+        let values: Vec<f64> = (0..60).map(|k| f64::from(k * k % 23)).collect();
+        for spacing in [0.0625, 0.3, 1.0, 9.0] {
+            for together in [1, 2, 5, 20, 60] {
+                let times = (0..).map(|k| spacing * f64::from(k));
+                let times = times.take_while(|time| *time <= begin(60)).collect();
+                let mut one = Sampler::new(times);
+                let mut many = one.clone();
+                for step in 0..60 {
+                    one.add(begins[step] + sizes[step], values[step]);
+                }
+                for first in (0..60).step_by(together) {
+                    let steps = first..(first + together).min(60);
+                    many.add_steps(
+                        &begins[steps.clone()],
+                        &sizes[steps.clone()],
+                        &values[steps],
+                        1,
+                    );
+                }
+                let bits = |sampler: &mut Sampler| -> Vec<u64> {
+                    let samples = sampler.finish().unwrap();
+                    samples.iter().map(|sample| sample.to_bits()).collect()
+                };
+                assert_eq!(bits(&mut one), bits(&mut many), "{spacing} {together}");
+            }
+        }
     }
 
     #[test]

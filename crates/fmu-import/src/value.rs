@@ -16,7 +16,7 @@ pub enum Value {
 }
 
 /// How the binary stores a variable's values. An enumeration's items are stored as integers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Content {
     /// A real number.
     Real,
@@ -29,7 +29,7 @@ pub enum Content {
 }
 
 /// The handle by which calls reach a variable: a reference, and what is stored there.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Handle {
     /// The value reference in FMI 2.0. In FMI 3.0, where one value reference may be that of a whole array, the number
     /// of the element among those of all variables.

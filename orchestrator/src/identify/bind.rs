@@ -127,34 +127,14 @@ impl Binder<'_> {
     }
 
     fn refuse_doubles(&self) -> Result<(), StudyError> {
-        let fixed = self.study.fixed.keys().map(|name| (name, "[fixed]"));
-        let known = self
-            .settings
-            .known
-            .keys()
-            .map(|name| (name, "[identify.known]"));
-        let free = self
-            .settings
-            .free
-            .keys()
-            .map(|name| (name, "[identify.free]"));
-        let latent = self
-            .settings
-            .latent
-            .keys()
-            .map(|name| (name, "[identify.latent]"));
-        let mut seen: Vec<(&Name, &str)> = Vec::new();
-        for (name, section) in fixed.chain(known).chain(free).chain(latent) {
-            if let Some((_, other)) = seen
-                .iter()
-                .find(|(known, _)| known.as_ref() == name.as_ref())
-            {
-                let message = format!("{} is under {other} and {section}; keep one", name.as_ref());
-                return Err(self.study.error_at(name, message));
-            }
-            seen.push((name, section));
-        }
-        Ok(())
+        let known = self.settings.known.keys();
+        let free = self.settings.free.keys();
+        let latent = self.settings.latent.keys();
+        let own = known
+            .map(|name| (name, "[identify.known]"))
+            .chain(free.map(|name| (name, "[identify.free]")))
+            .chain(latent.map(|name| (name, "[identify.latent]")));
+        self.study.once(self.fmu, self.study.set().chain(own))
     }
 
     fn at(&self, name: &Name, message: &str) -> StudyError {

@@ -240,9 +240,9 @@ impl Unknowns<'_> {
                 bound.vary(slot.clone());
             }
         }
+        self.refuse_doubles()?;
         for (name, text) in &self.settings.free {
             let own = name.as_ref().as_str();
-            self.refuse_fixed(name)?;
             let variable =
                 find(self.fmu, own).map_err(|message| self.study.error_at(name, message))?;
             let at = |message: String| at(self.study, name, &message);
@@ -291,21 +291,18 @@ impl Unknowns<'_> {
         Ok(())
     }
 
-    fn refuse_fixed(&self, name: &Name) -> Result<(), StudyError> {
-        let key = name.as_ref().as_str();
-        let in_a_case = |case: &&crate::study::CaseText| {
-            case.fixed.contains_key(key) || case.inputs.contains_key(key)
-        };
-        let place = match self.study.cases.iter().find(in_a_case) {
-            Some(case) => format!("set in the case `{}`", case.name.as_ref()),
-            None if self.study.fixed.contains_key(key) => "under [fixed]".to_owned(),
-            None if self.study.inputs.contains_key(key) => "under [inputs]".to_owned(),
-            None => return Ok(()),
-        };
-        Err(self.study.error_at(
-            name,
-            format!("{key} is {place} and under [identify.free]; keep one"),
-        ))
+    /// A parameter may be free too: then it is sought between other bounds than it is drawn from.
+    fn refuse_doubles(&self) -> Result<(), StudyError> {
+        let free = || self.settings.free.keys();
+        let is_free = |name: &Name| self.settings.free.contains_key(name.as_ref().as_str());
+        for (_, study) in self.study.by_case() {
+            let others = study.set();
+            let others =
+                others.filter(|(name, section)| *section != "[parameters]" || !is_free(name));
+            let own = free().map(|name| (name, "[identify.free]"));
+            self.study.once(self.fmu, others.chain(own))?;
+        }
+        Ok(())
     }
 }
 

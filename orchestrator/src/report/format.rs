@@ -1,5 +1,7 @@
 //! Numbers and text for people.
 
+use crate::results::conclusion::grouped;
+
 /// A number, rounded to significant digits, without needless zeros: `0.02`, `1.5e-7`, `843.84`.
 /// Numbers that are none are written as a dash.
 pub fn number(value: f64, digits: usize) -> String {
@@ -52,17 +54,9 @@ pub fn percent(fraction: f64) -> String {
     }
 }
 
-/// A count with thin spaces between thousands.
+/// A count with commas between thousands, as the program says it everywhere.
 pub fn count(n: usize) -> String {
-    let digits = n.to_string();
-    let mut text = String::new();
-    for (i, c) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i).is_multiple_of(3) && digits.len() > 4 {
-            text.push('\u{202f}');
-        }
-        text.push(c);
-    }
-    text
+    grouped(n as u64)
 }
 
 /// A name with its unit in brackets; the name alone when dimensionless.
@@ -115,7 +109,7 @@ mod tests {
 
     #[test]
     fn thousands() {
-        assert_eq!(count(1000), "1000");
-        assert_eq!(count(1_000_000), "1\u{202f}000\u{202f}000");
+        assert_eq!(count(999), "999");
+        assert_eq!(count(1_000_000), "1,000,000");
     }
 }

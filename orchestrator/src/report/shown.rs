@@ -108,6 +108,15 @@ fn by_share(decision: Decision, judgement: &Judgement, points: usize) -> Shown {
     Shown { shown, not_shown }
 }
 
+/// An expected count: of few points a part of one counts, too.
+fn expected(points: f64) -> String {
+    if points < 1000.0 {
+        number(points, 2)
+    } else {
+        count(points.round() as usize)
+    }
+}
+
 /// How many of the accepted points are expected not to conform.
 fn doubt(judgement: &Judgement, accepted: usize) -> String {
     let risk = judgement.all.as_ref();
@@ -122,7 +131,7 @@ fn doubt(judgement: &Judgement, accepted: usize) -> String {
             " Of the {} accepted points {} are expected to be outside of the tolerances of the true values, since the \
              measured values are uncertain.",
             count(accepted),
-            number(share * accepted as f64, 2)
+            expected(share * accepted as f64)
         ),
         None => " How far the measured values are from the true ones is not stated for every criterion, so it is not known \
                  how many of the accepted points are right."

@@ -20,10 +20,6 @@ pub(super) fn series(
         let wrong = |message: String| study.error_at(name, message);
         let key = name.as_ref().as_str();
         let named = |message: String| wrong(format!("{key}: {message}"));
-        if study.parameters.contains_key(key) || study.fixed.contains_key(key) {
-            let message = "is under [parameters] or [fixed] too; keep one";
-            return Err(wrong(format!("{key} {message}")));
-        }
         if schedule.leap {
             return Err(named(
                 "leap would hold the input; remove one of them".to_owned(),

@@ -10,6 +10,7 @@ mod error;
 pub mod identification;
 pub(crate) mod inputs;
 pub(crate) mod limit;
+mod once;
 pub mod plan;
 pub mod points;
 pub mod quantity;

@@ -71,6 +71,7 @@ impl Plan {
         binder.within(&inputs, &varied)?;
         let (mut cases, mut outputs, mut of_inputs) = (Vec::new(), Vec::new(), Vec::new());
         for (case, study) in study.by_case() {
+            study.once(fmu, study.set())?;
             let binder = Binder { study: &study, fmu };
             let (own, task, doubts) = binder.task(case, varied.clone())?;
             outputs.extend(own);
@@ -590,10 +591,6 @@ impl Binder<'_> {
         let settings = self.study.fixed.iter();
         let bind = |(name, setting): (&Name, &Spanned<Setting>)| {
             let variable = self.variable(name)?;
-            if self.study.parameters.contains_key(name.as_ref().as_str()) {
-                let message = format!("{} is under [parameters] too", name.as_ref());
-                return Err(self.study.error_at(name, message));
-            }
             let value = value_of(self.fmu, variable, setting.as_ref())
                 .map_err(|message| self.study.error_at(setting, message))?;
             Ok((variable.handle().reference, value))

@@ -164,7 +164,8 @@ impl Model {
         let value = self.all(caller, access, element, T::default())?[element.index];
         let whole = i64::try_from(value).map_err(|_| {
             let why = format!(
-                "{value} is larger than {}, and cannot be kept here",
+                "{value}, the value of the variable with value reference {}, is larger than {}, and cannot be kept here",
+                element.reference,
                 i64::MAX
             );
             Call::impossible(access.getter, why)

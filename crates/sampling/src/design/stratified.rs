@@ -29,20 +29,13 @@ pub(super) fn correlated(
     correlation: &Correlation,
     inputs: &Inputs,
 ) -> Result<Slices, String> {
-    if points > MOST {
-        return Err(format!(
-            "a Latin hypercube of correlated parameters has at most {MOST} points; for more use method = \"sobol\" or \
-             \"monte-carlo\""
-        ));
-    }
+    let points = in_a_table(points)?;
     let varying: Vec<usize> = (0..inputs.distributions.len())
         .filter(|&input| inputs.distributions[input].varies())
         .collect();
     let wanted = correlation.among(&varying).cholesky();
     let wanted =
         wanted.ok_or("the correlations of the parameters that vary contradict each other")?;
-    // At most MOST, checked above.
-    let points = usize::try_from(points).unwrap_or(0);
     // Indices are below lengths.
     let start = DMatrix::from_fn(points, varying.len(), |index, dimension| {
         normal_quantile(rule.uniform(index as u64, dimension as u32))
@@ -52,6 +45,17 @@ pub(super) fn correlated(
     });
     let columns = paired(start, &scores, &wanted.l());
     Ok(Slices::new(seed, points, columns))
+}
+
+/// So many points, where a table may have them.
+fn in_a_table(points: u64) -> Result<usize, String> {
+    let few = usize::try_from(points).ok().filter(|_| points <= MOST);
+    few.ok_or_else(|| {
+        format!(
+            "a Latin hypercube of correlated parameters has at most {MOST} points; for more use method = \"sobol\" or \
+             \"monte-carlo\""
+        )
+    })
 }
 
 /// The slices of correlated inputs, input after input. `start` are the scores of points of independent inputs, `slices` those
@@ -221,6 +225,12 @@ mod tests {
             .collect();
         let slices: Vec<u32> = found.iter().map(|p| (3.0 * p[1]) as u32).collect();
         assert_eq!(slices, ranks(&mixed));
+    }
+
+    #[test]
+    fn a_table_has_so_many_points_and_no_more() {
+        assert_eq!(in_a_table(MOST), Ok(1 << 24));
+        assert!(in_a_table(MOST + 1).is_err());
     }
 
     #[test]

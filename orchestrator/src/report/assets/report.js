@@ -162,7 +162,7 @@
   const renderers = [];
   let otherwise = false;
   const WIDTH = 560, HEIGHT = 420, TOP = 30, SHADES = 5;
-  const grouped = n => String(n).replace(/\B(?=(\d{3})+$)/g, n > 9999 ? "\u2009" : "");
+  const grouped = n => String(n).replace(/\B(?=(\d{3})+$)/g, ",");
   function plane(figure) {
     const axes = { x: Number(figure.dataset.x), y: Number(figure.dataset.y) };
     const caption = figure.querySelector("figcaption"), picture = figure.querySelector(".picture");
