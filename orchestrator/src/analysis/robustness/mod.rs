@@ -121,7 +121,7 @@ impl Part {
             surrogate: plain,
         };
         let room = (criterion.upper - criterion.nominal).min(criterion.nominal - criterion.lower);
-        if !(room.is_finite() && room > 0.0) {
+        if !(room.is_finite() && room > 0.0) || plain.quality.predicted >= 1.0 {
             return Some(plain);
         }
         let bent: Vec<f64> = criterion
