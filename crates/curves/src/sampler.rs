@@ -52,7 +52,7 @@ impl Sampler {
         self.add_all(std::iter::once((time, value)));
     }
 
-    /// Takes the values at the ends of steps: every `stride`th one of `values`, from the first on, one a step. Steps in
+    /// Takes the values at the ends of steps: every `stride`th one of `values`, from the first on, one a step. Steps among
     /// which no sample lies cost next to nothing.
     ///
     /// # Panics
@@ -61,25 +61,18 @@ impl Sampler {
         let Some(last) = begins.len().checked_sub(1) else {
             return;
         };
-        let end = |step: usize| begins[step] + sizes[step];
-        let mut first = 0;
-        while self.next <= end(last) {
-            // Most steps are as long as the first one, which tells about where the sample lies.
-            let ahead = (self.next - begins[first]) / sizes[first];
-            let mut step = first.saturating_add(ahead as usize).min(last);
-            while step > first && end(step - 1) >= self.next {
-                step -= 1;
-            }
-            while end(step) < self.next {
-                step += 1;
-            }
-            if step > 0 {
-                self.last = [end(step - 1), values[(step - 1) * stride]];
-            }
-            self.reach(end(step), values[step * stride]);
-            first = (step + 1).min(last);
+        let end = begins[last] + sizes[last];
+        if end < self.next {
+            self.last = [end, values[last * stride]];
+            return;
         }
-        self.last = [end(last), values[last * stride]];
+        for (step, (begin, size)) in begins.iter().zip(sizes).enumerate() {
+            let (time, value) = (begin + size, values[step * stride]);
+            if time >= self.next {
+                self.reach(time, value);
+            }
+            self.last = [time, value];
+        }
     }
 
     /// Samples what lies between the last value and this one.
