@@ -188,7 +188,7 @@ fn cloud(
     table: &PointTable,
     seed: u64,
 ) -> Result<Vec<Vec<f64>>, CommandError> {
-    const SIZE: u64 = 32_768;
+    const SIZE: u64 = 65_536;
     let own = || table.parameters.iter().map(|p| &p.name);
     match plan {
         Some(plan) if plan.inputs.iter().map(|i| &i.name).eq(own()) && !plan.is_independent() => {
@@ -213,12 +213,34 @@ fn joint(plan: &Plan, points: u64, seed: u64) -> Result<Design, String> {
     })
 }
 
-/// How runs of the model compare with a stated probability, in words.
-fn evidence(stated: f64, own: Confirmed, fresh: Option<Confirmed>) -> String {
-    let mut out = format!(
-        "  of the study's own points {} lie inside, {} verified\n",
-        own.points, own.verified
-    );
+/// What is stated of a region, whether it comes to the level, and how runs of the model compare with it.
+fn evidence(
+    result: &Robustness,
+    (share, probability): (f64, f64),
+    stated: [f64; 2],
+    own: Confirmed,
+) -> String {
+    let claim = if stated[0] >= result.level {
+        "shown to be"
+    } else {
+        "NOT shown to be"
+    };
+    format!(
+        "  takes {} of the sampled space; verification probability {} (95 % interval {} to {}): {claim} {} or more\n  by the \
+         surrogates and the study's own points, of which {} lie inside, {} verified\n",
+        number(share, 3),
+        number(probability, 3),
+        number(stated[0], 3),
+        number(stated[1], 3),
+        result.level,
+        own.points,
+        own.verified
+    )
+}
+
+/// What fresh runs show.
+fn judged(stated: [f64; 2], fresh: Option<Confirmed>) -> String {
+    let mut out = String::new();
     if let Some(c) = fresh {
         out += &format!(
             "  {} fresh runs inside: {} verified, 95 % interval {} to {}: {}\n",
@@ -233,7 +255,10 @@ fn evidence(stated: f64, own: Confirmed, fresh: Option<Confirmed>) -> String {
 }
 
 fn text(result: &Robustness) -> String {
-    let mut out = format!("{}\n\nsurrogates, by leave-one-out", result.answer.words());
+    let mut out = format!(
+        "{}\n\nsurrogates, by leave-one-out",
+        result.answer.words(result.shown())
+    );
     if result.further_runs > 0 {
         let further = result.further_runs;
         out += &format!(" (refined with {further} further runs in box and ellipsoid)");
@@ -266,12 +291,7 @@ fn text(result: &Robustness) -> String {
         );
     }
     if let Some(region) = &result.region {
-        out += &format!(
-            "\nlargest box with a verification probability of {} or more: {} of the sampled space, probability {} by the surrogates\n",
-            result.level,
-            number(region.share, 3),
-            number(region.probability, 3)
-        );
+        out += "\nlargest box found\n";
         for ((name, unit), [low, high]) in result
             .parameters
             .iter()
@@ -284,15 +304,14 @@ fn text(result: &Robustness) -> String {
                 number(*high, 5)
             );
         }
-        out += &evidence(region.probability, region.confirmed, region.fresh);
+        let found = (region.share, region.probability);
+        out += &evidence(result, found, region.interval, region.confirmed);
+        out += &judged(region.interval, region.fresh);
     }
     if let Some(e) = &result.ellipsoid {
-        out += &format!(
-            "\nlargest ellipsoid: {} of the sampled space, probability {} by the surrogates\n",
-            number(e.share, 3),
-            number(e.probability, 3)
-        );
-        out += &evidence(e.probability, e.confirmed, e.fresh);
+        out += "\nlargest ellipsoid found\n";
+        out += &evidence(result, (e.share, e.probability), e.interval, e.confirmed);
+        out += &judged(e.interval, e.fresh);
     }
     if !result.unsafe_combinations.is_empty() {
         out += "\nunsafe: hardly any point is verified, whatever the other parameters are\n";

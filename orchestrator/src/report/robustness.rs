@@ -19,7 +19,6 @@ pub struct View {
     quality: Vec<[String; 4]>,
     further_runs: usize,
     rows: Vec<[String; 6]>,
-    level: String,
     region: Option<String>,
     ellipsoid: Option<String>,
     unsafe_combinations: Vec<[String; 6]>,
@@ -46,25 +45,34 @@ pub fn view(result: &Robustness) -> View {
             percent(q.predicted.max(0.0)),
         ]
     };
-    let share = |share: f64, probability: f64, c: Confirmed, fresh: Option<Confirmed>| {
-        let own = format!(
-            "{} % of the sampled space; {} % of it is verified by the surrogates. Of the study's own points {} lie inside, {} of them verified (95 % interval {} – {} %).",
+    let told = |share: f64, probability: f64, [low, high]: [f64; 2], own: Confirmed| {
+        let claim = if low >= result.level {
+            "shown to be"
+        } else {
+            "not shown to be"
+        };
+        format!(
+            "{} % of the sampled space. Of it {} % are verified (95 % interval {} – {} %), {claim} {} % or more by the surrogates and the study's own points, of which {} lie inside, {} of them verified.",
             percent(share),
             percent(probability),
-            c.points,
-            c.verified,
-            percent(c.interval[0]),
-            percent(c.interval[1])
-        );
-        let Some(f) = fresh else { return own };
-        format!(
-            "{own} Of {} fresh runs inside {} are verified (95 % interval {} – {} %): {}.",
-            f.points,
-            f.verified,
-            percent(f.interval[0]),
-            percent(f.interval[1]),
-            f.on(probability)
+            percent(low),
+            percent(high),
+            percent(result.level),
+            own.points,
+            own.verified
         )
+    };
+    let judged = |stated: [f64; 2], fresh: Option<Confirmed>| {
+        fresh.map_or_else(String::new, |f| {
+            format!(
+                " Of {} fresh runs inside {} are verified (95 % interval {} – {} %): {}.",
+                f.points,
+                f.verified,
+                percent(f.interval[0]),
+                percent(f.interval[1]),
+                f.on(stated)
+            )
+        })
     };
     let combination = |c: &Combination| {
         [
@@ -80,15 +88,12 @@ pub fn view(result: &Robustness) -> View {
         quality: result.criteria.iter().map(quality).collect(),
         further_runs: result.further_runs,
         rows: table(result),
-        level: percent(result.level),
-        region: result
-            .region
-            .as_ref()
-            .map(|r| share(r.share, r.probability, r.confirmed, r.fresh)),
-        ellipsoid: result
-            .ellipsoid
-            .as_ref()
-            .map(|e| share(e.share, e.probability, e.confirmed, e.fresh)),
+        region: result.region.as_ref().map(|r| {
+            told(r.share, r.probability, r.interval, r.confirmed) + &judged(r.interval, r.fresh)
+        }),
+        ellipsoid: result.ellipsoid.as_ref().map(|e| {
+            told(e.share, e.probability, e.interval, e.confirmed) + &judged(e.interval, e.fresh)
+        }),
         unsafe_combinations: result.unsafe_combinations.iter().map(combination).collect(),
         groups: groups(result),
         warnings: result.warnings.clone(),

@@ -215,10 +215,13 @@ fn robustness_finds_the_room_and_confirms_it() {
     for part in ["region", "ellipsoid"] {
         let fresh = &result[part]["fresh"];
         assert_eq!(fresh["points"], 200, "{result}");
-        let (stated, interval) = (&result[part]["probability"], &fresh["interval"]);
-        let end = |k: usize| interval[k].as_f64().unwrap();
-        let stated = stated.as_f64().unwrap();
-        assert!(end(0) <= stated && stated <= end(1), "{stated} {fresh}");
+        let (stated, interval) = (&result[part]["interval"], &fresh["interval"]);
+        let end = |of: &serde_json::Value, k: usize| of[k].as_f64().unwrap();
+        assert!(
+            end(interval, 0) <= end(stated, 1) && end(stated, 0) <= end(interval, 1),
+            "{stated} {fresh}"
+        );
+        assert!(end(stated, 0) >= 0.9, "{stated}");
     }
     assert!(
         said.out.contains("stated probability holds"),

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::boxes::SEARCHES;
 use super::combinations::CEILING;
+use super::region::Region;
 use super::{Robustness, Stand, TRUSTED};
 
 /// Whether there is a box that holds the level.
@@ -69,11 +70,14 @@ impl Answer {
         }
     }
 
-    /// The answer in a line.
-    pub fn words(&self) -> &'static str {
+    /// The answer in a line, given whether the statement of the box shows the level.
+    pub fn words(&self, shown: bool) -> &'static str {
         match self {
+            Self::Found if shown => {
+                "a box was found by the surrogates and the study's own points; --confirm N runs the model in it"
+            }
             Self::Found => {
-                "a box was found by the surrogates alone, which often promise too much; --confirm N runs the model in it"
+                "a box was found that may hold the level, which the study's points cannot show; --confirm N runs the model in it"
             }
             Self::Confirmed => "a box was found, and fresh runs confirm it",
             Self::Refuted => "a box was found, but fresh runs contradict it",
@@ -85,9 +89,11 @@ impl Answer {
     }
 
     /// The answer once fresh runs have been made.
-    pub fn after(self, fresh: Option<super::region::Confirmed>, stated: f64) -> Self {
-        match (self, fresh) {
-            (Self::Found, Some(fresh)) if fresh.interval[1] < stated => Self::Refuted,
+    pub fn after(self, region: &Region, level: f64) -> Self {
+        match (self, region.fresh) {
+            (Self::Found, Some(fresh)) if fresh.interval[1] < level.max(region.interval[0]) => {
+                Self::Refuted
+            }
             (Self::Found, Some(fresh)) if fresh.points > 0 => Self::Confirmed,
             (own, _) => own,
         }

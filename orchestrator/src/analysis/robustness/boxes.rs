@@ -86,6 +86,7 @@ fn pasted(sample: &Sample<'_>, scale: &Scale, level: f64, mut limits: Limits) ->
         limits: scale.closed(&limits),
         share: 0.0,
         probability: 0.0,
+        interval: super::region::unknown(),
         confirmed: Confirmed::default(),
         fresh: None,
     };

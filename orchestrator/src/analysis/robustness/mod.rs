@@ -10,6 +10,7 @@ pub mod combinations;
 pub mod maps;
 pub mod margins;
 pub mod region;
+pub mod stated;
 pub mod surrogate;
 
 use crate::analysis::table::{CriterionColumn, PointTable};
@@ -17,6 +18,7 @@ use boxes::Sample;
 use rayon::prelude::*;
 use region::{Ellipsoid, Region};
 use serde::{Deserialize, Serialize};
+use stated::{Evidence, Statement};
 use statrs::distribution::{ContinuousCDF, Normal};
 use surrogate::{Quality, Surrogate};
 
@@ -70,6 +72,12 @@ impl Robustness {
         ));
     }
 
+    /// Whether the statement of the box shows that it holds the level.
+    pub fn shown(&self) -> bool {
+        let region = self.region.as_ref();
+        region.is_some_and(|region| region.interval[0] >= self.level)
+    }
+
     /// The unit of a parameter.
     pub fn unit(&self, name: &str) -> &str {
         let pairs = self.parameters.iter().zip(&self.units);
@@ -92,6 +100,8 @@ struct Part {
     scale: Option<f64>,
     /// Root-mean-square error near the measurement, in the criterion's unit.
     quality: Quality,
+    /// What the surrogate says of each point that it knows, fitted without it.
+    left_out: Vec<f64>,
 }
 
 impl Part {
@@ -107,10 +117,11 @@ impl Part {
             criterion: bare(),
             scale: None,
             quality: plain.quality,
+            left_out: plain.left_out(inputs, &criterion.values),
             surrogate: plain,
         };
         let room = (criterion.upper - criterion.nominal).min(criterion.nominal - criterion.lower);
-        if !(room.is_finite() && room > 0.0) {
+        if !(room.is_finite() && room > 0.0) || plain.quality.predicted >= 1.0 {
             return Some(plain);
         }
         let bent: Vec<f64> = criterion
@@ -128,6 +139,7 @@ impl Part {
                     criterion: bare(),
                     scale: Some(room),
                     quality,
+                    left_out: surrogate.left_out(inputs, &bent),
                     surrogate,
                 })
             }
@@ -145,6 +157,11 @@ impl Part {
 
     /// The probability that the criterion is met.
     fn probability(&self, x: &[f64]) -> f64 {
+        self.probability_of(self.surrogate.at(x))
+    }
+
+    /// The probability that the criterion is met where the surrogate says so much.
+    fn probability_of(&self, value: f64) -> f64 {
         let c = &self.criterion;
         let bend = |limit: f64| {
             self.scale
@@ -156,7 +173,6 @@ impl Part {
             .error
             .max(1e-12 * c.nominal.abs())
             .max(f64::MIN_POSITIVE);
-        let value = self.surrogate.at(x);
         let normal = Normal::standard();
         normal.cdf((bend(c.upper) - value) / error) - normal.cdf((bend(c.lower) - value) / error)
     }
@@ -198,6 +214,19 @@ impl Stand {
     }
 }
 
+impl Stand {
+    /// The probability that all criteria are met at each of the first points that were fitted, by surrogates without it.
+    fn foretold(&self, points: usize) -> Vec<f64> {
+        let one = |i: usize| {
+            let parts = self.criteria.iter();
+            parts
+                .map(|part| part.probability_of(part.left_out[i]))
+                .product()
+        };
+        (0..points).map(one).collect()
+    }
+}
+
 /// The parameters of every point.
 pub fn rows(table: &PointTable) -> Vec<Vec<f64>> {
     (0..table.len())
@@ -205,6 +234,8 @@ pub fn rows(table: &PointTable) -> Vec<Vec<f64>> {
         .collect()
 }
 
+/// One in so many places of the sample is searched, the others state what was found.
+const SEARCHED: usize = 4;
 /// Below this, a surrogate is not trusted without a warning.
 const TRUSTED: f64 = 0.9;
 
@@ -242,13 +273,19 @@ pub fn refined(
         .map(|x| varying.iter().map(|&k| x[k]).collect())
         .collect();
     let verdicts: Vec<f64> = cloud.par_iter().map(|x| stand.probability(x)).collect();
-    // One half to search with, the other to state what was found: a search flatters its own sample.
-    let half = cloud.len() / 2;
+    // A part to search with, the rest to state what was found: a search flatters its own sample.
+    let part = cloud.len() / SEARCHED;
     let sample = |range: std::ops::Range<usize>| Sample {
         points: &cloud[range.clone()],
         verdicts: &verdicts[range],
     };
-    let (seen, unseen) = (sample(0..half), sample(half..cloud.len()));
+    let seen = sample(0..part);
+    let evidence = Evidence {
+        unseen: sample(part..cloud.len()),
+        points: &inputs,
+        verified: &table.verified,
+        foretold: &stand.foretold(table.len()),
+    };
     let mut result = Robustness {
         parameters: table.parameters.iter().map(|p| p.name.clone()).collect(),
         units: table.parameters.iter().map(|p| p.unit.clone()).collect(),
@@ -267,12 +304,12 @@ pub fn refined(
                 None => boxes::largest_box(&seen, target),
                 Some(before) => boxes::tightened(&seen, target, before),
             },
-            &unseen,
+            &evidence,
         ),
         ellipsoid: firm(
             level,
             |target, _| region::largest_ellipsoid(seen.points, seen.verdicts, target),
-            &unseen,
+            &evidence,
         ),
         unsafe_combinations: combinations::combinations(
             &stand,
@@ -328,57 +365,73 @@ fn unseen_failures(
         format!("; {inside} of them lie in the box")
     });
     Some(format!(
-        "{} of {} points failed{inside}. The surrogates do not know where the model fails: all probabilities, maps and margins \
-         are those of a model that has values everywhere. Failed points and failed runs of --confirm count as not verified",
+        "{} of {} points failed{inside}. The surrogates do not know where the model fails: maps, margins and unsafe \
+         combinations are those of a model that has values everywhere. What is stated of box and ellipsoid counts failed \
+         points as not verified, and so does --confirm",
         failed.len(),
         table.len(),
     ))
 }
 
 /// A region of which a probability can be stated.
-trait Stated: Sized {
-    fn state(&mut self, sample: &Sample<'_>) -> f64;
+trait Stated: Clone {
+    fn holds(&self, x: &[f64]) -> bool;
+    fn note(&mut self, statement: Statement);
 }
 
 impl Stated for Region {
-    fn state(&mut self, sample: &Sample<'_>) -> f64 {
-        Self::state(self, sample.points, sample.verdicts);
-        self.probability
+    fn holds(&self, x: &[f64]) -> bool {
+        self.contains(x)
+    }
+
+    fn note(&mut self, statement: Statement) {
+        (self.share, self.probability) = (statement.share, statement.probability);
+        self.interval = statement.interval;
     }
 }
 
 impl Stated for Ellipsoid {
-    fn state(&mut self, sample: &Sample<'_>) -> f64 {
-        Self::state(self, sample.points, sample.verdicts);
-        self.probability
+    fn holds(&self, x: &[f64]) -> bool {
+        self.contains(x)
+    }
+
+    fn note(&mut self, statement: Statement) {
+        (self.share, self.probability) = (statement.share, statement.probability);
+        self.interval = statement.interval;
     }
 }
 
-/// Searches until what a sample states that the search has not seen is no less than the level: where it is less, the
-/// search asks for so much more.
+/// Searches until the lower limit of what is stated is no less than the level: where it is less, the search asks for so
+/// much more. Where no search comes to that, the first region whose probability alone is no less.
 fn firm<R: Stated>(
     level: f64,
     search: impl Fn(f64, Option<&R>) -> Option<R>,
-    unseen: &Sample<'_>,
+    evidence: &Evidence<'_>,
 ) -> Option<R> {
     const TRIES: usize = 12;
-    let (mut target, mut before) = (level, None);
+    let (mut target, mut before, mut likely) = (level, None, None);
     for _ in 0..TRIES {
-        let mut region = search(target, before.as_ref())?;
-        let stated = region.state(unseen);
-        if stated >= level {
+        let Some(mut region) = search(target, before.as_ref()) else {
+            break;
+        };
+        let statement = evidence.of(|x| region.holds(x));
+        region.note(statement);
+        if statement.interval[0] >= level {
             return Some(region);
         }
         // Not a number where the other sample has no point inside: too small to be told.
-        let missing = if stated.is_finite() {
-            level - stated
+        let missing = if statement.probability.is_finite() {
+            level - statement.interval[0]
         } else {
             1.0
         };
         target = (target + 1.2 * missing).min(0.5 * (target + 1.0));
+        if likely.is_none() && statement.probability >= level {
+            likely = Some(region.clone());
+        }
         before = Some(region);
     }
-    None
+    likely
 }
 
 #[cfg(test)]

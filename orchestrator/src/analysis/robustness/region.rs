@@ -23,11 +23,16 @@ impl Confirmed {
         self.interval[0] <= stated && stated <= self.interval[1]
     }
 
-    /// Check of a stated probability against points.
-    pub fn on(&self, stated: f64) -> &'static str {
-        if self.interval[0] > stated {
+    /// Whether the interval meets a stated one.
+    pub fn agrees(&self, [low, high]: [f64; 2]) -> bool {
+        self.interval[0] <= high && low <= self.interval[1]
+    }
+
+    /// Check of a stated interval against fresh runs.
+    pub fn on(&self, [low, high]: [f64; 2]) -> &'static str {
+        if self.interval[0] > high {
             "more than stated: the surrogates' errors make the statement cautious"
-        } else if self.interval[1] < stated {
+        } else if self.interval[1] < low {
             "LESS than stated: the surrogates mislead there, verify more points"
         } else {
             "the stated probability holds"
@@ -49,6 +54,11 @@ impl Confirmed {
     }
 }
 
+/// Results of earlier versions have no interval.
+pub(super) const fn unknown() -> [f64; 2] {
+    [0.0, 1.0]
+}
+
 /// A box.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Region {
@@ -56,8 +66,11 @@ pub struct Region {
     pub limits: Vec<[f64; 2]>,
     /// The part of the sampled probability that lies inside.
     pub share: f64,
-    /// Probability of verification inside, by the surrogates.
+    /// The part of it that is verified: by the surrogates, corrected by the study's own points.
     pub probability: f64,
+    /// Its 95 % interval.
+    #[serde(default = "unknown")]
+    pub interval: [f64; 2],
     /// Check against the study's own points.
     pub confirmed: Confirmed,
     /// Check against fresh runs, where some were made.
@@ -73,7 +86,7 @@ impl Region {
             .all(|(v, [low, high])| v >= low && v <= high)
     }
 
-    /// States share and probability by a sample that the search has not seen.
+    /// Share and probability by a sample and the surrogates alone, as a search needs them.
     pub fn state(&mut self, cloud: &[Vec<f64>], verdicts: &[f64]) {
         (self.share, self.probability) = stated(cloud, verdicts, |x| self.contains(x));
     }
@@ -94,8 +107,11 @@ pub struct Ellipsoid {
     pub shape: Vec<Vec<f64>>,
     /// The part of the sampled probability that lies inside.
     pub share: f64,
-    /// Probability of verification inside, by the surrogates.
+    /// The part of it that is verified: by the surrogates, corrected by the study's own points.
     pub probability: f64,
+    /// Its 95 % interval.
+    #[serde(default = "unknown")]
+    pub interval: [f64; 2],
     /// Check against the study's own points.
     pub confirmed: Confirmed,
     /// Check against fresh runs, where some were made.
@@ -116,7 +132,7 @@ impl Ellipsoid {
         sum <= 1.0
     }
 
-    /// States share and probability by a sample that the search has not seen.
+    /// Share and probability by a sample and the surrogates alone, as a search needs them.
     pub fn state(&mut self, cloud: &[Vec<f64>], verdicts: &[f64]) {
         (self.share, self.probability) = stated(cloud, verdicts, |x| self.contains(x));
     }
@@ -142,7 +158,7 @@ fn stated(cloud: &[Vec<f64>], verdicts: &[f64], contains: impl Fn(&[f64]) -> boo
 /// A large sample of the parameter space from the study's points: every parameter from a point of
 /// its own, which keeps the distributions and, as they were sampled, their independence.
 pub fn cloud(points: &[Vec<f64>], seed: u64) -> Vec<Vec<f64>> {
-    const SIZE: usize = 20_000;
+    const SIZE: usize = 40_000;
     let mut random = StdRng::seed_from_u64(seed);
     let d = points.first().map_or(0, Vec::len);
     let columns: Vec<Vec<f64>> = (0..d)
@@ -209,6 +225,7 @@ pub fn largest_ellipsoid(cloud: &[Vec<f64>], verdicts: &[f64], level: f64) -> Op
             .collect(),
         share: 0.0,
         probability: 0.0,
+        interval: unknown(),
         confirmed: Confirmed::default(),
         fresh: None,
     };

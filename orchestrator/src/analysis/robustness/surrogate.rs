@@ -31,6 +31,8 @@ pub struct Surrogate {
     terms: Vec<Vec<u8>>,
     coefficients: Vec<f64>,
     degree: usize,
+    /// The rows that were fitted.
+    rows: Vec<usize>,
     /// Leave-one-out errors of the points fitted, in their order.
     pub errors: Vec<f64>,
     /// Quality of the fit.
@@ -41,8 +43,10 @@ pub struct Surrogate {
 const MOST_POINTS: usize = 4000;
 /// A fit has at least this many points a term.
 const POINTS_A_TERM: f64 = 2.0;
-/// The highest total degree.
-const DEGREE: usize = 6;
+/// The highest total degree of many parameters, and of few, while there are no more terms than [`FEW_TERMS`].
+const DEGREES: [usize; 2] = [6, 12];
+/// A fit of so many terms takes no time.
+const FEW_TERMS: usize = 200;
 /// The hyperbolic norm: below 1, interactions of high degree are left out first.
 const NORM: f64 = 0.7;
 
@@ -50,7 +54,11 @@ impl Surrogate {
     /// Fits an output to parameters (rows of `inputs`). `None` where the points are too few for a line,
     /// or nothing varies.
     pub fn fit(inputs: &[Vec<f64>], output: &[f64]) -> Option<Self> {
-        Self::fit_to(inputs, output, DEGREE)
+        let [many, few] = DEGREES;
+        let parameters = inputs.first()?.len();
+        let quick = |degree: &usize| terms(parameters, *degree).len() <= FEW_TERMS;
+        let most = (many + 1..=few).take_while(quick).last().unwrap_or(many);
+        Self::fit_to(inputs, output, most)
     }
 
     /// The same with another highest degree, which few parameters can afford.
@@ -74,7 +82,9 @@ impl Surrogate {
         let mut best: Option<Self> = None;
         for degree in 1..=most {
             let terms = terms(d, degree);
-            if terms.len() as f64 * POINTS_A_TERM > n {
+            // A higher degree finds nothing where errors are less than 1e-8 of the scatter.
+            let exact = |fit: &Self| fit.quality.predicted >= 1.0;
+            if terms.len() as f64 * POINTS_A_TERM > n || best.as_ref().is_some_and(exact) {
                 break;
             }
             let candidate = Self {
@@ -82,6 +92,7 @@ impl Surrogate {
                 scale: scale.clone(),
                 terms,
                 coefficients: vec![],
+                rows: vec![],
                 errors: vec![],
                 degree,
                 quality: NONE,
@@ -137,6 +148,7 @@ impl Surrogate {
             },
         };
         self.coefficients = coefficients.iter().copied().collect();
+        self.rows = kept.to_vec();
         Some(self)
     }
 
@@ -157,6 +169,17 @@ impl Surrogate {
         let powers = self.powers(x);
         let terms = self.terms.iter().zip(&self.coefficients);
         terms.map(|(term, c)| value(term, &powers) * c).sum()
+    }
+}
+
+impl Surrogate {
+    /// What a fit without it predicts at each row of the inputs.
+    pub fn left_out(&self, inputs: &[Vec<f64>], output: &[f64]) -> Vec<f64> {
+        let mut predicted: Vec<f64> = inputs.iter().map(|x| self.at(x)).collect();
+        for (&row, error) in self.rows.iter().zip(&self.errors) {
+            predicted[row] = output[row] - error;
+        }
+        predicted
     }
 }
 

@@ -68,18 +68,14 @@ fn the_stated_probability_holds_on_fresh_samples() {
         )
     };
     let (p, size) = share(&|x| region.contains(x));
-    assert!(
-        (p - 0.9).abs() < 0.03 && (region.probability - p).abs() < 0.02,
-        "{p} {region:?}"
-    );
+    // Not much more than the level, which the lower limit of what is stated must reach.
+    let held = |[low, high]: [f64; 2], p: f64| low >= 0.9 && low <= p && p <= high;
+    assert!(held(region.interval, p) && p < 0.96, "{p} {region:?}");
     assert!((size - region.share).abs() < 0.03);
     // The whole verified part is a quarter of the space; a box takes most of it.
     assert!(region.share > 0.12, "{region:?}");
     let (p, _) = share(&|x| ellipsoid.contains(x));
-    assert!(
-        (ellipsoid.probability - p).abs() < 0.03,
-        "{p} {ellipsoid:?}"
-    );
+    assert!(held(ellipsoid.interval, p), "{p} {ellipsoid:?}");
     assert!(region.confirmed.points > 0 && region.confirmed.verified <= region.confirmed.points);
     // The parameter without influence is not cut.
     assert!(

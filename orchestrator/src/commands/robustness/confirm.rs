@@ -43,12 +43,14 @@ impl Confirmation<'_, '_> {
         let mut known = self.table.clone();
         for round in 0..ROUNDS {
             let runs = self.judge(&mut result, round)?;
-            let held =
-                |stated: f64, fresh: Option<Confirmed>| fresh.is_none_or(|f| f.holds(stated));
+            let level = result.level;
+            let held = |stated: [f64; 2], fresh: Option<Confirmed>| {
+                fresh.is_none_or(|fresh| fresh.agrees(stated) && fresh.interval[1] >= level)
+            };
             let region = result.region.as_ref();
             let ellipsoid = result.ellipsoid.as_ref();
-            if region.is_none_or(|r| held(r.probability, r.fresh))
-                && ellipsoid.is_none_or(|e| held(e.probability, e.fresh))
+            if region.is_none_or(|r| held(r.interval, r.fresh))
+                && ellipsoid.is_none_or(|e| held(e.interval, e.fresh))
             {
                 break;
             }
@@ -58,9 +60,8 @@ impl Confirmation<'_, '_> {
                 _ => break,
             }
         }
-        let region = result.region.as_ref();
-        if let Some((fresh, stated)) = region.map(|region| (region.fresh, region.probability)) {
-            result.answer = result.answer.clone().after(fresh, stated);
+        if let Some(region) = &result.region {
+            result.answer = result.answer.clone().after(region, result.level);
         }
         Ok(result)
     }

@@ -93,13 +93,13 @@ pub struct HeldOutResult {
     pub quantity: String,
     /// The measured value.
     pub measured: f64,
-    /// The accuracy of the measurement.
+    /// The accuracy of the measurement, with the model's discrepancy, where there is one, added.
     pub accuracy: f64,
     /// By the fit to all cases.
     pub fitted: f64,
     /// By the model fitted to the other cases; the mean over the intervals of latent parameters.
     pub predicted: Option<f64>,
-    /// The standard deviation over these intervals.
+    /// The standard deviation over these intervals, and of nothing else: 0 without latent parameters.
     pub spread: Option<f64>,
     /// With the latent parameters that fit the case's own results best.
     pub own: Option<f64>,

@@ -87,6 +87,9 @@ fn explanation(text: &mut String, found: &CrossValidation) {
              taken\nown unknowns: {names} is found from the case's own results, within the interval"
         );
     }
+    text.push_str(
+        "no prediction has an interval: the errors of the cases left out show how far one may be off\n",
+    );
     if found.quantities.iter().any(|q| q.linear.is_some()) {
         text.push_str(
             "linear regression: least squares of each result on the known values of the other cases\n",

@@ -85,27 +85,44 @@ fn made(
     replaced(&task, model, &|_| ())
 }
 
+/// A model with unknowns, whose values are measured.
+struct Trial {
+    unknown: fn() -> Vec<Free>,
+    model: fn(&[f64]) -> Vec<f64>,
+    accuracy: f64,
+    /// At most so many runs.
+    runs: usize,
+}
+
+const DECAY: Trial = Trial {
+    unknown: unknown_decay,
+    model: decay,
+    accuracy: 0.01,
+    runs: 30,
+};
+
 /// How many of so many truths are in the sample's intervals, for each parameter; and the mean number of runs.
-fn held(accuracy: f64, runs: usize, records: u64, seed: u64) -> ([u32; 2], f64) {
+fn held(trial: &Trial, records: u64, seed: u64) -> (Vec<u32>, f64) {
     let mut random = StdRng::seed_from_u64(seed);
-    let mut held = [0; 2];
+    let unknowns = (trial.unknown)().len();
+    let mut held = vec![0; unknowns];
     let asked = Cell::new(0_u64);
     for record in 0..records {
-        let places = [random.random::<f64>(), random.random()];
-        let truth = problem(unknown_decay(), &[], 1.0).free_values(&places);
-        let noise = |value: f64| value + accuracy * random.sample::<f64, _>(StandardNormal);
-        let values: Vec<f64> = decay(&truth).into_iter().map(noise).collect();
-        let problem = problem(unknown_decay(), &values, accuracy);
+        let places: Vec<f64> = (0..unknowns).map(|_| random.random()).collect();
+        let truth = problem((trial.unknown)(), &[], 1.0).free_values(&places);
+        let noise = |value: f64| value + trial.accuracy * random.sample::<f64, _>(StandardNormal);
+        let values: Vec<f64> = (trial.model)(&truth).into_iter().map(noise).collect();
+        let problem = problem((trial.unknown)(), &values, trial.accuracy);
         let model = |_: usize, p: &[f64], _: &[f64]| {
             asked.set(asked.get() + 1);
-            Ok(decay(p))
+            Ok((trial.model)(p))
         };
-        let own = made(&problem, &model, runs, record).unwrap();
+        let own = made(&problem, &model, trial.runs, record).unwrap();
         let task = rounds::Task {
             problem: &own.problem,
             unknown: &[],
             difference: 1e-3,
-            starts: &cube(2, 64, record, 1).unwrap(),
+            starts: &cube(unknowns, 64, record, 1).unwrap(),
             effort: EFFORT,
         };
         let found = searched(&task, &own.model, &|_| ()).unwrap();
@@ -118,7 +135,7 @@ fn held(accuracy: f64, runs: usize, records: u64, seed: u64) -> ([u32; 2], f64) 
         };
         let sample = sample(&objective, &found.optima, &settings, &|_, _| ()).unwrap();
         let posterior = PosteriorOutcome::new(&objective, &found.optima, &sample);
-        for k in 0..2 {
+        for k in 0..unknowns {
             let inside = |[low, high]: &[f64; 2]| (*low..=*high).contains(&truth[k]);
             held[k] += u32::from(posterior.free[k].intervals.iter().any(inside));
         }
@@ -130,13 +147,18 @@ fn held(accuracy: f64, runs: usize, records: u64, seed: u64) -> ([u32; 2], f64) 
 /// the intervals have to tell.
 #[test]
 fn intervals_on_rough_surrogates_hold() {
-    let (held, _) = held(0.01, 30, 20, 22);
+    let (held, _) = held(&DECAY, 20, 22);
     assert!(held.iter().all(|count| *count >= 15), "{held:?}");
 }
 
 /// A row of docs/analysis.md. Of 60 intervals that hold with 95 %, 51 to 60 hold with a probability of 99.9 %.
 fn row(accuracy: f64, runs: usize, seed: u64) {
-    let (held, asked) = held(accuracy, runs, 60, seed);
+    let trial = Trial {
+        accuracy,
+        runs,
+        ..DECAY
+    };
+    let (held, asked) = held(&trial, 60, seed);
     println!("accuracy {accuracy}, at most {runs} runs: {held:?} of 60, {asked:.0} runs each");
     assert!(held.iter().all(|count| *count >= 51), "{held:?}");
     assert!(asked <= runs as f64);
@@ -159,6 +181,34 @@ fn intervals_on_surrogates_hold_though_they_are_rough() {
 fn intervals_on_surrogates_hold_with_weak_data() {
     row(0.1, 60, 23);
     row(0.5, 60, 24);
+}
+
+/// Rows of docs/analysis.md for what no polynomial follows: intervals of 95 % that hold less, by how much is what they print.
+#[test]
+#[ignore = "takes minutes"]
+fn kinks_and_jumps() {
+    let jump = Trial {
+        unknown: || vec![free("x", 0.0, 1.0, Spacing::Linear)],
+        model: |p| vec![p[0] + f64::from(u8::from(p[0] > 0.437))],
+        accuracy: 0.02,
+        runs: 30,
+    };
+    let ridge = Trial {
+        unknown: || {
+            ["x1", "x2"]
+                .map(|x| free(x, 0.0, 1.0, Spacing::Linear))
+                .to_vec()
+        },
+        model: |p| vec![1.0 / (1.0 + (-200.0 * (p[0] + p[1] / 2.0 - 0.7)).exp())],
+        accuracy: 0.05,
+        runs: 60,
+    };
+    for (name, trial) in [("jump", jump), ("steep ridge", ridge)] {
+        let (held, asked) = held(&trial, 240, 31);
+        println!("{name}: {held:?} of 240, {asked:.0} runs each");
+        // The docs promise no more: of 240 that hold with 90 %, 201 or more do with a probability of 99.9 %.
+        assert!(held.iter().all(|count| *count >= 201), "{held:?}");
+    }
 }
 
 #[test]
