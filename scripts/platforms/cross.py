@@ -20,6 +20,22 @@ SUITES = ["trixie-backports", "bookworm-backports", "sid"]
 BUILD_STD = "std,panic_unwind"
 
 
+# The linker puts what a binary imports in the order of its files' paths. With paths that are relative to the folder of the
+# build, that order is the same in every folder.
+LINK_WINDOWS = """#!/bin/sh
+folder=. last=
+for argument do
+    [ "$last" = -o ] && folder=$(dirname "$argument")
+    last=$argument
+done
+for argument do
+    shift
+    set -- "$@" "${argument#"$folder"/}"
+done
+cd "$folder" && exec x86_64-w64-mingw32-gcc "$@"
+"""
+
+
 def windows():
     """For Windows on x86-64, with mingw."""
     target = "x86_64-pc-windows-gnu"
@@ -31,7 +47,14 @@ def windows():
     more = f"{static} -Clink-arg=-Wl,--no-insert-timestamp"
     if not fetched(target):
         more += f" --sysroot={sysroot(target, static, startup_objects)}"
-    return Compiler(target, {linker: "x86_64-w64-mingw32-gcc"} | flags(target, more), notes=["mingw"])
+    # The compiler tells from the name what kind of linker it is. Cargo looks at the linker's path, so that has to be the
+    # same in every folder too.
+    script = CACHE / "linkers/windows-gcc"
+    script.parent.mkdir(parents=True, exist_ok=True)
+    script.write_text(LINK_WINDOWS, encoding="utf-8")
+    script.chmod(0o755)
+    environment = {linker: script.name, "PATH": f"{script.parent}{os.pathsep}{os.environ['PATH']}"}
+    return Compiler(target, environment | flags(target, more), notes=["mingw"])
 
 
 def arm_linux():

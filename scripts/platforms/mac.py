@@ -49,9 +49,13 @@ for argument do shift; case $argument in --target=*) ;; *) set -- "$@" "$argumen
 exec "{ROOT}/.venv/bin/python" -m ziglang cc -target {processor}-macos "$@"
 """)
     script.chmod(0o755)
+    # The linker numbers a binary by its contents. Names of the build's folders are in these unless it leaves out what is
+    # for debuggers (-S) and local names (-x), which the compiler takes out later.
+    stripped = ("-S", "-x")
     # The name under which hosts find the library: without it, that would be the path of the build.
     link = ("-install_name", "@rpath/libplain_bearing_stand.dylib")
-    return Compiler(target, environment | flags(target, more) | {"SDKROOT": str(sdk()), f"CC_{name}": str(script)}, library_link=link)
+    return Compiler(target, environment | flags(target, more) | {"SDKROOT": str(sdk()), f"CC_{name}": str(script)},
+                    library_link=(*stripped, *link), program_link=stripped)
 
 
 def linker():
