@@ -7,6 +7,7 @@
 
 use crate::Estimate;
 use crate::method::{FromRuns, Measure, Settled, Space, Told, read};
+use conformity::interval::clopper_pearson;
 use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use sampling::statistics::moments::{mean, variance};
@@ -115,7 +116,7 @@ pub fn design(parameters: usize, trajectories: usize, levels: usize, seed: u64) 
 pub struct Effect {
     /// Mean effect: the output's change for a parameter's change over its whole range.
     pub mu: f64,
-    /// Mean of the effects' magnitudes: importance, with Student's interval.
+    /// Mean of the effects' magnitudes: importance, with its interval.
     pub mu_star: Estimate,
     /// Where runs failed: the least and the largest mu* if the failed runs had values between the smallest and the largest
     /// that were seen. Null without failed runs.
@@ -161,16 +162,24 @@ pub fn effects(rows: &[Vec<f64>], outputs: &[f64]) -> Option<Vec<Effect>> {
             .fold(high - low, |_, end| (high - end).max(end - low));
         found[changed].lost.push((widest / step).abs());
     }
-    found.iter().map(summary).collect()
+    // The size of every effect that is not 0, of an output that is pass or fail.
+    let pass_or_fail = low < high && known().all(|v| v == low || v == high);
+    let step = rows[1].iter().zip(&rows[0]).map(|(to, from)| to - from);
+    let jump = pass_or_fail.then(|| (high - low) / step.sum::<f64>().abs());
+    found.iter().map(|found| summary(found, jump)).collect()
 }
 
-fn summary(Found { effects, lost }: &Found) -> Option<Effect> {
+fn summary(Found { effects, lost }: &Found, jump: Option<f64>) -> Option<Effect> {
     if effects.len() < 2 {
         return None;
     }
     let sizes: Vec<f64> = effects.iter().map(|e| e.abs()).collect();
-    let mu_star = with_interval(&sizes)?;
-    let with = |others: Vec<f64>| with_interval(&[sizes.clone(), others].concat());
+    let interval = |sizes: &[f64]| match jump {
+        Some(jump) => Some(of_jumps(sizes, jump)),
+        None => with_interval(sizes),
+    };
+    let mu_star = interval(&sizes)?;
+    let with = |others: Vec<f64>| interval(&[sizes.clone(), others].concat());
     let mu_star_bounds = match lost.is_empty() {
         true => None,
         false => Some([
@@ -187,17 +196,82 @@ fn summary(Found { effects, lost }: &Found) -> Option<Effect> {
     })
 }
 
-/// The mean of independent numbers, with Student's interval.
+/// The mean of numbers that are 0 or one size: the interval of the share of the latter. They may all be 0 by chance.
+fn of_jumps(numbers: &[f64], jump: f64) -> Estimate {
+    let count = numbers.iter().filter(|size| **size > 0.0).count() as f64;
+    let [low, high] = clopper_pearson(count, numbers.len() as f64, 0.95);
+    Estimate {
+        value: mean(numbers),
+        low: low * jump,
+        high: high * jump,
+    }
+}
+
+/// The mean of independent numbers that are none negative, with its interval: Student's on the scale on which the mean of
+/// skewed numbers is nearly symmetrical (Hall 1992, "On the removal of skewness by transformation", J. Royal Statistical
+/// Society B 54, 221-228, the cubic transformation).
 fn with_interval(numbers: &[f64]) -> Option<Estimate> {
     let n = numbers.len() as f64;
     let student = StudentsT::new(0.0, 1.0, n - 1.0).ok()?;
-    let half = student.inverse_cdf(0.975) * (variance(numbers, 1) / n).sqrt();
-    Some(Estimate::around(mean(numbers), half))
+    let (centre, spread) = (mean(numbers), variance(numbers, 0).sqrt());
+    let cubes = numbers.iter().map(|x| ((x - centre) / spread).powi(3));
+    let skewness = cubes.sum::<f64>() / n;
+    // How far the mean may lie above the true one, in standard deviations of a number.
+    let above = |quantile: f64| {
+        let plain = quantile / n.sqrt();
+        let skewed = 1.0 + skewness * (plain - skewness / (6.0 * n));
+        // The same for numbers without skewness, where the quotient would be lost in rounding; and for equal numbers.
+        if skewness.abs() > 1e-6 {
+            3.0 * (skewed.cbrt() - 1.0) / skewness
+        } else {
+            plain
+        }
+    };
+    let quantile = student.inverse_cdf(0.975);
+    let deviation = variance(numbers, 1).sqrt();
+    Some(Estimate {
+        value: centre,
+        low: (centre - deviation * above(quantile)).max(0.0),
+        high: centre - deviation * above(-quantile),
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Hall's cubic solved by scipy's `brentq`, with Student's quantile of four degrees of freedom. No mean of magnitudes is
+    /// negative: the lower end would be -0.226.
+    #[test]
+    fn the_interval_of_skewed_numbers_leans_to_where_the_rare_ones_are() {
+        let found = with_interval(&[0.0, 1.0, 2.0, 3.0, 10.0]).unwrap();
+        assert_eq!(found.value, 3.2);
+        assert_eq!(found.low, 0.0);
+        assert!((found.high - 21.079_664_441).abs() < 1e-8, "{found:?}");
+        // The same turned round, above 0.
+        let turned = with_interval(&[30.0, 29.0, 28.0, 27.0, 20.0]).unwrap();
+        assert!(
+            (turned.low - (30.0 - 21.079_664_441)).abs() < 1e-8,
+            "{turned:?}"
+        );
+        assert!((turned.high - 30.226_286_674).abs() < 1e-8, "{turned:?}");
+        // Without skewness it is Student's: 2.776 445 standard errors, sqrt(2.5 / 5) each.
+        let even = with_interval(&[1.0, 2.0, 3.0, 4.0, 5.0]).unwrap();
+        assert!((even.high - 3.0 - 2.776_445_105 * 0.5_f64.sqrt()).abs() < 1e-8);
+    }
+
+    /// One of ten effects of a verdict is not 0: Clopper and Pearson's interval of 1 in 10 (scipy: 0.002 529, 0.445 016),
+    /// times the size of an effect, 1 / (2 / 3).
+    #[test]
+    fn effects_of_a_verdict_are_counted() {
+        let rows = design(1, 10, 4, 3);
+        let mut outputs = vec![0.0; 20];
+        outputs[7] = 1.0;
+        let found = effects(&rows, &outputs).unwrap()[0].mu_star;
+        assert!((found.value - 0.15).abs() < 1e-12);
+        assert!((found.low - 1.5 * 0.002_528_579).abs() < 1e-8, "{found:?}");
+        assert!((found.high - 1.5 * 0.445_016_117).abs() < 1e-8, "{found:?}");
+    }
 
     #[test]
     fn a_linear_function_has_its_slopes_as_effects() {

@@ -2,10 +2,16 @@
 
 use crate::Estimate;
 use sampling::statistics::moments::mean;
-use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
+use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// Blocks of consecutive base points that are left out in turn.
 const BLOCKS: usize = 16;
+
+/// So many base points are enough for the narrower one of two intervals.
+const ENOUGH: usize = 256;
+
+/// Parts of the base points whose estimators are weighted by the others.
+const FOLDS: usize = 4;
 
 /// What every base point adds to a mean: the sum of its terms, and how many they are.
 #[derive(Clone, Debug, Default)]
@@ -26,6 +32,12 @@ impl Parts {
         kept.fold([0.0, 0.0], |[sum, count], j| {
             [sum + self.sums[j], count + self.counts[j]]
         })
+    }
+
+    /// Each base point's own mean.
+    pub fn means(&self) -> impl Iterator<Item = f64> {
+        let each = self.sums.iter().zip(&self.counts);
+        each.map(|(sum, count)| sum / count)
     }
 
     /// How many base points have a term.
@@ -94,8 +106,13 @@ pub fn ratio(over: &Parts, under: &Parts, keep: impl Fn(usize) -> bool) -> f64 {
 ///
 /// `None` where fewer than two blocks have terms.
 pub fn estimate(over: &Parts, under: &Parts, offset: f64) -> Option<Estimate> {
+    scattering(over, over, under, offset)
+}
+
+/// The same, where other terms than those of the estimate show how far it scatters.
+pub fn scattering(over: &Parts, scatter: &Parts, under: &Parts, offset: f64) -> Option<Estimate> {
+    let half = half_width(scatter, under, ratio(scatter, under, |_| true))?;
     let ratio = ratio(over, under, |_| true);
-    let half = half_width(over, under, ratio)?;
     let value = match ratio.is_finite() {
         true => offset + ratio,
         false => 0.0,
@@ -103,15 +120,16 @@ pub fn estimate(over: &Parts, under: &Parts, offset: f64) -> Option<Estimate> {
     Some(Estimate::around(value, half))
 }
 
-/// Half the width of a ratio's 95 % interval: the smaller of two that are both wide enough.
+/// Half the width of a ratio's 95 % interval.
 ///
-/// - Student's, from the ratio with each of sixteen blocks of consecutive points left out (delete-a-group jackknife; Kott
-///   2001, "The delete-a-group jackknife", J. Official Statistics 17). Each block of a scrambled net is a scrambled net of
-///   its own. All together they fill the space more evenly than as many independent ones would, of which this is the
-///   interval.
-/// - The normal one of as many independent points, by linearisation (Efron 1982, "The jackknife, the bootstrap and other
+/// - Student's interval of as many independent points, by linearisation (Efron 1982, "The jackknife, the bootstrap and other
 ///   resampling plans", chapter 6), which is what a bootstrap comes to. A net is better than independent points, except
 ///   for an output as rough as pass or fail, for which it is hardly better.
+/// - From 256 points on, if it is narrower: Student's from the ratio with each of sixteen blocks of consecutive points left
+///   out (delete-a-group jackknife; Kott 2001, "The delete-a-group jackknife", J. Official Statistics 17). Each block of a
+///   scrambled net is a scrambled net of its own. All together they fill the space more evenly than as many independent
+///   ones would, of which this is the interval. Both are wide enough then. Of few points, the narrower one is often the one
+///   that is too narrow by chance.
 ///
 /// `None` where fewer than two blocks have terms.
 pub fn half_width(over: &Parts, under: &Parts, ratio_of_all: f64) -> Option<f64> {
@@ -121,7 +139,11 @@ pub fn half_width(over: &Parts, under: &Parts, ratio_of_all: f64) -> Option<f64>
     let complete = (0..points).filter(|&j| over.counts[j] > 0.0);
     complete.for_each(|j| filled[block(j)] = true);
     let filled: Vec<usize> = (0..BLOCKS).filter(|&k| filled[k]).collect();
-    let student = StudentsT::new(0.0, 1.0, filled.len() as f64 - 1.0).ok()?;
+    let quantile = |numbers: usize| {
+        let student = StudentsT::new(0.0, 1.0, numbers as f64 - 1.0).ok()?;
+        Some(student.inverse_cdf(0.975))
+    };
+    quantile(filled.len())?;
     if !ratio_of_all.is_finite() {
         return Some(0.0);
     }
@@ -136,8 +158,11 @@ pub fn half_width(over: &Parts, under: &Parts, ratio_of_all: f64) -> Option<f64>
         (term - ratio_of_all * square).powi(2)
     };
     let independent = (0..points).map(influence).sum::<f64>().sqrt() / (n * below);
-    let normal = Normal::standard().inverse_cdf(0.975);
-    Some((student.inverse_cdf(0.975) * jackknife(&without)).min(normal * independent))
+    let of_points = quantile(over.used())? * independent;
+    Some(match points < ENOUGH {
+        true => of_points,
+        false => of_points.min(quantile(filled.len())? * jackknife(&without)),
+    })
 }
 
 /// The standard error of an estimate from its values with each group left out.
@@ -147,30 +172,83 @@ fn jackknife(without: &[f64]) -> f64 {
     ((n - 1.0) / n * squares).sqrt()
 }
 
-/// The terms of the weighted mean of two estimators that scatters least, and the weight of the second. All terms are finite.
-pub fn combined(first: &[f64], second: &[f64], under: &Parts) -> (Vec<f64>, f64) {
+/// The weighted mean of two estimators that scatters least.
+#[derive(Clone, Debug)]
+pub struct Combined {
+    /// The terms of the estimate.
+    pub terms: Vec<f64>,
+    /// The terms that show how far it scatters: the weights of each of four parts of the base points come from the others.
+    /// Weights that suit the very points they are taken from make the scatter look smaller than it is.
+    pub crosswise: Vec<f64>,
+}
+
+/// Combines two estimators of the same ratio, from the terms of each. All terms are finite.
+pub fn combined(first: &[f64], second: &[f64], under: &Parts) -> Combined {
     let deviations = |terms: &[f64]| -> Vec<f64> {
         let ratio = ratio(&Parts::of(terms.iter().copied()), under, |_| true);
-        let each = under.sums.iter().zip(&under.counts);
-        let pairs = terms.iter().zip(each.map(|(sum, count)| sum / count));
+        let pairs = terms.iter().zip(under.means());
         pairs.map(|(term, v)| term - ratio * v).collect()
     };
     let (own, other) = (deviations(first), deviations(second));
-    let pairs = own
-        .iter()
-        .zip(&other)
-        .map(|(own, other)| (own, other - own));
-    let sums = pairs.fold([0.0, 0.0], |[product, square], (own, difference)| {
-        [product + own * difference, square + difference.powi(2)]
-    });
-    let weight = -sums[0] / sums[1];
-    // Both are the same where nothing scatters.
-    let weight = if weight.is_finite() {
-        weight.clamp(0.0, 1.0)
-    } else {
-        0.5
+    // The products whose sums give the weight, a point each.
+    let pairs = own.iter().zip(&other);
+    let products = pairs.map(|(own, other)| [own * (own - other), (other - own).powi(2)]);
+    let products: Vec<[f64; 2]> = products.collect();
+    let points = products.len();
+    let fold = |j: usize| j * FOLDS / points;
+    let weight = |left_out: Option<usize>| {
+        let kept = (0..points).filter(|&j| Some(fold(j)) != left_out);
+        let [above, below] = kept.fold([0.0, 0.0], |[above, below], j| {
+            [above + products[j][0], below + products[j][1]]
+        });
+        // Both are the same where nothing scatters.
+        match above / below {
+            weight if weight.is_finite() => weight.clamp(0.0, 1.0),
+            _ => 0.5,
+        }
     };
-    let pairs = first.iter().zip(second);
-    let terms = pairs.map(|(a, b)| (1.0 - weight) * a + weight * b);
-    (terms.collect(), weight)
+    let weighted = |weight: &dyn Fn(usize) -> f64| {
+        let pairs = first.iter().zip(second).enumerate();
+        let terms = pairs.map(|(j, (a, b))| (1.0 - weight(j)) * a + weight(j) * b);
+        terms.collect()
+    };
+    let of_all = weight(None);
+    let of_others: [f64; FOLDS] = std::array::from_fn(|k| weight(Some(k)));
+    Combined {
+        terms: weighted(&|_| of_all),
+        crosswise: weighted(&|j| of_others[fold(j)]),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// numpy: the residuals of a ratio of means, with Student's quantile of 63 degrees of freedom.
+    #[test]
+    fn few_points_have_the_interval_of_independent_ones() {
+        let numbers = 0..64_u32;
+        let over = Parts::of(numbers.clone().map(|k| f64::from(k * k % 7)));
+        let under = Parts::of(numbers.map(|k| f64::from(1 + k % 3)));
+        let found = estimate(&over, &under, 0.0).unwrap();
+        assert!((found.value - 0.992_125_984).abs() < 1e-9);
+        let half = found.high - found.value;
+        assert!((half - 0.204_155_408_9).abs() < 1e-9, "{half}");
+    }
+
+    /// The weights that make the sum of squared deviations least, over all points or without one quarter of them, by
+    /// scipy's `minimize_scalar`.
+    #[test]
+    fn each_part_of_the_points_is_weighted_by_the_others() {
+        let first = [1.0, 3.0, 2.0, 5.0, 4.0, 4.0, 1.0, 2.0];
+        let second = [2.0, 2.0, 3.0, 4.0, 3.0, 5.0, 2.0, 1.0];
+        let under = Parts::of([1.0, 2.0, 1.0, 2.0, 1.0, 2.0, 1.0, 2.0]);
+        let found = combined(&first, &second, &under);
+        let of_others = [0.361_111, 0.194_444, 0.083_333, 0.527_778];
+        for j in 0..8 {
+            let with = |weight: f64| first[j] + weight * (second[j] - first[j]);
+            assert!((found.terms[j] - with(0.291_667)).abs() < 1e-5);
+            assert!((found.crosswise[j] - with(of_others[j / 2])).abs() < 1e-5);
+        }
+    }
 }

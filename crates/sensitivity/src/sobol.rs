@@ -168,12 +168,17 @@ pub fn indices(outputs: &[f64], parameters: usize, estimator: FirstOrder) -> Opt
         let total = Parts::of(of(|a, ab, _| (a - ab).powi(2) / 2.0));
         let saltelli = || of(|a, ab, b| b * (ab - a));
         let jansen = || of(|_, ab, b| -(b - ab).powi(2) / 2.0);
-        let (first, offset) = match estimator {
-            FirstOrder::Combined => ratio::combined(&saltelli(), &jansen(), &variance),
-            FirstOrder::Saltelli => (saltelli(), 0.0),
-            FirstOrder::Jansen => (jansen(), 1.0),
+        let first = match estimator {
+            FirstOrder::Combined => {
+                let whole = variance.means().zip(jansen());
+                let jansen: Vec<f64> = whole.map(|(variance, rest)| variance + rest).collect();
+                let found = ratio::combined(&saltelli(), &jansen, &variance);
+                let [terms, crosswise] = [found.terms, found.crosswise].map(Parts::of);
+                ratio::scattering(&terms, &crosswise, &variance, 0.0)?
+            }
+            FirstOrder::Saltelli => ratio::estimate(&Parts::of(saltelli()), &variance, 0.0)?,
+            FirstOrder::Jansen => ratio::estimate(&Parts::of(jansen()), &variance, 1.0)?,
         };
-        let first = ratio::estimate(&Parts::of(first), &variance, offset)?;
         let pairs = || rows.iter().map(|row| [row[i], row[width - 1]]);
         result.first.push(rare::widened(first, &ends, pairs));
         result.total.push(ratio::estimate(&total, &variance, 0.0)?);

@@ -79,7 +79,7 @@ fn indices_hold(repetitions: u64) -> Result<(), String> {
     ];
     println!("Sobol indices: % of {repetitions} intervals that hold the exact index");
     for case in &cases {
-        for base in [64, 256, 1024] {
+        for base in [64, 128, 256, 1024] {
             for estimator in [FirstOrder::Combined, FirstOrder::Jansen] {
                 indices_held(case, base, estimator, repetitions)?;
             }

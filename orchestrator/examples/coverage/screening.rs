@@ -11,7 +11,9 @@ const LEVELS: usize = 4;
 pub fn print(repetitions: u64) -> Result<(), String> {
     println!("\nMorris's mu*: % of {repetitions} intervals that hold the mean over the grid");
     let product = |u: &[f64]| u[0] * u[1] + 0.3 * u[2];
-    let rare = |u: &[f64]| f64::from(u8::from(u[..3].iter().sum::<f64>() > 2.2)) + u[3];
+    let corner = |u: &[f64]| f64::from(u8::from(u[..3].iter().sum::<f64>() > 2.2));
+    let jump = |u: &[f64]| f64::from(u8::from(u[..3].iter().sum::<f64>() > 2.2)) + u[3];
+    let steep = |u: &[f64]| (2.0 * u.iter().sum::<f64>()).exp();
     let cases = [
         Case::new("Ishigami", 3, ishigami, &[], &[]),
         Case::new("Sobol's g", 4, |u| sobol_g(u, &G), &[], &[]),
@@ -23,7 +25,9 @@ pub fn print(repetitions: u64) -> Result<(), String> {
             &[],
             &[],
         ),
-        Case::new("pass or fail", 4, rare, &[], &[]),
+        Case::new("steeper", 4, steep, &[], &[]),
+        Case::new("jump and x4", 4, jump, &[], &[]),
+        Case::new("pass or fail", 4, corner, &[], &[]),
     ];
     for case in &cases {
         for trajectories in [10, 20, 50, 200] {
