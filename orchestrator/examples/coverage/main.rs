@@ -1,7 +1,8 @@
 //! How often the stated 95 % intervals hold the exact value:
-//! `cargo run --release --example coverage -- 200` (repetitions), with `-- 200 shapley` one part of it: `sobol`, `share`,
-//! `failures`, `morris`, `shapley`, `regions`.
+//! `cargo run --release --example coverage -- 200` (repetitions), with `-- 200 shapley` one part of it: `sobol`, `errors`,
+//! `share`, `failures`, `morris`, `shapley`, `regions`.
 
+mod errors;
 mod failures;
 mod regions;
 mod screening;
@@ -113,8 +114,9 @@ type Part = fn(u64) -> Result<(), String>;
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let repetitions = std::env::args().nth(1).unwrap_or("200".into()).parse()?;
     let wanted = std::env::args().nth(2);
-    let parts: [(&str, Part); 6] = [
+    let parts: [(&str, Part); 7] = [
         ("sobol", indices_hold),
+        ("errors", errors::print),
         ("share", shares_hold),
         ("failures", failures::print),
         ("morris", screening::print),
