@@ -10,6 +10,7 @@ pub mod lost;
 pub mod method;
 pub mod methods;
 pub mod morris;
+pub mod pairs;
 pub mod pawn;
 pub mod rank;
 mod rare;

@@ -15,6 +15,7 @@
 
 use crate::Estimate;
 use crate::method::{FromRuns, Measure, Settled, Space, Told, read};
+use crate::pairs::pairs;
 use crate::ratio::{self, Parts};
 use nalgebra::{DMatrix, DVector};
 use rand::seq::SliceRandom;
@@ -56,7 +57,7 @@ impl FromRuns for Shapley {
     }
 
     fn design(&self, space: &Space, settled: &Settled) -> Result<Vec<Vec<f64>>, String> {
-        let pairs = sampling::design::cube(2 * space.parameters, settled.size, settled.seed, 1)?;
+        let pairs = pairs(space.parameters, settled.size, settled.seed)?;
         design(&pairs, space.correlation.as_ref(), settled.seed)
     }
 
@@ -393,7 +394,6 @@ mod tests {
     use super::super::functions::{ishigami, ishigami_indices};
     use super::super::method::FirstOrder;
     use super::*;
-    use sampling::design::cube;
 
     fn settled(size: u64, seed: u64) -> Settled {
         Settled {
@@ -409,7 +409,7 @@ mod tests {
         settled: &Settled,
         function: impl Fn(&[f64]) -> f64,
     ) -> Effects {
-        let pairs = cube(2 * parameters, settled.size, settled.seed, 1).unwrap();
+        let pairs = pairs(parameters, settled.size, settled.seed).unwrap();
         let rows = design(&pairs, correlation, settled.seed).unwrap();
         let width = width(parameters, correlation.is_some());
         assert_eq!(rows.len(), settled.size as usize * width);
@@ -493,7 +493,7 @@ mod tests {
     #[test]
     fn mixed_points_are_distributed_as_all_others() {
         let matrix = chain(4, 0.5);
-        let pairs = cube(8, 4096, 9, 1).unwrap();
+        let pairs = pairs(4, 4096, 9).unwrap();
         let rows = design(&pairs, Some(&matrix), 9).unwrap();
         for place in [0, 1, 2, 4, 7] {
             let rows: Vec<Vec<f64>> = rows

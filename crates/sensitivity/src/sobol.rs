@@ -8,6 +8,7 @@
 use crate::Estimate;
 use crate::lost::{self, Triple};
 use crate::method::{FirstOrder, FromRuns, Measure, Settled, Space, Told, read};
+use crate::pairs::pairs;
 use crate::rare;
 use crate::ratio::{self, Parts};
 use sampling::statistics::moments::mean;
@@ -40,8 +41,7 @@ impl FromRuns for Sobol {
     }
 
     fn design(&self, space: &Space, settled: &Settled) -> Result<Vec<Vec<f64>>, String> {
-        // A single net fills the space more evenly than several small ones of as many points together.
-        let pairs = sampling::design::cube(2 * space.parameters, settled.size, settled.seed, 1)?;
+        let pairs = pairs(space.parameters, settled.size, settled.seed)?;
         Ok(design(&pairs))
     }
 
@@ -237,7 +237,7 @@ mod tests {
 
     /// Pairs as the command takes them.
     fn scrambled_pairs(base: u64, d: usize, seed: u64) -> Vec<Vec<f64>> {
-        sampling::design::cube(2 * d, base, seed, 1).unwrap()
+        pairs(d, base, seed).unwrap()
     }
 
     fn random_pairs(n: usize, d: usize, seed: u64) -> Vec<Vec<f64>> {

@@ -2,10 +2,10 @@
 //! indices of the function with values everywhere.
 
 use rayon::prelude::*;
-use sampling::design::cube;
 use sensitivity::Estimate;
 use sensitivity::functions::{ishigami, ishigami_indices, sobol_g, sobol_g_indices};
 use sensitivity::method::{FirstOrder, Settled};
+use sensitivity::pairs::pairs;
 use sensitivity::sobol::{Indices, design, indices};
 use sensitivity::{morris, shapley};
 
@@ -95,7 +95,7 @@ fn values(case: &Case, place: Place, share: f64, rows: &[Vec<f64>]) -> Vec<f64> 
 
 /// The conditional indices, from a very large design.
 fn conditional(case: &Case, place: Place, share: f64) -> Result<Vec<f64>, String> {
-    let pairs = cube(2 * case.dimensions, 1 << 17, 77, 1)?;
+    let pairs = pairs(case.dimensions, 1 << 17, 77)?;
     let values = values(case, place, share, &design(&pairs));
     let mut squares = vec![[0.0; 2]; 2 * case.dimensions];
     let (mut sums, width) = ([0.0; 3], case.dimensions + 2);
@@ -127,7 +127,7 @@ fn held(case: &Case, base: u64, place: Place, part: f64, repetitions: u64) -> Re
     let conditional = conditional(case, place, part)?;
     let exact: Vec<f64> = case.first.iter().chain(&case.total).copied().collect();
     let one = |seed: u64| -> Result<[f64; 5], String> {
-        let pairs = cube(2 * d, base, 3000 + seed, 1)?;
+        let pairs = pairs(d, base, 3000 + seed)?;
         let rows = design(&pairs);
         let outputs = values(case, place, part, &rows);
         let found = indices(&outputs, d, FirstOrder::default()).ok_or("too few points")?;
@@ -182,7 +182,7 @@ fn failing(base: u64, share: f64, repetitions: u64) -> Result<(), String> {
     let side = share.sqrt();
     let exact = [side / (1.0 + side), 1.0 / (1.0 + side)];
     let one = |seed: u64| -> Result<[f64; 5], String> {
-        let rows = design(&cube(6, base, 4000 + seed, 1)?);
+        let rows = design(&pairs(3, base, 4000 + seed)?);
         let fails = |u: &Vec<f64>| f64::from(u8::from(u[0].min(u[1]) > 1.0 - side));
         let flags: Vec<f64> = rows.iter().map(fails).collect();
         let Some(found) = indices(&flags, 3, FirstOrder::default()) else {
@@ -198,7 +198,7 @@ fn failing(base: u64, share: f64, repetitions: u64) -> Result<(), String> {
             estimator: FirstOrder::default(),
             seed,
         };
-        let rows = shapley::design(&cube(6, base, 5000 + seed, 1)?, None, seed)?;
+        let rows = shapley::design(&pairs(3, base, 5000 + seed)?, None, seed)?;
         let flags: Vec<f64> = rows.iter().map(fails).collect();
         let divided = shapley::effects(&flags, 3, &settled).ok_or("too few points")?;
         let told = found.total[0].low.min(found.total[1].low) > found.total[2].high;

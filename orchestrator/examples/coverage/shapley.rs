@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use sampling::design::cube;
 use sensitivity::functions::{ishigami, ishigami_indices, sobol_g};
 use sensitivity::method::{FirstOrder, Settled};
+use sensitivity::pairs::pairs;
 use sensitivity::shapley::{design, effects};
 use statrs::distribution::{ContinuousCDF, Normal};
 
@@ -197,7 +198,7 @@ fn held(case: &Case, base: u64, repetitions: u64) -> Result<(), String> {
             estimator: FirstOrder::default(),
             seed,
         };
-        let pairs = cube(2 * d, base, 7000 + seed, 1)?;
+        let pairs = pairs(d, base, 7000 + seed)?;
         let rows = design(&pairs, case.correlation.as_ref(), seed)?;
         let outputs: Vec<f64> = rows.iter().map(|u| (case.function)(u)).collect();
         let found = effects(&outputs, d, &settled)
