@@ -3,15 +3,21 @@
 //!
 //! Iman & Conover (1979), "The use of the rank transform in regression", Technometrics 21, 499-509;
 //! Marino et al. (2008), "A methodology for performing global uncertainty and sensitivity analysis
-//! in systems biology", J. Theoretical Biology 254, 178-196. Intervals: Fisher's z.
+//! in systems biology", J. Theoretical Biology 254, 178-196. Intervals: jackknife on Fisher's scale.
 
 use crate::Estimate;
 use crate::method::{FromPoints, Measure, Told, read};
 use nalgebra::DMatrix;
-use sampling::statistics::moments::{pearson, ranks};
-use sampling::statistics::share::Z95;
+use sampling::statistics::moments::{ascending, pearson, ranks_in, variance};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+/// Parts of the points that are left out in turn for the intervals.
+const GROUPS: usize = 10;
+
+/// The largest correlation that Fisher's scale is used for.
+const NEARLY: f64 = 1.0 - 1e-12;
 
 /// Rank correlations of any points.
 #[derive(Clone, Copy, Debug)]
@@ -46,69 +52,106 @@ pub struct Correlations {
 
 /// Computes the correlations of columns of parameters with an output. An output of 0 and 1, such as
 /// "is verified", is an output like any other. Points without a finite value are left out.
-/// A constant column correlates with nothing. `None` for fewer than four points.
+/// A constant column correlates with nothing: 0, without an interval. `None` for fewer than four points.
 pub fn correlations(parameters: &[&[f64]], output: &[f64]) -> Option<Correlations> {
     let kept: Vec<usize> = (0..output.len())
         .filter(|&j| output[j].is_finite() && parameters.iter().all(|p| p[j].is_finite()))
         .collect();
-    let n = kept.len();
-    if n < 4 {
+    let points = kept.len();
+    if points < 4 {
         return None;
     }
-    let ranked = |column: &[f64]| ranks(&kept.iter().map(|&j| column[j]).collect::<Vec<_>>());
-    let columns: Vec<Vec<f64>> = parameters
+    let values = |column: &[f64]| -> Vec<f64> { kept.iter().map(|&j| column[j]).collect() };
+    let columns = parameters.iter().copied().chain([output]).map(values);
+    let columns: Vec<(Vec<usize>, Vec<f64>)> =
+        columns.map(|column| (ascending(&column), column)).collect();
+    let found = |left_out: Option<usize>| found(&columns, points, left_out);
+    let all = found(None);
+    let groups = GROUPS.min(points);
+    let without: Vec<Found> = (0..groups).map(|group| found(Some(group))).collect();
+    let freedom = points as f64 - 3.0 - (parameters.len() as f64 - 1.0);
+    let partial_of_all = without
         .iter()
-        .map(|p| ranked(p))
-        .chain([ranked(output)])
-        .collect();
-    let d = parameters.len();
-    let matrix = DMatrix::from_fn(d + 1, d + 1, |a, b| {
-        if a == b {
-            1.0
-        } else {
-            pearson(&columns[a], &columns[b])
-        }
-    });
-    let spearman = (0..d)
-        .map(|i| fisher(matrix[(i, d)], n as f64 - 3.0))
-        .collect();
-    let freedom = n as f64 - 3.0 - (d as f64 - 1.0);
-    let partial = if freedom > 0.0 {
-        partial(matrix, freedom)
-    } else {
-        vec![]
-    };
+        .all(|part| part.partial.len() == parameters.len());
     Some(Correlations {
-        spearman,
-        partial,
-        used: n,
+        spearman: estimates(&all.spearman, without.iter().map(|part| &part.spearman)),
+        partial: match freedom > 0.0 && partial_of_all {
+            true => estimates(&all.partial, without.iter().map(|part| &part.partial)),
+            false => vec![],
+        },
+        used: points,
     })
 }
 
-fn partial(matrix: DMatrix<f64>, freedom: f64) -> Vec<Estimate> {
+/// Correlations of some points.
+struct Found {
+    spearman: Vec<f64>,
+    partial: Vec<f64>,
+}
+
+/// From columns with their places in ascending order; every tenth point may be left out, from one of the first ten on.
+fn found(columns: &[(Vec<usize>, Vec<f64>)], points: usize, left_out: Option<usize>) -> Found {
+    let keep = |place: &usize| left_out.is_none_or(|group| place % GROUPS != group);
+    let ranked = |(order, values): &(Vec<usize>, Vec<f64>)| -> Vec<f64> {
+        let order: Vec<usize> = order.iter().copied().filter(keep).collect();
+        let ranks = ranks_in(&order, values);
+        (0..points).filter(keep).map(|j| ranks[j]).collect()
+    };
+    let ranks: Vec<Vec<f64>> = columns.iter().map(ranked).collect();
+    let d = columns.len() - 1;
+    let mut matrix = DMatrix::identity(d + 1, d + 1);
+    for a in 0..=d {
+        for b in 0..a {
+            matrix[(a, b)] = pearson(&ranks[a], &ranks[b]);
+            matrix[(b, a)] = matrix[(a, b)];
+        }
+    }
+    Found {
+        spearman: (0..d).map(|i| matrix[(i, d)]).collect(),
+        partial: partial(matrix),
+    }
+}
+
+fn partial(matrix: DMatrix<f64>) -> Vec<f64> {
     let d = matrix.nrows() - 1;
     // A singular matrix (one column a combination of others, or exact dependence) has no inverse.
     let Some(inverse) = matrix.cholesky().map(|c| c.inverse()) else {
         return vec![];
     };
-    (0..d)
-        .map(|i| {
-            fisher(
-                -inverse[(i, d)] / (inverse[(i, i)] * inverse[(d, d)]).sqrt(),
-                freedom,
-            )
-        })
-        .collect()
+    let of = |i: usize| -inverse[(i, d)] / (inverse[(i, i)] * inverse[(d, d)]).sqrt();
+    (0..d).map(of).collect()
 }
 
-/// The 95 % interval of a correlation by Fisher's transform.
-fn fisher(r: f64, freedom: f64) -> Estimate {
-    let (z, half) = (r.clamp(-1.0, 1.0).atanh(), Z95 / freedom.sqrt());
-    Estimate {
-        value: r,
-        low: (z - half).tanh(),
-        high: (z + half).tanh(),
-    }
+/// The 95 % intervals of correlations by Student's distribution on Fisher's scale, from those without a tenth of the points.
+///
+/// Fisher's own standard error is that of normal values. Without scatter, as outputs of a model are, it is too small for
+/// partial correlations: they then depend on what the ranks bend, not on the scatter.
+fn estimates<'a>(of_all: &[f64], without: impl Iterator<Item = &'a Vec<f64>>) -> Vec<Estimate> {
+    // A correlation of 1 has no place on the scale.
+    let scaled = |r: f64| r.clamp(-NEARLY, NEARLY).atanh();
+    let without: Vec<&Vec<f64>> = without.collect();
+    let estimate = |(i, &r): (usize, &f64)| {
+        let parts: Vec<f64> = without.iter().map(|part| scaled(part[i])).collect();
+        let half = match parts.iter().all(|part| *part == 0.0) {
+            // Nothing to correlate with: there is no interval.
+            true => f64::NAN,
+            false => half_width(&parts),
+        };
+        Estimate {
+            value: r,
+            low: (scaled(r) - half).tanh(),
+            high: (scaled(r) + half).tanh(),
+        }
+    };
+    of_all.iter().enumerate().map(estimate).collect()
+}
+
+/// Half a 95 % interval by the delete-a-group jackknife (Kott 2001): Student's, from the values with each group left out.
+fn half_width(without: &[f64]) -> f64 {
+    let groups = without.len() as f64;
+    let scatter = (groups - 1.0).powi(2) / groups * variance(without, 1);
+    let student = StudentsT::new(0.0, 1.0, groups - 1.0);
+    student.map_or(f64::INFINITY, |t| t.inverse_cdf(0.975) * scatter.sqrt())
 }
 
 #[cfg(test)]
@@ -155,5 +198,6 @@ mod tests {
         let x = columns(50, 1);
         let c = correlations(&[&[1.0; 50]], &x[0]).unwrap();
         assert_eq!(c.spearman[0].value, 0.0);
+        assert!(c.spearman[0].low.is_nan() && c.spearman[0].high.is_nan());
     }
 }

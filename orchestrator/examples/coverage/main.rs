@@ -1,9 +1,10 @@
 //! How often the stated 95 % intervals hold the exact value:
 //! `cargo run --release --example coverage -- 200` (repetitions), with `-- 200 shapley` one part of it: `sobol`, `errors`,
-//! `share`, `failures`, `morris`, `shapley`, `regions`.
+//! `share`, `failures`, `morris`, `ranks`, `shapley`, `regions`.
 
 mod errors;
 mod failures;
+mod ranks;
 mod regions;
 mod screening;
 mod shapley;
@@ -114,12 +115,13 @@ type Part = fn(u64) -> Result<(), String>;
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let repetitions = std::env::args().nth(1).unwrap_or("200".into()).parse()?;
     let wanted = std::env::args().nth(2);
-    let parts: [(&str, Part); 7] = [
+    let parts: [(&str, Part); 8] = [
         ("sobol", indices_hold),
         ("errors", errors::print),
         ("share", shares_hold),
         ("failures", failures::print),
         ("morris", screening::print),
+        ("ranks", ranks::print),
         ("shapley", shapley::print),
         ("regions", regions::print),
     ];
