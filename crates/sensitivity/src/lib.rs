@@ -18,6 +18,8 @@ pub mod ratio;
 pub mod regional;
 pub mod shapley;
 pub mod sobol;
+#[cfg(test)]
+mod testing;
 
 /// The README's example, as a test.
 #[cfg(doctest)]
@@ -86,5 +88,37 @@ mod tests {
         assert_eq!(dominant(&sure), Some(0));
         assert_eq!(dominant(&unsure), None);
         assert_eq!(dominant(&[]), None);
+        // Intervals that touch overlap; a number that is none has no place in the order.
+        let touching = [Estimate::around(0.5, 0.25), Estimate::around(1.0, 0.25)];
+        assert_eq!(dominant(&touching), None);
+        let nothing = Estimate::around(f64::NAN, 0.0);
+        assert_eq!(dominant(&[nothing, sure[1], sure[0]]), Some(2));
+        assert_eq!(dominant(&[nothing, sure[1]]), Some(1));
+    }
+
+    #[test]
+    fn an_interval_holds_its_ends_and_what_lies_between() {
+        let found = Estimate::around(1.0, 0.5);
+        assert!([0.5, 1.0, 1.5].iter().all(|&value| found.contains(value)));
+        assert!(
+            ![0.4, 1.6, f64::NAN]
+                .iter()
+                .any(|&value| found.contains(value))
+        );
+    }
+
+    /// A number that is none becomes `null` in a file, and is none again when the file is read.
+    #[test]
+    fn estimates_are_the_same_when_they_are_read_again() {
+        let written = serde_json::json!(Estimate::around(2.5, f64::NAN));
+        assert_eq!(
+            written,
+            serde_json::json!({ "value": 2.5, "low": null, "high": null })
+        );
+        let read: Estimate = serde_json::from_value(written).unwrap();
+        assert_eq!(read.value, 2.5);
+        assert!(read.low.is_nan() && read.high.is_nan());
+        let wrong = serde_json::json!({ "value": "much", "low": 0.0, "high": 1.0 });
+        assert!(serde_json::from_value::<Estimate>(wrong).is_err());
     }
 }

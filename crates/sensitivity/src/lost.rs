@@ -16,11 +16,11 @@ pub type Triple = [f64; 3];
 /// model with values everywhere, if these lie within `range`. `None` where too few runs have values.
 pub fn bounds(rows: &[Triple], range: [f64; 2]) -> Option<[f64; 2]> {
     let problem = Problem::new(rows, range)?;
-    let [least, most] = [problem.ratio(-1.0), problem.ratio(1.0)];
-    let scatter = |ratio: f64, sense: f64| {
+    let [least, most] = [false, true].map(|most| problem.ratio(most));
+    let scatter = |ratio: f64, most: bool| {
         let filled: Vec<Triple> = rows
             .iter()
-            .map(|row| problem.worst(*row, ratio, sense))
+            .map(|row| problem.worst(*row, ratio, most))
             .collect();
         let over = Parts::of(
             filled
@@ -30,7 +30,7 @@ pub fn bounds(rows: &[Triple], range: [f64; 2]) -> Option<[f64; 2]> {
         let under = variance(&pairs(&filled));
         half_width(&over, &under, self::ratio(&over, &under, |_| true))
     };
-    Some([least - scatter(least, -1.0)?, most + scatter(most, 1.0)?])
+    Some([least - scatter(least, false)?, most + scatter(most, true)?])
 }
 
 fn half_square(difference: f64) -> f64 {
@@ -86,15 +86,15 @@ impl Problem {
         half_square(row[0] - self.centre) + half_square(row[2] - self.centre)
     }
 
-    /// The largest ratio (`sense` 1) or the least (-1).
-    fn ratio(&self, sense: f64) -> f64 {
+    /// The largest ratio (`most`) or the least.
+    fn ratio(&self, most: bool) -> f64 {
         // No estimate of a share of the variance is near this.
         let (mut low, mut high) = (0.0, 8.0);
-        let slack = if sense > 0.0 { self.slack } else { 0.0 };
+        let slack = if most { self.slack } else { 0.0 };
         for _ in 0..40 {
             let t = 0.5 * (low + high);
             let open = self.open.iter().map(|row| {
-                let row = self.worst(*row, t, sense);
+                let row = self.worst(*row, t, most);
                 half_square(row[0] - row[1]) - t * self.spread(&row)
             });
             let all = self.known[0] - t * (self.known[1] - slack) + open.sum::<f64>();
@@ -104,11 +104,11 @@ impl Problem {
                 high = t;
             }
         }
-        if sense > 0.0 { high } else { low }
+        0.5 * (low + high)
     }
 
     /// A base point with the values for its missing runs that make its part of the sum largest, or least.
-    fn worst(&self, row: Triple, t: f64, sense: f64) -> Triple {
+    fn worst(&self, row: Triple, t: f64, most: bool) -> Triple {
         let [low, high] = self.range;
         let [base, mixed, apart] = row;
         let far = if high - self.centre > self.centre - low {
@@ -116,7 +116,7 @@ impl Problem {
         } else {
             low
         };
-        let apart = match (apart.is_finite(), sense > 0.0) {
+        let apart = match (apart.is_finite(), most) {
             (true, _) => apart,
             (false, true) => self.centre,
             (false, false) => far,
@@ -127,7 +127,8 @@ impl Problem {
         };
         let mut best = (f64::NEG_INFINITY, [base, mixed, apart]);
         let mut offer = |base: f64, mixed: f64| {
-            let sum = sense * (half_square(base - mixed) - t * half_square(base - self.centre));
+            let sum = half_square(base - mixed) - t * half_square(base - self.centre);
+            let sum = if most { sum } else { -sum };
             if sum > best.0 {
                 best = (sum, [base, mixed, apart]);
             }
@@ -152,6 +153,7 @@ impl Problem {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::near;
     use rand::{RngExt, SeedableRng, rngs::StdRng};
 
     fn share(rows: &[Triple]) -> f64 {
@@ -180,7 +182,7 @@ mod tests {
             holed[case % 12][(case + 1) % 3] = f64::NAN;
             let range = [0.0, 1.0];
             let problem = Problem::new(&holed, range).unwrap();
-            let [least, most] = [problem.ratio(-1.0), problem.ratio(1.0)];
+            let [least, most] = [false, true].map(|most| problem.ratio(most));
             let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
             for _ in 0..4000 {
                 let mut filled = holed.clone();
@@ -203,8 +205,17 @@ mod tests {
     fn without_missing_runs_both_ends_are_the_index() {
         let rows = [[1.0, 2.0, 5.0], [3.0, 3.5, 2.0], [0.0, 4.0, 1.0]];
         let problem = Problem::new(&rows, [0.0, 5.0]).unwrap();
-        for sense in [-1.0, 1.0] {
-            assert!((problem.ratio(sense) - share(&rows)).abs() < 1e-9);
+        for most in [false, true] {
+            assert!((problem.ratio(most) - share(&rows)).abs() < 1e-9);
         }
+    }
+
+    /// One value everywhere is one within its range, too: nothing depends on anything.
+    #[test]
+    fn a_constant_has_bounds_of_nothing() {
+        let mut rows = [[0.0; 3]; 32];
+        rows[4][1] = f64::NAN;
+        near(bounds(&rows, [0.0, 0.0]).unwrap(), [0.0; 2]);
+        assert_eq!(bounds(&[[f64::NAN; 3]; 32], [0.0, 0.0]), None);
     }
 }

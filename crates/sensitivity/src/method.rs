@@ -71,9 +71,7 @@ pub trait FromRuns: Sync {
     fn name(&self) -> &'static str;
 
     /// The option of the command line that chooses it by its size.
-    fn option(&self) -> &'static str {
-        "size"
-    }
+    fn option(&self) -> &'static str;
 
     /// Its design in words: `Sobol indices from 256 base points`.
     fn title(&self, size: u64) -> String;
@@ -179,4 +177,23 @@ impl Measure {
 /// The result under a key, if there is one.
 pub(crate) fn read<T: serde::de::DeserializeOwned>(told: &Told, key: &str) -> Option<T> {
     serde_json::from_value(told.get(key)?.clone()).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::holds;
+
+    /// An order of importance has to hold for failed runs, too, whatever their values are.
+    #[test]
+    fn the_surest_interval_reaches_as_far_as_the_bounds() {
+        let estimates = vec![Estimate::around(0.5, 0.1), Estimate::around(0.3, 0.1)];
+        let plain = Measure::drawn("total", estimates.clone());
+        assert_eq!(plain.surest(), estimates);
+        let lost = plain.within(Some(vec![[0.3, 0.55], [0.25, 0.7]]));
+        assert_eq!(lost.estimates, estimates);
+        let surest = lost.surest();
+        holds(surest[0], [0.5, 0.3, 0.6]);
+        holds(surest[1], [0.3, 0.2, 0.7]);
+    }
 }

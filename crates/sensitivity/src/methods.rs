@@ -23,3 +23,60 @@ pub fn named(name: &str) -> Result<&'static dyn FromRuns, String> {
         format!("unknown method `{name}`; there are {}", names.join(", "))
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::method::{FirstOrder, Space};
+    use crate::testing::settled;
+
+    /// What people read and write: names in a study and on the command line, sizes, and what a study says that it did.
+    #[test]
+    fn methods_are_called_by_name_and_say_what_they_do() {
+        let space = Space {
+            parameters: 4,
+            correlation: None,
+        };
+        let words = |name: &str| {
+            let method = named(name).unwrap();
+            let runs = method.runs(&space, 7);
+            let done = method.done(4, runs as usize, &settled(7, 1));
+            assert_eq!(method.name(), name);
+            assert_eq!(method.takes_correlations(), name == "shapley");
+            (
+                method.option(),
+                method.usual_size(),
+                runs,
+                method.title(7),
+                done,
+            )
+        };
+        let plain = "rank correlations and PAWN of their plain sample";
+        let sobol = "Sobol indices from 7 base points";
+        let done = format!("{sobol} (42 runs); {plain}");
+        assert_eq!(words("sobol"), ("base", 256, 42, sobol.to_owned(), done));
+        let morris = "Morris screening by 7 trajectories";
+        let done = "Morris screening, 35 runs".to_owned();
+        assert_eq!(words("morris"), ("morris", 20, 35, morris.to_owned(), done));
+        let shapley = "Shapley effects from 7 base points";
+        let done = format!("{shapley} (35 runs); {plain}");
+        assert_eq!(
+            words("shapley"),
+            ("shapley", 256, 35, shapley.to_owned(), done)
+        );
+        // Trajectories are no sample of the parameters.
+        let sample = named("morris").unwrap().plain_sample(4, 35, &settled(7, 1));
+        assert!(sample.is_empty());
+        let unknown = named("Sobol").map(|method| method.name());
+        let message = "unknown method `Sobol`; there are sobol, morris, shapley";
+        assert_eq!(unknown, Err(message.to_owned()));
+    }
+
+    #[test]
+    fn estimators_are_called_by_name() {
+        let names = ["combined", "jansen", "saltelli"];
+        assert_eq!(FirstOrder::ALL.map(FirstOrder::name), names);
+        assert_eq!(names.map(FirstOrder::named), FirstOrder::ALL.map(Some));
+        assert_eq!(FirstOrder::named("Jansen"), None);
+    }
+}

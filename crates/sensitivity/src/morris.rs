@@ -138,10 +138,11 @@ struct Found {
 
 /// Computes the effects from the rows of [`design`] and their outputs.
 ///
-/// Returns `None` where the lengths do not match, or a parameter has fewer than two effects.
+/// Returns `None` where there is no parameter, the lengths do not match, or a parameter has fewer than two effects.
 pub fn effects(rows: &[Vec<f64>], outputs: &[f64]) -> Option<Vec<Effect>> {
     let parameters = rows.first()?.len();
-    if rows.len() != outputs.len() || !rows.len().is_multiple_of(parameters + 1) {
+    let fits = rows.len() == outputs.len() && rows.len().is_multiple_of(parameters + 1);
+    if parameters == 0 || !fits {
         return None;
     }
     let known = || outputs.iter().copied().filter(|v| v.is_finite());
@@ -163,7 +164,7 @@ pub fn effects(rows: &[Vec<f64>], outputs: &[f64]) -> Option<Vec<Effect>> {
         found[changed].lost.push((widest / step).abs());
     }
     // The size of every effect that is not 0, of an output that is pass or fail.
-    let pass_or_fail = low < high && known().all(|v| v == low || v == high);
+    let pass_or_fail = known().all(|v| v == low || v == high);
     let step = rows[1].iter().zip(&rows[0]).map(|(to, from)| to - from);
     let jump = pass_or_fail.then(|| (high - low) / step.sum::<f64>().abs());
     found.iter().map(|found| summary(found, jump)).collect()
@@ -182,10 +183,7 @@ fn summary(Found { effects, lost }: &Found, jump: Option<f64>) -> Option<Effect>
     let with = |others: Vec<f64>| interval(&[sizes.clone(), others].concat());
     let mu_star_bounds = match lost.is_empty() {
         true => None,
-        false => Some([
-            with(vec![0.0; lost.len()])?.low.max(0.0),
-            with(lost.clone())?.high,
-        ]),
+        false => Some([with(vec![0.0; lost.len()])?.low, with(lost.clone())?.high]),
     };
     Some(Effect {
         mu: mean(effects),
@@ -239,6 +237,7 @@ fn with_interval(numbers: &[f64]) -> Option<Estimate> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::{holds, near, settled};
 
     /// Hall's cubic solved by scipy's `brentq`, with Student's quantile of four degrees of freedom. No mean of magnitudes is
     /// negative: the lower end would be -0.226.
@@ -316,5 +315,118 @@ mod tests {
         for k in (1..rows.len()).filter(|k| k % 6 != 0) {
             assert_eq!((0..5).filter(|&i| rows[k][i] != rows[k - 1][i]).count(), 1);
         }
+    }
+
+    /// From design to what is shown: the grid covers the middle 98 % of the cube, and effects are those of the whole of it.
+    #[test]
+    fn a_study_of_a_linear_function_shows_its_slopes() {
+        let space = Space {
+            parameters: 2,
+            correlation: None,
+        };
+        let rows = Morris.design(&space, &settled(10, 3)).unwrap();
+        assert_eq!(rows.len() as u64, Morris.runs(&space, 10));
+        let on_grid = |u: &f64| {
+            let place = 3.0 * (u - 0.01) / 0.98;
+            (place - place.round()).abs() < 1e-9 && (0.0..=3.0).contains(&place.round())
+        };
+        assert!(rows.iter().flatten().all(on_grid));
+        let [least, most] = [f64::min as fn(f64, f64) -> f64, f64::max]
+            .map(|end| rows.iter().flatten().copied().fold(0.5, end));
+        near([least, most], [0.01, 0.99]);
+        let mut outputs: Vec<f64> = rows.iter().map(|u| 0.98 * (4.0 * u[0] - u[1])).collect();
+        let told = Morris.tell(&rows, &outputs, &settled(10, 3));
+        let [importance, spread] = &Morris.shown(&told)[..] else {
+            panic!("two measures")
+        };
+        assert_eq!((importance.name, importance.drawn), ("mu*", true));
+        let exact = 0.98 * 0.98;
+        holds(importance.estimates[0], [4.0 * exact; 3]);
+        holds(importance.estimates[1], [exact; 3]);
+        assert_eq!(importance.bounds, None);
+        assert_eq!((spread.name, spread.drawn), ("sigma", false));
+        near([0, 1].map(|i| spread.estimates[i].value), [0.0; 2]);
+        assert!(
+            spread
+                .estimates
+                .iter()
+                .all(|e| e.low.is_nan() && e.high.is_nan())
+        );
+        // With a failed run, a parameter that has all its effects is as sure as before.
+        outputs[0] = f64::NAN;
+        let shown = Morris.shown(&Morris.tell(&rows, &outputs, &settled(10, 3)));
+        let bounds = shown[0].bounds.as_ref().unwrap();
+        let moved = (0..2).find(|&i| rows[0][i] != rows[1][i]).unwrap();
+        let whole = shown[0].estimates[1 - moved];
+        assert_eq!(bounds[1 - moved], [whole.low, whole.high]);
+        let part = shown[0].estimates[moved];
+        assert!(bounds[moved][0] < part.low && part.high <= bounds[moved][1]);
+        assert_eq!(Morris.shown(&Morris.tell(&rows, &[], &settled(10, 3))), []);
+    }
+
+    /// Seven steps of 2/3, three from or to a failed run. With values between 1 and 5, the effects of these could be 0, or at
+    /// most 4.5, 6 and 3.75. Hall's intervals by scipy's `brentq`, of the four effects, and with the three others.
+    #[test]
+    fn failed_runs_leave_bounds_of_their_effects() {
+        const LOST: f64 = f64::NAN;
+        let outputs = [
+            [1.0, 2.0],
+            [2.0, 5.0],
+            [LOST, 2.0],
+            [3.0, 3.5],
+            [4.0, 3.0],
+            [LOST, LOST],
+            [3.5, LOST],
+        ]
+        .concat();
+        let rows = vec![vec![vec![0.0], vec![2.0 / 3.0]]; 7].concat();
+        let [found] = effects(&rows, &outputs).unwrap()[..] else {
+            panic!("one parameter")
+        };
+        near([found.mu, found.sigma], [1.3125, 2.478_028_450_2]);
+        holds(found.mu_star, [2.0625, 0.232_513_114_2, 11.373_761_519_1]);
+        near(
+            found.mu_star_bounds.unwrap(),
+            [0.100_806_883_9, 5.051_168_154_0],
+        );
+        assert_eq!(found.used, 4);
+    }
+
+    /// An output of two values, 2 and 5: the size of an effect is 3 over the step. One of three effects is not 0, and a
+    /// fourth may be one or not: Clopper and Pearson's intervals, scipy.
+    #[test]
+    fn a_verdict_has_effects_of_one_size() {
+        let [third, two_thirds] = [1.0 / 3.0, 2.0 / 3.0];
+        let rows = [[1.0, 0.0], [1.0, two_thirds], [third, two_thirds]].repeat(4);
+        let rows: Vec<Vec<f64>> = rows.iter().map(|row| row.to_vec()).collect();
+        let mut outputs = vec![2.0; 12];
+        outputs[1] = 5.0;
+        outputs[2] = 5.0;
+        outputs[9] = f64::NAN;
+        let found = effects(&rows, &outputs).unwrap()[1];
+        holds(
+            found.mu_star,
+            [1.5, 4.5 * 0.008_403_758_66, 4.5 * 0.905_700_675_95],
+        );
+        let least = 4.5 * 0.006_309_463_2;
+        let most = 4.5 * 0.932_414_013_7;
+        near(found.mu_star_bounds.unwrap(), [least, most]);
+        // One that is the same everywhere has none.
+        let none = effects(&rows, &[5.0; 12]).unwrap();
+        none.iter()
+            .for_each(|effect| holds(effect.mu_star, [0.0; 3]));
+    }
+
+    /// Two effects have a mean and a spread, one has not.
+    #[test]
+    fn nothing_is_told_from_a_single_effect() {
+        let rows = vec![vec![vec![0.0], vec![1.0]]; 2].concat();
+        assert!(effects(&rows, &[0.0, 1.0, 0.0, 2.0]).is_some());
+        assert_eq!(effects(&rows, &[0.0, 1.0, 0.0, f64::NAN]), None);
+        // Nor from rows of another design, or none.
+        assert_eq!(effects(&rows, &[0.0, 1.0]), None);
+        assert_eq!(effects(&rows[..3], &[0.0, 1.0, 0.0]), None);
+        assert_eq!(effects(&vec![vec![]; 4], &[0.0; 4]), None);
+        assert_eq!(effects(&[], &[]), None);
     }
 }

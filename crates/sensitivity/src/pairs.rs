@@ -5,9 +5,10 @@ use rand::{SeedableRng, rngs::StdRng};
 
 /// Rows of two samples A and B in the unit cube: the first `parameters` numbers of a row are A's, the others B's.
 ///
-/// All are one scrambled net, which fills the space more evenly than several small ones of as many points together. Its coordinates are dealt out at random: some two of them lie badly together at some numbers of
-/// points, with errors up to twice those of independent points, which the runs themselves do not show. Always in the same
-/// order, the same parameter would always have too narrow an interval.
+/// All are one scrambled net, which fills the space more evenly than several small ones of as many points together. Its
+/// coordinates are dealt out at random: some two of them lie badly together at some numbers of points, with errors up to
+/// twice those of independent points, which the runs themselves do not show. Always in the same order, the same parameter
+/// would always have too narrow an interval.
 ///
 /// # Errors
 ///

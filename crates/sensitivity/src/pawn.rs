@@ -134,8 +134,9 @@ fn distances(x: &[f64], y: &[f64], slices: usize) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::functions::ishigami;
     use super::*;
+    use crate::functions::ishigami;
+    use crate::testing::{lattice, near};
 
     fn sample(n: usize) -> (Vec<Vec<f64>>, Vec<f64>) {
         let mut random = StdRng::seed_from_u64(8);
@@ -146,6 +147,14 @@ mod tests {
             .map(|j| ishigami(&[x[0][j], x[1][j], x[2][j]]))
             .collect();
         (x, y)
+    }
+
+    /// A lattice of two parameters, of which the first moves the output much.
+    fn waves(points: usize) -> ([Vec<f64>; 2], Vec<f64>) {
+        let points = lattice(points, 2);
+        let output = points.iter().map(|u| (6.0 * u[0]).sin() + 0.3 * u[1]);
+        let column = |i: usize| points.iter().map(|u| u[i]).collect();
+        ([column(0), column(1)], output.collect())
     }
 
     #[test]
@@ -171,5 +180,47 @@ mod tests {
         let views: Vec<&[f64]> = x.iter().map(Vec::as_slice).collect();
         assert_eq!(pawn(&views, &y, 10, 5, 1).unwrap().used, 499);
         assert!(pawn(&views, &y[..15], 10, 5, 1).is_none());
+    }
+
+    /// numpy and scipy: the distances of `ks_2samp` between slices and all, with the edges of numpy's `quantile`.
+    #[test]
+    fn distances_are_those_of_others() {
+        let (x, y) = waves(60);
+        let found = pawn(&[&x[0], &x[1]], &y, 6, 20, 1).unwrap();
+        let values: Vec<f64> = found.median.iter().map(|e| e.value).collect();
+        near(values.try_into().unwrap(), [0.558_333_333_3, 0.225]);
+        near(found.max.try_into().unwrap(), [0.8, 1.0 / 3.0]);
+        assert!(pawn(&[&x[0]], &y, 0, 20, 1).is_none());
+        assert!(pawn(&[&x[0]], &y[..12], 6, 20, 1).is_some());
+        assert!(pawn(&[&x[0]], &y[..11], 6, 20, 1).is_none());
+    }
+
+    /// Resampled points are farther apart in small slices, by more than the interval is wide. Yet the interval lies about the
+    /// estimate.
+    #[test]
+    fn intervals_lie_evenly_about_the_estimate() {
+        let (x, y) = waves(400);
+        let found = pawn(&[&x[0], &x[1]], &y, 40, 200, 1).unwrap();
+        for estimate in found.median {
+            let below = estimate.value - estimate.low;
+            let above = estimate.high - estimate.value;
+            assert!(0.4 * below < above && above < 2.5 * below, "{estimate:?}");
+            assert!(below + above < 0.3, "{estimate:?}");
+        }
+    }
+
+    /// What is told comes back when it is shown: the medians, with what a parameter without influence reaches by chance.
+    #[test]
+    fn what_is_shown_is_what_was_found() {
+        let (x, y) = waves(100);
+        let columns: [&[f64]; 2] = [&x[0], &x[1]];
+        let found = pawn(&columns, &y, SLICES, RESAMPLES, 3).unwrap();
+        let [shown] = &Slices.shown(&Slices.tell(&columns, &y, 3))[..] else {
+            panic!("one measure")
+        };
+        assert_eq!((shown.name, shown.drawn), ("PAWN", true));
+        assert_eq!(shown.estimates, found.median);
+        assert_eq!(shown.chance, Some(found.threshold));
+        assert_eq!(Slices.shown(&Slices.tell(&columns, &[0.0; 3], 3)), []);
     }
 }

@@ -157,6 +157,7 @@ fn half_width(without: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::{holds, lattice};
     use rand::{RngExt, SeedableRng, rngs::StdRng};
 
     fn columns(n: usize, d: usize) -> Vec<Vec<f64>> {
@@ -199,5 +200,56 @@ mod tests {
         let c = correlations(&[&[1.0; 50]], &x[0]).unwrap();
         assert_eq!(c.spearman[0].value, 0.0);
         assert!(c.spearman[0].low.is_nan() && c.spearman[0].high.is_nan());
+    }
+
+    /// scipy: `spearmanr`; for the partial ones `pearsonr` of what is left of the ranks when the others' are fitted; both with
+    /// Fisher's interval, of 9 and of 7 degrees of freedom. People see the partial ones.
+    #[test]
+    fn correlations_and_their_intervals_are_those_of_others() {
+        let points = lattice(12, 3);
+        let [x, y, z] = [0, 1, 2].map(|i| points.iter().map(|u| u[i]).collect::<Vec<f64>>());
+        let output: Vec<f64> = points
+            .iter()
+            .map(|u| 2.0 * u[0] - u[1] + 3.0 * (u[2] - 0.5).powi(2))
+            .collect();
+        let told = Ranks.tell(&[&x, &y, &z], &output, 1);
+        let found: Correlations = read(&told, "ranks").unwrap();
+        holds(
+            found.spearman[0],
+            [0.958_041_958_0, 0.853_307_347_4, 0.988_464_316_7],
+        );
+        holds(
+            found.spearman[1],
+            [-0.188_811_188_8, -0.688_145_965_1, 0.431_889_570_3],
+        );
+        holds(
+            found.partial[0],
+            [0.981_365_007_6, 0.920_524_640_8, 0.995_734_013_2],
+        );
+        holds(
+            found.partial[1],
+            [-0.769_974_808_1, -0.942_621_573_0, -0.272_413_672_8],
+        );
+        holds(
+            found.partial[2],
+            [0.049_631_871_8, -0.598_703_636_9, 0.658_674_890_3],
+        );
+        assert_eq!(Ranks.shown(&told), [Measure::listed("PRCC", found.partial)]);
+    }
+
+    /// Four points have a rank correlation. A partial one needs more of them, the more parameters there are.
+    #[test]
+    fn few_points_have_no_partial_correlation() {
+        let columns = [[1.0, 2.0, 3.0, 4.0, 5.0], [2.0, 5.0, 1.0, 4.0, 3.0]];
+        let output = [1.0, 3.0, 2.0, 5.0, 4.0];
+        let found = |points: usize| {
+            let columns: Vec<&[f64]> = columns.iter().map(|c| &c[..points]).collect();
+            Ranks.tell(&columns, &output[..points], 1)
+        };
+        let four: Correlations = read(&found(4), "ranks").unwrap();
+        assert_eq!((four.spearman.len(), four.partial.len()), (2, 0));
+        assert_eq!(Ranks.shown(&found(4)), []);
+        assert_eq!(Ranks.shown(&found(5))[0].estimates.len(), 2);
+        assert_eq!(Ranks.shown(&found(3)), []);
     }
 }

@@ -53,6 +53,7 @@ fn rarer(ends: &[[f64; 2]]) -> Option<(f64, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::holds;
 
     /// 2 of 200 runs have the rare value: an index of 0 is not known to a hundredth.
     #[test]
@@ -90,5 +91,11 @@ mod tests {
         assert!((found.low - index(0.000_253_146)).abs() < 1e-6, "{found:?}");
         assert!((found.high - index(0.054_459_4)).abs() < 1e-6, "{found:?}");
         assert_eq!(found.value, -0.3);
+        // Whether the rare value comes first does not matter, nor do ends that the scatter sets wider.
+        ends.reverse();
+        let turned = widened(Estimate::around(-0.3, 0.01), &ends, one);
+        holds(turned, [-0.3, found.low, found.high]);
+        let wide = Estimate::around(-0.3, 0.9);
+        assert_eq!(widened(wide, &ends, one), wide);
     }
 }

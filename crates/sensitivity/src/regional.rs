@@ -52,6 +52,7 @@ pub fn split(parameters: &[&[f64]], pass: &[bool]) -> Option<Vec<Split>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::near;
 
     #[test]
     fn the_deciding_parameter_is_found() {
@@ -63,5 +64,29 @@ mod tests {
         assert!(s[0].chance < 1e-9 && s[0].passing < s[0].failing);
         assert!(s[1].distance < 0.15 && s[1].chance > 0.3, "{s:?}");
         assert_eq!(split(&[&decides], &[true; 200]), None);
+    }
+
+    /// scipy's `ks_2samp` has the distance. A point without a value of the parameter counts on neither side.
+    #[test]
+    fn the_sides_are_those_that_pass_and_that_do_not() {
+        let values = [
+            1.0,
+            2.0,
+            3.0,
+            4.0,
+            5.0,
+            6.0,
+            7.0,
+            8.0,
+            9.0,
+            f64::NAN,
+            f64::NAN,
+        ];
+        let pass = [1, 1, 0, 1, 1, 0, 0, 1, 0, 1, 0].map(|pass| pass == 1);
+        let found = split(&[&values], &pass).unwrap()[0];
+        near([found.distance], [0.55]);
+        assert_eq!((found.passing, found.failing), (4.0, 6.5));
+        assert!(found.chance > 0.3, "{found:?}");
+        assert_eq!(split(&[&values[..2]], &[false; 2]), None);
     }
 }

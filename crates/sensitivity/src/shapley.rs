@@ -92,9 +92,9 @@ impl FromRuns for Shapley {
 /// Runs of each base point.
 fn width(parameters: usize, correlated: bool) -> usize {
     match (correlated, parameters) {
-        (true, 2..=ALL_ORDERS) => 1 << parameters,
-        (true, d) if d > ALL_ORDERS => 2 * d,
-        (_, d) => d + 1,
+        (true, ..=ALL_ORDERS) => 1 << parameters,
+        (true, d) => 2 * d,
+        (false, d) => d + 1,
     }
 }
 
@@ -367,13 +367,7 @@ fn bounds(
             end(least, most).powi(2) / 2.0
         }))
     };
-    let least = square(|low, high| {
-        if low * high <= 0.0 {
-            0.0
-        } else {
-            low.abs().min(high.abs())
-        }
-    });
+    let least = square(|low, high| low.max(-high).max(0.0));
     let most = square(|low, high| low.abs().max(high.abs()));
     let (below, above) = (over(|range| range.0), over(|range| range.1));
     let end = |over: &Parts, sign: f64| {
@@ -384,24 +378,18 @@ fn bounds(
         };
         let ratio = ratio::ratio(over, under, |_| true);
         let half = ratio::half_width(over, under, ratio)?;
-        Some((ratio + sign * half).clamp(0.0, 1.0))
+        // Nothing explains an output without variance.
+        let known = if ratio.is_nan() { 0.0 } else { ratio };
+        Some((known + sign * half).clamp(0.0, 1.0))
     };
     Some([end(&below, -1.0)?, end(&above, 1.0)?])
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::functions::{ishigami, ishigami_indices};
-    use super::super::method::FirstOrder;
     use super::*;
-
-    fn settled(size: u64, seed: u64) -> Settled {
-        Settled {
-            size,
-            estimator: FirstOrder::default(),
-            seed,
-        }
-    }
+    use crate::functions::{ishigami, ishigami_indices};
+    use crate::testing::{holds, lattice, near, settled};
 
     fn run(
         parameters: usize,
@@ -539,5 +527,95 @@ mod tests {
         assert!(found.effects.iter().all(|e| e.value == 0.0 && e.low == 0.0));
         assert_eq!(effects(&[1.0; 65], 3, &settled(64, 1)), None);
         assert_eq!(effects(&[], 0, &settled(0, 1)), None);
+    }
+
+    /// The way of a study: the design has A, B and the mixed points; what is told comes back when it is shown.
+    #[test]
+    fn a_study_shows_the_effects_of_its_design() {
+        let space = Space {
+            parameters: 3,
+            correlation: None,
+        };
+        let settled = settled(32, 5);
+        let rows = Shapley.design(&space, &settled).unwrap();
+        assert_eq!(rows.len() as u64, Shapley.runs(&space, 32));
+        let plain = Shapley.plain_sample(3, rows.len(), &settled);
+        assert_eq!(plain[..4], [0, 1, 4, 5]);
+        assert_eq!(plain.len(), 64);
+        for (pair, rows) in pairs(3, 32, 5).unwrap().iter().zip(rows.chunks(4)) {
+            assert_eq!(*pair, rows[..2].concat());
+        }
+        let outputs: Vec<f64> = rows.iter().map(|u| ishigami(u)).collect();
+        let told = Shapley.tell(&rows, &outputs, &settled);
+        let found = effects(&outputs, 3, &settled).unwrap();
+        assert_eq!((found.failed, &found.effects_bounds), (0, &None));
+        let shown = Measure::drawn("Shapley effect", found.effects);
+        assert_eq!(Shapley.shown(&told), [shown]);
+        let failed = Shapley.tell(&rows, &[f64::NAN; 128], &settled);
+        assert_eq!(Shapley.shown(&failed), []);
+        // Correlated parameters stay together: all orders of three, two opposite ones of more.
+        let correlated = |parameters: usize| Space {
+            parameters,
+            correlation: Some(chain(parameters, 0.5)),
+        };
+        let runs = [1, 2, 3, 4, 5].map(|d| Shapley.runs(&correlated(d), 10));
+        assert_eq!(runs, [20, 40, 80, 80, 100]);
+        assert!(Shapley.takes_correlations());
+    }
+
+    /// Two correlated parameters, with failed runs: effects, their intervals, and bounds by interval arithmetic, in numpy.
+    #[test]
+    fn effects_and_bounds_are_those_of_interval_arithmetic() {
+        let mut outputs = Vec::new();
+        for u in lattice(64, 4) {
+            let mixed = [
+                0.7 * u[0] + 0.3 * u[1] + 0.02 * u[2],
+                0.4 * u[0] + 0.6 * u[1] - 0.03 * u[3],
+            ];
+            outputs.extend([u[0], u[1], mixed[0], mixed[1]].map(|value| 3.0 + value));
+        }
+        let whole = effects(&outputs, 2, &settled(64, 1)).unwrap();
+        holds(
+            whole.effects[0],
+            [0.634_247_770_2, 0.626_262_001_2, 0.642_233_539_3],
+        );
+        holds(
+            whole.effects[1],
+            [0.365_752_229_8, 0.357_766_460_7, 0.373_737_998_8],
+        );
+        for (point, run) in [(3, 2), (17, 0), (40, 1)] {
+            outputs[4 * point + run] = f64::NAN;
+        }
+        let found = effects(&outputs, 2, &settled(64, 1)).unwrap();
+        assert_eq!((found.failed, &found.used), (3, &vec![61, 61]));
+        holds(
+            found.effects[0],
+            [0.638_470_768_5, 0.624_475_505_1, 0.652_466_032_0],
+        );
+        holds(
+            found.effects[1],
+            [0.370_226_265_5, 0.359_609_159_2, 0.380_843_371_8],
+        );
+        let bounds = found.effects_bounds.unwrap();
+        near(bounds[0], [0.303_047_251_1, 1.0]);
+        near(bounds[1], [0.065_551_986_2, 0.628_511_745_3]);
+    }
+
+    /// A verdict that is the same wherever there is one: no effect, and none that a failed run could have.
+    #[test]
+    fn a_constant_output_with_failed_runs_has_bounds_all_the_same() {
+        let settled = settled(32, 1);
+        let mut outputs = vec![1.0; 32 * 4];
+        outputs[6] = f64::NAN;
+        let found = effects(&outputs, 3, &settled).unwrap();
+        assert_eq!(found.effects_bounds, Some(vec![[0.0; 2]; 3]));
+        let told = Shapley.tell(&[vec![0.5; 3]], &outputs, &settled);
+        assert_eq!(Shapley.shown(&told)[0].estimates, found.effects);
+    }
+
+    #[test]
+    fn nothing_is_told_of_outputs_of_another_design() {
+        assert_eq!(effects(&[1.0; 6], 0, &settled(6, 1)), None);
+        assert_eq!(effects(&[1.0; 160], 3, &settled(32, 1)), None);
     }
 }

@@ -231,8 +231,9 @@ pub fn convergence(
 
 #[cfg(test)]
 mod tests {
-    use super::super::functions::{ishigami, ishigami_indices, sobol_g, sobol_g_indices};
     use super::*;
+    use crate::functions::{ishigami, ishigami_indices, sobol_g, sobol_g_indices};
+    use crate::testing::{holds, lattice, near, settled};
     use rand::{RngExt, SeedableRng, rngs::StdRng};
 
     /// Pairs as the command takes them.
@@ -247,19 +248,6 @@ mod tests {
             .collect()
     }
 
-    /// A lattice that any language can write down.
-    fn lattice(n: usize, d: usize) -> Vec<Vec<f64>> {
-        let primes = [2.0f64, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0];
-        (1..=n)
-            .map(|k| {
-                primes[..2 * d]
-                    .iter()
-                    .map(|p| (k as f64 * p.sqrt()).fract())
-                    .collect()
-            })
-            .collect()
-    }
-
     fn evaluate(pairs: &[Vec<f64>], f: impl Fn(&[f64]) -> f64) -> Vec<f64> {
         design(pairs).iter().map(|u| f(u)).collect()
     }
@@ -267,7 +255,7 @@ mod tests {
     /// SALib 1.5 on the same rows: `sobol.analyze(problem, Y, calc_second_order=False)`.
     #[test]
     fn equal_to_salib_on_the_same_design() {
-        let y = evaluate(&lattice(256, 3), ishigami);
+        let y = evaluate(&lattice(256, 6), ishigami);
         let s = indices(&y, 3, FirstOrder::Saltelli).unwrap();
         for (i, (first, total)) in SALIB_ISHIGAMI.into_iter().enumerate() {
             assert!(
@@ -404,11 +392,109 @@ mod tests {
     /// The design has the rows A, A_B of each parameter, B: those of A and B are a sample of the parameters.
     #[test]
     fn the_plain_sample_is_a_and_b() {
-        let settled = Settled {
-            size: 2,
-            estimator: FirstOrder::Combined,
-            seed: 1,
+        assert_eq!(Sobol.plain_sample(3, 10, &settled(2, 1)), [0, 4, 5, 9]);
+    }
+
+    /// The way of a study: the design has A, A_B of each parameter, and B; what is told comes back when it is shown.
+    #[test]
+    fn a_study_shows_the_indices_of_its_design() {
+        let space = Space {
+            parameters: 2,
+            correlation: None,
         };
-        assert_eq!(Sobol.plain_sample(3, 10, &settled), [0, 4, 5, 9]);
+        let rows = Sobol.design(&space, &settled(64, 5)).unwrap();
+        assert_eq!(rows.len() as u64, Sobol.runs(&space, 64));
+        for rows in rows.chunks(4) {
+            let (a, b) = (&rows[0], &rows[3]);
+            assert_eq!(rows[1..3], [vec![b[0], a[1]], vec![a[0], b[1]]]);
+        }
+        let outputs: Vec<f64> = rows.iter().map(|u| u[0] + 3.0 * u[1]).collect();
+        let told = Sobol.tell(&rows, &outputs, &settled(64, 5));
+        let found = indices(&outputs, 2, FirstOrder::Combined).unwrap();
+        assert_eq!((&found.first_bounds, &found.total_bounds), (&None, &None));
+        let [total, first] = &Sobol.shown(&told)[..] else {
+            panic!("two measures")
+        };
+        assert_eq!((total.name, total.drawn), ("total", true));
+        assert_eq!((first.name, first.drawn), ("first order", true));
+        assert_eq!(
+            (&total.estimates, &first.estimates),
+            (&found.total, &found.first)
+        );
+        let growing: Vec<(usize, Vec<f64>)> = read(&told, "convergence").unwrap();
+        assert_eq!(
+            growing.iter().map(|(n, _)| *n).collect::<Vec<_>>(),
+            [32, 64]
+        );
+        near(
+            growing[1].1.clone().try_into().unwrap(),
+            [0, 1].map(|i| found.total[i].value),
+        );
+        assert_eq!(
+            Sobol.shown(&Sobol.tell(&rows, &[f64::NAN; 256], &settled(64, 5))),
+            []
+        );
+    }
+
+    /// A failed run of A_B has the value at worst that is farthest from the run it is compared with, and at best the same. The
+    /// bounds are the intervals of the study with these values.
+    #[test]
+    fn bounds_are_those_of_the_worst_values_of_a_failed_run() {
+        let mut outputs = evaluate(&lattice(256, 4), |u| 5.0 + u[0] + u[1] * u[1]);
+        let (row, width) = (20 * 4, 4);
+        let [a, lost, b] = [row, row + 1, row + width - 1];
+        outputs[lost] = f64::NAN;
+        let found = indices(&outputs, 2, FirstOrder::Combined).unwrap();
+        assert_eq!((found.failed, &found.used), (1, &vec![255, 256]));
+        let known = || outputs.iter().copied().filter(|v| v.is_finite());
+        let [low, high] =
+            [f64::min as fn(f64, f64) -> f64, f64::max].map(|end| known().fold(outputs[0], end));
+        let with = |value: f64| {
+            let mut outputs = outputs.clone();
+            outputs[lost] = value;
+            indices(&outputs, 2, FirstOrder::Jansen).unwrap()
+        };
+        let farthest = |from: f64| if high - from > from - low { high } else { low };
+        let [total, first] =
+            [&found.total_bounds, &found.first_bounds].map(|b| b.as_ref().unwrap());
+        near(
+            total[0],
+            [
+                with(outputs[a]).total[0].low,
+                with(farthest(outputs[a])).total[0].high,
+            ],
+        );
+        near(
+            first[0],
+            [
+                with(farthest(outputs[b])).first[0].low,
+                with(outputs[b]).first[0].high,
+            ],
+        );
+        // The other parameter's runs are all there.
+        near(total[1], [found.total[1].low, found.total[1].high]);
+        near(first[1], [found.first[1].low, found.first[1].high]);
+        let ends = [total[0], first[0], total[1], first[1]].concat();
+        assert!(ends.iter().all(|end| 0.0 < *end && *end < 1.0), "{ends:?}");
+    }
+
+    /// numpy, scipy: Jansen's interval of pass or fail, of which one in ten is rare. Four pairs of B and A_B show their
+    /// scatter; of one pair, the upper end of Clopper and Pearson's interval is farther.
+    #[test]
+    fn rare_pairs_of_a_verdict_leave_a_wide_interval() {
+        let rare = |u: &[f64]| f64::from(u8::from(u[0] + 0.3 * u[1] > 1.05));
+        let outputs = evaluate(&lattice(40, 4), rare);
+        let found = indices(&outputs, 2, FirstOrder::Jansen).unwrap();
+        holds(
+            found.first[0],
+            [0.722_222_222_2, 0.320_174_401_8, 1.124_270_042_6],
+        );
+        holds(found.first[1], [0.166_666_666_7, -0.378_558_159_7, 1.0]);
+    }
+
+    #[test]
+    fn nothing_is_told_of_no_parameters_or_no_runs() {
+        assert_eq!(indices(&[1.0, 2.0, 3.0, 4.0], 0, FirstOrder::Jansen), None);
+        assert_eq!(indices(&[], 3, FirstOrder::Jansen), None);
     }
 }
