@@ -190,6 +190,60 @@ tolerance = 0.05
         let judge = judge(&[("\"90 %\"", "1")]).unwrap();
         let accepts = |share: f64| judge.verdict(Some(&[0.0, share, 0.0])).passed[1];
         assert!(accepts(1.0) && !accepts(1.0 - 1e-6));
+        // The interval that people see holds what is accepted.
+        let [least, most] = judge.criteria[1].accepted();
+        assert!(least <= 1.0 && most >= 1.0, "{least} to {most}");
+    }
+
+    #[test]
+    fn a_variant_gives_an_error_another_limit() {
+        let variant = |name: &str, limit: &str| {
+            let text = format!("[variants.other]\ntolerance.{name} = {limit}\n[criteria.M]");
+            let judge = judge(&[("[criteria.M]", &text)])?;
+            Ok::<_, String>(judge.variants[0].tolerances.clone())
+        };
+        let close = |found: Vec<f64>, expected: [f64; 3]| {
+            assert_eq!(found.len(), 3);
+            let pairs = found.iter().zip(expected);
+            for (found, expected) in pairs {
+                assert!((found - expected).abs() < 1e-12, "{found}, not {expected}");
+            }
+        };
+        // The other criteria keep their own.
+        close(variant("M", "\"0.5 N.m\"").unwrap(), [0.5, 0.1, 0.05]);
+        close(variant("N", "\"8 %\"").unwrap(), [0.02, 0.1, 0.08]);
+        for (name, limit, remedy) in [
+            ("M", "\"5 %\"", "M: the tolerance 5 % of a curve"),
+            (
+                "N",
+                "\"0 %\"",
+                "N: the tolerance 0 % must be a positive share",
+            ),
+            (
+                "N",
+                "-0.1",
+                "N: the tolerance -0.1 must be a positive share",
+            ),
+            ("N", "\"0.1 N.m\"", "must be a positive share"),
+            ("S", "0.2", "S: a variant cannot change `least`"),
+        ] {
+            let error = variant(name, limit).unwrap_err();
+            assert!(
+                error.starts_with("s.toml:4:11:") && error.contains(remedy),
+                "{error}"
+            );
+        }
+    }
+
+    /// The column of a table of results that `judge` reads is in that unit.
+    #[test]
+    fn the_column_of_an_error_in_a_unit_may_be_in_another_one() {
+        let with = |metric: &str| judge(&[(metric, &format!("{metric}\ncolumn-unit = \"mN.m\""))]);
+        assert!(with("metric = \"rmse\"").is_ok());
+        for metric in ["metric = \"corridor\"", "metric = \"nrmse\""] {
+            let error = with(metric).unwrap_err();
+            assert!(error.contains("remove `column-unit`"), "{error}");
+        }
     }
 
     #[test]

@@ -183,7 +183,7 @@ impl Judge {
         let factor = *band.as_ref();
         for criterion in &self.criteria {
             let expanded = criterion.uncertainty.map_or(0.0, |u| u.expanded);
-            if factor > 0.0 && factor * expanded >= criterion.tolerance {
+            if factor * expanded >= criterion.tolerance {
                 let message = format!(
                     "the guard band of {factor} expanded uncertainties leaves nothing of {}'s tolerance {}, \
                      so that no point can be accepted; give one below {:.3}, measure better or widen the tolerance",

@@ -1,4 +1,5 @@
 use super::*;
+use crate::failure::OfCase;
 use std::path::Path;
 
 const STUDY: &str = r#"
@@ -130,6 +131,51 @@ fn a_failed_point_is_not_verified() {
     let variant = &judge.variants[0];
     assert_eq!(judge.variant_verdict(variant, None).passed, [false, false]);
     assert!(!PointVerdict::default().verified());
+}
+
+#[test]
+fn an_interval_reaches_as_far_above_the_measured_value_as_below() {
+    let judge = judge(&STUDY.replace("0.75 %", "0.5 degC")).unwrap();
+    assert_eq!(judge.criteria[0].accepted(), [81.5, 82.5]);
+}
+
+/// A point that fails in one case still tells of the others: each case is judged by all of its own values or not at all.
+#[test]
+fn a_point_is_judged_in_every_case_in_which_it_did_not_fail() {
+    let text = r#"
+        fmu = "a.fmu"
+        [[cases]]
+        name = "slow"
+        criteria.T = { variable = "t", nominal = 70, tolerance = 1 }
+        criteria.F = { variable = "f", nominal = 5, tolerance = 1 }
+        [[cases]]
+        name = "fast"
+        held-out = true
+        criteria.T = { variable = "t", nominal = 80, tolerance = 1 }
+    "#;
+    let judge = judge(text).unwrap();
+    let cases = judge.cases.iter();
+    let cases: Vec<_> = cases
+        .map(|case| (case.name.as_str(), case.held_out, case.members.clone()))
+        .collect();
+    assert_eq!(cases, [("slow", false, 0..2), ("fast", true, 2..3)]);
+
+    let failed = |case: &str, values: [Option<f64>; 3]| {
+        let failure = Failure::InCase(Box::new(OfCase {
+            case: case.to_owned(),
+            failure: Failure::Timeout,
+            values: values.to_vec(),
+        }));
+        judge.judged(Err(&failure)).passed
+    };
+    let (t, f) = (Some(70.5), Some(7.0));
+    assert_eq!(failed("fast", [t, f, None]), [true, false, false]);
+    assert_eq!(failed("slow", [t, None, Some(80.5)]), [false, false, true]);
+    assert_eq!(judge.judged(Err(&Failure::Timeout)).passed, [false; 3]);
+    assert_eq!(
+        judge.judged(Ok(&[70.5, 7.0, 80.5])).passed,
+        [true, false, true]
+    );
 }
 
 #[test]

@@ -66,6 +66,59 @@ fn guard_bands_are_given_or_found() {
     );
 }
 
+/// An interval of 2 * 52.5 N is used up by bands of 3.5 times 15 N at both of its ends.
+#[test]
+fn a_guard_band_that_leaves_nothing_is_warned_of() {
+    let with = |band: &str| {
+        let text = format!("share = 0.05\nguard-band = {band}");
+        let widths = [("\"7 %\"", "\"52.5 N\""), ("\"2 %\"", "\"15 N\"")];
+        let changes = [&widths[..], &[("share = \"5 %\"", &text)]].concat();
+        judge(&changes).unwrap().warnings
+    };
+    // T has 2.05 expanded uncertainties of 0.3 degC in its tolerance of 0.615 degC.
+    for band in ["0", "0.5", "2.04"] {
+        assert_eq!(with(band), [""; 0], "{band}");
+    }
+    let [of_t] = &with("2.06")[..] else {
+        panic!("one warning")
+    };
+    assert!(
+        of_t.starts_with("s.toml:24:14: the guard band of 2.06 expanded uncertainties leaves nothing of T's tolerance 0.75 %")
+            && of_t.contains("give one below 2.050"),
+        "{of_t}"
+    );
+    assert_eq!(with("3.49").len(), 1);
+    assert_eq!(with("3.5").len(), 2);
+}
+
+/// A confidence is a probability, and below one half the contrary would be the surer claim. The share must leave open
+/// whether it is met.
+#[test]
+fn shares_and_confidences_are_probabilities() {
+    let with = |share: &str, confidence: &str| {
+        let text = format!("share = {share}\nconfidence = {confidence}");
+        let rule = judge(&[("share = \"5 %\"", &text)])?.rule.unwrap();
+        Ok::<_, String>((rule.share, rule.confidence))
+    };
+    assert_eq!(with("\"5 %\"", "0.5"), Ok((0.05, 0.5)));
+    assert_eq!(with("0.9", "0.99"), Ok((0.9, 0.99)));
+    for confidence in ["0.49", "1", "0", "-0.9"] {
+        let error = with("0.9", confidence).unwrap_err();
+        assert!(
+            error.starts_with("s.toml:24:14:") && error.contains("at least 0.5 and below 1"),
+            "{error}"
+        );
+    }
+    for share in ["0", "\"0 %\"", "1", "\"100 %\"", "-0.1"] {
+        let error = with(share, "0.95").unwrap_err();
+        assert!(
+            error.starts_with("s.toml:23:9:")
+                && error.contains("more than 0 % and less than 100 %"),
+            "{error}"
+        );
+    }
+}
+
 #[test]
 fn correlated_errors_make_joint_probabilities() {
     let text = "[[uncertainty-correlations]]\nbetween = [\"T\", \"F\"]\ncoefficient = 1\n[verdict]";
@@ -81,6 +134,50 @@ fn correlated_errors_make_joint_probabilities() {
     assert!(p(&two) > p(&one) + 1e-4);
 }
 
+/// Four values T, F, G and H, and correlations of the errors of pairs of them.
+fn of_four(pairs: &[(&str, &str, f64)]) -> Result<Judge, String> {
+    let mut text = String::new();
+    for name in ["G", "H"] {
+        let values = "nominal = 10\ntolerance = 1\nuncertainty = 0.5";
+        text += &format!("[criteria.{name}]\nvariable = \"v\"\n{values}\n");
+    }
+    for (a, b, coefficient) in pairs {
+        let pair = format!("between = [{a:?}, {b:?}]\ncoefficient = {coefficient}");
+        text += &format!("[[uncertainty-correlations]]\n{pair}\n");
+    }
+    judge(&[("[verdict]", &format!("{text}[verdict]"))])
+}
+
+#[test]
+fn every_pair_of_values_has_one_correlation() {
+    let judge = of_four(&[("T", "F", 0.5), ("T", "G", 0.4), ("H", "F", 0.3)]).unwrap();
+    let found = judge.measurement.correlations();
+    assert_eq!(found, [(0, 1, 0.5), (0, 2, 0.4), (3, 1, 0.3)]);
+    for (a, b) in [("T", "F"), ("F", "T")] {
+        let error = of_four(&[("T", "F", 0.5), (a, b, 0.4)]).unwrap_err();
+        assert!(error.contains("keep one"), "{error}");
+    }
+}
+
+/// The sum of three standard errors with a correlation of r has a variance of 3 + 6 r, which would be negative at -0.6.
+/// Any two of the three correlations could be: the determinant of their matrix is 1 - 2 * 0.36.
+#[test]
+fn correlations_that_cannot_be_name_the_first_value_with_which_they_cannot() {
+    for pairs in [
+        [("T", "F"), ("F", "G"), ("T", "G")],
+        [("F", "T"), ("G", "F"), ("G", "T")],
+    ] {
+        let pairs = pairs.map(|(a, b)| (a, b, -0.6));
+        let error = of_four(&pairs).unwrap_err();
+        assert!(
+            error.contains("contradict each other")
+                && error.contains("(with the criteria up to `G`)"),
+            "{error}"
+        );
+        assert!(of_four(&pairs[..2]).is_ok());
+    }
+}
+
 #[test]
 fn an_uncertainty_above_the_tolerance_is_warned_of_where_nothing_guards() {
     let wide = ("\"0.3 degC\"", "\"0.7 degC\"");
@@ -90,6 +187,8 @@ fn an_uncertainty_above_the_tolerance_is_warned_of_where_nothing_guards() {
         warnings[0].starts_with("s.toml:13:15: T: the uncertainty 0.7 degC"),
         "{warnings:?}"
     );
+    let equal = ("\"0.3 degC\"", "\"0.75 %\"");
+    assert_eq!(judge(&[equal]).unwrap().warnings, [""; 0]);
     let guarded = ("share = \"5 %\"", "share = 0.05\nrisk = 0.1");
     assert_eq!(judge(&[wide, guarded]).unwrap().warnings, [""; 0]);
 }
@@ -111,6 +210,22 @@ fn mistakes_have_their_place_and_remedy() {
             vec![("\"t\"", "\"q\"".into())],
             "s.toml:10:12:",
             "a parameter",
+        ),
+        (
+            vec![(
+                "[criteria.T]",
+                "[inputs.t]\nfile = \"t.csv\"\n[criteria.T]".into(),
+            )],
+            "s.toml:12:12:",
+            "t is an input of the model",
+        ),
+        (
+            vec![(
+                "[verdict]",
+                "[design]\nmethod = \"full-factorial\"\n[verdict]".into(),
+            )],
+            "s.toml:24:1:",
+            "those of a full-factorial grid are not",
         ),
         (
             vec![("\"0.3 degC\"", "\"-1 degC\"".into())],
