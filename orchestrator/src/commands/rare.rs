@@ -74,7 +74,7 @@ pub(super) fn run(options: &Options) -> Result<ExitCode, CommandError> {
         let message = format!(
             "{name} is drawn from a sample of {} rows, which knows nothing as rare as --rare looks for; give the \
              parameters of the sample other distributions, or leave out --rare",
-            joint.len()
+            joint.count()
         );
         return Err(session.study.error(message).into());
     }

@@ -261,14 +261,14 @@ impl Plan {
         let few = self
             .joints
             .iter()
-            .filter(|joint| (joint.len() as u64) < points);
+            .filter(|joint| (joint.count() as u64) < points);
         let concern = |joint: &Joint| {
             let names = joint.inputs().iter().map(|&k| self.inputs[k].name.as_str());
             format!(
                 "{}: {points} points repeat the {} rows of the sample; the interval of the verified share takes these rows \
                  for all that there is, and does not count that they are only a sample: give one with more rows",
                 names.collect::<Vec<_>>().join(", "),
-                joint.len()
+                joint.count()
             )
         };
         few.map(concern).collect()

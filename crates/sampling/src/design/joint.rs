@@ -45,14 +45,9 @@ impl Joint {
         self.inputs[0]
     }
 
-    /// How many rows there are.
-    pub fn len(&self) -> usize {
+    /// How many rows there are: one at least.
+    pub fn count(&self) -> usize {
         self.rows.len()
-    }
-
-    /// Always false: a sample has at least one row.
-    pub fn is_empty(&self) -> bool {
-        self.rows.is_empty()
     }
 
     /// Whether several inputs are drawn together; one alone is as independent as any other.
@@ -93,11 +88,10 @@ fn sorted(mut rows: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
     };
     let units: Vec<f64> = (0..columns).map(unit).collect();
     let standard = |row: &[f64], k: usize| (row[k] - means[k]) * units[k];
+    // The directions are those of the correlations, which these are but for a factor.
     let product = |a: usize, b: usize| -> f64 {
-        rows.iter()
-            .map(|row| standard(row, a) * standard(row, b))
-            .sum::<f64>()
-            / count
+        let products = rows.iter().map(|row| standard(row, a) * standard(row, b));
+        products.sum()
     };
     let eigen = DMatrix::from_fn(columns, columns, product).symmetric_eigen();
     let first = eigen.eigenvectors.column(eigen.eigenvalues.imax());
@@ -136,9 +130,33 @@ mod tests {
             first.is_sorted() || first.iter().rev().is_sorted(),
             "{first:?}"
         );
-        assert_eq!(first.len(), 10);
-        // The ends of the interval are rows, too.
+        // Every row has its tenth of the interval, the ends too.
+        first.sort_by(f64::total_cmp);
+        assert_eq!(first, (0..10).map(f64::from).collect::<Vec<_>>());
         assert_eq!(joint.row(1.0), joint.row(0.999));
+        assert_eq!(
+            (joint.inputs(), joint.lead(), joint.count()),
+            (&[2, 0, 1][..], 2, 10)
+        );
+        assert!(joint.binds() && !Joint::new(vec![0], vec![vec![1.0]]).unwrap().binds());
+    }
+
+    /// Two columns rise together, each with its own zigzag, and a third, in a small unit, with neither. Far from 0, the
+    /// direction is still that of what varies, not of the means; and a column's unit does not matter.
+    #[test]
+    fn the_main_direction_is_that_of_the_standardised_columns() {
+        let zigzag = [1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0];
+        let apart = [1.0, -1.0, -1.0, 1.0, 1.0, -1.0, -1.0, 1.0];
+        let row = |k: usize| {
+            let rise = f64::from(u32::try_from(k).unwrap());
+            let [x, y] = [rise + 0.6 * zigzag[k], rise - 0.6 * zigzag[k]];
+            vec![1003.0 + x, 5.0 + 0.01 * y, 7000.0 + 1000.0 * apart[k]]
+        };
+        let mixed = [5, 0, 3, 7, 1, 6, 2, 4].map(row).to_vec();
+        let found = sorted(mixed);
+        let expected: Vec<Vec<f64>> = (0..8).map(row).collect();
+        let reversed: Vec<Vec<f64>> = expected.iter().rev().cloned().collect();
+        assert!(found == expected || found == reversed, "{found:?}");
     }
 
     #[test]

@@ -123,6 +123,18 @@ mod tests {
         assert_eq!(pi, [0xd16c_fe09, 0x94fd_cceb, 0x5001_e420, 0x2412_6ea1]);
     }
 
+    /// A pair takes all four words of the generator, the first two of them as a single number does.
+    #[test]
+    fn a_pair_is_two_numbers() {
+        let (seed, index, dimension) = (0x1_0000_0007, 0x2_0000_0003, 5);
+        let counter = [3, 2, dimension, Purpose::Row as u32];
+        let [a, b, c, d] = philox(counter, [7, 1]).map(|word| u64::from(word));
+        assert_eq!(bits(seed, Purpose::Row, index, dimension), (b << 32) + a);
+        let numbers = [(b << 32) + a, (d << 32) + c].map(to_unit);
+        assert_eq!(pair(seed, Purpose::Row, index, dimension), numbers);
+        assert_eq!(to_unit(1 << 63), 0.5 + 2.0_f64.powi(-53));
+    }
+
     #[test]
     fn the_unit_interval_is_open() {
         assert!(to_unit(0) > 0.0);
