@@ -93,7 +93,7 @@ fn a_failure_of_one_output_costs_that_output_only() {
     // The corner is one of x1 and x2.
     let total = |k: usize| &output(&both, "failed")["sobol"]["total"][k];
     for k in [0, 1] {
-        assert!(number(&total(k)["low"]) > 0.3, "{}", total(k));
+        assert!(number(&total(k)["low"]) > 0.2, "{}", total(k));
     }
     assert!([2, 3].iter().all(|&k| number(&total(k)["value"]) == 0.0));
 }
