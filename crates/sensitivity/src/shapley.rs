@@ -613,6 +613,16 @@ mod tests {
         assert_eq!(Shapley.shown(&told)[0].estimates, found.effects);
     }
 
+    /// A normal score of the ends of the cube would be infinite. Scores that are as far as numbers tell stand for them.
+    #[test]
+    fn correlated_points_at_the_ends_of_the_cube_stay_in_it() {
+        let ends = [vec![0.0, 1.0, 1.0, 0.0], vec![1.0, 1.0, 0.0, 0.0]];
+        let rows = design(&ends, Some(&chain(2, 0.5)), 1).unwrap();
+        let inside = |place: &f64| (0.0..=1.0).contains(place);
+        assert!(rows.iter().flatten().all(inside), "{rows:?}");
+        assert!(rows[0][0] < 1e-9 && rows[4][1] > 1.0 - 1e-9, "{rows:?}");
+    }
+
     #[test]
     fn nothing_is_told_of_outputs_of_another_design() {
         assert_eq!(effects(&[1.0; 6], 0, &settled(6, 1)), None);
