@@ -370,19 +370,15 @@ fn bounds(
     let least = square(|low, high| low.max(-high).max(0.0));
     let most = square(|low, high| low.abs().max(high.abs()));
     let (below, above) = (over(|range| range.0), over(|range| range.1));
-    let end = |over: &Parts, sign: f64| {
-        // A positive number is least over the largest, a negative one over the least.
-        let under = match sign * ratio::ratio(over, &most, |_| true) > 0.0 {
-            true => &least,
-            false => &most,
-        };
+    let end = |over: &Parts, under: &Parts, sign: f64| {
         let ratio = ratio::ratio(over, under, |_| true);
         let half = ratio::half_width(over, under, ratio)?;
         // Nothing explains an output without variance.
         let known = if ratio.is_nan() { 0.0 } else { ratio };
         Some((known + sign * half).clamp(0.0, 1.0))
     };
-    Some([end(&below, -1.0)?, end(&above, 1.0)?])
+    // No effect is negative, and a positive number is least over the largest.
+    Some([end(&below, &most, -1.0)?, end(&above, &least, 1.0)?])
 }
 
 #[cfg(test)]
