@@ -210,6 +210,18 @@ mod tests {
         }
     }
 
+    /// By hand: the variance is largest, and the index least, with the value that is farthest from the mean of the known
+    /// ones, 4/3: that is -4, not 4.
+    #[test]
+    fn the_least_index_has_the_largest_variance() {
+        let rows = [[0.0, 1.0, 2.0], [2.0, 1.0, f64::NAN]];
+        let least = |range: [f64; 2]| Problem::new(&rows, range).unwrap().ratio(false);
+        near(
+            [least([-4.0, 4.0]), least([-1.0, 4.0])],
+            [9.0 / 140.0, 9.0 / 44.0],
+        );
+    }
+
     /// One value everywhere is one within its range, too: nothing depends on anything.
     #[test]
     fn a_constant_has_bounds_of_nothing() {

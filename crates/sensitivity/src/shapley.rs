@@ -370,19 +370,15 @@ fn bounds(
     let least = square(|low, high| low.max(-high).max(0.0));
     let most = square(|low, high| low.abs().max(high.abs()));
     let (below, above) = (over(|range| range.0), over(|range| range.1));
-    let end = |over: &Parts, sign: f64| {
-        // A positive number is least over the largest, a negative one over the least.
-        let under = match sign * ratio::ratio(over, &most, |_| true) > 0.0 {
-            true => &least,
-            false => &most,
-        };
+    let end = |over: &Parts, under: &Parts, sign: f64| {
         let ratio = ratio::ratio(over, under, |_| true);
         let half = ratio::half_width(over, under, ratio)?;
         // Nothing explains an output without variance.
         let known = if ratio.is_nan() { 0.0 } else { ratio };
         Some((known + sign * half).clamp(0.0, 1.0))
     };
-    Some([end(&below, -1.0)?, end(&above, 1.0)?])
+    // No effect is negative, and a positive number is least over the largest.
+    Some([end(&below, &most, -1.0)?, end(&above, &least, 1.0)?])
 }
 
 #[cfg(test)]
@@ -611,6 +607,16 @@ mod tests {
         assert_eq!(found.effects_bounds, Some(vec![[0.0; 2]; 3]));
         let told = Shapley.tell(&[vec![0.5; 3]], &outputs, &settled);
         assert_eq!(Shapley.shown(&told)[0].estimates, found.effects);
+    }
+
+    /// A normal score of the ends of the cube would be infinite. Scores that are as far as numbers tell stand for them.
+    #[test]
+    fn correlated_points_at_the_ends_of_the_cube_stay_in_it() {
+        let ends = [vec![0.0, 1.0, 1.0, 0.0], vec![1.0, 1.0, 0.0, 0.0]];
+        let rows = design(&ends, Some(&chain(2, 0.5)), 1).unwrap();
+        let inside = |place: &f64| (0.0..=1.0).contains(place);
+        assert!(rows.iter().flatten().all(inside), "{rows:?}");
+        assert!(rows[0][0] < 1e-9 && rows[4][1] > 1.0 - 1e-9, "{rows:?}");
     }
 
     #[test]
