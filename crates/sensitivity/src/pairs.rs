@@ -12,7 +12,7 @@ const ORDERS: usize = 200;
 /// All are one scrambled net, which fills the space more evenly than several small ones of as many points together. But some
 /// two of its coordinates lie badly together at some numbers of points, with errors of several times those of independent
 /// points. Were these two the places of one parameter in A and B, its indices would have such an error. So the coordinates
-/// are dealt out at random, in the best of 200 orders: the one with the least [`badness`] of the worst parameter. At random,
+/// are dealt out at random, in the best of 200 orders: the one whose worst parameter has the most even pair. At random,
 /// because no measure finds all bad places, and a fixed order would make the same parameter pay every time.
 ///
 /// # Errors

@@ -128,7 +128,7 @@ mod tests {
     fn a_pair_is_two_numbers() {
         let (seed, index, dimension) = (0x1_0000_0007, 0x2_0000_0003, 5);
         let counter = [3, 2, dimension, Purpose::Row as u32];
-        let [a, b, c, d] = philox(counter, [7, 1]).map(|word| u64::from(word));
+        let [a, b, c, d] = philox(counter, [7, 1]).map(u64::from);
         assert_eq!(bits(seed, Purpose::Row, index, dimension), (b << 32) + a);
         let numbers = [(b << 32) + a, (d << 32) + c].map(to_unit);
         assert_eq!(pair(seed, Purpose::Row, index, dimension), numbers);
