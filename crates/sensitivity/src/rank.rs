@@ -7,8 +7,9 @@
 
 use crate::Estimate;
 use crate::method::{FromPoints, Measure, Told, read};
+use crate::ratio::jackknife;
 use nalgebra::DMatrix;
-use sampling::statistics::moments::{ascending, pearson, ranks_in, variance};
+use sampling::statistics::moments::{ascending, pearson, ranks_in};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 use statrs::distribution::{ContinuousCDF, StudentsT};
@@ -148,10 +149,8 @@ fn estimates<'a>(of_all: &[f64], without: impl Iterator<Item = &'a Vec<f64>>) ->
 
 /// Half a 95 % interval by the delete-a-group jackknife (Kott 2001): Student's, from the values with each group left out.
 fn half_width(without: &[f64]) -> f64 {
-    let groups = without.len() as f64;
-    let scatter = (groups - 1.0).powi(2) / groups * variance(without, 1);
-    let student = StudentsT::new(0.0, 1.0, groups - 1.0);
-    student.map_or(f64::INFINITY, |t| t.inverse_cdf(0.975) * scatter.sqrt())
+    let student = StudentsT::new(0.0, 1.0, without.len() as f64 - 1.0);
+    student.map_or(f64::INFINITY, |t| t.inverse_cdf(0.975) * jackknife(without))
 }
 
 #[cfg(test)]

@@ -166,7 +166,7 @@ pub fn half_width(over: &Parts, under: &Parts, ratio_of_all: f64) -> Option<f64>
 }
 
 /// The standard error of an estimate from its values with each group left out.
-fn jackknife(without: &[f64]) -> f64 {
+pub(crate) fn jackknife(without: &[f64]) -> f64 {
     let (n, centre) = (without.len() as f64, mean(without));
     let squares: f64 = without.iter().map(|v| (v - centre).powi(2)).sum();
     ((n - 1.0) / n * squares).sqrt()
