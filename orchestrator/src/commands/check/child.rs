@@ -34,12 +34,12 @@ pub(super) struct Outcome {
 /// Runs a probe. `fill` is what glibc fills fresh and freed memory with.
 pub(super) fn run(setup: &Setup, patience: Duration, fill: Option<u8>) -> io::Result<Outcome> {
     let description = setup.result.with_extension("setup");
-    fs::write(&description, serde_json::to_vec(setup)?)?;
-    for file in [&setup.result, &setup.stage] {
-        let _ = fs::remove_file(file);
-    }
     // Files cannot be filled up and block, as pipes can.
     let heard = setup.result.with_extension("heard");
+    for file in [&setup.result, &setup.stage, &description, &heard] {
+        let _ = fs::remove_file(file);
+    }
+    fs::write(&description, serde_json::to_vec(setup)?)?;
     let words = File::create(&heard)?;
     let mut command = Command::new(system::program()?);
     system::detach(marked(&mut command))
@@ -59,7 +59,8 @@ pub(super) fn run(setup: &Setup, patience: Duration, fill: Option<u8>) -> io::Re
     tree.end();
     let _ = child.kill();
     let _ = child.wait();
-    let stage = fs::read_to_string(&setup.stage).unwrap_or_default();
+    let notes = fs::read_to_string(&setup.stage).unwrap_or_default();
+    let stage = notes.lines().next_back().unwrap_or_default().to_owned();
     let report = fs::read(&setup.result).ok();
     Ok(Outcome {
         report: report.and_then(|bytes| serde_json::from_slice(&bytes).ok()),

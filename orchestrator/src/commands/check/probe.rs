@@ -3,8 +3,9 @@
 //! It notes what it is about to call and writes what it saw into files, so that whatever the FMU does to the process
 //! and its descriptors, the other side knows how far it came.
 
+use std::fs::OpenOptions;
 use std::hash::{DefaultHasher, Hash, Hasher};
-use std::io;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -117,11 +118,16 @@ struct Live {
 }
 
 impl Probe<'_> {
-    /// Notes what comes next. No descriptor is kept for it, since an FMU may close or replace those that it did not
-    /// open. Where the FMU leaves no room for another one, the note is missing, and nothing else.
+    /// Notes what comes next, in a line of its own: file systems write a file to the disk at once that is emptied and
+    /// written again, and a probe makes twenty notes. No descriptor is kept for it, since an FMU may close or replace
+    /// those that it did not open. Where the FMU leaves no room for another one, the note is missing, and nothing else.
     fn at(&self, stage: &str) {
         let stage = stage.replace(Version::Two.prefix(), self.version.prefix());
-        let _ = std::fs::write(&self.setup.stage, stage);
+        let notes = OpenOptions::new()
+            .create(true)
+            .append(true)
+            .open(&self.setup.stage);
+        let _ = notes.and_then(|mut notes| notes.write_all(format!("{stage}\n").as_bytes()));
     }
 
     /// Writes what has been seen so far.
