@@ -317,7 +317,8 @@ mod tests {
         }
     }
 
-    /// From design to what is shown: the grid covers the middle 98 % of the cube, and effects are those of the whole of it.
+    /// From the design to the results: the grid covers the middle 98 % of the cube, and an effect is the change from one
+    /// end of the grid to the other.
     #[test]
     fn a_study_of_a_linear_function_shows_its_slopes() {
         let space = Space {

@@ -196,8 +196,8 @@ impl<'a, M: TwoScales> Curve<'a, M> {
         Err(NoLeap::NoOrbit(viscosity))
     }
 
-    /// Where the orbit at a viscosity begins: on the polynomial where its last term hardly matters there, too,
-    /// else searched for.
+    /// Where the journal is when the orbit at a viscosity begins: on the polynomial where its last term hardly matters
+    /// there, too, else searched for.
     pub(super) fn place(&mut self, viscosity: f64) -> Result<Vector2<f64>, NoLeap> {
         let near = self.at(viscosity)?.place();
         if let Some(piece) = &self.piece {

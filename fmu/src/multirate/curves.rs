@@ -144,7 +144,7 @@ impl<'a, M: TwoScales> Curves<'a, M> {
         differences.at(viscosity, departure, guess)
     }
 
-    /// Where the orbit at a viscosity and a clearance begins.
+    /// Where the journal is when the orbit at a viscosity and a clearance begins.
     pub(super) fn place(&mut self, viscosity: f64, clearance: f64) -> Result<Vector2<f64>, NoLeap> {
         let near = self.at(viscosity, clearance)?.place();
         let curve = &mut self.curves[self.latest].1;

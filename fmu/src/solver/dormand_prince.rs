@@ -193,9 +193,9 @@ pub struct Passage<const Q: usize> {
     pub from: f64,
     /// Its end, s.
     pub to: f64,
-    /// The integrals over it.
+    /// The integrals from `from` to `to`.
     pub integrals: [f64; Q],
-    /// The integrands at its start and at its end.
+    /// The integrands at `from` and at `to`.
     pub ends: [[f64; Q]; 2],
 }
 

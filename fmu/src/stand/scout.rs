@@ -223,7 +223,7 @@ impl Scout {
         Err(NoFilmLeap::Unsettled(ORBIT_TURNS))
     }
 
-    /// The film on its orbit at the nearest temperatures that are known.
+    /// Of the films that have settled on their orbits, the one at the viscosity nearest to that at these temperatures.
     pub(super) fn nearest(&self, to: &Temperatures) -> Option<Film> {
         let viscosity = self.ahead.fluid.viscosity(to.film);
         let distance = |(known, _): &&(f64, Film)| (known / viscosity).ln().abs();

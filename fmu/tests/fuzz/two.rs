@@ -68,7 +68,7 @@ pub static INTERFACE: Interface = Interface {
 };
 
 unsafe extern "C" fn serialize(c: Component, state: FmuState, to: *mut u8, n: usize) -> Status {
-    // SAFETY: as the caller says.
+    // SAFETY: the test passes what `fmi2SerializeFMUstate` asks for.
     unsafe { fmi2SerializeFMUstate(c, state, to.cast(), n) }
 }
 
@@ -78,7 +78,7 @@ unsafe extern "C" fn deserialize(
     n: usize,
     state: *mut FmuState,
 ) -> Status {
-    // SAFETY: as the caller says.
+    // SAFETY: the test passes what `fmi2DeSerializeFMUstate` asks for.
     unsafe { fmi2DeSerializeFMUstate(c, from.cast(), n, state) }
 }
 

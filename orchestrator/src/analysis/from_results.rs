@@ -10,10 +10,10 @@ use thiserror::Error;
 /// Why the results of a study cannot be read.
 #[derive(Debug, Error)]
 pub enum FolderError {
-    /// There is no summary, or it cannot be read.
+    /// `summary.json` is missing or cannot be read.
     #[error(transparent)]
     Results(#[from] ResultsError),
-    /// The table does not fit.
+    /// `points.csv` cannot be read, lacks a column, or holds a wrong cell.
     #[error(transparent)]
     Points(#[from] PointsError),
 }

@@ -37,7 +37,7 @@ pub(super) unsafe fn child(
     work: &Work,
 ) -> io::Result<Child> {
     use super::servant;
-    // SAFETY: as the caller says.
+    // SAFETY: the caller promises that this process has a single thread.
     unsafe {
         keeper.fork(&mut |place| {
             let (package, library) = (estate.package.as_mut(), estate.library.clone());

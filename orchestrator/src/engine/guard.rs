@@ -357,7 +357,7 @@ impl Guard {
             }
             std::thread::sleep(Duration::from_millis(pause));
         }
-        // SAFETY: as above.
+        // SAFETY: a single thread, as in the loop.
         unsafe { birth::child(&mut self.keeper, &mut estate, work) }
     }
 

@@ -105,7 +105,7 @@ pub enum Step {
     Void(Separation),
 }
 
-/// Runs points and keeps what comes of them.
+/// Hands points to the workers, and writes every outcome into the journal.
 pub struct Pipeline<'a> {
     model: &'a dyn Model,
     /// Knows how the points are computed; absent where only the journal is read.

@@ -61,7 +61,7 @@ impl<M: Model> Handle<M> {
     /// The component is NULL, or points to at least eight readable bytes; one of ours is given
     /// back only once, while no other thread uses it.
     pub unsafe fn end(component: Component, version: Version) {
-        // SAFETY: as the caller says.
+        // SAFETY: the caller promises what `find` asks for: NULL or eight readable bytes, and no freed handle of ours.
         let Some(handle) = (unsafe { Self::find(component, version) }) else {
             return;
         };
@@ -112,7 +112,7 @@ pub unsafe fn enter<M: Model>(
     function: &Function,
     body: impl FnOnce(&mut Instance<M>) -> Outcome,
 ) -> Status {
-    // SAFETY: as the caller says.
+    // SAFETY: the caller promises what `find` asks for: NULL or eight readable bytes, and no freed handle of ours.
     let Some(handle) = (unsafe { Handle::<M>::find(component, function.version) }) else {
         return Status::Error;
     };

@@ -65,7 +65,7 @@ impl<M: Model> Instance<M> {
         if place.is_null() {
             *place = Saved::give(run, self.version);
         } else {
-            // SAFETY: as the caller says.
+            // SAFETY: the caller promises that `place` holds NULL or a living state of this FMU.
             unsafe { Saved::<M>::find(*place, self.version) }?;
             // SAFETY: a state of ours, as was just found, which no other call uses.
             unsafe { (*place.cast::<Saved<M>>()).run = run };
@@ -78,7 +78,7 @@ impl<M: Model> Instance<M> {
     /// # Safety
     /// `state` is NULL or a state of this FMU that was not freed.
     pub unsafe fn restore(&mut self, state: FmuState) -> Outcome {
-        // SAFETY: as the caller says.
+        // SAFETY: the caller promises that `state` is NULL or a living state of this FMU.
         let run = &unsafe { Saved::<M>::find(state, self.version) }?.run;
         if run.exchange != self.run.exchange {
             return Err(Refusal::Foreign(self.version.state()));
@@ -95,7 +95,7 @@ impl<M: Model> Instance<M> {
         if place.is_null() {
             return Ok(Status::Ok);
         }
-        // SAFETY: as the caller says.
+        // SAFETY: the caller promises that `place` holds NULL or a living state of this FMU.
         let saved = unsafe { Saved::<M>::find(*place, version) }?;
         saved.magic.store(0, Ordering::Relaxed);
         // SAFETY: made by `give`, freed only here.
@@ -109,7 +109,7 @@ impl<M: Model> Instance<M> {
     /// # Safety
     /// `state` is NULL or a state of this FMU that was not freed.
     pub unsafe fn serialize(&self, state: FmuState) -> Outcome<Vec<u8>> {
-        // SAFETY: as the caller says.
+        // SAFETY: the caller promises that `state` is NULL or a living state of this FMU.
         encode(
             &unsafe { Saved::<M>::find(state, self.version) }?.run,
             self.fingerprint,

@@ -159,6 +159,20 @@ mod tests {
         assert!(found == expected || found == reversed, "{found:?}");
     }
 
+    /// Where one column rises and the other falls, the rows go along the difference. The means, both positive, would
+    /// point along the sum.
+    #[test]
+    fn the_main_direction_is_not_that_of_the_means() {
+        let zigzag = [0.3, -0.3, 0.3, -0.3, 0.3, -0.3, 0.3, -0.3];
+        let row = |k: u8| vec![f64::from(k), 7.0 - f64::from(k) + zigzag[usize::from(k)]];
+        let found = sorted([5, 0, 3, 7, 1, 6, 2, 4].map(row).to_vec());
+        let firsts: Vec<f64> = found.iter().map(|row| row[0]).collect();
+        assert!(
+            firsts.is_sorted() || firsts.is_sorted_by(|a, b| a >= b),
+            "{firsts:?}"
+        );
+    }
+
     #[test]
     fn wrong_samples_are_refused() {
         assert!(Joint::new(vec![0], Vec::new()).is_err());

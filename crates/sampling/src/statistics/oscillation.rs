@@ -181,7 +181,7 @@ impl Recording {
         })
     }
 
-    /// The frequency near a peak of the spectrum at which a sine explains most.
+    /// Refines a peak of the spectrum: the frequency near it whose fitted sine explains most of the signal.
     fn refine(&self, weights: &[f64], start: f64, spacing: f64) -> f64 {
         const ROUNDS: usize = 7;
         const CLOSER: f64 = 0.1;

@@ -184,7 +184,7 @@ mod tests {
         }
     }
 
-    /// The second turn shows that the first change was right.
+    /// With exact slopes the first change reaches the solution; the second turn confirms it.
     #[test]
     fn known_slopes_need_one_change() {
         assert_eq!(linear().turns(0.0), 2);

@@ -23,7 +23,7 @@ pub struct Statement {
     pub interval: [f64; 2],
 }
 
-/// What statements rest on.
+/// The points and predictions from which a region's probability and its interval are computed.
 pub struct Evidence<'a> {
     /// A sample of the space that no search has seen, with the surrogates' probabilities.
     pub(super) unseen: Sample<'a>,

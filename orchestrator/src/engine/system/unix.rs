@@ -194,7 +194,7 @@ impl Shared {
     }
 
     pub(crate) fn set(&self, value: u64) {
-        // SAFETY: as above.
+        // SAFETY: as in `get`.
         unsafe { self.0.as_ref() }.store(value, Ordering::Relaxed);
     }
 }

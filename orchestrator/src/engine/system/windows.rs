@@ -165,7 +165,7 @@ impl Shared {
     }
 
     pub(crate) fn set(&self, value: u64) {
-        // SAFETY: as above.
+        // SAFETY: as in `get`.
         unsafe { self.place.as_ref() }.store(value, Ordering::Relaxed);
     }
 }
