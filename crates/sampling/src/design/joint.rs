@@ -173,6 +173,30 @@ mod tests {
         );
     }
 
+    /// The column with the largest part in the direction rises, whichever it is and however the others go with it.
+    #[test]
+    fn the_leading_column_rises() {
+        let zigzag = [1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0];
+        let apart = [1.0, -1.0, -1.0, 1.0, 1.0, -1.0, -1.0, 1.0];
+        for leading in 0..3 {
+            for signs in [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]] {
+                let row = |k: u8| {
+                    let (rise, k) = (f64::from(k), usize::from(k));
+                    let mut row = vec![
+                        rise,
+                        signs[0] * (rise + zigzag[k]),
+                        signs[1] * (rise + apart[k]),
+                    ];
+                    row.rotate_right(leading);
+                    row
+                };
+                let found = sorted([5, 0, 3, 7, 1, 6, 2, 4].map(row).to_vec());
+                let (first, last) = (found[0][leading], found[7][leading]);
+                assert!(first < last, "{leading} {signs:?}: {found:?}");
+            }
+        }
+    }
+
     #[test]
     fn wrong_samples_are_refused() {
         assert!(Joint::new(vec![0], Vec::new()).is_err());
