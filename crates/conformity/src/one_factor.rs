@@ -52,7 +52,7 @@ impl OneFactor {
         })
     }
 
-    /// The probability that all numbers lie between their limits.
+    /// The probability that every one of the correlated numbers lies between its own limits.
     pub(super) fn probability(&self, lower: &[f64], upper: &[f64]) -> f64 {
         let numbers = || self.loadings.iter().zip(lower.iter().zip(upper));
         let (mut from, mut to) = (-FAR, FAR);

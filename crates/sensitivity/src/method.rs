@@ -117,7 +117,7 @@ pub trait FromPoints: Sync {
     fn shown(&self, told: &Told) -> Vec<Measure>;
 }
 
-/// A number a parameter, as it is shown.
+/// A number per parameter, as it is shown.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measure {
     /// Its name.

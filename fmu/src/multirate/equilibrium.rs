@@ -80,7 +80,7 @@ const LOOKS: usize = 60;
 /// Bounds of the time between two looks: in turns, and in s.
 const LEAST_TURNS: f64 = 10.0;
 const LONGEST: f64 = 1e8;
-/// The error allowed in each temperature per step on the way, K.
+/// The error allowed in each temperature per step, K, on the way to an equilibrium.
 const WAY_ERROR: f64 = 0.05;
 /// No oil is left at this temperature, K.
 const HOTTEST: f64 = 1000.0;

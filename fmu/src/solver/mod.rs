@@ -65,7 +65,7 @@ pub struct Budget {
 }
 
 impl Budget {
-    /// A fixed number of steps, however far they get.
+    /// A fixed number of steps, whatever time they cover.
     pub const fn of(steps: usize) -> Self {
         Self {
             at_once: steps,

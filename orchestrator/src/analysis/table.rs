@@ -11,7 +11,7 @@ pub struct ParameterColumn {
     pub unit: String,
     /// The distribution it was sampled from, for people; empty when unknown.
     pub distribution: String,
-    /// One value a point.
+    /// One value per point.
     pub values: Vec<f64>,
 }
 
@@ -32,7 +32,7 @@ pub struct CriterionColumn {
     pub upper: f64,
     /// The group of criteria that it is counted with.
     pub group: Option<String>,
-    /// One value a point; not a number where there is none. A point may have failed and yet have values of some criteria.
+    /// One value per point; not a number where there is none. A point may have failed and yet have values of some criteria.
     pub values: Vec<f64>,
     /// Whether the point meets the criterion.
     pub ok: Vec<bool>,

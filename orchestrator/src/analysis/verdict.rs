@@ -24,7 +24,7 @@ pub struct PassCounts {
     pub verified: Fraction,
     /// Points that were not simulated to their end; they count as not verified.
     pub failed: usize,
-    /// One interval a criterion.
+    /// One interval per criterion.
     pub criteria: Vec<CriterionVerdict>,
     /// Passes of all criteria of a group, by group name.
     pub groups: Vec<(String, Fraction)>,

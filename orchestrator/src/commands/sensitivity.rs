@@ -270,7 +270,7 @@ fn keep_runs(folder: &Path, rows: &PointTable) -> Result<(), CommandError> {
     Ok(())
 }
 
-/// A table an output.
+/// A table per output.
 fn text(result: &Sensitivity) -> String {
     let mut out = format!("{}\n", result.method);
     for warning in &result.warnings {

@@ -138,7 +138,7 @@ pub(super) struct Policy {
     tool: bool,
     /// The most independent processes: new ones, or new ones with a folder each where the FMU changes its folder.
     strictest: Separation,
-    /// All points are computed as in audits.
+    /// Whether every point runs as strictly as an audited one: in a process of its own.
     auditing: bool,
     /// The points that are computed twice in any case; none where nothing is audited.
     repeats: OnceLock<Repeats>,

@@ -292,7 +292,7 @@ impl Reader<'_> {
         }
     }
 
-    /// A row of a trajectory: the time, and a value a column.
+    /// A row of a trajectory: the time, and a value per column.
     pub(super) fn row(&mut self, columns: &[Handle]) -> Option<(f64, Vec<Value>)> {
         let time = f64::from_le_bytes(self.array()?);
         let value = |column: &Handle| self.value(column.content);

@@ -17,7 +17,7 @@ use super::problem::{NoPrediction, Prediction, Problem, Query, Simulate};
 /// How derivatives are taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Differences {
-    /// One simulation an unknown.
+    /// One simulation per unknown.
     Forward,
     /// Two simulations an unknown, with an error of second order.
     Central,

@@ -154,11 +154,11 @@ pub struct LatentOutcome {
 pub struct Residual {
     /// The quantity.
     pub quantity: String,
-    /// Measured values.
+    /// The measured value.
     pub measured: f64,
-    /// The model's values.
+    /// The value that the model predicts.
     pub predicted: f64,
-    /// The difference.
+    /// The prediction minus the measured value.
     pub difference: f64,
     /// The accuracy of the measurement; a discrepancy of the model is part of it.
     pub accuracy: f64,

@@ -219,7 +219,7 @@ impl Problem {
     }
 }
 
-/// Where a prediction is wanted.
+/// The values for which an output is to be predicted.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Query {
     /// The case.

@@ -10,7 +10,7 @@ use serde::Serialize;
 pub struct Cases {
     /// The criteria's names, each once.
     pub criteria: Vec<String>,
-    /// A row a case.
+    /// A row per case.
     pub rows: Vec<CaseRow>,
 }
 

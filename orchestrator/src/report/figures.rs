@@ -386,7 +386,7 @@ pub struct Series {
     pub unit: String,
     /// Times, s, ascending.
     pub time: Vec<f64>,
-    /// One value a time.
+    /// One value per time.
     pub values: Vec<f64>,
     /// The accepted interval of a criterion computed from it, in the same unit, if there is one.
     pub accepted: Option<[f64; 2]>,

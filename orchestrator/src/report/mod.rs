@@ -140,9 +140,9 @@ pub struct Intervals {
     pub method: String,
     /// Interval for the points that meet all criteria; none of a grid.
     pub verified: Option<[f64; 2]>,
-    /// One interval a criterion.
+    /// One interval per criterion.
     pub criteria: Vec<Option<[f64; 2]>>,
-    /// One a group of criteria, by its name.
+    /// One interval per group of criteria, with the group's name.
     pub groups: Vec<(String, Option<[f64; 2]>)>,
 }
 

@@ -11,7 +11,7 @@ use curves::{Curve, Metric};
 pub struct Measured {
     /// Times, s, ascending.
     pub time: Vec<f64>,
-    /// One value a time.
+    /// One value per time.
     pub values: Vec<f64>,
     /// The expanded uncertainty of each value; empty where it is not stated.
     pub uncertainty: Vec<f64>,

@@ -49,16 +49,16 @@ pub struct Payload {
     ids: Part,
     /// Whether a guard band acts, so that fewer points are accepted than lie within all tolerances.
     guarded: bool,
-    /// A byte a point: accepted.
+    /// A byte per point: accepted.
     verified: Part,
-    /// A byte a point: simulated to its end.
+    /// A byte per point: simulated to its end.
     completed: Part,
     /// The conformance probabilities, 32-bit floats of five digits, where they are known.
     conformance: Option<Part>,
     density: Option<Density>,
     /// The study to be changed, where the points can be judged in the page.
     study: Option<WhatIf>,
-    /// A byte a point: of an even choice of all points, which is what can be judged where not all are embedded.
+    /// A byte per point: of an even choice of all points, which is what can be judged where not all are embedded.
     sample: Option<Part>,
 }
 
@@ -81,14 +81,14 @@ struct Acceptance {
     upper: Option<f64>,
     /// The tolerance interval drawn in by the guard band, where one acts and anything is left.
     drawn_in: Option<[f64; 2]>,
-    /// A byte a point.
+    /// A byte per point.
     ok: Part,
 }
 
 #[derive(Serialize)]
 struct Density {
     bins: usize,
-    /// By "x,y" (column indices, x below y): a byte a cell.
+    /// By "x,y" (column indices, x below y): a byte per cell.
     all: BTreeMap<String, Part>,
     verified: BTreeMap<String, Part>,
     /// Points in the fullest cell: of all, of the accepted ones.
@@ -101,7 +101,7 @@ pub struct PlotColumn<'a> {
     pub name: &'a str,
     /// Its unit.
     pub unit: &'a str,
-    /// One value a point.
+    /// One value per point.
     pub values: &'a [f64],
     /// The accepted interval; infinite for parameters.
     pub accepted: [f64; 2],

@@ -43,7 +43,7 @@ const NOWHERE: u64 = u64::MAX;
 /// Files are shorter than 2^62 bytes.
 const SEPARATION: u32 = 62;
 
-/// One position a point, 8 bytes each.
+/// One position per point, 8 bytes each.
 fn places(folder: &Path, points: u64) -> Result<Vec<u64>, ResultsError> {
     let mut places = Vec::new();
     let count = usize::try_from(points).unwrap_or(usize::MAX);

@@ -1,4 +1,4 @@
-//! `points.csv`: a row a point.
+//! `points.csv`: a row per point.
 
 use std::borrow::Cow;
 use std::io::{self, Read, Write};
@@ -177,9 +177,9 @@ pub enum PointsError {
 pub struct Points {
     /// The points' numbers.
     pub labels: Vec<u64>,
-    /// A column a parameter, in the order of [`Summary::parameters`].
+    /// A column per parameter, in the order of [`Summary::parameters`].
     pub parameters: Vec<Vec<f64>>,
-    /// A column a criterion, in the order of [`Summary::criteria`]; not a number where the point has no value. One that
+    /// A column per criterion, in the order of [`Summary::criteria`]; not a number where the point has no value. One that
     /// failed may have values of some criteria.
     pub values: Vec<Vec<f64>>,
     /// Whether the criterion is met, in the same order.

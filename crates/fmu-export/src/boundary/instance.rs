@@ -25,7 +25,7 @@ pub struct Instance<M> {
     pub fingerprint: u128,
     /// The version of the standard that the host uses.
     pub version: Version,
-    /// How the host looks into communication steps, if it does.
+    /// The callback by which the host sees values within communication steps, if it asked for one.
     pub watch: Option<Watch<M>>,
     resources: Option<PathBuf>,
 }

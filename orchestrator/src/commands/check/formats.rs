@@ -11,7 +11,7 @@ use super::rules::RULES;
 /// Of one rule, people read no more findings than this.
 const MANY: usize = 20;
 
-/// A line a finding, the worst first. What is one rule's over and over is counted at the end.
+/// A line per finding, the worst first. What is one rule's over and over is counted at the end.
 pub(super) fn text(fmu: &Path, findings: &[Finding]) -> String {
     let count = |severity| {
         findings

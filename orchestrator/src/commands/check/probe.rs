@@ -65,7 +65,7 @@ pub(super) struct Report {
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Run {
     pub(super) times: Vec<f64>,
-    /// A row a time: the bits of each column's value; of a text its hash.
+    /// A row per time: the bits of each column's value; of a text its hash.
     pub(super) rows: Vec<Vec<u64>>,
     pub(super) ended: Option<f64>,
     pub(super) warnings: u64,
