@@ -14,7 +14,7 @@ use crate::analysis::verdict::{PassCounts, verdict};
 use crate::results::words::capitalised;
 use base64::{Engine, engine::general_purpose::STANDARD};
 use conformity::decision::Decision;
-use minijinja::{Environment, value::Serde};
+use minijinja::{Environment, HtmlEscape, Value, value::Serde};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -140,6 +140,7 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
     let decision = decision(report, &counted);
 
     let mut environment = Environment::new();
+    environment.add_filter("marked", marked);
     environment.add_template("report.html", include_str!("assets/report.html"))?;
     let page = Page {
         study: &report.study,
@@ -322,6 +323,26 @@ pub fn plots(report: &Report) -> Vec<(String, String)> {
     plots
 }
 
+/// A message as HTML: what the terminal shows between backticks is code, and a warning is told by its first word.
+fn marked(text: &str) -> Value {
+    let mut html = String::new();
+    let mut rest = text;
+    if let Some(warning) = rest.strip_prefix("Warning:") {
+        html.push_str("<strong>Warning:</strong>");
+        rest = warning;
+    }
+    // A backtick without a second one stays what it is.
+    while let Some((before, (code, after))) = rest
+        .split_once('`')
+        .and_then(|(before, from)| Some((before, from.split_once('`')?)))
+    {
+        html += &format!("{}<code>{}</code>", HtmlEscape(before), HtmlEscape(code));
+        rest = after;
+    }
+    html += &HtmlEscape(rest).to_string();
+    Value::from_safe_string(html)
+}
+
 /// JSON that cannot end the script element it stands in.
 fn script_safe(json: &str) -> String {
     json.replace('<', "\\u003c")
@@ -462,6 +483,20 @@ fn expected(points: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn messages_are_escaped_and_their_code_is_marked() {
+        let told = |text: &str| marked(text).to_string();
+        assert_eq!(
+            told("Warning: T<1: use `statistic = \"mean\"` with a `window`"),
+            "<strong>Warning:</strong> T&lt;1: use <code>statistic = &quot;mean&quot;</code> with a <code>window</code>"
+        );
+        assert_eq!(
+            told("`<b>` and one ` alone & more"),
+            "<code>&lt;b&gt;</code> and one ` alone &amp; more"
+        );
+        assert_eq!(told("a Warning: inside"), "a Warning: inside");
+    }
 
     #[test]
     fn data_cannot_end_its_script() {
