@@ -82,7 +82,7 @@ pub enum Command {
     },
     /// Writes the report of a finished study again
     Report(Report),
-    /// Tells which parameter matters: Sobol indices, Morris screening, rank correlation, PAWN
+    /// Tells which parameter matters: Sobol indices, Shapley effects, Morris screening, ranks, PAWN
     Sensitivity(Sensitivity),
     /// Tells how far parameters may move: maps, largest box and ellipsoid, margins
     Robustness(Robustness),

@@ -122,4 +122,16 @@ fn an_arrow_up_and_a_circle_are_found() {
         tree.arrows()
             .any(|arrow| arrow == ("low.rs", "high/part.rs", "Part"))
     );
+    // A name that is handed on is used, and so is one within a macro, and one that only tests do without.
+    for text in [
+        "pub(crate) use crate::high::part::Part;",
+        "fn f() { println!(\"{}\", crate::high::part::g()); }",
+        "#[cfg(not(test))]\nuse crate::high::part::Part;",
+    ] {
+        write("low.rs", text);
+        let tree = Tree::read(folder.path());
+        let mut arrows = tree.arrows();
+        let found = arrows.any(|(from, to, _)| (from, to) == ("low.rs", "high/part.rs"));
+        assert!(found, "{text}");
+    }
 }

@@ -66,6 +66,10 @@ def known(name):
             if outcome["scenario"] != "Baseline":
                 mutant = outcome["scenario"]["Mutant"]
                 mutants[mutant["name"]] = [place(mutant), outcome["summary"]]
+    now = folder / "now.json"
+    if now.is_file():
+        names = {mutant["name"] for mutant in json.loads(now.read_text(encoding="utf-8"))}
+        mutants = {name: known for name, known in mutants.items() if name in names}
     store.write_text(json.dumps(mutants, indent=1) + "\n", encoding="utf-8")
     return mutants
 

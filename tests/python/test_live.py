@@ -107,7 +107,6 @@ CHANGE = {"parameters": {"bearing.radialClearance": {"mean": 0.0215, "deviation"
 def fresh(browser, page, folder, change=CHANGE, times=1):  # noqa: F811
     """Fresh points of the page, the summary of the program for the same ones, and the largest relative deviation."""
     browser.get(page.as_uri())
-    browser.set_script_timeout(300)
     asked = [browser.execute_async_script(ASK, change) for _ in range(times)]
     found = asked[-1]
     assert not isinstance(found, str), found
@@ -211,7 +210,6 @@ def test_a_module_that_computes_something_else_is_not_believed(browser, tmp_path
     assert count == 1
     page.write_text(text)
     browser.get(page.as_uri())
-    browser.set_script_timeout(60)
     wait = "const done = arguments[0]; Live.checked().then(() => done('believed'), error => setTimeout(() => done(document.querySelector('#whatif .caution').textContent), 200))"
     assert re.search(r"does not give the study's own points: T_bearing of point 1 is \d", browser.execute_async_script(wait))
     found = browser.execute_script("return WhatIf.ask(arguments[0])", CHANGE)
@@ -228,7 +226,6 @@ def test_a_slider_simulates_and_the_mouse_draws(browser, tmp_path, module):  # n
       const text = document.querySelector('#whatif .caution').textContent;
       if (text.includes('fresh points of the changed') || Date.now() - begun > 60000) done(text); else setTimeout(look, 50);
     }; look()"""
-    browser.set_script_timeout(90)
     assert "From 2000 fresh points" in browser.execute_async_script(wait)
     assert browser.execute_script("return document.querySelector('#whatif .outcome').textContent").startswith("What if: ")
     # The plots count their own points, not the fresh ones.
@@ -274,7 +271,6 @@ def test_a_module_that_does_not_work_leaves_the_weights_and_the_page_says_why(br
       const text = document.querySelector('#whatif .caution').textContent;
       if (/could not|simulated here/.test(text) || Date.now() - begun > 120000) done(text); else setTimeout(look, 50);
     }; look()"""
-    browser.set_script_timeout(150)
     told = browser.execute_async_script(wait)
     assert "Other distributions by weights" in told and trouble in told
     assert browser.get_log("browser") == []
@@ -287,7 +283,6 @@ def test_points_that_fail_are_counted_and_the_page_says_so(browser, tmp_path, mo
     program("verify", tmp_path / "study.toml", "--output", tmp_path / "out")
     assert program("report", tmp_path / "out", "--live").returncode == 0
     browser.get((tmp_path / "out" / "report.html").as_uri())
-    browser.set_script_timeout(120)
     found = browser.execute_async_script(ASK, {"parameters": {"bearing.radialClearance": {"mean": 0.006, "deviation": 0.005}}})
     outside = sum(value < 0 for value in found["parameters"][0])
     assert found["failed"] >= outside > 50
@@ -298,7 +293,6 @@ def test_points_that_fail_are_counted_and_the_page_says_so(browser, tmp_path, mo
 def test_what_a_cut_leaves_of_a_distribution_is_drawn_at_once(browser, page):  # noqa: F811
     """Beyond six deviations, of which one in 10^9 numbers lies; by rejection that takes hours."""
     browser.get(page.as_uri())
-    browser.set_script_timeout(30)
     draw = """const [min, max] = arguments; let seed = 0.5;
       const uniform = () => { seed = (seed + 0.6180339887498949) % 1; return seed; };
       return Array.from({ length: 2000 }, () => Live.drawn({ distribution: 'truncated-normal', mean: 10, deviation: 2, min, max }, uniform))"""
@@ -389,7 +383,6 @@ def test_a_drag_over_20000_points_gives_the_verdict_of_judge(browser, tmp_path, 
     print(f"20,000 points, 8 parameters, 8 criteria: {without / 1e6:.2f} MB, with the module {page.stat().st_size / 1e6:.2f} MB")
     assert without <= 2.5e6 and page.stat().st_size <= 3.5e6
     browser.get(page.as_uri())
-    browser.set_script_timeout(60)
     print(f"verdict, counts and table after a drag: {sorted(round(t) for t in browser.execute_async_script(DRAG, 0.1))} ms, two pictures included")
     for change in ({}, {"criteria": {"T_bearing": {"nominal": 81.7, "tolerance": 0.5}, "P": {"expanded": 2.0}}},
                    {"share": 0.2, "criteria": {"F": {"nominal": 780, "tolerance": 120}, "h": {"tolerance": 0.25}}}):

@@ -34,7 +34,6 @@ def simulated(fmu, folder, **values):
 def test_the_page_shows_what_the_fmu_computes(browser, tmp_path, module):  # noqa: F811
     subprocess.run([sys.executable, ROOT / "scripts/playground"], check=True)
     browser.get((ROOT / "dist/playground.html").as_uri())
-    browser.set_script_timeout(90)
     for change, settings in (("", {}), (SPEED, {"drive__speed": "1500 rpm"})):
         browser.execute_script(change)
         state, found = browser.execute_async_script(STATE)

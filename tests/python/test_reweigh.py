@@ -66,7 +66,6 @@ def test_verdicts_by_weights_are_those_of_the_changed_space(browser, tmp_path, k
     table(tmp_path / "table.csv")
     judged(tmp_path / "first", STUDY)
     browser.get((tmp_path / "first" / "out" / "report.html").as_uri())
-    browser.set_script_timeout(120)
     counts = browser.execute_script(TRIAL, size, 150, kind)
     print(f"{kind}, {size} points: {counts}")
     assert counts["verified"] > 5, "some changes must be decided"

@@ -255,7 +255,6 @@ def test_weighted_shares_lie_in_their_intervals(browser, tmp_path, size, paramet
     table(tmp_path / "table.csv")
     judged(tmp_path / "first", STUDY)
     browser.get((tmp_path / "first" / "out" / "report.html").as_uri())
-    browser.set_script_timeout(120)
     held, judged_studies, above = browser.execute_script(TRIAL, size, parameters, studies, tail)
     place = "in a tail" if tail else "in a band"
     print(f"{size} points, {parameters} parameters, {place}: {held} of {judged_studies} intervals hold the true share, "

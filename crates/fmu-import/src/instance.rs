@@ -87,8 +87,12 @@ impl Instance {
     ///
     /// # Errors
     /// When the FMU refuses.
+    ///
+    /// # Panics
+    /// When there are not as many places as references.
     #[inline(never)]
     pub fn reals(&mut self, references: &[u32], into: &mut [f64]) -> Result<(), Call> {
+        assert_eq!(references.len(), into.len(), "a place for each reference");
         self.simulation.reals(&mut self.caller, references, into)
     }
 

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use libloading::Library as Loaded;
+use tempfile::TempDir;
 
 use crate::archive;
 use crate::call::Call;
@@ -52,11 +53,17 @@ pub struct Library {
     name: String,
     once: bool,
     binary: PathBuf,
+    /// The folder with its resources, which it may read at any time; none where that is not removed.
+    _unpacked: Option<Arc<TempDir>>,
 }
 
 impl Library {
-    /// Loads the binary of an unpacked FMU.
-    pub(crate) fn load(folder: &Path, description: &Description) -> Result<Self, LibraryError> {
+    /// Loads the binary of an unpacked FMU, in a folder that is removed with the last user of `unpacked`.
+    pub(crate) fn load(
+        folder: &Path,
+        unpacked: Option<Arc<TempDir>>,
+        description: &Description,
+    ) -> Result<Self, LibraryError> {
         let version = description.standard;
         let resources = folder.join("resources");
         let resources = match version {
@@ -97,6 +104,7 @@ impl Library {
             continuous: Arc::new(continuous_inputs(description)),
             name: description.model_name.clone(),
             binary,
+            _unpacked: unpacked,
         })
     }
 

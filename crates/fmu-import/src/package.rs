@@ -63,7 +63,7 @@ pub struct Package {
     archive: Archive,
     description: Description,
     /// Where it was unpacked, and how that folder was then.
-    unpacked: Option<(TempDir, Snapshot)>,
+    unpacked: Option<(Arc<TempDir>, Snapshot)>,
 }
 
 impl Package {
@@ -166,7 +166,7 @@ impl Package {
 
     /// Unpacks what a simulation on this platform needs into a new folder within `parent`, and returns that. One that
     /// is there already is used again, unless the FMU has changed anything in it. The folder is removed with the
-    /// package.
+    /// package and the libraries that were loaded from it.
     ///
     /// # Errors
     /// When there is no binary for this platform, when the archive is unsafe or damaged, and when
@@ -178,7 +178,7 @@ impl Package {
         let (folder, then) = match kept {
             Some(kept) => kept,
             None => {
-                let folder = self.unpack_anew(parent)?;
+                let folder = Arc::new(self.unpack_anew(parent)?);
                 let then = Snapshot::of(folder.path());
                 (folder, then)
             }
@@ -216,7 +216,8 @@ impl Package {
         binary.exists().then_some(binary)
     }
 
-    /// Unpacks the FMU, unless it is a folder, and loads its binary into this process.
+    /// Unpacks the FMU, unless it is a folder, and loads its binary into this process. The library keeps the files that it
+    /// may read later, also when the package is gone.
     ///
     /// # Errors
     /// As [`unpack`](Self::unpack), and when the binary cannot be loaded.
@@ -225,11 +226,12 @@ impl Package {
             Some(folder) => folder.to_owned(),
             None => self.unpack(&std::env::temp_dir())?,
         };
-        let library =
-            Library::load(&folder, &self.description).map_err(|source| FmuError::Library {
-                path: self.path.clone(),
-                source,
-            })?;
+        let unpacked = self.unpacked.as_ref().map(|(folder, _)| Arc::clone(folder));
+        let library = Library::load(&folder, unpacked, &self.description);
+        let library = library.map_err(|source| FmuError::Library {
+            path: self.path.clone(),
+            source,
+        })?;
         Ok(Arc::new(library))
     }
 }

@@ -2,6 +2,8 @@
 #![allow(clippy::unwrap_used)]
 
 use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::Arc;
 
@@ -51,6 +53,38 @@ fn stepped(library: &Arc<Library>, steps: i32) -> (Instance, State) {
     }
     let state = instance.save().unwrap();
     (instance, state)
+}
+
+/// The FMU as one file.
+fn packed(folder: &Path) -> PathBuf {
+    let file = folder.join("counter.fmu");
+    let mut archive = zip::ZipWriter::new(fs::File::create(&file).unwrap());
+    let binary = format!("binaries/{PLATFORM}/counter.so");
+    for entry in ["modelDescription.xml", &binary] {
+        let options = zip::write::SimpleFileOptions::default();
+        archive.start_file(entry, options).unwrap();
+        archive
+            .write_all(&fs::read(folder.join(entry)).unwrap())
+            .unwrap();
+    }
+    archive.finish().unwrap();
+    file
+}
+
+/// An FMU may read its resources at any time, also when nobody needs its description any more.
+#[test]
+fn a_library_keeps_its_files() {
+    let (folder, _) = counter();
+    let parent = tempfile::tempdir().unwrap();
+    let mut package = Package::open(&packed(folder.path())).unwrap();
+    let unpacked = package.unpack(parent.path()).unwrap();
+    let library = package.load().unwrap();
+    drop(package);
+    let instance = started(&library);
+    drop(library);
+    assert!(unpacked.join("modelDescription.xml").exists());
+    drop(instance);
+    assert!(!unpacked.exists());
 }
 
 #[test]
@@ -182,7 +216,7 @@ fn all_missing_libraries_are_named() {
         .join("binaries")
         .join(PLATFORM)
         .join("counter.so");
-    let compile = |arguments: &[&str], output: &std::path::Path| {
+    let compile = |arguments: &[&str], output: &Path| {
         let status = Command::new("cc")
             .current_dir(folder.path())
             .args(["-shared", "-fPIC", "-x", "c", "/dev/null", "-o"])

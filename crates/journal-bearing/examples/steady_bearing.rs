@@ -6,7 +6,8 @@
 //! method, the Reynolds equation with `p >= 0`, and the Reynolds equation with mass-conserving cavitation; and of the last,
 //! smallest gap, largest pressure, friction coefficient and oil flow.
 //!
-//! The first two agree with the tables of Raimondi & Boyd (1958), which assume oil wherever the pressure can rise. The
+//! The first two agree with the tables of Raimondi & Boyd (1958) but for the attitude angle, about two degrees, since in
+//! those the pressure is zero where the gap is widest. The
 //! mass-conserving film has no supply groove here: oil enters only at the ends, from a bath 1 bar above the cavities. It runs
 //! starved at light loads, closer to the load line. Change the constants to your bearing.
 

@@ -204,7 +204,7 @@ static COSINES: LazyLock<[f64; QUADRATURE + 1]> =
     LazyLock::new(|| std::array::from_fn(|k| (PI * k as f64 / QUADRATURE as f64).cos()));
 
 impl ContactTable {
-    /// Tabulates the contact of a bearing with radial clearance, width and diameter in m.
+    /// Tabulates the contact of a bearing with radial clearance, width and diameter in m, all positive.
     pub fn new(surface: &Surface, clearance: f64, width: f64, diameter: f64) -> Self {
         if surface.roughness <= 0.0 || surface.pressure_scale() <= 0.0 {
             return Self::default();

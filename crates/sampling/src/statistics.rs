@@ -25,6 +25,7 @@ use serde::{Deserialize, Serialize};
 
 use collect::Collect;
 
+pub use collect::Trend;
 pub use crossing::Direction;
 pub use periods::MeanOverPeriods;
 pub use share::wilson;
@@ -69,6 +70,20 @@ macro_rules! statistics {
             pub fn is_since_first(self) -> bool {
                 match self {
                     $(Self::$statistic => <$collector>::SINCE_FIRST,)*
+                }
+            }
+
+            /// Whether it means nothing for a variable that jumps between whole numbers.
+            pub fn needs_lines(self) -> bool {
+                match self {
+                    $(Self::$statistic => <$collector>::NEEDS_LINES,)*
+                }
+            }
+
+            /// How it changes when the signal moves on after the last value.
+            pub fn trend(self) -> Trend {
+                match self {
+                    $(Self::$statistic => <$collector>::TREND,)*
                 }
             }
         }
@@ -186,6 +201,51 @@ mod tests {
         close(Statistic::Final, 3.0);
     }
 
+    #[test]
+    fn the_oscillation_of_a_sine_is_the_sine() {
+        let of = |statistic| of_sine(5.0, statistic).result(1.0);
+        assert!((of(Statistic::Frequency) - 5.0).abs() < 1e-6);
+        assert!((of(Statistic::OscillationAmplitude) - 2.0).abs() < 1e-6);
+        let mut line = Accumulator::new(Statistic::OscillationAmplitude);
+        line.add_all([(0.0, 3.0), (1.0, 5.0), (2.0, 9.0)].into_iter());
+        assert_eq!(line.result(3.0), 0.0);
+    }
+
+    /// What studies' units, checks and warnings rest on.
+    #[test]
+    fn statistics_say_what_they_are() {
+        use Statistic::*;
+        let those = |is: fn(Statistic) -> bool| -> Vec<Statistic> {
+            let known = [
+                Final,
+                Mean,
+                Min,
+                Max,
+                Rms,
+                Amplitude,
+                Slope,
+                Percentile,
+                Crossing,
+                Frequency,
+                OscillationAmplitude,
+            ];
+            known.into_iter().filter(|s| is(*s)).collect()
+        };
+        let differences = [Amplitude, Slope, OscillationAmplitude];
+        assert_eq!(those(Statistic::is_difference), differences);
+        assert_eq!(those(Statistic::is_since_first), [Crossing]);
+        assert_eq!(
+            those(Statistic::needs_lines),
+            [Frequency, OscillationAmplitude]
+        );
+        assert_eq!(those(|s| s.unit().is_some()), [Crossing, Frequency]);
+        let of_signal = those(|s| s.trend() == Trend::OfSignal);
+        assert_eq!(of_signal, [Final, Mean, Rms]);
+        let of_extremes = those(|s| s.trend() == Trend::OfExtremes);
+        assert_eq!(of_extremes, [Min, Max, Amplitude]);
+        assert_eq!([Crossing.unit(), Frequency.unit()], [Some("s"), Some("Hz")]);
+    }
+
     /// Two straight lines, 1 s and 3 s long; the mean of a line's squares is not that of its ends.
     #[test]
     fn statistics_of_a_broken_line_are_those_of_trapezoids() {
@@ -223,6 +283,10 @@ mod tests {
         let mut line = Accumulator::new(Statistic::Slope);
         line.add_all([(0.0, 1e6), (0.5, 1e6 + 1.0), (2.5, 1e6 + 6.0)].into_iter());
         assert!((line.result(3.0) - 2.0).abs() < 1e-12);
+        // A large offset takes nothing from it.
+        let mut far = Accumulator::new(Statistic::Slope);
+        far.add_all([(0.0, 1e15), (0.5, 1e15 + 1.0), (2.5, 1e15 + 6.0)].into_iter());
+        assert_eq!(far.result(3.0), line.result(3.0));
         let mut bend = Accumulator::new(Statistic::Slope);
         bend.add_all([(0.0, 1.0), (1.0, 0.0), (3.0, 3.0)].into_iter());
         assert!(
@@ -254,6 +318,7 @@ mod tests {
         for (percent, expected) in [
             (0.0, 0.0),
             (6.25, 1.0),
+            (9.375, 1.5),
             (12.5, 2.0),
             (12.5 + 75.0 / 4.0, 3.0),
             (50.0, 4.0),
@@ -266,6 +331,10 @@ mod tests {
                 of(percent)
             );
         }
+        // Where the signal jumps, the least value that it does not exceed for the share counts.
+        let mut jump = Accumulator::percentile(25.0);
+        jump.add_all([(0.0, 0.0), (1.0, 0.0), (0.0, 4.0), (3.0, 4.0)].into_iter());
+        assert_eq!(jump.result(4.0), 0.0);
         let mut one = Accumulator::percentile(95.0);
         one.add(0.0, -3.0);
         assert_eq!(one.result(0.0), -3.0);
@@ -336,22 +405,22 @@ mod tests {
             .iter()
             .map(|statistic| statistic.name())
             .collect();
-        assert_eq!(
-            names,
-            [
-                "final",
-                "mean",
-                "min",
-                "max",
-                "rms",
-                "amplitude",
-                "slope",
-                "percentile",
-                "crossing",
-                "frequency",
-                "oscillation-amplitude"
-            ]
-        );
+        for name in [
+            "final",
+            "mean",
+            "min",
+            "max",
+            "rms",
+            "amplitude",
+            "slope",
+            "percentile",
+            "crossing",
+            "frequency",
+            "oscillation-amplitude",
+        ] {
+            assert!(names.iter().any(|known| known == name), "{name}");
+        }
+        assert_eq!(Statistic::default().name(), "final");
     }
 
     #[test]

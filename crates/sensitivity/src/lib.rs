@@ -1,7 +1,8 @@
 //! Global sensitivity analysis: which parameter of a model matters, and how much, with intervals.
 //!
-//! One method a file. [`sobol`], [`morris`] and [`shapley`] need runs of their own design ([`method::FromRuns`]); [`rank`],
-//! [`pawn`] and [`regional`] work on any points that already exist ([`method::FromPoints`]). A failed run (a value that is
+//! One method a file. [`sobol`], [`morris`] and [`shapley`] need runs of their own design ([`method::FromRuns`]); [`rank`]
+//! and [`pawn`] work on any points that already exist ([`method::FromPoints`]), and so does [`regional`], which compares two
+//! classes of points. A failed run (a value that is
 //! not finite) is left out with the comparisons that need it. The result says how many there were, what the numbers then
 //! mean, and between which bounds they would lie if the failed runs had values ([`lost`]).
 
@@ -43,7 +44,7 @@ pub struct Estimate {
 }
 
 /// JSON has no word for a number that is none but `null`.
-fn or_not_a_number<'de, D: serde::Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+pub(crate) fn or_not_a_number<'de, D: serde::Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
     Ok(Option::deserialize(from)?.unwrap_or(f64::NAN))
 }
 

@@ -79,6 +79,9 @@ pub trait FromRuns: Sync {
     /// The size where none is asked for.
     fn usual_size(&self) -> u64;
 
+    /// The least size at which its intervals were tried on functions with known indices.
+    fn tried_size(&self) -> u64;
+
     /// Whether it keeps correlated parameters together.
     fn takes_correlations(&self) -> bool {
         false

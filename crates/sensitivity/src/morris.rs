@@ -39,6 +39,10 @@ impl FromRuns for Morris {
         20
     }
 
+    fn tried_size(&self) -> u64 {
+        10
+    }
+
     fn runs(&self, space: &Space, size: u64) -> u64 {
         size * (space.parameters as u64 + 1)
     }
@@ -115,6 +119,7 @@ pub fn design(parameters: usize, trajectories: usize, levels: usize, seed: u64) 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Effect {
     /// Mean effect: the output's change for a parameter's change over its whole range.
+    #[serde(deserialize_with = "crate::or_not_a_number")]
     pub mu: f64,
     /// Mean of the effects' magnitudes: importance, with its interval.
     pub mu_star: Estimate,
@@ -123,6 +128,7 @@ pub struct Effect {
     #[serde(default)]
     pub mu_star_bounds: Option<[f64; 2]>,
     /// Standard deviation of the effects: large where the parameter interacts or acts non-linearly.
+    #[serde(deserialize_with = "crate::or_not_a_number")]
     pub sigma: f64,
     /// The number of effects; steps from or to a failed run have none.
     pub used: usize,
@@ -138,7 +144,8 @@ struct Found {
 
 /// Computes the effects from the rows of [`design`] and their outputs.
 ///
-/// Returns `None` where there is no parameter, the lengths do not match, or a parameter has fewer than two effects.
+/// A parameter with fewer than two effects has no numbers: failed runs took the others. Returns `None` where there is no
+/// parameter, the lengths do not match, or no parameter has two effects.
 pub fn effects(rows: &[Vec<f64>], outputs: &[f64]) -> Option<Vec<Effect>> {
     let parameters = rows.first()?.len();
     let fits = rows.len() == outputs.len() && rows.len().is_multiple_of(parameters + 1);
@@ -148,26 +155,45 @@ pub fn effects(rows: &[Vec<f64>], outputs: &[f64]) -> Option<Vec<Effect>> {
     let known = || outputs.iter().copied().filter(|v| v.is_finite());
     let low = known().fold(f64::INFINITY, f64::min);
     let high = known().fold(f64::NEG_INFINITY, f64::max);
-    let mut found = vec![Found::default(); parameters];
+    let mut all = vec![Found::default(); parameters];
     for k in (1..rows.len()).filter(|k| k % (parameters + 1) != 0) {
         let changed = (0..parameters).find(|&i| rows[k][i] != rows[k - 1][i])?;
         let step = rows[k][changed] - rows[k - 1][changed];
         let effect = (outputs[k] - outputs[k - 1]) / step;
         if effect.is_finite() {
-            found[changed].effects.push(effect);
+            all[changed].effects.push(effect);
             continue;
         }
         let ends = [outputs[k - 1], outputs[k]].into_iter();
         let widest = ends
             .filter(|v| v.is_finite())
             .fold(high - low, |_, end| (high - end).max(end - low));
-        found[changed].lost.push((widest / step).abs());
+        all[changed].lost.push((widest / step).abs());
     }
     // The size of every effect that is not 0, of an output that is pass or fail.
     let pass_or_fail = known().all(|v| v == low || v == high);
     let step = rows[1].iter().zip(&rows[0]).map(|(to, from)| to - from);
     let jump = pass_or_fail.then(|| (high - low) / step.sum::<f64>().abs());
-    found.iter().map(|found| summary(found, jump)).collect()
+    let found: Vec<Option<Effect>> = all.iter().map(|found| summary(found, jump)).collect();
+    found.iter().any(Option::is_some).then(|| {
+        let unknown = |(found, lost): (Option<Effect>, &Found)| {
+            found.unwrap_or_else(|| Effect::unknown(lost.effects.len()))
+        };
+        found.into_iter().zip(&all).map(unknown).collect()
+    })
+}
+
+impl Effect {
+    /// Too few effects for any number.
+    fn unknown(used: usize) -> Self {
+        Self {
+            mu: f64::NAN,
+            mu_star: Estimate::around(f64::NAN, f64::NAN),
+            mu_star_bounds: None,
+            sigma: f64::NAN,
+            used,
+        }
+    }
 }
 
 fn summary(Found { effects, lost }: &Found, jump: Option<f64>) -> Option<Effect> {
@@ -305,6 +331,21 @@ mod tests {
         let bounds: Vec<_> = e.iter().filter_map(|e| e.mu_star_bounds).collect();
         assert!(!bounds.is_empty());
         assert!(bounds.iter().all(|[low, high]| *low >= 0.0 && *high < 1.5));
+    }
+
+    #[test]
+    fn a_parameter_without_effects_leaves_the_others_theirs() {
+        let rows = design(2, 20, 4, 1);
+        // Every step of the first parameter leads into failure or out of it.
+        let output = |u: &Vec<f64>| if u[0] < 0.5 { f64::NAN } else { 3.0 * u[1] };
+        let outputs: Vec<f64> = rows.iter().map(output).collect();
+        let told = Told::from_iter([("morris".to_owned(), json!(effects(&rows, &outputs)))]);
+        let [mu_star, sigma] = &Morris.shown(&told)[..] else {
+            panic!("two measures")
+        };
+        assert!(mu_star.estimates[0].value.is_nan() && sigma.estimates[0].value.is_nan());
+        assert!((mu_star.estimates[1].value - 3.0).abs() < 1e-9);
+        assert_eq!(effects(&rows, &vec![f64::NAN; rows.len()]), None);
     }
 
     #[test]

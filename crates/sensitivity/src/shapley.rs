@@ -48,6 +48,10 @@ impl FromRuns for Shapley {
         256
     }
 
+    fn tried_size(&self) -> u64 {
+        64
+    }
+
     fn takes_correlations(&self) -> bool {
         true
     }

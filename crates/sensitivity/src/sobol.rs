@@ -36,6 +36,10 @@ impl FromRuns for Sobol {
         256
     }
 
+    fn tried_size(&self) -> u64 {
+        64
+    }
+
     fn runs(&self, space: &Space, size: u64) -> u64 {
         size * (space.parameters as u64 + 2)
     }
@@ -196,6 +200,12 @@ impl Indices {
     /// Finds what the indices could be with values of the failed runs within a range.
     fn bound(&mut self, rows: &[Vec<f64>], range: [f64; 2]) {
         let last = self.first.len() + 1;
+        // With the one value that was seen the output would be constant, and no parameter would change it.
+        if range[0] == range[1] {
+            let zeros = || Some(vec![[0.0; 2]; last - 1]);
+            (self.total_bounds, self.first_bounds) = (zeros(), zeros());
+            return;
+        }
         let share = |compared: usize, i: usize| {
             let triple = |row: &Vec<f64>| [row[compared], row[i], row[last - compared]];
             let rows: Vec<Triple> = rows.iter().map(triple).collect();
@@ -438,6 +448,15 @@ mod tests {
 
     /// A failed run of A_B has the value at worst that is farthest from the run it is compared with, and at best the same. The
     /// bounds are the intervals of the study with these values.
+    #[test]
+    fn bounds_of_an_output_that_never_varied_are_0() {
+        let mut outputs = vec![300.0; 32 * 4];
+        outputs[5] = f64::NAN;
+        let found = indices(&outputs, 2, FirstOrder::Combined).unwrap();
+        let zeros = Some(vec![[0.0; 2]; 2]);
+        assert_eq!((&found.first_bounds, &found.total_bounds), (&zeros, &zeros));
+    }
+
     #[test]
     fn bounds_are_those_of_the_worst_values_of_a_failed_run() {
         let mut outputs = evaluate(&lattice(256, 4), |u| 5.0 + u[0] + u[1] * u[1]);

@@ -30,7 +30,7 @@ macro_rules! films {
 
         impl FilmModel {
             /// All film models; the first one is the default.
-            const ALL: &[Self] = &[$(Self::$model),*];
+            pub const ALL: &[Self] = &[$(Self::$model),*];
 
             fn start(self, setup: &Setup<'_>) -> Result<Running, Fault> {
                 match self {

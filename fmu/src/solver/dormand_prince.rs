@@ -119,9 +119,7 @@ impl<const N: usize> DormandPrince<N> {
                 let from = t;
                 t = if h == left { span } else { t + h };
                 *y = end;
-                if Q > 0 {
-                    observe(&Passage::new(from, t, h, &q));
-                }
+                observe(&Passage::new(from, t, h, &q));
                 (k[0], q[0]) = (k[6], q[6]);
                 work.accepted += 1;
                 let log_error = error.max(1e-10).ln();
@@ -292,6 +290,49 @@ mod tests {
             .unwrap();
         let exact = 0.5 * (3.0 + 3f64.sin() * 3f64.cos());
         assert!((square - exact).abs() < 1e-7, "{square} {exact}");
+    }
+
+    /// The integral of 1 + t - 0.6 t^2 is a cubic, and so is that of 2 t^2.
+    #[test]
+    fn a_part_of_a_step_has_the_integrals_of_a_cubic() {
+        let integrand = |t: f64| [1.0 + t - 0.6 * t * t, 2.0 * t * t];
+        let integral = |t: f64| [t + 0.5 * t * t - 0.2 * t.powi(3), 2.0 / 3.0 * t.powi(3)];
+        let between = |from, to| {
+            let [from, to] = [integral(from), integral(to)];
+            [to[0] - from[0], to[1] - from[1]]
+        };
+        let mut passages = Vec::new();
+        let rates = |t: f64, _: &[f64; 2]| ([0.0, 0.0], integrand(t));
+        let (mut y, mut step) = ([1.0, 0.0], 0.5);
+        INTEGRATOR
+            .integrate_observed(rates, &mut y, Quadrature::default(), 3.0, &mut step, |p| {
+                passages.push(*p);
+            })
+            .unwrap();
+        let mut start = 0.0;
+        for passage in &passages {
+            let Passage { from, to, ends, .. } = *passage;
+            assert_eq!(from, start);
+            assert_eq!(ends, [integrand(from), integrand(to)]);
+            for share in [0.0, 0.3, 0.8, 1.0] {
+                let found = passage.until(share);
+                let expected = between(from, from + share * (to - from));
+                for (found, expected) in found.iter().zip(expected) {
+                    assert!((found - expected).abs() < 1e-13, "{passage:?} {share}");
+                }
+            }
+            start = to;
+        }
+        assert!(passages.len() > 1);
+        assert_eq!(start, 3.0);
+    }
+
+    #[test]
+    fn of_a_step_between_two_values_the_trapezium_is_known() {
+        let passage = Passage::between(1.0, 3.0, [[2.0, -1.0], [5.0, 4.0]]);
+        assert_eq!([passage.from, passage.to], [1.0, 3.0]);
+        assert_eq!(passage.integrals, [7.0, 3.0]);
+        assert_eq!(passage.ends, [[2.0, -1.0], [5.0, 4.0]]);
     }
 
     #[test]

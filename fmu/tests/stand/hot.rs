@@ -72,7 +72,7 @@ fn without_expansion_the_clearance_stays() {
 #[test]
 fn both_films_see_the_hot_clearance() {
     let hot = 2e-5 + (0.0125 * 18e-6 - 0.01248 * 11.5e-6) * 62.0;
-    for film in [FilmModel::Mobility, FilmModel::Reynolds] {
+    for &film in FilmModel::ALL {
         let run = |set: fn(&mut Stand, f64)| {
             let mut stand = start(|stand| {
                 stand.film.model = film;
@@ -224,7 +224,7 @@ fn a_leap_ends_where_the_resolved_turns_end() {
 /// radius) times the sliding distance, over the bearing's surface.
 #[test]
 fn the_worn_volume_follows_force_and_distance() {
-    for film in [FilmModel::Mobility, FilmModel::Reynolds] {
+    for &film in FilmModel::ALL {
         let mut stand = start(|stand| {
             stand.film.model = film;
             stand.bearing.wear.coefficient = 1e-13;
@@ -349,7 +349,7 @@ fn wear_needs_friction_to_follow_from() {
 
 #[test]
 fn a_saved_state_goes_on_bit_for_bit() {
-    for film in [FilmModel::Mobility, FilmModel::Reynolds] {
+    for &film in FilmModel::ALL {
         let mut stand = start(|stand| {
             bronze(stand);
             stand.film.model = film;

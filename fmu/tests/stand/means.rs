@@ -105,7 +105,7 @@ fn a_leap_ends_with_the_means_of_its_last_turn() {
 
 #[test]
 fn a_steady_start_knows_its_turn() {
-    for film in [FilmModel::Mobility, FilmModel::Reynolds] {
+    for (film, bound) in [(FilmModel::Mobility, 1e-6), (FilmModel::Reynolds, 1e-7)] {
         let mut stand = start(|stand| {
             stand.thermal.initialization = Initialization::SteadyState;
             stand.film.model = film;
@@ -117,10 +117,6 @@ fn a_steady_start_knows_its_turn() {
         let known = stand.means();
         let mut next = stand.clone();
         next.advance(0.0, TURN, &mut ()).unwrap();
-        let bound = match film {
-            FilmModel::Mobility => 1e-6,
-            FilmModel::Reynolds => 1e-7,
-        };
         assert_close(next.means(), known, bound);
         // They stay until the next turn is complete.
         stand.advance(0.0, 0.5 * TURN, &mut ()).unwrap();

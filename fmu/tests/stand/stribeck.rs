@@ -267,7 +267,7 @@ fn breakaway_is_the_limit_for_a_speed_towards_zero() {
 /// A speed that passes through zero turns the friction round; standstill is no obstacle.
 #[test]
 fn friction_changes_its_sign_with_the_speed() {
-    for film in [FilmModel::Mobility, FilmModel::Reynolds] {
+    for &film in FilmModel::ALL {
         let mut stand = rig();
         stand.film.model = film;
         stand.inputs.speed.value = 1.0;

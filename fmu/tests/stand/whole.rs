@@ -192,7 +192,7 @@ fn friction_heat_is_the_drives_work() {
 
 #[test]
 fn a_restored_state_continues_bit_for_bit() {
-    for film in [FilmModel::Mobility, FilmModel::Reynolds] {
+    for &film in FilmModel::ALL {
         let mut stand = start(|stand| stand.film.model = film);
         run(&mut stand, 0.1, 0.01);
         let bytes = stand.save().unwrap();
@@ -227,7 +227,7 @@ fn a_failed_step_leaves_the_film_as_it_was() {
 
 #[test]
 fn rates_are_those_of_the_outputs() {
-    for film in [FilmModel::Mobility, FilmModel::Reynolds] {
+    for &film in FilmModel::ALL {
         let mut stand = start(|stand| stand.film.model = film);
         run(&mut stand, 0.1, 0.01);
         stand.differentiate();

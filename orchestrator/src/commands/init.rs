@@ -1,5 +1,6 @@
 //! `init`: a starting study from an FMU's own variables.
 
+use std::collections::HashSet;
 use std::fmt::Write;
 use std::path::Path;
 use std::process::ExitCode;
@@ -41,12 +42,12 @@ fn study(fmu: &Description, path: &Path) -> String {
     let _ = writeln!(
         text,
         "# A starting study of {}. Remove the marks of what you need.\n\n\
-         title = {:?}\nfmu = {:?}\n\n[simulation]\nstop = {} # s\nstep = {} # s\n\
+         title = {}\nfmu = {}\n\n[simulation]\nstop = {} # s\nstep = {} # s\n\
          # warm-up = 1 # s that statistics leave out\n\n[design]\n\
          method = \"sobol\" # or {}\npoints = 64\nseed = 1",
-        fmu.model_name,
-        fmu.model_name,
-        path.display().to_string(),
+        one_line(&fmu.model_name),
+        quoted(&fmu.model_name),
+        quoted(&path.display().to_string()),
         schedule.stop,
         schedule.step,
         Method::named(|method| method != Method::Sobol)
@@ -56,8 +57,15 @@ fn study(fmu: &Description, path: &Path) -> String {
         parameter(&mut text, fmu, variable);
     }
     text.push_str("\n# Measured quantities; a study needs at least one criterion\n");
+    let mut names = HashSet::new();
     for variable in measurable(fmu, &mut text) {
-        criterion(&mut text, variable);
+        let short = variable.name.replace('.', "_");
+        // `a.b` and `a_b` would both be a_b.
+        let name = match names.insert(short.clone()) {
+            true => short,
+            false => variable.name.clone(),
+        };
+        criterion(&mut text, &name, variable);
     }
     text
 }
@@ -89,44 +97,118 @@ fn measurable<'a>(fmu: &'a Description, text: &mut String) -> Vec<&'a Variable> 
     locals.into_iter().take(MOST).collect()
 }
 
+/// A normal distribution around the start value, cut where the FMU's own limits are near.
 fn parameter(text: &mut String, fmu: &Description, variable: &Variable) {
     let Kind::Real {
-        start: Some(start), ..
-    } = &variable.kind
+        start: Some(start),
+        min,
+        max,
+        nominal,
+        ..
+    } = variable.kind
     else {
         return;
     };
     let shown = variable.display_unit();
     let way = shown.and_then(|shown| fmu.conversion(shown, variable).ok());
-    let mean = way.map_or(*start, |way| way.inverse().value(*start));
-    // Twelve digits hide what the conversion rounds.
-    let mean: f64 = format!("{mean:.11e}").parse().unwrap_or(mean);
-    let deviation = if mean == 0.0 { 1.0 } else { mean.abs() / 10.0 };
-    let deviation: f64 = format!("{deviation:.2e}").parse().unwrap_or(deviation);
-    let about = variable.description.as_deref().unwrap_or(&variable.name);
+    let shown_value = |value: f64| {
+        let Some(way) = way else { return value };
+        // What the conversion rounds is hidden: at an offset such as that of degF a zero, and beyond twelve digits.
+        let (zero, value) = (way.inverse().value(0.0), way.inverse().value(value));
+        match value.abs() < 1e-12 * zero.abs() {
+            true => 0.0,
+            false => format!("{value:.11e}").parse().unwrap_or(value),
+        }
+    };
+    let limit = |limit: Option<f64>| limit.map(shown_value).filter(|limit| limit.is_finite());
+    let ends = [limit(min), limit(max)];
+    // A unit may count the other way.
+    let [min, max] = match way {
+        Some(way) if way.difference(1.0) < 0.0 => [ends[1], ends[0]],
+        _ => ends,
+    };
+    let about = about(variable);
+    let _ = writeln!(text, "\n# {about}");
+    let mean: f64 = shown_value(start);
+    let inside = min.is_none_or(|min| min <= mean) && max.is_none_or(|max| mean <= max);
+    let narrow = matches!((min, max), (Some(min), Some(max)) if min >= max);
+    if !mean.is_finite() || !inside || narrow {
+        let _ = writeln!(
+            text,
+            "# {}: its start value and limits leave no room for a distribution",
+            one_line(&variable.name)
+        );
+        return;
+    }
+    let size = match (mean == 0.0, nominal) {
+        (false, _) => mean.abs(),
+        // A typical magnitude, in the shown unit.
+        (true, Some(nominal)) if nominal.is_finite() && nominal != 0.0 => {
+            (shown_value(start + nominal) - mean).abs()
+        }
+        (true, _) => 10.0,
+    };
+    let deviation: f64 = format!("{:.2e}", size / 10.0).parse().unwrap_or(size);
+    // Beyond four deviations lies one point of 30,000.
+    let near = |limit: &f64| (limit - mean).abs() < 4.0 * deviation;
+    let [min, max] = [min.filter(near), max.filter(near)];
+    let shape = match (min, max) {
+        (None, None) => "normal",
+        _ => "truncated-normal",
+    };
     let _ = writeln!(
         text,
-        "\n# {about}\n# [parameters.{:?}]\n# distribution = \"normal\"\n# mean = {}\n# deviation = {}",
-        variable.name,
+        "# [parameters.{}]\n# distribution = \"{shape}\"\n# mean = {}\n# deviation = {}",
+        quoted(&variable.name),
         number(mean),
         number(deviation)
     );
+    for (key, limit) in [("min", min), ("max", max)] {
+        if let Some(limit) = limit {
+            let _ = writeln!(text, "# {key} = {}", number(limit));
+        }
+    }
     if let (Some(unit), Some(_)) = (shown, way) {
-        let _ = writeln!(text, "# unit = {unit:?}");
+        let _ = writeln!(text, "# unit = {}", quoted(unit));
     }
 }
 
-fn criterion(text: &mut String, variable: &Variable) {
-    let about = variable.description.as_deref().unwrap_or(&variable.name);
+/// What the FMU says of a variable, else its name.
+fn about(variable: &Variable) -> String {
+    one_line(variable.description.as_deref().unwrap_or(&variable.name))
+}
+
+/// A text for a comment. A line break in it would end the comment, and the rest would become part of the study.
+fn one_line(text: &str) -> String {
+    let clean = |c: char| if c.is_control() { ' ' } else { c };
+    text.chars().map(clean).collect()
+}
+
+/// A text as TOML writes it.
+fn quoted(text: &str) -> String {
+    let plain = |c: char| !c.is_control() && c != '"' && c != '\\';
+    if text.chars().all(plain) {
+        return format!("\"{text}\"");
+    }
+    let escaped = |c: char| match c {
+        '"' | '\\' => format!("\\{c}"),
+        c if c.is_control() => format!("\\u{:04X}", u32::from(c)),
+        c => c.to_string(),
+    };
+    format!("\"{}\"", text.chars().map(escaped).collect::<String>())
+}
+
+fn criterion(text: &mut String, name: &str, variable: &Variable) {
     let _ = writeln!(
         text,
-        "\n# {about}\n# [criteria.{:?}]\n# variable = {:?}\n# statistic = \"final\" # or mean, min, max, rms, amplitude\n\
+        "\n# {}\n# [criteria.{}]\n# variable = {}\n# statistic = \"final\" # or mean, min, max, rms, amplitude\n\
          # nominal = 1 # the measured value\n# tolerance = \"5 %\" # how far the model may be from the true value\n\
          # uncertainty = \"1 %\" # how far the measured value may be from it, k = 2",
-        variable.name.replace('.', "_"),
-        variable.name
+        about(variable),
+        quoted(name),
+        quoted(&variable.name)
     );
     if let Some(unit) = variable.display_unit() {
-        let _ = writeln!(text, "# unit = {unit:?}");
+        let _ = writeln!(text, "# unit = {}", quoted(unit));
     }
 }

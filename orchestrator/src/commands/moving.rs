@@ -12,7 +12,7 @@ use crate::results::rest::Moved;
 use crate::results::{Summary, write_atomically};
 use crate::study::plan::Plan;
 use crate::task::{Probe, Schedule};
-use sampling::statistics::{Accumulator, Statistic};
+use sampling::statistics::{Accumulator, Statistic, Trend};
 
 /// The summary with what the extra runs tell of swing and drift, which is written again.
 pub(super) fn observed(
@@ -107,13 +107,9 @@ fn moves(time: &[f64], signal: &[f64], schedule: Schedule, probe: &Probe) -> Opt
     if signal.len() != time.len() || probe.has_own_times() {
         return None;
     }
-    match probe.statistic {
-        Statistic::Slope
-        | Statistic::Percentile
-        | Statistic::Crossing
-        | Statistic::Frequency
-        | Statistic::OscillationAmplitude => None,
-        Statistic::Final | Statistic::Mean | Statistic::Rms => {
+    match probe.statistic.trend() {
+        Trend::Unknown => None,
+        Trend::OfSignal => {
             let mut found = motion(time, signal, run)?;
             // At a moment of its own, a value may be on its way.
             if to < schedule.stop {
@@ -121,7 +117,7 @@ fn moves(time: &[f64], signal: &[f64], schedule: Schedule, probe: &Probe) -> Opt
             }
             Some(found)
         }
-        Statistic::Min | Statistic::Max | Statistic::Amplitude => {
+        Trend::OfExtremes => {
             let later =
                 (to >= schedule.stop).then(|| growth(time, signal, probe.statistic, [from, to]));
             Some(Motion {

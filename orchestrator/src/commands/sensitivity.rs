@@ -102,8 +102,18 @@ impl Runs {
         let (method, size) = match asked {
             // The study's size is that of its own method.
             (Some(method), size) if method.name() != usual.name() => (method, size),
-            (_, size) => (usual, size.or(said.size)),
+            (_, Some(size)) => (usual, Some(size)),
+            (_, None) => {
+                if let Some(size) = &said.size {
+                    enough(*size.as_ref()).map_err(|message| study.error_at(size, message))?;
+                }
+                (usual, said.size.as_ref().map(|size| *size.as_ref()))
+            }
         };
+        if options.estimator.is_some() && method.name() != RUNS[0].name() {
+            let message = format!("{} has no estimators to choose from", method.name());
+            return Err(option("estimator", message));
+        }
         Ok(Self {
             method: method.name().to_owned(),
             size: size.unwrap_or(method.usual_size()),
@@ -168,11 +178,7 @@ impl Analysis for Runs {
 
     fn points(&self, session: &Session) -> Result<PointSet, CommandError> {
         let method = self.method()?;
-        // One run tells nothing of how sure it is.
-        if self.size < 2 {
-            let message = format!("{} is too few; at least 2 are needed", self.size);
-            return Err(option(method.option(), message));
-        }
+        enough(self.size).map_err(|message| option(method.option(), message))?;
         Ok(PointSet {
             seed: self.seed,
             points: Some(method.runs(&space(&session.plan), self.size)),
@@ -199,6 +205,14 @@ impl Analysis for Runs {
         }
         let origin = asking::origin(session)?;
         AnalysisResult::new(&result, origin, text(&result), shown::FILE)
+    }
+}
+
+/// One base point or trajectory tells nothing of how sure it is.
+fn enough(size: u64) -> Result<(), String> {
+    match size < 2 {
+        true => Err(format!("{size} is too few; at least 2 are needed")),
+        false => Ok(()),
     }
 }
 
@@ -301,6 +315,7 @@ fn rows(parameters: &[String], output: &Output) -> String {
     let shown = output.shown();
     let bounds = |m: &Measure, k: usize| {
         let bounds = m.bounds.as_ref().map(|bounds| bounds[k]);
+        let bounds = bounds.filter(|[low, _]| !low.is_nan());
         bounds.map_or_else(String::new, |[low, high]| {
             format!(" {{{} .. {}}}", number(low, 3), number(high, 3))
         })

@@ -254,7 +254,7 @@ impl Isolated {
         self
     }
 
-    /// How single points are recorded: a person is watching, who can end it.
+    /// How single points are recorded: without a limit of time, as a person watches and can press Ctrl-C.
     fn recorder(&self) -> Recorder<'_> {
         Recorder {
             fmu: &self.fmu,

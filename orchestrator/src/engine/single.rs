@@ -116,8 +116,8 @@ impl Recorder<'_> {
         columns: &[Handle],
         row: Row<'_, E>,
     ) -> Result<Option<Failure>, E> {
-        // Whoever watches hears how the FMU ends after all has been computed, but does not wait for ever. The guard says
-        // a second time that it is done when the FMU has ended.
+        // After the last result, the FMU's own end is waited for no longer than this, so that a crash in it is told. The
+        // guard says a second time that it is done when the FMU has ended.
         const FAREWELL: Duration = Duration::from_secs(62);
         let mut outcome = Ok(None);
         let done: Cell<Option<Instant>> = Cell::new(None);

@@ -117,7 +117,7 @@ impl Posterior {
         self.covariance[(a, b)] / (self.deviation(a) * self.deviation(b))
     }
 
-    /// The directions of which the data leave more than half of the prior's uncertainty.
+    /// The directions in which the data leave more than half of the prior's uncertainty.
     pub fn undetermined(&self) -> impl Iterator<Item = &Direction> {
         self.directions
             .iter()

@@ -89,7 +89,7 @@ fn check_keys(text: &CriterionText, metric: Metric) -> Result<(), String> {
         ),
         (
             text.least.is_some() && is_error,
-            "`least` belongs to the metrics corridor and iso18571; give `tolerance`",
+            "`least` belongs to the metrics corridor and iso18571; remove it, and state the largest error as `tolerance`",
         ),
         (
             text.tolerance.is_some() && !is_error,

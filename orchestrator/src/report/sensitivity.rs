@@ -115,12 +115,9 @@ fn bars(output: &str, parameters: &[String], shown: &[Measure]) -> String {
         return String::new();
     };
     let mut order: Vec<usize> = (0..parameters.len()).collect();
-    order.sort_by(|&a, &b| {
-        first.estimates[b]
-            .value
-            .total_cmp(&first.estimates[a].value)
-    });
     let finite = |v: f64| if v.is_finite() { v } else { 0.0 };
+    let value = |k: usize| finite(first.estimates[k].value);
+    order.sort_by(|&a, &b| value(b).total_cmp(&value(a)));
     let most = measures
         .iter()
         .flat_map(|m| m.surest())

@@ -68,7 +68,7 @@ pub struct Requirement {
     /// would decide.
     #[serde(default)]
     pub points_needed: Option<u64>,
-    /// The same for this study if it goes on, with the points that it has; it may then be looked at again and again.
+    /// The same if this study is extended: its points count, and it is allowed for that people look at it repeatedly.
     #[serde(default)]
     pub points_needed_going_on: Option<u64>,
 }

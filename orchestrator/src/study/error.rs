@@ -118,7 +118,12 @@ fn plain(message: &str) -> String {
         ("floating point `", "number `"),
     ];
     let replaced = |text: String, (from, to): &(&str, &str)| text.replace(from, to);
-    WORDS.iter().fold(message.to_owned(), replaced)
+    let message = WORDS.iter().fold(message.to_owned(), replaced);
+    // The name of a struct says something to us alone.
+    match message.split_once("expected struct ") {
+        Some((before, _)) => format!("{before}expected a section with keys, or {{ key = value }}"),
+        None => message,
+    }
 }
 
 #[cfg(test)]
@@ -134,6 +139,10 @@ mod tests {
         assert_eq!(
             suggest("invalid type: floating point `4.0`, expected u64"),
             "invalid type: number `4.0`, expected a whole number, not negative"
+        );
+        assert_eq!(
+            suggest("invalid type: integer `3`, expected struct Simulation"),
+            "invalid type: integer `3`, expected a section with keys, or { key = value }"
         );
     }
 }

@@ -29,7 +29,8 @@ mod window;
 use std::path::{Path, PathBuf};
 
 use indexmap::IndexMap;
-use serde::{Deserialize, Serialize};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize};
 use sha2::{Digest, Sha256};
 use toml::Spanned;
 
@@ -187,7 +188,11 @@ pub enum Shape {
 
 /// An uncertain parameter.
 #[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+#[serde(
+    deny_unknown_fields,
+    rename_all = "kebab-case",
+    expecting = "a distribution, such as { distribution = \"normal\", mean = 1, deviation = 0.1 }"
+)]
 pub struct ParameterText {
     /// The distribution.
     pub distribution: Shape,
@@ -206,7 +211,7 @@ pub struct ParameterText {
     /// The sample that it is drawn from, relative to the study file.
     pub file: Option<Spanned<PathBuf>>,
     /// How many levels it has in a full factorial.
-    pub levels: Option<u64>,
+    pub levels: Option<Spanned<u64>>,
     /// The unit of the numbers, and of the column in `points.csv`.
     pub unit: Option<String>,
     /// Its column in a table of points, and in the sample; its own name otherwise.
@@ -217,7 +222,11 @@ pub struct ParameterText {
 
 /// An input over time, from a table.
 #[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+#[serde(
+    deny_unknown_fields,
+    rename_all = "kebab-case",
+    expecting = "a table of values, such as { file = \"drive.csv\" }"
+)]
 pub struct RecordingText {
     /// The table, relative to the study file.
     pub file: Spanned<PathBuf>,
@@ -242,6 +251,7 @@ pub struct RecordingText {
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct Pair {
     /// Their names.
+    #[serde(deserialize_with = "exactly_two")]
     pub between: [Name; 2],
     /// The correlation coefficient of their normal scores, from -1 to 1: for normal parameters the usual one.
     pub coefficient: f64,
@@ -249,9 +259,28 @@ pub struct Pair {
     pub about: Option<String>,
 }
 
+/// Reads a list of two. Without this, further entries would be lost without a word.
+///
+/// # Errors
+/// When there are fewer or more.
+pub fn exactly_two<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
+    text: D,
+) -> Result<[T; 2], D::Error> {
+    let entries = Vec::deserialize(text)?;
+    entries.try_into().map_err(|entries: Vec<T>| {
+        let count = entries.len();
+        D::Error::custom(format!(
+            "a list of two is needed here, and this one has {count}"
+        ))
+    })
+}
+
 /// A start value.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(untagged)]
+#[serde(
+    untagged,
+    expecting = "a start value is a number, true or false, or a text such as \"14 N.s/m\""
+)]
 pub enum Setting {
     /// Yes or no.
     Boolean(bool),
@@ -265,7 +294,11 @@ pub enum Setting {
 
 /// Measured value of one quantity with its tolerance.
 #[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+#[serde(
+    deny_unknown_fields,
+    rename_all = "kebab-case",
+    expecting = "a section with variable, nominal and tolerance"
+)]
 pub struct CriterionText {
     /// The FMU's variable.
     pub variable: Spanned<String>,

@@ -89,7 +89,11 @@ impl Plan {
             slots: varied,
             inputs,
             outputs,
-            levels: study.parameters.values().map(|p| p.levels).collect(),
+            levels: study
+                .parameters
+                .values()
+                .map(|p| p.levels.as_ref().map(|levels| *levels.as_ref()))
+                .collect(),
             correlation: points::correlation(study)?,
             joints,
             of_inputs,
@@ -317,14 +321,6 @@ impl Plan {
     }
 }
 
-/// Whether a statistic means nothing for a variable that jumps between whole numbers.
-fn is_of_lines(statistic: Statistic) -> bool {
-    matches!(
-        statistic,
-        Statistic::Frequency | Statistic::OscillationAmplitude
-    )
-}
-
 /// Finds variables and checks values for one FMU.
 struct Binder<'a> {
     study: &'a Study,
@@ -451,7 +447,8 @@ impl Binder<'_> {
         };
         let detail = text.detail().map_err(named)?;
         let is_whole = text.turns.is_some() || text.periods.is_some();
-        let needs_lines = detail.is_some() || is_whole || text.statistic.is_some_and(is_of_lines);
+        let needs_lines =
+            detail.is_some() || is_whole || text.statistic.is_some_and(Statistic::needs_lines);
         if needs_lines && variable.handle().content != Content::Real {
             let message = "this statistic follows straight lines, and the variable is not real; take final, mean, min or max";
             return Err(named(message.to_owned()));
@@ -639,7 +636,7 @@ impl Binder<'_> {
         };
         schedule.window_start = match (simulation.warm_up, simulation.window) {
             (Some(_), Some(_)) => {
-                return Err("both warm-up and window are given; keep one".to_owned());
+                return Err("[simulation] has both warm-up and window; keep one".to_owned());
             }
             (Some(warm_up), None) => start + warm_up,
             (None, Some(window)) => stop - window,

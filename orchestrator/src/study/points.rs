@@ -7,7 +7,7 @@ use super::{Pair, Shape, Study, StudyError};
 use crate::names::{did_you_mean, nearest};
 use sampling::design::correlation::Correlation;
 
-/// A number of points that the design would ignore is an error: it was meant to do something.
+/// Points or levels that the design would ignore are an error: they were meant to do something.
 pub(super) fn check(study: &Study) -> Result<(), StudyError> {
     #[derive(Deserialize)]
     struct Text {
@@ -17,6 +17,12 @@ pub(super) fn check(study: &Study) -> Result<(), StudyError> {
     #[derive(Default, Deserialize)]
     struct Count {
         points: Option<Spanned<u64>>,
+    }
+    if !study.design.method.is_by_levels()
+        && let Some(levels) = study.parameters.values().find_map(|p| p.levels.as_ref())
+    {
+        let message = "only a full factorial has levels; remove this, or set method = \"full-factorial\" in [design]";
+        return Err(study.error_at(levels, message));
     }
     match study.section::<Text>()?.design.points {
         Some(points) if study.design.method.is_by_levels() => {

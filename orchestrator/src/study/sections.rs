@@ -13,7 +13,7 @@ pub struct SensitivityText {
     /// The method: `sobol`, `morris`, or `shapley`.
     pub method: Option<Spanned<String>>,
     /// How much is run: base points of `sobol` and `shapley`, trajectories of `morris`.
-    pub size: Option<u64>,
+    pub size: Option<Spanned<u64>>,
     /// How first-order Sobol indices are estimated: `combined`, `jansen`, or `saltelli`.
     pub estimator: Option<Spanned<String>>,
     /// The seed of the runs.

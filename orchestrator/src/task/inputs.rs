@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::schedule::{CommunicationPoints, Schedule};
 use super::slot::Slot;
 
-/// Rows so close to a communication point, as a part of the step, count as there: times in a file are rounded.
+/// Rows within this part of a step of a communication point count as on it: times in a file are rounded.
 const NEAR: f64 = 1e-3;
 
 /// An input over time.

@@ -252,6 +252,11 @@ fn designs_that_cannot_be() {
         .is_mistake(&["study.toml:15:1", "itself"]);
     correlated("between = [\"lag.rate\", \"lag.rate\"]\nrho = 0.5")
         .is_mistake(&["study.toml:17:1", "`rho`"]);
+    // What lies beyond the two would be lost.
+    correlated("between = [\"lag.rate\", \"lag.length\", \"lag.y\"]\ncoefficient = 0.5")
+        .is_mistake(&["study.toml:16:11", "a list of two", "has 3"]);
+    verify("deviation = 0.1", "deviation = 0.1\nlevels = 3")
+        .is_mistake(&["study.toml:14:10", "full-factorial"]);
 }
 
 #[test]
@@ -261,6 +266,12 @@ fn typing_errors_in_a_study() {
     verify("\"normal\"", "\"normall\"").is_mistake(&["study.toml:11:16", "`normal`"]);
     verify("deviation = 0.1", "min = 0.1").is_mistake(&["study.toml:10", "does not use `min`"]);
     verify("nominal = 0.86\n", "").is_mistake(&["study.toml:", "nominal"]);
+    // Where a section is needed, none of the program's own words is said.
+    verify(
+        "[criteria.Y]",
+        "[inputs]\n\"drive.u\" = \"drive.csv\"\n[criteria.Y]",
+    )
+    .is_mistake(&["study.toml:16:13", "{ file = \"drive.csv\" }"]);
 }
 
 #[test]
@@ -290,6 +301,8 @@ fn values_for_single_commands() {
         bench.run(command)
     };
     let sensitivity = ["sensitivity", "study.toml"];
+    say("[sensitivity]\nmethod = \"morris\"\nsize = 1", &sensitivity)
+        .is_mistake(&["study.toml:21:8", "1 is too few"]);
     say("[sensitivity]\nmethod = \"moris\"", &sensitivity).is_mistake(&[
         "study.toml:20:10",
         "`moris`",
@@ -299,6 +312,11 @@ fn values_for_single_commands() {
         .is_mistake(&["study.toml:20:13", "`combined`, `jansen` and `saltelli`"]);
     say("", &["sensitivity", "study.toml", "--method", "moris"])
         .is_mistake(&["--method", "sobol, morris"]);
+    let estimator = ["--estimator", "jansen", "--morris", "4"];
+    say("", &[&sensitivity[..], &estimator].concat())
+        .is_mistake(&["--estimator", "morris has no estimators"]);
+    say("[fixed]\n\"lag.length\" = [3]", &["verify", "study.toml"])
+        .is_mistake(&["study.toml:20:", "a start value is a number"]);
     say("[robustness]\nlevel = 2", &["robustness", "study.toml"])
         .is_mistake(&["study.toml:20:9", "level must lie between 0 and 1"]);
 }

@@ -36,7 +36,6 @@ distribution = "truncated-normal"
 mean = 1
 deviation = 0.3
 min = "0.1 1/s"
-levels = 3
 [parameters."lag.length"]
 distribution = "lognormal"
 mean = 0.02

@@ -200,6 +200,75 @@ fn without_outputs_the_inside_is_shown() {
 }
 
 #[test]
+fn a_starting_study_keeps_to_the_limits_of_the_fmu() {
+    let bench = Bench::empty();
+    bench.fmu(
+        "zero.fmu",
+        &[],
+        &model("min=\"0\" start=\"1\"", "min=\"0\" start=\"0\""),
+    );
+    let study = good(bench.run(&["init", "zero.fmu"])).out;
+    for lines in [
+        "[parameters.\"lag.rate\"]\n# distribution = \"truncated-normal\"\n# mean = 0\n# deviation = 1\n# min = 0\n",
+        // Its limit of 0 is ten deviations away.
+        "[parameters.\"lag.length\"]\n# distribution = \"normal\"\n# mean = 0.02\n# deviation = 0.002\n# unit",
+    ] {
+        assert!(study.contains(lines), "{study}");
+    }
+    bench.fmu(
+        "range.fmu",
+        &[],
+        &model(
+            "min=\"0\" start=\"1\"",
+            "min=\"-1.5\" max=\"3\" nominal=\"5\" start=\"0\"",
+        ),
+    );
+    let study = good(bench.run(&["init", "range.fmu"])).out;
+    let lines = "truncated-normal\"\n# mean = 0\n# deviation = 0.5\n# min = -1.5\n# unit";
+    assert!(study.contains(lines), "{study}");
+}
+
+#[test]
+fn a_starting_study_of_a_strange_fmu_is_a_study() {
+    let bench = Bench::empty();
+    for (limits, remark) in [
+        ("min=\"0\" max=\"0\" start=\"0\"", true),
+        ("max=\"1\" start=\"5\"", true),
+        ("start=\"INF\"", true),
+        ("min=\"-1.797e308\" max=\"1.797e308\" start=\"0\"", false),
+        ("min=\"-INF\" max=\"INF\" start=\"0\"", false),
+    ] {
+        let text = model("min=\"0\" start=\"1\"", limits);
+        // A line break would turn the rest of a comment into a part of the study.
+        let text = text.replace(
+            "description=\"The input\"",
+            "description=\"The&#10;[input] &quot;\"",
+        );
+        let text = text.replace(
+            "name=\"lag.y\"",
+            "name=\"lag.y\" description=\"first&#10;second=3\"",
+        );
+        bench.fmu("strange.fmu", &[], &text);
+        let study = good(bench.run(&["init", "strange.fmu"])).out;
+        assert!(!study.contains("\nsecond"), "{study}");
+        assert_eq!(
+            study.contains("lag.rate: its start value"),
+            remark,
+            "{study}"
+        );
+        let marked = |line: &str| line.starts_with("# [") || line.contains(" = ");
+        let lines = study.lines().map(|line| match marked(line) {
+            true => line.strip_prefix("# ").unwrap_or(line),
+            false => line,
+        });
+        let whole: Vec<&str> = lines.filter(|line| !line.starts_with("warm-up")).collect();
+        bench.write("whole.toml", &whole.join("\n"));
+        let said = bench.run(&["verify", "whole.toml", "--points", "4", "--dry-run"]);
+        assert_eq!(said.code, 0, "{}\n{study}", said.err);
+    }
+}
+
+#[test]
 fn no_cell_becomes_a_formula() {
     let bench = Bench::empty();
     bench.fmu("sly.fmu", &[], &model("name=\"lag.y\"", "name=\"=1+1\""));

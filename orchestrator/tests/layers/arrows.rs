@@ -193,10 +193,9 @@ impl Reader {
         };
         if public {
             let own = renamed.or(path.last().cloned()).unwrap_or_default();
-            self.handed_on.push((own, path));
-        } else {
-            self.paths.push(path);
+            self.handed_on.push((own, path.clone()));
         }
+        self.paths.push(path);
     }
 }
 
@@ -226,13 +225,36 @@ impl<'ast> Visit<'ast> for Reader {
         }
         visit::visit_path(self, path);
     }
+
+    /// Paths in the words of a macro, such as those of `format!`.
+    fn visit_macro(&mut self, item: &'ast syn::Macro) {
+        let text = item.tokens.to_string();
+        let words: Vec<&str> = text.split_whitespace().collect();
+        for (k, word) in words.iter().enumerate() {
+            if !["crate", "self", "super"].contains(word) {
+                continue;
+            }
+            let joined = words[k + 1..].chunks_exact(2);
+            let joined = joined.take_while(|pair| pair[0] == "::");
+            let is_name = |c: char| c.is_alphanumeric() || c == '_';
+            let names = joined.map(|pair| pair[1].trim_end_matches(|c| !is_name(c)).to_owned());
+            let path: Vec<String> = std::iter::once((*word).to_owned()).chain(names).collect();
+            if path.len() > 1 {
+                self.paths.extend(self.absolute(&path));
+            }
+        }
+        visit::visit_macro(self, item);
+    }
 }
 
 fn for_tests(attributes: &[Attribute]) -> bool {
     attributes.iter().any(|attribute| {
         let list = attribute.meta.require_list();
         attribute.path().is_ident("cfg")
-            && list.is_ok_and(|list| list.tokens.to_string().contains("test"))
+            && list.is_ok_and(|list| {
+                let condition = list.tokens.to_string();
+                condition == "test" || condition.starts_with("all (test")
+            })
     })
 }
 

@@ -1,4 +1,4 @@
-//! The root of the mean square of the deviations as a part of something.
+//! The root of the mean square of the deviations, divided by the reference's range or mean, or by a given value.
 
 use super::rmse::Rmse;
 use super::{Compare, Kind, Pair};

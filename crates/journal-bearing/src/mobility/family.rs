@@ -49,15 +49,17 @@ impl SliceFamily {
     /// The table covers `B/D` from 0.1 to 4. Narrower bearings approach the short bearing, `|M| ~ (D/B)^2` (Ocvirk 1952):
     /// the remaining difference falls with the square of `B/D`, as do the terms of the Reynolds equation that the
     /// short-bearing theory neglects. Wider bearings are taken as `B/D = 4`.
+    ///
+    /// # Panics
+    /// When `B/D` is not positive, or no number.
     pub fn slice(&self, width_to_diameter: f64) -> MobilitySlice {
+        assert!(
+            width_to_diameter > 0.0,
+            "B/D is {width_to_diameter}, and must be positive"
+        );
         let slices = &self.sources.slices;
         let last = (slices.len() - 1) as f64;
-        let position = (width_to_diameter.ln() - self.first) / self.spacing;
-        let position = if position.is_nan() {
-            last
-        } else {
-            position.min(last)
-        };
+        let position = ((width_to_diameter.ln() - self.first) / self.spacing).min(last);
         let cell = (position.max(0.0) as usize).min(slices.len() - 2);
         let (weights, rise) = if position < 0.0 {
             let beyond = position * self.spacing;
@@ -109,6 +111,19 @@ mod tests {
         // The slope has no kink at the table's end.
         let powers = [1e-4_f64, -1e-4].map(|d| (at(0.1 * d.exp()) / at(0.1)).ln() / d);
         assert!((powers[0] - powers[1]).abs() < 2e-3, "{powers:?}");
+    }
+
+    #[test]
+    fn a_bearing_without_width_is_refused() {
+        let family = SliceFamily::new(&MobilityMap::built_in().unwrap());
+        for width in [0.0, -0.76, f64::NAN] {
+            let slice = std::panic::catch_unwind(|| family.slice(width));
+            assert!(slice.is_err(), "{width}");
+        }
+        assert_eq!(
+            family.slice(f64::INFINITY).mobility(0.6, 1.0, 0.0),
+            family.slice(4.0).mobility(0.6, 1.0, 0.0)
+        );
     }
 
     /// The short bearing's exact mobility along the line of centres is `(D/B)^2 / (2 I)`, where `I` is the integral of

@@ -86,30 +86,23 @@ impl FilmSettings {
 
     /// Refuses numbers that are out of range.
     pub(super) fn check(&self) -> Result<(), FilmError> {
-        let positive = [
-            ("width", self.width),
-            ("diameter", self.diameter),
-            ("clearance", self.clearance),
-            ("tolerance", self.tolerance),
-        ];
-        for (name, value) in positive {
-            if !(value.is_finite() && value > 0.0) {
-                return Err(FilmError::Setting { name, value });
-            }
-        }
-        for (name, value, least) in [
-            ("number of columns", self.cells[0], 4),
-            ("number of rows", self.cells[1], 1),
-        ] {
-            if value < least {
-                let value = value as f64;
-                return Err(FilmError::Setting { name, value });
-            }
-        }
-        if !(self.side_pressure.is_finite() && self.side_pressure >= 0.0) {
-            let (name, value) = ("side pressure", self.side_pressure);
-            return Err(FilmError::Setting { name, value });
-        }
+        positive("width", self.width)?;
+        positive("diameter", self.diameter)?;
+        positive("clearance", self.clearance)?;
+        positive("tolerance", self.tolerance)?;
+        finite("tilt", self.tilt[0])?;
+        finite("tilt", self.tilt[1])?;
+        let [columns, rows] = self.cells;
+        within(
+            "number of columns",
+            columns as f64,
+            columns >= 4,
+            "at least 4",
+        )?;
+        within("number of rows", rows as f64, rows >= 1, "at least 1")?;
+        let pressure = self.side_pressure;
+        let usable = pressure.is_finite() && pressure >= 0.0;
+        within("side pressure", pressure, usable, "0 or more")?;
         Ok(())
     }
 
@@ -180,6 +173,18 @@ impl Drive {
         }
     }
 
+    /// Refuses numbers that are out of range.
+    pub(super) fn check(&self) -> Result<(), FilmError> {
+        positive("viscosity", self.viscosity)?;
+        for load in [self.load_before, self.load_after] {
+            finite("load", load.x)?;
+            finite("load", load.y)?;
+        }
+        finite("speed of the journal", self.journal_speed)?;
+        finite("speed of the bush", self.bush_speed)?;
+        finite("contact friction", self.contact_friction)
+    }
+
     /// The mean rotation of both surfaces, rad/s.
     pub fn rotation(&self) -> f64 {
         0.5 * (self.journal_speed + self.bush_speed)
@@ -191,16 +196,41 @@ impl Drive {
     }
 }
 
+/// Refuses a value unless it is usable.
+fn within(
+    name: &'static str,
+    value: f64,
+    usable: bool,
+    must: &'static str,
+) -> Result<(), FilmError> {
+    match usable {
+        true => Ok(()),
+        false => Err(FilmError::Setting { name, value, must }),
+    }
+}
+
+/// Refuses what is not positive.
+pub(super) fn positive(name: &'static str, value: f64) -> Result<(), FilmError> {
+    let usable = value.is_finite() && value > 0.0;
+    within(name, value, usable, "a positive number")
+}
+
+fn finite(name: &'static str, value: f64) -> Result<(), FilmError> {
+    within(name, value, value.is_finite(), "a finite number")
+}
+
 /// Why a film cannot be set up or advanced.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum FilmError {
-    /// A setting is out of range.
-    #[error("the film's {name} is {value}; it must be a positive number")]
+    /// A setting, the interval or a number of the drive is out of range.
+    #[error("the film's {name} is {value}; it must be {must}")]
     Setting {
         /// The setting's name.
         name: &'static str,
         /// Its value.
         value: f64,
+        /// What it must be.
+        must: &'static str,
     },
     /// The surfaces touch at the starting eccentricity ratio, which is given.
     #[error(

@@ -1,6 +1,6 @@
 //! Half the distance from the smallest to the largest value.
 
-use super::collect::Collect;
+use super::collect::{Collect, Trend};
 use super::max::Max;
 use super::min::Min;
 
@@ -14,6 +14,7 @@ pub struct Amplitude {
 impl Collect for Amplitude {
     const LABEL: &'static str = "amplitude";
     const DIFFERENCE: bool = true;
+    const TREND: Trend = Trend::OfExtremes;
 
     fn add_all(&mut self, values: impl Iterator<Item = (f64, f64)>) {
         for value in values {

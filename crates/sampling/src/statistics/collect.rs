@@ -1,5 +1,16 @@
 //! The interface of a statistic of a signal.
 
+/// How a statistic of a signal changes when the signal moves on after the statistic's window.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Trend {
+    /// As the signal does.
+    OfSignal,
+    /// Only when a value goes beyond the extreme ones.
+    OfExtremes,
+    /// Nothing simple can be said.
+    Unknown,
+}
+
 /// Collects what a statistic of a signal needs, value by value; in constant memory where that is possible.
 pub(super) trait Collect: Default {
     /// The statistic's name in a sentence.
@@ -13,6 +24,12 @@ pub(super) trait Collect: Default {
 
     /// Whether it is the time since the first value.
     const SINCE_FIRST: bool = false;
+
+    /// Whether it means nothing for a variable that jumps between whole numbers.
+    const NEEDS_LINES: bool = false;
+
+    /// How it changes when the signal moves on after the last value.
+    const TREND: Trend = Trend::Unknown;
 
     /// Takes values one after another, each with the time since the one before (zero for the first one). A NaN must
     /// show in the result.

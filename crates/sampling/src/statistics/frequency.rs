@@ -10,6 +10,7 @@ pub struct Frequency(Recording);
 impl Collect for Frequency {
     const LABEL: &'static str = "frequency";
     const UNIT: Option<&'static str> = Some("Hz");
+    const NEEDS_LINES: bool = true;
 
     fn add_all(&mut self, values: impl Iterator<Item = (f64, f64)>) {
         self.0.add_all(values);

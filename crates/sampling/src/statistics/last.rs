@@ -1,6 +1,6 @@
 //! The last value.
 
-use super::collect::Collect;
+use super::collect::{Collect, Trend};
 
 /// The last value so far.
 #[derive(Clone, Copy, Debug, Default)]
@@ -10,6 +10,7 @@ pub struct Last {
 
 impl Collect for Last {
     const LABEL: &'static str = "final value";
+    const TREND: Trend = Trend::OfSignal;
 
     fn add_all(&mut self, values: impl Iterator<Item = (f64, f64)>) {
         self.last = values.last().map_or(self.last, |(_, value)| value);

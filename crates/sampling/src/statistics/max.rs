@@ -1,6 +1,6 @@
 //! The largest value.
 
-use super::collect::Collect;
+use super::collect::{Collect, Trend};
 
 /// The largest value so far.
 #[derive(Clone, Copy, Debug)]
@@ -14,6 +14,7 @@ impl Default for Max {
 
 impl Collect for Max {
     const LABEL: &'static str = "greatest";
+    const TREND: Trend = Trend::OfExtremes;
 
     fn add_all(&mut self, values: impl Iterator<Item = (f64, f64)>) {
         for (_, value) in values {

@@ -1,6 +1,6 @@
 //! The mean over time.
 
-use super::collect::Collect;
+use super::collect::{Collect, Trend};
 
 /// The integral over time by the trapezoidal rule: over whole periods of a periodic signal it is exact to all
 /// orders.
@@ -13,6 +13,7 @@ pub struct Mean {
 
 impl Collect for Mean {
     const LABEL: &'static str = "mean";
+    const TREND: Trend = Trend::OfSignal;
 
     #[inline]
     fn add_all(&mut self, values: impl Iterator<Item = (f64, f64)>) {

@@ -1,6 +1,6 @@
 //! The smallest value.
 
-use super::collect::Collect;
+use super::collect::{Collect, Trend};
 
 /// The smallest value so far.
 #[derive(Clone, Copy, Debug)]
@@ -14,6 +14,7 @@ impl Default for Min {
 
 impl Collect for Min {
     const LABEL: &'static str = "least";
+    const TREND: Trend = Trend::OfExtremes;
 
     fn add_all(&mut self, values: impl Iterator<Item = (f64, f64)>) {
         for (_, value) in values {

@@ -5,12 +5,10 @@
 //! are fitted by least squares under the same window (IEEE Std 1057-2017, the sine fit of four parameters): what is left of
 //! other oscillations by the window does not count, and neither does the place of the window's ends.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 use nalgebra::{Matrix4, Vector4};
-
-/// Fewer values show no oscillation.
-const FEWEST: usize = 8;
+use realfft::RealFftPlanner;
 
 /// The fewest periods, as the window tells fewer of them from a drift no more.
 const PERIODS: f64 = 3.0;
@@ -82,17 +80,17 @@ impl Recording {
     /// The strongest oscillation between three periods in the recording and half the rate of the values. None where there
     /// is nothing but a drift and rounding, and where a wide hump of the spectrum is the strongest of all.
     pub fn strongest(&self) -> Option<Oscillation> {
-        if self.values.len() < FEWEST || self.largest().is_none() || self.is_straight() {
+        let largest = self.largest()?;
+        if self.is_straight() {
             return None;
         }
         let weights = self.weights();
-        let spectrum = self.spectrum(&weights);
-        let spacing = 1.0 / (self.even_step() * 2.0 * (spectrum.len() - 1) as f64);
+        let (spectrum, spacing) = self.spectrum(&weights)?;
         let peak = peak(&spectrum, spacing, self.span())?;
         let frequency = self.refine(&weights, peak as f64 * spacing, spacing);
         let fit = self.fit(&weights, frequency)?;
         let amplitude = fit.coefficients[2].hypot(fit.coefficients[3]);
-        (amplitude > ROUNDING * self.largest()?).then_some(Oscillation {
+        (amplitude > ROUNDING * largest).then_some(Oscillation {
             frequency,
             amplitude,
         })
@@ -115,14 +113,14 @@ impl Recording {
 
     /// Magnitudes of the spectrum from frequency zero to half the rate of as many even values, four a period of the
     /// recording or more.
-    fn spectrum(&self, weights: &[f64]) -> Vec<f64> {
+    fn spectrum(&self, weights: &[f64]) -> Option<(Vec<f64>, f64)> {
         let drift = self.drift(weights);
         let (count, step, span) = (self.values.len(), self.even_step(), self.span());
-        let mut real = vec![0.0; (4 * count).next_power_of_two()];
+        let mut padded = vec![0.0; (4 * count).next_power_of_two()];
         let mut place = 0;
-        for (k, slot) in real.iter_mut().take(count).enumerate() {
+        for (k, slot) in padded.iter_mut().take(count).enumerate() {
             let time = (k as f64 * step).min(span);
-            while place + 2 < count && self.times[place + 1] < time {
+            while self.times[place + 1] < time {
                 place += 1;
             }
             let [(before, low), (after, high)] =
@@ -135,13 +133,11 @@ impl Recording {
             let value = low + share * (high - low) - drift[0] - drift[1] * self.centred(time);
             *slot = value * (1.0 - (TAU * time / span).cos());
         }
-        let mut imaginary = vec![0.0; real.len()];
-        transform(&mut real, &mut imaginary);
-        let pairs = real.iter().zip(&imaginary);
-        pairs
-            .map(|(a, b)| a.hypot(*b))
-            .take(real.len() / 2 + 1)
-            .collect()
+        let transform = RealFftPlanner::new().plan_fft_forward(padded.len());
+        let mut lines = transform.make_output_vec();
+        transform.process(&mut padded, &mut lines).ok()?;
+        let spacing = 1.0 / (step * padded.len() as f64);
+        Some((lines.iter().map(|line| line.norm()).collect(), spacing))
     }
 
     /// A time as a part of the recording, from -1 to 1.
@@ -214,38 +210,9 @@ fn peak(spectrum: &[f64], spacing: f64, span: f64) -> Option<usize> {
     let peaks = (lines(PERIODS).max(1)..last).filter(is_peak);
     let highest = peaks.max_by(|&a, &b| spectrum[a].total_cmp(&spectrum[b]))?;
     let beside = [highest.abs_diff(lines(2.0)), highest + lines(2.0)];
-    let beside = beside.map(|k| spectrum[if k > last { 2 * last - k } else { k }]);
+    // Beyond half the rate the spectrum goes on as in a mirror.
+    let beside = beside.map(|k| spectrum[k.min(2 * last - k)]);
     (beside[0].max(beside[1]) < 0.5 * spectrum[highest]).then_some(highest)
-}
-
-/// The discrete Fourier transform in place, of a power of two of values (Cooley & Tukey 1965).
-fn transform(real: &mut [f64], imaginary: &mut [f64]) {
-    let count = real.len();
-    let bits = count.trailing_zeros();
-    for k in 0..count {
-        let other = k.reverse_bits() >> (usize::BITS - bits);
-        if k < other {
-            real.swap(k, other);
-            imaginary.swap(k, other);
-        }
-    }
-    let mut half = 1;
-    while half < count {
-        for j in 0..half {
-            let (sine, cosine) = (-PI * j as f64 / half as f64).sin_cos();
-            for a in (j..count).step_by(2 * half) {
-                let b = a + half;
-                let product = [
-                    cosine * real[b] - sine * imaginary[b],
-                    cosine * imaginary[b] + sine * real[b],
-                ];
-                (real[b], imaginary[b]) = (real[a] - product[0], imaginary[a] - product[1]);
-                real[a] += product[0];
-                imaginary[a] += product[1];
-            }
-        }
-        half *= 2;
-    }
 }
 
 #[cfg(test)]
@@ -262,16 +229,25 @@ mod tests {
         recording
     }
 
+    fn of(values: &[(f64, f64)]) -> Recording {
+        let mut recording = Recording::default();
+        recording.add_all(values.iter().copied());
+        recording
+    }
+
+    /// Steps of three lengths.
+    fn uneven(count: u32) -> Vec<f64> {
+        let step = |k| 0.007 + 0.003 * f64::from(k * k % 3);
+        (0..count).map(step).collect()
+    }
+
     /// Of a sine on a drift, the fit is exact, wherever the window ends and however the values lie.
     #[test]
     fn a_sine_on_a_line_is_found_exactly() {
-        let uneven: Vec<f64> = (0..700)
-            .map(|k| 0.007 + 0.003 * f64::from(k * k % 3))
-            .collect();
         for (periods, steps) in [
             (3.4, &vec![0.01; 300]),
             (40.3, &vec![0.01; 300]),
-            (17.0, &uneven),
+            (17.0, &uneven(700)),
         ] {
             let span: f64 = steps.iter().sum();
             let frequency = periods / span;
@@ -285,6 +261,23 @@ mod tests {
                 (found.amplitude / 0.3 - 1.0).abs() < 1e-6,
                 "{periods}: {found:?}"
             );
+        }
+    }
+
+    /// The refinement ends where rounding makes the explained parts equal, and stays a number there.
+    #[test]
+    fn every_frequency_is_found() {
+        for k in 0..120 {
+            let frequency = 3.25 + 0.25 * f64::from(k);
+            let found = recording(|t| (TAU * frequency * t).cos(), &[1.0 / 64.0; 128]);
+            let found = found.strongest().map(|oscillation| oscillation.frequency);
+            if frequency < 31.0 {
+                let found = found.unwrap();
+                assert!(
+                    (found / frequency - 1.0).abs() < 1e-6,
+                    "{frequency}: {found}"
+                );
+            }
         }
     }
 
@@ -310,27 +303,229 @@ mod tests {
         }
         let step = recording(|t| if t > 5.0 { 1.0 } else { 0.0 }, &steps);
         assert_eq!(step.strongest(), None);
-        assert_eq!(recording(f64::sin, &[1.0; 3]).strongest(), None);
         let broken = recording(|t| if t > 5.0 { f64::NAN } else { (9.0 * t).sin() }, &steps);
         assert_eq!(broken.strongest(), None);
     }
 
+    /// Half the rate of seven even values is three periods in their time: there is nothing between.
     #[test]
-    fn the_transform_is_that_of_its_definition() {
-        let mut real: Vec<f64> = (0..16).map(|k| f64::from(k * k % 7)).collect();
-        let (mut imaginary, values) = (vec![0.0; 16], real.clone());
-        transform(&mut real, &mut imaginary);
-        for k in 0..16 {
-            let angle = |n: usize| -TAU * (k * n) as f64 / 16.0;
-            let sum = |part: fn(f64) -> f64| -> f64 {
-                values
-                    .iter()
-                    .enumerate()
-                    .map(|(n, v)| v * part(angle(n)))
-                    .sum()
-            };
-            assert!((real[k] - sum(f64::cos)).abs() < 1e-12);
-            assert!((imaginary[k] - sum(f64::sin)).abs() < 1e-12);
+    fn few_values_show_no_oscillation() {
+        let sine = |steps: usize| {
+            let frequency = 3.4 / steps as f64;
+            recording(|t| (TAU * frequency * t).sin(), &vec![1.0; steps]).strongest()
+        };
+        for steps in 0..=6 {
+            assert_eq!(sine(steps), None, "{steps}");
         }
+        let found = sine(10).unwrap();
+        assert!((found.frequency - 0.34).abs() < 1e-6, "{found:?}");
+        assert!((found.amplitude - 1.0).abs() < 1e-6, "{found:?}");
+    }
+
+    /// A constant but for the last place of its numbers, which swings.
+    #[test]
+    fn rounding_is_no_oscillation() {
+        let nearly = |share: f64| {
+            let signal = |t: f64| 3.0 + 3.0 * share * (TAU * 5.0 * t).sin();
+            recording(signal, &[0.01; 200]).strongest()
+        };
+        assert_eq!(nearly(1e-13), None);
+        assert!(nearly(1e-8).is_some());
+        // A bend of the first value is no rounding; the sine on it is.
+        let bent = |share: f64| {
+            let signal = |t: f64| {
+                let sine = 3e3 * share * (TAU * 5.0 * t).sin();
+                if t == 0.0 { 3e3 + 1e-6 } else { 3e3 + sine }
+            };
+            recording(signal, &[0.01; 200]).strongest()
+        };
+        assert_eq!(bent(1e-13), None);
+        assert!(bent(1e-11).is_some());
+    }
+
+    #[test]
+    fn straight_is_what_a_line_from_the_first_to_the_last_value_explains() {
+        let line = |t: f64| 1e3 - 5.0 * t;
+        assert!(recording(line, &uneven(20)).is_straight());
+        assert!(recording(|_| 0.0, &uneven(20)).is_straight());
+        assert!(of(&[(0.0, 4.0)]).is_straight());
+        assert!(of(&[(0.0, 4.0), (0.0, 4.0)]).is_straight());
+        assert!(!of(&[(0.0, 4.0), (0.0, 5.0), (0.0, 4.0)]).is_straight());
+        assert!(!of(&[]).is_straight());
+        assert!(!recording(|_| f64::NAN, &uneven(3)).is_straight());
+        for off in [1e-6, -1e-6] {
+            let bent = |t: f64| line(t) + if t == 0.007 { off } else { 0.0 };
+            assert!(!recording(bent, &uneven(20)).is_straight(), "{off}");
+        }
+    }
+
+    #[test]
+    fn the_largest_is_the_largest_magnitude_of_numbers() {
+        assert_eq!(of(&[(0.0, 2.0), (1.0, -3.0)]).largest(), Some(3.0));
+        assert_eq!(of(&[]).largest(), None);
+        assert_eq!(of(&[(0.0, 2.0), (1.0, f64::NAN)]).largest(), None);
+    }
+
+    /// At 0, 1, 3 and 4 s von Hann's window is 0, 1/2, 1/2 and 0, and a value stands for half the time to its neighbours.
+    #[test]
+    fn weights_are_those_of_the_window() {
+        let values = of(&[(0.0, 5.0), (1.0, 5.0), (2.0, 5.0), (1.0, 5.0)]);
+        let expected = [0.0, 0.75, 0.75, 0.0];
+        let close = |(found, expected): (&f64, f64)| (found - expected).abs() < 1e-15;
+        let weights = values.weights();
+        assert!(weights.iter().zip(expected).all(close), "{weights:?}");
+        assert_eq!((values.span(), values.even_step()), (4.0, 4.0 / 3.0));
+        assert_eq!(
+            [0.0, 1.0, 4.0].map(|t| values.centred(t)),
+            [-1.0, -0.5, 1.0]
+        );
+        // The first and the last value of a short recording: the window does not close there when it is left out.
+        let third = of(&[(0.0, 5.0), (2.0, 5.0), (4.0, 5.0)]).weights();
+        assert!((third[1] - 3.0 * 0.75).abs() < 1e-15, "{third:?}");
+    }
+
+    #[test]
+    fn the_drift_of_a_line_is_the_line() {
+        let line = recording(|t| 3.0 - 5.0 * t, &uneven(50));
+        let half = 0.5 * line.span();
+        let [middle, slope] = line.drift(&line.weights());
+        assert!((middle - (3.0 - 5.0 * half)).abs() < 1e-12, "{middle}");
+        assert!((slope + 5.0 * half).abs() < 1e-12, "{slope}");
+        // Least squares: the residuals of any signal are orthogonal to a line.
+        let bent = recording(|t| (40.0 * t).sin() + t * t, &uneven(50));
+        let weights = bent.weights();
+        let [middle, slope] = bent.drift(&weights);
+        let mut moments = [0.0; 2];
+        for ((time, value), weight) in bent.times.iter().zip(&bent.values).zip(&weights) {
+            let u = bent.centred(*time);
+            let residual = weight * (value - middle - slope * u);
+            moments[0] += residual;
+            moments[1] += residual * u;
+        }
+        assert!(moments.iter().all(|m| m.abs() < 1e-15), "{moments:?}");
+    }
+
+    #[test]
+    fn a_fit_at_its_frequency_is_exact() {
+        let frequency = 9.0;
+        let values = recording(
+            |t| 2.0 + 3.0 * t + 0.5 * (TAU * frequency * t).cos(),
+            &uneven(100),
+        );
+        let (weights, middle) = (values.weights(), 0.5 * values.span());
+        let fit = values.fit(&weights, frequency).unwrap();
+        let phase = TAU * frequency * middle;
+        let expected = [
+            2.0 + 3.0 * middle - values.values[0],
+            3.0 * middle,
+            0.5 * phase.cos(),
+            -0.5 * phase.sin(),
+        ];
+        for (found, expected) in fit.coefficients.iter().zip(expected) {
+            assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+        }
+        // It explains all of the sum of squares.
+        let square = |(value, weight): (&f64, &f64)| weight * (value - values.values[0]).powi(2);
+        let total: f64 = values.values.iter().zip(&weights).map(square).sum();
+        assert!((fit.explained / total - 1.0).abs() < 1e-12);
+    }
+
+    /// By its definition, of a recording with uneven steps and jumps, one at its start and one where an even value lies.
+    #[test]
+    fn the_spectrum_is_that_of_even_values() {
+        let values = of(&[
+            (0.0, 9.0),
+            (0.0, 1.0),
+            (0.25, 3.0),
+            (0.25, -2.0),
+            (0.0, 4.0),
+            (0.75, 0.5),
+            (0.25, 1.5),
+            (0.5, -1.0),
+            (1.5, 2.0),
+        ]);
+        let weights = values.weights();
+        let [middle, slope] = values.drift(&weights);
+        // At 0, 0.4375, 0.875 s and so on, on straight lines; before a jump its first value, at the start the second one.
+        let line = |t: f64| {
+            if t == 0.0 {
+                return 1.0;
+            }
+            let k = values.times.partition_point(|time| *time < t);
+            let (from, to) = (values.times[k - 1], values.times[k]);
+            let share = (t - from) / (to - from);
+            (1.0 - share) * values.values[k - 1] + share * values.values[k]
+        };
+        let slots: Vec<f64> = (0..9)
+            .map(|k| 0.4375 * f64::from(k))
+            .map(|t| {
+                let rest = line(t) - middle - slope * (2.0 * t / 3.5 - 1.0);
+                rest * (1.0 - (TAU * t / 3.5).cos())
+            })
+            .collect();
+        let (found, spacing) = values.spectrum(&weights).unwrap();
+        assert_eq!((found.len(), spacing), (33, 1.0 / (0.4375 * 64.0)));
+        for (k, found) in found.iter().enumerate() {
+            let sum = |part: fn(f64) -> f64| -> f64 {
+                let term = |(n, slot): (usize, &f64)| slot * part(TAU * (k * n) as f64 / 64.0);
+                slots.iter().enumerate().map(term).sum()
+            };
+            let expected = sum(f64::cos).hypot(sum(f64::sin));
+            assert!((found - expected).abs() < 1e-12, "{k}: {found} {expected}");
+        }
+    }
+
+    /// A spectrum of twenty lines, a line for each period of the recording, that is zero but for these.
+    fn peak_of(lines: &[(usize, f64)]) -> Option<usize> {
+        let mut spectrum = [0.0; 21];
+        for (k, height) in lines {
+            spectrum[*k] = *height;
+        }
+        peak(&spectrum, 0.5, 2.0)
+    }
+
+    #[test]
+    fn the_highest_narrow_peak_counts() {
+        assert_eq!(peak_of(&[(5, 2.0), (9, 3.0), (12, 1.0)]), Some(9));
+        assert_eq!(peak_of(&[]), None);
+        // Three periods are enough, two are not.
+        assert_eq!(peak_of(&[(3, 2.0)]), Some(3));
+        assert_eq!(peak_of(&[(2, 2.0)]), None);
+        // Two equal lines are a peak, and so is the last one but one when what lies beyond is as low.
+        assert_eq!(peak_of(&[(7, 2.0), (8, 2.0)]), Some(7));
+        assert_eq!(peak_of(&[(18, 2.0)]), Some(18));
+        assert_eq!(peak_of(&[(20, 2.0)]), None);
+    }
+
+    #[test]
+    fn a_wide_hump_is_no_peak() {
+        for side in [7, 11] {
+            assert_eq!(peak_of(&[(9, 2.0), (side, 0.9)]), Some(9));
+            assert_eq!(peak_of(&[(9, 2.0), (side, 1.0)]), None);
+        }
+        // The spectrum goes on beyond half the rate as in a mirror: line 21 is line 19, and so is line 1 beyond 0.
+        assert_eq!(peak_of(&[(18, 2.0), (20, 0.9)]), Some(18));
+        assert_eq!(peak_of(&[(18, 2.0), (20, 1.0)]), None);
+        assert_eq!(peak_of(&[(19, 2.0)]), None);
+        assert_eq!(peak_of(&[(3, 2.0), (1, 1.0)]), None);
+        // A hump that is the highest of all hides a narrow peak.
+        assert_eq!(peak_of(&[(5, 1.5), (9, 2.0), (11, 1.2)]), None);
+    }
+
+    /// Four times as many lines: two lines of the window are eight of them.
+    #[test]
+    fn lines_of_a_padded_spectrum_are_closer() {
+        let mut spectrum = [0.0; 81];
+        spectrum[40] = 2.0;
+        spectrum[42] = 1.9;
+        assert_eq!(peak(&spectrum, 0.125, 2.0), Some(40));
+        spectrum[48] = 1.5;
+        assert_eq!(peak(&spectrum, 0.125, 2.0), None);
+        (spectrum[48], spectrum[32]) = (0.0, 1.5);
+        assert_eq!(peak(&spectrum, 0.125, 2.0), None);
+        // What still rises at half the rate is no peak, and hides none.
+        spectrum[32] = 0.0;
+        (spectrum[78], spectrum[79], spectrum[80]) = (2.5, 3.0, 3.5);
+        assert_eq!(peak(&spectrum, 0.125, 2.0), Some(40));
     }
 }

@@ -10,6 +10,7 @@ pub struct OscillationAmplitude(Recording);
 impl Collect for OscillationAmplitude {
     const LABEL: &'static str = "amplitude of the strongest oscillation";
     const DIFFERENCE: bool = true;
+    const NEEDS_LINES: bool = true;
 
     fn add_all(&mut self, values: impl Iterator<Item = (f64, f64)>) {
         self.0.add_all(values);

@@ -18,8 +18,8 @@ impl MeanOverPeriods {
         self.rows.push([time, value, signal]);
     }
 
-    /// The mean from the first rise to the last one; not a number where there are not two of them, and where a value or the
-    /// signal is none.
+    /// The mean from the first rise to the last one; not a number where there are not two of them (one alone makes 0 / 0), and
+    /// where a value or the signal is none.
     pub fn result(&self) -> f64 {
         let Some([from, to]) = self.ends() else {
             return f64::NAN;
@@ -64,7 +64,7 @@ impl MeanOverPeriods {
                 ends = Some([ends.map_or(rise, |[first, _]| first), rise]);
             }
         }
-        ends.filter(|[first, last]| first < last)
+        ends
     }
 }
 
@@ -103,6 +103,45 @@ mod tests {
         assert!((found - 7.5).abs() < 1e-6, "{found}");
     }
 
+    /// A signal of few rows, with 30 in its middle, 15 a quarter above its least value and 45 a quarter below its most.
+    #[test]
+    fn rises_lie_between_rows() {
+        let mut mean = MeanOverPeriods::default();
+        let mut add = |rows: &[(f64, f64, f64)]| {
+            for (elapsed, value, signal) in rows {
+                mean.add(*elapsed, *value, *signal);
+            }
+            mean.result()
+        };
+        // It passes the middle at 1.75 s, falls back without a low, and passes it again: the last time counts, 2.75 s.
+        let first = [
+            (0.0, 7.0, 20.0),
+            (1.0, 1.0, 0.0),
+            (1.0, 3.0, 40.0),
+            (0.5, 8.0, 20.0),
+            (0.5, 0.0, 40.0),
+            (0.5, 2.0, 60.0),
+            (0.0, 5.0, 60.0),
+        ];
+        assert!(add(&first).is_nan());
+        // It comes to the middle at 6 s, and stands still there.
+        let second = [
+            (1.0, 5.0, 15.0),
+            (1.0, 5.0, 20.0),
+            (0.5, 1.0, 30.0),
+            (0.25, 3.0, 30.0),
+            (0.25, 1.0, 45.0),
+            (0.0, 2.0, 60.0),
+        ];
+        assert_eq!(add(&second), (0.5 + 0.5 + 5.0 + 5.0 + 1.5) / 3.25);
+        // It passes the middle at 8 s.
+        let third = [(1.0, 4.0, 10.0), (1.0, 9.0, 50.0)];
+        let expected = (12.5 + 0.5 + 0.5 + 3.0 + 2.625) / 5.25;
+        assert_eq!(add(&third), expected);
+        // It falls, but not to the lowest quarter.
+        assert_eq!(add(&[(1.0, 4.0, 20.0), (1.0, 9.0, 50.0)]), expected);
+    }
+
     /// A second wave of 0.4 of the first one's amplitude, and noise at each row, make no periods.
     #[test]
     fn small_waves_are_no_periods() {
@@ -120,9 +159,12 @@ mod tests {
             |t: f64| -t,
             |t: f64| (0.2 * TAU * t).sin(),
             |t: f64| if t > 1.0 { f64::NAN } else { (9.0 * t).sin() },
+            // A constant but for rounding.
+            |t: f64| 7.0 + 5e-13 * (TAU * t).sin(),
         ] {
             assert!(mean(4.0, |t| t, signal).is_nan());
         }
+        assert!(!mean(4.0, |t| t, |t| 7.0 + 5e-11 * (TAU * t).sin()).is_nan());
         assert!(MeanOverPeriods::default().result().is_nan());
         let broken = |t: f64| if t > 1.0 { f64::INFINITY } else { t };
         assert!(mean(4.0, broken, |t| (TAU * t).sin()).is_nan());

@@ -1,6 +1,6 @@
 //! The root of the mean square over time.
 
-use super::collect::Collect;
+use super::collect::{Collect, Trend};
 use super::mean::Mean;
 
 /// The mean of the squares.
@@ -9,6 +9,7 @@ pub struct Rms(Mean);
 
 impl Collect for Rms {
     const LABEL: &'static str = "rms";
+    const TREND: Trend = Trend::OfSignal;
 
     #[inline]
     fn add_all(&mut self, values: impl Iterator<Item = (f64, f64)>) {

@@ -99,6 +99,24 @@ mod tests {
         assert_eq!(mean.result(), 0.75);
         mean.add(0.5, 3.0, 1090.0);
         assert!(mean.result().is_nan());
+        // From half a turn to one and a half: the turn ends half way between.
+        let mut between = MeanOverTurns::new(1.0);
+        for (elapsed, value, angle) in [(0.0, 0.0, 0.0), (1.0, 1.0, 0.5), (1.0, 3.0, 1.5)] {
+            between.add(elapsed, value, angle);
+        }
+        assert_eq!(between.result(), (0.5 + 0.75) / 1.5);
+        // The first step may go back by more than half a turn.
+        let mut at_once = MeanOverTurns::new(1.0);
+        for (elapsed, angle) in [(0.0, 0.0), (1.0, -0.75), (1.0, -1.5)] {
+            at_once.add(elapsed, 2.0, angle);
+        }
+        assert_eq!(at_once.result(), 2.0);
+        // Half a turn back is still a way back.
+        let mut back = MeanOverTurns::new(1.0);
+        for (elapsed, angle) in [(0.0, 0.0), (1.0, 1.5), (1.0, 1.0), (1.0, 1.75)] {
+            back.add(elapsed, 2.0, angle);
+        }
+        assert_eq!(back.result(), 2.0);
         // One and a half turns in a second: the first one takes two thirds of it.
         let mut within = MeanOverTurns::new(1.0);
         within.add(0.0, 0.0, 0.0);

@@ -4,7 +4,7 @@ use super::failures;
 use crate::analysis::table::PointTable;
 use sensitivity::method::{FirstOrder, FromRuns, Measure, Settled, Told};
 use sensitivity::methods::{RUNS, VIEWS};
-use sensitivity::{dominant, regional};
+use sensitivity::{Estimate, dominant, regional};
 use serde::{Deserialize, Serialize};
 
 /// The sensitivity of a study's outputs to its parameters.
@@ -65,12 +65,25 @@ impl Output {
 impl Output {
     /// Why no parameter is called the most important.
     pub fn undecided(&self) -> &'static str {
-        let bounded = self.shown().first().is_some_and(|m| m.bounds.is_some());
-        match bounded {
-            true => {
-                "the bounds overlap: with other values of the failed runs another parameter could be the most important"
-            }
-            false => "the intervals overlap: no parameter can be called the most important",
+        let shown = self.shown();
+        let Some(first) = shown.iter().find(|measure| measure.drawn) else {
+            return "too few runs have values for a number by which the parameters could be compared";
+        };
+        let surest = first.surest();
+        let all = |holds: fn(&Estimate) -> bool| surest.iter().all(holds);
+        if all(|e| e.value == 0.0 && e.low == 0.0 && e.high == 0.0) {
+            "all numbers are 0: the output is the same in all runs that have a value, so no parameter matters to it"
+        } else if !all(|e| e.value.is_finite()) {
+            "a parameter has no number, as too few runs have values, so none can be called the most important"
+        } else if surest
+            .iter()
+            .any(|estimate| estimate.low.is_nan() || estimate.high.is_nan())
+        {
+            "without intervals no parameter can be called the most important"
+        } else if first.bounds.is_some() {
+            "the bounds overlap: with other values of the failed runs another parameter could be the most important"
+        } else {
+            "the intervals overlap: no parameter can be called the most important"
         }
     }
 }
@@ -78,7 +91,13 @@ impl Output {
 /// The parameter whose first measure is largest, where the intervals leave no doubt.
 fn most_important(shown: &[Measure], parameters: &[String]) -> Option<String> {
     let first = shown.iter().find(|measure| measure.drawn)?;
-    Some(parameters[dominant(&first.surest())?].clone())
+    let surest = first.surest();
+    // A parameter without a number could be the most important.
+    if surest.iter().any(|estimate| estimate.value.is_nan()) {
+        return None;
+    }
+    let found = dominant(&surest)?;
+    (surest[found].value != 0.0).then(|| parameters[found].clone())
 }
 
 /// Analyses existing points, whatever their design.
@@ -154,6 +173,13 @@ pub fn from_runs(
     result.runs = rows.len();
     result.failed = failures::failed(rows);
     result.warnings = failures::warnings(rows, Some(method));
+    if settled.size < method.tried_size() {
+        result.warnings.push(format!(
+            "{}: the intervals were tried from {} on; with so few they may be too narrow",
+            method.title(settled.size),
+            method.tried_size()
+        ));
+    }
     result.method = method.done(parameters, rows.len(), settled);
     result
 }
@@ -181,4 +207,53 @@ fn outputs(table: &PointTable) -> Vec<(String, Vec<f64>)> {
         (name.to_owned(), flags(&|i| !table.completed(i)))
     });
     criteria.chain([verified]).chain(failed).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use sensitivity::pawn::Pawn;
+    use serde_json::json;
+
+    use super::*;
+
+    /// An output with these two indices.
+    fn output(median: [Estimate; 2]) -> Output {
+        let pawn = Pawn {
+            median: median.to_vec(),
+            max: vec![1.0; 2],
+            threshold: 0.1,
+            used: 8,
+        };
+        Output {
+            told: Told::from_iter([("pawn".to_owned(), json!(pawn))]),
+            ..Output::default()
+        }
+    }
+
+    #[test]
+    fn why_no_parameter_is_the_most_important_is_said_as_it_is() {
+        let nothing = Estimate::around(f64::NAN, f64::NAN);
+        let bare = |value| Estimate { value, ..nothing };
+        for (output, words) in [
+            (Output::default(), "too few runs have values"),
+            (output([nothing; 2]), "a parameter has no number"),
+            (
+                output([nothing, Estimate::around(0.8, 0.1)]),
+                "a parameter has no number",
+            ),
+            (output([Estimate::around(0.0, 0.0); 2]), "all numbers are 0"),
+            (output([bare(0.8), bare(0.3)]), "without intervals"),
+            (
+                output([Estimate::around(0.8, 0.3), Estimate::around(0.5, 0.2)]),
+                "the intervals overlap",
+            ),
+        ] {
+            assert_eq!(
+                most_important(&output.shown(), &["a".into(), "b".into()]),
+                None
+            );
+            let said = output.undecided();
+            assert!(said.starts_with(words), "{said}");
+        }
+    }
 }

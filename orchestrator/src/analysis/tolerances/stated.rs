@@ -67,7 +67,7 @@ pub struct Parameter {
     pub limited: bool,
 }
 
-/// A share as the weighted points tell it.
+/// A share estimated from weighted points.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Stated {
     /// The share.

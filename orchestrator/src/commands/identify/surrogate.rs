@@ -14,7 +14,7 @@ use crate::identify::surrogate::{Replaced, Task, fewest, replaced as made};
 use crate::study::{Identification, Study};
 use sampling::design::cube;
 
-/// The most runs: a polynomial takes no more.
+/// The most runs that the fit of a polynomial uses.
 const MOST: u64 = 4000;
 
 /// Refuses numbers of runs from which no surrogate can be made, and what a surrogate cannot serve.

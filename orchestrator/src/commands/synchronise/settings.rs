@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-use serde::Deserialize;
+use serde::{Deserialize, Deserializer};
 
 use crate::analysis::synchronise::case::{Drive, Driven};
 use crate::analysis::synchronise::smooth::Smoothing;
 use crate::analysis::synchronise::{Accuracy, Channel, Derived, RigRecording};
-use crate::study::Quantity;
+use crate::study::{Quantity, exactly_two};
 
 use super::mistake::SettingsError;
 use super::recorded::RecordedTable;
@@ -35,6 +35,7 @@ pub(super) struct Settings {
     #[serde(default)]
     inputs: indexmap::IndexMap<String, InputColumn>,
     /// The part of the record to use, s.
+    #[serde(default, deserialize_with = "window")]
     window: Option<[f64; 2]>,
     /// Smoothing of load and torque.
     #[serde(default = "usual_smoothing")]
@@ -45,6 +46,10 @@ pub(super) struct Settings {
     lag: Option<Quantity>,
     /// Confidence of the tests of stationarity.
     confidence: Option<f64>,
+}
+
+fn window<'de, D: Deserializer<'de>>(text: D) -> Result<Option<[f64; 2]>, D::Error> {
+    exactly_two(text).map(Some)
 }
 
 #[derive(Debug, Deserialize)]

@@ -10,7 +10,7 @@ use super::state::State;
 use super::step::{Step, Stepper};
 use super::workspace::Workspace;
 use crate::reynolds::grid::Grid;
-use crate::reynolds::settings::{Drive, FilmError, FilmSettings};
+use crate::reynolds::settings::{Drive, FilmError, FilmSettings, positive};
 
 /// The film between journal and bush by the transient Reynolds equation in two dimensions, with its journal.
 ///
@@ -112,10 +112,7 @@ impl ReynoldsFilm {
     /// Returns [`FilmError::Setting`] for a clearance that is not positive, and [`FilmError::NoGap`] when form error and tilt
     /// leave no gap; the film is then as before.
     pub fn set_clearance(&mut self, clearance: f64) -> Result<(), FilmError> {
-        if !(clearance.is_finite() && clearance > 0.0) {
-            let (name, value) = ("clearance", clearance);
-            return Err(FilmError::Setting { name, value });
-        }
+        positive("clearance", clearance)?;
         self.work.set_clearance(clearance)
     }
 
@@ -170,7 +167,8 @@ impl ReynoldsFilm {
         if !state.field.fits(self.work.cells().count()) {
             let (name, value) = ("number of stored cells", state.field.full.len());
             let value = value as f64;
-            return Err(FilmError::Setting { name, value });
+            let must = "that of this film";
+            return Err(FilmError::Setting { name, value, must });
         }
         self.work.restore(state);
         Ok(())
@@ -196,7 +194,8 @@ impl ReynoldsFilm {
     /// not used with [`FilmSettings::asperities`].
     ///
     /// # Errors
-    /// Returns [`FilmError::Touches`] when smooth surfaces meet and [`FilmError::NotConverged`] when no internal step finds a
+    /// Returns [`FilmError::Setting`] when the interval or the viscosity is not positive or another number is not finite,
+    /// [`FilmError::Touches`] when smooth surfaces meet and [`FilmError::NotConverged`] when no internal step finds a
     /// solution. The film is then as before.
     pub fn advance(
         &mut self,
@@ -204,6 +203,8 @@ impl ReynoldsFilm {
         drive: &Drive,
         contact: &dyn Fn(f64) -> f64,
     ) -> Result<Diagnostics, FilmError> {
+        positive("interval", interval)?;
+        drive.check()?;
         self.before.copy_from(self.work.state());
         // The linearisation is not stored, so an interval must not begin with that of the last one.
         self.work.discard_linearisation();

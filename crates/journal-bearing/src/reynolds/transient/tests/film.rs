@@ -292,3 +292,71 @@ fn a_film_takes_another_clearance() {
         assert!((film.smallest_gap() - 8e-6).abs() < 1e-9);
     }
 }
+
+/// Numbers that no bearing has are refused at once, by name, and leave the film as it was.
+#[test]
+fn a_drive_that_cannot_be_is_refused() {
+    let mut film = stand(Cavitation::MassConserving);
+    let usual = Drive::steady(Vector2::new(750.0, 0.0), SPEED, VISCOSITY);
+    let nan = f64::NAN;
+    let with = |change: fn(&mut Drive, f64), value| {
+        let mut drive = usual;
+        change(&mut drive, value);
+        drive
+    };
+    let at = film.eccentricity();
+    for (interval, drive, told) in [
+        (
+            0.0,
+            usual,
+            "the film's interval is 0; it must be a positive number",
+        ),
+        (
+            -0.1,
+            usual,
+            "the film's interval is -0.1; it must be a positive number",
+        ),
+        (
+            nan,
+            usual,
+            "the film's interval is NaN; it must be a positive number",
+        ),
+        (
+            1e-3,
+            with(|drive, value| drive.viscosity = value, -0.02),
+            "the film's viscosity is -0.02; it must be a positive number",
+        ),
+        (
+            1e-3,
+            with(|drive, value| drive.load_after.y = value, nan),
+            "the film's load is NaN; it must be a finite number",
+        ),
+        (
+            1e-3,
+            with(|drive, value| drive.journal_speed = value, nan),
+            "the film's speed of the journal is NaN; it must be a finite number",
+        ),
+    ] {
+        let refused = film
+            .advance(interval, &drive, &smooth)
+            .map_err(|error| error.to_string());
+        assert_eq!(refused.err().as_deref(), Some(told));
+        assert_eq!(film.eccentricity(), at);
+    }
+    let settings = |change: fn(&mut FilmSettings)| {
+        let mut settings = FilmSettings::new(0.019, 0.025, 20e-6);
+        change(&mut settings);
+        ReynoldsFilm::new(settings)
+            .err()
+            .map(|error| error.to_string())
+    };
+    let few = settings(|settings| settings.cells = [3, 4]);
+    let told = "the film's number of columns is 3; it must be at least 4";
+    assert_eq!(few.as_deref(), Some(told));
+    let tilted = settings(|settings| settings.tilt = [0.0, f64::NAN]);
+    let told = "the film's tilt is NaN; it must be a finite number";
+    assert_eq!(tilted.as_deref(), Some(told));
+    let pressed = settings(|settings| settings.side_pressure = -1.0);
+    let told = "the film's side pressure is -1; it must be 0 or more";
+    assert_eq!(pressed.as_deref(), Some(told));
+}
