@@ -1,6 +1,7 @@
 """Runs of the Python package: Ctrl-C, progress, and the command that it installs."""
 
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -76,7 +77,12 @@ def test_ctrl_c_keeps_what_is_done(send, fmu, tmp_path):
     study = tmp_path / "study.toml"
     study.write_text(LONG.format(fmu=fmu, points=40))
     folder = tmp_path / "out"
-    process, said = interrupt([study, folder], folder / "journal.txt", send)
+    for _ in range(10):
+        process, said = interrupt([study, folder], folder / "journal.txt", send)
+        if process.returncode:
+            break
+        # On a busy machine a run may end before it is seen that it has begun.
+        shutil.rmtree(folder)
     assert process.returncode == 77 and said.strip() == f"interrupted; resume=True goes on in {folder}"
     # Nothing of the run is left: neither its processes, which belong to its session, nor its folders.
     assert session(process.pid) == []

@@ -2,10 +2,10 @@
 
 import json
 import os
+import shutil
 import signal
 import sys
 import threading
-import time
 
 from distributed import Client, LocalCluster
 
@@ -44,10 +44,9 @@ def files(folder):
     return [(folder / name).read_bytes() for name in ["points.csv", "best.ssv", "best.srmd"]] + [summary]
 
 
-def kill_one(client, processes, folder, killed):
-    """Kills a Dask worker that is at work as soon as a part has finished a point."""
-    end = time.monotonic() + 60
-    while time.monotonic() < end:
+def kill_one(client, processes, folder, killed, over):
+    """Kills a Dask worker that is at work as soon as a part has finished a point, unless all is over before."""
+    while not over.wait(0.005):
         begun = [journal for journal in folder.glob("shard-*/journal.txt")
                  if len(journal.read_text().splitlines()) > 1]
         busy = [address for address, tasks in client.processing().items() if tasks] if begun else []
@@ -55,7 +54,6 @@ def kill_one(client, processes, folder, killed):
             os.kill(processes[busy[0]], signal.SIGKILL)
             killed.append(busy[0])
             return
-        time.sleep(0.005)
 
 
 def test_a_lost_dask_worker_costs_nothing(fmu, tmp_path):
@@ -63,11 +61,20 @@ def test_a_lost_dask_worker_costs_nothing(fmu, tmp_path):
     study.write_text(STUDY.format(fmu=fmu))
     orchestrator("verify", study, "--output", tmp_path / "single")
     killed = []
-    with LocalCluster(n_workers=3, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
-        processes = client.run(os.getpid)
-        thread = threading.Thread(target=kill_one, args=(client, processes, tmp_path / "dask", killed))
-        thread.start()
-        code = dask_shards.run(client, str(PROGRAM), study, tmp_path / "dask", 6)
-        thread.join()
-    assert code == 0 and len(killed) == 1
+    for _ in range(10):
+        with LocalCluster(n_workers=3, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
+            processes = client.run(os.getpid)
+            over = threading.Event()
+            arguments = client, processes, tmp_path / "dask", killed, over
+            thread = threading.Thread(target=kill_one, args=arguments, daemon=True)
+            thread.start()
+            code = dask_shards.run(client, str(PROGRAM), study, tmp_path / "dask", 6)
+            over.set()
+            thread.join()
+        assert code == 0
+        if killed:
+            break
+        # On a busy machine all parts may be done before it is seen that one has begun.
+        shutil.rmtree(tmp_path / "dask")
+    assert len(killed) == 1
     assert files(tmp_path / "dask") == files(tmp_path / "single")

@@ -2,6 +2,7 @@
 
 import csv
 import re
+import shutil
 import signal
 import subprocess
 import time
@@ -137,12 +138,18 @@ def test_points_are_the_same_however_they_are_run(fmu, tmp_path):
     one = points("one", "--jobs", "1", "--isolation", "fresh")
     assert one.count(b",ok\n") == 40
     assert points("two", "--jobs", "2", "--isolation", "reuse") == one
-    running = subprocess.Popen(command("killed", "--jobs", "2"), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    journal = tmp_path / "killed" / "journal.txt"
-    while running.poll() is None and not (journal.exists() and journal.read_text().count("\n") > 4):
-        time.sleep(0.002)
-    running.kill()
-    assert running.wait() == -signal.SIGKILL, "it was done before it could be killed: give it more points"
+    folder = tmp_path / "killed"
+    for _ in range(10):
+        running = subprocess.Popen(command("killed", "--jobs", "2"), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        journal = folder / "journal.txt"
+        while running.poll() is None and not (journal.exists() and journal.read_text().count("\n") > 4):
+            time.sleep(0.002)
+        running.kill()
+        if running.wait() == -signal.SIGKILL:
+            break
+        # On a busy machine a run may end before it is seen that it has begun.
+        shutil.rmtree(folder)
+    assert running.returncode == -signal.SIGKILL
     assert points("killed", "--jobs", "2", "--resume") == one
 
 

@@ -205,4 +205,17 @@ mod tests {
         }
         assert_eq!(FilmModel::of(0), Film::default().model);
     }
+    #[test]
+    fn impossible_dimensions_are_refused() {
+        let bearing = Bearing::default();
+        for (width, diameter) in [(-0.02, 0.025), (0.0, 0.025), (f64::NAN, 0.025), (0.0, 0.0)] {
+            let impossible = Bearing {
+                width,
+                diameter,
+                ..bearing.clone()
+            };
+            let fault = Film::mobility(&impossible).map(|_| ()).unwrap_err();
+            assert!(fault.to_string().contains("must be positive"), "{fault}");
+        }
+    }
 }

@@ -13,7 +13,7 @@ fmu = "lag.fmu"
 stop = 1
 step = 0.1
 [design]
-points = 2500
+points = 1000
 [parameters."lag.rate"]
 distribution = "uniform"
 min = 0.5

@@ -96,6 +96,14 @@ impl JournalFilm for MobilityFilm {
         let map = MAP
             .as_ref()
             .map_err(|error| Fault::Failed(error.to_string()))?;
+        let width_to_diameter = bearing.width / bearing.diameter;
+        // Variables have limits; the bytes of a saved state may hold anything.
+        if width_to_diameter.is_nan() || width_to_diameter <= 0.0 {
+            return Err(Fault::Invalid(format!(
+                "the bearing's width and diameter must be positive, and are {} m and {} m",
+                bearing.width, bearing.diameter
+            )));
+        }
         self.prepared = Arc::new(Prepared {
             contact: ContactFamily::new(
                 &bearing.surface,
@@ -104,7 +112,7 @@ impl JournalFilm for MobilityFilm {
                 bearing.diameter,
             ),
             factors: Factors::new(bearing),
-            slice: Some(map.slice(bearing.width / bearing.diameter)),
+            slice: Some(map.slice(width_to_diameter)),
         });
         Ok(())
     }
