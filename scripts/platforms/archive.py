@@ -7,6 +7,7 @@ from pathlib import Path
 from . import parameters
 from .common import ROOT
 
+TERMINALS = "terminalsAndIcons/terminalsAndIcons.xml"
 EPOCH = (1980, 1, 1, 0, 0, 0)
 
 
@@ -39,10 +40,9 @@ def write(output, rows, form, more=None):
     files["modelDescription.xml"] = form.description.read_bytes()
     files |= {place: row.file.read_bytes() for row in rows if row.file for place in row.places(form.version)}
     files["documentation/licenses/LICENSE"] = (ROOT / "LICENSE").read_bytes()
-    files["terminalsAndIcons/icon.png"] = files["model.png"]
-    if form.version == 3:
-        # There the icon has one place only.
-        del files["model.png"]
+    icon, terminals = files.pop("model.png"), files.pop(TERMINALS)
+    # Terminals came with FMI 3.0. FMI Library reports a fatal error when their version is not the model description's.
+    files |= {"model.png": icon} if form.version == 2 else {TERMINALS: terminals, "terminalsAndIcons/icon.png": icon}
     files |= parameters.files()
     files |= {place: file.read_bytes() for place, file in (more or {}).items()}
     output.parent.mkdir(parents=True, exist_ok=True)

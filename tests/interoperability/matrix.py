@@ -44,6 +44,12 @@ PYTHON = [
     ("PyFMI", None, ["pyfmi"]),
 ]
 RUST = [("fmi", "use-fmi"), ("fmi-sim", "use-fmi-sim"), ("fmu-runner", "use-fmu-runner")]
+# Programs that no registry has: the variable that names the file, and what goes before it and after it on the command line. The
+# Checker integrates by the explicit Euler method, which needs short steps.
+READERS = [
+    ("FMI Library 3 (PyFMI, OMSimulator)", "FMI_LIBRARY", [sys.executable, HERE / "importers/use_fmilibrary.py"], []),
+    ("FMI Compliance Checker", "FMU_CHECK", [], ["-h", "2e-5", "-n", "100", "-s", STOP, "-o", os.devnull]),
+]
 # Libraries that importers need and do not bring: Debian's package, and a file that only this package has.
 # libclang.so comes with the headers that bindgen reads; libclang-cpp.so, which LLVM's tools install, does not.
 LIBRARIES = {
@@ -210,6 +216,31 @@ def rust_rows(references):
     return rows
 
 
+def reader_rows():
+    """What readers say of the FMUs of FMI 2.0: nothing at the level of a warning or above."""
+    rows = []
+    for tool, variable, before, after in READERS:
+        row = Row(tool)
+        rows.append(row)
+        program = os.environ.get(variable)
+        if program is None:
+            row.result = f"not run: {variable} names no file"
+            continue
+        try:
+            faults = []
+            for fmu in (FMU, FMU.with_name("PlainBearingStand-me.fmu")):
+                command = [*before, program, *after, fmu]
+                done = subprocess.run([str(part) for part in command], capture_output=True, text=True, timeout=900)
+                faults += [line for line in (done.stdout + done.stderr).splitlines()
+                           if line.startswith(("[FATAL]", "[ERROR]", "[WARNING]"))]
+                if done.returncode != 0 and not faults:
+                    raise Trouble(last_line(done.stdout + done.stderr))
+            row.result, row.good = "; ".join(faults) or "reads both FMUs of FMI 2.0 without a warning", not faults
+        except (OSError, Trouble, subprocess.TimeoutExpired) as trouble:
+            row.result, row.good = str(trouble), False
+    return rows
+
+
 def own_rows(references):
     program = ROOT / os.environ.get("CARGO_TARGET_DIR", "target") / os.environ.get("PROFILE", "debug") / "orchestrator"
     if not program.exists():
@@ -246,7 +277,7 @@ def measure():
         print(f"== {tool}", file=sys.stderr, flush=True)
         rows.append(python_row(tool, runner, packages, references))
     print("== Rust crates", file=sys.stderr, flush=True)
-    return rows + rust_rows(references)
+    return rows + rust_rows(references) + reader_rows()
 
 
 def main():
