@@ -27,12 +27,12 @@ python_packages() {
     touch "$stamp"
 }
 
-# cargo_tool NAME: a program from the Rust registry, built once into .cache/tools unless the machine has it.
+# cargo_tool NAME VERSION: a program from the Rust registry, built once into .cache/tools unless the machine has it.
 cargo_tool() {
     PATH="$PWD/.cache/tools/bin:$PATH"
     command -v "$1" >/dev/null && return
     say "installing $1, which takes minutes"
-    cargo install --quiet --locked --root .cache/tools "$1"
+    cargo install --quiet --locked --root .cache/tools "$1@$2"
 }
 
 # The folder in which cargo builds, wherever the user has put it.
