@@ -5,6 +5,19 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 say() { printf '\n== %s\n' "$*"; }
 
+# logged TEXT COMMAND...: says what is done, and keeps the command's output for the case that it fails.
+logged() {
+    local log=.cache/log code=0
+    say "$1"
+    shift
+    mkdir -p .cache
+    "$@" >"$log" 2>&1 || code=$?
+    [ "$code" = 0 ] && return
+    tail -n 40 "$log" >&2
+    echo "failed: $* (all of its output is in $PWD/$log)" >&2
+    exit "$code"
+}
+
 # debian COMMAND PACKAGE...: installs Debian packages when the command is missing.
 debian() {
     local command=$1

@@ -13,6 +13,9 @@ ZIGBUILD = ("cargo-zigbuild",)
 GLIBC = "2.17"
 LINUX = "x86_64-unknown-linux-gnu"
 PROFILE = "fmu"
+RUSTC = ["rustc", "--profile", PROFILE, "--locked"]
+# The FMU's library, and nothing but it.
+LIBRARY = ["--package", PACKAGE, "--lib", "--crate-type", "cdylib"]
 
 
 @dataclass
@@ -34,33 +37,24 @@ class Compiler:
 
     def library(self):
         """The FMU's library, optimised as a whole."""
-        run([*self.command, "rustc", "--profile", PROFILE, "--locked", "--package", PACKAGE, "--lib", "--crate-type", "cdylib",
-             "--target", self.named, *linking(self.library_link)], env=self.environment)
+        self.rustc(*LIBRARY, links=self.library_link)
         name = {"windows": "plain_bearing_stand.dll", "darwin": "libplain_bearing_stand.dylib"}
         return self.folder() / name.get(self.system(), "libplain_bearing_stand.so")
 
     def program(self):
         """The program."""
-        run([*self.command, "rustc", "--profile", PROFILE, "--locked", "--package", "orchestrator", "--bin", "orchestrator",
-             "--target", self.named, *linking(self.program_link)], env=self.environment)
+        self.rustc("--package", "orchestrator", "--bin", "orchestrator", "--features", "png", links=self.program_link)
         return self.folder() / ("orchestrator.exe" if self.system() == "windows" else "orchestrator")
+
+    def rustc(self, *what, links):
+        links = ["--", *(f"-Clink-arg={link}" for link in links)] if links else []
+        run([*self.command, *RUSTC, *what, "--target", self.named, *links], env=self.environment)
 
     def folder(self):
         return target_dir() / self.target / PROFILE
 
     def system(self):
         return self.target.split("-")[2]
-
-
-def linking(arguments):
-    """Cargo's arguments that hand these to the linker."""
-    return ["--", *(f"-Clink-arg={argument}" for argument in arguments)] if arguments else []
-
-
-def cargo(*arguments, env=None):
-    """Builds the FMU's library for this machine, and nothing but it."""
-    run(["cargo", "rustc", "--profile", PROFILE, "--locked", "--package", PACKAGE, "--lib", "--crate-type", "cdylib",
-         *arguments], env=env or {})
 
 
 def flags(target, more=""):
@@ -111,6 +105,6 @@ def plain(row):
     """With plain cargo; on Windows the C runtime goes into the DLL."""
     say(f"building {row.platform}")
     windows = row.platform == "win64"
-    cargo(env={"RUSTFLAGS": "-Ctarget-feature=+crt-static"} if windows else {})
+    run(["cargo", *RUSTC, *LIBRARY], env={"RUSTFLAGS": "-Ctarget-feature=+crt-static"} if windows else {})
     name = "plain_bearing_stand.dll" if windows else "libplain_bearing_stand.so"
     return target_dir() / PROFILE / name

@@ -2,6 +2,7 @@
 
 import os
 import platform as this
+import shutil
 import subprocess
 import sys
 from dataclasses import dataclass, field
@@ -88,6 +89,11 @@ def run(command, **options):
         shown = " ".join(str(part) for part in command)
         raise Failure(f"`{shown}` failed with {done.returncode}:\n{done.stdout}")
     return done.stdout
+
+
+def need_cargo():
+    if not shutil.which("cargo"):
+        sys.exit(f"{Path(sys.argv[0]).name}: cargo is missing: install Rust first (rustup)")
 
 
 def target_dir():

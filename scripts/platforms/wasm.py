@@ -1,7 +1,7 @@
 """The stand as a WebAssembly module, with which a report simulates points by itself (docs/live.md)."""
 
-from .build import PROFILE, flags
-from .common import IDENTIFIER, PACKAGE, run, say, target_dir
+from .build import LIBRARY, PROFILE, RUSTC, flags
+from .common import IDENTIFIER, run, say, target_dir
 from .cross import compiler_version, fetched, library_source
 
 TARGET = "wasm32-unknown-unknown"
@@ -17,6 +17,5 @@ def module():
         more = ["-Zbuild-std=std,panic_abort"]
         environment = {"RUSTC_BOOTSTRAP": "1", "__CARGO_TESTS_ONLY_SRC_ROOT": str(library)}
     say("building the WebAssembly module")
-    run(["cargo", "rustc", "--profile", PROFILE, "--locked", "--package", PACKAGE, "--lib", "--crate-type", "cdylib",
-         "--target", TARGET, *more], env=environment | flags(TARGET, "-Cstrip=symbols"))
+    run(["cargo", *RUSTC, *LIBRARY, "--target", TARGET, *more], env=environment | flags(TARGET, "-Cstrip=symbols"))
     return target_dir() / TARGET / PROFILE / "plain_bearing_stand.wasm"
