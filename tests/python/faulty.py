@@ -47,6 +47,22 @@ def changing(name, file, status=(OK,)):
 
 
 HEALTHY = Model("healthy")
+# A test can stop its runs half-way (tests/faulty/life.c); a study of 40 points of it.
+HELD = Model("is_held")
+HELD_STUDY = """
+fmu = "{fmu}"
+[design]
+method = "halton"
+points = 40
+[parameters.rate]
+distribution = "uniform"
+min = 0.5
+max = 2
+[criteria.y]
+variable = "y"
+nominal = 0.6
+tolerance = "50 %"
+"""
 
 MEMORY = [
     Model("drifts", reuse=False),
@@ -241,6 +257,10 @@ class Workshop:
             archive.write(binary, "binaries/linux64/faulty.so")
             archive.writestr("resources/number.txt", "0\n")
         return into
+
+    def held(self, study):
+        """Writes the study of the FMU that can be held."""
+        study.write_text(HELD_STUDY.format(fmu=self.model(HELD)))
 
     def model(self, model):
         behaviour = "healthy" if model.name in PLAIN else model.name
