@@ -271,16 +271,16 @@ fn with_the_reynolds_film(seed: RngSeed, cases: u32) {
 }
 
 #[test]
-fn ten_thousand_lives_with_the_mobility_method() {
+fn five_hundred_lives_with_the_mobility_method() {
     for seed in SEEDS {
-        with_the_mobility_method(RngSeed::Fixed(seed), 10_000);
+        with_the_mobility_method(RngSeed::Fixed(seed), 500);
     }
 }
 
 #[test]
-fn sixty_lives_with_the_reynolds_film() {
+fn six_lives_with_the_reynolds_film() {
     for seed in SEEDS {
-        with_the_reynolds_film(RngSeed::Fixed(seed), 60);
+        with_the_reynolds_film(RngSeed::Fixed(seed), 6);
     }
 }
 
