@@ -15,7 +15,7 @@ HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(ROOT / "scripts"))
 from platforms.common import PLATFORMS, native  # noqa: E402
 
-TARGET = ROOT / os.environ.get("CARGO_TARGET_DIR", "target") / "release"
+TARGET = ROOT / os.environ.get("CARGO_TARGET_DIR", "target") / "fmu"
 ORCHESTRATOR = TARGET / "orchestrator"
 WORK = ROOT / "results" / "bench"
 

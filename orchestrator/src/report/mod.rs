@@ -265,7 +265,7 @@ impl Report {
     /// Always.
     #[cfg(not(feature = "png"))]
     pub fn write_png(&self, _: &Path) -> Result<usize, ReportError> {
-        let message = "this program was built without the feature `png`";
+        let message = "this program was built without it: use that of a wheel, or build it with `--features png`";
         Err(ReportError::Png(message.to_owned()))
     }
 }

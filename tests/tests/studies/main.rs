@@ -1,0 +1,4 @@
+//! The shipped studies and their calibrations.
+
+mod calibration;
+mod identify;
