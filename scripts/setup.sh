@@ -5,11 +5,11 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 say() { printf '\n== %s\n' "$*"; }
 
-# logged TEXT COMMAND...: says what is done, and keeps the command's output for the case that it fails.
+# logged NAME TEXT COMMAND...: says what is done, and keeps the command's output for the case that it fails.
 logged() {
-    local log=.cache/log code=0
-    say "$1"
-    shift
+    local log=.cache/$1.log code=0
+    say "$2"
+    shift 2
     mkdir -p .cache
     "$@" >"$log" 2>&1 || code=$?
     [ "$code" = 0 ] && return

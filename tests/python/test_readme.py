@@ -2,6 +2,7 @@
 
 import os
 import re
+import shutil
 import subprocess
 import sys
 
@@ -56,6 +57,27 @@ def test_the_commands_work_in_a_new_clone(tmp_path):
     assert len(told.splitlines()) <= 60, told
     assert str(clone / "results/paper/report.html") in told and str(clone / "target/release") in told
     run(script()[1:], clone, CARGO_TARGET_DIR="target")
+
+
+@pytest.mark.parametrize("fault", ["", "cargo", "package-fmu"])
+def test_verify_says_little(fault, tmp_path):
+    """With talkative commands in the place of those that build; when one fails, its log is named."""
+    for folder in ("scripts", "studies"):
+        shutil.copytree(ROOT / folder, tmp_path / folder, ignore=shutil.ignore_patterns("__pycache__"))
+    (tmp_path / "dist").symlink_to(ROOT / "dist")
+    (tmp_path / "target").mkdir()
+    (tmp_path / "target/release").symlink_to(PROGRAM.parent)
+    for file in (tmp_path / "cargo", tmp_path / "scripts/package-fmu"):
+        file.write_text(f"#!/bin/sh\nseq 1000\nexit {int(file.name == fault)}\n")
+        file.chmod(0o755)
+    environment = {**os.environ, "PATH": f"{tmp_path}:{os.environ['PATH']}", "CARGO_TARGET_DIR": "target"}
+    done = subprocess.run([tmp_path / "scripts/verify"], text=True, capture_output=True, env=environment)
+    said = (done.stdout + done.stderr).splitlines()
+    assert len(said) <= 60 and (done.returncode == 0) == (not fault), said
+    if fault:
+        assert said[-1].startswith("failed: ") and f"{tmp_path}/.cache/" in said[-1]
+    else:
+        assert str(tmp_path / "results/paper/report.html") in said[-2] and "export PATH=" in said[-1]
 
 
 @pytest.mark.parametrize("name", ["scripts/wheel", "scripts/package-fmu", "scripts/verify"])
