@@ -73,7 +73,7 @@ MEMORY = [
     Model("reads_unwritten_memory", reproducible=False),
     Model("reads_unwritten_memory_at_times", reproducible=False),
     Model("leaks_memory", options=("--memory-limit", "400MB")),
-    failing("takes_much_memory", "out of memory", options=("--memory-limit", "300MB")),
+    failing("takes_much_memory", "out of memory", options=("--memory-limit", "100MB")),
     any_end("overruns_memory", waits=True, results="any"),
     failing("overflows_its_stack", "crashed"),
     Model("frees_twice"),

@@ -30,7 +30,7 @@ def points(folder, method, count, seed, more=""):
     return (np.array([[float(row[name]) for name in NAMES] for row in rows]) - low) / (0.01 * low)
 
 
-@pytest.mark.parametrize("count", [50, pytest.param(200, marks=pytest.mark.long), 1000])
+@pytest.mark.parametrize("count", [50, *(pytest.param(count, marks=pytest.mark.long) for count in (200, 1000))])
 def test_optimised_hypercubes_are_no_less_even_than_scipys(tmp_path, count):
     seeds = [1, 2, 3] if count < 1000 else [1]
     ours = [points(tmp_path, "optimised-latin-hypercube", count, seed) for seed in seeds]
