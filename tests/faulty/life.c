@@ -4,7 +4,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 BEHAVES(healthy) {
     return OK;
@@ -164,13 +163,5 @@ BEHAVES(gives_not_a_number) {
 
 BEHAVES(gives_infinity) {
     if (moment == HIT) model->spoil = -INFINITY;
-    return OK;
-}
-
-/* While the run has a file `held`, its points from the eleventh on wait: so a test can stop it half-way, however fast or slow the
- * machine is. */
-BEHAVES(is_held) {
-    if (moment == INITIALISE && count_in_the_run("begun") > 10)
-        while (access(file_of_the_run("held"), F_OK) == 0) sleep_for(0.001);
     return OK;
 }

@@ -47,9 +47,8 @@ def changing(name, file, status=(OK,)):
 
 
 HEALTHY = Model("healthy")
-# A test can stop its runs half-way (tests/faulty/life.c); a study of 40 points of it.
-HELD = Model("is_held")
-HELD_STUDY = """
+# Of this model; a test can hold its points half-way (tests/faulty/model.c).
+STUDY = """
 fmu = "{fmu}"
 [design]
 method = "halton"
@@ -258,9 +257,9 @@ class Workshop:
             archive.writestr("resources/number.txt", "0\n")
         return into
 
-    def held(self, study):
-        """Writes the study of the FMU that can be held."""
-        study.write_text(HELD_STUDY.format(fmu=self.model(HELD)))
+    def study(self, file):
+        """Writes a study of 40 points of the healthy model."""
+        file.write_text(STUDY.format(fmu=self.model(HEALTHY)))
 
     def model(self, model):
         behaviour = "healthy" if model.name in PLAIN else model.name

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from faulty import Workshop
 from python_package import ENVIRONMENT, same
+from supervised import GRACE
 
 from fmu_orchestrator import OrchestratorError, Study
 from fmu_orchestrator._progress import Journal
@@ -72,12 +73,15 @@ def session(leader):
 def test_ctrl_c_keeps_what_is_done(send, tmp_path, monkeypatch):
     monkeypatch.setenv("FAULTY_FOLDER", str(tmp_path))
     study, folder, held = tmp_path / "study.toml", tmp_path / "out", tmp_path / "held"
-    Workshop(tmp_path).held(study)
+    Workshop(tmp_path).study(study)
     held.touch()
     process, said = interrupt([study, folder], folder / "journal.txt", send, {**ENVIRONMENT, "FAULTY_FOLDER": str(tmp_path)})
     held.unlink()
     assert process.returncode == 77 and said.strip() == f"interrupted; resume=True goes on in {folder}"
     # Nothing of the run is left: neither its processes, which belong to its session, nor its folders.
+    end = time.monotonic() + GRACE
+    while session(process.pid) and time.monotonic() < end:
+        time.sleep(0.01)
     assert session(process.pid) == []
     assert not list(folder.glob(".running-*"))
     done = Journal(folder, resume=True)

@@ -40,9 +40,8 @@ def kill_one(client, processes, folder, held, killed):
 def test_a_lost_dask_worker_costs_nothing(tmp_path, monkeypatch):
     monkeypatch.setenv("FAULTY_FOLDER", str(tmp_path))
     study, held, killed = tmp_path / "study.toml", tmp_path / "held", []
-    Workshop(tmp_path).held(study)
+    Workshop(tmp_path).study(study)
     orchestrator("verify", study, "--output", tmp_path / "single")
-    (tmp_path / "begun").unlink()
     held.touch()
     with LocalCluster(n_workers=3, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
         arguments = client, client.run(os.getpid), tmp_path / "dask", held, killed
