@@ -106,6 +106,7 @@ def test_a_surrogate_takes_few_runs_and_says_how_it_errs(folder):
     assert abs(again["model"] - again["surrogate"]) < 1e-6
 
 
+@pytest.mark.long
 def test_six_modes_have_their_parts(folder):
     outcome, ours = sampled(folder, "wave", posterior=2000)
     places = 0.1 + 3.0 * (np.arange(300000) + 0.5) / 300000

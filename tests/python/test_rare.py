@@ -28,6 +28,10 @@ tolerance = {TOLERANCE}
 """
 
 
+# Shorter ones are in orchestrator/tests/cli/rare.rs.
+pytestmark = pytest.mark.long
+
+
 @pytest.fixture(scope="module")
 def found(tmp_path_factory):
     folder = tmp_path_factory.mktemp("rare")
