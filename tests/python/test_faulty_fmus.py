@@ -5,7 +5,7 @@ import signal
 import faulty
 import pytest
 from faulty import MODELS
-from laboratory import NO_TIMEOUT, OUTPUTS, PAUSE, POINTS, TIMEOUT, Laboratory, bits, complaints, rate, study
+from laboratory import NO_TIMEOUT, OUTPUTS, POINTS, TIMEOUT, Laboratory, bits, complaints, rate, study
 from test_acceptance import orchestrator
 
 every_model = pytest.mark.parametrize("model", MODELS, ids=lambda model: model.name)
@@ -161,7 +161,8 @@ SOON = 30.0
 def test_a_signal_ends_the_run(case, laboratory, tmp_path, number):
     """Points under way are given up; those that were done are kept."""
     fmu = laboratory.workshop.folder / f"{case.model.name}.fmu"
-    run = study(tmp_path, fmu, case.hit, options=["--point-timeout", NO_TIMEOUT], pause=PAUSE)
+    run = study(tmp_path, fmu, case.hit, options=["--point-timeout", NO_TIMEOUT])
+    (run.mark / "held").touch()
     code, running, strays = run.interrupted(5, number, deadline=SOON)
     assert running and code in (130, 143), f"{code} {strays}"
     assert strays == [] and run.progress() >= 5
