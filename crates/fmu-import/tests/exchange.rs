@@ -188,6 +188,13 @@ fn a_discrete_input_changes_by_an_event() {
     assert!((bench.get("v") - speed).abs() < 1e-10);
 }
 
+#[test]
+fn an_fmu_is_not_told_the_tolerance_of_the_solver() {
+    let mut bench = Bench::new(&[]);
+    bench.start(1e-10);
+    assert_eq!(bench.instance.warnings().count, 0);
+}
+
 /// By rounding a step ends before or after the communication point, and its derivative over time looks ahead.
 #[test]
 fn time_never_goes_back_nor_past_the_stop() {

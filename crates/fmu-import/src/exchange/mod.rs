@@ -22,7 +22,12 @@ use march::{March, Mode, Ramp};
 impl<E: Equations> Simulation for Exchange<E> {
     fn set_up(&mut self, caller: &mut Caller, experiment: Experiment) -> Result<(), Call> {
         self.march.begin(experiment);
-        self.equations.component().set_up(caller, experiment)
+        // The tolerance is this solver's. FMUs of Dymola warn at every point when they are told one.
+        let told = Experiment {
+            tolerance: None,
+            ..experiment
+        };
+        self.equations.component().set_up(caller, told)
     }
 
     fn initialise(&mut self, caller: &mut Caller) -> Result<(), Call> {
