@@ -6,7 +6,7 @@ use indexmap::IndexMap;
 use serde::{Serialize, Serializer};
 
 use crate::units::{Conversion, UnitError, Units};
-use crate::value::{Content, Handle};
+use crate::value::{Content, Handle, Value};
 use crate::version::Version;
 
 /// A model description of FMI 2.0 or 3.0 for Co-Simulation.
@@ -344,17 +344,22 @@ impl Kind {
         }
     }
 
-    /// The start value as a number, where there is one.
-    #[allow(clippy::cast_precision_loss)]
-    pub fn start(&self) -> Option<f64> {
+    /// The start value, where there is one.
+    pub fn start_value(&self) -> Option<Value> {
         match self {
-            Self::Real { start, .. } => *start,
+            Self::Real { start, .. } => start.map(Value::Real),
             Self::Integer { start, .. } | Self::Enumeration { start, .. } => {
-                start.map(|start| start as f64)
+                start.map(Value::Integer)
             }
-            Self::Boolean { start } => start.map(|yes| f64::from(u8::from(yes))),
-            Self::String { .. } => None,
+            Self::Boolean { start } => start.map(Value::Boolean),
+            Self::String { start } => start.clone().map(Value::String),
         }
+    }
+
+    /// The start value as a number, where there is one.
+    pub fn start(&self) -> Option<f64> {
+        let number = |value: Value| (value.content() != Content::Text).then(|| value.number());
+        self.start_value().and_then(number)
     }
 
     /// The smallest and the largest value, where these are declared.
@@ -408,15 +413,6 @@ impl Variable {
     pub fn is_settable(&self) -> bool {
         self.variability != Variability::Constant
             && matches!(self.causality, Causality::Parameter | Causality::Input)
-            || self.causality == Causality::Local && self.start_is_given()
-    }
-
-    fn start_is_given(&self) -> bool {
-        match &self.kind {
-            Kind::Real { start, .. } => start.is_some(),
-            Kind::Integer { start, .. } | Kind::Enumeration { start, .. } => start.is_some(),
-            Kind::Boolean { start } => start.is_some(),
-            Kind::String { start } => start.is_some(),
-        }
+            || self.causality == Causality::Local && self.kind.start_value().is_some()
     }
 }

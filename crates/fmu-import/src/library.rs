@@ -3,7 +3,7 @@
 //! Unloading is left out on purpose: thread-local destructors and threads of an FMU that outlive
 //! its code crash the process, and a process loads few FMUs.
 
-use std::collections::HashSet;
+use std::collections::HashMap;
 use std::ffi::CStr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -25,6 +25,7 @@ use crate::needed;
 use crate::simulation::{Birth, Simulation};
 pub use crate::symbols::LibraryError;
 use crate::symbols::Text;
+use crate::value::Handle;
 use crate::version::Version;
 
 /// The functions of a binary, by its version of FMI.
@@ -49,7 +50,8 @@ pub struct Library {
     /// The mode in which the binary's initialisers left the processor.
     pub(crate) mode: Mode,
     interface: Interface,
-    continuous: Arc<HashSet<u32>>,
+    /// The inputs, and whether each may change between events.
+    inputs: Arc<HashMap<Handle, bool>>,
     name: String,
     once: bool,
     binary: PathBuf,
@@ -101,7 +103,7 @@ impl Library {
             categories,
             mode,
             interface: description.interface,
-            continuous: Arc::new(continuous_inputs(description)),
+            inputs: Arc::new(inputs(description)),
             name: description.model_name.clone(),
             binary,
             _unpacked: unpacked,
@@ -134,7 +136,7 @@ impl Library {
             Functions::TwoExchange(functions, exchange, sizes) => {
                 let model = fmi2::Model::new(*functions, &birth, caller, name)?;
                 let equations = fmi2::ExchangeModel::new(model, *exchange, *sizes);
-                Box::new(Exchange::new(equations, Arc::clone(&self.continuous)))
+                Box::new(Exchange::new(equations, Arc::clone(&self.inputs)))
             }
             Functions::Three(functions, exchange, elements) => {
                 let elements = Arc::clone(elements);
@@ -143,7 +145,7 @@ impl Library {
                     return Ok(Box::new(model));
                 };
                 let equations = fmi3::ExchangeModel::new(model, *exchange);
-                Box::new(Exchange::new(equations, Arc::clone(&self.continuous)))
+                Box::new(Exchange::new(equations, Arc::clone(&self.inputs)))
             }
         })
     }
@@ -311,14 +313,16 @@ fn of_three(library: &Loaded, description: &Description) -> Result<Functions, Li
     Ok(Functions::Three(Box::new(functions), exchange, elements))
 }
 
-/// The references of the inputs that may change between events.
-fn continuous_inputs(description: &Description) -> HashSet<u32> {
-    let is_continuous = |variable: &&Variable| {
+/// The inputs, and whether each may change between events.
+fn inputs(description: &Description) -> HashMap<Handle, bool> {
+    let is_continuous = |variable: &Variable| {
         variable.variability == Variability::Continuous
             && matches!(variable.kind, Kind::Real { .. })
     };
-    let inputs = description.with(Causality::Input).filter(is_continuous);
-    inputs.map(|variable| variable.handle().reference).collect()
+    let inputs = description.with(Causality::Input);
+    inputs
+        .map(|variable| (variable.handle(), is_continuous(variable)))
+        .collect()
 }
 
 /// Why the loader refused: all libraries that are missing, of which it names the first only, or else its own words.

@@ -46,7 +46,7 @@ impl Birth<'_> {
 /// A C string. A zero byte cannot be told to C: the text ends before it.
 pub(crate) fn c_string(text: &str) -> CString {
     let end = text.find('\0').unwrap_or(text.len());
-    CString::new(&text[..end]).unwrap_or_default()
+    CString::new(&text[..end]).expect("the text ends before its first zero byte")
 }
 
 /// A component of a binary, called by the functions of its version. [`Instance`](crate::Instance) documents the
@@ -56,8 +56,8 @@ pub(crate) fn c_string(text: &str) -> CString {
 pub(crate) trait Simulation: Debug + Send {
     /// Announces the experiment.
     fn set_up(&mut self, caller: &mut Caller, experiment: Experiment) -> Result<(), Call>;
-    /// Enters and leaves initialisation mode.
-    fn initialise(&mut self, caller: &mut Caller) -> Result<(), Call>;
+    /// Enters initialisation mode, sets these inputs, and leaves it.
+    fn initialise(&mut self, caller: &mut Caller, inputs: &[(u32, Value)]) -> Result<(), Call>;
     /// Reads real variables, as many as there are references and places.
     fn reals(
         &mut self,

@@ -40,8 +40,13 @@ pub struct Handle {
 
 impl Content {
     /// A number as a value of this content: a whole number is rounded, 0.5 and more is yes.
+    ///
+    /// # Panics
+    /// When NaN shall be a whole number, yes or no.
     #[allow(clippy::cast_possible_truncation)]
     pub fn value(self, number: f64) -> Value {
+        let is_any = matches!(self, Self::Real | Self::Text);
+        assert!(is_any || !number.is_nan(), "NaN is no {self:?}");
         match self {
             Self::Real => Value::Real(number),
             // A cast of a float saturates.

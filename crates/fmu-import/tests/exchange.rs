@@ -195,6 +195,19 @@ fn an_fmu_is_not_told_the_tolerance_of_the_solver() {
     assert_eq!(bench.instance.warnings().count, 0);
 }
 
+/// By the standard it is set in initialisation mode, not before.
+#[test]
+fn a_discrete_input_has_its_first_value_in_initialisation_mode() {
+    let mut bench = Bench::new(&["LATE"]);
+    bench.set("kick", Value::Integer(2));
+    bench.set("kick", Value::Integer(3));
+    bench.start(1e-10);
+    assert_eq!(bench.get("kick"), 3.0);
+    bench.instance.reset().unwrap();
+    bench.start(1e-10);
+    assert_eq!(bench.get("kick"), 0.0);
+}
+
 /// By rounding a step ends before or after the communication point, and its derivative over time looks ahead.
 #[test]
 fn time_never_goes_back_nor_past_the_stop() {

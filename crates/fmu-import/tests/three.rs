@@ -11,9 +11,9 @@ use tempfile::TempDir;
 const DESCRIPTION: &str = include_str!("fixtures/three.xml");
 
 /// An unpacked FMU, compiled with these macros.
-fn three(macros: &[&str]) -> (TempDir, Package) {
+fn three(macros: &[&str], description: &str) -> (TempDir, Package) {
     let folder = tempfile::tempdir().unwrap();
-    fs::write(folder.path().join("modelDescription.xml"), DESCRIPTION).unwrap();
+    fs::write(folder.path().join("modelDescription.xml"), description).unwrap();
     let binaries = folder
         .path()
         .join("binaries")
@@ -45,7 +45,11 @@ struct Bench {
 
 impl Bench {
     fn new() -> Self {
-        let (folder, mut package) = three(&[]);
+        Self::of(&[], DESCRIPTION)
+    }
+
+    fn of(macros: &[&str], description: &str) -> Self {
+        let (folder, mut package) = three(macros, description);
         let library = package.load().unwrap();
         let instance = Instance::new(&library, "one").unwrap();
         Self {
@@ -98,6 +102,48 @@ fn it_steps_to_the_exact_solution() {
     bench.instance.terminate().unwrap();
     assert_eq!(bench.library.version().as_deref(), Some("3.0"));
     assert_eq!(bench.library.odd_version(), None);
+}
+
+/// An FMU may refuse to tell values before its initialisation.
+#[test]
+fn elements_are_set_without_reading_the_others() {
+    let mut bench = Bench::of(&["SILENT"], DESCRIPTION);
+    let weights = |bench: &mut Bench| {
+        bench.start();
+        ["weights[1]", "weights[2]", "weights[3]"].map(|name| bench.get(name).number())
+    };
+    bench.set("weights[2]", Value::Real(20.0)).unwrap();
+    bench.set("text[2]", Value::String("b".to_owned())).unwrap();
+    let state = bench.instance.save().unwrap();
+    bench.set("weights[1]", Value::Real(10.0)).unwrap();
+    assert_eq!(weights(&mut bench), [10.0, 20.0, 3.0]);
+    assert_eq!(bench.get("text[2]"), Value::String("b".to_owned()));
+    // An element that changes later leaves the others as they are then.
+    bench.set("weights[1]", Value::Real(11.0)).unwrap();
+    assert_eq!(bench.get("weights[2]"), Value::Real(20.0));
+    bench.instance.restore(&state).unwrap();
+    bench.set("weights[3]", Value::Real(30.0)).unwrap();
+    assert_eq!(weights(&mut bench), [1.0, 20.0, 30.0]);
+    bench.instance.forget(state).unwrap();
+    bench.instance.reset().unwrap();
+    bench.set("weights[1]", Value::Real(7.0)).unwrap();
+    assert_eq!(weights(&mut bench), [7.0, 2.0, 3.0]);
+    // Where the description has no start values, only the FMU could tell the other elements.
+    let description = DESCRIPTION.replace(" start=\"1 2 3\"", "");
+    let mut bench = Bench::of(&["SILENT"], &description);
+    let call = bench.set("weights[2]", Value::Real(20.0)).unwrap_err();
+    let text = call.to_string();
+    assert!(
+        text.contains("no start values for its other elements"),
+        "{text}"
+    );
+    assert!(
+        text.contains("no values before the initialisation"),
+        "{text}"
+    );
+    let mut bench = Bench::of(&[], &description);
+    bench.set("weights[2]", Value::Real(20.0)).unwrap();
+    assert_eq!(weights(&mut bench), [1.0, 20.0, 3.0]);
 }
 
 #[test]
@@ -267,7 +313,7 @@ fn a_state_is_kept_and_restored() {
 
 #[test]
 fn a_function_that_is_not_there_is_missed_when_it_is_needed() {
-    let (_folder, mut package) = three(&["NO_UINT8"]);
+    let (_folder, mut package) = three(&["NO_UINT8"], DESCRIPTION);
     let library = package.load().unwrap();
     let mut instance = Instance::new(&library, "one").unwrap();
     let handle = |name: &str| package.description().variables[name].handle();

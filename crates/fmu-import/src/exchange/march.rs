@@ -1,6 +1,6 @@
 //! The way of a Model Exchange FMU from one communication point to the next, with its events.
 
-use std::collections::HashSet;
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::equations::Equations;
@@ -8,7 +8,7 @@ use super::rosenbrock::Rosenbrock;
 use crate::call::{Call, End, Status};
 use crate::caller::Caller;
 use crate::simulation::Experiment;
-use crate::value::Value;
+use crate::value::{Handle, Value};
 
 /// The relative tolerance where neither the user nor the FMU states one.
 const TOLERANCE: f64 = 1e-8;
@@ -44,19 +44,22 @@ pub(super) struct Ramp {
 #[derive(Debug)]
 pub(crate) struct Exchange<E> {
     pub(super) equations: E,
-    /// The inputs that may be set without an event.
-    pub(super) continuous: Arc<HashSet<u32>>,
+    /// The inputs, and whether each may be set without an event.
+    pub(super) inputs: Arc<HashMap<Handle, bool>>,
+    /// The inputs that were set before the initialisation and may be set within it only.
+    pub(super) waiting: Vec<(u32, Value)>,
     pub(super) mode: Mode,
     pub(super) ramps: Vec<Ramp>,
     pub(super) march: March,
 }
 
 impl<E: Equations> Exchange<E> {
-    /// One of newly created equations; `continuous` are the references of continuous inputs.
-    pub(crate) fn new(equations: E, continuous: Arc<HashSet<u32>>) -> Self {
+    /// One of newly created equations with these inputs, and whether each is continuous.
+    pub(crate) fn new(equations: E, inputs: Arc<HashMap<Handle, bool>>) -> Self {
         Self {
             equations,
-            continuous,
+            inputs,
+            waiting: Vec::new(),
             mode: Mode::New,
             ramps: Vec::new(),
             march: March::default(),

@@ -30,8 +30,9 @@ impl<E: Equations> Simulation for Exchange<E> {
         self.equations.component().set_up(caller, told)
     }
 
-    fn initialise(&mut self, caller: &mut Caller) -> Result<(), Call> {
-        self.equations.component().initialise(caller)?;
+    fn initialise(&mut self, caller: &mut Caller, _: &[(u32, Value)]) -> Result<(), Call> {
+        let waiting = std::mem::take(&mut self.waiting);
+        self.equations.component().initialise(caller, &waiting)?;
         // FMI leaves the initialisation in event mode.
         self.mode = Mode::Events;
         let sizes = self.equations.sizes(caller)?;
@@ -55,9 +56,15 @@ impl<E: Equations> Simulation for Exchange<E> {
 
     fn set(&mut self, caller: &mut Caller, reference: u32, value: &Value) -> Result<(), Call> {
         self.ramps.retain(|ramp| ramp.reference != reference);
+        let content = value.content();
+        let is_continuous = self.inputs.get(&Handle { reference, content });
+        // By the standard a discrete input is set in initialisation or event mode only.
+        if self.mode == Mode::New && is_continuous == Some(&false) {
+            self.waiting.push((reference, value.clone()));
+            return Ok(());
+        }
         // All but continuous inputs change by an event.
-        let flows = matches!(value, Value::Real(_)) && self.continuous.contains(&reference);
-        if self.mode == Mode::Continuous && !flows {
+        if self.mode == Mode::Continuous && is_continuous != Some(&true) {
             self.equations.enter_events(caller)?;
             self.mode = Mode::Events;
         }
@@ -86,6 +93,7 @@ impl<E: Equations> Simulation for Exchange<E> {
     fn reset(&mut self, caller: &mut Caller) -> Result<(), Call> {
         self.mode = Mode::New;
         self.ramps.clear();
+        self.waiting.clear();
         self.march = March::default();
         self.equations.component().reset(caller)
     }

@@ -151,11 +151,14 @@ impl Simulation for Model {
         caller.check("fmi2SetupExperiment", status)
     }
 
-    fn initialise(&mut self, caller: &mut Caller) -> Result<(), Call> {
+    fn initialise(&mut self, caller: &mut Caller, inputs: &[(u32, Value)]) -> Result<(), Call> {
         // SAFETY: the component is alive.
         let status =
             caller.call(|| unsafe { (self.functions.enter_initialization_mode)(self.component) });
         caller.check("fmi2EnterInitializationMode", status)?;
+        for (reference, value) in inputs {
+            self.set(caller, *reference, value)?;
+        }
         // SAFETY: the component is alive.
         let status =
             caller.call(|| unsafe { (self.functions.exit_initialization_mode)(self.component) });
@@ -169,7 +172,8 @@ impl Simulation for Model {
         references: &[u32],
         into: &mut [f64],
     ) -> Result<(), Call> {
-        let count = references.len().min(into.len());
+        let count = references.len();
+        assert_eq!(count, into.len(), "a place for each reference");
         let get = self.functions.get_real;
         // SAFETY: both arrays hold `count` elements.
         let status = caller.call(|| unsafe {

@@ -2,10 +2,12 @@
 
 use std::sync::Arc;
 
+use crate::call::Call;
 use crate::description::{Description, Storage};
+use crate::value::Value;
 
-/// An element of a variable: its place in the binary.
-#[derive(Clone, Copy, Debug)]
+/// An element of a variable: its place in the binary, and its start value where the description has one.
+#[derive(Clone, Debug)]
 pub(crate) struct Element {
     /// The value reference of the variable.
     pub(super) reference: u32,
@@ -14,6 +16,7 @@ pub(crate) struct Element {
     pub(super) index: usize,
     /// How many elements the array has.
     pub(super) of: usize,
+    pub(super) start: Option<Value>,
 }
 
 impl Element {
@@ -29,19 +32,28 @@ impl Element {
                 storage: place.storage,
                 index: place.index,
                 of: place.of,
+                start: variable.kind.start_value(),
             };
             let number = place.number as usize;
             // Variables that could not be used leave gaps, which nobody reaches.
             if all.len() <= number {
-                all.resize(number + 1, element);
+                all.resize(number + 1, element.clone());
             }
             all[number] = element;
         }
         all.into()
     }
 
+    /// The element of a number.
+    pub(super) fn of(elements: &[Self], number: u32) -> Result<&Self, Call> {
+        elements.get(number as usize).ok_or_else(|| {
+            let why = format!("there is no element {number}");
+            Call::impossible("fmi3Get", why)
+        })
+    }
+
     /// Whether it is a number of 64 bits by itself, of which one call reads several.
-    pub(super) fn is_plain(self) -> bool {
+    pub(super) fn is_plain(&self) -> bool {
         self.of == 1 && self.storage == Storage::Float64
     }
 }

@@ -2,20 +2,23 @@
 
 use std::ffi::{CStr, CString, c_char};
 use std::fmt::Display;
-use std::ptr;
+use std::sync::Arc;
+use std::{ptr, slice};
 
 use super::element::Element;
 use super::functions::Access;
 use super::simulation::Model;
-use crate::call::Call;
+use crate::call::{Call, Status};
 use crate::caller::Caller;
 use crate::description::Storage;
 use crate::simulation::c_string;
 use crate::value::Value;
 
 impl Model {
-    pub(super) fn read(&mut self, caller: &mut Caller, element: Element) -> Result<Value, Call> {
+    pub(super) fn read(&mut self, caller: &mut Caller, number: u32) -> Result<Value, Call> {
         let functions = self.functions;
+        let elements = Arc::clone(&self.elements);
+        let element = Element::of(&elements, number)?;
         Ok(match element.storage {
             Storage::Float32 => {
                 let values = self.all(caller, functions.float32, element, 0.0)?;
@@ -25,16 +28,16 @@ impl Model {
                 let values = self.all(caller, functions.float64, element, 0.0)?;
                 Value::Real(values[element.index])
             }
-            Storage::Int8 => self.whole(caller, functions.int8, element)?,
-            Storage::UInt8 => self.whole(caller, functions.uint8, element)?,
-            Storage::Int16 => self.whole(caller, functions.int16, element)?,
-            Storage::UInt16 => self.whole(caller, functions.uint16, element)?,
-            Storage::Int32 => self.whole(caller, functions.int32, element)?,
-            Storage::UInt32 => self.whole(caller, functions.uint32, element)?,
+            Storage::Int8 => self.read_whole(caller, functions.int8, element)?,
+            Storage::UInt8 => self.read_whole(caller, functions.uint8, element)?,
+            Storage::Int16 => self.read_whole(caller, functions.int16, element)?,
+            Storage::UInt16 => self.read_whole(caller, functions.uint16, element)?,
+            Storage::Int32 => self.read_whole(caller, functions.int32, element)?,
+            Storage::UInt32 => self.read_whole(caller, functions.uint32, element)?,
             Storage::Int64 | Storage::Enumeration => {
-                self.whole(caller, functions.int64, element)?
+                self.read_whole(caller, functions.int64, element)?
             }
-            Storage::UInt64 => self.whole(caller, functions.uint64, element)?,
+            Storage::UInt64 => self.read_whole(caller, functions.uint64, element)?,
             Storage::Boolean => {
                 let values = self.all(caller, functions.boolean, element, 0)?;
                 Value::Boolean(values[element.index] != 0)
@@ -47,43 +50,69 @@ impl Model {
         })
     }
 
+    /// Writes one element. The others of its array keep their values: before the initialisation those that were written
+    /// or with which the FMU starts, as some FMUs tell none then.
     pub(super) fn write(
         &mut self,
         caller: &mut Caller,
-        element: Element,
+        number: u32,
         value: &Value,
     ) -> Result<(), Call> {
         let functions = self.functions;
-        match (element.storage, value) {
-            (Storage::Float32, Value::Real(value)) => {
-                let narrow = *value as f32;
-                if value.is_finite() && !narrow.is_finite() {
-                    return Err(unfit(value, element, functions.float32.setter));
-                }
-                self.put(caller, functions.float32, element, narrow)
+        let elements = Arc::clone(&self.elements);
+        let element = Element::of(&elements, number)?;
+        let mut array = None;
+        if element.of > 1 {
+            array = self.array(number, element);
+            if let Some(values) = &mut array {
+                values[element.index] = value.clone();
             }
-            (Storage::Float64, Value::Real(value)) => {
-                self.put(caller, functions.float64, element, *value)
-            }
-            (Storage::Boolean, Value::Boolean(value)) => {
-                self.put(caller, functions.boolean, element, u8::from(*value))
-            }
-            (Storage::String, Value::String(text)) => self.put_text(caller, element, text),
-            (storage, Value::Integer(value)) => match storage {
-                Storage::Int8 => self.put_whole(caller, functions.int8, element, *value),
-                Storage::UInt8 => self.put_whole(caller, functions.uint8, element, *value),
-                Storage::Int16 => self.put_whole(caller, functions.int16, element, *value),
-                Storage::UInt16 => self.put_whole(caller, functions.uint16, element, *value),
-                Storage::Int32 => self.put_whole(caller, functions.int32, element, *value),
-                Storage::UInt32 => self.put_whole(caller, functions.uint32, element, *value),
-                Storage::Int64 | Storage::Enumeration => {
-                    self.put_whole(caller, functions.int64, element, *value)
-                }
-                Storage::UInt64 => self.put_whole(caller, functions.uint64, element, *value),
-                _ => Err(unfit(value, element, "fmi3Set")),
-            },
-            (_, other) => Err(unfit(&format!("{other:?}"), element, "fmi3Set")),
         }
+        let all = match element.of {
+            1 => Some(slice::from_ref(value)),
+            _ => array.as_deref(),
+        };
+        let new = New {
+            element,
+            value,
+            all,
+        };
+        match element.storage {
+            Storage::Float32 => self.put(caller, functions.float32, new, narrow),
+            Storage::Float64 => self.put(caller, functions.float64, new, real),
+            Storage::Int8 => self.put(caller, functions.int8, new, whole),
+            Storage::UInt8 => self.put(caller, functions.uint8, new, whole),
+            Storage::Int16 => self.put(caller, functions.int16, new, whole),
+            Storage::UInt16 => self.put(caller, functions.uint16, new, whole),
+            Storage::Int32 => self.put(caller, functions.int32, new, whole),
+            Storage::UInt32 => self.put(caller, functions.uint32, new, whole),
+            Storage::Int64 | Storage::Enumeration => self.put(caller, functions.int64, new, whole),
+            Storage::UInt64 => self.put(caller, functions.uint64, new, whole),
+            Storage::Boolean => self.put(caller, functions.boolean, new, |value| match value {
+                Value::Boolean(yes) => Some(u8::from(*yes)),
+                _ => None,
+            }),
+            Storage::String => self.put_text(caller, new),
+        }?;
+        if let (Some(written), Some(array)) = (&mut self.written, array) {
+            written.insert(element.reference, array);
+        }
+        Ok(())
+    }
+
+    /// The values of an array before the initialisation, where they are known.
+    fn array(&self, number: u32, element: &Element) -> Option<Vec<Value>> {
+        let written = self.written.as_ref()?;
+        if let Some(values) = written.get(&element.reference) {
+            return Some(values.clone());
+        }
+        let first = number as usize - element.index;
+        let array = self.elements.get(first..first + element.of)?;
+        let start = |(index, other): (usize, &Element)| {
+            let is_known = other.reference == element.reference && other.index == index;
+            other.start.clone().filter(|_| is_known)
+        };
+        array.iter().enumerate().map(start).collect()
     }
 
     /// The values of all elements of a variable, at least one.
@@ -91,7 +120,7 @@ impl Model {
         &mut self,
         caller: &mut Caller,
         access: Access<T>,
-        element: Element,
+        element: &Element,
         blank: T,
     ) -> Result<Vec<T>, Call> {
         let get = access.get.ok_or_else(|| Call::missing(access.getter))?;
@@ -111,29 +140,44 @@ impl Model {
         Ok(values)
     }
 
-    /// Writes one element; the others of its array keep their values.
     fn put<T: Copy>(
         &mut self,
         caller: &mut Caller,
         access: Access<T>,
-        element: Element,
-        value: T,
+        new: New<'_>,
+        fit: impl Fn(&Value) -> Option<T>,
     ) -> Result<(), Call> {
-        let values = if element.of == 1 {
-            vec![value]
-        } else {
-            let mut values = self.all(caller, access, element, value)?;
-            values[element.index] = value;
-            values
+        let element = new.element;
+        let fit = |value| fit(value).ok_or_else(|| unfit(value, element, access.setter));
+        let values = match new.all {
+            Some(all) => all.iter().map(fit).collect::<Result<Vec<T>, Call>>()?,
+            None => {
+                let value = fit(new.value)?;
+                let all = self.all(caller, access, element, value);
+                let mut all = all.map_err(|call| self.untold(call))?;
+                all[element.index] = value;
+                all
+            }
         };
         self.put_all(caller, access, element, &values)
+    }
+
+    /// Why an array cannot be set of which the FMU does not tell the other elements.
+    fn untold(&self, mut call: Call) -> Call {
+        if self.written.is_some() && call.status != Status::Fatal {
+            let why = "an array is set as a whole: the description has no start values for its other elements, and the FMU \
+                       does not tell them before its initialisation";
+            let message = call.message.take();
+            call.message = Some(message.map_or(why.to_owned(), |said| format!("{why}: {said}")));
+        }
+        call
     }
 
     fn put_all<T>(
         &mut self,
         caller: &mut Caller,
         access: Access<T>,
-        element: Element,
+        element: &Element,
         values: &[T],
     ) -> Result<(), Call> {
         let set = access.set.ok_or_else(|| Call::missing(access.setter))?;
@@ -151,11 +195,11 @@ impl Model {
         caller.check(access.setter, status)
     }
 
-    fn whole<T>(
+    fn read_whole<T>(
         &mut self,
         caller: &mut Caller,
         access: Access<T>,
-        element: Element,
+        element: &Element,
     ) -> Result<Value, Call>
     where
         T: Copy + Default + Display,
@@ -173,19 +217,8 @@ impl Model {
         Ok(Value::Integer(whole))
     }
 
-    fn put_whole<T: Copy + TryFrom<i64>>(
-        &mut self,
-        caller: &mut Caller,
-        access: Access<T>,
-        element: Element,
-        value: i64,
-    ) -> Result<(), Call> {
-        let fit = T::try_from(value).map_err(|_| unfit(&value, element, access.setter))?;
-        self.put(caller, access, element, fit)
-    }
-
     /// The texts of a variable, copied: the FMU's own ones are valid until the next call only.
-    fn texts(&mut self, caller: &mut Caller, element: Element) -> Result<Vec<CString>, Call> {
+    fn texts(&mut self, caller: &mut Caller, element: &Element) -> Result<Vec<CString>, Call> {
         let access = self.functions.string;
         let texts = self.all(caller, access, element, ptr::null::<c_char>())?;
         let copy = |text: &*const c_char| {
@@ -198,22 +231,66 @@ impl Model {
         Ok(texts.iter().map(copy).collect())
     }
 
-    fn put_text(&mut self, caller: &mut Caller, element: Element, text: &str) -> Result<(), Call> {
-        let text = c_string(text);
-        let texts = if element.of == 1 {
-            vec![text]
-        } else {
-            let mut texts = self.texts(caller, element)?;
-            texts[element.index] = text;
-            texts
+    fn put_text(&mut self, caller: &mut Caller, new: New<'_>) -> Result<(), Call> {
+        let (element, access) = (new.element, self.functions.string);
+        let fit = |value: &Value| match value {
+            Value::String(text) => Ok(c_string(text)),
+            other => Err(unfit(other, element, access.setter)),
+        };
+        let texts = match new.all {
+            Some(all) => all
+                .iter()
+                .map(fit)
+                .collect::<Result<Vec<CString>, Call>>()?,
+            None => {
+                let texts = self.texts(caller, element);
+                let mut texts = texts.map_err(|call| self.untold(call))?;
+                texts[element.index] = fit(new.value)?;
+                texts
+            }
         };
         let pointers: Vec<*const c_char> = texts.iter().map(|text| text.as_ptr()).collect();
-        self.put_all(caller, self.functions.string, element, &pointers)
+        self.put_all(caller, access, element, &pointers)
+    }
+}
+
+/// A value for an element.
+#[derive(Clone, Copy)]
+struct New<'a> {
+    element: &'a Element,
+    value: &'a Value,
+    /// The values of all elements of its variable with it, where they are known.
+    all: Option<&'a [Value]>,
+}
+
+fn real(value: &Value) -> Option<f64> {
+    match value {
+        Value::Real(value) => Some(*value),
+        _ => None,
+    }
+}
+
+/// A number of 32 bits, if it is not too large for one.
+fn narrow(value: &Value) -> Option<f32> {
+    let value = real(value)?;
+    let narrow = value as f32;
+    (narrow.is_finite() || !value.is_finite()).then_some(narrow)
+}
+
+fn whole<T: TryFrom<i64>>(value: &Value) -> Option<T> {
+    match value {
+        Value::Integer(value) => T::try_from(*value).ok(),
+        _ => None,
     }
 }
 
 /// A value that the variable's type cannot hold.
-fn unfit(value: &impl Display, element: Element, function: &'static str) -> Call {
+fn unfit(value: &Value, element: &Element, function: &'static str) -> Call {
+    let value = match value {
+        Value::Real(value) => format!("{value:?}"),
+        Value::Integer(value) => value.to_string(),
+        other => format!("{other:?}"),
+    };
     let why = format!("{value} does not fit into {:?}", element.storage);
     Call::impossible(function, why)
 }

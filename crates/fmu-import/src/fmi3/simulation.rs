@@ -3,6 +3,7 @@
 //! One for Co-Simulation is created without event mode: the FMU handles its events within its steps, as FMI 3.0 demands of every FMU, and
 //! inputs may be set between any two of them.
 
+use std::collections::HashMap;
 use std::ffi::{CString, c_char, c_void};
 use std::ptr;
 use std::sync::Arc;
@@ -18,12 +19,19 @@ use crate::value::{Handle, Value};
 
 const DO_STEP: &str = "fmi3DoStep";
 
+/// The values of arrays, by the references of their variables.
+type Written = HashMap<u32, Vec<Value>>;
+
 /// A component for Co-Simulation; the equations of one for Model Exchange stand on it.
 #[derive(Debug)]
 pub(crate) struct Model {
     pub(super) functions: Functions,
     pub(super) component: Component,
-    elements: Arc<[Element]>,
+    pub(super) elements: Arc<[Element]>,
+    /// The values of the arrays that were written before the initialisation, by their references; none after it.
+    pub(super) written: Option<Written>,
+    /// The same in each state that was saved.
+    saved: Vec<(*mut c_void, Option<Written>)>,
     experiment: Experiment,
     /// Numbers of plain elements that were read together last, and their value references.
     together: Vec<u32>,
@@ -85,6 +93,8 @@ impl Model {
             functions,
             component,
             elements,
+            written: Some(Written::new()),
+            saved: Vec::new(),
             experiment: Experiment::default(),
             together: Vec::new(),
             references: Vec::new(),
@@ -104,15 +114,6 @@ impl Model {
                 function(self.component, true, pointers.len(), pointers.as_ptr())
             });
         }
-    }
-
-    /// The element of a number.
-    fn element(&self, number: u32) -> Result<Element, Call> {
-        let element = self.elements.get(number as usize).copied();
-        element.ok_or_else(|| {
-            let why = format!("there is no element {number}");
-            Call::impossible("fmi3Get", why)
-        })
     }
 
     /// Whether all are numbers by themselves, whose value references are in `references` then.
@@ -186,7 +187,7 @@ impl Simulation for Model {
         Ok(())
     }
 
-    fn initialise(&mut self, caller: &mut Caller) -> Result<(), Call> {
+    fn initialise(&mut self, caller: &mut Caller, inputs: &[(u32, Value)]) -> Result<(), Call> {
         let Experiment {
             start,
             stop,
@@ -204,6 +205,10 @@ impl Simulation for Model {
             )
         });
         caller.check("fmi3EnterInitializationMode", status)?;
+        for (reference, value) in inputs {
+            self.set(caller, *reference, value)?;
+        }
+        self.written = None;
         // SAFETY: the component is alive.
         let status =
             caller.call(|| unsafe { (self.functions.exit_initialization_mode)(self.component) });
@@ -217,9 +222,10 @@ impl Simulation for Model {
         references: &[u32],
         into: &mut [f64],
     ) -> Result<(), Call> {
+        assert_eq!(references.len(), into.len(), "a place for each reference");
         let access = self.functions.float64;
         if let Some(get) = access.get.filter(|_| self.are_plain(references)) {
-            let count = self.references.len().min(into.len());
+            let count = into.len();
             // SAFETY: both arrays hold `count` elements.
             let status = caller.call(|| unsafe {
                 get(
@@ -234,10 +240,11 @@ impl Simulation for Model {
         }
         // The elements of an array are read together.
         let mut array: Option<(u32, Vec<f64>)> = None;
+        let elements = Arc::clone(&self.elements);
         for (number, place) in references.iter().zip(into) {
-            let element = self.element(*number)?;
+            let element = Element::of(&elements, *number)?;
             if element.of == 1 || element.storage != Storage::Float64 {
-                *place = self.read(caller, element)?.number();
+                *place = self.read(caller, *number)?.number();
                 continue;
             }
             let known = array.take().filter(|(of, _)| *of == element.reference);
@@ -251,13 +258,11 @@ impl Simulation for Model {
     }
 
     fn value(&mut self, caller: &mut Caller, handle: Handle) -> Result<Value, Call> {
-        let element = self.element(handle.reference)?;
-        self.read(caller, element)
+        self.read(caller, handle.reference)
     }
 
     fn set(&mut self, caller: &mut Caller, reference: u32, value: &Value) -> Result<(), Call> {
-        let element = self.element(reference)?;
-        self.write(caller, element, value)
+        self.write(caller, reference, value)
     }
 
     fn set_slope(&mut self, _: &mut Caller, _: u32, _: f64) -> Result<(), Call> {
@@ -291,6 +296,7 @@ impl Simulation for Model {
         let reset = reset.ok_or_else(|| Call::missing("fmi3Reset"))?;
         // SAFETY: the component is alive.
         let status = caller.call(|| unsafe { reset(self.component) });
+        self.written = Some(Written::new());
         caller.check("fmi3Reset", status)
     }
 
@@ -309,6 +315,8 @@ impl Simulation for Model {
         // SAFETY: the component is alive, and the state is a valid place to write to.
         let status = caller.call(|| unsafe { get(self.component, &raw mut state) });
         caller.check("fmi3GetFMUState", status).ok()?;
+        self.saved.retain(|(saved, _)| *saved != state);
+        self.saved.push((state, self.written.clone()));
         Some(state)
     }
 
@@ -317,12 +325,16 @@ impl Simulation for Model {
         let (_, set, _) = states.ok_or_else(|| Call::missing("fmi3SetFMUState"))?;
         // SAFETY: the component is alive, and the state is one of its own.
         let status = caller.call(|| unsafe { set(self.component, state) });
+        let saved = self.saved.iter().find(|(saved, _)| *saved == state);
+        // An FMU may give one address to several states.
+        self.written = saved.and_then(|(_, written)| written.clone());
         caller.check("fmi3SetFMUState", status)
     }
 
     fn forget(&mut self, caller: &mut Caller, mut state: *mut c_void) -> Result<(), Call> {
         let states = self.functions.states;
         let (_, _, free) = states.ok_or_else(|| Call::missing("fmi3FreeFMUState"))?;
+        self.saved.retain(|(saved, _)| *saved != state);
         // SAFETY: the component is alive, and the state is one of its own, used no more.
         let status = caller.call(|| unsafe { free(self.component, &raw mut state) });
         caller.check("fmi3FreeFMUState", status)
