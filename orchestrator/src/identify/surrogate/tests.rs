@@ -143,12 +143,12 @@ fn held(trial: &Trial, records: u64, seed: u64) -> (Vec<u32>, f64) {
     (held, asked.get() as f64 / records as f64)
 }
 
-/// Of 20 intervals that hold with 95 %, 15 to 20 hold with a probability of 99.9 %. With few runs the surrogates are rough, and
+/// Of 4 intervals that hold with 95 %, 2 to 4 hold with a probability of 99.95 %. With few runs the surrogates are rough, and
 /// the intervals have to tell.
 #[test]
 fn intervals_on_rough_surrogates_hold() {
-    let (held, _) = held(&DECAY, 20, 22);
-    assert!(held.iter().all(|count| *count >= 15), "{held:?}");
+    let (held, _) = held(&DECAY, 4, 22);
+    assert!(held.iter().all(|count| *count >= 2), "{held:?}");
 }
 
 /// A row of docs/analysis.md. Of 60 intervals that hold with 95 %, 51 to 60 hold with a probability of 99.9 %.
