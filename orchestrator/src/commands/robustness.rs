@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::CommandError;
 use super::asking::{self, Analysis, PointSet};
 use super::finding::{self, AnalysisResult};
-use crate::analysis::robustness::region::Confirmed;
+use crate::analysis::robustness::region::Domain;
 use crate::analysis::robustness::{Robustness, region, robustness, rows};
 use crate::analysis::table::PointTable;
 use crate::cli;
@@ -213,42 +213,32 @@ fn joint(plan: &Plan, points: u64, seed: u64) -> Result<Design, String> {
     })
 }
 
-/// What is stated of a region, whether it comes to the level, and how runs of the model compare with it.
-fn evidence(
-    result: &Robustness,
-    (share, probability): (f64, f64),
-    stated: [f64; 2],
-    own: Confirmed,
-) -> String {
-    let claim = if stated[0] >= result.level {
+/// What is stated of a region, whether it comes to the level, and how the study's points and fresh runs compare with it.
+fn evidence<S>(level: f64, of: &Domain<S>) -> String {
+    let claim = if of.interval[0] >= level {
         "shown to be"
     } else {
         "NOT shown to be"
     };
-    format!(
-        "  takes {} of the sampled space; verification probability {} (95 % interval {} to {}): {claim} {} or more\n  by the \
+    let own = of.confirmed;
+    let mut out = format!(
+        "  takes {} of the sampled space; verification probability {} (95 % interval {} to {}): {claim} {level} or more\n  by the \
          surrogates and the study's own points, of which {} lie inside, {} verified\n",
-        number(share, 3),
-        number(probability, 3),
-        number(stated[0], 3),
-        number(stated[1], 3),
-        result.level,
+        number(of.share, 3),
+        number(of.probability, 3),
+        number(of.interval[0], 3),
+        number(of.interval[1], 3),
         own.points,
         own.verified
-    )
-}
-
-/// What fresh runs show.
-fn judged(stated: [f64; 2], fresh: Option<Confirmed>) -> String {
-    let mut out = String::new();
-    if let Some(c) = fresh {
+    );
+    if let Some(c) = of.fresh {
         out += &format!(
             "  {} fresh runs inside: {} verified, 95 % interval {} to {}: {}\n",
             c.points,
             c.verified,
             number(c.interval[0], 3),
             number(c.interval[1], 3),
-            c.on(stated)
+            c.on(of.interval)
         );
     }
     out
@@ -304,14 +294,11 @@ fn text(result: &Robustness) -> String {
                 number(*high, 5)
             );
         }
-        let found = (region.share, region.probability);
-        out += &evidence(result, found, region.interval, region.confirmed);
-        out += &judged(region.interval, region.fresh);
+        out += &evidence(result.level, region);
     }
-    if let Some(e) = &result.ellipsoid {
+    if let Some(ellipsoid) = &result.ellipsoid {
         out += "\nlargest ellipsoid found\n";
-        out += &evidence(result, (e.share, e.probability), e.interval, e.confirmed);
-        out += &judged(e.interval, e.fresh);
+        out += &evidence(result.level, ellipsoid);
     }
     if !result.unsafe_combinations.is_empty() {
         out += "\nunsafe: hardly any point is verified, whatever the other parameters are\n";

@@ -9,7 +9,7 @@
 use rayon::prelude::*;
 use sampling::statistics::moments::{quantile, sorted};
 
-use super::region::{Confirmed, Region};
+use super::region::{Domain, Region, Sides};
 
 /// The part that is peeled off at a time.
 const PEEL: f64 = 0.03;
@@ -82,16 +82,8 @@ pub fn tightened(sample: &Sample<'_>, level: f64, region: &Region) -> Option<Reg
 
 fn pasted(sample: &Sample<'_>, scale: &Scale, level: f64, mut limits: Limits) -> Region {
     paste(sample, scale, level, &mut limits);
-    let mut region = Region {
-        limits: scale.closed(&limits),
-        share: 0.0,
-        probability: 0.0,
-        interval: super::region::unknown(),
-        confirmed: Confirmed::default(),
-        fresh: None,
-    };
-    region.state(sample.points, sample.verdicts);
-    region
+    let limits = scale.closed(&limits);
+    Domain::new(Sides { limits }, sample)
 }
 
 /// The parameters' sorted values: a parameter is measured by the part of the sample that lies below.
@@ -124,16 +116,9 @@ impl Scale {
 
     /// Sides that were never cut end where the samples do.
     fn closed(&self, limits: &Limits) -> Limits {
-        let ends = |column: &[f64]| {
-            let first = column.first().copied().unwrap_or(f64::NEG_INFINITY);
-            [first, column.last().copied().unwrap_or(f64::INFINITY)]
-        };
         let sides = limits.iter().zip(&self.columns);
         sides
-            .map(|([l, h], column)| {
-                let [a, b] = ends(column);
-                [l.max(a), h.min(b)]
-            })
+            .map(|([l, h], column)| [l.max(column[0]), h.min(column[column.len() - 1])])
             .collect()
     }
 }

@@ -16,9 +16,9 @@ pub mod surrogate;
 use crate::analysis::table::{CriterionColumn, PointTable};
 use boxes::Sample;
 use rayon::prelude::*;
-use region::{Ellipsoid, Region};
+use region::{Domain, Ellipsoid, Region, Shape};
 use serde::{Deserialize, Serialize};
-use stated::{Evidence, Statement};
+use stated::Evidence;
 use statrs::distribution::{ContinuousCDF, Normal};
 use surrogate::{Quality, Surrogate};
 
@@ -212,9 +212,7 @@ impl Stand {
             .map(|part| part.probability(x))
             .product()
     }
-}
 
-impl Stand {
     /// The probability that all criteria are met at each of the first points that were fitted, by surrogates without it.
     fn foretold(&self, points: usize) -> Vec<f64> {
         let one = |i: usize| {
@@ -308,7 +306,7 @@ pub fn refined(
         ),
         ellipsoid: firm(
             level,
-            |target, _| region::largest_ellipsoid(seen.points, seen.verdicts, target),
+            |target, _| region::largest_ellipsoid(&seen, target),
             &evidence,
         ),
         unsafe_combinations: combinations::combinations(
@@ -373,48 +371,20 @@ fn unseen_failures(
     ))
 }
 
-/// A region of which a probability can be stated.
-trait Stated: Clone {
-    fn holds(&self, x: &[f64]) -> bool;
-    fn note(&mut self, statement: Statement);
-}
-
-impl Stated for Region {
-    fn holds(&self, x: &[f64]) -> bool {
-        self.contains(x)
-    }
-
-    fn note(&mut self, statement: Statement) {
-        (self.share, self.probability) = (statement.share, statement.probability);
-        self.interval = statement.interval;
-    }
-}
-
-impl Stated for Ellipsoid {
-    fn holds(&self, x: &[f64]) -> bool {
-        self.contains(x)
-    }
-
-    fn note(&mut self, statement: Statement) {
-        (self.share, self.probability) = (statement.share, statement.probability);
-        self.interval = statement.interval;
-    }
-}
-
 /// Searches until the lower limit of what is stated is no less than the level: where it is less, the search asks for so
 /// much more. Where no search comes to that, the first region whose probability alone is no less.
-fn firm<R: Stated>(
+fn firm<S: Shape + Clone>(
     level: f64,
-    search: impl Fn(f64, Option<&R>) -> Option<R>,
+    search: impl Fn(f64, Option<&Domain<S>>) -> Option<Domain<S>>,
     evidence: &Evidence<'_>,
-) -> Option<R> {
+) -> Option<Domain<S>> {
     const TRIES: usize = 12;
     let (mut target, mut before, mut likely) = (level, None, None);
     for _ in 0..TRIES {
         let Some(mut region) = search(target, before.as_ref()) else {
             break;
         };
-        let statement = evidence.of(|x| region.holds(x));
+        let statement = evidence.of(|x| region.contains(x));
         region.note(statement);
         if statement.interval[0] >= level {
             return Some(region);

@@ -1,10 +1,15 @@
 //! The largest part of the parameter space with a verification probability above a level.
 
+use std::ops::Deref;
+
 use nalgebra::{DMatrix, DVector};
-use rand::{RngExt, SeedableRng, rngs::StdRng};
+use sampling::random::{Purpose, Random};
 use sampling::statistics::moments::{mean, quantile, sorted};
 use sampling::statistics::share::Fraction;
 use serde::{Deserialize, Serialize};
+
+use super::boxes::Sample;
+use super::stated::Statement;
 
 /// How many of the study's own points a region holds, and how many of them are verified.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -55,15 +60,22 @@ impl Confirmed {
 }
 
 /// Results of earlier versions have no interval.
-pub(super) const fn unknown() -> [f64; 2] {
+const fn unknown() -> [f64; 2] {
     [0.0, 1.0]
 }
 
-/// A box.
+/// A shape in the parameter space.
+pub trait Shape {
+    /// Whether a point lies inside.
+    fn contains(&self, x: &[f64]) -> bool;
+}
+
+/// A part of the parameter space, and how much of it is verified.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Region {
-    /// Least and greatest value of every parameter.
-    pub limits: Vec<[f64; 2]>,
+pub struct Domain<S> {
+    /// Where it is.
+    #[serde(flatten)]
+    pub form: S,
     /// The part of the sampled probability that lies inside.
     pub share: f64,
     /// The part of it that is verified: by the surrogates, corrected by the study's own points.
@@ -78,137 +90,128 @@ pub struct Region {
     pub fresh: Option<Confirmed>,
 }
 
-impl Region {
+/// A box.
+pub type Region = Domain<Sides>;
+
+/// An ellipsoid.
+pub type Ellipsoid = Domain<Quadric>;
+
+impl<S: Shape> Domain<S> {
+    /// A part with share and probability by a sample and the surrogates alone, as a search needs them.
+    pub(super) fn new(form: S, sample: &Sample<'_>) -> Self {
+        let pairs = sample.points.iter().zip(sample.verdicts);
+        let inside = pairs.filter(|(x, _)| form.contains(x));
+        let held: Vec<f64> = inside.map(|(_, v)| *v).collect();
+        Self {
+            form,
+            share: held.len() as f64 / sample.points.len() as f64,
+            probability: mean(&held),
+            interval: unknown(),
+            confirmed: Confirmed::default(),
+            fresh: None,
+        }
+    }
+
     /// Whether a point lies inside.
     pub fn contains(&self, x: &[f64]) -> bool {
+        self.form.contains(x)
+    }
+
+    /// Whether fresh runs, where some were made, contradict neither what is stated nor the level.
+    pub fn agrees(&self, level: f64) -> bool {
+        self.fresh
+            .is_none_or(|fresh| fresh.agrees(self.interval) && fresh.interval[1] >= level)
+    }
+
+    /// Takes over what is stated of it.
+    pub(super) fn note(&mut self, statement: Statement) {
+        (self.share, self.probability) = (statement.share, statement.probability);
+        self.interval = statement.interval;
+    }
+
+    /// Counts points inside.
+    pub fn confirm(&self, points: &[Vec<f64>], verified: &[bool]) -> Confirmed {
+        let points = points.iter().zip(verified);
+        Confirmed::count(points.filter(|(x, _)| self.contains(x)).map(|(_, v)| *v))
+    }
+}
+
+impl<S> Deref for Domain<S> {
+    type Target = S;
+
+    fn deref(&self) -> &S {
+        &self.form
+    }
+}
+
+/// The sides of a box.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Sides {
+    /// Least and greatest value of every parameter.
+    pub limits: Vec<[f64; 2]>,
+}
+
+impl Shape for Sides {
+    fn contains(&self, x: &[f64]) -> bool {
         x.iter()
             .zip(&self.limits)
             .all(|(v, [low, high])| v >= low && v <= high)
     }
-
-    /// Share and probability by a sample and the surrogates alone, as a search needs them.
-    pub fn state(&mut self, cloud: &[Vec<f64>], verdicts: &[f64]) {
-        (self.share, self.probability) = stated(cloud, verdicts, |x| self.contains(x));
-    }
-
-    /// Counts points inside.
-    pub fn confirm(&self, points: &[Vec<f64>], verified: &[bool]) -> Confirmed {
-        let points = points.iter().zip(verified);
-        Confirmed::count(points.filter(|(x, _)| self.contains(x)).map(|(_, v)| *v))
-    }
 }
 
-/// An ellipsoid: (x - centre)' shape (x - centre) <= 1.
+/// The points with (x - centre)' shape (x - centre) <= 1.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Ellipsoid {
+pub struct Quadric {
     /// Centre of the ellipsoid.
     pub centre: Vec<f64>,
     /// Matrix of the ellipsoid, row by row.
     pub shape: Vec<Vec<f64>>,
-    /// The part of the sampled probability that lies inside.
-    pub share: f64,
-    /// The part of it that is verified: by the surrogates, corrected by the study's own points.
-    pub probability: f64,
-    /// Its 95 % interval.
-    #[serde(default = "unknown")]
-    pub interval: [f64; 2],
-    /// Check against the study's own points.
-    pub confirmed: Confirmed,
-    /// Check against fresh runs, where some were made.
-    #[serde(default)]
-    pub fresh: Option<Confirmed>,
 }
 
-impl Ellipsoid {
-    /// Whether a point lies inside.
-    pub fn contains(&self, x: &[f64]) -> bool {
+impl Shape for Quadric {
+    fn contains(&self, x: &[f64]) -> bool {
         let off: Vec<f64> = x.iter().zip(&self.centre).map(|(a, b)| a - b).collect();
-        let sum: f64 = self
-            .shape
-            .iter()
-            .zip(&off)
-            .map(|(row, a)| a * row.iter().zip(&off).map(|(s, b)| s * b).sum::<f64>())
-            .sum();
-        sum <= 1.0
+        let product = |row: &Vec<f64>| row.iter().zip(&off).map(|(s, b)| s * b).sum::<f64>();
+        let rows = self.shape.iter().zip(&off);
+        rows.map(|(row, a)| a * product(row)).sum::<f64>() <= 1.0
     }
-
-    /// Share and probability by a sample and the surrogates alone, as a search needs them.
-    pub fn state(&mut self, cloud: &[Vec<f64>], verdicts: &[f64]) {
-        (self.share, self.probability) = stated(cloud, verdicts, |x| self.contains(x));
-    }
-
-    /// Counts points inside.
-    pub fn confirm(&self, points: &[Vec<f64>], verified: &[bool]) -> Confirmed {
-        let points = points.iter().zip(verified);
-        Confirmed::count(points.filter(|(x, _)| self.contains(x)).map(|(_, v)| *v))
-    }
-}
-
-/// The part of a sample that lies inside, and its mean probability.
-fn stated(cloud: &[Vec<f64>], verdicts: &[f64], contains: impl Fn(&[f64]) -> bool) -> (f64, f64) {
-    let held: Vec<f64> = cloud
-        .iter()
-        .zip(verdicts)
-        .filter(|(x, _)| contains(x))
-        .map(|(_, v)| *v)
-        .collect();
-    (held.len() as f64 / cloud.len() as f64, mean(&held))
 }
 
 /// A large sample of the parameter space from the study's points: every parameter from a point of
 /// its own, which keeps the distributions and, as they were sampled, their independence.
 pub fn cloud(points: &[Vec<f64>], seed: u64) -> Vec<Vec<f64>> {
     const SIZE: usize = 40_000;
-    let mut random = StdRng::seed_from_u64(seed);
+    let mut random = Random::new(seed, Purpose::Between, 0);
     let d = points.first().map_or(0, Vec::len);
     let columns: Vec<Vec<f64>> = (0..d)
         .map(|k| sorted(points.iter().map(|p| p[k]).collect()))
         .collect();
     // Between the samples: the smoothed distribution, so that few points do not leave gaps.
     (0..SIZE)
-        .map(|_| {
-            columns
-                .iter()
-                .map(|c| quantile(c, random.random::<f64>()))
-                .collect()
-        })
+        .map(|_| columns.iter().map(|c| quantile(c, random.unit())).collect())
         .collect()
 }
 
 /// The ellipsoid with centre and shape of the verified points, as large as the level allows.
-pub fn largest_ellipsoid(cloud: &[Vec<f64>], verdicts: &[f64], level: f64) -> Option<Ellipsoid> {
+pub(super) fn largest_ellipsoid(sample: &Sample<'_>, level: f64) -> Option<Ellipsoid> {
     const FEWEST: usize = 100;
-    let d = cloud.first()?.len();
-    let weight: f64 = verdicts.iter().sum();
+    let d = sample.points.first()?.len();
+    let weight: f64 = sample.verdicts.iter().sum();
     if weight <= 0.0 {
         return None;
     }
-    let centre = DVector::from_fn(d, |k, _| {
-        cloud
-            .iter()
-            .zip(verdicts)
-            .map(|(x, v)| v * x[k])
-            .sum::<f64>()
-            / weight
-    });
+    let pairs = || sample.points.iter().zip(sample.verdicts);
+    let weighted = |of: &dyn Fn(&Vec<f64>) -> f64| pairs().map(|(x, v)| v * of(x)).sum::<f64>();
+    let centre = DVector::from_fn(d, |k, _| weighted(&|x| x[k]) / weight);
     let covariance = DMatrix::from_fn(d, d, |a, b| {
-        cloud
-            .iter()
-            .zip(verdicts)
-            .map(|(x, v)| v * (x[a] - centre[a]) * (x[b] - centre[b]))
-            .sum::<f64>()
-            / weight
+        weighted(&|x| (x[a] - centre[a]) * (x[b] - centre[b])) / weight
     });
     let inverse = covariance.cholesky()?.inverse();
     let distance = |x: &Vec<f64>| {
         let off = DVector::from_fn(d, |k, _| x[k] - centre[k]);
         (off.transpose() * &inverse * off)[0]
     };
-    let mut order: Vec<(f64, f64)> = cloud
-        .iter()
-        .map(distance)
-        .zip(verdicts.iter().copied())
-        .collect();
+    let mut order: Vec<(f64, f64)> = pairs().map(|(x, v)| (distance(x), *v)).collect();
     order.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (mut sum, mut size) = (0.0, None);
     for (k, (distance, v)) in order.iter().enumerate() {
@@ -218,17 +221,11 @@ pub fn largest_ellipsoid(cloud: &[Vec<f64>], verdicts: &[f64], level: f64) -> Op
         }
     }
     let size = size?;
-    let mut ellipsoid = Ellipsoid {
+    let form = Quadric {
         centre: centre.iter().copied().collect(),
         shape: (0..d)
             .map(|a| (0..d).map(|b| inverse[(a, b)] / size).collect())
             .collect(),
-        share: 0.0,
-        probability: 0.0,
-        interval: unknown(),
-        confirmed: Confirmed::default(),
-        fresh: None,
     };
-    ellipsoid.state(cloud, verdicts);
-    Some(ellipsoid)
+    Some(Domain::new(form, sample))
 }

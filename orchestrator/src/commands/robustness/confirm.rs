@@ -5,13 +5,10 @@ use std::ops::Range;
 use super::super::CommandError;
 use super::{joint, option};
 use crate::analysis::from_results;
-use crate::analysis::robustness::region::{Confirmed, Ellipsoid, Region};
 use crate::analysis::robustness::{Robustness, refined, rows};
 use crate::analysis::table::PointTable;
 use crate::pipeline::Pipeline;
 use crate::session::Session;
-use sampling::design::{Design, Method, Sampling};
-use sampling::distribution::Distribution;
 
 /// The most draws to search for points inside a small region.
 const MOST_DRAWS: u64 = 4_000_000;
@@ -44,13 +41,11 @@ impl Confirmation<'_, '_> {
         for round in 0..ROUNDS {
             let runs = self.judge(&mut result, round)?;
             let level = result.level;
-            let held = |stated: [f64; 2], fresh: Option<Confirmed>| {
-                fresh.is_none_or(|fresh| fresh.agrees(stated) && fresh.interval[1] >= level)
-            };
-            let region = result.region.as_ref();
-            let ellipsoid = result.ellipsoid.as_ref();
-            if region.is_none_or(|r| held(r.interval, r.fresh))
-                && ellipsoid.is_none_or(|e| held(e.interval, e.fresh))
+            if result.region.as_ref().is_none_or(|own| own.agrees(level))
+                && result
+                    .ellipsoid
+                    .as_ref()
+                    .is_none_or(|own| own.agrees(level))
             {
                 break;
             }
@@ -73,18 +68,13 @@ impl Confirmation<'_, '_> {
             .filter(|&k| result.parameters.contains(&parameters[k].name))
             .collect();
         let varying = |x: &[f64]| -> Vec<f64> { places.iter().map(|&k| x[k]).collect() };
-        let region = result.region.as_ref();
-        let box_points =
-            region.map(|region| self.inside(2 * round, |x| Region::contains(region, &varying(x))));
-        let ellipsoid = result.ellipsoid.as_ref();
-        let ellipsoid_points = ellipsoid.map(|ellipsoid| {
-            self.inside(2 * round + 1, |x| {
-                Ellipsoid::contains(ellipsoid, &varying(x))
-            })
-        });
+        let boxed = result.region.as_ref();
+        let boxed = boxed.map(|own| self.inside(2 * round, |x| own.contains(&varying(x))));
+        let rounded = result.ellipsoid.as_ref();
+        let rounded = rounded.map(|own| self.inside(2 * round + 1, |x| own.contains(&varying(x))));
         let [in_box, in_ellipsoid] = [
-            box_points.transpose()?.unwrap_or_default(),
-            ellipsoid_points.transpose()?.unwrap_or_default(),
+            boxed.transpose()?.unwrap_or_default(),
+            rounded.transpose()?.unwrap_or_default(),
         ];
         // Asked for together: neither depends on the other.
         let boundary = in_box.len();
@@ -113,21 +103,8 @@ impl Confirmation<'_, '_> {
         let plan = &self.session.plan;
         // Far from the seeds that people give to studies.
         let seed = !self.seed.wrapping_mul(2 * ROUNDS).wrapping_add(sequence);
-        if !plan.is_independent() {
-            let points = joint(plan, MOST_DRAWS, seed).map_err(|m| option("confirm", &m))?;
-            let draws = (0..MOST_DRAWS).map(|index| points.point(index));
-            return Ok(draws.filter(|x| inside(x)).take(self.points).collect());
-        }
-        let sampling = Sampling {
-            method: Method::MonteCarlo,
-            points: MOST_DRAWS,
-            seed,
-            ..Sampling::default()
-        };
-        let unit = Distribution::Uniform { min: 0.0, max: 1.0 };
-        let cube = Design::new(&sampling, vec![unit; plan.varied().len()])
-            .map_err(|message| option("confirm", &message))?;
-        let draws = (0..MOST_DRAWS).map(|index| plan.from_cube(&cube.point(index)));
+        let points = joint(plan, MOST_DRAWS, seed).map_err(|m| option("confirm", &m))?;
+        let draws = (0..MOST_DRAWS).map(|index| points.point(index));
         Ok(draws.filter(|x| inside(x)).take(self.points).collect())
     }
 
