@@ -279,10 +279,10 @@ class Identification(Analysis):
 
     file = "identification.json"
 
-    def __init__(self, folder: str | os.PathLike[str], text: str = "", converged: bool | None = None) -> None:
-        super().__init__(folder, text)
-        self.converged = converged
-        """Whether the search has come to its end; None where the results were only read."""
+    @property
+    def converged(self) -> bool:
+        """Whether the search has converged. Where it has not, ``data["end"]`` says what ended it."""
+        return bool(self.data["end"] == "converged")
 
     @property
     def optima(self) -> list[Optimum]:

@@ -161,7 +161,7 @@ class Study:
         options: dict[str, Value] = {"starts": starts, "cross_validate": cross_validate, "posterior": posterior}
         options |= {"surrogate": surrogate, "seed": seed, "time_limit": time_limit}
         done = self._run("identify", folder, options, running, state="identify")
-        return Identification(folder, done.text, converged=done.code == 0)
+        return Identification(folder, done.text)
 
     def robustness(
         self,

@@ -116,7 +116,7 @@ pub(super) fn run(options: &Identify) -> Result<ExitCode, CommandError> {
     ));
     Ok(match outcome.end {
         End::Time | End::Iterations => ExitCode::FAILURE,
-        End::Converged => ExitCode::SUCCESS,
+        End::Converged | End::Rounds => ExitCode::SUCCESS,
     })
 }
 
@@ -235,38 +235,29 @@ fn find(
             task.problem = &own.problem;
             (asked, sampled) = (&own.model, &own.model);
         }
-        let found = rounds::searched(&task, asked, &|progress| {
+        let mut searched = rounds::searched(&task, asked, &|progress| {
             model.say(so_far(progress));
         })?;
-        let rounds::Found {
-            problem,
-            mut optima,
-            progress,
-            discrepancies,
-        } = found;
         let again = replaced.as_ref().map(|own| {
-            let objective = Objective::new(&problem, &remembered, settings.difference);
-            surrogate::run_again(&objective, own, &mut optima)
+            let objective = Objective::new(&searched.problem, &remembered, settings.difference);
+            surrogate::run_again(&objective, own, &mut searched.optima)
         });
         let again = again.transpose()?;
-        let outcome = IdentificationOutcome::new(&problem, &optima, &progress);
-        let (first, outcome) = optima.first().zip(outcome).ok_or(SearchError::NoTime)?;
-        let minimum = &first.minimum;
+        let optima = &searched.optima;
         let cross_validation = options.cross_validate.then(|| {
             validate(
-                (bound, &problem),
+                (bound, &searched.problem),
                 &remembered,
                 &model,
                 settings,
-                minimum,
+                &optima[0].minimum,
                 limits.deadline,
             )
         });
         let mut outcome = IdentificationOutcome {
             cross_validation: cross_validation.transpose()?,
-            discrepancies,
             surrogate: again,
-            ..outcome
+            ..searched.outcome()
         };
         if let Some(own) = &replaced {
             // Only the model's own runs tell where it fails.
@@ -276,7 +267,7 @@ fn find(
         let objective = Objective::new(task.problem, sampled, settings.difference);
         let sample = posterior::sampled(
             &objective,
-            &optima,
+            optima,
             settings,
             limits.deadline,
             &bound.discrepancies,

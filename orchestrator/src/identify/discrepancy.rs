@@ -77,7 +77,7 @@ impl Unknown {
     }
 }
 
-/// A model discrepancy as it was found.
+/// An estimate of a model discrepancy.
 #[derive(Clone, Debug, Serialize)]
 pub struct Discrepancy {
     /// The quantity.
@@ -90,6 +90,8 @@ pub struct Discrepancy {
     pub told: bool,
     /// The scale of its prior: the accuracy of the measurement.
     pub scale: f64,
+    /// Whether the last search left it as it took it; if not, more searches would change it, the optima and the intervals.
+    pub settled: bool,
     /// From the sample of the posterior: the median, and the interval that holds it with 95 % probability.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sampled: Option<(f64, [f64; 2])>,
@@ -136,6 +138,7 @@ impl Discrepancy {
             deviation: best.1,
             told: best.0 - at(0.0) > GAIN,
             scale: unknown.scale,
+            settled: false,
             sampled: None,
         }
     }

@@ -54,7 +54,7 @@ fn found(problem: &Problem, model: &dyn Simulate) -> (Vec<Optimum>, Identificati
     let objective = Objective::new(problem, model, 1e-4);
     let starts = starts(problem.free.len(), 64);
     let (mut optima, progress) = search(&objective, &starts, &EFFORT, &|_| ()).unwrap();
-    let outcome = IdentificationOutcome::new(problem, &optima, &progress).unwrap();
+    let outcome = IdentificationOutcome::new(problem, &optima, &progress);
     optima.sort_by(|a, b| a.minimum.places[0].total_cmp(&b.minimum.places[0]));
     (optima, outcome)
 }
@@ -184,7 +184,7 @@ fn an_optimum_amid_failing_runs_is_no_minimum_and_no_error() {
             .iter()
             .all(|own| own.minimum.surrounded == [0] && own.edge.blocked)
     );
-    let outcome = IdentificationOutcome::new(&problem, &optima, &progress).unwrap();
+    let outcome = IdentificationOutcome::new(&problem, &optima, &progress);
     let [first, second] = &outcome.free[..] else {
         panic!()
     };

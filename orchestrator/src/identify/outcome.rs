@@ -54,7 +54,7 @@ pub struct IdentificationOutcome {
     /// What is excluded as runs failed there.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub excluded: Option<Excluded>,
-    /// The model's discrepancies that were to be found.
+    /// The model's unknown discrepancies.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub discrepancies: Vec<Discrepancy>,
     /// Each case predicted from the others, where that was asked for.
@@ -189,11 +189,11 @@ pub struct SearchOutcome {
 }
 
 impl IdentificationOutcome {
-    /// Gathers what was found. `None` of no optimum.
-    pub fn new(problem: &Problem, optima: &[Optimum], progress: &Progress) -> Option<Self> {
+    /// Gathers the results of a search, which has at least one optimum.
+    pub fn new(problem: &Problem, optima: &[Optimum], progress: &Progress) -> Self {
         let Optimum {
             minimum, posterior, ..
-        } = optima.first()?;
+        } = &optima[0];
         let n = problem.free.len();
         let values = problem.values();
         let cost = minimum.misfit.cost();
@@ -206,7 +206,7 @@ impl IdentificationOutcome {
         let degrees_of_freedom = minimum.misfit.residuals.len().saturating_sub(inside);
         let probability = ChiSquared::new(degrees_of_freedom as f64).ok();
         let correlation = |a| (0..n).map(|b| posterior.correlation(a, b)).collect();
-        Some(Self {
+        Self {
             ambiguous: optima.len() > 1,
             optima: optima.iter().map(|own| optimum(problem, own)).collect(),
             end: minimum.end,
@@ -239,7 +239,7 @@ impl IdentificationOutcome {
             cross_validation: None,
             surrogate: None,
             posterior: None,
-        })
+        }
     }
 }
 

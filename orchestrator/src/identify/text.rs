@@ -6,6 +6,7 @@ pub use super::digits::{Digits, digits};
 use super::failures::words;
 use super::local::End;
 use super::outcome::{DirectionOutcome, FreeOutcome, IdentificationOutcome, Residual};
+use super::rounds::ROUNDS;
 use super::surrogate;
 
 /// The free parameters as the section `[fixed]` of a study.
@@ -143,9 +144,10 @@ fn undetermined(text: &mut String, outcome: &IdentificationOutcome) {
         ""
     };
     if open.is_empty() {
-        // Around each of several optima they may do so; which one is right they do not tell.
+        // Around each of several optima they may do so; which one is right they do not tell. And a search that has not
+        // converged tells of no optimum.
         let clear = outcome.optima.iter().all(|own| own.edge.is_clear());
-        if !outcome.ambiguous && clear {
+        if !outcome.ambiguous && clear && outcome.end == End::Converged {
             let _ = writeln!(text, "\nThe data determine every parameter.");
         }
         return;
@@ -234,6 +236,11 @@ fn discrepancies(text: &mut String, outcome: &IdentificationOutcome) {
             format!("; 95 %: {} .. {}{unit}", Digits(low, 3), Digits(high, 3))
         });
         let _ = match own.told {
+            _ if !own.settled => writeln!(
+                text,
+                "\nthe discrepancy of the model in {name} is NOT determined: it still changed in the last of {ROUNDS} searches, to \
+                 {found}{unit}{sampled}"
+            ),
             true => writeln!(
                 text,
                 "\nthe model misses {name} by a discrepancy of its own: {found}{unit}, one standard deviation{sampled}"
@@ -348,12 +355,22 @@ fn goodness(text: &mut String, outcome: &IdentificationOutcome) {
         search.minima.len(),
         ends(outcome)
     );
-    if outcome.end != End::Converged {
-        let _ = writeln!(
+    let _ = match outcome.end {
+        End::Converged => Ok(()),
+        End::Rounds => writeln!(
+            text,
+            "the searches ended before they converged, and the values above would change further: state the model's \
+             discrepancy as a number, or give more cases"
+        ),
+        End::Iterations => writeln!(
+            text,
+            "the search ended before it converged: give it more `iterations` in [identify]"
+        ),
+        End::Time => writeln!(
             text,
             "the search ended before it converged; --resume goes on"
-        );
-    }
+        ),
+    };
 }
 
 /// Where the local searches ended.

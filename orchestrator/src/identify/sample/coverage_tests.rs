@@ -74,7 +74,6 @@ fn held(accuracy: f64, seed: u64) -> [[u32; 2]; 2] {
         let (optima, progress) = search(&objective, &starts, &effort, &|_| ()).unwrap();
         let outcome =
             super::super::outcome::IdentificationOutcome::new(&problem, &optima, &progress);
-        let outcome = outcome.unwrap();
         let settings = Settings {
             particles: 400,
             seed: record,
