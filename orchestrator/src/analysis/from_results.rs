@@ -137,11 +137,10 @@ pub fn table(summary: &Summary, points: Points) -> PointTable {
 
 /// A criterion's value of a run; not a number where it has none. Other criteria of the run may have values all the same.
 fn value(outcome: &Outcome, criterion: usize) -> f64 {
-    let value = match outcome {
-        Ok(values) => values.get(criterion).copied(),
-        Err(failure) => failure.value(criterion),
-    };
-    value.unwrap_or(f64::NAN)
+    match outcome {
+        Ok(values) => values[criterion],
+        Err(failure) => failure.value(criterion).unwrap_or(f64::NAN),
+    }
 }
 
 /// The table of runs that an analysis made itself: the parameters that vary, and the criteria.
@@ -152,6 +151,7 @@ pub fn from_runs(
     points: &[Vec<f64>],
     outcomes: Vec<Outcome>,
 ) -> PointTable {
+    assert_eq!(points.len(), outcomes.len(), "each point has an outcome");
     let verdicts: Vec<PointVerdict> = outcomes
         .iter()
         .map(|o| judge.verdict(o.as_deref().ok()))

@@ -200,8 +200,8 @@ impl Search {
             return Err(study.error(message).into());
         }
         let inputs = || with_tolerances.iter().map(|&k| &plan.inputs[k]);
-        Ok(Problem {
-            distributions: inputs().map(|input| input.distribution).collect(),
+        let problem = Problem {
+            distributions: inputs().map(|input| input.distribution.clone()).collect(),
             samples: plan.joints().to_vec(),
             costs: costs(study, plan)?,
             target: goal.target,
@@ -210,7 +210,11 @@ impl Search {
             points: self.points,
             confirm: self.confirm,
             seed: self.seed,
-        })
+        };
+        problem
+            .check()
+            .map_err(|message| study.error(format!("[tolerances] {message}")))?;
+        Ok(problem)
     }
 
     /// Independent runs at the tolerances that are stated.

@@ -94,7 +94,12 @@ impl<'a> Objective<'a> {
 
     /// The predictions; one that is not finite is none.
     fn predict(&self, queries: &[Query]) -> Result<Vec<Prediction>, NoPrediction> {
-        let predictions = self.simulate.simulate(queries)?.into_iter();
+        let predictions = self.simulate.simulate(queries)?;
+        assert_eq!(
+            predictions.len(),
+            queries.len(),
+            "each query has its prediction"
+        );
         let finite = |prediction: Prediction| {
             let predicted = prediction?;
             match predicted.iter().find(|value| !value.is_finite()) {
@@ -102,7 +107,7 @@ impl<'a> Objective<'a> {
                 None => Ok(predicted),
             }
         };
-        Ok(predictions.map(finite).collect())
+        Ok(predictions.into_iter().map(finite).collect())
     }
 
     /// The misfit at a set of unknowns.
@@ -111,8 +116,8 @@ impl<'a> Objective<'a> {
     /// When a simulation fails.
     pub fn misfit(&self, places: &[f64]) -> Result<Misfit, NoPrediction> {
         let mut misfits = self.misfits(std::slice::from_ref(&places))?;
-        let own = misfits.pop().unwrap_or(Err(String::new()));
-        own.map_err(NoPrediction::Here)
+        let misfit = misfits.pop().expect("one set has one misfit");
+        misfit.map_err(NoPrediction::Here)
     }
 
     /// The misfits at several sets of unknowns, or why there is none.

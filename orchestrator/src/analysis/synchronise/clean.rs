@@ -1,5 +1,7 @@
 //! Spikes and clipped samples of a recorded signal.
 
+use sampling::statistics::moments::sorted;
+
 /// A signal without its spikes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cleaned {
@@ -48,15 +50,16 @@ pub fn clean(values: &[f64]) -> Cleaned {
     let off: Vec<f64> = (0..samples.len())
         .map(|k| samples[k] - median_around(&samples, k))
         .collect();
-    let ordered = sorted(samples.iter().copied());
+    let ordered = sorted(samples.to_vec());
     // Of a sample's distance from the middle of its neighbours, noise is 1.2 standard deviations and a slope nothing.
     let bends = samples
         .windows(3)
         .map(|w| (w[1] - (w[0] + w[2]) / 2.0).abs());
     // The median of the sizes is 0.6745 standard deviations of normal noise.
-    let scale = at_part(&sorted(bends), 0.5) / (0.674_489_75 * 1.5_f64.sqrt());
+    let scale = at_part(&sorted(bends.collect()), 0.5) / (0.674_489_75 * 1.5_f64.sqrt());
     let range = at_part(&ordered, 0.95) - at_part(&ordered, 0.05);
-    let strays = at_part(&sorted(off.iter().map(|off| off.abs())), USUAL) / USUAL_DEVIATIONS;
+    let strays =
+        at_part(&sorted(off.iter().map(|off| off.abs()).collect()), USUAL) / USUAL_DEVIATIONS;
     let least = (DEVIATIONS * scale.max(strays)).max(PART * range);
     for (&place, off) in known.iter().zip(&off) {
         if range > 0.0 && off.abs() > least {
@@ -64,7 +67,14 @@ pub fn clean(values: &[f64]) -> Cleaned {
             cleaned.spikes += 1;
         }
     }
-    let rest = sorted(cleaned.values.iter().copied().filter(|v| v.is_finite()));
+    let rest = sorted(
+        cleaned
+            .values
+            .iter()
+            .copied()
+            .filter(|v| v.is_finite())
+            .collect(),
+    );
     let ends = [
         clipping_level(rest.iter()),
         clipping_level(rest.iter().rev()),
@@ -84,12 +94,6 @@ pub fn clean(values: &[f64]) -> Cleaned {
     cleaned
 }
 
-fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
-    let mut sorted: Vec<f64> = values.collect();
-    sorted.sort_by(f64::total_cmp);
-    sorted
-}
-
 fn at_part(sorted: &[f64], part: f64) -> f64 {
     sorted[((sorted.len() - 1) as f64 * part).round() as usize]
 }
@@ -97,9 +101,7 @@ fn at_part(sorted: &[f64], part: f64) -> f64 {
 /// The median of as many samples on either side; the first and the last sample are their own.
 fn median_around(samples: &[f64], place: usize) -> f64 {
     let around = AROUND.min(place).min(samples.len() - 1 - place);
-    let mut window = samples[place - around..=place + around].to_vec();
-    window.sort_by(f64::total_cmp);
-    window[around]
+    sorted(samples[place - around..=place + around].to_vec())[around]
 }
 
 /// The first level, if so many samples stand at it that the signal must have been cut there.

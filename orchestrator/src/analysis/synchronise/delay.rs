@@ -9,6 +9,7 @@
 //! interpolation therefore prefers half samples. Here both signals pass through the same Gaussian kernel at every shift,
 //! so wide that the noise it leaves does not depend on the shift.
 
+use sampling::statistics::moments::{mean, variance};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::kernel::Kernel;
@@ -204,7 +205,7 @@ impl<'a> Search<'a> {
         let coarse = self.lags[best] as f64;
         let stride = (self.width / 2.0).max(1.0).floor();
         let at = |lag: f64| correlation(&self.sums_at(lag));
-        let limit = self.lags.last().map_or(0.0, |&last| last as f64);
+        let limit = *self.lags.last().expect("there is the lag 0") as f64;
         let lag = golden(coarse - stride, coarse + stride, |lag| -at(lag)).clamp(-limit, limit);
         let (error, drop) = self.jackknife(lag);
         let half = quantile() * error;
@@ -263,9 +264,7 @@ impl<'a> Search<'a> {
             .map(|(s, b)| -(slope - s) / (bend - b))
             .collect();
         let n = without.len() as f64;
-        let mean = without.iter().sum::<f64>() / n;
-        let squares: f64 = without.iter().map(|w| (w - mean).powi(2)).sum();
-        let error = ((n - 1.0) / n * squares).sqrt();
+        let error = ((n - 1.0) * variance(&without, 0)).sqrt();
         (error, 0.5 * bend.abs() * correlation(&here) * error * error)
     }
 }
@@ -302,7 +301,7 @@ fn correlation(blocks: &[Sums]) -> f64 {
 
 fn greatest(values: &[f64]) -> usize {
     let order = values.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1));
-    order.map_or(0, |(place, _)| place)
+    order.expect("there is a value").0
 }
 
 /// The chance that unrelated signals correlate as well: every second block chooses the lag, Student's test of the others'
@@ -316,9 +315,7 @@ fn chance(scan: &[Vec<Sums>]) -> f64 {
         let others = of(&scan[greatest(&choice)], 1 - odd);
         let each: Vec<f64> = others.iter().map(|s| correlation(&[*s])).collect();
         let n = each.len() as f64;
-        let mean = each.iter().sum::<f64>() / n;
-        let variance = each.iter().map(|r| (r - mean).powi(2)).sum::<f64>() / (n - 1.0);
-        let error = (variance / n).sqrt();
+        let (mean, error) = (mean(&each), (variance(&each, 1) / n).sqrt());
         match StudentsT::new(0.0, 1.0, n - 1.0) {
             Ok(student) if error > 0.0 => student.sf(mean / error),
             _ => f64::from(mean <= 0.0),
@@ -328,7 +325,10 @@ fn chance(scan: &[Vec<Sums>]) -> f64 {
 }
 
 fn quantile() -> f64 {
-    StudentsT::new(0.0, 1.0, FREEDOM).map_or(2.306, |t| t.inverse_cdf(0.975))
+    let student = StudentsT::new(0.0, 1.0, FREEDOM);
+    student
+        .expect("there are degrees of freedom")
+        .inverse_cdf(0.975)
 }
 
 /// The place of the least value between two places, by golden section (Kiefer 1953).

@@ -188,9 +188,10 @@ fn savitzky_golay_gain(window: usize, order: usize, cycles: f64) -> f64 {
     let wave = DVector::from_fn(window, |r, _| {
         (2.0 * PI * cycles * (r as f64 - half as f64)).cos()
     });
-    powers
+    let inverse = powers
         .pseudo_inverse(1e-14)
-        .map_or(f64::NAN, |inverse| (inverse * wave)[0])
+        .expect("the limit of singular values is not negative");
+    (inverse * wave)[0]
 }
 
 #[cfg(test)]

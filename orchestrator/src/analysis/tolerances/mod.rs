@@ -14,7 +14,7 @@ pub mod stated;
 mod tests;
 
 use conformity::interval::wilson;
-use sampling::design::{Joint, cube};
+use sampling::design::{Design, Joint, cube};
 use sampling::distribution::Distribution;
 
 pub use sample::{Estimate, Sample};
@@ -130,10 +130,22 @@ impl Problem {
             .zip(scales)
             .map(|(distribution, &scale)| distribution.scaled(scale))
             .collect();
-        let cube = cube(self.dimensions(), self.points, seed, 1).unwrap_or_default();
-        cube.iter()
-            .map(|place| self.point(&scaled, place))
+        let net = self.net(seed).expect("`check` has made such a net");
+        (0..self.points)
+            .map(|index| self.point(&scaled, &net.point(index)))
             .collect()
+    }
+
+    /// Says what is wrong with the number of points or parameters, if anything is.
+    ///
+    /// # Errors
+    /// When there is no net of so many points and dimensions.
+    pub fn check(&self) -> Result<(), String> {
+        self.net(self.seed).map(drop)
+    }
+
+    fn net(&self, seed: u64) -> Result<Design, String> {
+        Design::net(self.dimensions(), self.points, seed, 1)
     }
 
     /// Numbers from 0 to 1 that choose a point: one a tolerance, and one a sample.
@@ -160,7 +172,8 @@ impl Problem {
         if self.samples.is_empty() {
             return vec![centre];
         }
-        let places = cube(self.samples.len(), ROWS, self.seed, 1).unwrap_or_default();
+        let places = cube(self.samples.len(), ROWS, self.seed, 1);
+        let places = places.expect("`check` has made a net of more dimensions");
         let with_rows = |place: &Vec<f64>| {
             let rows = self.samples.iter().zip(place);
             let rows = rows.flat_map(|(sample, &u)| sample.row(u));

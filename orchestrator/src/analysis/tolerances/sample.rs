@@ -1,6 +1,6 @@
 //! Points drawn at several tolerances, and what they tell of others.
 
-use sampling::distribution::Distribution;
+use sampling::distribution::{Distribution, ln_sum};
 
 /// Points of which each knows how good it is, and how probable it was to be drawn.
 #[derive(Clone, Debug)]
@@ -45,6 +45,7 @@ impl Sample {
 
     /// Adds points drawn at other tolerances.
     pub fn extend(&mut self, scales: &[f64], points: Vec<Vec<f64>>, goods: Vec<f64>) {
+        assert_eq!(points.len(), goods.len(), "each point says how good it is");
         self.drawn.push((scales.to_vec(), points.len()));
         self.points.extend(points);
         self.goods.extend(goods);
@@ -123,18 +124,4 @@ fn ln_density(scaled: &[Distribution], point: &[f64]) -> f64 {
         .zip(point)
         .map(|(distribution, &x)| distribution.ln_density(x))
         .sum()
-}
-
-/// The logarithm of the sum of numbers given by their logarithms.
-fn ln_sum(terms: &[f64]) -> f64 {
-    let largest = terms.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    if largest == f64::NEG_INFINITY {
-        return largest;
-    }
-    largest
-        + terms
-            .iter()
-            .map(|term| (term - largest).exp())
-            .sum::<f64>()
-            .ln()
 }

@@ -133,7 +133,9 @@ fn write_cases(
             .write_record(cells.iter().map(|text| safe(text)))
             .map_err(failed)?;
     }
-    let bytes = writer.into_inner().unwrap_or_default();
+    let bytes = writer
+        .into_inner()
+        .expect("memory takes all that is written");
     let file = numbered("cases", "csv", optimum, outcome.optima.len());
     write_atomically(&folder.join(file), |out| out.write_all(&bytes))?;
     Ok(())

@@ -70,7 +70,10 @@ pub(super) fn replaced(
         problem: search.problem,
         unknown: search.unknown,
         runs: *runs.as_ref() as usize,
-        spread: &|count, round| evenly(count, round).unwrap_or_default(),
+        spread: &|count, round| {
+            evenly(count, round)
+                .expect("a net of these dimensions was made above, and so few points fit in it")
+        },
         starts: search.starts,
         difference: search.difference,
         effort: search.effort,

@@ -2,10 +2,12 @@
 
 use std::path::Path;
 
+use super::super::CommandError;
 use crate::analysis::from_results;
 use crate::analysis::tolerances::stated::Wanted;
 use crate::judge::{Judge, share};
-use crate::study::{Study, StudyError};
+use crate::results::ResultsError;
+use crate::study::Study;
 use conformity::risk::Guard;
 
 /// A share of accepted points, or a conformance probability.
@@ -24,14 +26,14 @@ pub(super) struct Goal<'a> {
 
 impl<'a> Goal<'a> {
     /// The study's goal; a guard band that limits a risk is that of the finished study in `from`.
-    pub(super) fn new(study: &Study, judge: &'a Judge, from: &Path) -> Result<Self, StudyError> {
+    pub(super) fn new(study: &Study, judge: &'a Judge, from: &Path) -> Result<Self, CommandError> {
         const USUAL: f64 = 0.95;
         let said = &study.tolerances;
         let own = judge.rule.map(|rule| rule.share);
         let (wanted, stated) = match (&said.share, &said.conformance) {
             (Some(_), Some(both)) => {
                 let message = "[tolerances] has both share and conformance; keep one";
-                return Err(study.error_at(both, message));
+                return Err(study.error_at(both, message).into());
             }
             (share, None) => (Wanted::Accepted, share),
             (None, conformance) => (Wanted::Conforming, conformance),
@@ -41,7 +43,7 @@ impl<'a> Goal<'a> {
         {
             let message = "a conformance probability needs the uncertainty of every measured value; add `uncertainty` \
                            to the criteria, or want a `share`";
-            return Err(study.error_at(stated, message));
+            return Err(study.error_at(stated, message).into());
         }
         let target = match stated {
             Some(stated) => share(stated.as_ref()).ok_or_else(|| {
@@ -70,25 +72,32 @@ impl<'a> Goal<'a> {
         let measurement = &self.judge.measurement;
         match self.wanted {
             Wanted::Accepted => f64::from(u8::from(measurement.margin(values) >= self.guard)),
-            Wanted::Conforming => measurement.assess(values).all.probability.unwrap_or(0.0),
+            Wanted::Conforming => {
+                let all = measurement.assess(values).all;
+                all.probability
+                    .expect("`new` refuses criteria without an uncertainty")
+            }
         }
     }
 }
 
-fn guard(study: &Study, judge: &Judge, from: &Path) -> Result<f64, StudyError> {
-    let found = match judge.guard {
+fn guard(study: &Study, judge: &Judge, from: &Path) -> Result<f64, CommandError> {
+    let band = match judge.guard {
         Guard::Given(factor) => Some(factor),
         Guard::Limiting { .. } => {
-            let summary = from_results::read(from).ok().map(|(summary, _)| summary);
-            let own = summary.filter(|s| s.provenance.study_sha256 == study.digest());
-            own.and_then(|s| s.conclusion)
-                .and_then(|conclusion| conclusion.guard_band)
+            let summary = match from_results::summary(from) {
+                Err(ResultsError::Missing(_)) => None,
+                summary => Some(summary?),
+            };
+            let of_study = summary.filter(|s| s.provenance.study_sha256 == study.digest());
+            let conclusion = of_study.and_then(|summary| summary.conclusion);
+            conclusion.and_then(|conclusion| conclusion.guard_band)
         }
     };
-    found.ok_or_else(|| {
+    Ok(band.ok_or_else(|| {
         study.error(
             "[verdict] risk sets a guard band from the points of a finished study: verify the study first, or state \
              `guard-band` instead",
         )
-    })
+    })?)
 }

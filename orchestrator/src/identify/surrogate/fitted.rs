@@ -138,8 +138,10 @@ impl Surrogates {
     }
 
     /// The layer that is nearest to the posterior.
-    pub(super) fn last(&self) -> Option<&Layer> {
-        self.layers.last()
+    pub(super) fn last(&self) -> &Layer {
+        self.layers
+            .last()
+            .expect("surrogates are asked after the first fit")
     }
 
     /// Where a query stands between the bounds.
@@ -178,10 +180,9 @@ impl Surrogates {
             pairs.all(|(place, [low, high])| (*low..=*high).contains(place))
         };
         let layer = self.layers.iter().rev().find(inside);
-        let layer = layer.or(self.layers.first());
-        let fits = layer.map(|layer| &layer.fits[query.case]);
-        let fits = fits.ok_or("there is no surrogate yet")?;
-        Ok(fits.iter().map(|fit| fit.at(&places)).collect())
+        let layer = layer.unwrap_or(&self.layers[0]);
+        let fits = layer.fits[query.case].iter();
+        Ok(fits.map(|fit| fit.at(&places)).collect())
     }
 }
 

@@ -228,13 +228,12 @@ impl Work<'_> {
     /// Accuracies with one of the errors of the last surrogates.
     fn widened(&self, which: usize) -> Problem {
         let mut problem = self.task.problem.clone();
-        if let Some(layer) = self.surrogates.last() {
-            for (case, errors) in problem.cases.iter_mut().zip(layer.errors()) {
-                for (measured, error) in case.measured.iter_mut().zip(errors) {
-                    measured.accuracy = measured
-                        .accuracy
-                        .hypot(layer.together.sqrt() * error[which]);
-                }
+        let layer = self.surrogates.last();
+        for (case, errors) in problem.cases.iter_mut().zip(layer.errors()) {
+            for (measured, error) in case.measured.iter_mut().zip(errors) {
+                measured.accuracy = measured
+                    .accuracy
+                    .hypot(layer.together.sqrt() * error[which]);
             }
         }
         problem

@@ -65,14 +65,13 @@ impl SurrogateOutcome {
         checked: &[Vec<f64>],
     ) -> Self {
         let quantities = problem.quantities.len();
-        let together = surrogates.last().map_or(1.0, |layer| layer.together);
+        let layer = surrogates.last();
+        let together = layer.together;
         let held_out = |index: usize| {
             let squares: f64 = checked.iter().map(|row| row[index].powi(2)).sum();
             (!checked.is_empty()).then(|| (squares / checked.len() as f64).sqrt())
         };
-        let errors = surrogates
-            .last()
-            .map_or_else(Vec::new, |layer| layer.errors());
+        let errors = layer.errors();
         let value = |case: usize, quantity: usize, leave_one_out: f64| {
             let held_out = held_out(case * quantities + quantity);
             ValueError {
@@ -101,9 +100,7 @@ impl SurrogateOutcome {
             rounds,
             checked: checked.len(),
             check_failed: 0,
-            within: surrogates
-                .last()
-                .map_or_else(Vec::new, |layer| ranges(problem, &layer.region)),
+            within: ranges(problem, &layer.region),
             together,
             largest: parts.fold(0.0, f64::max),
             errors,
