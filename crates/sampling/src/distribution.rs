@@ -3,6 +3,9 @@
 
 mod density;
 
+use std::sync::Arc;
+
+use density::of_logarithm;
 use serde::Serialize;
 use statrs::function::erf::{erfc, erfc_inv};
 
@@ -10,7 +13,7 @@ use statrs::function::erf::{erfc, erfc_inv};
 pub(crate) const BELOW_ONE: f64 = 1.0_f64.next_down();
 
 /// A distribution with its numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "distribution", rename_all = "kebab-case")]
 pub enum Distribution {
     /// The normal distribution.
@@ -56,10 +59,9 @@ pub enum Distribution {
     },
     /// The values of a sample, each as probable as any other.
     Sample {
-        /// The values in rising order. They stay to the end of the program, so that a distribution is as easily copied as
-        /// its numbers.
+        /// The values in rising order.
         #[serde(skip)]
-        values: &'static [f64],
+        values: Arc<[f64]>,
     },
     /// Always the same value.
     Fixed {
@@ -69,7 +71,7 @@ pub enum Distribution {
 }
 
 /// The cumulative distribution of the standard normal distribution.
-fn normal_cdf(z: f64) -> f64 {
+pub(crate) fn normal_cdf(z: f64) -> f64 {
     0.5 * erfc(-z / std::f64::consts::SQRT_2)
 }
 
@@ -78,12 +80,25 @@ pub(crate) fn normal_quantile(u: f64) -> f64 {
     -std::f64::consts::SQRT_2 * erfc_inv(2.0 * u)
 }
 
+/// The logarithm of the sum of numbers that are given by their logarithms.
+pub fn ln_sum(terms: &[f64]) -> f64 {
+    let most = terms.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    if !most.is_finite() {
+        return most;
+    }
+    most + terms
+        .iter()
+        .map(|term| (term - most).exp())
+        .sum::<f64>()
+        .ln()
+}
+
 impl Distribution {
     /// The distribution of a sample's values.
     pub fn sample(mut values: Vec<f64>) -> Self {
         values.sort_by(f64::total_cmp);
         Self::Sample {
-            values: Vec::leak(values),
+            values: values.into(),
         }
     }
 
@@ -147,7 +162,9 @@ impl Distribution {
                     ))
                 }
             }
-            Self::Sample { values: [] } => Err("the sample is empty".to_owned()),
+            Self::Sample { ref values } if values.is_empty() => {
+                Err("the sample is empty".to_owned())
+            }
             Self::Sample { .. } | Self::Fixed { .. } => Ok(()),
         }
     }
@@ -194,13 +211,12 @@ impl Distribution {
                 }
             }
             Self::Lognormal { mean, deviation } => {
-                let variance = (1.0 + (deviation / mean).powi(2)).ln();
-                (mean.ln() - variance / 2.0 + variance.sqrt() * normal_quantile(u)).exp()
+                let (centre, spread) = of_logarithm(mean, deviation);
+                (centre + spread * normal_quantile(u)).exp()
             }
-            Self::Sample { values } => {
+            Self::Sample { ref values } => {
                 let index = (u * values.len() as f64) as usize;
-                let last = values.len().saturating_sub(1);
-                values.get(index.min(last)).copied().unwrap_or(f64::NAN)
+                values[index.min(values.len() - 1)]
             }
             Self::Fixed { value } => value,
         }
@@ -335,6 +351,21 @@ mod tests {
         }
     }
 
+    /// A sample's values go with the last distribution that has them.
+    #[test]
+    fn a_sample_is_freed() {
+        let sample = Distribution::sample(vec![3.0, 1.0, 2.0]);
+        let copy = sample.clone();
+        let Distribution::Sample { values } = &sample else {
+            panic!("{sample:?}")
+        };
+        let values = Arc::downgrade(values);
+        drop(sample);
+        assert_eq!(copy.median(), 2.0);
+        drop(copy);
+        assert_eq!(values.strong_count(), 0);
+    }
+
     #[test]
     fn quantiles_are_those_of_closed_forms() {
         let [_, truncated, uniform, triangular, lognormal] = all();
@@ -351,17 +382,17 @@ mod tests {
             max: Some(2.5),
         };
         for (distribution, u, expected) in [
-            (uniform, 0.25, 0.0),
-            (triangular, 0.0625, 0.5),
-            (triangular, 0.75, 4.0 - 3_f64.sqrt()),
-            (shifted, 0.0625, 5.5),
-            (shifted, 0.75, 9.0 - 3_f64.sqrt()),
-            (lognormal, 0.5, 2.0 / 1.0625_f64.sqrt()),
-            (fixed, 0.1, 7.0),
+            (&uniform, 0.25, 0.0),
+            (&triangular, 0.0625, 0.5),
+            (&triangular, 0.75, 4.0 - 3_f64.sqrt()),
+            (&shifted, 0.0625, 5.5),
+            (&shifted, 0.75, 9.0 - 3_f64.sqrt()),
+            (&lognormal, 0.5, 2.0 / 1.0625_f64.sqrt()),
+            (&fixed, 0.1, 7.0),
             // A share of 0.1587 is cut away below; the normal score of 0.5793 is 0.2002.
-            (truncated, 0.5, 2.0 + 0.5 * 0.200_174),
+            (&truncated, 0.5, 2.0 + 0.5 * 0.200_174),
             // 0.0228 is cut away below and 0.1587 above; the score of 0.4321 is -0.1711.
-            (both, 0.5, 2.0 - 0.5 * 0.171_164),
+            (&both, 0.5, 2.0 - 0.5 * 0.171_164),
         ] {
             let found = distribution.quantile(u);
             assert!((found - expected).abs() < 1e-5, "{distribution:?}: {found}");

@@ -1,7 +1,7 @@
 //! Errors of a recording's rows, drawn again and again: what a measured curve may truly have been.
 
-use crate::design::random::{Purpose, bits, pair};
 use crate::distribution::normal_quantile;
+use crate::random::{Purpose, bits, pair};
 
 /// Standard normal errors of a recording's rows. Those of any two rows have the same correlation: each is the sum of a part
 /// that all rows share, such as an offset of the sensor, and a part of its own, such as noise.

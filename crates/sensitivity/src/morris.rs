@@ -8,8 +8,7 @@
 use crate::Estimate;
 use crate::method::{FromRuns, Measure, Settled, Space, Told, read};
 use conformity::interval::clopper_pearson;
-use rand::seq::SliceRandom;
-use rand::{RngExt, SeedableRng, rngs::StdRng};
+use sampling::random::{Purpose, Random};
 use sampling::statistics::moments::{mean, variance};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -91,17 +90,15 @@ impl FromRuns for Morris {
 /// Trajectories in the unit cube: each has `parameters + 1` points, and one parameter changes a step,
 /// by delta = levels / (2 (levels - 1)) on a grid of that many levels (an even number).
 pub fn design(parameters: usize, trajectories: usize, levels: usize, seed: u64) -> Vec<Vec<f64>> {
-    let mut random = StdRng::seed_from_u64(seed);
+    let mut random = Random::new(seed, Purpose::Trajectory, 0);
     let levels = levels.max(2) & !1;
     let jump = levels / 2;
     let grid = |k: usize| k as f64 / (levels - 1) as f64;
     let mut rows = Vec::with_capacity(trajectories * (parameters + 1));
     for _ in 0..trajectories {
-        let mut place: Vec<usize> = (0..parameters)
-            .map(|_| random.random_range(0..levels))
-            .collect();
+        let mut place: Vec<usize> = (0..parameters).map(|_| random.below(levels)).collect();
         let mut order: Vec<usize> = (0..parameters).collect();
-        order.shuffle(&mut random);
+        random.shuffle(&mut order);
         rows.push(place.iter().map(|&k| grid(k)).collect());
         for i in order {
             place[i] = if place[i] < jump {
@@ -296,6 +293,19 @@ mod tests {
         assert!((found.value - 0.15).abs() < 1e-12);
         assert!((found.low - 1.5 * 0.002_528_579).abs() < 1e-8, "{found:?}");
         assert!((found.high - 1.5 * 0.445_016_117).abs() < 1e-8, "{found:?}");
+    }
+
+    /// The trajectories of a seed, for all time: their places and orders by a program of its own in Python.
+    #[test]
+    fn a_seed_gives_the_same_trajectories_for_ever() {
+        let rows = design(3, 2, 4, 5);
+        assert_eq!(rows[0], [0.0, 1.0, 1.0 / 3.0]);
+        assert_eq!(rows[4], [1.0, 1.0, 1.0 / 3.0]);
+        for trajectory in rows.chunks(4) {
+            for (step, changed) in trajectory.windows(2).zip([2, 0, 1]) {
+                assert!((0..3).all(|k| (step[0][k] != step[1][k]) == (k == changed)));
+            }
+        }
     }
 
     #[test]

@@ -1,8 +1,7 @@
 //! Two independent samples that fill the space evenly.
 
 use nalgebra::DMatrix;
-use rand::seq::SliceRandom;
-use rand::{SeedableRng, rngs::StdRng};
+use sampling::random::{Purpose, Random};
 
 /// Orders of the coordinates of which the best is taken.
 const ORDERS: usize = 200;
@@ -21,11 +20,11 @@ const ORDERS: usize = 200;
 pub fn pairs(parameters: usize, rows: u64, seed: u64) -> Result<Vec<Vec<f64>>, String> {
     let net = sampling::design::cube(2 * parameters, rows, seed, 1)?;
     let badness = badness(&net, 2 * parameters);
-    let mut random = StdRng::seed_from_u64(seed);
+    let mut random = Random::new(seed, Purpose::Deal, 0);
     let mut order: Vec<usize> = (0..2 * parameters).collect();
     let mut best = (f64::INFINITY, order.clone());
     for _ in 0..ORDERS {
-        order.shuffle(&mut random);
+        random.shuffle(&mut order);
         let (of_a, of_b) = order.split_at(parameters);
         let each = of_a.iter().zip(of_b).map(|(&a, &b)| badness[(a, b)]);
         let worst = each.fold(0.0, f64::max);

@@ -6,8 +6,7 @@
 
 use crate::Estimate;
 use crate::method::{FromPoints, Measure, Told, read};
-use rand::seq::SliceRandom;
-use rand::{RngExt, SeedableRng, rngs::StdRng};
+use sampling::random::{Purpose, Random};
 use sampling::statistics::moments::{ks_distance, mean, quantile, sorted};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -68,7 +67,7 @@ pub fn pawn(
         return None;
     }
     let y: Vec<f64> = kept.iter().map(|&j| output[j]).collect();
-    let mut random = StdRng::seed_from_u64(seed);
+    let mut random = Random::new(seed, Purpose::Resample, 0);
     let mut result = Pawn {
         median: vec![],
         max: vec![],
@@ -82,9 +81,7 @@ pub fn pawn(
         let again = sorted(
             (0..resamples)
                 .map(|_| {
-                    let picks: Vec<usize> = (0..y.len())
-                        .map(|_| random.random_range(0..y.len()))
-                        .collect();
+                    let picks: Vec<usize> = (0..y.len()).map(|_| random.below(y.len())).collect();
                     let (bx, by): (Vec<f64>, Vec<f64>) =
                         picks.iter().map(|&j| (x[j], y[j])).unzip();
                     quantile(&distances(&bx, &by, slices), 0.5)
@@ -98,11 +95,13 @@ pub fn pawn(
             low: (quantile(&again, 0.025) - bias).clamp(0.0, value),
             high: (quantile(&again, 0.975) - bias).clamp(value, 1.0),
         });
-        result.max.push(found.last().copied().unwrap_or(0.0));
+        result
+            .max
+            .push(*found.last().expect("some slice holds a point"));
     }
     let mut shuffled: Vec<f64> = (0..y.len()).map(|k| k as f64).collect();
     let dummy = (0..resamples.max(20)).map(|_| {
-        shuffled.shuffle(&mut random);
+        random.shuffle(&mut shuffled);
         quantile(&distances(&shuffled, &y, slices), 0.5)
     });
     result.threshold = quantile(&sorted(dummy.collect()), 0.95);
@@ -139,9 +138,9 @@ mod tests {
     use crate::testing::{lattice, near};
 
     fn sample(n: usize) -> (Vec<Vec<f64>>, Vec<f64>) {
-        let mut random = StdRng::seed_from_u64(8);
+        let mut random = Random::new(8, Purpose::Unstated, 0);
         let x: Vec<Vec<f64>> = (0..4)
-            .map(|_| (0..n).map(|_| random.random::<f64>()).collect())
+            .map(|_| (0..n).map(|_| random.unit()).collect())
             .collect();
         let y = (0..n)
             .map(|j| ishigami(&[x[0][j], x[1][j], x[2][j]]))

@@ -18,8 +18,7 @@ use crate::method::{FromRuns, Measure, Settled, Space, Told, read};
 use crate::pairs::pairs;
 use crate::ratio::{self, Parts};
 use nalgebra::{DMatrix, DVector};
-use rand::seq::SliceRandom;
-use rand::{SeedableRng, rngs::StdRng};
+use sampling::random::{Purpose, Random};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 use statrs::distribution::{ContinuousCDF, Normal};
@@ -103,12 +102,12 @@ fn width(parameters: usize, correlated: bool) -> usize {
 }
 
 /// The orders of a base point: a random one, where parameters are correlated with its reverse, or all if they are few.
-fn orders(parameters: usize, correlated: bool, random: &mut StdRng) -> Vec<Vec<usize>> {
+fn orders(parameters: usize, correlated: bool, random: &mut Random) -> Vec<Vec<usize>> {
     let mut order: Vec<usize> = (0..parameters).collect();
     if correlated && parameters <= ALL_ORDERS {
         return permutations(&order);
     }
-    order.shuffle(random);
+    random.shuffle(&mut order);
     let reverse: Vec<usize> = order.iter().rev().copied().collect();
     match correlated {
         true => vec![order, reverse],
@@ -161,7 +160,7 @@ pub fn design(
     correlation: Option<&DMatrix<f64>>,
     seed: u64,
 ) -> Result<Vec<Vec<f64>>, String> {
-    let mut random = StdRng::seed_from_u64(seed);
+    let mut random = Random::new(seed, Purpose::Order, 0);
     let factor = match correlation {
         Some(matrix) => {
             let factor = matrix.clone().cholesky();
@@ -249,7 +248,7 @@ pub fn effects(outputs: &[f64], parameters: usize, settled: &Settled) -> Option<
         return None;
     }
     let (mut terms, mut ends) = (vec![Vec::new(); parameters], Vec::new());
-    let mut random = StdRng::seed_from_u64(settled.seed);
+    let mut random = Random::new(settled.seed, Purpose::Order, 0);
     for values in outputs.chunks(width) {
         let orders = orders(parameters, correlated, &mut random);
         let steps = steps(values, &orders);

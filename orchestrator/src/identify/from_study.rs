@@ -235,8 +235,8 @@ impl Unknowns<'_> {
             .zip(&self.plan.slots);
         for ((name, input), slot) in named.clone() {
             let is_free = self.settings.free.contains_key(name.as_ref().as_str());
-            if let (Distribution::Fixed { value }, false) = (input.distribution, is_free) {
-                bound.known[0].push(input.conversion.value(value));
+            if let (Distribution::Fixed { value }, false) = (&input.distribution, is_free) {
+                bound.known[0].push(input.conversion.value(*value));
                 bound.vary(slot.clone());
             }
         }

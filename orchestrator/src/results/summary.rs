@@ -305,7 +305,7 @@ impl ParameterSummary {
 
     /// A study's parameter as the summary lists it.
     pub fn new(input: &crate::study::plan::Input) -> Self {
-        let distribution = serde_json::to_value(input.distribution).ok();
+        let distribution = serde_json::to_value(&input.distribution).ok();
         let numbers = distribution.as_ref().and_then(serde_json::Value::as_object);
         Self {
             name: input.name.clone(),

@@ -116,7 +116,7 @@ impl Plan {
     /// # Errors
     /// When the method cannot serve this number of parameters or points.
     pub fn design(&self, design: &Sampling) -> Result<Design, String> {
-        let distributions = self.inputs.iter().map(|input| input.distribution);
+        let distributions = self.inputs.iter().map(|input| input.distribution.clone());
         let inputs = design::Inputs {
             distributions: distributions.collect(),
             levels: self.levels.clone(),
@@ -165,7 +165,7 @@ impl Plan {
             own.flatten().unwrap_or(0.0)
         };
         let all: Vec<f64> = self.inputs.iter().map(score).collect();
-        let inputs = || self.inputs.iter().map(|input| input.distribution);
+        let inputs = || self.inputs.iter().map(|input| input.distribution.clone());
         let mut point: Vec<f64> = match &self.correlation {
             Some(correlation) => correlation.at_scores(&all, &inputs().collect::<Vec<_>>()),
             None => {
@@ -215,7 +215,7 @@ impl Plan {
             .map(|(input, &x)| input.distribution.ln_density(x))
             .sum();
         let correlated = self.correlation.as_ref().map_or(0.0, |correlation| {
-            let inputs = self.inputs.iter().map(|input| input.distribution);
+            let inputs = self.inputs.iter().map(|input| input.distribution.clone());
             correlation.ln_density(parameters, &inputs.collect::<Vec<_>>())
         });
         alone + correlated
@@ -380,7 +380,7 @@ impl Binder<'_> {
         });
         let found = samples::read(self.study, &known.collect::<Vec<_>>())?;
         for (index, distribution) in found.iter().flat_map(|own| &own.alone) {
-            inputs[*index].distribution = *distribution;
+            inputs[*index].distribution = distribution.clone();
         }
         Ok(found.into_iter().map(|own| own.joint).collect())
     }

@@ -59,7 +59,7 @@ impl ParameterText {
                 deviation: need(deviation.0, deviation.1)?,
             },
             // Its values come when the file is read.
-            Shape::Sample if self.file.is_some() => Distribution::Sample { values: &[0.0] },
+            Shape::Sample if self.file.is_some() => Distribution::sample(vec![0.0]),
             Shape::Sample => {
                 let message = "`file` is missing for the distribution sample: a table with a column of its values, \
                                such as the posterior.csv of identify";

@@ -146,7 +146,7 @@ mod tests {
             deviation: 2.0,
         };
         let mixed = Correlation::new(2, &[(0, 1, 0.6)]).unwrap();
-        let found = mixed.ln_density(&[3.0, 0.0], &[normal, normal]);
+        let found = mixed.ln_density(&[3.0, 0.0], &[normal.clone(), normal.clone()]);
         let (x, y, r) = (1.0, -0.5, 0.6_f64);
         let square = (x * x - 2.0 * r * x * y + y * y) / (1.0 - r * r);
         let expected = -0.5 * (square - x * x - y * y) - 0.5 * (1.0 - r * r).ln();
@@ -158,7 +158,7 @@ mod tests {
     fn the_density_at_an_end_of_the_range_is_finite() {
         let unit = Distribution::Uniform { min: 0.0, max: 1.0 };
         let mixed = Correlation::new(2, &[(0, 1, 0.6)]).unwrap();
-        let found = mixed.ln_density(&[1.0, 0.5], &[unit, unit]);
+        let found = mixed.ln_density(&[1.0, 0.5], &[unit.clone(), unit]);
         let expected = -0.5 * 8.209_536_f64.powi(2) * 0.36 / 0.64 - 0.5 * 0.64_f64.ln();
         assert!((found - expected).abs() < 1e-5, "{found} {expected}");
     }
@@ -171,9 +171,12 @@ mod tests {
         };
         let mixed = Correlation::new(2, &[(0, 1, 0.6)]).unwrap();
         let [a, b] = [0.3, 0.9].map(normal_quantile);
-        let values = mixed.values(&[0.3, 0.9], &[normal, normal]);
+        let values = mixed.values(&[0.3, 0.9], &[normal.clone(), normal.clone()]);
         assert!((values[0] - a).abs() < 1e-12);
         assert!((values[1] - (0.6 * a + 0.8 * b)).abs() < 1e-12);
-        assert_eq!(mixed.at_scores(&[a, b], &[normal, normal]), values);
+        assert_eq!(
+            mixed.at_scores(&[a, b], &[normal.clone(), normal.clone()]),
+            values
+        );
     }
 }

@@ -2,9 +2,9 @@
 //! base for every input. Every digit is permuted at random (Owen 2017, "A randomized Halton algorithm in R"):
 //! plain sequences are all but useless in large bases, permuted ones are uniformly distributed.
 
-use super::random::{self, Purpose};
 use super::rule::{Inputs, Numbers, Registered, Rule};
 use crate::distribution::BELOW_ONE;
+use crate::random::{self, Purpose};
 
 /// Bits of randomness that a digit needs.
 const BITS: f64 = 53.0;

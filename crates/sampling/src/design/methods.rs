@@ -8,7 +8,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::rule::{self, Inputs, Numbers, Rule};
-use super::{factorial, halton, hypercube, optimised, random, sobol};
+use super::{factorial, halton, hypercube, monte_carlo, optimised, sobol};
 
 /// Makes the choice of the designs from lines of name, type and meaning.
 macro_rules! methods {
@@ -63,7 +63,7 @@ macro_rules! methods {
 }
 
 methods! {
-    MonteCarlo = random::Independent, "Independent random points.";
+    MonteCarlo = monte_carlo::Independent, "Independent random points.";
     LatinHypercube = hypercube::Hypercube, "One point in each of N equally probable slices of every parameter.";
     OptimisedLatinHypercube = optimised::Spread, "The same, with slices paired so that the points are spread well.";
     Sobol = sobol::Nets, "A scrambled Sobol net.";
@@ -74,9 +74,10 @@ methods! {
 impl Method {
     /// Its name in a study.
     pub fn name(self) -> String {
-        let name = serde_json::to_value(self).ok();
-        let name = name.as_ref().and_then(serde_json::Value::as_str);
-        name.unwrap_or_default().to_owned()
+        let name = serde_json::to_value(self).expect("a method is written as a word");
+        name.as_str()
+            .expect("a method is written as a word")
+            .to_owned()
     }
 
     /// The names of those that have a property, for a sentence: `a, b or c`.

@@ -13,8 +13,8 @@ mod joint;
 #[cfg(test)]
 mod lasting_tests;
 mod methods;
+pub(crate) mod monte_carlo;
 mod optimised;
-pub(crate) mod random;
 pub mod rule;
 mod sampling;
 mod slices;
@@ -82,6 +82,21 @@ impl Design {
         })
     }
 
+    /// Independently scrambled Sobol nets in turn, in the unit cube.
+    ///
+    /// # Errors
+    /// When there is no such net of this number of dimensions or points.
+    pub fn net(dimensions: usize, points: u64, seed: u64, replicates: u64) -> Result<Self, String> {
+        let sampling = Sampling {
+            method: Method::Sobol,
+            points,
+            seed,
+            replicates,
+        };
+        let unit = Distribution::Uniform { min: 0.0, max: 1.0 };
+        Self::new(&sampling, vec![unit; dimensions])
+    }
+
     /// How many points there are.
     pub fn len(&self) -> u64 {
         self.points
@@ -139,15 +154,8 @@ pub fn cube(
     seed: u64,
     replicates: u64,
 ) -> Result<Vec<Vec<f64>>, String> {
-    let sampling = Sampling {
-        method: Method::Sobol,
-        points,
-        seed,
-        replicates,
-    };
-    let unit = Distribution::Uniform { min: 0.0, max: 1.0 };
-    let design = Design::new(&sampling, vec![unit; dimensions])?;
-    Ok((0..points).map(|index| design.point(index)).collect())
+    let net = Design::net(dimensions, points, seed, replicates)?;
+    Ok((0..points).map(|index| net.point(index)).collect())
 }
 
 #[cfg(test)]
@@ -166,7 +174,11 @@ mod tests {
             deviation: 1.0,
         };
         let fixed = Distribution::Fixed { value: 3.0 };
-        Design::new(&settings, vec![normal, fixed, normal, normal]).unwrap()
+        Design::new(
+            &settings,
+            vec![normal.clone(), fixed, normal.clone(), normal],
+        )
+        .unwrap()
     }
 
     const METHODS: [Method; 5] = [
@@ -242,7 +254,13 @@ mod tests {
             let fixed = Distribution::Fixed { value: 3.0 };
             let inputs = Inputs {
                 joints: Vec::new(),
-                distributions: vec![normal, normal, fixed, bounded, lognormal],
+                distributions: vec![
+                    normal.clone(),
+                    normal.clone(),
+                    fixed,
+                    bounded.clone(),
+                    lognormal.clone(),
+                ],
                 levels: Vec::new(),
                 correlation: Some(Correlation::new(5, &pairs).unwrap()),
             };
@@ -290,7 +308,7 @@ mod tests {
             (sampling(Method::Sobol, 8, 0), "replicates must"),
             (sampling(Method::Halton, 8, 2), "replicates need"),
         ] {
-            let error = Design::new(&refused, vec![unit]).unwrap_err();
+            let error = Design::new(&refused, vec![unit.clone()]).unwrap_err();
             assert!(error.contains(reason), "{error}");
         }
         let design = Design::new(&sampling(Method::Sobol, 8, 2), vec![unit]).unwrap();
@@ -337,7 +355,7 @@ mod tests {
                 points: 8,
                 ..Sampling::default()
             };
-            let design = Design::new(&sampling, vec![fixed; 2]).unwrap();
+            let design = Design::new(&sampling, vec![fixed.clone(); 2]).unwrap();
             assert_eq!(design.point(7), [3.0, 3.0], "{method:?}");
         }
     }

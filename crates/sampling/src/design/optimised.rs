@@ -8,10 +8,10 @@
 
 use super::discrepancy::{Discrepancy, Exchange};
 use super::hypercube::Hypercube;
-use super::random::{self, Purpose};
 use super::rule::{Inputs, Numbers, Registered, Rule};
 use super::slices::{Slices, ranks};
 use super::sobol::Nets;
+use crate::random::{self, Purpose};
 
 /// Above this number, a Sobol net spreads the points as well.
 pub(super) const MOST: u64 = 4096;
@@ -52,8 +52,7 @@ impl Spread {
             ));
         }
         let start = start(seed, dimensions, points);
-        // At most MOST, checked above.
-        let points = usize::try_from(points).unwrap_or(0);
+        let points = usize::try_from(points).expect("at most MOST, checked above");
         let columns = Search::new(seed, points, start).best();
         Ok(Self(Slices::new(seed, points, columns)))
     }

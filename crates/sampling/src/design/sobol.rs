@@ -4,8 +4,8 @@
 
 use ::sobol::params::JoeKuoD6;
 
-use super::random::{self, Purpose, mix};
 use super::rule::{Inputs, Numbers, Registered, Rule};
+use crate::random::{self, Purpose, mix};
 
 const BITS: u32 = 32;
 

@@ -1,14 +1,8 @@
 //! Densities and probabilities of a distribution, and the same distribution narrower or wider.
 
-use std::f64::consts::{SQRT_2, TAU};
+use std::f64::consts::TAU;
 
-use statrs::function::erf::erfc;
-
-use super::Distribution;
-
-fn normal_below(z: f64) -> f64 {
-    0.5 * erfc(-z / SQRT_2)
-}
+use super::{Distribution, normal_cdf};
 
 fn ln_normal(value: f64, mean: f64, deviation: f64) -> f64 {
     let z = (value - mean) / deviation;
@@ -16,7 +10,7 @@ fn ln_normal(value: f64, mean: f64, deviation: f64) -> f64 {
 }
 
 /// Mean and standard deviation of the logarithm of a lognormal quantity.
-fn of_logarithm(mean: f64, deviation: f64) -> (f64, f64) {
+pub(super) fn of_logarithm(mean: f64, deviation: f64) -> (f64, f64) {
     let variance = (1.0 + (deviation / mean).powi(2)).ln();
     (mean.ln() - variance / 2.0, variance.sqrt())
 }
@@ -25,12 +19,12 @@ impl Distribution {
     /// The probability that the quantity is less than `value`, or equal to it.
     pub fn below(&self, value: f64) -> f64 {
         match *self {
-            Self::Normal { mean, deviation } => normal_below((value - mean) / deviation),
+            Self::Normal { mean, deviation } => normal_cdf((value - mean) / deviation),
             Self::TruncatedNormal {
                 mean, deviation, ..
             } => {
                 let [low, high] = self.cut();
-                let share = (normal_below((value - mean) / deviation) - low) / (high - low);
+                let share = (normal_cdf((value - mean) / deviation) - low) / (high - low);
                 share.clamp(0.0, 1.0)
             }
             Self::Uniform { min, max } => ((value - min) / (max - min)).clamp(0.0, 1.0),
@@ -48,13 +42,13 @@ impl Distribution {
             Self::Lognormal { mean, deviation } => {
                 let (centre, spread) = of_logarithm(mean, deviation);
                 if value > 0.0 {
-                    normal_below((value.ln() - centre) / spread)
+                    normal_cdf((value.ln() - centre) / spread)
                 } else {
                     0.0
                 }
             }
-            Self::Sample { values } => {
-                values.partition_point(|own| *own <= value) as f64 / values.len() as f64
+            Self::Sample { ref values } => {
+                values.partition_point(|one| *one <= value) as f64 / values.len() as f64
             }
             Self::Fixed { value: only } => f64::from(u8::from(value >= only)),
         }
@@ -151,8 +145,7 @@ impl Distribution {
                 deviation: factor * deviation,
             },
             // A sample is as wide as it is.
-            Self::Sample { values } => Self::Sample { values },
-            Self::Fixed { value } => Self::Fixed { value },
+            Self::Sample { .. } | Self::Fixed { .. } => self.clone(),
         }
     }
 }
@@ -205,7 +198,7 @@ mod tests {
     fn densities_are_the_slopes_of_probabilities() {
         for distribution in all() {
             for scaled in [
-                distribution,
+                distribution.clone(),
                 distribution.scaled(0.5),
                 distribution.scaled(1.5),
             ] {

@@ -5,9 +5,9 @@
 //! falls into parts is split, and each part goes on with levels of its own.
 
 use super::moves::Moves;
-use super::random::Random;
 use super::runs::Runs;
 use super::separate::parts;
+use crate::random::Random;
 
 /// The part of a population that is kept at each level.
 const KEPT: f64 = 0.1;

@@ -7,8 +7,9 @@
 
 use std::f64::consts::TAU;
 
-use super::random::Random;
 use super::scatter::{Scatter, effective};
+use crate::distribution::ln_sum;
+use crate::random::Random;
 
 /// A normal distribution with variance 1 but along some axes.
 #[derive(Clone, Debug)]
@@ -82,15 +83,6 @@ pub(super) struct Mixture {
 pub(super) fn ln_standard(point: &[f64]) -> f64 {
     let squares: f64 = point.iter().map(|x| x * x).sum();
     -0.5 * (squares + point.len() as f64 * TAU.ln())
-}
-
-/// The logarithm of a sum of exponentials.
-fn ln_sum(terms: &[f64]) -> f64 {
-    let most = terms.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    if most == f64::NEG_INFINITY {
-        return most;
-    }
-    most + terms.iter().map(|t| (t - most).exp()).sum::<f64>().ln()
 }
 
 impl Mixture {
@@ -217,12 +209,12 @@ impl Mixture {
         let terms = self.terms(point);
         (0..terms.len())
             .max_by(|&a, &b| terms[a].total_cmp(&terms[b]))
-            .unwrap_or(0)
+            .expect("a mixture has a component")
     }
 
     /// The region to which a point most probably belongs.
     pub(super) fn region(&self, point: &[f64]) -> usize {
-        self.regions.get(self.nearest(point)).copied().unwrap_or(0)
+        self.regions[self.nearest(point)]
     }
 
     pub(super) fn draw(&self, random: &mut Random) -> Vec<f64> {
@@ -277,7 +269,7 @@ fn beginning(
         distances
             .enumerate()
             .min_by(|a, b| a.1.total_cmp(&b.1))
-            .unwrap_or((0, 0.0))
+            .expect("the first centre was chosen above")
     };
     while centres.len() < count {
         let pairs = points.iter().zip(weights);

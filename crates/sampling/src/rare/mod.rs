@@ -15,7 +15,6 @@
 mod explore;
 mod mixture;
 mod moves;
-mod random;
 mod runs;
 mod scatter;
 mod separate;
@@ -25,8 +24,8 @@ mod twice;
 mod weigh;
 mod widen;
 
+use crate::random::{Purpose, Random};
 use explore::{Found, explore};
-use random::Random;
 use runs::Runs;
 
 /// The result of a run.
@@ -165,7 +164,7 @@ fn search_once<E>(search: &Search, ask: Ask<'_, E>) -> Result<Answer, E> {
     // A fiftieth of the runs is a population, 2,000 points at most: a region that takes a hundredth of it is not lost.
     let size = (search.runs / 50).clamp(100, 2000);
     let mut runs = Runs::new(ask, search.runs);
-    let mut random = Random::new(search.seed);
+    let mut random = Random::new(search.seed, Purpose::Search, 0);
     let mut answer = Answer::default();
     let points = plain(search, size, &mut random);
     let results = runs.of(&points)?;

@@ -5,8 +5,8 @@
 //! standard normal distribution looks the same from all sides, so that the axes may be turned: here they are those of the
 //! scatter of the points that the chains begin with, and the steps are as wide as this scatter.
 
-use super::random::Random;
 use super::scatter::Scatter;
+use crate::random::Random;
 
 /// How often a move should be accepted (Roberts and Rosenthal 2001).
 const ACCEPTED: f64 = 0.44;

@@ -4,8 +4,8 @@
 //! centre, along which points in many dimensions keep their distance from it.
 
 use super::mixture::Mixture;
-use super::random::Random;
 use super::runs::Runs;
+use crate::random::Random;
 
 const MOST_CLUSTERS: usize = 4;
 /// Pairs of points that are tried between two clusters.
@@ -55,7 +55,7 @@ pub(super) fn parts<E>(
     names.sort_unstable();
     names.dedup();
     for root in &mut roots {
-        *root = names.binary_search(root).unwrap_or(0);
+        *root = names.binary_search(root).expect("each root is a name");
     }
     Ok(roots)
 }

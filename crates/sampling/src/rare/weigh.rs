@@ -9,10 +9,10 @@ use statrs::distribution::{ContinuousCDF, Normal};
 
 use super::explore::Population;
 use super::mixture::{Mixture, ln_standard};
-use super::random::Random;
 use super::runs::Runs;
 use super::scatter::effective;
 use super::{RegionShare, Weighted};
+use crate::random::Random;
 
 /// Components for one region.
 const MOST_PARTS: usize = 6;

@@ -4,9 +4,9 @@
 use super::Plain;
 use super::explore::{Found, Population};
 use super::moves::Moves;
-use super::random::Random;
 use super::runs::Runs;
 use super::scatter::effective;
+use crate::random::Random;
 
 /// How much wider points are drawn, one after the other, until enough of them meet the event.
 const WIDER: [f64; 4] = [1.5, 2.0, 3.0, 4.0];
@@ -62,7 +62,7 @@ fn back<E>(
     runs: &mut Runs<'_, E>,
     random: &mut Random,
 ) -> Result<Found, E> {
-    let size = usize::try_from(size).unwrap_or(usize::MAX);
+    let size = usize::try_from(size).expect("a population has 2,000 points at most");
     let mut found = Found::default();
     let mut width = 0.6;
     for _ in 0..MOST_STEPS {

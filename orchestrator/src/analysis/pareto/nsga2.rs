@@ -3,7 +3,7 @@
 //! crossover and polynomial mutation (Deb & Agrawal 1995).
 
 use super::{dominates, front};
-use rand::{RngExt, SeedableRng, rngs::StdRng};
+use sampling::random::{Purpose, Random};
 
 /// How the search runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,9 +41,10 @@ pub fn minimise<E>(
     settings: Evolution,
     mut objectives: impl FnMut(&[Vec<f64>]) -> Result<Vec<Vec<f64>>, E>,
 ) -> Result<Vec<Solution>, E> {
-    let mut random = StdRng::seed_from_u64(settings.seed);
+    let mut random = Random::new(settings.seed, Purpose::Evolution, 0);
     let mut evaluate = |points: Vec<Vec<f64>>| -> Result<Vec<Solution>, E> {
         let found = objectives(&points)?;
+        assert_eq!(found.len(), points.len(), "each point has its objectives");
         let bounded = |v: f64| if v.is_finite() { v } else { f64::MAX };
         let solution = |(x, values): (Vec<f64>, Vec<f64>)| Solution {
             x,
@@ -53,7 +54,7 @@ pub fn minimise<E>(
     };
     let size = settings.population.max(4);
     let first = (0..size).map(|_| {
-        let within = |[l, h]: &[f64; 2]| l + (h - l) * random.random::<f64>();
+        let within = |[l, h]: &[f64; 2]| l + (h - l) * random.unit();
         limits.iter().map(within).collect()
     });
     let mut now = evaluate(first.collect())?;
@@ -157,28 +158,25 @@ fn survivors(points: Vec<Solution>, size: usize) -> Vec<Solution> {
         .collect()
 }
 
-fn tournament(places: &[(usize, f64)], random: &mut StdRng) -> usize {
-    let (a, b) = (
-        random.random_range(0..places.len()),
-        random.random_range(0..places.len()),
-    );
+fn tournament(places: &[(usize, f64)], random: &mut Random) -> usize {
+    let [a, b] = [(); 2].map(|()| random.below(places.len()));
     let better =
         places[a].0 < places[b].0 || (places[a].0 == places[b].0 && places[a].1 > places[b].1);
     if better { a } else { b }
 }
 
 /// Simulated binary crossover within limits.
-fn crossover(a: &[f64], b: &[f64], limits: &[[f64; 2]], random: &mut StdRng) -> [Vec<f64>; 2] {
+fn crossover(a: &[f64], b: &[f64], limits: &[[f64; 2]], random: &mut Random) -> [Vec<f64>; 2] {
     let mut children = [a.to_vec(), b.to_vec()];
-    if random.random::<f64>() > CROSSOVER_PROBABILITY {
+    if random.unit() > CROSSOVER_PROBABILITY {
         return children;
     }
     for (k, [low, high]) in limits.iter().copied().enumerate() {
         let (x, y) = (a[k].min(b[k]), a[k].max(b[k]));
-        if y - x < 1e-14 || random.random::<f64>() > 0.5 {
+        if y - x < 1e-14 || random.unit() > 0.5 {
             continue;
         }
-        let u: f64 = random.random();
+        let u = random.unit();
         let spread = |room: f64| {
             let alpha = 2.0 - (1.0 + 2.0 * room / (y - x)).powf(-(CROSSOVER + 1.0));
             let power = 1.0 / (CROSSOVER + 1.0);
@@ -190,20 +188,20 @@ fn crossover(a: &[f64], b: &[f64], limits: &[[f64; 2]], random: &mut StdRng) -> 
         };
         let left = (0.5 * ((x + y) - spread(x - low) * (y - x))).clamp(low, high);
         let right = (0.5 * ((x + y) + spread(high - y) * (y - x))).clamp(low, high);
-        let swap = random.random::<f64>() < 0.5;
+        let swap = random.unit() < 0.5;
         (children[0][k], children[1][k]) = if swap { (right, left) } else { (left, right) };
     }
     children
 }
 
 /// Polynomial mutation of one parameter on average.
-fn mutate(x: &mut [f64], limits: &[[f64; 2]], random: &mut StdRng) {
+fn mutate(x: &mut [f64], limits: &[[f64; 2]], random: &mut Random) {
     let chance = 1.0 / x.len() as f64;
     for (v, [low, high]) in x.iter_mut().zip(limits) {
-        if random.random::<f64>() > chance || high <= low {
+        if random.unit() > chance || high <= low {
             continue;
         }
-        let (u, span, power) = (random.random::<f64>(), high - low, 1.0 / (MUTATION + 1.0));
+        let (u, span, power) = (random.unit(), high - low, 1.0 / (MUTATION + 1.0));
         let room = |part: f64| (1.0 - part).powf(MUTATION + 1.0);
         let step = if u < 0.5 {
             (2.0 * u + (1.0 - 2.0 * u) * room((*v - low) / span)).powf(power) - 1.0

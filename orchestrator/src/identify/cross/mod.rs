@@ -17,6 +17,8 @@ pub mod text;
 
 use std::time::Instant;
 
+use sampling::statistics::moments::{mean, variance};
+
 use super::local::{End, Limits, Minimum, minimise};
 use super::objective::{Differences, Objective};
 use super::problem::{Case, Interval, NoPrediction, Prediction, Problem, Query, Simulate};
@@ -198,15 +200,11 @@ fn forecast(whole: &Whole<'_>, case: usize, free: &[f64]) -> Result<Forecast, No
     if found.is_empty() {
         return Err(NoPrediction::Here(message));
     }
-    let n = found.len() as f64;
-    let column = |k: usize| found.iter().map(move |row| row[k]);
-    let mean: Vec<f64> = (0..whole.problem.quantities.len())
-        .map(|k| column(k).sum::<f64>() / n)
-        .collect();
-    let squares = |k: usize| column(k).map(|v| (v - mean[k]).powi(2)).sum::<f64>() / n;
+    let column = |k: usize| found.iter().map(|row| row[k]).collect();
+    let columns: Vec<Vec<f64>> = (0..whole.problem.quantities.len()).map(column).collect();
     Ok(Forecast {
-        deviation: (0..mean.len()).map(|k| squares(k).sqrt()).collect(),
-        mean,
+        deviation: columns.iter().map(|own| variance(own, 0).sqrt()).collect(),
+        mean: columns.iter().map(|own| mean(own)).collect(),
         failed: queries.len() - found.len(),
     })
 }

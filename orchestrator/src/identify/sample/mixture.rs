@@ -4,10 +4,8 @@
 //! its parts has the shape that the sample has there.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
-use rand::RngExt;
-use rand::rngs::StdRng;
-use rand::seq::SliceRandom;
-use rand_distr::StandardNormal;
+use sampling::distribution::ln_sum;
+use sampling::random::Random;
 
 /// One normal distribution.
 #[derive(Clone, Debug)]
@@ -48,11 +46,8 @@ impl Part {
     }
 
     /// A place from a normal distribution of this shape about another centre.
-    fn draw(&self, centre: &[f64], scale: f64, random: &mut StdRng) -> Vec<f64> {
-        let normal: Vec<f64> = centre
-            .iter()
-            .map(|_| random.sample(StandardNormal))
-            .collect();
+    fn draw(&self, centre: &[f64], scale: f64, random: &mut Random) -> Vec<f64> {
+        let normal = random.normals(centre.len());
         let rows = centre.iter().zip(&self.factor);
         rows.map(|(centre, row)| {
             let step = row.iter().zip(&normal).map(|(a, z)| a * z);
@@ -111,7 +106,7 @@ impl Mixture {
 
     /// A mixture that has the shape of weighted points: each part has mean and covariance of the points nearest to one
     /// of them.
-    pub(super) fn fitted(points: &[&[f64]], weights: &[f64], random: &mut StdRng) -> Option<Self> {
+    pub(super) fn fitted(points: &[&[f64]], weights: &[f64], random: &mut Random) -> Option<Self> {
         let d = points.first()?.len();
         let effective = 1.0 / weights.iter().map(|w| w * w).sum::<f64>();
         let count = (effective / (PARTICLES * (d + 1) as f64)).floor();
@@ -131,52 +126,48 @@ impl Mixture {
         Self::new(parts.collect())
     }
 
+    /// The logarithm of each part's share of the density, with all deviations `scale` times as large.
+    fn logs(&self, place: &[f64], scale: f64) -> Vec<f64> {
+        let parts = self.parts.iter();
+        parts
+            .map(|part| part.weight.ln() + part.log_density(place, scale))
+            .collect()
+    }
+
     /// The logarithm of the density, with all deviations `scale` times as large.
     pub(super) fn log_density(&self, place: &[f64], scale: f64) -> f64 {
-        let parts = self.parts.iter();
-        log_sum(parts.map(|part| part.weight.ln() + part.log_density(place, scale)))
+        ln_sum(&self.logs(place, scale))
     }
 
     /// The parts that a place belongs to, as logarithms of probabilities. Wider parts than those fitted make the change
     /// from one to the next gentle, so that a move from one to another can be undone.
     fn shares(&self, place: &[f64]) -> Vec<f64> {
         const GENTLE: f64 = 2.0;
-        let parts = self.parts.iter();
-        let logs = parts.map(|part| part.weight.ln() + part.log_density(place, GENTLE));
-        let mut logs: Vec<f64> = logs.collect();
-        let all = log_sum(logs.iter().copied());
+        let mut logs = self.logs(place, GENTLE);
+        let all = ln_sum(&logs);
         logs.iter_mut().for_each(|log| *log -= all);
         logs
     }
 
     /// A place from the mixture, with all deviations `scale` times as large; `level` from 0 to 1 chooses the part.
-    pub(super) fn draw(&self, level: f64, scale: f64, random: &mut StdRng) -> Vec<f64> {
+    pub(super) fn draw(&self, level: f64, scale: f64, random: &mut Random) -> Vec<f64> {
         let part = &self.parts[chosen(self.parts.iter().map(|part| part.weight), level)];
         part.draw(&part.mean, scale, random)
     }
 
     /// A step from a place in the shape that the mixture has there.
-    pub(super) fn step(&self, place: &[f64], scale: f64, random: &mut StdRng) -> Vec<f64> {
+    pub(super) fn step(&self, place: &[f64], scale: f64, random: &mut Random) -> Vec<f64> {
         let shares = self.shares(place);
-        let part = chosen(shares.iter().map(|log| log.exp()), random.random());
+        let part = chosen(shares.iter().map(|log| log.exp()), random.unit());
         self.parts[part].draw(place, scale, random)
     }
 
     /// The logarithm of the density of such a step.
     pub(super) fn log_step(&self, from: &[f64], to: &[f64], scale: f64) -> f64 {
         let parts = self.parts.iter().zip(self.shares(from));
-        log_sum(parts.map(|(part, share)| share + part.log_between(from, to, scale)))
+        let logs = parts.map(|(part, share)| share + part.log_between(from, to, scale));
+        ln_sum(&logs.collect::<Vec<_>>())
     }
-}
-
-/// The logarithm of a sum of exponentials.
-pub(super) fn log_sum(logs: impl Iterator<Item = f64>) -> f64 {
-    let logs: Vec<f64> = logs.collect();
-    let most = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    if !most.is_finite() {
-        return most;
-    }
-    most + logs.iter().map(|log| (log - most).exp()).sum::<f64>().ln()
 }
 
 /// The index at which the weights' sum reaches a level from 0 to 1.
@@ -196,10 +187,10 @@ pub(super) fn chosen(weights: impl Iterator<Item = f64>, level: f64) -> usize {
 }
 
 /// Points in number `count`, spread evenly over the weights in a random order.
-fn anchors(weights: &[f64], count: usize, random: &mut StdRng) -> Vec<usize> {
+fn anchors(weights: &[f64], count: usize, random: &mut Random) -> Vec<usize> {
     let mut order: Vec<usize> = (0..weights.len()).collect();
-    order.shuffle(random);
-    let first: f64 = random.random();
+    random.shuffle(&mut order);
+    let first = random.unit();
     let levels = (0..count).map(|k| (k as f64 + first) / count as f64);
     levels
         .map(|level| order[chosen(order.iter().map(|&index| weights[index]), level)])

@@ -30,15 +30,15 @@ pub mod text;
 use std::time::Instant;
 
 use nalgebra::{DMatrix, DVector};
-use rand::rngs::StdRng;
-use rand::{RngExt, SeedableRng};
+use sampling::distribution::ln_sum;
+use sampling::random::{Purpose, Random};
 
 use super::discrepancy::Unknown;
 use super::failures::Failures;
 use super::objective::Objective;
 use super::optima::Optimum;
 use super::problem::NoPrediction;
-use mixture::{Mixture, chosen, log_sum};
+use mixture::{Mixture, chosen};
 use moves::Mover;
 use target::Target;
 
@@ -218,7 +218,7 @@ impl Start {
             Some((mixture, part)) => {
                 let prior = log_prior + (1.0 - part).ln();
                 let seeds = mixture.log_density(places, 1.0) + part.ln();
-                log_sum([prior, seeds].into_iter())
+                ln_sum(&[prior, seeds])
             }
         }
     }
@@ -228,7 +228,7 @@ impl Start {
 struct Walk<'a> {
     target: &'a Target<'a>,
     start: Start,
-    random: StdRng,
+    random: Random,
     deadline: Option<Instant>,
     exponent: f64,
     /// Group by group.
@@ -246,7 +246,7 @@ impl<'a> Walk<'a> {
         optima: &[Optimum],
         settings: &Settings<'_>,
     ) -> Result<Self, SampleError> {
-        let mut random = StdRng::seed_from_u64(settings.seed);
+        let mut random = Random::new(settings.seed, Purpose::Posterior, 0);
         let size = (settings.particles.max(FEWEST) as usize).div_ceil(GROUPS);
         let seeded = (size as f64 * (1.0 - DEFENCE)).round() as usize;
         let part = seeded as f64 / size as f64;
@@ -254,7 +254,7 @@ impl<'a> Walk<'a> {
         let start = Start { seeds };
         let mut places = Vec::with_capacity(GROUPS * size);
         for _ in 0..GROUPS {
-            let shift: f64 = random.random();
+            let shift = random.unit();
             for index in 0..size {
                 places.push(match &start.seeds {
                     Some((mixture, _)) if index < seeded => {
@@ -324,9 +324,9 @@ impl<'a> Walk<'a> {
         let logs: Vec<f64> = ratios.iter().map(|ratio| times(step, *ratio)).collect();
         let size = self.size();
         for (evidence, logs) in self.evidences.iter_mut().zip(logs.chunks(size)) {
-            *evidence += log_sum(logs.iter().copied()) - (size as f64).ln();
+            *evidence += ln_sum(logs) - (size as f64).ln();
         }
-        let all = log_sum(logs.iter().copied());
+        let all = ln_sum(&logs);
         let weights: Vec<f64> = logs.iter().map(|log| (log - all).exp()).collect();
         self.shape(&weights);
         let mut kept = Vec::with_capacity(self.particles.len());
@@ -357,7 +357,7 @@ impl<'a> Walk<'a> {
     /// Joins the groups: each has the part of the sample that its evidence has of all evidence.
     fn join(&mut self, observe: &dyn Fn(f64, usize)) -> Result<(), SampleError> {
         let size = self.size();
-        let all = log_sum(self.evidences.iter().copied());
+        let all = ln_sum(&self.evidences);
         let parts = self.evidences.iter().map(|log| (log - all).exp());
         let parts = parts.flat_map(|part| std::iter::repeat_n(part / size as f64, size));
         let weights: Vec<f64> = parts.collect();
@@ -483,14 +483,14 @@ fn resampled(
     particles: &[Particle],
     weights: &[f64],
     count: usize,
-    random: &mut StdRng,
+    random: &mut Random,
 ) -> Vec<Particle> {
     let all: f64 = weights.iter().sum();
     if all <= 0.0 {
         // A group without a living particle has no evidence: its particles wait until the groups are joined.
         return particles.to_vec();
     }
-    let first: f64 = random.random();
+    let first = random.unit();
     let mut kept = Vec::with_capacity(count);
     let (mut index, mut sum) = (0, weights[0]);
     let last = chosen(weights.iter().copied(), f64::INFINITY);

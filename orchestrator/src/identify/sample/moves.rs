@@ -5,8 +5,7 @@
 //! distribution that is sampled stays as it is (Hastings 1970, Monte Carlo sampling methods using Markov chains and their
 //! applications, Biometrika 57, 97-109).
 
-use rand::RngExt;
-use rand::rngs::StdRng;
+use sampling::random::Random;
 
 use super::Particle;
 use super::mixture::Mixture;
@@ -51,7 +50,7 @@ impl Mover {
     }
 
     /// A place to move to for each particle.
-    pub(super) fn propose(&self, particles: &[Particle], random: &mut StdRng) -> Vec<Proposal> {
+    pub(super) fn propose(&self, particles: &[Particle], random: &mut Random) -> Vec<Proposal> {
         let proposals = particles.iter().map(|own| match &self.mixture {
             Some(mixture) => self.proposal(mixture, &own.places, random),
             // Nothing could be fitted: the particles stay.
@@ -64,10 +63,10 @@ impl Mover {
         proposals.collect()
     }
 
-    fn proposal(&self, mixture: &Mixture, from: &[f64], random: &mut StdRng) -> Proposal {
-        let leap = random.random::<f64>() < self.leaps;
+    fn proposal(&self, mixture: &Mixture, from: &[f64], random: &mut Random) -> Proposal {
+        let leap = random.unit() < self.leaps;
         if leap {
-            let places = mixture.draw(random.random(), WIDER, random);
+            let places = mixture.draw(random.unit(), WIDER, random);
             let back = mixture.log_density(from, WIDER) - mixture.log_density(&places, WIDER);
             return Proposal { places, leap, back };
         }
@@ -84,13 +83,13 @@ impl Mover {
         there: &[Particle],
         proposals: &[Proposal],
         exponent: f64,
-        random: &mut StdRng,
+        random: &mut Random,
     ) -> Vec<bool> {
         // Accepted and all, of walks and of leaps.
         let mut counts = [[0.0_f64; 2]; 2];
         let mut taken = Vec::with_capacity(particles.len());
         for ((own, there), proposal) in particles.iter_mut().zip(there).zip(proposals) {
-            let level: f64 = random.random();
+            let level = random.unit();
             let log = log_density(there, exponent) - log_density(own, exponent) + proposal.back;
             // A particle outside of the posterior waits to be resampled, and so does one that would go there.
             let accepted = there.log_ratio().is_finite() && level.ln() < log;
@@ -123,8 +122,8 @@ impl Mover {
 }
 
 /// Some walks are much shorter: where a part of the mixture is wider than the mode that a particle is in, they still move.
-fn shorter(random: &mut StdRng) -> f64 {
-    let (some, by): (f64, f64) = (random.random(), random.random());
+fn shorter(random: &mut Random) -> f64 {
+    let (some, by) = (random.unit(), random.unit());
     if some < 0.2 {
         10.0_f64.powf(-2.0 * by)
     } else {

@@ -1,5 +1,7 @@
 //! What a sample of the posterior tells, and how far it can be trusted: plain data that becomes JSON.
 
+use sampling::distribution::ln_sum;
+use sampling::statistics::moments::{mean, pearson, sorted, variance};
 use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
@@ -8,7 +10,6 @@ use super::super::failures;
 use super::super::objective::Objective;
 use super::super::optima::Optimum;
 use super::super::problem::Problem;
-use super::mixture::log_sum;
 use super::region::{quantile, regions};
 use super::target::Target;
 use super::{FEWEST, GROUPS, Particle, Sample, Stage};
@@ -119,11 +120,15 @@ struct Groups<'a> {
 
 impl<'a> Groups<'a> {
     fn of(sample: &'a Sample) -> Self {
-        let all = log_sum(sample.groups.iter().map(|(log, _)| *log));
-        let groups = sample.groups.iter();
+        let logs: Vec<f64> = sample.groups.iter().map(|(log, _)| *log).collect();
+        let all = ln_sum(&logs);
         Self {
-            parts: groups.clone().map(|(log, _)| (log - all).exp()).collect(),
-            groups: groups.map(|(_, particles)| &particles[..]).collect(),
+            parts: logs.iter().map(|log| (log - all).exp()).collect(),
+            groups: sample
+                .groups
+                .iter()
+                .map(|(_, particles)| &particles[..])
+                .collect(),
         }
     }
 
@@ -289,8 +294,7 @@ impl PosteriorOutcome {
     ) -> (f64, [f64; 2]) {
         let place = problem.unknowns() + index;
         let places = sample.particles.iter().map(|own| own.places[place]);
-        let mut places: Vec<f64> = places.collect();
-        places.sort_by(f64::total_cmp);
+        let places = sorted(places.collect());
         let at = |part| unknown.deviation(quantile(&places, part));
         (at(0.5), [at(0.025), at(0.975)])
     }
@@ -328,7 +332,7 @@ fn effective(groups: &Groups<'_>, sample: &Sample) -> f64 {
 fn evidence(sample: &Sample) -> (f64, f64) {
     let logs: Vec<f64> = sample.groups.iter().map(|(log, _)| *log).collect();
     let count = logs.len() as f64;
-    let whole = log_sum(logs.iter().copied()) - count.ln();
+    let whole = ln_sum(&logs) - count.ln();
     let squares = logs.iter().map(|log| ((log - whole).exp() - 1.0).powi(2));
     let error = (squares.sum::<f64>() / (count - 1.0) / count).sqrt();
     (whole, error)
@@ -351,7 +355,7 @@ struct Near<'a> {
 impl<'a> Near<'a> {
     fn new(optima: &'a [Optimum], unknowns: usize) -> Self {
         let chi_squared = ChiSquared::new(unknowns.max(1) as f64);
-        let limit = chi_squared.map_or(f64::INFINITY, |own| own.inverse_cdf(0.99));
+        let limit = chi_squared.expect("there is an unknown").inverse_cdf(0.99);
         Self { optima, limit }
     }
 
@@ -406,18 +410,14 @@ fn marginal(
     value: &dyn Fn(f64) -> f64,
 ) -> Marginal {
     let places = sample.particles.iter().map(|own| own.places[unknown]);
-    let mut places: Vec<f64> = places.collect();
-    places.sort_by(f64::total_cmp);
+    let places = sorted(places.collect());
     let values: Vec<f64> = places.iter().map(|&place| value(place)).collect();
-    let count = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / count;
-    let squares: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
     let intervals = regions(&places).into_iter();
     Marginal {
         name: name.to_owned(),
         unit: unit.cloned(),
-        mean,
-        deviation: (squares / (count - 1.0)).sqrt(),
+        mean: mean(&values),
+        deviation: variance(&values, 1).sqrt(),
         median: value(quantile(&places, 0.5)),
         intervals: intervals.map(|ends| ends.map(value)).collect(),
         scale,
@@ -464,28 +464,11 @@ fn latents(problem: &Problem, sample: &Sample) -> Vec<Vec<Marginal>> {
 
 /// The correlations of the free parameters' values.
 fn correlations(problem: &Problem, sample: &Sample) -> Vec<Vec<f64>> {
-    let n = problem.free.len();
-    let values: Vec<Vec<f64>> = sample
-        .particles
-        .iter()
-        .map(|own| problem.free_values(&own.places))
-        .collect();
-    let column = |k: usize| -> Vec<f64> {
-        let mean = values.iter().map(|row| row[k]).sum::<f64>() / values.len() as f64;
-        values.iter().map(|row| row[k] - mean).collect()
-    };
-    let columns: Vec<Vec<f64>> = (0..n).map(column).collect();
-    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let correlation = |a: usize, b: usize| {
-        let (a, b) = (&columns[a], &columns[b]);
-        let size = (product(a, a) * product(b, b)).sqrt();
-        if size > 0.0 {
-            product(a, b) / size
-        } else {
-            0.0
-        }
-    };
-    (0..n)
-        .map(|a| (0..n).map(|b| correlation(a, b)).collect())
-        .collect()
+    let particles = sample.particles.iter();
+    let rows = particles.map(|own| problem.free_values(&own.places));
+    let rows: Vec<Vec<f64>> = rows.collect();
+    let column = |k: usize| rows.iter().map(|row| row[k]).collect();
+    let columns: Vec<Vec<f64>> = (0..problem.free.len()).map(column).collect();
+    let with_all = |a: &Vec<f64>| columns.iter().map(|b| pearson(a, b)).collect();
+    columns.iter().map(with_all).collect()
 }

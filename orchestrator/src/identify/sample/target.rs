@@ -2,8 +2,7 @@
 
 use std::cell::Cell;
 
-use rand::RngExt;
-use rand::rngs::StdRng;
+use sampling::random::Random;
 use statrs::distribution::{ContinuousCDF, Normal};
 
 use super::super::discrepancy::Unknown;
@@ -114,10 +113,10 @@ impl<'a> Target<'a> {
     }
 
     /// A place from the prior.
-    pub(super) fn draw(&self, random: &mut StdRng) -> Vec<f64> {
+    pub(super) fn draw(&self, random: &mut Random) -> Vec<f64> {
         let before = self.before.iter();
         before
-            .map(|before| before.quantile(random.random()))
+            .map(|before| before.quantile(random.unit()))
             .collect()
     }
 

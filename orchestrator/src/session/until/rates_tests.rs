@@ -37,7 +37,7 @@ impl Way {
             replicates: self.replicates,
         };
         let unit = Distribution::Uniform { min: 0.0, max: 1.0 };
-        let design = Design::new(&sampling, vec![unit; 3]).unwrap();
+        let design = Design::new(&sampling, vec![unit.clone(); 3]).unwrap();
         let mut front = Front::new(&ending);
         for index in 0..self.points {
             let u = design.point(index);
@@ -156,7 +156,7 @@ fn intervals_of_replicates_hold_the_share_in_95_per_cent_of_repetitions() {
             seed,
             replicates: 16,
         };
-        let design = Design::new(&sampling, vec![unit; 3]).unwrap();
+        let design = Design::new(&sampling, vec![unit.clone(); 3]).unwrap();
         let mut counts = [0; 16];
         for index in 0..POINTS {
             let u = design.point(index);
