@@ -9,7 +9,7 @@
 use rayon::prelude::*;
 use sampling::statistics::moments::{quantile, sorted};
 
-use super::region::{Domain, Region, Sides};
+use super::region::{Domain, Region, Sample, Sides};
 
 /// The part that is peeled off at a time.
 const PEEL: f64 = 0.03;
@@ -19,15 +19,6 @@ const FEWEST: usize = 100;
 const KEPT: usize = 16;
 /// Of so many good points those are chosen.
 const CHOICE: usize = 200;
-
-/// A sample of the space, with the probability of verification at each point.
-#[derive(Clone, Copy)]
-pub struct Sample<'a> {
-    /// The points.
-    pub points: &'a [Vec<f64>],
-    /// Their probabilities.
-    pub verdicts: &'a [f64],
-}
 
 /// How many searches there are at most.
 pub const SEARCHES: usize = KEPT + 1;

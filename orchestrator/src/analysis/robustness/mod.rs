@@ -14,9 +14,8 @@ pub mod stated;
 pub mod surrogate;
 
 use crate::analysis::table::{CriterionColumn, PointTable};
-use boxes::Sample;
 use rayon::prelude::*;
-use region::{Domain, Ellipsoid, Region, Shape};
+use region::{Domain, Ellipsoid, Region, Sample, Shape};
 use serde::{Deserialize, Serialize};
 use stated::Evidence;
 use statrs::distribution::{ContinuousCDF, Normal};

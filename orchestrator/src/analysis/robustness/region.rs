@@ -8,9 +8,6 @@ use sampling::statistics::moments::{mean, quantile, sorted};
 use sampling::statistics::share::Fraction;
 use serde::{Deserialize, Serialize};
 
-use super::boxes::Sample;
-use super::stated::Statement;
-
 /// How many of the study's own points a region holds, and how many of them are verified.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Confirmed {
@@ -62,6 +59,26 @@ impl Confirmed {
 /// Results of earlier versions have no interval.
 const fn unknown() -> [f64; 2] {
     [0.0, 1.0]
+}
+
+/// A sample of the space, with the probability of verification at each point.
+#[derive(Clone, Copy)]
+pub struct Sample<'a> {
+    /// The points.
+    pub points: &'a [Vec<f64>],
+    /// Their probabilities.
+    pub verdicts: &'a [f64],
+}
+
+/// What is known of the verified part of a region.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Statement {
+    /// The part of the sampled probability that lies inside.
+    pub share: f64,
+    /// The part of the region that is verified.
+    pub probability: f64,
+    /// Its 95 % interval.
+    pub interval: [f64; 2],
 }
 
 /// A shape in the parameter space.

@@ -7,21 +7,9 @@
 //! "Prediction-powered inference", Science 382, 669-674). It needs no surrogate to be right.
 
 use sampling::statistics::moments::{mean, variance};
-use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-use super::boxes::Sample;
-
-/// What is known of the verified part of a region.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Statement {
-    /// The part of the sampled probability that lies inside.
-    pub share: f64,
-    /// The part of the region that is verified.
-    pub probability: f64,
-    /// Its 95 % interval.
-    pub interval: [f64; 2],
-}
+use super::region::{Sample, Statement};
 
 /// The points and predictions from which a region's probability and its interval are computed.
 pub struct Evidence<'a> {
