@@ -307,7 +307,9 @@ fn latent_parameters_of_several_cases_have_surrogates_of_their_own() {
         cases: (0..4).map(case).collect(),
     };
     let own = made(&problem, &model, 80, 2).unwrap();
-    assert!(own.told.largest < 0.1, "{:?}", own.told);
+    // Rounds end where errors widen no accuracy by more than `SMALL`.
+    let widened = own.told.largest.hypot(1.0) - 1.0;
+    assert!(widened <= SMALL && own.told.runs < 80, "{:?}", own.told);
     let query = Query {
         case: 2,
         free: vec![2.0],
