@@ -13,6 +13,7 @@ pub mod names;
 pub mod notices;
 pub mod pipeline;
 pub mod report;
+pub mod reruns;
 pub mod results;
 pub mod run;
 pub mod session;

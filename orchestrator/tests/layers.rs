@@ -12,7 +12,7 @@ use std::collections::BTreeSet;
 use arrows::{Tree, circles};
 
 /// The orchestrator's modules, from the ground up.
-const FLOORS: [&[&str]; 14] = [
+const FLOORS: [&[&str]; 15] = [
     &["names", "failure", "notices", "tell"],
     &["files"],
     &["table", "task"],
@@ -23,6 +23,7 @@ const FLOORS: [&[&str]; 14] = [
     &["pipeline", "analysis"],
     &["session", "identify"],
     &["report"],
+    &["reruns"],
     &["cli"],
     &["commands"],
     &["lib"],

@@ -1,5 +1,7 @@
 //! Joint probabilities of normal errors of which some are correlated.
 
+use std::borrow::Cow;
+
 use super::genz;
 use super::normal::{between, between_both};
 use super::one_factor::OneFactor;
@@ -9,8 +11,11 @@ use super::one_factor::OneFactor;
 pub struct JointNormal {
     /// Errors with correlation +1 or -1 to another one: index, index of the other one, sign.
     twins: Vec<(usize, usize, f64)>,
-    /// Errors that depend on each other, directly or through others.
+    /// Errors that depend on each other, directly or through others. Those of different blocks are independent, so that
+    /// the probabilities of the blocks multiply.
     blocks: Vec<Block>,
+    /// The block of each error.
+    block_of: Vec<usize>,
     /// Whether probabilities of many errors are known to about 1e-3 only.
     roughly: bool,
 }
@@ -18,6 +23,8 @@ pub struct JointNormal {
 #[derive(Clone, Debug)]
 struct Block {
     members: Vec<usize>,
+    /// Whether it is one error without a twin.
+    single: bool,
     correlation: Vec<Vec<f64>>,
     /// The part that they share, where that alone correlates them.
     common: Option<OneFactor>,
@@ -29,33 +36,29 @@ impl JointNormal {
     /// # Errors
     /// When a coefficient is not from -1 to 1, or when the correlations contradict each other.
     pub fn new(errors: usize, pairs: &[(usize, usize, f64)]) -> Result<Self, String> {
-        let mut matrix = vec![vec![0.0; errors]; errors];
-        for (i, row) in matrix.iter_mut().enumerate() {
-            row[i] = 1.0;
-        }
-        for &(a, b, coefficient) in pairs {
-            if !(-1.0..=1.0).contains(&coefficient) {
-                return Err(format!("the coefficient {coefficient} is not from -1 to 1"));
-            }
-            (matrix[a][b], matrix[b][a]) = (coefficient, coefficient);
-        }
-        let twins = twins(&matrix)?;
-        let own = |i: &usize| twins.iter().all(|(twin, ..)| twin != i);
-        let own: Vec<usize> = (0..errors).filter(own).collect();
-        let matrix = independent(matrix, &own)?;
-        let blocks = blocks(&matrix, own).into_iter().map(|members| {
-            let correlation = part(&matrix, &members);
-            Block {
+        let mut joint = Self {
+            block_of: vec![0; errors],
+            ..Self::default()
+        };
+        for mut block in blocks(errors, pairs)? {
+            let all = std::mem::take(&mut block.members);
+            let twins = twins(&block.correlation)?;
+            let is_own = |i: &usize| twins.iter().all(|(twin, ..)| twin != i);
+            let own: Vec<usize> = (0..all.len()).filter(is_own).collect();
+            let correlation = with_density(part(&block.correlation, &own))?;
+            let place =
+                |(twin, original, sign): (usize, usize, f64)| (all[twin], all[original], sign);
+            joint.twins.extend(twins.into_iter().map(place));
+            all.iter()
+                .for_each(|&i| joint.block_of[i] = joint.blocks.len());
+            joint.blocks.push(Block {
+                single: all.len() == 1,
+                members: own.iter().map(|&i| all[i]).collect(),
                 common: OneFactor::of(&correlation),
                 correlation,
-                members,
-            }
-        });
-        Ok(Self {
-            blocks: blocks.collect(),
-            twins,
-            roughly: false,
-        })
+            });
+        }
+        Ok(joint)
     }
 
     /// The same errors, whose probabilities are only known to about 1e-3 where they are many: enough for a mean over many
@@ -70,16 +73,42 @@ impl JointNormal {
     /// The probability that all errors lie between their limits, in units of their standard
     /// deviations.
     pub fn probability(&self, lower: &[f64], upper: &[f64]) -> f64 {
-        let (mut lower, mut upper) = (lower.to_vec(), upper.to_vec());
-        for &(twin, original, sign) in &self.twins {
-            let limits = [sign * lower[twin], sign * upper[twin]];
-            lower[original] = lower[original].max(limits[0].min(limits[1]));
-            upper[original] = upper[original].min(limits[0].max(limits[1]));
-        }
+        self.parts(lower, upper).iter().product()
+    }
+
+    /// The same for each block of errors that depend on each other; they multiply.
+    pub fn parts(&self, lower: &[f64], upper: &[f64]) -> Vec<f64> {
+        let [lower, upper] = self.narrowed(lower, upper);
         let blocks = self.blocks.iter();
         blocks
             .map(|block| block.probability(&lower, &upper, self.roughly))
-            .product()
+            .collect()
+    }
+
+    /// The number of the part that an error is all by itself; none where another one depends on it.
+    pub fn single(&self, error: usize) -> Option<usize> {
+        let number = self.block_of[error];
+        self.blocks[number].single.then_some(number)
+    }
+
+    /// The number of the part that an error belongs to, and the part's probability.
+    pub fn part_of(&self, error: usize, lower: &[f64], upper: &[f64]) -> (usize, f64) {
+        let number = self.block_of[error];
+        let [lower, upper] = self.narrowed(lower, upper);
+        let probability = self.blocks[number].probability(&lower, &upper, self.roughly);
+        (number, probability)
+    }
+
+    /// Limits that hold for errors with twins and for their twins, too.
+    fn narrowed<'a>(&self, lower: &'a [f64], upper: &'a [f64]) -> [Cow<'a, [f64]>; 2] {
+        let [mut lower, mut upper] = [Cow::from(lower), Cow::from(upper)];
+        for &(twin, original, sign) in &self.twins {
+            let limits = [sign * lower[twin], sign * upper[twin]];
+            let [least, most] = [limits[0].min(limits[1]), limits[0].max(limits[1])];
+            lower.to_mut()[original] = lower[original].max(least);
+            upper.to_mut()[original] = upper[original].min(most);
+        }
+        [lower, upper]
     }
 }
 
@@ -111,9 +140,9 @@ const CONTRADICTION: &str = "the correlations contradict each other: no errors c
 
 /// The correlations, brought nearer to 0 by a millionth where one error follows from several others, as that of a product
 /// from its factors': then all have a density. A box's probability changes by about as little.
-fn independent(mut matrix: Vec<Vec<f64>>, own: &[usize]) -> Result<Vec<Vec<f64>>, String> {
+fn with_density(mut matrix: Vec<Vec<f64>>) -> Result<Vec<Vec<f64>>, String> {
     const LITTLE: f64 = 1e-6;
-    if genz::cholesky(&part(&matrix, own)).is_some() {
+    if genz::cholesky(&matrix).is_some() {
         return Ok(matrix);
     }
     for (i, row) in matrix.iter_mut().enumerate() {
@@ -122,7 +151,7 @@ fn independent(mut matrix: Vec<Vec<f64>>, own: &[usize]) -> Result<Vec<Vec<f64>>
         }
     }
     // A little independence takes away a dependence, but no contradiction.
-    match genz::cholesky(&part(&matrix, own)) {
+    match genz::cholesky(&matrix) {
         Some(_) => Ok(matrix),
         None => Err(CONTRADICTION.to_owned()),
     }
@@ -151,23 +180,64 @@ fn part(matrix: &[Vec<f64>], members: &[usize]) -> Vec<Vec<f64>> {
     members.iter().map(row).collect()
 }
 
-/// The errors that are connected by correlations, each in its order.
-fn blocks(matrix: &[Vec<f64>], mut free: Vec<usize>) -> Vec<Vec<usize>> {
+/// Errors that depend on each other, each in its order, with their correlations.
+pub(super) struct Correlated {
+    pub(super) members: Vec<usize>,
+    pub(super) correlation: Vec<Vec<f64>>,
+}
+
+/// The errors in blocks that are independent of each other. A matrix of all errors would take the square of their number,
+/// and its factor the cube.
+pub(super) fn blocks(
+    errors: usize,
+    pairs: &[(usize, usize, f64)],
+) -> Result<Vec<Correlated>, String> {
+    let mut linked = vec![Vec::new(); errors];
+    for &(a, b, coefficient) in pairs {
+        if !(-1.0..=1.0).contains(&coefficient) {
+            return Err(format!("the coefficient {coefficient} is not from -1 to 1"));
+        }
+        // Of a pair that is stated twice, the last coefficient counts.
+        linked[a].retain(|(other, _)| *other != b);
+        linked[b].retain(|(other, _)| *other != a);
+        if coefficient != 0.0 {
+            linked[a].push((b, coefficient));
+            linked[b].push((a, coefficient));
+        }
+    }
+    let mut place = vec![usize::MAX; errors];
     let mut blocks = Vec::new();
-    while !free.is_empty() {
-        let mut members = vec![free.remove(0)];
+    for first in 0..errors {
+        if place[first] != usize::MAX {
+            continue;
+        }
+        let mut members = vec![first];
+        place[first] = 0;
         let mut next = 0;
         while next < members.len() {
-            let from = &matrix[members[next]];
-            let (linked, rest) = free.iter().partition(|&&i| from[i] != 0.0);
-            free = rest;
-            members.extend::<Vec<usize>>(linked);
+            for &(other, _) in &linked[members[next]] {
+                if place[other] == usize::MAX {
+                    place[other] = 0;
+                    members.push(other);
+                }
+            }
             next += 1;
         }
         members.sort_unstable();
-        blocks.push(members);
+        members.iter().enumerate().for_each(|(k, &i)| place[i] = k);
+        let mut correlation = vec![vec![0.0; members.len()]; members.len()];
+        for (k, &i) in members.iter().enumerate() {
+            correlation[k][k] = 1.0;
+            linked[i]
+                .iter()
+                .for_each(|&(other, coefficient)| correlation[k][place[other]] = coefficient);
+        }
+        blocks.push(Correlated {
+            members,
+            correlation,
+        });
     }
-    blocks
+    Ok(blocks)
 }
 
 #[cfg(test)]
@@ -237,6 +307,23 @@ mod tests {
         let expected = pair * between(-1.0, 1.0) * between(-1.0, 2.0);
         let found = joint.probability(&lower, &upper);
         assert!((found - expected).abs() < 1e-15, "{found} {expected}");
+    }
+
+    /// A chain of errors far apart in a list of many: a matrix of all of them would have 10^10 entries.
+    #[test]
+    fn many_independent_errors_are_multiplied() {
+        const ERRORS: usize = 100_000;
+        let pairs = [(7, 99_000, 0.5), (99_000, 400, -0.5)];
+        let joint = JointNormal::new(ERRORS, &pairs).unwrap();
+        let (lower, upper) = (vec![-4.5; ERRORS], vec![4.5; ERRORS]);
+        let chain = JointNormal::new(3, &[(0, 1, 0.5), (1, 2, -0.5)]).unwrap();
+        let chain = chain.probability(&[-4.5; 3], &[4.5; 3]);
+        let expected = chain * between(-4.5, 4.5).powi(ERRORS as i32 - 3);
+        let found = joint.probability(&lower, &upper);
+        assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");
+        let (part, probability) = joint.part_of(400, &lower, &upper);
+        assert_eq!((part, probability), (7, chain));
+        assert_eq!(joint.parts(&lower, &upper)[7], chain);
     }
 
     #[test]

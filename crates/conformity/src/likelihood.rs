@@ -1,6 +1,7 @@
 //! How probable the measured values are, if a point's model values were the true ones.
 
 use super::genz::cholesky;
+use super::joint::blocks;
 use super::measured::Measurement;
 
 /// The joint density of the measured values' errors.
@@ -8,8 +9,8 @@ use super::measured::Measurement;
 pub struct Likelihood {
     /// The measured value and its standard uncertainty, a criterion each.
     criteria: Vec<[f64; 2]>,
-    /// The Cholesky factor of the errors' correlations.
-    factor: Vec<Vec<f64>>,
+    /// Criteria with errors that depend on each other, and the Cholesky factor of these errors' correlations.
+    blocks: Vec<(Vec<usize>, Vec<Vec<f64>>)>,
 }
 
 impl Likelihood {
@@ -18,26 +19,28 @@ impl Likelihood {
         let criteria = measurement.criteria().iter();
         let criteria = criteria.map(|c| Some([c.nominal, c.uncertainty?.standard()]));
         let criteria: Vec<[f64; 2]> = criteria.collect::<Option<_>>()?;
-        let mut matrix = vec![vec![0.0; criteria.len()]; criteria.len()];
-        (0..criteria.len()).for_each(|k| matrix[k][k] = 1.0);
-        for &(a, b, coefficient) in measurement.correlations() {
-            (matrix[a][b], matrix[b][a]) = (coefficient, coefficient);
-        }
-        let factor = cholesky(&matrix)?;
-        (!criteria.is_empty()).then_some(Self { criteria, factor })
+        let blocks = blocks(criteria.len(), measurement.correlations()).ok()?;
+        let blocks = blocks.into_iter();
+        let factors = blocks.map(|block| Some((block.members, cholesky(&block.correlation)?)));
+        let blocks: Vec<_> = factors.collect::<Option<_>>()?;
+        (!criteria.is_empty()).then_some(Self { criteria, blocks })
     }
 
     /// The logarithm of the likelihood of a point's model values, but for a constant: minus half the sum of the
     /// squared errors, each in standard uncertainties and freed from what it shares with the others.
     pub fn ln(&self, values: &[f64]) -> f64 {
-        let mut scores: Vec<f64> = Vec::with_capacity(self.criteria.len());
-        for ((&[nominal, standard], value), row) in
-            self.criteria.iter().zip(values).zip(&self.factor)
-        {
-            let known: f64 = row.iter().zip(&scores).map(|(c, score)| c * score).sum();
-            scores.push(((value - nominal) / standard - known) / row[scores.len()]);
+        let mut sum = 0.0;
+        for (members, factor) in &self.blocks {
+            let mut scores: Vec<f64> = Vec::with_capacity(members.len());
+            for (&number, row) in members.iter().zip(factor) {
+                let [nominal, standard] = self.criteria[number];
+                let known: f64 = row.iter().zip(&scores).map(|(c, score)| c * score).sum();
+                let error = (values[number] - nominal) / standard;
+                scores.push((error - known) / row[scores.len()]);
+            }
+            sum += scores.iter().map(|score| score * score).sum::<f64>();
         }
-        -0.5 * scores.iter().map(|score| score * score).sum::<f64>()
+        -0.5 * sum
     }
 }
 

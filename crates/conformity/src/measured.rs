@@ -198,29 +198,89 @@ impl Measurement {
                 own.or_else(|| told_of(number).map(|_| ANY))
             })
             .collect();
-        let criteria: Vec<Assessed> = pairs()
-            .zip(&limits)
-            .enumerate()
-            .map(|(number, ((c, &value), limits))| Assessed {
-                margin: c.margin(value),
-                probability: told_of(number)
-                    .or_else(|| limits.map(|[lower, upper]| super::normal::between(lower, upper))),
-            })
-            .collect();
-        let known: Option<Vec<[f64; 2]>> = limits.into_iter().collect();
-        let joint = known.map(|limits| {
-            let (lower, upper): (Vec<f64>, Vec<f64>) = limits
-                .into_iter()
-                .map(|[lower, upper]| (lower, upper))
-                .unzip();
-            self.errors.probability(&lower, &upper) * told.map_or(1.0, |told| told.all)
+        let known: Option<Vec<[f64; 2]>> = limits.iter().copied().collect();
+        let parts = known.map(|limits| {
+            let [lower, upper] = sides(&limits);
+            self.errors.parts(&lower, &upper)
         });
+        let probability = |number: usize| {
+            let [lower, upper] = limits[number]?;
+            let single = parts.as_ref().zip(self.errors.single(number));
+            Some(match single {
+                Some((parts, part)) => parts[part],
+                None => super::normal::between(lower, upper),
+            })
+        };
+        let criteria = pairs().enumerate().map(|(number, (c, &value))| Assessed {
+            margin: c.margin(value),
+            probability: told_of(number).or_else(|| probability(number)),
+        });
+        let criteria = criteria.collect();
+        let joint =
+            parts.map(|parts| parts.iter().product::<f64>() * told.map_or(1.0, |told| told.all));
         let all = Assessed {
             margin: self.margin(values),
             probability: joint,
         };
         Conformity { criteria, all }
     }
+
+    /// A point as all criteria together would judge it if one uncertainty were this part of what it is: that of the first
+    /// criterion, of the second one, and so on, each with the others as they are.
+    pub fn with_other_uncertainty(&self, values: &[f64], part: f64) -> Vec<Assessed> {
+        let changed = |c: &Measured| Measured {
+            uncertainty: c.uncertainty.map(|own| Uncertainty {
+                expanded: part * own.expanded,
+                ..own
+            }),
+            ..*c
+        };
+        let criteria = || self.criteria.iter().zip(values);
+        let margins: Vec<f64> = criteria().map(|(c, &value)| c.margin(value)).collect();
+        let other_margins = of_the_others(&margins, f64::INFINITY, f64::min);
+        let limits = criteria().map(|(c, &value)| Some(c.limits(value, c.uncertainty?)));
+        let limits: Option<Vec<[f64; 2]>> = limits.collect();
+        let mut joint = limits.map(|limits| {
+            let [lower, upper] = sides(&limits);
+            let parts = self.errors.parts(&lower, &upper);
+            (of_the_others(&parts, 1.0, |a, b| a * b), lower, upper)
+        });
+        let mut assess = |k: usize| {
+            let (changed, value) = (changed(&self.criteria[k]), values[k]);
+            let probability = joint.as_mut().zip(changed.uncertainty);
+            Assessed {
+                margin: changed.margin(value).min(other_margins[k]),
+                probability: probability.map(|((others, lower, upper), uncertainty)| {
+                    let before = [lower[k], upper[k]];
+                    [lower[k], upper[k]] = changed.limits(value, uncertainty);
+                    let (part, probability) = self.errors.part_of(k, lower, upper);
+                    [lower[k], upper[k]] = before;
+                    others[part] * probability
+                }),
+            }
+        };
+        (0..self.criteria.len()).map(&mut assess).collect()
+    }
+}
+
+/// Lower and upper limits.
+fn sides(limits: &[[f64; 2]]) -> [Vec<f64>; 2] {
+    [0, 1].map(|side| limits.iter().map(|limit| limit[side]).collect())
+}
+
+/// For each number the others, joined by an operation with this neutral number.
+fn of_the_others(numbers: &[f64], neutral: f64, join: impl Fn(f64, f64) -> f64) -> Vec<f64> {
+    let mut joined = vec![neutral; numbers.len()];
+    let (mut before, mut after) = (neutral, neutral);
+    for (k, &number) in numbers.iter().enumerate() {
+        joined[k] = before;
+        before = join(before, number);
+    }
+    for (k, &number) in numbers.iter().enumerate().rev() {
+        joined[k] = join(joined[k], after);
+        after = join(number, after);
+    }
+    joined
 }
 
 #[cfg(test)]
@@ -265,6 +325,33 @@ mod tests {
         // A model above the measured value conforms with errors that lie above it, too.
         let expected = between_both([-1.2, -0.5], [2.8, 1.5], -0.6);
         assert!((found - expected).abs() < 1e-12);
+    }
+
+    #[test]
+    fn half_an_uncertainty_is_that_of_a_measurement_with_it() {
+        let criteria = vec![
+            measured(10.0, 1.0, 1.0),
+            measured(-3.0, 2.0, 4.0),
+            measured(0.0, 1.0, 2.0),
+            measured(1.0, 1.0, 0.5),
+        ];
+        // The second and the last error are twins.
+        let pairs = [(0, 1, -0.6), (1, 3, 1.0), (0, 3, -0.6)];
+        let measurement = Measurement::new(criteria.clone(), &pairs).unwrap();
+        let values = [10.4, -2.0, 0.3, 1.1];
+        let found = measurement.with_other_uncertainty(&values, 0.5);
+        for (k, found) in found.iter().enumerate() {
+            let mut criteria = criteria.clone();
+            let own = criteria[k].uncertainty.as_mut().unwrap();
+            own.expanded *= 0.5;
+            let expected = Measurement::new(criteria, &pairs)
+                .unwrap()
+                .assess(&values)
+                .all;
+            assert_eq!(found.margin, expected.margin, "{k}");
+            let [found, expected] = [*found, expected].map(|one| one.probability.unwrap());
+            assert!((found - expected).abs() < 1e-15, "{k}: {found} {expected}");
+        }
     }
 
     #[test]

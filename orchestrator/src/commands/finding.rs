@@ -10,7 +10,7 @@ use crate::analysis::from_results;
 use crate::analysis::table::PointTable;
 use crate::report::Report;
 use crate::results::origin::Origin;
-use crate::results::{ResultsError, Summary, write_atomically};
+use crate::results::{ResultsError, Summary, write_json};
 use crate::study::Study;
 use fmu_import::digest;
 
@@ -115,10 +115,7 @@ impl AnalysisResult {
             finding: &self.result,
         };
         std::fs::create_dir_all(folder).map_err(ResultsError::io(folder))?;
-        write_atomically(&folder.join(self.file), |out| {
-            serde_json::to_writer_pretty(&mut *out, &told)?;
-            writeln!(out)
-        })?;
+        write_json(&folder.join(self.file), &told)?;
         if folder.join("summary.json").exists() {
             Report::from_folder(folder)?.write(folder)?;
             if !self.origin.fits(&from_results::read(folder)?.0) {

@@ -4,15 +4,15 @@ use std::collections::HashSet;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use super::{CommandError, dossier, improvements, output, report, table, verdict};
+use super::{CommandError, dossier, improvements, output, table, verdict};
 use crate::cli;
 use crate::failure::{Failure, Partial};
 use crate::judge::Judge;
 use crate::report::Report;
-use crate::results::Tally;
 use crate::results::concerns;
 use crate::results::summary::{Provenance, Run};
 use crate::results::survey::Survey;
+use crate::results::{Tally, write_atomically};
 use crate::session::{FileSet, provenance};
 use crate::study::Study;
 use crate::study::quantity::Scale;
@@ -81,7 +81,8 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, CommandError> {
         files.finish(&summary)?;
     }
     if let Some(folder) = &options.output {
-        report::keep_study(folder, &study)?;
+        let path = folder.join("study.toml");
+        write_atomically(&path, |out| out.write_all(study.text().as_bytes()))?;
         dossier::write(folder, &summary)?;
         Report::from_folder(folder)?.write(folder)?;
     }

@@ -17,7 +17,7 @@ pub(super) fn place(options: &Means, jobs: usize) -> Result<Place, CommandError>
 }
 
 /// The limits for one of `jobs` workers.
-fn limits(options: &Means, jobs: usize) -> Result<Limits, CommandError> {
+pub(super) fn limits(options: &Means, jobs: usize) -> Result<Limits, CommandError> {
     let time = Duration::try_from_secs_f64(options.point_timeout);
     let time = time
         .ok()

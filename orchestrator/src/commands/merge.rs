@@ -2,13 +2,16 @@
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::time::Instant;
+use std::thread::available_parallelism;
+use std::time::{Duration, Instant};
 
 use super::asking::{self, Analysis};
 use super::{CommandError, pareto, robustness, sensitivity, verify};
 use crate::cli::Merge;
+use crate::engine::process::Limits;
 use crate::pipeline::folder::RunFolder;
 use crate::pipeline::{Halt, Pipeline};
+use crate::reruns::Wish;
 use crate::results::summary::Run;
 use crate::results::{Header, MOST_EXTRA_RUNS, ResultsError, journal, lines, parquet};
 use crate::session::{Asking, Request, Session, SessionError, Verification};
@@ -101,13 +104,17 @@ fn join_verification(
     if options.parquet {
         parquet::convert(&options.output, &summary)?;
     }
-    verify::conclude(
-        &mut verification,
-        &options.output,
-        &summary,
-        MOST_EXTRA_RUNS,
-        false,
-    )
+    let jobs = available_parallelism().map_or(1, Into::into);
+    let wish = Wish {
+        most: MOST_EXTRA_RUNS,
+        validation: false,
+        limits: Limits {
+            time: Duration::from_secs(3600),
+            memory: 16 << 30,
+        },
+        jobs,
+    };
+    verify::conclude(&mut verification, &options.output, summary, &wish)
 }
 
 fn join_analysis(

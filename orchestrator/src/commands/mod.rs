@@ -1,13 +1,11 @@
 //! The commands, one file each.
 
 mod asking;
-mod bands;
 mod best;
 mod check;
 mod completion;
 mod cost;
 mod dossier;
-mod extra;
 mod finding;
 mod identify;
 mod improvements;
@@ -18,11 +16,9 @@ mod limits;
 mod manual;
 mod means;
 mod merge;
-mod moving;
 mod output;
 mod pareto;
 mod rare;
-mod refine;
 mod replay;
 mod report;
 mod robustness;

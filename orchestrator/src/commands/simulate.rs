@@ -284,8 +284,8 @@ impl Isolated {
                 .map(Cow::into_owned),
         )?;
         let mut last = Vec::new();
-        let recorder = self.recorder();
-        let recorded = recorder.record(task, values, &columns.handles, |time, values| {
+        let mut recording = self.recorder().of(task);
+        let recorded = recording.record(values, &columns.handles, None, |time, values| {
             last = values.iter().map(cell).collect();
             csv.write_field(number(time))?;
             csv.write_record(&last)?;

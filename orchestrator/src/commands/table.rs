@@ -203,6 +203,7 @@ pub(super) fn remarks(summary: &Summary) -> String {
         .map(|concern| format!("warning: {concern}\n"));
     conduct
         .chain(asides)
+        .chain(summary.left_out_remark())
         .map(|remark| format!("{remark}\n"))
         .chain(concerns)
         .collect()

@@ -6,18 +6,16 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use super::limits::place;
-use super::{
-    CommandError, asking, best, cost, dossier, extra, improvements, moving, output, refine, report,
-    table, verdict,
-};
+use super::limits::{limits, place};
+use super::{CommandError, asking, best, cost, dossier, improvements, output, table, verdict};
 use crate::cli::Verify;
 use crate::engine::crew::Crew;
 use crate::pipeline::folder::RunFolder;
 use crate::pipeline::{Pipeline, Step};
 use crate::report::Report;
+use crate::reruns::{self, Wish};
 use crate::results::summary::Run;
-use crate::results::{Journal, Looked, ResultsError, lines, parquet};
+use crate::results::{Journal, Looked, ResultsError, Summary, lines, parquet};
 use crate::session::{Ending, Front, Request, Session, Verification};
 use crate::study::Study;
 use crate::task::Case;
@@ -85,20 +83,17 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, CommandError> {
         return Ok(ExitCode::SUCCESS);
     }
     let run = Run::since(begun, computed, jobs);
-    let mut summary = verification.conclude(&folder, Some(run), ending.as_ref(), &mut looked)?;
-    if options.validation {
-        summary = refine::observed(&mut verification, &options.means, &folder, &summary)?;
-    }
+    let summary = verification.conclude(&folder, Some(run), ending.as_ref(), &mut looked)?;
     if options.parquet {
         parquet::convert(&folder, &summary)?;
     }
-    conclude(
-        &mut verification,
-        &folder,
-        &summary,
-        options.extra_runs,
-        options.means.in_process,
-    )
+    let wish = Wish {
+        most: options.extra_runs,
+        validation: options.validation,
+        limits: limits(&options.means, jobs)?,
+        jobs,
+    };
+    conclude(&mut verification, &folder, summary, &wish)
 }
 
 /// When the study may end before its last point. Refuses options that the study's design cannot follow.
@@ -162,36 +157,32 @@ pub(super) fn open(
     Ok(taken)
 }
 
-/// Completes the folder and says what came out. At most `most` points are run once more, to see whether their values
-/// rest. `trusted`: the points ran in this process.
+/// Completes the folder and says what came out. The verdict is known and written: what fails here costs itself alone.
 pub(super) fn conclude(
     verification: &mut Verification,
     folder: &Path,
-    summary: &crate::results::Summary,
-    most: usize,
-    trusted: bool,
+    mut summary: Summary,
+    wish: &Wish,
 ) -> Result<ExitCode, CommandError> {
-    let watched = extra::runs(verification, summary, most)?;
-    let Session {
-        study,
-        plan,
-        package,
-        ..
-    } = &mut verification.session;
-    report::keep_trajectory(folder, study, plan, package, summary, trusted, most)?;
-    let summary = &moving::observed(folder, summary, plan, watched)?;
-    best::write(folder, plan, package.description(), summary)?;
-    dossier::write(folder, summary)?;
-    Report::from_folder(folder)?.write(folder)?;
+    let missing = |what: &str, error: CommandError| crate::tell::line!("note: {what}: {error}");
+    let again = reruns::run(verification, folder, &mut summary, wish);
+    again.unwrap_or_else(|error| missing("no point was run once more", error.into()));
+    let Session { plan, package, .. } = &verification.session;
+    let best = best::write(folder, plan, package.description(), &summary);
+    best.unwrap_or_else(|error| missing("the best point is in no file", error));
+    let dossier = dossier::write(folder, &summary);
+    dossier.unwrap_or_else(|error| missing("the verdict is in no file for other tools", error));
+    let page = Report::from_folder(folder).and_then(|report| report.write(folder));
+    page.map_or_else(|error| missing("there is no page", error.into()), drop);
     output::print(&format!(
         "{}{}{}{}\nresults in {}\n",
-        table::remarks(summary),
-        table::counts(summary),
-        table::best(summary),
-        improvements::text(summary),
+        table::remarks(&summary),
+        table::counts(&summary),
+        table::best(&summary),
+        improvements::text(&summary),
         folder.display()
     ));
-    Ok(verdict(summary))
+    Ok(verdict(&summary))
 }
 
 /// A number of things.

@@ -68,16 +68,33 @@ impl Recorder<'_> {
         }
     }
 
+    /// Records trajectories of a task's points, one after the other.
+    pub fn of(&self, task: &Task) -> Recording {
+        Recording {
+            process: self.process(&[Case::only(task.clone())]),
+            echo: self.echo,
+        }
+    }
+}
+
+/// Records trajectories of a task's points: each in a process of its own, which all have the same guard.
+#[derive(Debug)]
+pub struct Recording {
+    process: Process,
+    echo: bool,
+}
+
+impl Recording {
     /// Simulates a point and hands over time and columns at every communication point. One that fails is tried
-    /// once more; what has been handed over is not handed over again.
+    /// once more; what has been handed over is not handed over again. At `until` it has failed.
     ///
     /// # Errors
     /// When no process can be started, when the simulation fails, and what `row` returns.
     pub fn record<E: From<Failure> + From<EngineError>>(
-        &self,
-        task: &Task,
+        &mut self,
         values: &[f64],
         columns: &[Handle],
+        until: Option<Instant>,
         mut row: impl FnMut(f64, &[Value]) -> Result<(), E>,
     ) -> Result<(), E> {
         let record = Record {
@@ -88,6 +105,7 @@ impl Recorder<'_> {
         Way::Recorded.put(&mut order);
         let text = serde_json::to_vec(&record);
         order.extend(text.map_err(|error| EngineError::Start(error.to_string()))?);
+        let is_late = || until.is_some_and(|until| Instant::now() >= until);
         let mut handed_over = 0;
         for last in [false, true] {
             let mut number = 0;
@@ -99,9 +117,14 @@ impl Recorder<'_> {
                 handed_over = number;
                 row(time, values)
             };
-            match self.attempt(task, &order, columns, &mut keep)? {
+            let attempt = self.attempt(&order, columns, &is_late, &mut keep);
+            if !matches!(attempt, Ok(None)) {
+                // It may be at the point still.
+                self.process.end();
+            }
+            match attempt? {
                 None => return Ok(()),
-                Some(failure) if last => return Err(failure.into()),
+                Some(failure) if last || is_late() => return Err(failure.into()),
                 Some(_) => {}
             }
         }
@@ -110,10 +133,10 @@ impl Recorder<'_> {
 
     /// One try: the failure, if there is one.
     fn attempt<E: From<EngineError>>(
-        &self,
-        task: &Task,
+        &mut self,
         order: &[u8],
         columns: &[Handle],
+        is_late: &dyn Fn() -> bool,
         row: Row<'_, E>,
     ) -> Result<Option<Failure>, E> {
         // After the last result, the FMU's own end is waited for no longer than this, so that a crash in it is told. The
@@ -121,9 +144,11 @@ impl Recorder<'_> {
         const FAREWELL: Duration = Duration::from_secs(62);
         let mut outcome = Ok(None);
         let done: Cell<Option<Instant>> = Cell::new(None);
-        let enough = || done.get().is_some_and(|done| done.elapsed() > FAREWELL);
-        let mut process = self.process(&[Case::only(task.clone())]);
-        let ended = process.order(order, &enough, &mut |payload| {
+        let enough = || match done.get() {
+            Some(done) => done.elapsed() > FAREWELL,
+            None => is_late(),
+        };
+        let ended = self.process.order(order, &enough, &mut |payload| {
             let mut reader = Reader(payload);
             match reader.end() {
                 Some(End::Not) => {}
@@ -152,6 +177,7 @@ impl Recorder<'_> {
         match ended {
             Ok(()) => outcome,
             Err(_) if done.get().is_some() => outcome,
+            Err(Gone::Stopped) => Ok(Some(Failure::Timeout)),
             Err(Gone::Lost(failure)) => Ok(Some(failure)),
             Err(gone) => Err(EngineError::from(gone).into()),
         }

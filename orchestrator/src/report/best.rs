@@ -41,6 +41,7 @@ pub(super) fn best_rows(
     table: &PointTable,
     ranking: &[Ranked],
     conformance: Option<&[f64]>,
+    pictured: Option<&[usize]>,
 ) -> Vec<BestRow> {
     let shown: Vec<usize> = ranking.iter().take(BEST).map(|r| r.point).collect();
     let unbeaten = pareto::unbeaten(table, &shown);
@@ -63,7 +64,9 @@ pub(super) fn best_rows(
                 .parameters
                 .iter()
                 .map(|p| plain(number(p.values[i], 5)));
-            let criteria = table.criteria.iter().map(|c| {
+            let is_shown = |k: &usize| pictured.is_none_or(|shown| shown.contains(k));
+            let criteria = (0..table.criteria.len()).filter(is_shown).map(|k| {
+                let c = &table.criteria[k];
                 let deviation = c.deviation(c.values[i]);
                 Cell {
                     text: number(c.values[i], 5),

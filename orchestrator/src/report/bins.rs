@@ -31,7 +31,14 @@ pub fn axis_range(values: &[f64], lower: f64, upper: f64) -> Option<[f64; 2]> {
     } else {
         (0.05 * high.abs()).max(1e-12)
     };
-    Some([low - margin, high + margin])
+    // Beyond this, the axis would have no length that is a number.
+    const WIDEST: f64 = 8e307;
+    let range = [(low - margin).max(-WIDEST), (high + margin).min(WIDEST)];
+    Some(if range[0] < range[1] {
+        range
+    } else {
+        [-WIDEST, WIDEST]
+    })
 }
 
 /// Counts of values in equal bins over a range; what lies outside is not counted.
@@ -109,6 +116,23 @@ mod tests {
         let [low, high] = axis_range(&values, -0.5, f64::INFINITY).unwrap();
         assert!(low < -0.5 && high < 2.0);
         assert_eq!(axis_range(&[f64::NAN], 0.0, 1.0), None);
+    }
+
+    #[test]
+    fn an_axis_has_a_length_whatever_the_values() {
+        for values in [
+            &[1e308, -1e308][..],
+            &[f64::MAX; 3],
+            &[1e160, 0.86],
+            &[5e-324],
+            &[-f64::MAX],
+        ] {
+            let [low, high] = axis_range(values, f64::NEG_INFINITY, f64::INFINITY).unwrap();
+            assert!(
+                low < high && (high - low).is_finite(),
+                "{values:?}: {low} {high}"
+            );
+        }
     }
 
     #[test]

@@ -14,7 +14,7 @@ use crate::engine::Conduct;
 use crate::results::asides::Asides;
 use crate::results::choice;
 use crate::results::origin::Origin;
-use crate::results::rest::Rest;
+use crate::results::settled::Settled;
 use crate::results::summary::{CriterionCount, VariantCount};
 use crate::results::words::capitalised;
 use crate::results::{ResultsError, Summary};
@@ -33,6 +33,7 @@ impl Report {
         let study_text = std::fs::read_to_string(folder.join("study.toml")).unwrap_or_default();
         let study = Study::parse(&folder.join("study.toml"), study_text.clone()).ok();
         let p = &summary.provenance;
+        let pictured = Some(summary.pictured()).filter(|own| own.len() < summary.criteria.len());
         Ok(Self {
             study: summary.title.clone().unwrap_or_else(|| p.study.clone()),
             model: p.fmu.clone().unwrap_or_default(),
@@ -54,7 +55,12 @@ impl Report {
             sensitivity: finding(folder, sensitivity::FILE, &summary),
             tolerances: finding(folder, tolerances::FILE, &summary),
             outlook: Outlook::new(&summary),
-            whatif: WhatIf::new(&summary, study.as_ref(), table.len()),
+            // Judging needs all criteria.
+            whatif: match pictured {
+                None => WhatIf::new(&summary, study.as_ref(), table.len()),
+                Some(_) => None,
+            },
+            pictured,
             pareto: finding(folder, pareto::FILE, &summary),
             study_text,
             table,
@@ -74,16 +80,26 @@ fn remarks(summary: &Summary, shown: usize) -> Vec<String> {
             summary.points.div_ceil(choice::MOST)
         )
     });
+    let (pictured, criteria) = (summary.pictured().len(), summary.criteria.len());
+    let pictured = (pictured < criteria).then(|| {
+        format!(
+            "pictures and the table of best points show the {pictured} criteria that the fewest points meet, of {}; points.csv \
+             has them all, and What if is left out",
+            count(criteria)
+        )
+    });
     let conduct = summary.conduct.iter().flat_map(Conduct::remarks);
     let asides = summary.asides.iter().flat_map(Asides::remarks);
     let concerns = summary
         .concerns
         .iter()
         .map(|concern| format!("Warning: {concern}."));
-    let watched = summary.rest.iter().filter_map(Rest::remark);
+    let watched = summary.settled.iter().filter_map(Settled::remark);
     conduct
         .chain(asides)
         .chain(thinned)
+        .chain(pictured)
+        .chain(summary.left_out_remark())
         .chain(watched)
         .chain(concerns)
         .map(|remark| format!("{}.", capitalised(remark.trim_end_matches('.'))))

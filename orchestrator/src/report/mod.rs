@@ -64,6 +64,8 @@ pub struct Report {
     pub table: PointTable,
     /// The counts of all points, where the table holds only some.
     pub whole: Option<Whole>,
+    /// The criteria that have pictures, where they are too many for all to have some.
+    pub pictured: Option<Vec<usize>>,
     /// The verdict and its risks.
     pub judgement: Judgement,
     /// The counts' intervals, where the points are not independent of each other.
@@ -233,8 +235,16 @@ impl Report {
             path: plots.clone(),
             source,
         })?;
-        for (name, plot) in page::plots(self) {
-            write_file(&plots.join(format!("{name}.svg")), &svg::standalone(&plot))?;
+        // A picture that cannot be written costs itself: the page has it all the same.
+        let written = page::plots(self).into_iter().map(|(name, plot)| {
+            write_file(&plots.join(format!("{name}.svg")), &svg::standalone(&plot))
+        });
+        let failed: Vec<ReportError> = written.filter_map(Result::err).collect();
+        if let Some(first) = failed.first() {
+            crate::tell::line!(
+                "note: {} plots have no file; the first: {first}",
+                failed.len()
+            );
         }
         let path = folder.join("report.html");
         write_file(&path, &self.html()?)?;

@@ -16,6 +16,7 @@ use base64::{Engine, engine::general_purpose::STANDARD};
 use conformity::decision::Decision;
 use minijinja::{Environment, HtmlEscape, Value, value::Serde};
 use serde::Serialize;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 /// More bytes are packed. Fewer are read at once, and in browsers that cannot unpack, too.
@@ -111,7 +112,8 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
     let whole = &report.table;
     let judgement = &report.judgement;
     let table = &*judgement.as_accepted(whole);
-    let columns = payload::columns(table, judgement);
+    let (drawn, columns) = pictured(report, table);
+    let drawn = &*drawn;
     let ranking = table.best(payload::MOST_POINTS);
     let order: Vec<usize> = ranking.iter().map(|r| r.point).collect();
     let points = payload::embedded(table, &order, columns.len());
@@ -121,7 +123,7 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
     let counts = [total, report.accepted(&counted)];
     let bytes = payload::Bytes::default();
     let data = payload::payload(
-        table,
+        drawn,
         &columns,
         &points,
         counts,
@@ -216,7 +218,7 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
         }
         .map(expected),
         risks: report.judgement.rows(table),
-        planes: planes(table, &columns, &points, counts),
+        planes: planes(drawn, &columns, &points, counts),
         parameters: distributions(table, &columns[..table.parameters.len()], 0, counts),
         criteria: distributions(
             table,
@@ -226,7 +228,12 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
         ),
         best_columns: columns.iter().map(heading).collect(),
         first_criterion: table.parameters.len(),
-        best: best_rows(table, &ranking, conformance.as_deref()),
+        best: best_rows(
+            table,
+            &ranking,
+            conformance.as_deref(),
+            report.pictured.as_deref(),
+        ),
         failures: failures(table, report.whole.as_ref()),
         histories: histories(report),
         sensitivity: report
@@ -274,12 +281,12 @@ fn decision(report: &Report, counted: &PassCounts) -> Decision {
 /// The plots that are written as files: name and picture.
 pub fn plots(report: &Report) -> Vec<(String, String)> {
     let table = &*report.judgement.as_accepted(&report.table);
-    let columns = payload::columns(table, &report.judgement);
+    let (drawn, columns) = pictured(report, table);
     let best = table.best(payload::MOST_POINTS);
     let order: Vec<usize> = best.iter().map(|r| r.point).collect();
     let points = payload::embedded(table, &order, columns.len());
     let counts = [report.points(), report.accepted(&counted(report))];
-    let mut plots: Vec<(String, String)> = planes(table, &columns, &points, counts)
+    let mut plots: Vec<(String, String)> = planes(&drawn, &columns, &points, counts)
         .into_iter()
         .map(|p| {
             (
@@ -309,18 +316,55 @@ pub fn plots(report: &Report) -> Vec<(String, String)> {
     plots.extend(report.robustness.iter().flat_map(super::robustness::plots));
     plots.extend(report.pareto.iter().flat_map(super::pareto::files));
     for (name, _) in &mut plots {
-        *name = name
-            .chars()
-            .map(|c| {
-                if c.is_alphanumeric() || "-_.".contains(c) {
-                    c
-                } else {
-                    '_'
-                }
-            })
-            .collect();
+        *name = file_name(name);
     }
     plots
+}
+
+/// A name that every system takes as that of a file. Of a long one the beginning is left, with a sum of all of it.
+fn file_name(name: &str) -> String {
+    const LONGEST: usize = 180;
+    let plain = |c: char| {
+        if c.is_alphanumeric() || "-_.".contains(c) {
+            c
+        } else {
+            '_'
+        }
+    };
+    let file: String = name.chars().map(plain).collect();
+    if file.len() <= LONGEST {
+        return file;
+    }
+    let end = (0..=LONGEST)
+        .rfind(|&end| file.is_char_boundary(end))
+        .unwrap_or(0);
+    format!("{}-{:08x}", &file[..end], crc32fast::hash(name.as_bytes()))
+}
+
+/// The table and its columns with the criteria that have pictures.
+fn pictured<'a>(
+    report: &Report,
+    table: &'a PointTable,
+) -> (Cow<'a, PointTable>, Vec<PlotColumn<'a>>) {
+    let mut columns = payload::columns(table, &report.judgement);
+    let Some(chosen) = &report.pictured else {
+        return (Cow::Borrowed(table), columns);
+    };
+    let mut place = 0_usize;
+    columns.retain(|_| {
+        let criterion = place.checked_sub(table.parameters.len());
+        place += 1;
+        criterion.is_none_or(|k| chosen.contains(&k))
+    });
+    let criteria = chosen.iter().map(|&k| table.criteria[k].clone());
+    let drawn = PointTable {
+        criteria: criteria.collect(),
+        ids: table.ids.clone(),
+        parameters: table.parameters.clone(),
+        verified: table.verified.clone(),
+        status: table.status.clone(),
+    };
+    (Cow::Owned(drawn), columns)
 }
 
 /// A message as HTML: what the terminal shows between backticks is code, and a warning is told by its first word.
@@ -496,6 +540,15 @@ mod tests {
             "<code>&lt;b&gt;</code> and one ` alone &amp; more"
         );
         assert_eq!(told("a Warning: inside"), "a Warning: inside");
+    }
+
+    /// A name in Modelica may have hundreds of characters; most systems take 255 bytes.
+    #[test]
+    fn files_have_names_that_a_system_takes() {
+        assert_eq!(file_name("plane-a b/c.d"), "plane-a_b_c.d");
+        let long = "plane-".to_owned() + &"\u{e9}".repeat(500);
+        let [one, other] = [file_name(&long), file_name(&(long + "x"))];
+        assert!(one.len() < 200 && one != other, "{one}");
     }
 
     #[test]

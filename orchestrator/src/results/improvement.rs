@@ -13,13 +13,19 @@ use crate::judge::Judge;
 use crate::study::plan::Plan;
 use conformity::decision::Decision;
 use conformity::interval::clopper_pearson;
-use conformity::measured::{Measured, Measurement, Uncertainty};
+use conformity::measured::Assessed;
 use conformity::risk::Guard;
 use sampling::design::Joint;
 use sampling::distribution::Distribution;
 
-/// So many points tell enough; of a larger study the first ones are taken.
-pub(super) const MOST: usize = 4096;
+/// So many points tell enough; of a larger study the first ones are taken. With many criteria they are fewer, as each of them
+/// is judged once for each criterion.
+pub(super) fn most_points(criteria: usize) -> usize {
+    const MOST: usize = 4096;
+    const MOST_VALUES: usize = 1 << 20;
+    const FEWEST: usize = 100;
+    (MOST_VALUES / criteria.max(1)).clamp(FEWEST, MOST)
+}
 
 /// The confidence of intervals where the study requires none.
 const USUAL: f64 = 0.95;
@@ -128,6 +134,16 @@ struct Seen {
     conforms: Option<f64>,
 }
 
+impl Seen {
+    fn new(assessed: Assessed) -> Self {
+        Self {
+            weight: 1.0,
+            margin: assessed.margin,
+            conforms: assessed.probability,
+        }
+    }
+}
+
 /// The improvements by points given as parameters and values; `None` where a point failed. Without a plan, or where
 /// the parameters are correlated, only the measured values' uncertainties are looked at.
 pub(super) fn improvements(
@@ -139,12 +155,34 @@ pub(super) fn improvements(
         return None;
     }
     // Means over so many points need no exact probability of each.
-    let base = seen(&judge.measurement.clone().roughly(), points);
+    let measurement = judge.measurement.clone().roughly();
+    let failed = Assessed {
+        margin: f64::NEG_INFINITY,
+        probability: measurement.complete().then_some(0.0),
+    };
+    let of = |values: &Option<Vec<f64>>| {
+        let all = values.as_ref().map(|values| measurement.assess(values).all);
+        Seen::new(all.unwrap_or(failed))
+    };
+    let base: Vec<Seen> = points.iter().map(|(_, values)| of(values)).collect();
     let now = prospect(judge, &base);
+    let mut halved: Vec<Vec<Seen>> = vec![Vec::new(); judge.criteria.len()];
+    for (_, values) in points {
+        let each = values
+            .as_ref()
+            .map(|values| measurement.with_other_uncertainty(values, 0.5));
+        for (k, seen) in halved.iter_mut().enumerate() {
+            seen.push(Seen::new(each.as_ref().map_or(failed, |each| each[k])));
+        }
+    }
     let mut found: Vec<(Halved, String, Vec<Seen>)> = Vec::new();
-    for (k, criterion) in judge.criteria.iter().enumerate() {
-        if let Some(measurement) = with_half(judge, k) {
-            let seen = seen(&measurement, points);
+    for ((criterion, measured), seen) in judge
+        .criteria
+        .iter()
+        .zip(measurement.criteria())
+        .zip(halved)
+    {
+        if measured.uncertainty.is_some() {
             found.push((Halved::Uncertainty, criterion.name.clone(), seen));
         }
     }
@@ -226,39 +264,6 @@ fn worths(judge: &Judge, points: &[Seen]) -> Vec<f64> {
         }
     };
     points.iter().map(worth).collect()
-}
-
-/// The measurement with half the uncertainty of one value; `None` where that has none.
-fn with_half(judge: &Judge, number: usize) -> Option<Measurement> {
-    let mut criteria: Vec<Measured> = judge.measurement.criteria().to_vec();
-    let Uncertainty { expanded, coverage } = criteria[number].uncertainty?;
-    criteria[number].uncertainty = Some(Uncertainty {
-        expanded: 0.5 * expanded,
-        coverage,
-    });
-    let changed = Measurement::new(criteria, judge.measurement.correlations()).ok()?;
-    Some(changed.roughly())
-}
-
-/// Verdict and risks over points that all count alike.
-fn seen(measurement: &Measurement, points: &[Row]) -> Vec<Seen> {
-    let failed = Seen {
-        weight: 1.0,
-        margin: f64::NEG_INFINITY,
-        conforms: measurement.complete().then_some(0.0),
-    };
-    let see = |values: &Vec<f64>| {
-        let all = measurement.assess(values).all;
-        Seen {
-            weight: 1.0,
-            margin: all.margin,
-            conforms: all.probability,
-        }
-    };
-    let points = points.iter();
-    points
-        .map(|(_, values)| values.as_ref().map_or(failed, see))
-        .collect()
 }
 
 /// Verdict and risks over weighted points.

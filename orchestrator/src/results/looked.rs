@@ -9,7 +9,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Header, ResultsError, write_atomically};
+use super::{Header, ResultsError, write_json};
 use conformity::looks::History;
 
 /// The verdicts of a study.
@@ -52,9 +52,6 @@ impl Looked {
     /// # Errors
     /// When the system says no.
     pub fn write(&self, folder: &Path) -> Result<(), ResultsError> {
-        write_atomically(&folder.join(FILE), |out| {
-            serde_json::to_writer_pretty(&mut *out, self)?;
-            writeln!(out)
-        })
+        write_json(&folder.join(FILE), self)
     }
 }

@@ -9,7 +9,6 @@ pub mod asides;
 pub mod choice;
 pub mod concerns;
 pub mod conclusion;
-mod edges;
 mod failed;
 pub mod finished;
 mod gain;
@@ -24,7 +23,7 @@ pub mod parquet;
 pub mod points;
 mod probable;
 mod resampled;
-pub mod rest;
+pub mod settled;
 pub mod summary;
 pub mod survey;
 pub mod tally;
@@ -35,16 +34,17 @@ pub mod words;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use serde::Serialize;
 use thiserror::Error;
 
 use crate::failure::Failure;
 use crate::files::reason;
 
-pub use edges::MOST_EXTRA_RUNS;
 pub use header::Header;
 pub use journal::Journal;
 pub use looked::Looked;
 pub use points::{Points, PointsError};
+pub use settled::MOST_EXTRA_RUNS;
 pub use summary::Summary;
 pub use tally::Tally;
 
@@ -155,6 +155,17 @@ pub fn write_atomically(
         Ok(file)
     };
     keep(attempt().map_err(ResultsError::io(path))?, path)
+}
+
+/// Writes a value as JSON, all at once.
+///
+/// # Errors
+/// When the system says no.
+pub fn write_json(path: &Path, value: &impl Serialize) -> Result<(), ResultsError> {
+    write_atomically(path, |out| {
+        serde_json::to_writer_pretty(&mut *out, value)?;
+        writeln!(out)
+    })
 }
 
 /// Gives a finished temporary file its name.

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::asides::Asides;
 use super::conclusion::Conclusion;
 use super::improvement::Improvements;
-use super::rest::Rest;
+use super::settled::Settled;
 use super::validation::Comparison;
 use crate::engine::Conduct;
 use crate::judge::Criterion;
@@ -75,9 +75,12 @@ pub struct Summary {
     /// Doubts about the verdict, a sentence each.
     #[serde(default)]
     pub concerns: Vec<String>,
-    /// Whether the values had come to rest when the runs ended.
+    /// Whether the results had settled when the runs ended.
+    #[serde(default, rename = "rest", skip_serializing_if = "Option::is_none")]
+    pub settled: Option<Settled>,
+    /// What was left out because it would have taken too long or been too large: a sentence.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub rest: Option<Rest>,
+    pub left_out: Option<String>,
     /// How the model compares with the measurement, by criterion (ASME V&V 20); of two points with a result or more.
     #[serde(default)]
     pub validation: IndexMap<String, Comparison>,
@@ -133,6 +136,22 @@ pub struct Correlated {
 }
 
 impl Summary {
+    /// The criteria that pictures show: all of them, or those that the fewest points meet.
+    pub fn pictured(&self) -> Vec<usize> {
+        const MOST: usize = 60;
+        let mut all: Vec<usize> = (0..self.criteria.len()).collect();
+        all.sort_by_key(|&k| self.criteria[k].count.passed);
+        all.truncate(MOST);
+        all.sort_unstable();
+        all
+    }
+
+    /// A sentence on what was left out.
+    pub fn left_out_remark(&self) -> Option<String> {
+        let left_out = self.left_out.as_ref()?;
+        Some(format!("left out: {left_out}"))
+    }
+
     /// Whether any parameter comes from a sample.
     pub fn has_samples(&self) -> bool {
         let name = |own: &ParameterSummary| own.distribution.get("distribution").cloned();

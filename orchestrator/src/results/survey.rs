@@ -4,11 +4,10 @@
 use indexmap::IndexMap;
 
 use super::concerns::{out_of_reach, unmoved};
-use super::edges::Edges;
 use super::failed;
-use super::improvement::{self, improvements};
+use super::improvement::{improvements, most_points};
 use super::probable::MostProbable;
-use super::rest::Rest;
+use super::settled::{Edges, Settled};
 use super::summary::{BestPoint, Summary};
 use super::validation::{Comparison, Numerical, Spread};
 use super::{Outcome, Row};
@@ -54,7 +53,7 @@ impl<'a> Survey<'a> {
             probable.add(label, parameters, outcome);
         }
         self.edges.add(label, outcome);
-        if self.first.len() < improvement::MOST {
+        if self.first.len() < most_points(self.judge.criteria.len()) {
             let values = outcome.as_ref().ok().cloned();
             self.first.push((parameters.to_vec(), values));
         }
@@ -86,16 +85,22 @@ impl<'a> Survey<'a> {
         summary.concerns.extend(unmoved);
         let failed = failed::concern(summary, self.plan, &self.first);
         summary.concerns.extend(failed);
-        let compare = |(k, criterion): (usize, &crate::judge::Criterion)| {
+        for (k, criterion) in criteria() {
             // The comparison is about a measured number.
-            if criterion.metric.is_some() {
-                return None;
+            let spread = self.spreads[k]
+                .result()
+                .filter(|_| criterion.metric.is_none());
+            let Some(spread) = spread else { continue };
+            match Comparison::new(criterion, spread, Numerical::default()) {
+                Some(comparison) => {
+                    summary.validation.insert(criterion.name.clone(), comparison);
+                }
+                None => summary.concerns.push(format!(
+                    "{}: its values are so large that their spread is beyond all numbers; model and measurement are not compared",
+                    criterion.name
+                )),
             }
-            let comparison =
-                Comparison::new(criterion, self.spreads[k].result()?, Numerical::default());
-            Some((criterion.name.clone(), comparison))
-        };
-        summary.validation = criteria().filter_map(compare).collect();
+        }
         summary.most_probable_point = self.most_probable(summary);
         let drawn = self.plan.filter(|_| self.drawn);
         if self.points > 0 {
@@ -109,12 +114,12 @@ impl<'a> Survey<'a> {
         }
     }
 
-    /// The points of which extra runs are to show whether their values had come to rest.
-    pub fn to_watch(&self, summary: &Summary) -> Rest {
+    /// The points that are to be run once more, to see whether their results had settled.
+    pub fn to_watch(&self, summary: &Summary) -> Settled {
         let best = summary.best_point.as_ref().map(|best| best.point);
-        Rest {
+        Settled {
             points: self.edges.chosen(best),
-            ..Rest::default()
+            ..Settled::default()
         }
     }
 

@@ -52,8 +52,13 @@ impl Default for Numerical {
 }
 
 impl Comparison {
-    /// The comparison of a criterion, given mean and standard deviation of the model's value over the points.
-    pub fn new(criterion: &Criterion, [mean, deviation]: [f64; 2], numerical: Numerical) -> Self {
+    /// The comparison of a criterion, given mean and standard deviation of the model's value over the points. None where
+    /// one of its numbers would be beyond all numbers.
+    pub fn new(
+        criterion: &Criterion,
+        [mean, deviation]: [f64; 2],
+        numerical: Numerical,
+    ) -> Option<Self> {
         const COVERAGE: f64 = 2.0;
         let u_d = criterion.uncertainty.map(|u| u.standard());
         let known = [
@@ -61,14 +66,18 @@ impl Comparison {
             ("input", Some(deviation)),
             ("measurement", u_d),
         ];
-        let squares = known.iter().filter_map(|(_, u)| *u).map(|u| u * u);
-        let u_val = squares.sum::<f64>().sqrt();
+        // Squares of large numbers would be beyond all numbers.
+        let u_val = known.iter().filter_map(|(_, u)| *u).fold(0.0, f64::hypot);
         let error = mean - criterion.nominal;
         let largest = known.iter().max_by(|a, b| {
             let [a, b] = [a.1, b.1].map(|u| u.unwrap_or(0.0));
             a.total_cmp(&b)
         });
-        Self {
+        let model_error = [-1.0, 1.0].map(|side| error + side * COVERAGE * u_val);
+        let numbers = [mean, error, deviation, u_val]
+            .into_iter()
+            .chain(model_error);
+        numbers.into_iter().all(f64::is_finite).then(|| Self {
             model: mean,
             error,
             u_num: numerical.standard,
@@ -78,9 +87,9 @@ impl Comparison {
             u_val,
             complete: known.iter().all(|(_, u)| u.is_some()),
             coverage: COVERAGE,
-            model_error: [-1.0, 1.0].map(|side| error + side * COVERAGE * u_val),
+            model_error,
             dominant: largest.map_or("", |(name, _)| name).to_owned(),
-        }
+        })
     }
 }
 
@@ -170,10 +179,23 @@ pub(super) struct Spread {
     count: f64,
     mean: f64,
     squares: f64,
+    /// Whether all are taken in [`UNIT`]s: their squares would be beyond all numbers otherwise.
+    large: bool,
 }
+
+/// Larger numbers are taken in [`UNIT`]s.
+const LARGE: f64 = 1e150;
+/// A power of two, so that no digit changes.
+const UNIT: f64 = f64::from_bits((1023 + 600) << 52);
 
 impl Spread {
     pub(super) fn add(&mut self, value: f64) {
+        if !self.large && value.abs() > LARGE {
+            self.large = true;
+            self.mean /= UNIT;
+            self.squares = self.squares / UNIT / UNIT;
+        }
+        let value = if self.large { value / UNIT } else { value };
         self.count += 1.0;
         let step = value - self.mean;
         self.mean += step / self.count;
@@ -183,7 +205,8 @@ impl Spread {
     /// Mean and standard deviation, of two numbers or more.
     pub(super) fn result(&self) -> Option<[f64; 2]> {
         let deviation = (self.squares / (self.count - 1.0)).sqrt();
-        (self.count > 1.0).then_some([self.mean, deviation])
+        let unit = if self.large { UNIT } else { 1.0 };
+        (self.count > 1.0).then_some([unit * self.mean, unit * deviation])
     }
 }
 
@@ -220,7 +243,7 @@ mod tests {
             standard: Some(0.4),
             note: String::new(),
         };
-        let found = Comparison::new(&criterion(Some(0.6)), [81.0, 1.2], numerical);
+        let found = Comparison::new(&criterion(Some(0.6)), [81.0, 1.2], numerical).unwrap();
         // 0.4, 1.2 and 0.3 make 1.3.
         assert!((found.u_val - 1.3).abs() < 1e-12 && found.complete);
         assert!(
@@ -233,6 +256,7 @@ mod tests {
     #[test]
     fn what_is_not_known_is_not_0() {
         let found = Comparison::new(&criterion(None), [81.0, 1.2], Numerical::default());
+        let found = found.unwrap();
         assert_eq!(
             (found.u_num, found.u_d, found.complete),
             (None, None, false)
@@ -293,5 +317,34 @@ mod tests {
         // A tolerance that changes the results by chance shows no order.
         let chance = refined([1.0, 1.1, 1.05], Refined::Tolerance);
         assert_eq!(chance.standard, None);
+    }
+
+    #[test]
+    fn large_numbers_have_a_mean_and_a_spread() {
+        let of = |values: &[f64]| {
+            let mut spread = Spread::default();
+            values.iter().for_each(|value| spread.add(*value));
+            spread.result().unwrap()
+        };
+        for unit in [1.0, 1e-300, 1e160, 1e300] {
+            let [mean, deviation] = of(&[unit, 2.0 * unit, 6.0 * unit]);
+            assert!((mean / unit - 3.0).abs() < 1e-12, "{unit}: {mean}");
+            let expected = 7.0_f64.sqrt();
+            assert!(
+                unit < 1.0 || (deviation / unit / expected - 1.0).abs() < 1e-12,
+                "{unit}: {deviation}"
+            );
+        }
+        let [mean, deviation] = of(&[0.86, 1e160]);
+        assert!(
+            (mean / 5e159 - 1.0).abs() < 1e-12
+                && (deviation / 5e159 - 2.0_f64.sqrt()).abs() < 1e148
+        );
+        // Beyond all numbers, there is no comparison.
+        let spread = of(&[f64::MAX, -f64::MAX]);
+        assert_eq!(
+            Comparison::new(&criterion(None), spread, Numerical::default()),
+            None
+        );
     }
 }

@@ -14,7 +14,7 @@ use crate::results::asides::Asides;
 use crate::results::finished::Finished;
 use crate::results::summary::{ParameterSummary, Provenance, Run, Summary};
 use crate::results::survey::Survey;
-use crate::results::{Looked, Outcome, ResultsError, Tally, keep, points, write_atomically};
+use crate::results::{Looked, Outcome, ResultsError, Tally, keep, points, write_json};
 use crate::study::Study;
 use crate::study::plan::Input;
 
@@ -96,7 +96,7 @@ impl Verification {
         let tally = tally.looked_at(looks, look);
         let mut summary = tally.summary(session.study.title.clone(), provenance, parameters);
         survey.complete(&mut summary);
-        summary.rest = Some(survey.to_watch(&summary));
+        summary.settled = Some(survey.to_watch(&summary));
         summary.concerns.extend(session.plan.concerns());
         if summary.provenance.method != "table" {
             let repeated = session.plan.concerns_of_samples(summary.points);
@@ -226,10 +226,7 @@ impl FileSet {
             }
         };
         keep(file, &path)?;
-        write_atomically(&self.folder.join("summary.json"), |out| {
-            serde_json::to_writer_pretty(&mut *out, summary)?;
-            writeln!(out)
-        })
+        write_json(&self.folder.join("summary.json"), summary)
     }
 }
 

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use crate::pipeline::Shard;
-use crate::results::{ResultsError, write_atomically};
+use crate::results::{ResultsError, write_atomically, write_json};
 use crate::study::Study;
 
 /// The request: all options of the command.
@@ -68,10 +68,7 @@ impl Request {
             points_from: self.points_from.as_deref().map(absolute),
             ..self.clone()
         };
-        write_atomically(&folder.join(FILE), |out| {
-            serde_json::to_writer_pretty(&mut *out, &kept)?;
-            writeln!(out)
-        })?;
+        write_json(&folder.join(FILE), &kept)?;
         write_atomically(&folder.join(STUDY), |out| {
             out.write_all(study.text().as_bytes())
         })

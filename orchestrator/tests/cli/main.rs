@@ -11,6 +11,7 @@ mod curves;
 mod durability;
 mod exchange;
 mod faults;
+mod finale;
 mod integrated;
 mod interrupted;
 mod isolation;

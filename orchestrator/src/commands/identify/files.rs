@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::super::CommandError;
 use crate::identify::outcome::IdentificationOutcome;
 use crate::identify::{cross, text};
-use crate::results::{ResultsError, write_atomically};
+use crate::results::{ResultsError, write_atomically, write_json};
 use crate::study::{Identification, Study};
 use crate::table::csv_file::{self, CsvFile, reason};
 
@@ -16,10 +16,7 @@ pub(super) fn write(
     settings: &Identification,
     outcome: &IdentificationOutcome,
 ) -> Result<(), CommandError> {
-    write_atomically(&folder.join("identification.json"), |out| {
-        serde_json::to_writer_pretty(&mut *out, outcome)?;
-        writeln!(out)
-    })?;
+    write_json(&folder.join("identification.json"), outcome)?;
     let name = study
         .path()
         .file_name()

@@ -1,0 +1,154 @@
+//! The best point's trajectory, for its picture on the page.
+
+use std::fs;
+use std::path::Path;
+
+use super::{Halt, Reruns};
+use crate::report::history;
+use crate::results::{ResultsError, Summary, write_atomically};
+use crate::table::csv_file;
+use crate::task::{Schedule, Task};
+
+/// So many numbers a file holds at the most, more or less: of more communication points some are left out.
+const MOST_NUMBERS: u64 = 1_000_000;
+
+/// Writes the trajectory, a file a case; says what is left out. A failure here takes nothing away from the verdict.
+pub(super) fn write(reruns: &Reruns<'_>, folder: &Path, summary: &Summary) -> Vec<String> {
+    let plan = reruns.plan();
+    // An earlier run may have left files, which are of another point or of another case.
+    let old = [history::file(None), history::file(Some(0))];
+    let old = old
+        .into_iter()
+        .chain((1..plan.cases.len()).map(|case| history::file(Some(case))));
+    old.for_each(|file| drop(fs::remove_file(folder.join(file))));
+    let Some(best) = &summary.best_point else {
+        return Vec::new();
+    };
+    let Some(values) = reruns.values(best.point) else {
+        return vec![format!("the study has no point {} any more", best.point)];
+    };
+    let shown = summary.pictured();
+    let mut left_out = Vec::new();
+    if shown.len() < summary.criteria.len() {
+        left_out.push(format!(
+            "the best point's trajectory shows the {} criteria that the fewest points meet, of {}",
+            shown.len(),
+            summary.criteria.len()
+        ));
+    }
+    // Half of the time is for the other points that run again.
+    let cases = plan.cases.len() as f64;
+    let budget = reruns.budget.part(0.5);
+    for (number, case) in plan.cases.iter().enumerate() {
+        let file = history::file(case.name.as_ref().map(|_| number));
+        let own = budget.part(1.0 / (cases - number as f64));
+        let mut tries = vec![fine(case.task.schedule), case.task.schedule];
+        tries.dedup();
+        let coarsest = tries.len();
+        for (place, schedule) in tries.into_iter().enumerate() {
+            let task = Task {
+                schedule,
+                ..case.task.clone()
+            };
+            let own = match place + 1 < coarsest {
+                true => own.part(0.5),
+                // Rather than no picture, nothing else is run again.
+                false if reruns.usual > own.left() => reruns.budget,
+                false => own,
+            };
+            match write_case(
+                reruns,
+                number,
+                &task,
+                &values,
+                &shown,
+                &own,
+                &folder.join(&file),
+            ) {
+                Ok(None) => break,
+                Ok(Some(every)) => {
+                    left_out.push(format!("{file} holds one of {every} communication points"));
+                    break;
+                }
+                Err(halt) if place + 1 == coarsest => {
+                    left_out.push(format!("no trajectory of the best point in {file}: {halt}"));
+                }
+                Err(_) => {}
+            }
+        }
+    }
+    left_out
+}
+
+/// Writes the trajectory of one case; where only some communication points are kept, one of how many.
+fn write_case(
+    reruns: &Reruns<'_>,
+    case: usize,
+    task: &Task,
+    values: &[f64],
+    shown: &[usize],
+    budget: &super::Budget,
+    path: &Path,
+) -> Result<Option<u64>, Halt> {
+    let plan = reruns.plan();
+    let signals = reruns.signals(case, |criterion| shown.binary_search(&criterion).is_ok());
+    let steps = task.schedule.steps();
+    let every = steps.div_ceil(MOST_NUMBERS / (1 + signals.criteria.len() as u64));
+    let names = &reruns.verification.session.judge.criteria;
+    let names = signals
+        .criteria
+        .iter()
+        .map(|&k| csv_file::cell(&names[k].name));
+    let head: Vec<_> = std::iter::once("time".into()).chain(names).collect();
+    let mut halt = None;
+    let written = write_atomically(path, |out| {
+        let mut table = csv::Writer::from_writer(out);
+        table.write_record(head.iter().map(|name| name.as_bytes()))?;
+        let mut number = zmij::Buffer::new();
+        let mut place = 0;
+        let ended = reruns.record(None, task, values, &signals, budget, &mut |time, row| {
+            let kept = place % every == 0 || place == steps;
+            place += 1;
+            if !kept {
+                return Ok(());
+            }
+            let csv = |error: csv::Error| Halt::from(std::io::Error::from(error));
+            table.write_field(number.format(time)).map_err(csv)?;
+            for (&value, &k) in row.iter().zip(&signals.criteria) {
+                let value = plan.outputs[k].value(value);
+                // Seven digits are plenty for a plot, but for a number that so short a one cannot hold.
+                let short = value as f32;
+                let text = match short.is_finite() {
+                    true => number.format(short),
+                    false => number.format(value),
+                };
+                table.write_field(text).map_err(csv)?;
+            }
+            table.write_record(None::<&[u8]>).map_err(csv)
+        });
+        if let Err(why) = ended {
+            halt = Some(why);
+            return Err(std::io::Error::other("the run has no end"));
+        }
+        table.flush()
+    });
+    match (written, halt) {
+        (Ok(()), _) => Ok((every > 1).then_some(every)),
+        (Err(_), Some(halt)) => Err(halt),
+        (Err(error), None) => Err(Halt::Failed(ResultsError::to_string(&error))),
+    }
+}
+
+/// The study's own communication points where they are enough for a plot, else closer ones: what happens
+/// between them is to be seen.
+fn fine(schedule: Schedule) -> Schedule {
+    const ENOUGH: u64 = 1000;
+    const PLENTY: f64 = 10_000.0;
+    if schedule.steps() >= ENOUGH {
+        return schedule;
+    }
+    Schedule {
+        step: schedule.step.min((schedule.stop - schedule.start) / PLENTY),
+        ..schedule
+    }
+}

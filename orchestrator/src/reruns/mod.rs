@@ -1,0 +1,270 @@
+//! Points of a finished study that are run once more, longer or finer: the best one for its picture, some to see whether their
+//! results had settled, some for the band beside a measured curve, and with `--validation` some for the numerical
+//! uncertainty. None of them changes the verdict, and what fails costs itself alone.
+
+mod band;
+mod best;
+mod budget;
+mod numerical;
+mod settled;
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
+use std::time::{Duration, Instant};
+
+use crate::engine::process::Limits;
+use crate::engine::single::{Recorder, Recording};
+use crate::engine::{Answer, EngineError, working_directory};
+use crate::failure::Failure;
+use crate::pipeline::scratch::Scratch;
+use crate::pipeline::stop;
+use crate::results::{Summary, write_json};
+use crate::session::{SessionError, Verification};
+use crate::study::plan::Plan;
+use crate::task::{Case, Task};
+use budget::Budget;
+use fmu_import::{Content, Handle, Package, Value};
+
+/// What is to be run once more.
+#[derive(Clone, Copy, Debug)]
+pub struct Wish {
+    /// So many points at the most, to see whether their results had settled.
+    pub most: usize,
+    /// Whether the numerical uncertainty is asked for.
+    pub validation: bool,
+    /// Limits of each run.
+    pub limits: Limits,
+    /// How many runs at a time.
+    pub jobs: usize,
+}
+
+/// Runs points of a finished study once more; the folder gets what they tell, and so does its summary.
+///
+/// # Errors
+/// When the FMU cannot be unpacked, and when the summary cannot be written.
+pub fn run(
+    verification: &mut Verification,
+    folder: &Path,
+    summary: &mut Summary,
+    wish: &Wish,
+) -> Result<(), SessionError> {
+    let reruns = Reruns::new(verification, summary, wish)?;
+    if wish.validation {
+        numerical::observe(&reruns, summary);
+    }
+    let mut left_out = best::write(&reruns, folder, summary);
+    left_out.extend(settled::observe(&reruns, folder, summary));
+    left_out.extend(band::write(&reruns, folder, summary));
+    summary.left_out = (!left_out.is_empty()).then(|| left_out.join("; "));
+    Ok(write_json(&folder.join("summary.json"), summary)?)
+}
+
+/// Takes the time, s, and the signals' values then.
+type Row<'a> = &'a mut dyn FnMut(f64, &[f64]) -> Result<(), Halt>;
+
+/// Why a run has no end.
+#[derive(Debug)]
+enum Halt {
+    /// The time is up.
+    Late,
+    Failed(String),
+}
+
+impl From<Failure> for Halt {
+    fn from(failure: Failure) -> Self {
+        Self::Failed(failure.to_string())
+    }
+}
+
+impl From<EngineError> for Halt {
+    fn from(error: EngineError) -> Self {
+        Self::Failed(error.to_string())
+    }
+}
+
+impl From<std::io::Error> for Halt {
+    fn from(error: std::io::Error) -> Self {
+        Self::Failed(error.to_string())
+    }
+}
+
+impl std::fmt::Display for Halt {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Late => f.write_str("it would take longer than the study's points did"),
+            Self::Failed(reason) => f.write_str(reason),
+        }
+    }
+}
+
+/// Where points are run once more.
+struct Reruns<'a> {
+    verification: &'a Verification,
+    fmu: PathBuf,
+    scratch: Scratch,
+    /// Whether each run needs an unpacked FMU of its own, since it changes that.
+    apart: bool,
+    wish: Wish,
+    /// How long a simulation of the study took.
+    usual: Duration,
+    budget: Budget,
+}
+
+/// Signals of a case that are read at every communication point.
+struct Signals {
+    /// The numbers of their criteria.
+    criteria: Vec<usize>,
+    handles: Vec<Handle>,
+}
+
+impl<'a> Reruns<'a> {
+    fn new(
+        verification: &'a mut Verification,
+        summary: &Summary,
+        wish: &Wish,
+    ) -> Result<Self, SessionError> {
+        let scratch = stop::scratch()?;
+        let fmu = verification.session.package.unpack(scratch.path())?;
+        let conduct = summary.conduct.as_ref();
+        let verification: &Verification = verification;
+        let mut reruns = Self {
+            verification,
+            fmu,
+            scratch,
+            apart: conduct.is_some_and(|conduct| conduct.changed_file.is_some()),
+            wish: *wish,
+            usual: Duration::ZERO,
+            budget: Budget::new(Duration::ZERO),
+        };
+        let all = summary.points as f64;
+        let run = summary.run.as_ref().filter(|run| run.computed > 0);
+        let [each, took] = match run {
+            // Of a study that was resumed, only some points were computed in this time; some were computed twice.
+            Some(run) => {
+                let twice = conduct.map_or(0, |conduct| conduct.audits) as f64;
+                let busy = run.wall_seconds * run.jobs as f64;
+                let computed = run.computed as f64;
+                [busy / (computed + twice), run.wall_seconds * all / computed]
+            }
+            None => {
+                let each = reruns.time_of_a_point(summary);
+                [each, each * all / wish.jobs.max(1) as f64]
+            }
+        };
+        let seconds = |time| Duration::try_from_secs_f64(time).unwrap_or_default();
+        let cases = verification.session.plan.cases.len().max(1);
+        reruns.usual = seconds(each / cases as f64);
+        reruns.budget = Budget::new(seconds(took));
+        Ok(reruns)
+    }
+
+    fn plan(&self) -> &'a Plan {
+        &self.verification.session.plan
+    }
+
+    /// How long a point takes, s, where all of them were computed by other runs.
+    fn time_of_a_point(&self, summary: &Summary) -> f64 {
+        let best = summary.best_point.as_ref();
+        let values = best.and_then(|best| self.values(best.point));
+        let begun = Instant::now();
+        values
+            .and_then(|values| self.answer(&self.plan().cases, values).ok())
+            .map_or(0.0, |_| begun.elapsed().as_secs_f64())
+    }
+
+    /// The values of a point in the FMU's units.
+    fn values(&self, point: u64) -> Option<Vec<f64>> {
+        let index = self.verification.source.index_of(point)?;
+        Some(self.verification.job(index).values)
+    }
+
+    fn recorder<'b>(&'b self, fmu: &'b Path) -> Recorder<'b> {
+        let package = &self.verification.session.package;
+        let tasks = self.plan().cases.iter().map(|case| &case.task);
+        Recorder {
+            fmu,
+            name: package.path(),
+            home: working_directory::home(self.scratch.path(), package.description(), tasks),
+            limits: self.wish.limits,
+            echo: false,
+        }
+    }
+
+    /// Hands over where an unpacked FMU is for a run.
+    fn with_fmu<T>(&self, run: impl FnOnce(&Path) -> Result<T, Halt>) -> Result<T, Halt> {
+        if !self.apart {
+            return run(&self.fmu);
+        }
+        let again = Package::open(self.verification.session.package.path());
+        let own = again.and_then(|mut again| again.unpack_anew(self.scratch.path()));
+        let own = own.map_err(|error| Failure::Unloadable(error.to_string()))?;
+        run(own.path())
+    }
+
+    /// Runs a point as the study does.
+    fn answer(&self, cases: &[Case], values: Vec<f64>) -> Result<Answer, Halt> {
+        let job = crate::engine::Job { index: 0, values };
+        self.with_fmu(|fmu| Ok(self.recorder(fmu).run(cases, &job)?))
+    }
+
+    /// The signals of a case that are real numbers, of criteria that are wanted.
+    fn signals(&self, case: usize, is_wanted: impl Fn(usize) -> bool) -> Signals {
+        let plan = self.plan();
+        let observed = &plan.cases[case].task.observed;
+        let real = plan.criteria_of(case).zip(observed);
+        let real = real.filter(|(criterion, probe)| {
+            probe.handle.content == Content::Real && is_wanted(*criterion)
+        });
+        let (criteria, handles) = real.map(|(k, probe)| (k, probe.handle)).unzip();
+        Signals { criteria, handles }
+    }
+
+    /// Records trajectories of a task. Where the FMU changes its folder, each needs another one.
+    fn recording(&self, task: &Task) -> Option<Recording> {
+        (!self.apart).then(|| self.recorder(&self.fmu).of(task))
+    }
+
+    /// Runs a point, and hands over time and signals, in the FMU's units, at every communication point.
+    fn record(
+        &self,
+        recording: Option<&mut Recording>,
+        task: &Task,
+        values: &[f64],
+        signals: &Signals,
+        budget: &Budget,
+        row: Row<'_>,
+    ) -> Result<(), Halt> {
+        let left = budget.left().min(self.wish.limits.time);
+        let until = Instant::now().checked_add(left);
+        let is_late = || {
+            let late = until.is_some_and(|until| Instant::now() >= until);
+            late || stop::flag().load(Ordering::Relaxed)
+        };
+        // A finer or longer run takes no less than one of the study.
+        if is_late() || self.usual > left {
+            return Err(Halt::Late);
+        }
+        let mut numbers = Vec::with_capacity(signals.handles.len());
+        let mut row = |time: f64, cells: &[Value]| {
+            if is_late() {
+                return Err(Halt::Late);
+            }
+            numbers.clear();
+            numbers.extend(cells.iter().map(|cell| match cell {
+                Value::Real(value) => *value,
+                _ => f64::NAN,
+            }));
+            row(time, &numbers)
+        };
+        let handles = &signals.handles;
+        let ended = match recording {
+            Some(recording) => recording.record(values, handles, until, &mut row),
+            None => self.with_fmu(|fmu| {
+                let mut recording = self.recorder(fmu).of(task);
+                recording.record(values, handles, until, &mut row)
+            }),
+        };
+        // A point that has failed because its time was up has not failed.
+        ended.map_err(|halt| if is_late() { Halt::Late } else { halt })
+    }
+}

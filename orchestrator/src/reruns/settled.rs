@@ -1,0 +1,467 @@
+//! Whether the results of a study had settled: some points are run once more, longer and with finer communication steps.
+
+use std::path::Path;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
+
+use super::{Halt, Reruns};
+use crate::analysis::motion::{Motion, motion};
+use crate::engine::single::Recording;
+use crate::judge::Criterion;
+use crate::report::format::number;
+use crate::report::history;
+use crate::results::Summary;
+use crate::results::settled::Moved;
+use crate::study::plan::Plan;
+use crate::task::{Probe, Schedule, Task};
+use sampling::statistics::{Accumulator, Statistic, Trend};
+
+/// The fewest communication steps of the study's part of a run.
+const FEWEST: u64 = 2500;
+/// So many numbers are held at a time; more would only take memory.
+const MOST_NUMBERS: u64 = 1 << 24;
+
+/// How far the signals of a run move at the end of the study, by their criteria.
+type Moves = Vec<(usize, Motion)>;
+
+/// Adds to the summary whether the results had settled; says what is left out.
+pub(super) fn observe(reruns: &Reruns<'_>, folder: &Path, summary: &mut Summary) -> Option<String> {
+    // Where every point failed, that is told already.
+    let mut settled = summary
+        .settled
+        .take()
+        .filter(|own| !own.points.is_empty())?;
+    let most = reruns.wish.most.min(settled.points.len());
+    let plan = reruns.plan();
+    let (mut step, mut until, mut late) = (0.0_f64, 0.0_f64, false);
+    let mut runs: Vec<(u64, Moves)> = Vec::new();
+    for (point, run) in again(reruns, &settled.points[..most]) {
+        match run {
+            Ok(run) => {
+                (step, until) = (step.max(run.step), until.max(run.until));
+                // Each case has a run of its own.
+                if settled.observed.last() != Some(&point) {
+                    settled.observed.push(point);
+                }
+                runs.push((point, run.moves));
+            }
+            Err(halt) => {
+                late |= matches!(halt, Halt::Late);
+                settled.reason.get_or_insert(halt.to_string());
+            }
+        }
+    }
+    (settled.step, settled.until) = (step, until);
+    if most == 0 {
+        settled.reason = Some("--extra-runs 0 asked for none".to_owned());
+    }
+    if runs.is_empty() {
+        let reason = settled.reason.as_deref().unwrap_or("no run was made");
+        summary.concerns.push(format!(
+            "no point was re-run longer and finer, so whether results swing or had settled is not known: {reason}"
+        ));
+        let best = summary.best_point.as_ref().map(|best| best.point);
+        runs.extend(best.map(|best| (best, recorded(plan, folder, summary))));
+    }
+    for (k, count) in summary.criteria.values().enumerate() {
+        let mut moved = Moved::default();
+        for (point, moves) in &runs {
+            let own = moves.iter().filter(|(criterion, _)| *criterion == k);
+            own.for_each(|(_, Motion { swing, drift })| moved.add(*point, *swing, *drift));
+        }
+        let without_runs = settled.observed.is_empty();
+        summary
+            .concerns
+            .extend(concerns(&count.criterion, &moved, without_runs));
+        settled.criteria.insert(count.criterion.name.clone(), moved);
+    }
+    let left_out = late.then(|| {
+        let (some, all) = (settled.observed.len(), most);
+        format!("{some} of {all} points were re-run to see whether their results had settled")
+    });
+    summary.settled = Some(settled);
+    left_out
+}
+
+/// A run that came at least as far as the study's end.
+struct Again {
+    step: f64,
+    until: f64,
+    moves: Moves,
+}
+
+/// Runs points once more in every case, in processes of their own, in the order in which they were chosen.
+fn again(reruns: &Reruns<'_>, points: &[u64]) -> Vec<(u64, Result<Again, Halt>)> {
+    let count = reruns.plan().cases.len().max(1);
+    let numbers = (0..count).map(|case| {
+        let schedule = reruns.plan().cases[case].task.schedule;
+        let signals = reruns.plan().criteria_of(case).len() as u64;
+        finer(&schedule).map_or(0, |finer| longer(&finer).steps() * (1 + signals))
+    });
+    let at_once = (MOST_NUMBERS / numbers.max().unwrap_or(0).max(1)).max(1);
+    let workers = (at_once as usize)
+        .min(reruns.wish.jobs)
+        .min(points.len() * count);
+    let (next, found) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
+    let work = || {
+        // Points of one case have the same guard.
+        let mut recordings: Vec<Option<Recording>> = Vec::new();
+        recordings.resize_with(count, || None);
+        loop {
+            let number = next.fetch_add(1, Ordering::Relaxed);
+            let Some(&point) = points.get(number / count) else {
+                return;
+            };
+            let case = number % count;
+            let run = one(reruns, point, case, &mut recordings[case]);
+            let mut found = found
+                .lock()
+                .expect("no thread fails while it holds the list");
+            found.push((number, (point, run)));
+        }
+    };
+    thread::scope(|scope| {
+        for _ in 0..workers {
+            scope.spawn(work);
+        }
+    });
+    let mut found = found
+        .into_inner()
+        .expect("no thread fails while it holds the list");
+    found.sort_by_key(|(number, _)| *number);
+    found.into_iter().map(|(_, run)| run).collect()
+}
+
+/// Runs a point in one case with finer steps: on to a later end where the FMU allows it, else to its own.
+fn one(
+    reruns: &Reruns<'_>,
+    point: u64,
+    case: usize,
+    recording: &mut Option<Recording>,
+) -> Result<Again, Halt> {
+    let failed = |reason: &str| Halt::Failed(reason.to_owned());
+    let plan = reruns.plan();
+    let values = reruns
+        .values(point)
+        .ok_or_else(|| failed("the study has no such point any more"))?;
+    let own = &plan.cases[case].task;
+    let signals = reruns.signals(case, |_| true);
+    let finer = finer(&own.schedule)
+        .filter(|finer| (finer.steps() * (1 + signals.criteria.len() as u64)) < MOST_NUMBERS)
+        .ok_or_else(|| failed("the study's communication steps are too many to be made finer"))?;
+    // After the end of a recording its last value would hold for ever.
+    let ends = match own.inputs.is_empty() {
+        true => vec![longer(&finer), finer],
+        false => vec![finer],
+    };
+    let mut failure = Halt::Late;
+    for (place, schedule) in ends.into_iter().enumerate() {
+        let task = Task {
+            schedule,
+            ..own.clone()
+        };
+        let mut later = None;
+        let recording = match place {
+            0 => &mut *recording,
+            _ => &mut later,
+        };
+        if recording.is_none() {
+            *recording = reruns.recording(&task);
+        }
+        let mut time = Vec::new();
+        let mut columns = vec![Vec::new(); signals.criteria.len()];
+        let budget = &reruns.budget;
+        let ended = reruns.record(
+            recording.as_mut(),
+            &task,
+            &values,
+            &signals,
+            budget,
+            &mut |at, row| {
+                time.push(at);
+                for ((column, &value), &k) in columns.iter_mut().zip(row).zip(&signals.criteria) {
+                    column.push(plan.outputs[k].value(value));
+                }
+                Ok(())
+            },
+        );
+        let until = time.last().copied().unwrap_or(f64::NEG_INFINITY);
+        // Further than the study is enough, whatever becomes of the run then.
+        if ended.is_ok() || until >= finer.stop * (1.0 - 1e-9) {
+            let columns = signals.criteria.iter().zip(&columns);
+            let moves =
+                columns.filter_map(|(&k, values)| Some((k, moves_of(plan, k, &time, values)?)));
+            return Ok(Again {
+                step: finer.step,
+                until,
+                moves: moves.collect(),
+            });
+        }
+        failure = match ended {
+            Err(Halt::Failed(reason)) => Halt::Failed(format!(
+                "with steps of {:.4} s the FMU fails: {reason}",
+                finer.step
+            )),
+            _ => Halt::Late,
+        };
+        if let Halt::Late = failure {
+            break;
+        }
+    }
+    Err(failure)
+}
+
+/// How far the best point's signals move as its trajectories show it, where these were recorded.
+fn recorded(plan: &Plan, folder: &Path, summary: &Summary) -> Moves {
+    let mut moves = Vec::new();
+    for (time, signals) in history::trajectories(folder) {
+        for (name, values) in signals {
+            let criterion = summary.criteria.get_index_of(&name);
+            moves.extend(criterion.and_then(|k| Some((k, moves_of(plan, k, &time, &values)?))));
+        }
+    }
+    moves
+}
+
+fn moves_of(plan: &Plan, criterion: usize, time: &[f64], signal: &[f64]) -> Option<Motion> {
+    let (case, probe) = plan.placed_probes().nth(criterion)?;
+    moves(time, signal, plan.cases[case].task.schedule, probe)
+}
+
+/// Finer steps than those of a study: shorter by the golden ratio at least. A period of which the study's step is a
+/// multiple is then met at all its phases, as no ratio is worse approximated by a fraction (Hurwitz 1891).
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    clippy::cast_precision_loss
+)]
+fn finer(schedule: &Schedule) -> Option<Schedule> {
+    let mut schedule = *schedule;
+    // Where only the final value counts, a leap may leave nothing to look at.
+    schedule.leap &= schedule.window_start < schedule.stop;
+    let begin = schedule.points().at(schedule.first_even());
+    let even = schedule.stop - begin;
+    let steps = (schedule.steps() - schedule.first_even()) as f64;
+    let golden = 0.5 * (1.0 + 5.0_f64.sqrt());
+    // The least power of the golden ratio that makes the steps many enough.
+    let mut ratio = golden;
+    while steps * ratio < FEWEST as f64 {
+        ratio *= golden;
+    }
+    let count = (steps * ratio).round() as u64;
+    let valid = even > 0.0;
+    // All steps are equal up to the study's end, as some FMUs want it.
+    valid.then(|| Schedule {
+        step: even / count as f64,
+        ..schedule
+    })
+}
+
+/// The same steps up to a later end: twice as late, or so that the steps are three times as many.
+fn longer(schedule: &Schedule) -> Schedule {
+    const LONGER: f64 = 3.0;
+    let begin = schedule.points().at(schedule.first_even());
+    let further = (schedule.stop - schedule.start).min(LONGER * (schedule.stop - begin));
+    let further = (further / schedule.step).round() * schedule.step;
+    Schedule {
+        stop: schedule.stop + further,
+        ..*schedule
+    }
+}
+
+/// The motion of a criterion's value at the end of its window.
+fn moves(time: &[f64], signal: &[f64], schedule: Schedule, probe: &Probe) -> Option<Motion> {
+    let [from, to] = probe
+        .window
+        .unwrap_or([schedule.window_start, schedule.stop]);
+    let run = [schedule.start, to];
+    if signal.len() != time.len() || probe.has_own_times() {
+        return None;
+    }
+    match probe.statistic.trend() {
+        Trend::Unknown => None,
+        Trend::OfSignal => {
+            let mut found = motion(time, signal, run)?;
+            // At a moment of its own, a value may be on its way.
+            if to < schedule.stop {
+                found.drift = 0.0;
+            }
+            Some(found)
+        }
+        Trend::OfExtremes => {
+            let later =
+                (to >= schedule.stop).then(|| growth(time, signal, probe.statistic, [from, to]));
+            Some(Motion {
+                swing: 0.0,
+                drift: later.flatten().unwrap_or(0.0) * (to - schedule.start),
+            })
+        }
+    }
+}
+
+/// The rate at which an extreme value still grows after a window, or, where nothing is known of that, in its last fifth.
+fn growth(time: &[f64], signal: &[f64], statistic: Statistic, [from, to]: [f64; 2]) -> Option<f64> {
+    const PART: f64 = 0.2;
+    let rounding = 1e-9 * (from.abs() + to.abs());
+    let last = *time.last()?;
+    let [first, end] = if last > to + rounding {
+        [to, last]
+    } else {
+        [to - PART * (to - from), to]
+    };
+    let mut accumulator = Accumulator::new(statistic);
+    let mut before = None;
+    for (&t, &value) in time
+        .iter()
+        .zip(signal)
+        .filter(|(t, _)| **t >= from - rounding)
+    {
+        if t > first + rounding && before.is_none() {
+            before = Some(accumulator.result(first - from));
+        }
+        accumulator.add(0.0, value);
+    }
+    let grown = accumulator.result(end - from) - before?;
+    (end > first && grown.is_finite()).then(|| grown / (end - first))
+}
+
+/// What a motion means for the number that is compared with the measured value. Without extra runs the drift is that at
+/// the rate of the end.
+fn concerns(criterion: &Criterion, moved: &Moved, without_runs: bool) -> Vec<String> {
+    let Criterion {
+        name,
+        statistic,
+        tolerance,
+        stated_tolerance,
+        ..
+    } = criterion;
+    let unit = criterion
+        .unit
+        .as_deref()
+        .map_or_else(String::new, |unit| format!(" {unit}"));
+    let at = |point: Option<u64>| point.map_or_else(String::new, |p| format!(" at point {p}"));
+    let mut found = Vec::new();
+    if *statistic == Statistic::Final && moved.swing > 0.1 * tolerance {
+        found.push(format!(
+            "{name}: its signal swings by {}{unit} in its last period{}, and the final value is only one instant of it \
+             (tolerance {stated_tolerance}): use `statistic = \"mean\"` with a `window`, or make sure that the \
+             measured value was taken at the same phase",
+            number(moved.swing, 3),
+            at(moved.swing_at)
+        ));
+    }
+    if moved.drift.abs() > 0.5 * tolerance {
+        found.push(format!(
+            "{name}: its value still moves when the run ends, by {}{unit} in a time as long as the run{}{} (tolerance \
+             {stated_tolerance}), so the verdict depends on `stop`: simulate longer, or up to the moment of the \
+             measurement",
+            number(moved.drift, 3),
+            if without_runs { ", at the rate of its end" } else { "" },
+            at(moved.drift_at)
+        ));
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn finer_steps_are_no_fraction_of_the_study_s() {
+        for (stop, step) in [(1000.0, 1.0), (150.0, 150.0), (15_000.0, 1.0), (2.0, 0.01)] {
+            let study = Schedule {
+                start: 0.0,
+                stop,
+                step,
+                window_start: 0.0,
+                leap: false,
+                tolerance: None,
+            };
+            let fine = finer(&study).unwrap();
+            assert!(fine.steps() >= FEWEST && fine.step < step / 1.6, "{fine:?}");
+            // Of the phases that a period has which is a fraction of the study's step, none is far from those seen.
+            for part in [1.0, 2.0, 7.0] {
+                let phases = (0..200).map(|k| (f64::from(k) * fine.step * part / step).fract());
+                let mut phases: Vec<f64> = phases.collect();
+                if fine.step * part * 200.0 < step {
+                    continue;
+                }
+                phases.sort_by(f64::total_cmp);
+                let gap = phases.windows(2).map(|pair| pair[1] - pair[0]);
+                assert!(gap.fold(0.0, f64::max) < 0.1, "{stop} {step} {part}");
+            }
+            let on = longer(&fine);
+            assert!((on.stop / stop - 2.0).abs() < 1e-9);
+            assert_eq!(on.steps(), 2 * fine.steps());
+        }
+        let leap = Schedule {
+            start: 0.0,
+            stop: 1000.0,
+            step: 0.1,
+            window_start: 999.0,
+            leap: true,
+            tolerance: None,
+        };
+        let fine = finer(&leap).unwrap();
+        assert_eq!(longer(&fine).stop, 1003.0);
+    }
+
+    fn criterion(statistic: Statistic) -> Criterion {
+        Criterion {
+            name: "T".into(),
+            variable: "t".into(),
+            statistic,
+            detail: None,
+            level: None,
+            metric: None,
+            row_correlation: None,
+            unit: Some("degC".into()),
+            nominal: 82.0,
+            tolerance: 0.6,
+            stated_tolerance: "0.6 degC".into(),
+            uncertainty: None,
+            group: None,
+        }
+    }
+
+    #[test]
+    fn swing_and_drift_count_against_the_tolerance() {
+        let of = |statistic, swing, drift| {
+            let mut moved = Moved::default();
+            moved.add(7, swing, drift);
+            concerns(&criterion(statistic), &moved, false)
+        };
+        assert!(of(Statistic::Final, 0.05, 0.2).is_empty());
+        let found = of(Statistic::Final, 0.07, -0.4);
+        assert!(
+            found[0].starts_with("T: its signal swings by 0.07"),
+            "{found:?}"
+        );
+        assert!(
+            found[1].contains("0.4 degC in a time as long as the run at point 7"),
+            "{found:?}"
+        );
+        assert_eq!(of(Statistic::Mean, 0.07, -0.4).len(), 1);
+        assert!(of(Statistic::Amplitude, 0.07, 0.2).is_empty());
+    }
+
+    /// The greatest value of 2 t after a second grows by 2 a second; that of a swing does not grow.
+    #[test]
+    fn an_extreme_value_that_grows_is_found() {
+        let time: Vec<f64> = (0..=2000).map(|k| f64::from(k) * 1e-3).collect();
+        let of = |signal: &dyn Fn(f64) -> f64, statistic, until: usize| {
+            let values: Vec<f64> = time.iter().map(|&t| signal(t)).collect();
+            growth(&time[..=until], &values[..=until], statistic, [0.2, 1.0]).unwrap()
+        };
+        let rise = |t: f64| 2.0 * t;
+        for until in [1000, 2000] {
+            assert!((of(&rise, Statistic::Max, until) - 2.0).abs() < 0.02);
+            assert!((of(&rise, Statistic::Amplitude, until) - 1.0).abs() < 0.02);
+            assert_eq!(of(&rise, Statistic::Min, until), 0.0);
+            let swing = |t: f64| (20.0 * t).sin();
+            assert!(of(&swing, Statistic::Max, until).abs() < 1e-3);
+        }
+    }
+}
