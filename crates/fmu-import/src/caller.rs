@@ -4,7 +4,7 @@ use std::ffi::c_int;
 
 use crate::call::{Call, Status, Warnings};
 use crate::floating_point::{Mode, within};
-use crate::logger::Log;
+use crate::logger::{Log, complain};
 
 /// Makes the calls of one instance and judges what they return.
 #[derive(Debug)]
@@ -60,6 +60,7 @@ impl Caller {
 
     #[cold]
     fn warned(&mut self, function: &str) {
+        complain();
         let logged = self.log.warnings().count;
         self.warned.silent += u64::from(logged == self.warned.logged);
         self.warned.logged = logged;
@@ -92,6 +93,7 @@ impl Caller {
 
     #[cold]
     pub(crate) fn failed(&mut self, function: &'static str, status: Status) -> Call {
+        complain();
         self.dead |= status == Status::Fatal;
         Call {
             function,

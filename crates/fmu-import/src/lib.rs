@@ -33,6 +33,7 @@ pub use description::{
 };
 pub use instance::Instance;
 pub use library::{Library, LibraryError};
+pub use logger::complaints;
 pub use package::{FmuError, Package, digest};
 pub use parse::DescriptionError;
 pub use state::{State, StateError};

@@ -8,7 +8,7 @@ use std::collections::VecDeque;
 use std::ffi::{CStr, c_char, c_int, c_void};
 use std::panic::catch_unwind;
 use std::ptr;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::call::Warnings;
@@ -23,6 +23,19 @@ const WARNING: i32 = 1;
 
 /// How many seats stay empty before one is taken again, so that a late message finds nobody rather than the next.
 const RESTING: usize = 32;
+
+/// How often the FMUs of this process have said or returned anything but OK.
+static COMPLAINTS: AtomicU64 = AtomicU64::new(0);
+
+/// How often the FMUs of this process have said or returned anything but OK, in whatever call, thread or instance.
+pub fn complaints() -> u64 {
+    COMPLAINTS.load(Ordering::Relaxed)
+}
+
+/// Counts a complaint.
+pub(crate) fn complain() {
+    COMPLAINTS.fetch_add(1, Ordering::Relaxed);
+}
 
 /// The struct `fmi2CallbackFunctions`.
 #[repr(C)]
@@ -232,12 +245,6 @@ fn take(
     }
     // A panic must not cross the C frames of the FMU.
     let _ = catch_unwind(|| {
-        // The address is a number to look up; it is never followed.
-        let Some((seat, stray)) = seat_of(environment.addr()) else {
-            return;
-        };
-        // SAFETY: `logger.c` passes its own zero-terminated buffer, and FMI 3.0 a zero-terminated string.
-        let message = unsafe { CStr::from_ptr(message) }.to_string_lossy();
         // Some FMUs pass every message as "OK"; then the category tells errors and warnings apart.
         let status = if category.is_null() {
             status
@@ -248,10 +255,21 @@ fn take(
                 status.max(3)
             } else if category.contains("Warning") {
                 status.max(WARNING)
+            } else if category.contains("Discard") {
+                status.max(WARNING + 1)
             } else {
                 status
             }
         };
+        if status != 0 {
+            complain();
+        }
+        // The address is a number to look up; it is never followed.
+        let Some((seat, stray)) = seat_of(environment.addr()) else {
+            return;
+        };
+        // SAFETY: `logger.c` passes its own zero-terminated buffer, and FMI 3.0 a zero-terminated string.
+        let message = unsafe { CStr::from_ptr(message) }.to_string_lossy();
         let words: Vec<&str> = message.split_whitespace().collect();
         seat.hear(status, words.join(" "), stray);
     });

@@ -37,11 +37,52 @@ impl Separation {
     pub const COUNT: usize = 4;
 }
 
+/// Why points that could have shared processes did not.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Reason {
+    /// The user wanted it so.
+    Asked,
+    /// Too few points to find out.
+    FewPoints,
+    /// Next to points that take so long, a process each costs nothing.
+    LongPoints,
+    /// Many points ended with a warning, or failed.
+    Complaints,
+    /// Many points left a thread running.
+    Threads,
+    /// Many points changed how signals are handled.
+    Signals,
+    /// The licences are fewer than the workers: none may be kept between points.
+    ScarceLicences,
+    /// Used processes gave other results.
+    OtherResults,
+    /// New processes differ among themselves.
+    NotReproducible,
+    /// The FMU changes its own folder.
+    ChangedFolder,
+}
+
+impl Reason {
+    /// What many points left behind, so that no other point could use their process.
+    fn odd(self) -> Option<&'static str> {
+        match self {
+            Self::Complaints => Some("ended with a warning or failed"),
+            Self::Threads => Some("left a thread running"),
+            Self::Signals => Some("changed how signals are handled"),
+            _ => None,
+        }
+    }
+}
+
 /// How the points of a run were computed, and what their audits found.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Conduct {
     /// How points shared processes.
     pub isolation: Isolation,
+    /// Why they did not, or not all of them.
+    #[serde(default)]
+    pub isolation_reason: Option<Reason>,
     /// How many points were computed twice, the second time in a new process with other bytes in unwritten memory.
     pub audits: u64,
     /// How many of these had shared a process the first time.
@@ -52,26 +93,28 @@ pub struct Conduct {
     /// Whether points that are computed twice, alone, give the same; `None` where that is not known.
     #[serde(default)]
     pub reproducible: Option<bool>,
+    /// How many points that failed while others ran were run again alone at the end.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub repeated_alone: u64,
+    /// How many of these passed.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub passed_alone: u64,
     /// The first file that the FMU changed in its own folder: then each point had a folder of its own.
     #[serde(default)]
     pub changed_file: Option<String>,
 }
 
 impl Conduct {
-    /// Where an audit puts other bytes: only the C library of Linux (glibc) can fill what it hands out.
-    const REFILLED: &str = if cfg!(all(target_os = "linux", target_env = "gnu")) {
-        "unwritten memory"
-    } else {
-        "the unwritten stack"
-    };
-
     /// Nothing was computed yet.
     pub const NONE: Self = Self {
         isolation: Isolation::Fresh,
+        isolation_reason: None,
         audits: 0,
         audits_of_shared: 0,
         audit_mismatches: 0,
         reproducible: None,
+        repeated_alone: 0,
+        passed_alone: 0,
         changed_file: None,
     };
 
@@ -79,6 +122,8 @@ impl Conduct {
     pub fn and(self, other: Self) -> Self {
         Self {
             isolation: self.isolation.max(other.isolation),
+            // The later one knows more.
+            isolation_reason: other.isolation_reason,
             audits: self.audits + other.audits,
             audits_of_shared: self.audits_of_shared + other.audits_of_shared,
             audit_mismatches: self.audit_mismatches + other.audit_mismatches,
@@ -86,6 +131,8 @@ impl Conduct {
                 (Some(false), _) | (_, Some(false)) => Some(false),
                 (one, other) => one.or(other),
             },
+            repeated_alone: self.repeated_alone + other.repeated_alone,
+            passed_alone: self.passed_alone + other.passed_alone,
             changed_file: self.changed_file.or(other.changed_file),
         }
     }
@@ -122,13 +169,40 @@ impl Conduct {
                 self.audit_mismatches, self.audits
             ));
         }
+        if self.passed_alone > 0 {
+            remarks.push(format!(
+                "of {} run again at the end, since they had failed while others ran, {} passed alone and count as passed: \
+                 the FMU needs something that one process can have at a time, such as a port or a file (--jobs 1)",
+                points(self.repeated_alone),
+                self.passed_alone
+            ));
+        }
         if self.isolation == Isolation::Audited {
             remarks.push(self.proof());
+        }
+        if let Some(odd) = self.isolation_reason.and_then(Reason::odd) {
+            remarks.push(format!(
+                "many points {odd}, so they ran in fresh processes: whatever is odd is followed by one"
+            ));
         }
         // What casts doubt on all results comes first, what confirms them last.
         let place = if differs { 0 } else { remarks.len() };
         remarks.insert(place, self.reproducibility());
         remarks
+    }
+
+    /// Why all points ran in fresh processes, where that is no matter of the FMU.
+    pub fn usual_reason(&self) -> Option<String> {
+        let reason = match self.isolation_reason? {
+            _ if self.isolation != Isolation::Fresh => return None,
+            Reason::Asked => "--isolation fresh",
+            Reason::FewPoints => "too few points for anything else to pay",
+            Reason::LongPoints => "that costs next to nothing where points take so long",
+            Reason::ScarceLicences => "there are fewer licences than workers",
+            Reason::OtherResults => "in used processes results differ",
+            _ => return None,
+        };
+        Some(format!("each point ran in a process of its own: {reason}"))
     }
 
     /// Whether the FMU gives the same for the same point, and how many points say so.
@@ -157,42 +231,34 @@ impl Conduct {
                 format!("whether the FMU is reproducible is not known: {reason}")
             }
             (_, count) => format!(
-                "reproducible: {count} {} computed twice, the second time alone in a new process with other bytes in \
-                 {}, and came out the same to the last bit ({})",
-                if count == 1 {
-                    "point was"
-                } else {
-                    "points were"
-                },
-                Self::REFILLED,
-                power(count)
+                "reproducible: {} run twice gave identical results",
+                points(count)
             ),
         }
     }
 
-    /// How far the audits prove that sharing processes changes nothing.
+    /// What the audits say of shared processes, and what they cannot see.
+    #[allow(clippy::cast_precision_loss)]
     fn proof(&self) -> String {
-        match self.audits_of_shared {
-            0 => "points shared processes; there was no time for an audit".to_owned(),
-            count => format!(
-                "points shared processes; {count} of them {} computed again alone, and agreed to the last bit ({})",
-                was(count),
-                power(count)
-            ),
+        let count = self.audits_of_shared;
+        if count == 0 {
+            return "points shared processes; there was no time for an audit".to_owned();
         }
+        let chance = 100.0 * (1.0 - 0.99_f64.powf(count as f64));
+        format!(
+            "points shared processes; {} run again alone gave identical results; only so it shows what a point that ends \
+             plainly spoils for the next ones: were 1 % of the points wrong, with a probability of {chance:.0} % \
+             (1-(1-f)^{count}); --isolation fresh excludes it",
+            points(count)
+        )
     }
 }
 
-fn was(count: u64) -> &'static str {
-    if count == 1 { "was" } else { "were" }
+#[allow(clippy::trivially_copy_pass_by_ref)] // as serde calls it
+fn is_zero(count: &u64) -> bool {
+    *count == 0
 }
 
-/// What the comparison of so many points finds.
-#[allow(clippy::cast_precision_loss)]
-fn power(audits: u64) -> String {
-    let share = 100.0 * (1.0 - 0.05_f64.powf(1.0 / audits as f64));
-    format!(
-        "had {share:.2} % of all points differed, this would have been found with a probability of 95 %; a share f is \
-         found with 1-(1-f)^{audits}"
-    )
+fn points(count: u64) -> String {
+    format!("{count} point{}", if count == 1 { "" } else { "s" })
 }

@@ -75,12 +75,12 @@ impl Crew {
                         package.path(),
                         scratch,
                     )),
-                    apart: Arc::new(Policy::apart(tool)),
+                    apart: Arc::new(Policy::apart(tool).in_company(jobs > 1)),
                     here: working_directory::named_by(package.description()),
                     limits,
                 },
                 size: jobs,
-                policy: Arc::new(Policy::new(isolation, tool)),
+                policy: Arc::new(Policy::new(isolation, tool).in_company(jobs > 1)),
             },
         })
     }

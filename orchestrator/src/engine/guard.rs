@@ -16,7 +16,7 @@ use super::birth::{self, Estate};
 use super::servant::{self, Work};
 use super::system::{self, Shared, Streams};
 use super::wire::{
-    End, Reader, Reply, Setup, Trouble, Way, put_end, put_job, put_reply, put_trouble, speech,
+    End, Odd, Reader, Reply, Setup, Trouble, Way, put_end, put_job, put_reply, put_trouble, speech,
 };
 use crate::failure::Failure;
 use crate::run::Habit;
@@ -119,6 +119,8 @@ impl Guard {
             index: job.index,
             answer: Err(Trouble::Lost(Failure::Timeout)),
             start: 0.0,
+            simulated: 0.0,
+            odd: None,
             forkable: None,
         };
         if let Err(reason) = self.prepare(way) {
@@ -160,12 +162,15 @@ impl Guard {
                     break;
                 }
                 Some((&speech::REPLIES, replies)) => {
-                    let Some(own) = Reader(replies).reply() else {
-                        let failure = self.failure(&Loss::Mute)?;
-                        reply.answer = Err(Trouble::Lost(failure));
-                        break;
+                    let forkable = reply.forkable;
+                    reply = match Reader(replies).reply() {
+                        Some(own) => Reply { forkable, ..own },
+                        None => {
+                            let failure = self.failure(&Loss::Mute)?;
+                            let answer = Err(Trouble::Lost(failure));
+                            Reply { answer, ..reply }
+                        }
                     };
-                    (reply.answer, reply.start) = (own.answer, own.start);
                     break;
                 }
                 _ => break,
@@ -220,7 +225,10 @@ impl Guard {
             self.package = Some(Package::open(&self.setup.fmu).map_err(named)?);
         }
         if let (Way::Forked, None, Some(package)) = (way, &self.library, &mut self.package) {
-            self.library = Some(package.load().map_err(named)?);
+            let library = self.keeper.blindly(|| package.load());
+            // Its initialisers may have changed what this process does about its children.
+            system::adopt_orphans();
+            self.library = Some(library.map_err(named)?);
         }
         Ok(())
     }
@@ -228,13 +236,13 @@ impl Guard {
     /// A refusal may speak of a licence in what the FMU printed.
     fn hear_of_licences(&mut self, reply: &mut Reply) {
         if let Err(Trouble::Refused { licence, failure }) = &mut reply.answer {
-            let text = format!("{failure} {}", self.keeper.text()).to_lowercase();
-            *licence |= text.contains("licen");
+            let text = format!("{failure}\n{}", self.keeper.text());
+            *licence |= lacks_licence(&text);
         }
     }
 
     /// Runs points in one child. When the child is lost, the point that it was running is answered as lost, and
-    /// another child runs the rest.
+    /// another child runs the rest; likewise behind a point that did not end plainly.
     fn run_used(&mut self, habit: Habit, mut jobs: VecDeque<Job>) -> io::Result<()> {
         if self.used.as_ref().is_some_and(|(own, _)| *own != habit) {
             self.used = None;
@@ -257,7 +265,7 @@ impl Guard {
             in_vain = answered == 0;
             if let Some(job) = at.and_then(|at| jobs.remove(at)) {
                 let trouble = Trouble::Lost(failure);
-                put_trouble(job.index, 0.0, &trouble, &mut self.output.held);
+                put_trouble(job.index, [0.0; 2], &trouble, &mut self.output.held);
                 in_vain = false;
             }
         }
@@ -269,7 +277,7 @@ impl Guard {
         Ok(())
     }
 
-    /// Lets the child run points until all are answered, or it is lost.
+    /// Lets the child run points until all are answered, or one was odd, or it is lost.
     fn attempt(&mut self, habit: Habit, jobs: &mut VecDeque<Job>) -> io::Result<Option<Loss>> {
         self.progress.set(0);
         let mut child = match self.used.take() {
@@ -278,7 +286,7 @@ impl Guard {
                 Ok(child) => child,
                 Err(trouble) => {
                     for job in jobs.drain(..) {
-                        put_trouble(job.index, 0.0, &trouble, &mut self.output.held);
+                        put_trouble(job.index, [0.0; 2], &trouble, &mut self.output.held);
                     }
                     return Ok(None);
                 }
@@ -306,6 +314,13 @@ impl Guard {
                 jobs.pop_front();
                 self.hear_of_licences(&mut reply);
                 put_reply(&reply, &mut self.output.held);
+                if let Some(odd) = reply.odd {
+                    self.setup.careful |= odd == Odd::Signals;
+                    // It frees its instance, and ends.
+                    child.part(&mut self.keeper, grace(&self.setup));
+                    self.output.send_in_time()?;
+                    return Ok(None);
+                }
             }
             self.output.send_in_time()?;
         }
@@ -453,6 +468,31 @@ impl Guard {
         };
         format!("loading the FMU: {reason}")
     }
+}
+
+/// Whether a text says that there is no licence. That it names one is not enough.
+fn lacks_licence(text: &str) -> bool {
+    const LACK: [&str; 16] = [
+        "no ",
+        "not ",
+        "n't",
+        "fail",
+        "denied",
+        "refuse",
+        "unable",
+        "missing",
+        "invalid",
+        "expire",
+        "exceed",
+        "error",
+        "in use",
+        "busy",
+        "unavailable",
+        "wait",
+    ];
+    text.to_lowercase()
+        .lines()
+        .any(|line| line.contains("licen") && LACK.iter().any(|word| line.contains(word)))
 }
 
 fn no_process(error: &io::Error) -> Failure {

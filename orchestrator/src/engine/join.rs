@@ -79,6 +79,8 @@ impl Join {
         let replies: Vec<Reply> = self.open.remove(&point)?.into_iter().flatten().collect();
         // Every process made an instance; the slowest one says how dear that is.
         let start = replies.iter().map(|reply| reply.start).fold(0.0, f32::max);
+        let simulated = replies.iter().map(|reply| reply.simulated).sum();
+        let odd = replies.iter().find_map(|reply| reply.odd);
         let forkable = replies.iter().map(|reply| reply.forkable);
         let forkable = forkable.reduce(|one, other| Some(one? && other?));
         let answers = replies.into_iter().map(|reply| reply.answer).collect();
@@ -86,6 +88,8 @@ impl Join {
             index: point,
             answer: joined(&self.cases, answers),
             start,
+            simulated,
+            odd,
             forkable: forkable.flatten(),
         })
     }
@@ -221,6 +225,8 @@ mod tests {
             index,
             answer,
             start: 0.5,
+            simulated: 0.0,
+            odd: None,
             forkable: Some(true),
         }
     }

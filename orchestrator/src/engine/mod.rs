@@ -9,6 +9,7 @@
 
 mod batch;
 pub mod birth;
+mod company;
 pub mod conduct;
 pub mod crew;
 mod ground;
@@ -40,6 +41,7 @@ use batch::Batches;
 use process::Gone;
 use wire::Trouble;
 
+pub use company::Company;
 pub use conduct::{Conduct, Isolation, Separation};
 
 /// Why a run cannot go on at all. What happens to a single point is a [`Failure`].
@@ -119,6 +121,12 @@ pub enum Event {
     /// Points that were computed in such processes, or less strictly separated ones, do not count any more:
     /// they will come again.
     Void(Separation),
+    /// The point of this index gave results in one try and none in another, while others ran.
+    Fickle(u64),
+    /// From now on nothing else runs while a point does: some of those that failed come again.
+    Alone,
+    /// Points that failed do not come again.
+    Settled,
     /// All answers so far have been handed over; the next one is waited for.
     Idle,
 }
@@ -188,13 +196,25 @@ pub trait Worker: Send {
     /// # Errors
     /// When no further point can be run.
     fn run(&mut self, jobs: &[Job], post: &mut Post<'_>) -> Result<(), EngineError>;
+
+    /// Runs a point while no other worker does anything.
+    ///
+    /// # Errors
+    /// As [`run`](Self::run).
+    fn run_alone(&mut self, job: &Job, post: &mut Post<'_>) -> Result<(), EngineError> {
+        self.run(std::slice::from_ref(job), post)
+    }
+
+    /// Gives back what it keeps for further points, and others may need.
+    fn rest(&mut self) {}
 }
 
 /// Runs the points `open` on the workers, and hands each answer to `receive` on the calling thread. Setting `stop`,
 /// or a `Break` from `receive`, ends the run early; points that have begun are given up.
 ///
 /// Where it turns out that points cannot be computed as they were, those of this run and of `earlier` ones (given
-/// by their separation) are computed again after the others.
+/// by their separation) are computed again after the others. Points that failed while others ran are then run
+/// alone, as far as `company` sees that it matters.
 ///
 /// # Errors
 /// When a worker cannot start, and what `receive` returns.
@@ -203,26 +223,41 @@ pub fn run<E: From<EngineError>>(
     open: impl Iterator<Item = u64> + Send,
     job: &(dyn Fn(u64) -> Job + Sync),
     earlier: &dyn Fn(Separation) -> Vec<u64>,
+    company: &mut Company,
     stop: &AtomicBool,
     mut receive: impl FnMut(Event) -> Result<ControlFlow<()>, E>,
 ) -> Result<(), E> {
     let mut ledger = Ledger::default();
-    let mut watch = |event, ledger: &mut Ledger| match ledger.enter(event, earlier) {
-        Some(event) => receive(event),
+    let crowded = workers.len() > 1;
+    let mut watch = |event, ledger: &mut Ledger, company: Option<&mut Company>| match ledger
+        .enter(event, earlier)
+    {
+        Some(event) => {
+            company.into_iter().for_each(|company| company.heed(&event));
+            receive(event)
+        }
         None => Ok(ControlFlow::Continue(())),
     };
     let mut over = pass(workers, open, job, stop, &mut |event| {
-        watch(event, &mut ledger)
+        watch(event, &mut ledger, crowded.then_some(&mut *company))
     })?;
-    while let (false, Some(again)) = (over, ledger.open()) {
-        let (left, void) = (again.len(), ledger.void);
-        over = pass(workers, again.into_iter(), job, stop, &mut |event| {
-            watch(event, &mut ledger)
-        })?;
-        // A run that gets nowhere would never end.
-        let still_open = ledger.open().map_or(0, |again| again.len());
-        if !over && ledger.void == void && still_open >= left {
-            return Err(EngineError::Circling.into());
+    while !over {
+        if let Some(again) = ledger.open() {
+            let (left, void) = (again.len(), ledger.void);
+            over = pass(workers, again.into_iter(), job, stop, &mut |event| {
+                watch(event, &mut ledger, crowded.then_some(&mut *company))
+            })?;
+            // A run that gets nowhere would never end.
+            let still_open = ledger.open().map_or(0, |again| again.len());
+            if !over && ledger.void == void && still_open >= left {
+                return Err(EngineError::Circling.into());
+            }
+        } else if company.is_settled() {
+            break;
+        } else {
+            over = company.settle(workers, job, stop, &mut |event| {
+                watch(event, &mut ledger, None)
+            })?;
         }
     }
     Ok(())
@@ -321,7 +356,7 @@ impl Ledger {
                     self.again.take(&mut self.new);
                 }
             }
-            Event::Said(..) | Event::Idle => {}
+            Event::Said(..) | Event::Fickle(_) | Event::Alone | Event::Settled | Event::Idle => {}
         }
         Some(event)
     }
@@ -334,8 +369,8 @@ impl Ledger {
 }
 
 /// A set of indexes, a bit each.
-#[derive(Debug, Default)]
-struct Indexes(Vec<u64>);
+#[derive(Clone, Debug, Default)]
+pub struct Indexes(Vec<u64>);
 
 impl Indexes {
     fn set(&mut self, index: u64, present: bool) {
@@ -354,11 +389,13 @@ impl Indexes {
         }
     }
 
-    fn insert(&mut self, index: u64) {
+    /// Adds an index.
+    pub fn insert(&mut self, index: u64) {
         self.set(index, true);
     }
 
-    fn remove(&mut self, index: u64) {
+    /// Takes an index away.
+    pub fn remove(&mut self, index: u64) {
         self.set(index, false);
     }
 
@@ -370,7 +407,8 @@ impl Indexes {
         }
     }
 
-    fn iter(&self) -> impl Iterator<Item = u64> + '_ {
+    /// Its indexes in their order.
+    pub fn iter(&self) -> impl Iterator<Item = u64> + '_ {
         let words = self.0.iter().zip(0_u64..);
         words.flat_map(|(word, place)| {
             (0..64)

@@ -2,18 +2,21 @@
 //!
 //! A point's result is what the FMU gives alone in a process that has loaded it and never instantiated it. The
 //! first points are run in really new processes, under two patterns of unwritten memory, and in forks of a process
-//! that has loaded the FMU: only where all agree are forks used. Processes are used for many points only where
-//! that pays and has been proven on points, in different orders. Some points are computed again in a new process with
-//! other bytes in unwritten memory: [a few](super::repeats) where that takes little time, and further ones as long as
-//! that takes at most a fiftieth of the time.
+//! that has loaded the FMU: only where all agree are forks used. Points share processes once that has been proven on
+//! points in different orders, unless most of them leave a process that no other may use, or a process each costs next to
+//! nothing. These are counts and medians of many times: no single reading of a clock decides, and nothing is decided for
+//! good but what was proven. Some points are computed again in a new process with other bytes in unwritten memory:
+//! [a few](super::repeats) where that takes little time, and further ones as long as that takes at most a fiftieth of the
+//! time.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use super::Job;
-use super::conduct::{Conduct, Isolation, Separation};
-use super::repeats::Repeats;
+use super::conduct::{Conduct, Isolation, Reason, Separation};
+use super::repeats::{ENOUGH, Repeats};
+use super::wire::{Odd, Reply};
 use crate::run::Habit;
 
 /// The next task of a worker.
@@ -44,51 +47,62 @@ pub(super) enum Probed {
     Nothing,
 }
 
+/// What to do about an instance that was refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Wait {
+    /// Nothing: it stays refused.
+    No,
+    /// Ask again.
+    Again,
+    /// Ask again, and tell the user for how long at most.
+    Told(Duration),
+    /// It stays refused, and so will others: tell the user.
+    GivenUp(Duration),
+}
+
 /// How many points are probed, where that takes little time.
 const PROBES: u32 = 3;
 /// On how many points reuse is proven, where starts are cheap.
 const PROOF: usize = 8;
-/// A start that takes longer is dear, s.
+/// A start that always takes longer is dear, s.
 const DEAR: f64 = 1.0;
-/// The least time of all workers together that the points to come must take alone for reuse to be tried, s: the time
-/// of two workers is no cheaper for passing twice as fast.
-const WORTH: f64 = 1.0;
+/// Where simulations take a greater part of the time of points that run alone, a process each costs next to nothing.
+const LONG: f64 = 0.9;
+/// So many of the latest points tell how many are odd, and so many odd ones among them are too many for sharing.
+const LATEST: usize = 64;
+const MANY: usize = 8;
 /// How long the audits of the chosen points may take together, s.
 const LITTLE: f64 = 5.0;
 /// How much of the time audits may take beyond that.
 const SHARE: f64 = 0.02;
-/// So many audits a worker are made in any case, and so many of its last points, where one takes less than
-/// [`SHORT`] or this part of the time so far.
+/// So many audits are made in any case, and so many of the last points, where one takes less than [`SHORT`] or this part of
+/// the time so far.
 const FEW: u32 = 5;
 const LAST: u32 = 3;
 const SHORT: f64 = 0.05;
 const SHORT_SHARE: f64 = 0.02;
-/// How long a licence is waited for while no other point gets one.
+/// How long a licence is waited for while no other point gets one, and where none ever did.
 const LICENCE: Duration = Duration::from_secs(600);
+const FIRST_LICENCE: Duration = Duration::from_secs(60);
 
 /// A point with its results, computed alone.
 pub(super) type Proof = (Job, Vec<f64>);
 
-/// Time that a worker has spent on points of one kind, and on their audits.
+/// Time that was spent on points of one kind, and on their audits.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Spent {
+struct Spent {
     /// Time for the points, s.
-    pub(super) computed: f64,
+    computed: f64,
     /// Time for audits, s.
-    pub(super) audited: f64,
+    audited: f64,
     /// How many there were.
-    pub(super) audits: u32,
+    audits: u32,
 }
 
 impl Spent {
-    /// Whether there is time for an audit that takes `one` seconds.
-    pub(super) fn allows(&self, one: f64) -> bool {
-        SHARE * self.computed >= self.audited + one
-    }
-
     /// How many of some points that were just computed are to be audited, where one audit takes `one` seconds;
     /// `last`: there will be no further points.
-    pub(super) fn audits(&self, one: f64, last: bool) -> u32 {
+    fn audits(&self, one: f64, last: bool) -> u32 {
         let share = (SHARE * self.computed - self.audited) / one.max(1e-6);
         let usual = if share > 0.0 { share as u32 } else { 0 };
         let cheap = one < SHORT || one < SHORT_SHARE * self.computed;
@@ -99,12 +113,6 @@ impl Spent {
         };
         usual.max(least)
     }
-
-    /// Notes an audit.
-    pub(super) fn note(&mut self, took: f64) {
-        self.audited += took;
-        self.audits += 1;
-    }
 }
 
 /// The points that were computed twice, each counted once however often that was.
@@ -114,10 +122,12 @@ struct Audits {
     points: BTreeMap<u64, (bool, bool)>,
     shared: u64,
     mismatches: u64,
-    /// How long one takes, s: the latest ones count most.
-    time: Option<f64>,
-    /// How long those of the chosen points took together, s.
-    of_chosen: f64,
+    /// How long one takes, s.
+    times: Readings,
+    /// How long those that are made in any case took together, s.
+    in_any_case: f64,
+    /// How many of these stood right behind an odd point.
+    behind_odd: usize,
 }
 
 impl Audits {
@@ -130,12 +140,35 @@ impl Audits {
     }
 }
 
+/// The latest readings of a quantity. Their median does not mind that some of them were disturbed.
+#[derive(Debug, Default)]
+struct Readings(VecDeque<f64>);
+
+impl Readings {
+    const KEPT: usize = 15;
+
+    fn note(&mut self, value: f64) {
+        if self.0.len() == Self::KEPT {
+            self.0.pop_front();
+        }
+        self.0.push_back(value);
+    }
+
+    fn median(&self) -> Option<f64> {
+        let mut sorted: Vec<f64> = self.0.iter().copied().collect();
+        sorted.sort_by(f64::total_cmp);
+        sorted.get(sorted.len() / 2).copied()
+    }
+}
+
 /// Decides how points share processes, from all that is known of the FMU.
 #[derive(Debug)]
 pub(super) struct Policy {
     wish: Isolation,
     /// A tool stands behind the FMU.
     tool: bool,
+    /// Whether points run beside others.
+    company: bool,
     /// The most independent processes: new ones, or new ones with a folder each where the FMU changes its folder.
     strictest: Separation,
     /// Whether every point runs as strictly as an audited one: in a process of its own.
@@ -157,17 +190,23 @@ struct State {
     proof: Vec<Proof>,
     reproducible: bool,
     audits: Audits,
+    /// Time spent on points in used processes, and on those that ran alone.
+    spent: [Spent; 2],
+    /// What was odd about the latest points.
+    latest: VecDeque<Option<Odd>>,
     /// How many points were computed alone.
     alone_so_far: usize,
-    /// How long a point takes alone, s: the latest ones count most.
-    time: Option<f64>,
-    /// How long a point takes in a new process, s.
-    time_of_new: f64,
-    dear: bool,
+    /// Which part of the time of a point alone its simulation takes.
+    simulating: Readings,
+    /// The shortest start of an instance from the start of its process on, s.
+    start: Option<f64>,
     /// Whether the FMU has ever been loaded.
     loaded: bool,
     /// When an instance was made last.
     instance: Option<Instant>,
+    /// Whether the user was told that a licence is waited for, and whether that was in vain.
+    told: bool,
+    hopeless: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -175,7 +214,7 @@ enum Reuse {
     Untried,
     OnTrial,
     Earned(Habit),
-    Refused,
+    Refused(Reason),
 }
 
 impl Policy {
@@ -183,11 +222,12 @@ impl Policy {
         let reuse = match wish {
             Isolation::Audited => Reuse::Untried,
             Isolation::Reuse => Reuse::Earned(Habit::Reset),
-            Isolation::Fresh | Isolation::InProcess => Reuse::Refused,
+            Isolation::Fresh | Isolation::InProcess => Reuse::Refused(Reason::Asked),
         };
         Self {
             wish,
             tool,
+            company: false,
             strictest: Separation::New,
             auditing: false,
             repeats: OnceLock::new(),
@@ -201,14 +241,22 @@ impl Policy {
                 proof: Vec::new(),
                 reproducible: true,
                 audits: Audits::default(),
+                spent: [Spent::default(); 2],
+                latest: VecDeque::new(),
                 alone_so_far: 0,
-                time: None,
-                time_of_new: 0.0,
-                dear: tool,
+                simulating: Readings::default(),
+                start: None,
                 loaded: false,
                 instance: None,
+                told: false,
+                hopeless: false,
             }),
         }
+    }
+
+    /// The same for points that run beside others.
+    pub(super) fn in_company(self, company: bool) -> Self {
+        Self { company, ..self }
     }
 
     /// A policy for points that have an unpacked FMU each.
@@ -230,6 +278,11 @@ impl Policy {
     /// How the user wishes points to share processes.
     pub(super) fn wish(&self) -> Isolation {
         self.wish
+    }
+
+    /// Whether points run beside others.
+    pub(super) fn has_company(&self) -> bool {
+        self.company
     }
 
     /// The most independent processes: new ones, or new ones with a folder each where the FMU changes its folder.
@@ -256,7 +309,10 @@ impl Policy {
             return Plan::Probe;
         };
         match state.reuse {
-            Reuse::Earned(habit) => Plan::Used(habit),
+            // Whoever wants that gets it.
+            Reuse::Earned(habit) if self.wish == Isolation::Reuse || !state.is_odd() => {
+                Plan::Used(habit)
+            }
             Reuse::Untried if self.is_worth_a_trial(&state, left) => {
                 state.reuse = Reuse::OnTrial;
                 Plan::Trial
@@ -265,19 +321,18 @@ impl Policy {
         }
     }
 
-    /// Whether reuse could save so much that its trial pays.
+    /// Whether reuse saves more than its trial takes.
     fn is_worth_a_trial(&self, state: &State, left: Option<usize>) -> bool {
-        let wanted = if state.dear { 1 } else { PROOF };
-        if state.proof.len() < wanted {
+        let dear = self.is_dear_in(state);
+        let wanted = if dear { 1 } else { PROOF };
+        if state.proof.len() < wanted || state.is_odd() || state.is_long() {
             return false;
         }
         // The trial runs each point three times and starts a process; it must stay a small part of what is left.
         const PART: usize = 20;
         // A search asks for few points at a time: one that has asked for so many will probably ask for as many again.
         let left = left.map_or(usize::MAX, |left| left.max(state.alone_so_far));
-        let enough = if state.dear { 4 } else { 3 * PART * wanted };
-        let mean = state.mean();
-        left > enough && left as f64 * mean > WORTH
+        left > if dear { 4 } else { 3 * PART * wanted }
     }
 
     /// Notes what a probe found and how long it took.
@@ -294,7 +349,8 @@ impl Policy {
             Probed::Alike => {
                 state.probes += 1;
                 let long = state.probe_time > Duration::from_secs(1);
-                if long || state.dear || state.probes >= PROBES || self.wish == Isolation::Reuse {
+                let enough = long || state.probes >= PROBES || self.wish == Isolation::Reuse;
+                if enough || self.is_dear_in(&state) {
                     state.alone = Some(Separation::Forked);
                 }
             }
@@ -308,28 +364,36 @@ impl Policy {
 
     /// Whether a single probe is enough, because every start costs much.
     pub(super) fn is_dear(&self) -> bool {
-        self.state().dear
+        self.is_dear_in(&self.state())
     }
 
-    /// Notes a point that was computed alone, and how long that took, s, where nothing else was started for it.
-    pub(super) fn note(
-        &self,
-        job: &Job,
-        values: &[f64],
-        separation: Separation,
-        took: Option<f64>,
-    ) {
+    fn is_dear_in(&self, state: &State) -> bool {
+        self.tool || state.start.is_some_and(|start| start > DEAR)
+    }
+
+    /// Notes a point with results that was computed alone, and how long that took, s, where nothing else was started for it.
+    pub(super) fn note(&self, job: &Job, reply: &Reply, separation: Separation, took: Option<f64>) {
+        let Ok(found) = &reply.answer else { return };
         let mut state = self.state();
         state.alone_so_far += 1;
+        state.note_odd(reply.odd);
         if let (true, Some(took)) = (separation == self.strictest, took) {
-            state.time_of_new = took;
+            // An audit takes as long.
+            state.audits.times.note(took);
         }
         if let (true, Some(took)) = (state.alone == Some(separation), took) {
-            state.time = Some(latest(state.time, took));
+            let part = f64::from(reply.simulated) / took.max(1e-9);
+            state.simulating.note(part);
         }
-        if state.proof.len() < PROOF && self.wish == Isolation::Audited {
-            state.proof.push((job.clone(), values.to_vec()));
+        let plain = reply.odd.is_none();
+        if plain && state.proof.len() < PROOF && self.wish == Isolation::Audited {
+            state.proof.push((job.clone(), found.values.clone()));
         }
+    }
+
+    /// Notes what was odd about a point that ran in a used process, or failed.
+    pub(super) fn note_odd(&self, odd: Option<Odd>) {
+        self.state().note_odd(odd);
     }
 
     /// Notes that an instance was made, and how long it took from the start of its process, s.
@@ -337,7 +401,8 @@ impl Policy {
         let mut state = self.state();
         state.instance = Some(Instant::now());
         state.loaded = true;
-        state.dear |= start > DEAR;
+        state.hopeless = false;
+        state.start = Some(state.start.map_or(start, |least| least.min(start)));
     }
 
     /// Notes that the FMU was loaded, whatever came after that.
@@ -351,44 +416,64 @@ impl Policy {
     }
 
     /// Whether a refused instance is to be asked for again: it spoke of a licence, or the tool behind the FMU
-    /// gave one before; and it is not too long that nobody got one.
-    pub(super) fn waits_for_licence(&self, spoken: bool, since: Instant) -> bool {
-        let state = self.state();
-        let last = state.instance.map_or(since, |instance| instance.max(since));
-        (spoken || self.tool && state.instance.is_some()) && last.elapsed() < LICENCE
+    /// gave one before. A point waits no longer than it may take, and where nobody got an instance for a whole round, no
+    /// further one is waited for until somebody does.
+    pub(super) fn wait(&self, spoken: bool, since: Instant, limit: Duration) -> Wait {
+        let mut state = self.state();
+        let wanted = spoken || self.tool && state.instance.is_some();
+        if !wanted || state.hopeless {
+            return Wait::No;
+        }
+        let round = state.instance.map_or(FIRST_LICENCE, |_| LICENCE).min(limit);
+        let last = state.instance.map_or(since, |last| last.max(since));
+        if last.elapsed() >= round {
+            state.hopeless = true;
+            return Wait::GivenUp(round);
+        }
+        if since.elapsed() >= limit {
+            return Wait::No;
+        }
+        if std::mem::replace(&mut state.told, true) {
+            Wait::Again
+        } else {
+            Wait::Told(round)
+        }
     }
 
     /// There are too few licences: no process may keep one between points. Says whether some did, so that their points
     /// have to be computed again, because their last audits will not come.
     pub(super) fn share_licences(&self) -> bool {
         let mut state = self.state();
-        if self.wish != Isolation::Audited || state.reuse == Reuse::Refused {
+        if self.wish != Isolation::Audited || matches!(state.reuse, Reuse::Refused(_)) {
             return false;
         }
-        state.reuse = Reuse::Refused;
+        state.reuse = Reuse::Refused(Reason::ScarceLicences);
         state.reused
     }
 
     /// The points on which reuse is to be proven.
     pub(super) fn proof(&self) -> Vec<Proof> {
         let mut state = self.state();
-        if state.dear {
+        if self.is_dear_in(&state) {
             state.proof.truncate(1);
         }
         state.proof.clone()
     }
 
-    /// How long a point takes alone, s.
-    pub(super) fn mean_time(&self) -> f64 {
-        self.state().mean()
-    }
-
-    /// Notes what a trial found: the habit that gave the same, if it is worth it.
-    pub(super) fn tried(&self, habit: Option<Habit>) {
+    /// Notes what a trial found: the habit with which points came out the same, or why there is none.
+    pub(super) fn tried(&self, habit: Result<Habit, Reason>) {
         let mut state = self.state();
         if state.reuse == Reuse::OnTrial {
-            state.reuse = habit.map_or(Reuse::Refused, Reuse::Earned);
+            state.reuse = habit.map_or_else(Reuse::Refused, Reuse::Earned);
             state.proof = Vec::new();
+        }
+    }
+
+    /// Notes that a trial was interrupted.
+    pub(super) fn untried(&self) {
+        let mut state = self.state();
+        if state.reuse == Reuse::OnTrial {
+            state.reuse = Reuse::Untried;
         }
     }
 
@@ -410,15 +495,15 @@ impl Policy {
         wanted && self.repeats.get().is_some() && self.state().reproducible
     }
 
-    /// Whether a point is one of those that are computed twice in any case.
-    pub(super) fn chooses(&self, index: u64) -> bool {
-        self.repeats.get().is_some_and(|repeats| repeats.has(index))
-    }
-
-    /// Whether there is time to compute a chosen point twice.
-    pub(super) fn has_time(&self) -> bool {
+    /// Whether a point is computed twice whatever share of the time that takes: one of those that were chosen, or one of
+    /// the first that came right behind an odd one. There must be time for it.
+    pub(super) fn chooses(&self, index: u64, behind_odd: bool) -> bool {
+        let chosen = self.repeats.get().is_some_and(|own| own.has(index));
         let state = self.state();
-        !state.dear && state.audits.of_chosen + state.time_of_audit() <= LITTLE
+        let wanted = chosen || behind_odd && state.audits.behind_odd < ENOUGH;
+        wanted
+            && !self.is_dear_in(&state)
+            && state.audits.in_any_case + state.time_of_audit() <= LITTLE
     }
 
     /// The place of a point in the order in which points are audited.
@@ -426,17 +511,40 @@ impl Policy {
         self.repeats.get().map_or(0, |repeats| repeats.rank(index))
     }
 
-    /// How long it takes to compute a point again in a new process, s.
-    pub(super) fn time_of_audit(&self) -> f64 {
-        self.state().time_of_audit()
+    /// Notes the time that points took, s.
+    pub(super) fn spend(&self, separation: Separation, took: f64) {
+        self.state().spent[kind(separation)].computed += took;
     }
 
-    /// Notes how long an audit took, s.
-    pub(super) fn note_audit(&self, took: f64, chosen: bool) {
+    /// Whether a point that ran alone is audited, as far as the share of the time goes.
+    pub(super) fn audits_alone(&self) -> bool {
+        let state = self.state();
+        let spent = &state.spent[1];
+        SHARE * spent.computed >= spent.audited + state.time_of_audit()
+    }
+
+    /// How many of the points that a used process has just computed are audited beside the chosen ones.
+    pub(super) fn audits_of_used(&self, last: bool) -> u32 {
+        let state = self.state();
+        state.spent[0].audits(state.time_of_audit(), last)
+    }
+
+    /// Notes how long an audit took, s; `in_any_case`: whatever share of the time that is.
+    pub(super) fn note_audit(
+        &self,
+        took: f64,
+        separation: Separation,
+        in_any_case: bool,
+        behind_odd: bool,
+    ) {
         let mut state = self.state();
+        let spent = &mut state.spent[kind(separation)];
+        spent.audited += took;
+        spent.audits += 1;
         let audits = &mut state.audits;
-        audits.time = Some(latest(audits.time, took));
-        audits.of_chosen += if chosen { took } else { 0.0 };
+        audits.times.note(took);
+        audits.in_any_case += if in_any_case { took } else { 0.0 };
+        audits.behind_odd += usize::from(behind_odd);
     }
 
     /// Notes what came of an audit of a point that had been computed in such a process.
@@ -448,7 +556,7 @@ impl Policy {
     /// Points of this separation are not to be had any more. Those that there are do not count.
     pub(super) fn refute(&self, separation: Separation) {
         let mut state = self.state();
-        state.reuse = Reuse::Refused;
+        state.reuse = Reuse::Refused(Reason::OtherResults);
         if separation == Separation::Forked {
             state.alone = Some(self.strictest);
         }
@@ -469,6 +577,7 @@ impl Policy {
                 (Isolation::InProcess, _) => Isolation::InProcess,
                 _ => Isolation::Fresh,
             },
+            isolation_reason: self.reason(&state),
             audits: state.audits.points.len() as u64,
             audits_of_shared: state.audits.shared,
             audit_mismatches: state.audits.mismatches,
@@ -478,31 +587,57 @@ impl Policy {
                 _ if state.audits.points.is_empty() => None,
                 _ => Some(true),
             },
-            changed_file: None,
+            ..Conduct::NONE
+        }
+    }
+
+    /// Why points run alone, where they do.
+    fn reason(&self, state: &State) -> Option<Reason> {
+        let odd = state.latest.iter().flatten().next_back();
+        match state.reuse {
+            _ if self.wish == Isolation::InProcess => None,
+            _ if self.strictest == Separation::Apart => Some(Reason::ChangedFolder),
+            Reuse::Refused(reason) => Some(reason),
+            _ if self.wish == Isolation::Reuse => None,
+            _ if state.is_odd() => odd.map(|odd| odd.reason()),
+            Reuse::Earned(_) => None,
+            _ if state.is_long() => Some(Reason::LongPoints),
+            _ => Some(Reason::FewPoints),
         }
     }
 }
 
-/// A mean in which the latest values count most.
-fn latest(before: Option<f64>, value: f64) -> f64 {
-    const WEIGHT: f64 = 0.2;
-    let before = before.unwrap_or(value);
-    before + WEIGHT * (value - before)
+/// The place of a separation's time: shared processes, or points that ran alone.
+fn kind(separation: Separation) -> usize {
+    usize::from(separation != Separation::Used)
 }
 
 impl State {
     fn time_of_audit(&self) -> f64 {
-        self.audits.time.unwrap_or(self.time_of_new)
+        self.audits.times.median().unwrap_or(SHORT)
     }
 
-    fn mean(&self) -> f64 {
-        self.time.unwrap_or(0.0)
+    fn note_odd(&mut self, odd: Option<Odd>) {
+        if self.latest.len() == LATEST {
+            self.latest.pop_front();
+        }
+        self.latest.push_back(odd);
+    }
+
+    /// Whether so many points leave a process that no other may use that sharing saves nothing.
+    fn is_odd(&self) -> bool {
+        self.latest.iter().flatten().count() > MANY.min(self.latest.len() / 2)
+    }
+
+    /// Whether a process each costs next to nothing.
+    fn is_long(&self) -> bool {
+        self.simulating.median().is_some_and(|part| part > LONG)
     }
 
     fn give_up_reproducing(&mut self, strictest: Separation) {
         self.reproducible = false;
         self.alone = Some(strictest);
-        self.reuse = Reuse::Refused;
+        self.reuse = Reuse::Refused(Reason::NotReproducible);
     }
 }
 

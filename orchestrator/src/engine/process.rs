@@ -114,6 +114,7 @@ impl Process {
             ticket: 0,
             fill: None,
             echo: false,
+            careful: false,
         };
         Self {
             setup,

@@ -9,7 +9,7 @@ use super::Job;
 use super::join;
 use super::system::{self, Shared};
 use super::wire::{
-    End, Reader, Setup, Trouble, put_end, put_results, put_trouble, put_value, speech,
+    End, Odd, Reader, Setup, Trouble, mark, put_end, put_results, put_trouble, put_value, speech,
 };
 #[cfg(any(windows, test))]
 use super::wire::{Way, put_job};
@@ -17,8 +17,8 @@ use crate::failure::Failure;
 use crate::notices::Notices;
 use crate::run::{Habit, Runner, Trouble as Interruption};
 use crate::task::Record;
-use fmu_import::isolation::Place;
-use fmu_import::{Library, Package, Value};
+use fmu_import::isolation::{Place, Traces};
+use fmu_import::{Library, Package, Value, complaints};
 
 /// Answers of many points are sent after this time at the latest, when the next point is done.
 const HOLD: Duration = Duration::from_millis(1);
@@ -98,15 +98,18 @@ fn alone(
         return;
     };
     let mut runner = Runner::new(library, case.task.clone());
+    let before = Before::now();
     let instance = runner.alone(&job.values, |runner, answer| {
-        let ready = runner
-            .ready()
-            .map_or(0.0, |ready| (ready - begun).as_secs_f32());
+        let times = runner.ready().map_or([0.0; 2], |ready| {
+            [ready - begun, ready.elapsed()].map(|time| time.as_secs_f32())
+        });
+        let odd = before.odd(runner, answer.err(), true);
         let mut said = vec![speech::REPLIES];
         match answer {
-            Ok(values) => put_results(job.index, ready, values, Some(runner.notices()), &mut said),
-            Err(failure) => put(job.index, ready, failure, runner, &mut said),
+            Ok(values) => put_results(job.index, times, values, Some(runner.notices()), &mut said),
+            Err(failure) => put(job.index, times, failure, runner, &mut said),
         }
+        mark(odd, &mut said[1..]);
         place.send(&said);
     });
     let notices = runner.notices();
@@ -118,7 +121,42 @@ fn alone(
     drop(instance);
 }
 
-/// Runs points until there are no further ones.
+/// What this process was like before a point.
+struct Before {
+    traces: Traces,
+    complaints: u64,
+}
+
+impl Before {
+    fn now() -> Self {
+        Self {
+            traces: Traces::now(),
+            complaints: complaints(),
+        }
+    }
+
+    /// What is odd after a point that ended so; signals take long to look at.
+    fn odd(&self, runner: &Runner, failure: Option<&Failure>, signals: bool) -> Option<Odd> {
+        let notices = runner.notices();
+        let complained = match failure {
+            // The FMU was not even asked.
+            Some(Failure::OutOfRange(_)) => false,
+            Some(_) => true,
+            None => notices.ended.is_some() || notices.unfinished.is_some() || notices.warnings > 0,
+        };
+        if complained || complaints() != self.complaints {
+            Some(Odd::Complaint)
+        } else if self.traces.has_further_threads() {
+            Some(Odd::Threads)
+        } else if signals && self.traces.has_other_signals() {
+            Some(Odd::Signals)
+        } else {
+            None
+        }
+    }
+}
+
+/// Runs points until there are no further ones, or until one does not end plainly.
 fn serve(
     mut place: Place,
     setup: &Setup,
@@ -135,41 +173,48 @@ fn serve(
     let runner = Runner::new(library, first).with_further(tasks);
     let mut runner = runner.with_habit(habit);
     let mut said = vec![speech::REPLIES];
+    let before = Before::now();
     while let Some(message) = place.receive() {
         let mut sent = Instant::now();
-        let (mut jobs, mut begun) = (Reader(&message), 0);
+        let (mut jobs, mut begun, mut first) = (Reader(&message), 0, None);
         while let Some(job) = jobs.job() {
             begun += 1;
             progress.set(begun);
             runner.turn_to(join::case_of(job.index, setup.cases.len()));
-            match runner.run(&job.values).map(|_| ()) {
-                Ok(()) => {
+            let at = said.len();
+            let failure = runner.run(&job.values).err();
+            match &failure {
+                None => {
                     let (values, notices) = (runner.results(), runner.notices());
-                    put_results(job.index, 0.0, values, Some(notices), &mut said);
+                    put_results(job.index, [0.0; 2], values, Some(notices), &mut said);
                 }
-                Err(failure) => {
-                    put(job.index, 0.0, &failure, &runner, &mut said);
-                    // After fmi2Fatal nothing may be called any more: another process goes on.
-                    if let Failure::Fatal(_) = failure {
-                        return place.send(&said);
-                    }
-                }
+                Some(failure) => put(job.index, [0.0; 2], failure, &runner, &mut said),
             }
-            if sent.elapsed() > HOLD {
-                place.send(&said);
-                said.truncate(1);
-                sent = Instant::now();
+            let end_of_first = *first.get_or_insert(said.len());
+            let odd = before.odd(&runner, failure.as_ref(), setup.careful);
+            let full = odd.is_some() || jobs.0.is_empty() || sent.elapsed() > HOLD;
+            if !full {
+                continue;
             }
-        }
-        if said.len() > 1 {
+            if odd != Some(Odd::Signals) && before.traces.has_other_signals() {
+                // Any of the points since the last look may have changed them: only the first of these was surely sound.
+                said.truncate(end_of_first);
+                mark(Some(Odd::Signals), &mut said[1..]);
+                return place.send(&said);
+            }
+            mark(odd, &mut said[at..]);
             place.send(&said);
+            if odd.is_some() {
+                return;
+            }
             said.truncate(1);
+            (sent, first) = (Instant::now(), None);
         }
     }
 }
 
 /// Appends why a point has no results.
-fn put(index: u64, start: f32, failure: &Failure, runner: &Runner, said: &mut Vec<u8>) {
+fn put(index: u64, times: [f32; 2], failure: &Failure, runner: &Runner, said: &mut Vec<u8>) {
     let failure = failure.clone();
     let trouble = if runner.was_refused() {
         let licence = false;
@@ -184,7 +229,7 @@ fn put(index: u64, start: f32, failure: &Failure, runner: &Runner, said: &mut Ve
         let notices = Box::new(notices);
         Trouble::Failed { failure, notices }
     };
-    put_trouble(index, start, &trouble, said);
+    put_trouble(index, times, &trouble, said);
 }
 
 /// Runs a point and sends its trajectory.

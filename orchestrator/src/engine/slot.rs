@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::conduct::Separation;
+use super::conduct::{Reason, Separation};
 use super::ground::Ground;
-use super::policy::{Plan, Policy, Probed, Spent};
+use super::policy::{Plan, Policy, Probed, Wait};
 use super::process::{Gone, Limits, Process};
-use super::wire::{Reply, Trouble, Way};
+use super::wire::{Odd, Reply, Trouble, Way};
 use super::{EngineError, Event, Job, Post, Simulated, Worker};
 use crate::failure::Failure;
 use crate::run::Habit;
@@ -33,8 +33,18 @@ pub(super) struct Slot {
     forking: Process,
     /// The guard of the process that runs many points.
     using: Process,
-    /// Time that this worker has spent on used processes and on forks.
-    spent: [Spent; 2],
+    /// Whether the last point that ran in a used process was odd.
+    behind_odd: bool,
+}
+
+/// A point with results.
+#[derive(Debug)]
+struct Done<'a> {
+    job: &'a Job,
+    values: Vec<f64>,
+    separation: Separation,
+    /// Whether the point before it, in another process, was odd.
+    behind_odd: bool,
 }
 
 /// The outcome of a point that was run alone.
@@ -62,7 +72,7 @@ impl Slot {
             home: home.map(Path::to_owned),
             cases: cases.to_vec(),
             limits,
-            spent: [Spent::default(); 2],
+            behind_odd: false,
         }
     }
 
@@ -114,6 +124,8 @@ impl Slot {
             index: job.index,
             answer: Err(Trouble::Lost(failure)),
             start: 0.0,
+            simulated: 0.0,
+            odd: Some(Odd::Complaint),
             forkable: None,
         })
     }
@@ -130,11 +142,21 @@ impl Slot {
         let (since, mut pause) = (Instant::now(), Duration::from_millis(20));
         loop {
             let reply = self.once(job, separation, fill, post)?;
-            let Err(Trouble::Refused { licence, .. }) = &reply.answer else {
+            let Err(Trouble::Refused { licence, failure }) = &reply.answer else {
                 return Ok(reply);
             };
-            if !self.policy.waits_for_licence(*licence, since) {
-                return Ok(reply);
+            match self.policy.wait(*licence, since, self.limits.time) {
+                Wait::No => return Ok(reply),
+                Wait::Again => {}
+                Wait::Told(longest) => crate::tell::line!(
+                    "note: the FMU gives no instance for want of a licence: waiting for one, up to {longest:.0?} ({failure})"
+                ),
+                Wait::GivenUp(longest) => {
+                    crate::tell::line!(
+                        "note: no licence came within {longest:.0?}: points without one fail at once from now on"
+                    );
+                    return Ok(reply);
+                }
             }
             // A process that waits for further points keeps its licence, perhaps the only one.
             self.using.end();
@@ -155,17 +177,22 @@ impl Slot {
     ) -> Result<(Found, Separation), Gone> {
         let begun = Instant::now();
         let ready = separation != Separation::Forked || self.forking.is_running();
-        let first = self.licensed(job, separation, None, post)?.answer;
-        if let Ok(found) = &first {
+        let first = self.licensed(job, separation, None, post)?;
+        if first.answer.is_ok() {
             let took = ready.then(|| begun.elapsed().as_secs_f64());
-            self.policy.note(job, &found.values, separation, took);
-            return Ok((first, separation));
+            self.policy.note(job, &first, separation, took);
+            return Ok((first.answer, separation));
         }
+        let first = first.answer;
         let second = self
             .licensed(job, self.policy.strictest(), None, post)?
             .answer;
         if second.is_ok() && speaks_of_the_fmu(&first) {
-            self.explain(job, separation, &second, post)?;
+            if self.policy.has_company() {
+                post.send(Event::Fickle(job.index));
+            } else {
+                self.explain(job, separation, &second, post)?;
+            }
         }
         if let (Err(Trouble::Unloadable(reason)), false) = (&second, self.policy.has_loaded()) {
             // No point is to blame, whichever worker finds it first.
@@ -175,7 +202,7 @@ impl Slot {
     }
 
     /// A point alone, with its answer.
-    fn run_alone(
+    fn answer_alone(
         &mut self,
         job: &Job,
         separation: Separation,
@@ -184,22 +211,25 @@ impl Slot {
         let begun = Instant::now();
         let (found, separation) = self.alone(job, separation, post)?;
         let values = found.as_ref().ok().map(|found| found.values.clone());
-        post.answer(job.index, found, separation);
-        self.spent[1].computed += begun.elapsed().as_secs_f64();
-        match values {
-            Some(values) if self.is_due(job) => {
-                self.audit(job, &values, separation, post).map(drop)
-            }
-            _ => Ok(()),
+        if values.is_none() {
+            self.policy.note_odd(Some(Odd::Complaint));
         }
-    }
-
-    /// Whether a point that was computed alone is computed again.
-    fn is_due(&self, job: &Job) -> bool {
-        let policy = &self.policy;
-        let in_any_case = || policy.chooses(job.index) && policy.has_time();
-        let in_time = || self.spent[1].allows(policy.time_of_audit());
-        policy.audits() && (in_any_case() || in_time())
+        post.answer(job.index, found, separation);
+        self.policy.spend(separation, begun.elapsed().as_secs_f64());
+        let Some(values) = values.filter(|_| self.policy.audits()) else {
+            return Ok(());
+        };
+        let in_any_case = self.policy.chooses(job.index, false);
+        if in_any_case || self.policy.audits_alone() {
+            let point = Done {
+                job,
+                values,
+                separation,
+                behind_odd: false,
+            };
+            self.audit(&point, in_any_case, post)?;
+        }
+        Ok(())
     }
 
     /// A point failed in a process of this separation, but not in a new one: either that matters, or new ones differ.
@@ -223,6 +253,11 @@ impl Slot {
             _ => self.give_up_reproducing(post),
         }
         Ok(())
+    }
+
+    /// Whether one try gave results and the other none, which may be the fault of what ran meanwhile.
+    fn is_crowd(&self, one: &Found, other: &Found) -> bool {
+        self.policy.has_company() && one.is_ok() != other.is_ok()
     }
 
     fn refute(&mut self, separation: Separation, post: &mut Post<'_>) {
@@ -252,27 +287,30 @@ impl Slot {
         let probed = found.as_ref().map_or(nothing, |(probed, _)| *probed);
         self.policy.probed(probed, begun.elapsed());
         let (probed, answer) = found?;
+        let new = self.policy.strictest();
         let answer = match answer {
             // Memory was filled to find differences, and new processes differ. The result that counts is the one
             // without filling.
             _ if probed == Probed::Different => {
                 self.give_up_reproducing(post);
-                self.alone(job, self.policy.strictest(), post)?.0
+                self.alone(job, new, post)?.0
             }
-            Some(answer) => answer,
-            None => self.alone(job, self.policy.strictest(), post)?.0,
+            Some(reply) => {
+                let each = begun.elapsed().as_secs_f64() / 2.0;
+                self.policy.note(job, &reply, new, Some(each));
+                reply.answer
+            }
+            None => self.alone(job, new, post)?.0,
         };
-        if let Ok(found) = &answer {
-            let each = begun.elapsed().as_secs_f64() / 2.0;
-            let new = self.policy.strictest();
-            self.policy.note(job, &found.values, new, Some(each));
+        if answer.is_err() {
+            self.policy.note_odd(Some(Odd::Complaint));
         }
-        post.answer(job.index, answer, self.policy.strictest());
+        post.answer(job.index, answer, new);
         Ok(())
     }
 
     /// A point under two patterns of unwritten memory, and in a fork.
-    fn compare(&mut self, job: &Job, post: &mut Post<'_>) -> Result<(Probed, Option<Found>), Gone> {
+    fn compare(&mut self, job: &Job, post: &mut Post<'_>) -> Result<(Probed, Option<Reply>), Gone> {
         let [first, second] = FILLS.map(Some);
         let first = self.licensed(job, self.policy.strictest(), first, post)?;
         if let (Err(Trouble::Unloadable(reason)), false) = (&first.answer, self.policy.has_loaded())
@@ -282,7 +320,11 @@ impl Slot {
         let second = self.licensed(job, self.policy.strictest(), second, post)?;
         let same = is_same(&first.answer, &second.answer);
         // A process that was ended from outside tells nothing about the FMU.
-        let told = speaks_of_the_fmu(&first.answer) && speaks_of_the_fmu(&second.answer);
+        let mut told = speaks_of_the_fmu(&first.answer) && speaks_of_the_fmu(&second.answer);
+        if self.is_crowd(&first.answer, &second.answer) {
+            post.send(Event::Fickle(job.index));
+            told = false;
+        }
         if told && (first.answer.is_ok() || second.answer.is_ok()) {
             let new = self.policy.strictest();
             self.policy.audited(job.index, same, new);
@@ -303,7 +345,7 @@ impl Slot {
                 probed = Probed::Alike;
             }
         }
-        Ok((probed, Some(first.answer)))
+        Ok((probed, Some(first)))
     }
 
     /// Finds out whether processes may be used again: points that are known, in both orders and repeated.
@@ -315,43 +357,39 @@ impl Slot {
             .chain(forward.clone().rev())
             .chain(forward.flat_map(|k| [k, k]))
             .collect();
-        let mut habit = None;
-        for candidate in [Habit::Reset, Habit::Renew] {
-            let mut same = true;
-            let begun = Instant::now();
-            let jobs: Vec<Job> = orders
-                .iter()
-                .enumerate()
-                .map(|(number, &k)| Job {
-                    index: number as u64,
-                    values: proof[k].0.values.clone(),
-                })
-                .collect();
-            let way = Way::Used(candidate);
+        let jobs: Vec<Job> = orders
+            .iter()
+            .zip(0..)
+            .map(|(&k, index)| Job {
+                index,
+                values: proof[k].0.values.clone(),
+            })
+            .collect();
+        let mut outcome = Err(Reason::OtherResults);
+        for habit in [Habit::Reset, Habit::Renew] {
+            let (mut same, mut odd) = (true, None);
+            let way = Way::Used(habit);
             let ran = self.using.run(way, &jobs, post.stopped, &mut |reply| {
                 let known = orders.get(reply.index as usize).map(|&k| &proof[k].1);
                 let own = reply.answer.as_ref().ok();
                 same &= known
                     .zip(own)
                     .is_some_and(|(a, b)| bits(a).eq(bits(&b.values)));
+                odd = odd.or(reply.odd);
             });
-            match ran {
-                Ok(()) if same => {
-                    // Reuse that saves next to nothing is not worth any doubt.
-                    const PAYS: f64 = 0.8;
-                    let each = begun.elapsed().as_secs_f64() / jobs.len() as f64;
-                    let pays = each < PAYS * self.policy.mean_time();
-                    habit = Some(candidate).filter(|_| pays);
+            match (ran, odd) {
+                // The points ended plainly alone.
+                (Ok(()), Some(odd)) if same => outcome = Err(odd.reason()),
+                (Ok(()), None) if same => {
+                    outcome = Ok(habit);
                     break;
                 }
-                Ok(()) | Err(Gone::Lost(_)) => self.using.end(),
-                Err(gone) => return Err(gone),
+                (Ok(()) | Err(Gone::Lost(_)), _) => {}
+                (Err(gone), _) => return Err(gone),
             }
-        }
-        if habit.is_none() {
             self.using.end();
         }
-        self.policy.tried(habit);
+        self.policy.tried(outcome);
         Ok(())
     }
 
@@ -364,18 +402,31 @@ impl Slot {
         let mut done = Vec::new();
         let way = Way::Used(habit);
         let stopped = post.stopped;
+        let (policy, mut behind_odd) = (Arc::clone(&self.policy), self.behind_odd);
         let ran = self.using.run(way, jobs, stopped, &mut |reply| {
             let Some(job) = open.remove(&reply.index) else {
                 return;
             };
-            match reply.answer {
+            let odd = match reply.answer {
                 Ok(found) => {
-                    done.push((job, found.values.clone()));
+                    done.push(Done {
+                        job,
+                        values: found.values.clone(),
+                        separation: Separation::Used,
+                        behind_odd,
+                    });
                     post.answer(job.index, Ok(found), Separation::Used);
+                    reply.odd
                 }
-                Err(trouble) => failed.push((job, Err(trouble))),
-            }
+                Err(trouble) => {
+                    failed.push((job, Err(trouble)));
+                    reply.odd.or(Some(Odd::Complaint))
+                }
+            };
+            policy.note_odd(odd);
+            behind_odd = odd.is_some();
         });
+        self.behind_odd = behind_odd;
         match ran {
             Ok(()) => {}
             Err(Gone::Lost(failure)) => {
@@ -385,7 +436,8 @@ impl Slot {
             }
             Err(gone) => return Err(gone),
         }
-        self.spent[0].computed += begun.elapsed().as_secs_f64();
+        self.policy
+            .spend(Separation::Used, begun.elapsed().as_secs_f64());
         for (job, used) in failed {
             self.again(job, &used, post)?;
         }
@@ -411,31 +463,38 @@ impl Slot {
         Ok(())
     }
 
-    /// Computes some of the points of a used process again: those that are chosen, and others as far as there is time.
-    fn audit_some(&mut self, done: &[(&Job, Vec<f64>)], post: &mut Post<'_>) -> Result<(), Gone> {
+    /// Computes some of the points of a used process again: those that are chosen, those right behind an odd one, and others
+    /// as far as there is time.
+    fn audit_some(&mut self, done: &[Done<'_>], post: &mut Post<'_>) -> Result<(), Gone> {
         if !self.policy.audits() || done.is_empty() {
             return Ok(());
         }
-        let chosen = |place: &usize| self.policy.chooses(done[*place].0.index);
-        let (chosen, mut others): (Vec<usize>, Vec<usize>) = (0..done.len()).partition(chosen);
-        for place in chosen {
-            let (job, values) = &done[place];
-            if self.policy.has_time() && !self.audit(job, values, Separation::Used, post)? {
+        let mut others = Vec::new();
+        for point in done {
+            if !self.policy.chooses(point.job.index, point.behind_odd) {
+                others.push(point);
+            } else if !self.audit(point, true, post)? {
                 return Ok(());
             }
         }
         let last = post.left == Some(0);
-        let count = self.spent[0].audits(self.policy.time_of_audit(), last);
+        let count = self.policy.audits_of_used(last);
         if count == 0 {
             return Ok(());
         }
         // An effect that accumulates shows best in the very last point.
-        let is_latest = |place: usize| last && place + 1 == done.len();
-        let rank = |place: usize| self.policy.rank(done[place].0.index);
-        others.sort_by_cached_key(|&place| (!is_latest(place), rank(place)));
-        for place in others.into_iter().take(count as usize) {
-            let (job, values) = &done[place];
-            if !self.audit(job, values, Separation::Used, post)? {
+        let latest = done.last().filter(|_| last).map(|done| done.job.index);
+        let rank = |point: &&Done<'_>| {
+            let latest = latest == Some(point.job.index);
+            (
+                !latest,
+                !point.behind_odd,
+                self.policy.rank(point.job.index),
+            )
+        };
+        others.sort_by_cached_key(rank);
+        for point in others.into_iter().take(count as usize) {
+            if !self.audit(point, false, post)? {
                 return Ok(());
             }
         }
@@ -446,23 +505,28 @@ impl Slot {
     /// same, as far as that can be told.
     fn audit(
         &mut self,
-        job: &Job,
-        values: &[f64],
-        separation: Separation,
+        point: &Done<'_>,
+        in_any_case: bool,
         post: &mut Post<'_>,
     ) -> Result<bool, Gone> {
+        let (job, separation) = (point.job, point.separation);
         let begun = Instant::now();
         let new = self.policy.strictest();
         let again = self.licensed(job, new, Some(FILLS[0]), post)?.answer;
+        let behind_odd = in_any_case && point.behind_odd;
         let took = begun.elapsed().as_secs_f64();
-        self.spent[usize::from(separation != Separation::Used)].note(took);
-        let chosen = self.policy.chooses(job.index);
-        self.policy.note_audit(took, chosen);
+        self.policy
+            .note_audit(took, separation, in_any_case, behind_odd);
         // A process that was ended from outside tells nothing about the FMU.
         if !speaks_of_the_fmu(&again) {
             return Ok(true);
         }
-        let agreed = is_same(&Ok(values.to_vec().into()), &again);
+        let first = Ok(point.values.clone().into());
+        if separation == new && self.is_crowd(&first, &again) {
+            post.send(Event::Fickle(job.index));
+            return Ok(true);
+        }
+        let agreed = is_same(&first, &again);
         self.policy.audited(job.index, agreed, separation);
         if !agreed {
             self.judge(job, separation, &again, post)?;
@@ -497,7 +561,8 @@ impl Slot {
         self.refute(separation, post);
         for fill in [Some(FILLS[1]), None] {
             let again = self.licensed(job, strictest, fill, post)?.answer;
-            if speaks_of_the_fmu(&again) && !is_same(new, &again) {
+            let told = speaks_of_the_fmu(&again) && !self.is_crowd(new, &again);
+            if told && !is_same(new, &again) {
                 self.give_up_reproducing(post);
                 return Ok(());
             }
@@ -513,12 +578,12 @@ impl Worker for Slot {
             let plan = self.policy.plan(post.left.map(|left| left + jobs.len()));
             let done = match plan {
                 Plan::Probe => self.probe(job, post),
-                Plan::Alone(separation) => self.run_alone(job, separation, post),
+                Plan::Alone(separation) => self.answer_alone(job, separation, post),
                 Plan::Audit => self.run_as_audit(job, post),
                 Plan::Trial => {
                     let tried = self.trial(post);
                     if tried.is_err() {
-                        self.policy.tried(None);
+                        self.policy.untried();
                     }
                     tried
                 }
@@ -543,10 +608,41 @@ impl Worker for Slot {
             }
         }
         if post.left == Some(0) {
-            // Others may need the licence that it holds.
-            self.using.end();
+            self.rest();
         }
         Ok(())
+    }
+
+    /// A point that gives results now gives them twice, or the FMU is not reproducible.
+    fn run_alone(&mut self, job: &Job, post: &mut Post<'_>) -> Result<(), EngineError> {
+        loop {
+            let new = self.policy.strictest();
+            let found = self.licensed(job, new, None, post).and_then(|first| {
+                if first.answer.is_ok() {
+                    let second = self.licensed(job, new, None, post)?;
+                    let told = speaks_of_the_fmu(&second.answer);
+                    if told && !is_same(&first.answer, &second.answer) {
+                        self.give_up_reproducing(post);
+                    }
+                }
+                Ok(first.answer)
+            });
+            match found {
+                Ok(found) => post.answer(job.index, found, new),
+                Err(Gone::Stopped) => {}
+                Err(Gone::Disturbed) => {
+                    self.leave_the_shared_folder(post);
+                    continue;
+                }
+                Err(gone) => return Err(gone.into()),
+            }
+            return Ok(());
+        }
+    }
+
+    fn rest(&mut self) {
+        // Others may need the licence that it holds.
+        self.using.end();
     }
 }
 

@@ -44,17 +44,25 @@ fn none(_: Separation) -> Vec<u64> {
 fn every_point_is_answered_once() {
     let mut seen = vec![0; 10_000];
     let stop = AtomicBool::new(false);
-    run::<EngineError>(&mut workers(3), 0..10_000, &job, &none, &stop, |event| {
-        let Event::Answer(index, answer, _) = event else {
-            return Ok(ControlFlow::Continue(()));
-        };
-        seen[index as usize] += 1;
-        match answer {
-            Ok(found) => assert_eq!(found.values[0], 2.0 * (index as f64 - 3.0)),
-            Err(_) => assert!(index < 3),
-        }
-        Ok(ControlFlow::Continue(()))
-    })
+    run::<EngineError>(
+        &mut workers(3),
+        0..10_000,
+        &job,
+        &none,
+        &mut Company::default(),
+        &stop,
+        |event| {
+            let Event::Answer(index, answer, _) = event else {
+                return Ok(ControlFlow::Continue(()));
+            };
+            seen[index as usize] += 1;
+            match answer {
+                Ok(found) => assert_eq!(found.values[0], 2.0 * (index as f64 - 3.0)),
+                Err(_) => assert!(index < 3),
+            }
+            Ok(ControlFlow::Continue(()))
+        },
+    )
     .unwrap();
     assert!(seen.iter().all(|&count| count == 1));
 }
@@ -63,14 +71,22 @@ fn every_point_is_answered_once() {
 fn a_run_ends_early_when_asked_to() {
     let stop = AtomicBool::new(false);
     let mut count = 0;
-    run::<EngineError>(&mut workers(2), 0..1_000_000, &job, &none, &stop, |event| {
-        count += u64::from(matches!(event, Event::Answer(..)));
-        Ok(if count == 10 {
-            ControlFlow::Break(())
-        } else {
-            ControlFlow::Continue(())
-        })
-    })
+    run::<EngineError>(
+        &mut workers(2),
+        0..1_000_000,
+        &job,
+        &none,
+        &mut Company::default(),
+        &stop,
+        |event| {
+            count += u64::from(matches!(event, Event::Answer(..)));
+            Ok(if count == 10 {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            })
+        },
+    )
     .unwrap();
     assert!((10..900_000).contains(&count), "{count}");
 }
@@ -105,12 +121,20 @@ fn what_does_not_count_is_computed_again() {
     let earlier = |_| vec![7];
     let open = (0..5000).filter(|index| *index != 7);
     let stop = AtomicBool::new(false);
-    run::<EngineError>(&mut workers, open, &job, &earlier, &stop, |event| {
-        if let Event::Answer(index, answer, _) = event {
-            values[index as usize] = answer.unwrap().values[0];
-        }
-        Ok(ControlFlow::Continue(()))
-    })
+    run::<EngineError>(
+        &mut workers,
+        open,
+        &job,
+        &earlier,
+        &mut Company::default(),
+        &stop,
+        |event| {
+            if let Event::Answer(index, answer, _) = event {
+                values[index as usize] = answer.unwrap().values[0];
+            }
+            Ok(ControlFlow::Continue(()))
+        },
+    )
     .unwrap();
     // A point of an earlier run comes again, too.
     assert!((0..5000).all(|index| values[index] == index as f64 - 3.0));

@@ -11,6 +11,7 @@ use std::path::PathBuf;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
+use super::conduct::Reason;
 use super::{Job, Simulated};
 use crate::failure::Failure;
 use crate::notices::Notices;
@@ -39,6 +40,8 @@ pub(super) struct Setup {
     pub(super) fill: Option<u8>,
     /// Whether what the FMU prints is shown on standard error.
     pub(super) echo: bool,
+    /// Whether signals are looked at after every point, since one of them has changed how they are handled.
+    pub(super) careful: bool,
 }
 
 /// How points are run.
@@ -79,8 +82,36 @@ pub(super) struct Reply {
     pub(super) answer: Result<Simulated, Trouble>,
     /// How long it took until there was an instance, s; 0 where that is not known.
     pub(super) start: f32,
+    /// How long the simulation took from then on, s; likewise.
+    pub(super) simulated: f32,
+    /// Why no other point may use its process; none after a point that ended plainly.
+    pub(super) odd: Option<Odd>,
     /// Whether the process that has loaded the FMU may be forked, where that has been looked at.
     pub(super) forkable: Option<bool>,
+}
+
+/// What was odd about a point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Odd {
+    /// It failed, ended early, or the FMU said or returned something other than OK.
+    Complaint,
+    /// A thread of the FMU still runs.
+    Threads,
+    /// Signals are handled in another way than before.
+    Signals,
+}
+
+impl Odd {
+    const ALL: [Self; 3] = [Self::Complaint, Self::Threads, Self::Signals];
+
+    /// Why points run alone that are mostly so.
+    pub(super) fn reason(self) -> Reason {
+        match self {
+            Self::Complaint => Reason::Complaints,
+            Self::Threads => Reason::Threads,
+            Self::Signals => Reason::Signals,
+        }
+    }
 }
 
 /// Why there are no results.
@@ -146,10 +177,10 @@ pub(super) fn put_job(index: u64, values: &[f64], into: &mut Vec<u8>) {
     put_numbers(values, into);
 }
 
-/// Appends results.
+/// Appends results; `times` are those until there was an instance, and from then on, s.
 pub(super) fn put_results(
     index: u64,
-    start: f32,
+    times: [f32; 2],
     values: &[f64],
     notices: Option<&Notices>,
     into: &mut Vec<u8>,
@@ -158,7 +189,7 @@ pub(super) fn put_results(
     put_head(
         index,
         if notices.is_some() { NOTED } else { GOOD },
-        start,
+        times,
         into,
     );
     put_numbers(values, into);
@@ -168,8 +199,8 @@ pub(super) fn put_results(
 }
 
 /// Appends why there are none.
-pub(super) fn put_trouble(index: u64, start: f32, trouble: &Trouble, into: &mut Vec<u8>) {
-    put_head(index, BAD, start, into);
+pub(super) fn put_trouble(index: u64, times: [f32; 2], trouble: &Trouble, into: &mut Vec<u8>) {
+    put_head(index, BAD, times, into);
     put_json(trouble, into);
 }
 
@@ -182,13 +213,21 @@ fn put_json(value: &impl Serialize, into: &mut Vec<u8>) {
 /// Appends a reply.
 pub(super) fn put_reply(reply: &Reply, into: &mut Vec<u8>) {
     let begin = into.len();
+    let times = [reply.start, reply.simulated];
     match &reply.answer {
         Ok(Simulated { values, notices }) => {
-            put_results(reply.index, reply.start, values, notices.as_deref(), into);
+            put_results(reply.index, times, values, notices.as_deref(), into);
         }
-        Err(trouble) => put_trouble(reply.index, reply.start, trouble, into),
+        Err(trouble) => put_trouble(reply.index, times, trouble, into),
     }
     into[begin + FORKABLE] = reply.forkable.map_or(2, u8::from);
+    mark(reply.odd, &mut into[begin..]);
+}
+
+/// Says in a reply what was odd about its point.
+pub(super) fn mark(odd: Option<Odd>, reply: &mut [u8]) {
+    let place = Odd::ALL.iter().position(|known| Some(*known) == odd);
+    reply[ODD] = place.map_or(0, |place| 1 + place as u8);
 }
 
 /// The kinds of replies: a point without results, one with results, and one with results and notices.
@@ -198,12 +237,15 @@ const NOTED: u8 = 2;
 
 /// Where the byte is in a reply that says whether the process may be forked.
 const FORKABLE: usize = 9;
+/// Where the byte is that says what was odd.
+const ODD: usize = 10;
 
-fn put_head(index: u64, kind: u8, start: f32, into: &mut Vec<u8>) {
+fn put_head(index: u64, kind: u8, times: [f32; 2], into: &mut Vec<u8>) {
     into.extend(index.to_le_bytes());
-    into.push(kind);
-    into.push(2);
-    into.extend(start.to_le_bytes());
+    into.extend([kind, 2, 0]);
+    times
+        .iter()
+        .for_each(|time| into.extend(time.to_le_bytes()));
 }
 
 /// Appends how a trajectory ended.
@@ -263,9 +305,9 @@ impl Reader<'_> {
 
     pub(super) fn reply(&mut self) -> Option<Reply> {
         let index = u64::from_le_bytes(self.array()?);
-        let [kind] = self.array()?;
-        let [forkable] = self.array()?;
+        let [kind, forkable, odd] = self.array()?;
         let start = f32::from_le_bytes(self.array()?);
+        let simulated = f32::from_le_bytes(self.array()?);
         let answer = match kind {
             GOOD => Ok(self.numbers()?.into()),
             NOTED => Ok(Simulated {
@@ -279,6 +321,10 @@ impl Reader<'_> {
             index,
             answer,
             start,
+            simulated,
+            odd: usize::from(odd)
+                .checked_sub(1)
+                .and_then(|place| Odd::ALL.get(place).copied()),
             forkable: (forkable < 2).then_some(forkable == 1),
         })
     }
@@ -349,23 +395,26 @@ mod tests {
             let job = Job { index, values };
             let notices = Box::new(Notices { warnings: index, ..Notices::default() });
             let trouble = Trouble::Failed { failure: Failure::Error(text), notices };
-            let lost = Reply { index, answer: Err(trouble.clone()), start, forkable: Some(true) };
+            let odd = Some(Odd::Signals);
+            let lost = Reply { index, answer: Err(trouble.clone()), start, simulated: 2.0, odd, forkable: Some(true) };
+            let times = [start, 2.0];
             let mut bytes = Vec::new();
             Way::Used(Habit::Renew).put(&mut bytes);
             put_job(job.index, &job.values, &mut bytes);
-            put_results(index, start, &job.values, None, &mut bytes);
+            put_results(index, times, &job.values, None, &mut bytes);
             put_reply(&lost, &mut bytes);
             let notices = Notices { warnings: index, ended: Some(0.5), ..Notices::default() };
-            put_results(index, start, &job.values, Some(&notices), &mut bytes);
+            put_results(index, times, &job.values, Some(&notices), &mut bytes);
             let mut reader = Reader(&bytes);
             let bits = |values: &[f64]| values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
             prop_assert_eq!(reader.way(), Some(Way::Used(Habit::Renew)));
             prop_assert_eq!(bits(&reader.job().unwrap().values), bits(&job.values));
             let reply = reader.reply().unwrap();
-            prop_assert_eq!((reply.index, reply.forkable), (index, None));
+            prop_assert_eq!((reply.index, reply.forkable, reply.odd), (index, None, None));
             prop_assert_eq!(bits(&reply.answer.unwrap().values), bits(&job.values));
             let reply = reader.reply().unwrap();
             prop_assert_eq!((reply.index, reply.forkable, reply.start.to_bits()), (index, Some(true), start.to_bits()));
+            prop_assert_eq!((reply.simulated.to_bits(), reply.odd), (2_f32.to_bits(), odd));
             prop_assert_eq!(reply.answer, Err(trouble));
             let noted = reader.reply().unwrap().answer.unwrap();
             prop_assert_eq!(bits(&noted.values), bits(&job.values));

@@ -23,7 +23,7 @@ use thiserror::Error;
 use crate::engine::crew::Crew;
 use crate::engine::repeats::Repeats;
 use crate::engine::{
-    self, Answer, Conduct, EngineError, Event, Isolation, Job, Separation, Worker,
+    self, Answer, Company, Conduct, EngineError, Event, Isolation, Job, Separation, Worker,
 };
 use crate::notices::Notices;
 use crate::results::finished::Finished;
@@ -128,6 +128,10 @@ pub struct Pipeline<'a> {
     computed: [u64; Separation::COUNT],
     /// Points that earlier runs computed.
     before: u64,
+    /// Points that failed while others ran.
+    company: Company,
+    /// How many were repeated alone so far, and how many of these passed; none while others run.
+    alone: Option<[u64; 2]>,
     /// Warnings in points of which the next event is that they failed.
     said: HashMap<u64, Box<Notices>>,
     progress: Progress,
@@ -180,6 +184,8 @@ impl<'a> Pipeline<'a> {
             asked: 0,
             computed: [0; Separation::COUNT],
             before,
+            company: Company::default(),
+            alone: None,
             said: HashMap::new(),
             progress,
             synced: Instant::now(),
@@ -245,6 +251,14 @@ impl<'a> Pipeline<'a> {
         let again = self.doubted(job)?;
         let open = open.chain(again);
         let finished = self.finished.clone();
+        if let Some(finished) = &finished {
+            let mut outcomes = finished.outcomes()?;
+            for index in finished.crowded() {
+                if let Some(Err(failure)) = outcomes.get(index)? {
+                    self.company.note(index, &failure);
+                }
+            }
+        }
         let earlier = |separation| {
             let finished = finished.as_ref();
             finished.map_or_else(Vec::new, |finished| finished.of(separation))
@@ -265,13 +279,26 @@ impl<'a> Pipeline<'a> {
             self.note_conduct()?;
         }
         let mut workers = std::mem::take(&mut self.workers);
-        let result = engine::run(&mut workers, open, job, earlier, stop::flag(), |event| {
-            Ok::<_, Halt>(match self.take(event)? {
-                Some(step) => receive(step),
-                None => ControlFlow::Continue(()),
-            })
-        });
+        let mut company = std::mem::take(&mut self.company);
+        let open_ended = &mut company;
+        let flag = stop::flag();
+        let result = engine::run(
+            &mut workers,
+            open,
+            job,
+            earlier,
+            open_ended,
+            flag,
+            |event| {
+                Ok::<_, Halt>(match self.take(event)? {
+                    Some(step) => receive(step),
+                    None => ControlFlow::Continue(()),
+                })
+            },
+        );
         self.workers = workers;
+        self.company = company;
+        self.alone = None;
         result?;
         Ok(self.settle()?)
     }
@@ -286,9 +313,18 @@ impl<'a> Pipeline<'a> {
                 let outcome = self.model.outcome(answer.map(|found| found.values));
                 let notices = notices.as_deref();
                 self.journal.append(index, &outcome, separation, notices)?;
-                self.computed[separation as usize] += 1;
                 let verified = self.model.is_verified(&outcome);
-                self.progress.step(verified, outcome.is_err());
+                if let Some([repeated, passed]) = &mut self.alone {
+                    // It was counted before.
+                    *repeated += 1;
+                    *passed += u64::from(outcome.is_ok());
+                } else {
+                    if outcome.is_err() && self.crew.is_some_and(|crew| crew.size() > 1) {
+                        self.journal.note(&Note::Crowded(index))?;
+                    }
+                    self.computed[separation as usize] += 1;
+                    self.progress.step(verified, outcome.is_err());
+                }
                 Some(Step::Outcome {
                     index,
                     outcome,
@@ -310,6 +346,16 @@ impl<'a> Pipeline<'a> {
             }
             Event::Said(index, notices) => {
                 self.said.insert(index, notices);
+                None
+            }
+            Event::Fickle(_) => None,
+            Event::Alone => {
+                self.alone = Some([0; 2]);
+                None
+            }
+            Event::Settled => {
+                let [repeated, passed] = self.alone.take().unwrap_or_default();
+                self.journal.note(&Note::Settled { repeated, passed })?;
                 None
             }
             Event::Idle => {

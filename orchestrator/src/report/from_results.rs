@@ -10,7 +10,6 @@ use super::{
     sensitivity, tolerances,
 };
 use crate::analysis::from_results::{self, FolderError};
-use crate::engine::Conduct;
 use crate::results::asides::Asides;
 use crate::results::choice;
 use crate::results::origin::Origin;
@@ -88,7 +87,9 @@ fn remarks(summary: &Summary, shown: usize) -> Vec<String> {
             count(criteria)
         )
     });
-    let conduct = summary.conduct.iter().flat_map(Conduct::remarks);
+    let conduct = summary.conduct.iter();
+    let conduct =
+        conduct.flat_map(|conduct| conduct.remarks().into_iter().chain(conduct.usual_reason()));
     let asides = summary.asides.iter().flat_map(Asides::remarks);
     let concerns = summary
         .concerns

@@ -10,7 +10,7 @@ use super::header::Header;
 use super::lines::{Lines, open, path_in};
 use super::note::{Note, separation};
 use super::{Outcome, ResultsError};
-use crate::engine::{Conduct, Isolation, Separation};
+use crate::engine::{Conduct, Indexes, Isolation, Separation};
 use crate::failure::Failure;
 use crate::notices::Notices;
 
@@ -29,6 +29,8 @@ pub struct Finished {
     apart: bool,
     /// Points that were computed in such processes, or in less strictly separated ones, were found not to count.
     refuted: Option<Separation>,
+    /// Points that failed while others ran, and have not been repeated alone.
+    crowded: Indexes,
     /// How many points are finished.
     pub count: u64,
     /// Checksums of the sets of points, by the index of their first point.
@@ -74,6 +76,7 @@ impl Finished {
             noted: None,
             apart: false,
             refuted: None,
+            crowded: Indexes::default(),
         };
         loop {
             let place = lines.sound;
@@ -113,6 +116,13 @@ impl Finished {
                     Some(known) => known.and(new),
                     None => new,
                 });
+            }
+            Note::Crowded(index) => self.crowded.insert(index),
+            Note::Settled { repeated, passed } => {
+                self.crowded = Indexes::default();
+                let noted = self.noted.get_or_insert(Conduct::NONE);
+                noted.repeated_alone += repeated;
+                noted.passed_alone += passed;
             }
             Note::Void(separation) => {
                 let refuted = self
@@ -174,6 +184,11 @@ impl Finished {
             .collect()
     }
 
+    /// Points that failed while others ran, as far as they count and have not been repeated alone.
+    pub fn crowded(&self) -> impl Iterator<Item = u64> + '_ {
+        self.crowded.iter().filter(|&index| self.has(index))
+    }
+
     /// Points that were computed in used processes, those noted last first.
     pub fn latest_used(&self) -> Vec<u64> {
         let mut used = self.of(Separation::Used);
@@ -212,6 +227,7 @@ impl Finished {
 
     fn note(&mut self, index: Option<usize>, place: u64) {
         let Some(index) = index else { return };
+        self.crowded.remove(index as u64);
         if self.header.points.is_none() && index >= self.places.len() {
             self.places.resize(index + 1, NOWHERE);
         }

@@ -11,6 +11,15 @@ pub enum Note {
     Conduct(Conduct),
     /// The points so far that were computed in such processes, or in less strictly separated ones, do not count.
     Void(Separation),
+    /// The point of this index failed while others ran: it may come again.
+    Crowded(u64),
+    /// Such points do not come again: how many were repeated alone, and how many of them passed.
+    Settled {
+        /// All of them.
+        repeated: u64,
+        /// Those with results.
+        passed: u64,
+    },
 }
 
 /// How a line names the process of a point that has results.

@@ -57,6 +57,7 @@ fn files(bench: &Bench, folder: &str) -> (String, String, String) {
     for how in [
         "run",
         "isolation",
+        "isolation_reason",
         "audits",
         "audits_of_shared",
         "audit_mismatches",

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use crate::support::{Bench, Said, model};
 
-const STUDY: &str = r#"
+pub const STUDY: &str = r#"
 fmu = "lag.fmu"
 [simulation]
 stop = 1
@@ -174,7 +174,6 @@ fn a_label_says_on_how_many_points_it_rests() {
         let (audits, basis) = basis(isolation, &["--isolation", isolation]);
         assert!((1..=20).contains(&audits));
         assert!(basis.starts_with(&format!("reproducible: {audits} point")));
-        assert!(basis.contains(&format!("1-(1-f)^{audits}")));
     }
     let (audits, basis) = basis("here", &["--in-process"]);
     assert!(audits == 0 && basis.contains("not known"), "{basis}");

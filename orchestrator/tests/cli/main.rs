@@ -8,6 +8,7 @@ mod cases;
 mod commands;
 mod concerns;
 mod curves;
+mod damage;
 mod durability;
 mod exchange;
 mod faults;

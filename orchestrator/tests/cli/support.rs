@@ -24,6 +24,8 @@ pub struct Said {
 
 const MODEL: &str = include_str!("../fixtures/lag.xml");
 
+const DAMAGE: &str = include_str!("../fixtures/damage.xml");
+
 /// The description of the fixture of FMI 3.0, which is that of the importer.
 pub const THREE: &str = include_str!("../../../crates/fmu-import/tests/fixtures/three.xml");
 
@@ -58,6 +60,16 @@ impl Bench {
         ];
         bench.zip("functions.fmu", &entries);
         bench
+    }
+
+    /// Packs `damage.fmu`, of which each point may spoil what it leaves.
+    pub fn damage(&self) {
+        let binary = self.compiled("damage", &[]);
+        let entries: [(&str, &[u8]); 2] = [
+            ("modelDescription.xml", DAMAGE.as_bytes()),
+            ("binaries/linux64/damage.so", &binary),
+        ];
+        self.zip("damage.fmu", &entries);
     }
 
     /// Compiles the fixture with these macros and packs it with a model description.

@@ -103,7 +103,7 @@ fn hidden(orders: OwnedFd, answers: OwnedFd) -> (File, File) {
 }
 
 /// The same file under a high number; programs that the FMU starts do not get it.
-fn raised(fd: RawFd) -> RawFd {
+pub(super) fn raised(fd: RawFd) -> RawFd {
     const ROOM: RawFd = 8;
     // SAFETY: asks for a limit and copies a descriptor.
     unsafe {

@@ -96,6 +96,55 @@ impl Keeper {
     pub fn forget(&mut self) {
         self.words.clear();
     }
+
+    /// Does what may take long without a look at the superior, such as running initialisers of an FMU: if the superior goes
+    /// meanwhile, this process ends at once.
+    pub fn blindly<T>(&self, work: impl FnOnce() -> T) -> T {
+        self.end_with_superior(true);
+        if self.is_orphaned() {
+            offspring::end_all();
+            // SAFETY: never returns, runs no code of this process.
+            unsafe { libc::_exit(0) }
+        }
+        let done = work();
+        self.end_with_superior(false);
+        done
+    }
+
+    /// Lets the system kill this process when the other end of the superior's pipe is closed. Nothing else comes through it
+    /// before an order is done.
+    fn end_with_superior(&self, wanted: bool) {
+        #[cfg(target_os = "linux")]
+        {
+            const F_SETSIG: i32 = 10;
+            let fd = self.superior.as_raw_fd();
+            // SAFETY: changes what this process does when its own descriptor becomes ready.
+            unsafe {
+                let flags = libc::fcntl(fd, libc::F_GETFL);
+                libc::fcntl(fd, libc::F_SETOWN, own_pid());
+                libc::fcntl(fd, F_SETSIG, libc::SIGKILL);
+                let flags = if wanted {
+                    flags | libc::O_ASYNC
+                } else {
+                    flags & !libc::O_ASYNC
+                };
+                libc::fcntl(fd, libc::F_SETFL, flags);
+            }
+        }
+        #[cfg(not(target_os = "linux"))]
+        let _ = wanted;
+    }
+
+    /// Whether the superior has gone.
+    fn is_orphaned(&self) -> bool {
+        let mut superior = libc::pollfd {
+            fd: self.superior.as_raw_fd(),
+            events: 0,
+            revents: 0,
+        };
+        // SAFETY: one valid descriptor, which stays open through the call.
+        unsafe { libc::poll(&raw mut superior, 1, 0) > 0 }
+    }
 }
 
 /// A forked child at work.
@@ -202,7 +251,16 @@ impl Child {
         let result = unsafe { libc::waitid(libc::P_PID, self.pid as _, &raw mut info, flags) };
         // SAFETY: `waitid` fills these fields, or leaves them at zero where nothing has happened.
         let (pid, status) = unsafe { (info.si_pid(), info.si_status()) };
-        if result != 0 || pid == 0 {
+        if result != 0 {
+            // Somebody else has reaped it.
+            let gone = io::Error::last_os_error().raw_os_error() == Some(libc::ECHILD);
+            return if gone {
+                State::Ended(Loss::Mute)
+            } else {
+                State::Running
+            };
+        }
+        if pid == 0 {
             return State::Running;
         }
         match info.si_code {
@@ -221,6 +279,7 @@ impl Child {
             match self.state() {
                 State::Ended(loss) => return loss,
                 State::Stopped => return Loss::Stopped,
+                State::Running if keeper.is_orphaned() => return Loss::Orphaned,
                 State::Running => {}
             }
             keeper.words.hear();
@@ -238,6 +297,8 @@ impl Child {
         while Instant::now() < until {
             let arrived = if open {
                 self.is_ready(keeper)
+            } else if keeper.is_orphaned() {
+                Err(Loss::Orphaned)
             } else {
                 keeper.words.hear();
                 std::thread::sleep(Duration::from_micros(50));

@@ -4,6 +4,7 @@
 //! - [`frame`]: bytes between processes, with length and checksum;
 //! - [`keeper`]: a process that starts children, watches them and outlives whatever they do;
 //! - `offspring`: what an FMU leaves running is found and ended (Unix);
+//! - [`Traces`]: what a simulation leaves in its process;
 //! - [`watch`]: whether anything was changed in a folder that points share;
 //! - `words`: what children print, as far as it is worth keeping.
 //!
@@ -22,6 +23,8 @@ mod loss;
 pub mod offspring;
 #[cfg(unix)]
 mod system;
+#[cfg(unix)]
+mod traces;
 pub mod watch;
 #[cfg(windows)]
 mod windows;
@@ -33,7 +36,11 @@ pub use control_group::ControlGroup;
 pub use frame::Broken;
 pub use keeper::{Child, Keeper, Place};
 pub use loss::{Bounds, Loss, Parting};
+#[cfg(unix)]
+pub use traces::Traces;
 #[cfg(windows)]
 pub use windows::job::ControlGroup;
+#[cfg(windows)]
+pub use windows::traces::Traces;
 #[cfg(windows)]
 pub use windows::{keeper, pipe, process};

@@ -8,8 +8,11 @@ use std::time::{Duration, Instant};
 
 use super::system::{ignore_signals, own_pid};
 
-/// Makes this process the parent of all that its children leave behind. Without effect where the system cannot.
+/// Makes this process the parent of all that its children leave behind, where the system can. Whoever started it may ignore
+/// SIGCHLD, and so may the initialisers of an FMU: then nobody could ask how a child ended.
 pub fn adopt_orphans() {
+    // SAFETY: this signal then has no effect; no handler is involved.
+    unsafe { libc::signal(libc::SIGCHLD, libc::SIG_DFL) };
     #[cfg(target_os = "linux")]
     // SAFETY: sets a property of this process; the arguments are plain numbers.
     unsafe {

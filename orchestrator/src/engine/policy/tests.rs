@@ -19,22 +19,39 @@ fn a_probe_that_ends_late_changes_nothing_that_is_known() {
     }
 }
 
+/// A point that was computed alone, and of which the simulation took so long, s.
+fn alone(simulated: f32, odd: Option<Odd>) -> Reply {
+    Reply {
+        index: 0,
+        answer: Ok(vec![1.0].into()),
+        start: 0.0,
+        simulated,
+        odd,
+        forkable: None,
+    }
+}
+
+const JOB: Job = Job {
+    index: 0,
+    values: Vec::new(),
+};
+
+fn probed(left: usize) -> Policy {
+    let policy = Policy::new(Isolation::Audited, false);
+    for _ in 0..PROBES {
+        assert_eq!(policy.plan(Some(left)), Plan::Probe);
+        policy.probed(Probed::Alike, Duration::ZERO);
+    }
+    policy
+}
+
 /// A search asks for a few points, looks at them, and asks again.
 #[test]
 fn a_search_that_asks_for_few_points_at_a_time_earns_reuse() {
-    const TAKES: f64 = 0.01;
-    let policy = Policy::new(Isolation::Audited, false);
-    for _ in 0..PROBES {
-        assert_eq!(policy.plan(Some(10)), Plan::Probe);
-        policy.probed(Probed::Alike, Duration::ZERO);
-    }
-    let job = Job {
-        index: 0,
-        values: vec![1.0],
-    };
+    let policy = probed(10);
     let mut points = 0;
     while let Plan::Alone(separation) = policy.plan(Some(10)) {
-        policy.note(&job, &[1.0], separation, Some(TAKES));
+        policy.note(&JOB, &alone(0.001, None), separation, Some(0.01));
         points += 1;
         assert!(points < 1000);
     }
@@ -42,4 +59,69 @@ fn a_search_that_asks_for_few_points_at_a_time_earns_reuse() {
         (policy.plan(Some(10)), points),
         (Plan::Alone(Separation::Forked), 481)
     );
+}
+
+/// Neither a stall of the machine nor how fast it is decides, only which part of its time a point is simulated, mostly.
+#[test]
+fn no_single_reading_of_a_clock_decides() {
+    for machine in [1e-4, 1.0, 1e3] {
+        let policy = probed(1000);
+        for number in 0..PROOF {
+            let took = machine * if number % 3 == 0 { 500.0 } else { 1.0 };
+            let reply = alone(0.1 * machine as f32, None);
+            policy.note(&JOB, &reply, Separation::Forked, Some(took));
+        }
+        assert_eq!(policy.plan(Some(1000)), Plan::Trial);
+    }
+    // A refusal because points take long is none for good.
+    let policy = probed(1000);
+    for _ in 0..PROOF {
+        policy.note(&JOB, &alone(0.95, None), Separation::Forked, Some(1.0));
+    }
+    assert_eq!(policy.plan(Some(1000)), Plan::Alone(Separation::Forked));
+    assert_eq!(policy.conduct().isolation_reason, Some(Reason::LongPoints));
+    for _ in 0..PROOF {
+        policy.note(&JOB, &alone(0.5, None), Separation::Forked, Some(1.0));
+    }
+    assert_eq!(policy.plan(Some(1000)), Plan::Trial);
+}
+
+/// Where many points are odd, sharing saves nothing, until they are not any more.
+#[test]
+fn odd_points_run_alone_while_they_are_many() {
+    let policy = probed(1000);
+    let note = |odd| policy.note(&JOB, &alone(0.1, odd), Separation::Forked, Some(1.0));
+    (0..PROOF).for_each(|_| note(None));
+    assert_eq!(policy.plan(Some(1000)), Plan::Trial);
+    policy.tried(Ok(Habit::Reset));
+    policy.note_reuse();
+    for place in 0..LATEST {
+        policy.note_odd((place % 50 == 0).then_some(Odd::Complaint));
+    }
+    assert_eq!(policy.plan(Some(1000)), Plan::Used(Habit::Reset));
+    (0..=MANY).for_each(|_| policy.note_odd(Some(Odd::Threads)));
+    assert_eq!(policy.plan(Some(1000)), Plan::Alone(Separation::Forked));
+    assert_eq!(policy.conduct().isolation_reason, Some(Reason::Threads));
+    (0..LATEST).for_each(|_| note(None));
+    assert_eq!(policy.plan(Some(1000)), Plan::Used(Habit::Reset));
+    assert_eq!(policy.conduct().isolation_reason, None);
+}
+
+/// A text that names a licence must not cost a round of waiting for each point.
+#[test]
+fn a_licence_is_waited_for_once_in_vain() {
+    let policy = Policy::new(Isolation::Audited, false);
+    let limit = Duration::from_secs(3);
+    let now = Instant::now();
+    assert_eq!(policy.wait(false, now, limit), Wait::No);
+    assert_eq!(policy.wait(true, now, limit), Wait::Told(limit));
+    assert_eq!(policy.wait(true, now, limit), Wait::Again);
+    assert_eq!(
+        policy.wait(true, now, Duration::ZERO),
+        Wait::GivenUp(Duration::ZERO)
+    );
+    assert_eq!(policy.wait(true, Instant::now(), limit), Wait::No);
+    // Somebody got one: the next one that is refused may get one, too.
+    policy.instantiated(0.1);
+    assert_eq!(policy.wait(true, Instant::now(), limit), Wait::Again);
 }

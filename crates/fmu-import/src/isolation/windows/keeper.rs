@@ -42,6 +42,11 @@ impl Keeper {
         }
     }
 
+    /// Does what may take long without a look at the superior: a job object ends this process with that.
+    pub fn blindly<T>(&self, work: impl FnOnce() -> T) -> T {
+        work()
+    }
+
     /// Starts a program as a child: it has to begin with [`Place::take`].
     ///
     /// # Errors

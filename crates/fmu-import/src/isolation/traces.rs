@@ -1,0 +1,124 @@
+//! What a simulation leaves in its process: threads and processes that still run, signals that are handled in another way.
+
+use std::fs::File;
+use std::io;
+use std::os::fd::{FromRawFd, IntoRawFd};
+use std::os::unix::fs::MetadataExt;
+use std::time::Duration;
+
+use super::birth::raised;
+
+/// The signals of the standard and those for real time.
+const SIGNALS: usize = 64;
+
+/// The threads and signals of this process at some moment.
+#[derive(Debug)]
+pub struct Traces {
+    /// The folder of the threads; none where the system shows none.
+    threads: Option<File>,
+    count: u64,
+    children: bool,
+    signals: [Action; SIGNALS],
+}
+
+/// The function that handles a signal, and how.
+type Action = (usize, i32);
+
+impl Traces {
+    /// Those at this moment.
+    pub fn now() -> Self {
+        // An FMU may close low descriptors that it did not open.
+        let raised = |file: File| {
+            let low = file.into_raw_fd();
+            let high = raised(low);
+            if high != low {
+                // SAFETY: it is open, and nothing else in this process owns it.
+                drop(unsafe { File::from_raw_fd(low) });
+            }
+            // SAFETY: as above.
+            unsafe { File::from_raw_fd(high) }
+        };
+        let threads = File::open("/proc/self/task").ok().map(raised);
+        let count = threads.as_ref().map_or(Ok(0), count);
+        Self {
+            count: count.unwrap_or(0),
+            threads,
+            children: has_children(),
+            signals: actions(),
+        }
+    }
+
+    /// Whether a thread runs now that did not run then, or a process that one of them has started.
+    pub fn has_further_threads(&self) -> bool {
+        if !self.children && has_children() {
+            return true;
+        }
+        // One that was joined is still counted for a moment.
+        const MOMENTS: [u64; 4] = [20, 50, 200, 1000];
+        let Some(threads) = &self.threads else {
+            return false;
+        };
+        // An FMU that took the descriptor away is not to be trusted either.
+        let more = || count(threads).map_or(true, |count| count > self.count);
+        more()
+            && MOMENTS.iter().all(|&moment| {
+                std::thread::sleep(Duration::from_micros(moment));
+                more()
+            })
+    }
+
+    /// Whether a signal is handled in another way than then.
+    pub fn has_other_signals(&self) -> bool {
+        actions() != self.signals
+    }
+}
+
+/// How many threads there are: each is a link of the folder.
+fn count(threads: &File) -> io::Result<u64> {
+    threads.metadata().map(|folder| folder.nlink())
+}
+
+/// Whether this process has started another one that it has not asked how it ended.
+fn has_children() -> bool {
+    let flags = libc::WEXITED | libc::WNOHANG | libc::WNOWAIT;
+    // SAFETY: nothing is written, and no child is reaped.
+    unsafe { libc::waitid(libc::P_ALL, 0, std::ptr::null_mut(), flags) == 0 }
+}
+
+fn actions() -> [Action; SIGNALS] {
+    let mut actions = [(0, 0); SIGNALS];
+    for (action, signal) in actions.iter_mut().zip(1..) {
+        // SAFETY: zeroes are a valid value of this plain struct, which the call fills where there is such a signal.
+        unsafe {
+            let mut found: libc::sigaction = std::mem::zeroed();
+            libc::sigaction(signal, std::ptr::null(), &raw mut found);
+            *action = (found.sa_sigaction, found.sa_flags);
+        }
+    }
+    actions
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One test, as threads and signals are those of the whole process; other tests may start threads, none ends them all.
+    #[test]
+    fn what_is_left_is_seen() {
+        let before = Traces::now();
+        assert!(!before.has_other_signals());
+        let (end, wait) = std::sync::mpsc::channel::<()>();
+        let thread = std::thread::spawn(move || wait.recv().is_ok());
+        if before.threads.is_some() {
+            assert!(before.has_further_threads());
+        }
+        drop(end);
+        assert!(!thread.join().unwrap());
+        // SAFETY: nothing sends this signal.
+        unsafe { libc::signal(libc::SIGUSR2, libc::SIG_IGN) };
+        assert!(before.has_other_signals());
+        // SAFETY: as above.
+        unsafe { libc::signal(libc::SIGUSR2, libc::SIG_DFL) };
+        assert!(!before.has_other_signals());
+    }
+}

@@ -1,0 +1,210 @@
+//! Points that failed while others ran.
+//!
+//! An FMU may need what only one process can have at a time: a port, a file, the only licence. Then a point fails because
+//! of another one. So when all else is done, points that failed are run again while nothing else runs. A study may have very
+//! many points that fail for reasons of their own: of each kind of failure a few are repeated, and more only as
+//! long as that changes something.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use super::{EngineError, Event, Indexes, Job, Post, Worker};
+use crate::failure::Failure;
+
+/// So many points of a kind are repeated at first; of those that took too long, one.
+const FIRST: usize = 3;
+/// So many kinds are told apart; further ones only by their class.
+const KINDS: usize = 32;
+/// The kind of points that gave results in one try and none in another.
+const FICKLE: &str = "fickle";
+
+/// Points that failed while others ran, by the kind of their failure, and the kinds that come of the points alone.
+#[derive(Debug, Default)]
+pub struct Company {
+    failed: BTreeMap<String, Indexes>,
+    /// These fail alone, too.
+    sound: BTreeSet<String>,
+}
+
+impl Company {
+    /// Notes a point that failed while others ran.
+    pub fn note(&mut self, index: u64, failure: &Failure) {
+        // The FMU was not even asked, or would say the same of all.
+        if matches!(
+            failure.cause(),
+            Failure::OutOfRange(_) | Failure::Unloadable(_)
+        ) {
+            return;
+        }
+        let mut kind = kind(failure);
+        if self.failed.len() + self.sound.len() >= KINDS && !self.failed.contains_key(&kind) {
+            failure.class().clone_into(&mut kind);
+        }
+        if !self.sound.contains(&kind) {
+            self.failed.entry(kind).or_default().insert(index);
+        }
+    }
+
+    /// Notes what happened while others ran.
+    pub(super) fn heed(&mut self, event: &Event) {
+        match event {
+            Event::Answer(index, answer, _) => {
+                let known = self.failed.iter_mut().filter(|(kind, _)| *kind != FICKLE);
+                known.for_each(|(_, points)| points.remove(*index));
+                if let Err(failure) = answer {
+                    self.note(*index, failure);
+                }
+            }
+            Event::Fickle(index) if !self.sound.contains(FICKLE) => {
+                let points = self.failed.entry(FICKLE.to_owned());
+                points.or_default().insert(*index);
+            }
+            _ => {}
+        }
+    }
+
+    /// Whether no point is to be repeated.
+    pub(super) fn is_settled(&self) -> bool {
+        self.failed
+            .values()
+            .all(|points| points.iter().next().is_none())
+    }
+
+    /// Repeats points one by one while nothing else runs; whether that was ended early.
+    pub(super) fn settle<E: From<EngineError>>(
+        &mut self,
+        workers: &mut [Box<dyn Worker>],
+        job: &(dyn Fn(u64) -> Job + Sync),
+        stop: &AtomicBool,
+        receive: &mut dyn FnMut(Event) -> Result<ControlFlow<()>, E>,
+    ) -> Result<bool, E> {
+        let stopped = || stop.load(Ordering::Relaxed);
+        workers.iter_mut().for_each(|worker| worker.rest());
+        let Some(worker) = workers.first_mut() else {
+            return Ok(true);
+        };
+        let mut over = receive(Event::Alone)?.is_break();
+        for (kind, points) in std::mem::take(&mut self.failed) {
+            let mut open: Vec<u64> = points.iter().collect();
+            let mut count = if kind == Failure::Timeout.class() {
+                1
+            } else {
+                FIRST
+            };
+            loop {
+                let mut changed = false;
+                for index in spread(&mut open, count) {
+                    let mut outcome = Ok(());
+                    let mut take = |event| {
+                        if let Event::Answer(_, answer, _) = &event {
+                            let same = |failure| self::kind(failure) == kind;
+                            changed |= kind != FICKLE && !answer.as_ref().is_err_and(same);
+                        }
+                        match receive(event) {
+                            Ok(flow) => {
+                                over |= flow.is_break();
+                                flow
+                            }
+                            Err(error) => {
+                                outcome = Err(error);
+                                ControlFlow::Break(())
+                            }
+                        }
+                    };
+                    worker.run_alone(&job(index), &mut Post::new(&mut take, &stopped, None))?;
+                    outcome?;
+                    if over || stopped() {
+                        return Ok(true);
+                    }
+                }
+                if !changed {
+                    break;
+                }
+                count *= 2;
+            }
+            self.sound.insert(kind);
+        }
+        Ok(receive(Event::Settled)?.is_break())
+    }
+}
+
+/// Takes some of the points, evenly spread.
+fn spread(points: &mut Vec<u64>, count: usize) -> Vec<u64> {
+    let step = points.len().div_ceil(count.max(1)).max(1);
+    let chosen: Vec<u64> = points.iter().copied().step_by(step).collect();
+    let mut place = 0;
+    points.retain(|_| {
+        place += 1;
+        (place - 1) % step != 0
+    });
+    chosen
+}
+
+/// Failures with the same words are of one kind, whatever numbers stand in them.
+fn kind(failure: &Failure) -> String {
+    const ENOUGH: usize = 80;
+    let text = failure.cause().to_string();
+    let words = text.chars().filter(|letter| !letter.is_ascii_digit());
+    words.take(ENOUGH).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::Separation;
+
+    /// Alone, the points below this number fail for a reason of their own.
+    struct Shy(u64);
+
+    impl Worker for Shy {
+        fn run(&mut self, jobs: &[Job], post: &mut Post<'_>) -> Result<(), EngineError> {
+            for job in jobs {
+                post.send(answer(job.index, self.0, 0));
+            }
+            Ok(())
+        }
+    }
+
+    /// Points below `own` fail, and others below `crowded` while others run.
+    fn answer(index: u64, own: u64, crowded: u64) -> Event {
+        let answer = match index {
+            index if index < own => Err(Failure::Error(format!("{index} is too large"))),
+            index if index < crowded => Err(Failure::Error(format!("port {index} in use"))),
+            _ => Ok(vec![1.0].into()),
+        };
+        Event::Answer(index, answer, Separation::New)
+    }
+
+    /// How many points came again, and how many of them passed.
+    fn repeated(own: u64, crowded: u64) -> (usize, usize) {
+        let mut company = Company::default();
+        (0..crowded + 10).for_each(|index| company.heed(&answer(index, own, crowded)));
+        let mut workers: Vec<Box<dyn Worker>> = vec![Box::new(Shy(own))];
+        let job = |index| Job {
+            index,
+            values: Vec::new(),
+        };
+        let (mut again, mut passed) = (0, 0);
+        let never = AtomicBool::new(false);
+        let over = company.settle::<EngineError>(&mut workers, &job, &never, &mut |event| {
+            if let Event::Answer(_, answer, _) = event {
+                again += 1;
+                passed += usize::from(answer.is_ok());
+            }
+            Ok(ControlFlow::Continue(()))
+        });
+        assert!(!over.unwrap() && company.is_settled());
+        // What is known of a kind is not tried again.
+        company.heed(&answer(0, own, crowded));
+        assert!(company.is_settled());
+        (again, passed)
+    }
+
+    #[test]
+    fn all_come_again_that_pass_alone_and_few_that_do_not() {
+        assert_eq!(repeated(0, 100), (100, 100));
+        assert_eq!(repeated(100_000, 100_000), (FIRST, 0));
+        assert_eq!(repeated(5000, 5100), (FIRST + 100, 100));
+    }
+}
