@@ -472,7 +472,7 @@ impl Guard {
 
 /// Whether a text says that there is no licence. That it names one is not enough.
 fn lacks_licence(text: &str) -> bool {
-    const LACK: [&str; 16] = [
+    const LACK: [&str; 15] = [
         "no ",
         "not ",
         "n't",
@@ -484,7 +484,6 @@ fn lacks_licence(text: &str) -> bool {
         "invalid",
         "expire",
         "exceed",
-        "error",
         "in use",
         "busy",
         "unavailable",

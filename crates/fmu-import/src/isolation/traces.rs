@@ -1,10 +1,9 @@
 //! What a simulation leaves in its process: threads and processes that still run, signals that are handled in another way.
 
-use std::fs::File;
+use std::fs::{self, File};
 use std::io;
 use std::os::fd::{FromRawFd, IntoRawFd};
 use std::os::unix::fs::MetadataExt;
-use std::time::Duration;
 
 use super::birth::raised;
 
@@ -16,7 +15,9 @@ const SIGNALS: usize = 64;
 pub struct Traces {
     /// The folder of the threads; none where the system shows none.
     threads: Option<File>,
+    /// How many there are, and how many of them do not end at the moment.
     count: u64,
+    running: usize,
     children: bool,
     signals: [Action; SIGNALS],
 }
@@ -43,6 +44,7 @@ impl Traces {
         Self {
             count: count.unwrap_or(0),
             threads,
+            running: running(),
             children: has_children(),
             signals: actions(),
         }
@@ -53,18 +55,11 @@ impl Traces {
         if !self.children && has_children() {
             return true;
         }
-        // One that was joined is still counted for a moment.
-        const MOMENTS: [u64; 4] = [20, 50, 200, 1000];
         let Some(threads) = &self.threads else {
             return false;
         };
         // An FMU that took the descriptor away is not to be trusted either.
-        let more = || count(threads).map_or(true, |count| count > self.count);
-        more()
-            && MOMENTS.iter().all(|&moment| {
-                std::thread::sleep(Duration::from_micros(moment));
-                more()
-            })
+        count(threads).map_or(true, |count| count > self.count) && running() > self.running
     }
 
     /// Whether a signal is handled in another way than then.
@@ -76,6 +71,20 @@ impl Traces {
 /// How many threads there are: each is a link of the folder.
 fn count(threads: &File) -> io::Result<u64> {
     threads.metadata().map(|folder| folder.nlink())
+}
+
+/// How many threads do not end: one that was joined is still there for a moment, and its flags say that it is ending (proc(5),
+/// `stat`).
+fn running() -> usize {
+    const ENDING: u64 = 4;
+    let runs = |thread: &fs::DirEntry| {
+        let stat = fs::read_to_string(thread.path().join("stat")).ok()?;
+        let (_, fields) = stat.rsplit_once(')')?;
+        let flags: u64 = fields.split_ascii_whitespace().nth(6)?.parse().ok()?;
+        (flags & ENDING == 0).then_some(())
+    };
+    let threads = fs::read_dir("/proc/self/task").into_iter().flatten();
+    threads.flatten().filter_map(|thread| runs(&thread)).count()
 }
 
 /// Whether this process has started another one that it has not asked how it ended.
