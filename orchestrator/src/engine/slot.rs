@@ -321,7 +321,7 @@ impl Slot {
         let same = is_same(&first.answer, &second.answer);
         // A process that was ended from outside tells nothing about the FMU.
         let mut told = speaks_of_the_fmu(&first.answer) && speaks_of_the_fmu(&second.answer);
-        if self.is_crowd(&first.answer, &second.answer) {
+        if told && self.is_crowd(&first.answer, &second.answer) {
             post.send(Event::Fickle(job.index));
             told = false;
         }
