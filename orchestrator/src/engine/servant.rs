@@ -196,7 +196,7 @@ fn serve(
             if !full {
                 continue;
             }
-            if odd != Some(Odd::Signals) && before.traces.has_other_signals() {
+            if !setup.careful && before.traces.has_other_signals() {
                 // Any of the points since the last look may have changed them: only the first of these was surely sound.
                 said.truncate(end_of_first);
                 mark(Some(Odd::Signals), &mut said[1..]);
