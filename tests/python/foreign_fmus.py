@@ -1,14 +1,15 @@
-"""Other people's FMUs: 100 points of each by `orchestrator verify`, undisturbed and killed and resumed, against fmpy with
-a fresh process for every point. Prints a Markdown table; the exit code is 1 when a result is wrong or lost.
+"""Other people's FMUs, each kind for itself: points by `orchestrator verify`, undisturbed, with every point alone, and killed
+and resumed, against fmpy with a fresh process for every point. Prints a line an FMU and kind, then a Markdown table; the exit
+code is 1 when a result is wrong or lost.
 
     scripts/foreign FOLDER [--only PART] [--points N] [--keep DIR] [--table FILE]
 
-FOLDER holds .fmu files. In the folder of `--keep`, fmpy's results stay for the next time, and the rows of this very
-program: a run that was interrupted goes on where it was. `--table` writes a page with the table."""
+FOLDER holds .fmu files, named REPOSITORY--NAME.fmu. In the folder of `--keep`, fmpy's results stay for the next time, and the
+rows of this very program: a run that was interrupted goes on where it was. `--table` writes a page with the table."""
 
 import argparse
-import csv
 import hashlib
+import itertools
 import json
 import os
 import random
@@ -16,341 +17,419 @@ import re
 import signal
 import subprocess
 import sys
+import sysconfig
 import tempfile
-from collections import Counter
+import zipfile
+from collections import Counter, defaultdict
 from dataclasses import asdict, dataclass, field
 from datetime import datetime, timezone
 from pathlib import Path
 
 import fmpy
+import numpy as np
+from fmpy.simulation import settable_in_initialization_mode, settable_in_instantiated
 
 import fresh_points
 import supervised
 from supervised import PROGRAM, Study
 
-MOST_VARIED, MOST_OBSERVED, MOST_STEPS = 4, 12, 200
-SPREAD = 0.05
+KINDS = {"CoSimulation": "Co-Simulation", "ModelExchange": "Model Exchange"}
+MOST_VARIED, MOST_OBSERVED, MOST_ELEMENTS, MOST_STEPS = 4, 10, 12, 100
+SPREAD = 0.1
+# Model Exchange: relative to the largest value on the way. fmpy's solver and the orchestrator's get their tolerances.
+SAME, TIGHT = 1e-4, 1e-8
 # How many points fmpy runs in new processes, too: importing it takes long.
-FEW = 5
-CHECK_TIMEOUT, VERIFY_TIMEOUT, POINT_TIMEOUT = 300, 1500.0, 30.0
+FEW = 1
+CHECK_TIMEOUT, VERIFY_TIMEOUT, POINT_TIMEOUT = 300, 900.0, 30.0
 # Fills fresh memory with this byte, so that what depends on unwritten memory gives other results.
 FILL = {"MALLOC_PERTURB_": "165"}
-
+REAL, UNUSABLE = ("Real", "Float64", "Float32"), ("String", "Binary", "Clock")
 
 PAGE = """# Other people's FMUs
 
-Each of {count} FMUs from public repositories (the name before `--` is the repository's) was verified over {points} points by
-two workers, a second time with the supervisor killed by SIGKILL on the way and the study resumed, and simulated by fmpy
-with a fresh process for every point. A point is *equal* when all its outputs agree bit for bit, or when both give no
-result; it is *lost* when fmpy has a result and the orchestrator has none. *Reproducible* says whether fmpy gives the same
-in new processes and with fresh memory filled otherwise, and what the orchestrator says of it. `check` counts errors,
-warnings and notes; of the errors, the first stands in the last column. Where points are missing, fmpy cannot run the FMU
-either, or it has nothing to vary. The FMUs are not part of this repository, and the script fetches none.
+`scripts/foreign FOLDER --table docs/foreign-fmus.md` ran FMUs from public repositories and Python wheels, Co-Simulation and
+Model Exchange for itself: {points} points within 10 % of the start values, by fmpy's `simulate_fmu` with a fresh process for
+every point and by `orchestrator verify` with two workers, three times: undisturbed, with `--isolation fresh`, and killed by
+SIGKILL on the way and resumed. *Equal*: all outputs agree bit for bit, or neither gives a result. *Within*: by 1e-4 of
+the largest value (Model Exchange: two solvers). *Lost*: only the other has a result. *Once*: nothing to vary, one run.
+`check` counts errors, warnings and notes. The FMUs are not part of this repository, and the script fetches none.
 
-Written on {date} with orchestrator {version} by `{command}`:
-
-{summary}
+Written on {date} with orchestrator {version}: {summary}
 
 """
 
-COLUMNS = ["FMU", "made by", "equal", "different", "lost", "killed and resumed", "reproducible: fmpy, orchestrator",
-           "isolation", "check: errors, warnings, notes", "remarks"]
+COLUMNS = ["repository", "FMUs and kinds", "equal", "within", "different", "lost", "lost by fmpy", "once", "neither runs",
+           "check: errors, warnings, notes"]
 
 
 @dataclass
 class Row:
-    """What was found out about one FMU."""
+    """What was found out about one FMU of one kind."""
     name: str
+    kind: str
     tool: str = ""
-    check: str = ""
-    equal: str = ""
-    different: str = ""
-    lost: str = ""
-    resumed: str = ""
-    reproducible: str = ""
-    isolation: str = ""
+    check: list = field(default_factory=list)
+    counts: dict = field(default_factory=dict)
     remarks: list = field(default_factory=list)
     wrong: list = field(default_factory=list)
 
     def line(self):
-        return cells([self.name, self.tool, self.equal, self.different, self.lost, self.resumed, self.reproducible,
-                      self.isolation, self.check, "; ".join([*self.wrong, *self.remarks])])
-
-
-def cells(row):
-    return "| " + " | ".join(plain(str(cell)) for cell in row) + " |"
+        counts = ", ".join(f"{number} {what}" for what, number in self.counts.items() if number)
+        return f"{self.name}, {KINDS[self.kind]}: " + plain("; ".join(filter(None, [counts, *self.wrong, *self.remarks])))
 
 
 def plain(text):
-    """A cell: one line, without the folders of this machine."""
-    text = re.sub(r"(/[\w.~-]+){2,}/(?=[\w.~-])", "", text)
-    return text.replace("|", "/").replace("\n", " ")
+    """One line, without the folders of this machine."""
+    return re.sub(r"(/[\w.~-]+){2,}/(?=[\w.~-])", "", text).replace("|", "/").replace("\n", " ")
 
 
-HEAD = cells(COLUMNS) + "\n|" + "---|" * len(COLUMNS)
+def cells(row):
+    return "| " + " | ".join(map(str, row)) + " |"
 
 
-def schedule(description):
+def only(fmu, kind, to):
+    """A copy for one kind alone: else Co-Simulation would be run."""
+    other = next(other for other in KINDS if other != kind).encode()
+    with zipfile.ZipFile(fmu) as original, zipfile.ZipFile(to, "w", zipfile.ZIP_DEFLATED) as copy:
+        for name in dict.fromkeys(original.namelist()):
+            content = original.read(name)
+            if name == "modelDescription.xml":
+                content = re.sub(rb"<%s\b[^>]*?(/>|>.*?</%s>)" % (other, other), b"", content, flags=re.S)
+            copy.writestr(original.getinfo(name), content)
+    return to
+
+
+def schedule(description, kind):
     """The suggested experiment, cut to some hundred steps; start, stop and step."""
     experiment = description.defaultExperiment
 
-    def number(name, otherwise):
+    def number(name):
         value = getattr(experiment, name, None)
-        return otherwise if value is None else float(value)
+        return None if value is None else float(value)
 
-    start = number("startTime", 0.0)
-    stop = max(number("stopTime", start + 1.0), start + 1e-3)
-    step = number("stepSize", (stop - start) / MOST_STEPS)
-    return start, min(stop, start + MOST_STEPS * step), step
+    start, stop, step = number("startTime") or 0.0, number("stopTime"), number("stepSize")
+    if step is None and kind == "CoSimulation" and description.coSimulation.fixedInternalStepSize:
+        step = float(description.coSimulation.fixedInternalStepSize)
+    if stop is None or stop <= start:
+        stop = start + (MOST_STEPS * step if step else 1.0)
+    if not step or step > stop - start:
+        step = (stop - start) / MOST_STEPS
+    # A stop that fmpy and the orchestrator reach by the same sum.
+    return start, start + max(1, min(MOST_STEPS, round((stop - start) / step))) * step, step
 
 
 def varied(description):
     """Variables to vary: parameters, else inputs; real ones first."""
     def kind(variable):
         causes = ["parameter", "input"]
-        if variable.type == "String" or variable.start is None or variable.causality not in causes:
+        settable = settable_in_instantiated(variable) or settable_in_initialization_mode(variable)
+        if variable.type in UNUSABLE or variable.start is None or variable.causality not in causes or not settable:
             return None
-        return (variable.type != "Real", causes.index(variable.causality))
+        if any(low >= high for low, high in (span(variable, start) for start in starts(variable))):
+            return None
+        return (variable.type not in REAL, causes.index(variable.causality))
 
-    found = [(kind(variable), variable) for variable in description.modelVariables]
-    groups = sorted({kind for kind, _ in found if kind is not None})
-    return [v for kind, v in found if groups and kind == groups[0]][:MOST_VARIED]
-
-
-def number(text):
-    return {"true": 1.0, "false": 0.0}.get(text) if text in ("true", "false") else float(text)
+    known = [(kind(variable), variable) for variable in description.modelVariables]
+    groups = sorted({kind for kind, _ in known if kind is not None})
+    return [v for kind, v in known if groups and kind == groups[0]][:MOST_VARIED]
 
 
-def span(variable):
+def elements(variable):
+    """The names of a variable's elements: its own name, or those of an array."""
+    if not variable.shape:
+        return [variable.name]
+    indexes = itertools.product(*(range(1, int(size) + 1) for size in variable.shape))
+    return [f"{variable.name}[{','.join(map(str, index))}]" for index in indexes]
+
+
+def starts(variable):
+    """The start values of a variable's elements."""
+    texts = str(variable.start).split() if variable.shape else [str(variable.start)]
+    numbers = [{"true": 1.0, "false": 0.0}[text] if text in ("true", "false") else float(text) for text in texts]
+    return numbers * len(elements(variable)) if len(numbers) == 1 else numbers
+
+
+def span(variable, start):
     """The range of a variable around its start value, within its limits."""
-    start = number(variable.start)
     if variable.type == "Boolean":
         return 0.0, 1.0
-    wide = SPREAD * (abs(start) or 1.0) if variable.type == "Real" else 1.0
-    low = start - wide if variable.min is None else max(start - wide, float(variable.min))
-    high = start + wide if variable.max is None else min(start + wide, float(variable.max))
-    return (low, high) if high > low else (start, start + wide)
+    wide = SPREAD * (abs(start) or 1.0) if variable.type in REAL else 1.0
+    holders = (variable, variable.declaredType)
+    limits = [[getattr(holder, end) for holder in holders if getattr(holder, end, None) is not None]
+              for end in ("min", "max")]
+    low = max([start - wide, *map(float, limits[0][:1])])
+    high = min([start + wide, *map(float, limits[1][:1])])
+    return low, high
+
+
+def drawn(variable, numbers):
+    """Values of a variable's elements, as the variable's type has them; of a long array the first elements vary."""
+    values = []
+    for place, start in enumerate(starts(variable)):
+        low, high = span(variable, start)
+        value = start if place >= MOST_ELEMENTS else numbers.uniform(low, high)
+        if variable.type == "Float32":
+            value = float(np.float32(value))
+        elif variable.type not in REAL:
+            value = float(min(max(round(value), low), high))
+        values.append(value)
+    return values
 
 
 def observed(description):
     """Outputs, or local variables where there are none."""
-    numbers = [v for v in description.modelVariables if v.type != "String"]
+    numbers = [v for v in description.modelVariables if v.type not in UNUSABLE and v.name != "time"]
     outputs = [v for v in numbers if v.causality == "output"]
-    return (outputs or [v for v in numbers if v.causality == "local" and v.type == "Real"])[:MOST_OBSERVED]
+    return (outputs or [v for v in numbers if v.causality == "local" and v.type in REAL])[:MOST_OBSERVED]
 
 
-def study(fmu, description, inputs, outputs, count, folder):
-    """Writes the study and its table; returns the points."""
-    start, stop, step = schedule(description)
+def study(fmu, exact, times, inputs, outputs, count, folder):
+    """Writes the study and its table; returns the points as fmpy takes them."""
+    numbers, points, table = random.Random(1), [], []
+    for _ in range(count):
+        values = {v.name: drawn(v, numbers) for v in inputs}
+        table.append([x for v in inputs for x in values[v.name][:MOST_ELEMENTS]])
+        kind = {v.name: (float if v.type in REAL else bool if v.type == "Boolean" else int) for v in inputs}
+        points.append({v.name: [*map(kind[v.name], values[v.name])] if v.shape else kind[v.name](values[v.name][0])
+                       for v in inputs})
+    start, stop, step = times
     text = f"fmu = {json.dumps(str(fmu))}\n[simulation]\nstart = {start!r}\nstop = {stop!r}\nstep = {step!r}\n"
-    for index, variable in enumerate(inputs):
-        low, high = span(variable)
-        text += f"[parameters.{json.dumps(variable.name)}]\ndistribution = 'uniform'\nmin = {low!r}\nmax = {high!r}\n"
-        text += f"column = 'p{index}'\n"
-    for index, variable in enumerate(outputs):
-        text += f"[criteria.criterion-{index}]\nvariable = {json.dumps(variable.name)}\nnominal = 0\ntolerance = 1e9\n"
+    text += "" if exact else f"tolerance = {TIGHT!r}\n"
+    names = [name for variable in inputs for name in elements(variable)[:MOST_ELEMENTS]]
+    for index, name in enumerate(names):
+        low, high = min(row[index] for row in table), max(row[index] for row in table)
+        text += f"[parameters.{json.dumps(name)}]\ndistribution = 'uniform'\nmin = {low!r}\n"
+        text += f"max = {high if high > low else low + 1.0!r}\ncolumn = 'p{index}'\n"
+    for index, name in enumerate(name for variable in outputs for name in elements(variable)):
+        # The mean is read at every communication point, as fmpy does: some FMUs give other results when they are not.
+        for criterion, statistic in (("criterion", "final"), ("read", "mean")):
+            text += f"[criteria.{criterion}-{index}]\nvariable = {json.dumps(name)}\nstatistic = '{statistic}'\n"
+            text += "nominal = 0\ntolerance = 1e9\n"
     (folder / "study.toml").write_text(text)
-    numbers = random.Random(1)
-    points = [{v.name: numbers.uniform(*span(v)) for v in inputs} for _ in range(count)]
-    lines = [",".join(["point", *(f"p{index}" for index in range(len(inputs)))])]
-    lines += [",".join([str(point), *map(repr, values.values())]) for point, values in enumerate(points, 1)]
+    lines = [",".join(["point", *(f"p{index}" for index in range(len(names)))])]
+    lines += [",".join([str(point), *map(repr, row)]) for point, row in enumerate(table, 1)]
     (folder / "points.csv").write_text("\n".join(lines) + "\n")
     return points
 
 
-def reference(fmu, description, points, outputs, keep, server):
+def reference(fmu, kind, times, points, outputs, keep, server):
     """fmpy's results, and whether other processes give the same: new ones instead of forks, and other fresh memory."""
-    start, stop, step = schedule(description)
-    job = {"points": points, "outputs": [v.name for v in outputs], "start": start, "stop": stop, "step": step,
-           "timeout": POINT_TIMEOUT}
+    job = {"kind": kind, "points": points, "outputs": [v.name for v in outputs], "timeout": POINT_TIMEOUT,
+           "tolerance": TIGHT, **dict(zip(("start", "stop", "step"), times))}
     content = json.dumps([job, hashlib.sha256(fmu.read_bytes()).hexdigest()])
     file = keep / f"{hashlib.sha256(content.encode()).hexdigest()}.json" if keep else None
     if file and file.is_file():
         return json.loads(file.read_text())
     job["fmu"] = str(fmu)
-    results = server.run(job)
-    known = {"results": results, "reproducible": None}
-    if all("failure" in result for result in results):
-        # A library that is missing may be installed until the next time.
-        return known if "load" in results[0]["failure"] else kept(known, file)
-    few = {**job, "points": points[:FEW]}
-    again = fresh_points.run(few, workers=2) + fresh_points.run(few, workers=2, environment=FILL)
-    pairs = [(one["values"], other["values"]) for one, other in zip(results[:FEW] * 2, again)
-             if "values" in one and "values" in other]
-    known["reproducible"] = all(one == other for one, other in pairs)
-    return kept(known, file)
-
-
-def kept(known, file):
+    known = {"results": server.run(job), "reproducible": None}
+    few = [{**job, "points": [point]} for point, result in zip(points, known["results"]) if "values" in result][:FEW]
+    if few:
+        again = [fresh_points.run(one, environment=fill)[0] for one in few for fill in ({}, FILL)]
+        first = [result for result in known["results"] if "values" in result]
+        known["reproducible"] = all(other.get("values") in (None, first[place // 2]["values"])
+                                    for place, other in enumerate(again))
     if file:
         file.write_text(json.dumps(known))
     return known
 
 
 def check(fmu, row):
-    """The pre-flight: how much it finds, and the first error."""
+    """The pre-flight: how much it finds."""
     try:
         done = subprocess.run([PROGRAM, "check", fmu, "--format", "json"], capture_output=True, text=True,
                               timeout=CHECK_TIMEOUT, errors="replace")
-        found = json.loads(done.stdout)
+        told = json.loads(done.stdout)
     except subprocess.TimeoutExpired:
         row.wrong.append("check does not end")
         return
     except ValueError:
         row.wrong.append(f"check: exit code {done.returncode}: {done.stderr.strip()[-160:]}")
         return
-    row.check = f"{found['errors']}, {found['warnings']}, {found['notes']}"
-    errors = [finding for finding in found["findings"] if finding["severity"] == "error"]
-    row.remarks += [f"{error['rule']}: {error['message'][:160]}" for error in errors[:1]]
-    if (done.returncode == 1) != bool(errors):
+    row.check = [told["errors"], told["warnings"], told["notes"]]
+    if (done.returncode == 1) != bool(told["errors"]):
         row.wrong.append(f"check: exit code {done.returncode}")
 
 
-def compare(outcome, known, outputs, row):
-    """Counts points: equal, different, lost (fmpy has a result and the orchestrator none)."""
+def agree(mine, expected, exact):
+    """Whether a point's outputs are fmpy's: equal, within, or neither (None)."""
+    values = [float.fromhex(value) for value in expected["values"]]
+    if mine == values:
+        return "equal"
+    near = all(abs(a - b) <= SAME * largest + 1e-9 for a, b, largest in zip(mine, values, expected["largest"]))
+    return "within" if near and not exact else None
+
+
+def compare(outcome, known, exact, row, label):
+    """Counts points by how they agree with fmpy's; what is wrong goes into the row."""
     if outcome.code not in (0, 1, 3):
         what = "verify does not end" if outcome.code is None else f"verify: exit code {outcome.code}"
-        row.wrong.append(f"{what}: {outcome.said.strip()[-160:]}")
-        return None
+        if not all("failure" in result for result in known["results"]):
+            row.wrong.append(f"{label}: {what}: {outcome.said.strip()[-160:]}")
+        return Counter({"neither": len(known["results"])})
     if outcome.strays:
-        row.wrong.append(f"processes left: {outcome.strays}")
-    equal, different, lost = 0, [], []
+        row.wrong.append(f"{label}: processes left: {outcome.strays}")
+    counts, first = Counter(), {}
     for point, expected in enumerate(known["results"], 1):
         mine = outcome.points.get(point)
         fine = mine is not None and mine["status"].startswith("ok")
-        if "failure" in expected or any(not float.fromhex(v) - float.fromhex(v) == 0 for v in expected["values"]):
-            # What fmpy cannot either, or gives as no finite number, is no loss.
-            equal += not fine
-            different += [point] if fine else []
+        # What fmpy cannot either, or gives as no finite number, is no loss.
+        theirs = "values" in expected and all(float.fromhex(v) - float.fromhex(v) == 0 for v in expected["values"])
+        if not theirs:
+            how = "lost by fmpy" if fine else "neither"
         elif not fine:
-            lost.append((point, "no row" if mine is None else mine["status"]))
-        elif [float(mine[f"criterion-{index}"]).hex() for index in range(len(outputs))] == expected["values"]:
-            equal += 1
+            how = "lost"
         else:
-            different.append(point)
-    return equal, different, lost
+            values = [float(mine[f"criterion-{index}"]) for index in range(len(expected["values"]))]
+            how = agree(values, expected, exact) or "different"
+        counts[how] += 1
+        first.setdefault(how, f"point {point}: {(mine or {}).get('status', 'no row')[:120]}")
+    for how in ("different", "lost"):
+        if how in first and (how == "lost" or known["reproducible"]):
+            row.wrong.append(f"{label}: {counts[how]} {how}, {first[how]}")
+    return counts
 
 
-def simulate(fmu, description, outputs, row, server):
-    """One run as the FMU is, of FMUs without anything to vary."""
-    start, stop, step = schedule(description)
-    job = {"fmu": str(fmu), "points": [{}], "outputs": [v.name for v in outputs], "start": start, "stop": stop,
-           "step": step}
-    expected = server.run(job)[0]
-    if "failure" in expected:
-        row.remarks.append(f"fmpy cannot run it: {expected['failure'][:120]}")
-        return
-    command = [PROGRAM, "simulate", fmu, "--start", repr(start), "--stop", repr(stop), "--step", repr(step)]
-    try:
-        done = subprocess.run(command, capture_output=True, text=True, errors="replace", timeout=CHECK_TIMEOUT)
-    except subprocess.TimeoutExpired:
-        row.wrong.append("simulate does not end")
-        return
-    last = list(csv.DictReader(done.stdout.splitlines()))[-1:]
-    values = [float({"true": 1, "false": 0}.get(last[0][v.name], last[0][v.name])).hex() for v in outputs
-              if last and last[0].get(v.name)]
-    if done.returncode != 0 or values != expected["values"]:
-        row.wrong.append(f"simulate: exit code {done.returncode}, {values} instead of {expected['values']}: "
-                         f"{done.stderr.strip()[:120]}")
-    else:
-        row.remarks.append("simulated once, equal to fmpy")
+def environment(fmu):
+    """FMUs of pythonfmu need Python's library, which fmpy's process has."""
+    with zipfile.ZipFile(fmu) as archive:
+        embeds = any(name.startswith("resources/pythonfmu") for name in archive.namelist())
+    library = Path(sysconfig.get_config_var("LIBDIR")) / (sysconfig.get_config_var("LDLIBRARY") or "")
+    path = os.pathsep.join([sysconfig.get_path("purelib"), os.environ.get("PYTHONPATH", "")])
+    return {"LD_PRELOAD": str(library), "PYTHONPATH": path} if embeds else {}
 
 
-def examine(fmu, count, keep, folder, server):
-    row = Row(fmu.stem)
-    try:
-        description = fmpy.read_model_description(str(fmu), validate=False)
-        inputs = varied(description)
-        outputs = observed(description)
-    except Exception as error:
-        check(fmu, row)
-        row.remarks.append(f"fmpy cannot read it: {str(error)[:120]}")
-        return row
-    row.tool = description.generationTool or ""
-    if inputs and outputs:
-        points = study(fmu, description, inputs, outputs, count, folder)
-        known = reference(fmu, description, points, outputs, keep, server)
-        failures = [result["failure"] for result in known["results"] if "failure" in result]
-        if failures:
-            row.remarks.append(f"fmpy cannot run {len(failures)} points: {failures[0][:120]}")
-        if len(failures) < len(points):
-            verify(fmu, row, known, outputs, folder)
-    elif outputs:
-        row.remarks.append("nothing to vary")
-        simulate(fmu, description, outputs, row, server)
-    else:
-        row.remarks.append("nothing to observe")
-    check(fmu, row)
-    return row
-
-
-def verify(fmu, row, known, outputs, folder):
+def verify(fmu, row, known, exact, folder):
     command = ["verify", "study.toml", "--points-from", "points.csv", "--jobs", "2", "--point-timeout", POINT_TIMEOUT]
-    whole = Study(folder, "whole", command, {}).run()
-    first = compare(whole, known, outputs, row)
-    label = whole.summary.get("reproducible")
-    row.isolation = whole.summary.get("isolation", "")
-    row.reproducible = f"{'yes' if known['reproducible'] else 'no'}, {({True: 'yes', False: 'no'}).get(label, 'not said')}"
-    if first is None:
-        return
-    equal, different, lost = first
-    row.equal, row.different, row.lost = equal, len(different), len(lost)
-    if different and known["reproducible"]:
-        row.wrong.append(f"other results at points {different[:8]}")
-    if not known["reproducible"] and label is not False:
+    more = environment(fmu)
+    whole = Study(folder, "whole", command, more).run()
+    row.counts = dict(compare(whole, known, exact, row, "undisturbed"))
+    compare(Study(folder, "alone", [*command, "--isolation", "fresh"], more).run(), known, exact, row, "fresh")
+    if known["reproducible"] is False and whole.summary.get("reproducible") is not False:
         row.wrong.append("not labelled as not reproducible")
-    if lost:
-        row.wrong.append(f"lost: point {lost[0][0]}: {lost[0][1][:120]}")
-    for begun in (20, 8, 3, 1, 0):
-        run = Study(folder, f"killed-{begun}", command, {})
+    if whole.summary.get("isolation") not in (None, "fresh"):
+        row.remarks.append(f"isolation: {whole.summary['isolation']}")
+    for begun in (12, 3, 0):
+        run = Study(folder, f"killed-{begun}", command, more)
         _, killed, strays = run.interrupted(begun, signal.SIGKILL)
         if killed:
             break
     if strays:
         row.wrong.append(f"processes outlive a kill: {strays}")
-    again = compare(run.run("--resume"), known, outputs, row)
-    row.resumed = ("the same" if again == first else "other points") if killed else "ended before the kill"
-    if again is not None and known["reproducible"] and (again[1] or again[2]):
-        row.wrong.append(f"resumed: {len(again[1])} different, {len(again[2])} lost")
+    compare(run.run("--resume"), known, exact, row, "resumed")
 
 
-def examined(fmu, count, keep, server):
+def examine(fmu, kind, count, keep, folder, server):
+    row = Row(fmu.stem, kind)
+    fmu = only(fmu, kind, folder / fmu.name)
+    check(fmu, row)
+    try:
+        description = fmpy.read_model_description(str(fmu), validate=False)
+        inputs, outputs, times = varied(description), observed(description), schedule(description, kind)
+    except Exception as error:
+        row.remarks.append(f"fmpy cannot read it: {str(error)[:120]}")
+        row.counts = {"neither": 1}
+        return row
+    row.tool = description.generationTool or ""
+    if not outputs:
+        row.remarks.append("nothing to observe")
+        return row
+    exact = kind == "CoSimulation"
+    points = study(fmu, exact, times, inputs, outputs, count if inputs else 1, folder)
+    known = reference(fmu, kind, times, points, outputs, keep, server)
+    failures = [result["failure"] for result in known["results"] if "failure" in result]
+    if failures:
+        row.remarks.append(f"fmpy cannot run {len(failures)} points: {failures[0][:120]}")
+    if inputs:
+        verify(fmu, row, known, exact, folder)
+    else:
+        once(fmu, times, outputs, known["results"][0], exact, row)
+    return row
+
+
+def once(fmu, times, outputs, expected, exact, row):
+    """One run as the FMU is, of FMUs without anything to vary."""
+    start, stop, step = times
+    names = [name for variable in outputs for name in elements(variable)]
+    command = [PROGRAM, "simulate", fmu, "--start", repr(start), "--stop", repr(stop), "--step", repr(step)]
+    command += [part for name in names if "," not in name for part in ("--record", name)]
+    try:
+        done = subprocess.run(command, env={**os.environ, **environment(fmu)}, capture_output=True, text=True,
+                              errors="replace", timeout=CHECK_TIMEOUT)
+    except subprocess.TimeoutExpired:
+        row.wrong.append("simulate does not end")
+        return
+    rows = [line.split(",") for line in done.stdout.strip().splitlines()[1:]] if done.returncode == 0 else []
+    if "failure" in expected or not rows:
+        how = "neither" if "failure" in expected and not rows else "lost by fmpy" if rows else "lost"
+    else:
+        # fmpy writes no row for the moment at which an FMU for Model Exchange ends the simulation.
+        last = next((row for row in reversed(rows) if float(row[0]) <= expected["time"] + 1e-9 * step), rows[-1])
+        mine = [{"true": 1.0, "false": 0.0}.get(cell) if cell in ("true", "false") else float(cell) for cell in last[1:]]
+        how = "once" if agree(mine, expected, exact) else "different"
+    row.counts = {how: 1}
+    if how in ("lost", "different"):
+        row.wrong.append(f"simulate: {how}: {done.stderr.strip()[:120]}")
+
+
+def examined(fmu, kind, count, keep, server):
     """A row: the one that is kept, or a new one."""
-    parts = [fmu.read_bytes(), fmu.name.encode(), Path(PROGRAM).read_bytes(), str(count).encode()]
+    parts = [fmu.read_bytes(), fmu.name.encode(), kind.encode(), Path(PROGRAM).read_bytes(), str(count).encode()]
     digest = hashlib.sha256(b"".join(hashlib.sha256(part).digest() for part in parts)).hexdigest()
     file = keep / f"row-{digest}.json" if keep else None
     if file and file.is_file():
         return Row(**json.loads(file.read_text()))
     with tempfile.TemporaryDirectory(prefix="foreign-") as folder:
-        row = examine(fmu, count, keep, Path(folder), server)
+        row = examine(fmu, kind, count, keep, Path(folder), server)
     if file:
         file.write_text(json.dumps(asdict(row)))
     return row
 
 
-def summary(found, count):
-    run = [row for row in found if row.equal != ""]
-    how = Counter(row.resumed for row in run)
-    return (f"{len(found)} FMUs, {len(run)} run over {count} points: {sum(row.equal for row in run)} points equal to fmpy "
-            f"bit for bit, {sum(row.different for row in run)} different, {sum(row.lost for row in run)} lost; after a "
-            f"kill: {', '.join(f'{how[key]} {key}' for key in sorted(how))}; "
-            f"{sum(bool(row.wrong) for row in found)} FMUs with something wrong.")
+def total(rows):
+    return sum((Counter(row.counts) for row in rows), Counter())
 
 
-def page(found, options):
+def table(rows):
+    """A line a repository, and one for all."""
+    by_repository = defaultdict(list)
+    for row in rows:
+        by_repository[row.name.split("--")[0]].append(row)
+    lines = [cells(COLUMNS), "|" + "---|" * len(COLUMNS)]
+    for name in [*sorted(by_repository, key=str.lower), "all"]:
+        group = by_repository.get(name, rows)
+        counts = total(group)
+        checked = [sum(column) for column in zip(*(row.check for row in group if row.check))]
+        lines.append(cells([name, f"{len({row.name for row in group})}, {len(group)}",
+                            *(counts[what] for what in ("equal", "within", "different", "lost", "lost by fmpy", "once",
+                                                        "neither")), ", ".join(map(str, checked))]))
+    odd = [f"- {row.line()}" for row in rows if row.wrong or set(row.counts) & {"different", "lost", "lost by fmpy"}]
+    return "\n".join(lines) + ("\n\nWhat is lost or differs:\n\n" + "\n".join(odd) if odd else "") + "\n"
+
+
+def summary(rows):
+    counts = total(rows)
+    return (f"{len({row.name for row in rows})} FMUs, {len(rows)} FMUs and kinds: {counts['equal']} points equal, "
+            f"{counts['within']} within, {counts['different']} different, {counts['lost']} lost; "
+            f"{sum(bool(row.wrong) for row in rows)} with something wrong.")
+
+
+def page(rows, options):
     version = subprocess.run([PROGRAM, "--version"], capture_output=True, text=True, check=True).stdout.split()[-1]
-    head = PAGE.format(date=datetime.now(timezone.utc).date(), version=version, count=len(found), points=options.points,
-                       command=f"scripts/foreign FOLDER --table docs/{options.table.name}",
-                       summary=summary(found, options.points))
-    rows = sorted(found, key=lambda row: row.name.lower())
-    return head + "\n".join([HEAD, *(row.line() for row in rows)]) + "\n"
+    return PAGE.format(date=datetime.now(timezone.utc).date(), version=version, points=options.points,
+                       summary=summary(rows)) + table(rows)
+
+
+def kinds(fmu):
+    with zipfile.ZipFile(fmu) as archive:
+        text = archive.read("modelDescription.xml")
+    return [kind for kind in KINDS if re.search(rb"<%s\b" % kind.encode(), text)]
 
 
 def main():
     arguments = argparse.ArgumentParser(prog="scripts/foreign", description=__doc__.split("\n\n")[0])
     arguments.add_argument("folder", type=Path)
     arguments.add_argument("--only", default="", metavar="PART", help="only FMUs with this in their names")
-    arguments.add_argument("--points", type=int, default=100, metavar="N")
+    arguments.add_argument("--points", type=int, default=24, metavar="N")
     arguments.add_argument("--keep", type=Path, metavar="DIR", help="where results stay for the next time")
     arguments.add_argument("--table", type=Path, metavar="FILE", help="a page with the table")
     options = arguments.parse_args()
@@ -358,17 +437,16 @@ def main():
     if options.keep:
         options.keep.mkdir(parents=True, exist_ok=True)
     supervised.DEADLINE = VERIFY_TIMEOUT
-    print(HEAD, flush=True)
-    found, server = [], fresh_points.Server()
+    rows, server = [], fresh_points.Server()
     for fmu in fmus:
-        row = examined(fmu, options.points, options.keep, server)
-        print(row.line(), flush=True)
-        found.append(row)
+        for kind in kinds(fmu):
+            rows.append(examined(fmu, kind, options.points, options.keep, server))
+            print(rows[-1].line(), flush=True)
     server.close()
-    print("\n" + summary(found, options.points))
+    print("\n" + table(rows) + "\n" + summary(rows))
     if options.table:
-        options.table.write_text(page(found, options))
-    return 1 if any(row.wrong for row in found) or not found else 0
+        options.table.write_text(page(rows, options))
+    return 1 if any(row.wrong for row in rows) or not rows else 0
 
 
 if __name__ == "__main__":

@@ -4,7 +4,8 @@ the reference for what the orchestrator computes, which shares nothing with it. 
     python fresh_points.py JOB.json     prints a JSON list, an item a point: {"values": [...]} or {"failure": "..."}
 
 A job holds fmu, points (a list of {name: value}), outputs, stop, step, and where they matter start, tolerance and
-timeout; with own_folders each point has an unpacked FMU and a working directory of its own. Its point processes are new ones: slow (fmpy is imported each time), but nothing is older than the point.
+timeout; with own_folders each point has an unpacked FMU and a working directory of its own. With kind, `CoSimulation` or
+`ModelExchange`, fmpy's `simulate_fmu` runs the points, those of FMI 3.0, too. Its point processes are new ones: slow (fmpy is imported each time), but nothing is older than the point.
 `Server` forks them from a process that has imported fmpy and loaded no FMU: some milliseconds a point."""
 
 import contextlib
@@ -37,9 +38,13 @@ PR_SET_PDEATHSIG = 1
 def prepared(job, folder):
     """The job with what the FMU's description says, and the FMU unpacked."""
     description = fmpy.read_model_description(job["fmu"], validate=False)
+    fmpy.extract(job["fmu"], folder)
+    if "kind" in job:
+        place = Path(folder, "at")
+        place.mkdir()
+        return {"timeout": TIMEOUT, **job, "folder": str(folder), "place": str(place)}
     if description.coSimulation is None:
         raise ValueError("no Co-Simulation")
-    fmpy.extract(job["fmu"], folder)
     experiment = description.defaultExperiment
     tolerance = experiment.tolerance if experiment is not None else None
     return {"start": 0.0, "tolerance": None if tolerance is None else float(tolerance), "timeout": TIMEOUT, **job,
@@ -117,6 +122,19 @@ def simulate(job, values):
     return [read(slave, job["variables"][name]) for name in job["outputs"]]
 
 
+def simulated(job, values):
+    """The outputs at the end, its time, and the largest magnitude of each on the way, by fmpy's own simulation."""
+    description = fmpy.read_model_description(job["folder"], validate=False)
+    more = {} if job["kind"] == "CoSimulation" else {"relative_tolerance": job["tolerance"], "record_events": False}
+    rows = fmpy.simulate_fmu(job["folder"], validate=False, model_description=description, fmi_type=job["kind"],
+                             start_time=job["start"], stop_time=job["stop"], output_interval=job["step"],
+                             start_values=values, output=job["outputs"], **more)
+    columns = [rows[name].astype(float).reshape(len(rows), -1).T for name in job["outputs"]]
+    signals = [signal for column in columns for signal in column]
+    return {"values": [float(signal[-1]).hex() for signal in signals], "time": float(rows["time"][-1]),
+            "largest": [float(abs(signal).max()) for signal in signals]}
+
+
 def answer(job, values, into):
     """Simulates in this process, which ends with it. What the FMU prints is thrown away."""
     into = os.dup(into)
@@ -125,7 +143,7 @@ def answer(job, values, into):
     for stream in range(3):
         os.dup2(nothing, stream)
     try:
-        result = {"values": simulate(job, values)}
+        result = simulated(job, values) if "kind" in job else {"values": simulate(job, values)}
     except Exception as error:  # whatever it is, it is the point's
         result = {"failure": f"{type(error).__name__}: {error}"}
     os.write(into, json.dumps(result).encode() + b"\n")
