@@ -268,7 +268,7 @@ fn resumed(studies: u32, samples: &[usize]) {
 
 #[test]
 fn studies_that_are_resumed_again_and_again_hardly_ever_decide_wrongly() {
-    resumed(100, &[4]);
+    resumed(500, &[4]);
 }
 
 #[test]
