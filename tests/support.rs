@@ -3,10 +3,10 @@
 use std::collections::HashMap;
 use std::path::PathBuf;
 
+use calibration::problem::{NoPrediction, Prediction, Query, Simulate};
 use fmu_export::model::{Access, Experiment, Kind, Model, Variable};
 use fmu_import::{Description, Package, Value};
 use orchestrator::identify::bind::Bound;
-use orchestrator::identify::problem::{NoPrediction, Prediction, Query, Simulate};
 use orchestrator::task::Task;
 use plain_bearing_stand::stand::Stand;
 use rayon::prelude::*;

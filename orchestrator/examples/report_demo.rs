@@ -1,11 +1,11 @@
 //! Writes the report of an invented study, to look at: `cargo run --example report_demo -- 50 target/demo`.
 
 use conformity::measured::{Measured, Measurement, Uncertainty};
-use orchestrator::analysis::pareto::study::{Member, trade_off};
-use orchestrator::analysis::robustness::{region, robustness, rows};
 use orchestrator::analysis::sensitivity::study::from_points;
-use orchestrator::analysis::table::{CriterionColumn, ParameterColumn, PointTable};
 use orchestrator::report::{Report, figures::Series, judgement::Judgement};
+use parameter_regions::pareto::study::{Member, trade_off};
+use parameter_regions::robustness::{region, robustness, rows};
+use parameter_regions::table::{CriterionColumn, ParameterColumn, PointTable};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rand_distr::StandardNormal;
 use std::path::Path;

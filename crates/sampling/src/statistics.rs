@@ -6,6 +6,7 @@
 mod amplitude;
 mod collect;
 mod crossing;
+pub mod estimate;
 mod frequency;
 mod last;
 mod max;

@@ -116,7 +116,7 @@ pub fn design(parameters: usize, trajectories: usize, levels: usize, seed: u64) 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Effect {
     /// Mean effect: the output's change for a parameter's change over its whole range.
-    #[serde(deserialize_with = "crate::or_not_a_number")]
+    #[serde(deserialize_with = "sampling::statistics::estimate::or_not_a_number")]
     pub mu: f64,
     /// Mean of the effects' magnitudes: importance, with its interval.
     pub mu_star: Estimate,
@@ -125,7 +125,7 @@ pub struct Effect {
     #[serde(default)]
     pub mu_star_bounds: Option<[f64; 2]>,
     /// Standard deviation of the effects: large where the parameter interacts or acts non-linearly.
-    #[serde(deserialize_with = "crate::or_not_a_number")]
+    #[serde(deserialize_with = "sampling::statistics::estimate::or_not_a_number")]
     pub sigma: f64,
     /// The number of effects; steps from or to a failed run have none.
     pub used: usize,

@@ -1,8 +1,8 @@
 //! Box and ellipsoid: what part of them is verified, by fresh samples, against what is stated.
 
-use orchestrator::analysis::robustness::region::Confirmed;
-use orchestrator::analysis::robustness::robustness;
-use orchestrator::analysis::table::{CriterionColumn, ParameterColumn, PointTable};
+use parameter_regions::robustness::region::Confirmed;
+use parameter_regions::robustness::robustness;
+use parameter_regions::table::{CriterionColumn, ParameterColumn, PointTable};
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 use rayon::prelude::*;

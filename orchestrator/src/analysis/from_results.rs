@@ -1,9 +1,9 @@
 //! The table of points from what `verify` leaves behind.
 
-use super::table::{CriterionColumn, ParameterColumn, PointTable};
 use crate::judge::{Judge, PointVerdict};
 use crate::results::{Outcome, Points, PointsError, ResultsError, Summary};
 use crate::study::plan::Input;
+use parameter_regions::table::{CriterionColumn, ParameterColumn, PointTable};
 use std::path::Path;
 use thiserror::Error;
 

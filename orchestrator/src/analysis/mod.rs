@@ -1,14 +1,9 @@
-//! From a cloud of simulated points to an answer: pure functions on tables of numbers.
+//! From points to an answer: what the crates `parameter-regions` and `sensitivity` need of a study's results.
 //!
-//! Nothing here runs a simulation or knows FMI. The input is a [`table::PointTable`] or plain slices; the output is numbers
+//! Nothing here runs a simulation or knows FMI. The input is a [`parameter_regions::table::PointTable`] or plain slices; the output is numbers
 //! with their uncertainty. [`from_results`] makes the table from a study's results.
 
 pub mod from_results;
 pub mod motion;
-pub mod pareto;
-pub mod robustness;
 pub mod sensitivity;
-pub mod synchronise;
-pub mod table;
-pub mod tolerances;
 pub mod verdict;

@@ -1,7 +1,7 @@
 //! The verdict with its uncertainty: how many points are verified, how sure that fraction is,
 //! and which criterion decides.
 
-use super::table::PointTable;
+use parameter_regions::table::PointTable;
 use sampling::statistics::share::Fraction;
 
 /// How many points one criterion accepts and rejects.
@@ -100,7 +100,7 @@ fn criterion_verdict(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::table::CriterionColumn;
+    use parameter_regions::table::CriterionColumn;
 
     /// A criterion of 10 ± 2, in a group or in none.
     fn ten(name: &str, group: Option<&str>, values: [f64; 6]) -> CriterionColumn {

@@ -7,12 +7,12 @@ use serde::Serialize;
 
 use super::{CommandError, output};
 use crate::analysis::from_results;
-use crate::analysis::table::PointTable;
 use crate::report::Report;
 use crate::results::origin::Origin;
 use crate::results::{ResultsError, Summary, write_json};
 use crate::study::Study;
 use fmu_import::digest;
+use parameter_regions::table::PointTable;
 
 /// Where a study's results lie unless the user says otherwise.
 pub(super) fn folder_of(study: &Path) -> PathBuf {

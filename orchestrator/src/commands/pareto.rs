@@ -9,9 +9,6 @@ use super::CommandError;
 use super::asking::{self, Analysis, PointSet};
 use super::finding::{self, AnalysisResult};
 use crate::analysis::from_results;
-use crate::analysis::pareto::nsga2;
-use crate::analysis::pareto::study::{CONFLICT, Member, Pareto, trade_off};
-use crate::analysis::table::PointTable;
 use crate::cli;
 use crate::pipeline::Pipeline;
 use crate::report::format::number;
@@ -20,6 +17,9 @@ use crate::results::Outcome;
 use crate::results::origin::Origin;
 use crate::session::Session;
 use crate::study::Study;
+use parameter_regions::pareto::nsga2;
+use parameter_regions::pareto::study::{CONFLICT, Member, Pareto, trade_off};
+use parameter_regions::table::PointTable;
 
 pub(super) const NAME: &str = "pareto";
 

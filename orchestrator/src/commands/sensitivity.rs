@@ -11,7 +11,6 @@ use super::asking::{self, Analysis, PointSet};
 use super::finding::{self, AnalysisResult};
 use crate::analysis::from_results;
 use crate::analysis::sensitivity::study::{Output, Sensitivity, from_points, from_runs};
-use crate::analysis::table::PointTable;
 use crate::cli;
 use crate::pipeline::Pipeline;
 use crate::report::format::number;
@@ -25,6 +24,7 @@ use crate::table::csv_file;
 use ::sensitivity::Estimate;
 use ::sensitivity::method::{self, FirstOrder, Measure, Settled, Space};
 use ::sensitivity::methods::{RUNS, named};
+use parameter_regions::table::PointTable;
 
 pub(super) const NAME: &str = "sensitivity";
 

@@ -8,11 +8,11 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use super::{CommandError, output};
-use crate::analysis::synchronise::case::{Case, Frame};
-use crate::analysis::synchronise::{RigRecording, Synchronised, criteria, synchronise};
 use crate::cli;
 use crate::report::recording;
 use crate::results::{ResultsError, write_atomically};
+use rig_signals::case::{Case, Frame};
+use rig_signals::{RigRecording, Synchronised, criteria, synchronise};
 use settings::Settings;
 
 pub use mistake::SettingsError;

@@ -1,9 +1,7 @@
 //! Ties the section `[identify]` of a study to its FMU and its table.
 
 use super::cases::Columns;
-use super::discrepancy::Unknown;
 use super::error::BindError;
-use super::problem::{Case, Free, Interval, Latent, Measured, Prior, Problem, Quantity};
 use crate::study::identification::{
     DiscrepancyText, Exception, FreeText, Identification, LatentText, MeasuredText, Spacing,
 };
@@ -11,6 +9,8 @@ use crate::study::plan::{Plan, find, slot_of};
 use crate::study::quantity::{Scale, Sense};
 use crate::study::{Name, Quantity as Text, Study, StudyError};
 use crate::task::{Case as Simulation, Probe, Slot};
+use calibration::discrepancy::Unknown;
+use calibration::problem::{Case, Free, Interval, Latent, Measured, Prior, Problem, Quantity};
 use fmu_import::units::Conversion;
 use fmu_import::{Description, Variable};
 use sampling::statistics::Statistic;

@@ -3,10 +3,10 @@
 use std::cell::RefCell;
 
 use super::bind::Bound;
-use super::problem::{NoPrediction, Prediction, Query, Simulate};
 use crate::engine::Answer;
 use crate::pipeline::{Halt, Model, Pipeline};
 use crate::results::Outcome;
+use calibration::problem::{NoPrediction, Prediction, Query, Simulate};
 
 impl Model for Bound {
     fn values(&self, point: &[f64]) -> Vec<f64> {

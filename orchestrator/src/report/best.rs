@@ -2,8 +2,8 @@
 
 use super::format::{number, percent};
 use super::payload::PlotColumn;
-use crate::analysis::pareto;
-use crate::analysis::table::{PointTable, Ranked};
+use parameter_regions::pareto;
+use parameter_regions::table::{PointTable, Ranked};
 use serde::Serialize;
 
 /// Number of best points in the table.

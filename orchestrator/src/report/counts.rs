@@ -4,9 +4,9 @@ use super::Report;
 use super::format::{count, number, percent};
 use super::judgement::{Decided, Judgement};
 use super::overlay::metric_of;
-use crate::analysis::table::PointTable;
 use crate::analysis::verdict::PassCounts;
 use curves::{Kind, Metric};
+use parameter_regions::table::PointTable;
 use sampling::statistics::share::Fraction;
 use serde::Serialize;
 

@@ -6,7 +6,7 @@ use super::format::{count, number, with_unit};
 use super::overlay::Measured;
 use super::payload::PlotColumn;
 use super::svg::{Axis, Frame, ticks};
-use crate::analysis::table::PointTable;
+use parameter_regions::table::PointTable;
 use std::fmt::Write as _;
 
 /// Points of one column against another, with the accepted box: one by one where `points` are

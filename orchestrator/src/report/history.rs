@@ -2,10 +2,10 @@
 
 use super::figures::Series;
 use super::overlay::{Measured, metric_of};
-use crate::analysis::table::PointTable;
 use crate::study::Study;
 use crate::table::csv_file;
 use indexmap::IndexMap;
+use parameter_regions::table::PointTable;
 use sampling::statistics::Statistic;
 use std::path::Path;
 

@@ -5,12 +5,12 @@ use std::borrow::Cow;
 use serde::Serialize;
 
 use super::format::{number, percent};
-use crate::analysis::table::PointTable;
 use crate::results::conclusion::Conclusion;
 use crate::results::{Summary, words};
 use conformity::decision::Decision;
 use conformity::measured::{Measured, Measurement};
 use conformity::risk::Risk;
+use parameter_regions::table::PointTable;
 
 /// The verdict with its risks.
 #[derive(Clone, Debug, Default)]
@@ -206,8 +206,8 @@ impl RiskRow {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::table::CriterionColumn;
     use conformity::measured::Uncertainty;
+    use parameter_regions::table::CriterionColumn;
 
     fn table(values: &[f64]) -> PointTable {
         PointTable {

@@ -28,11 +28,7 @@ pub mod tolerances;
 pub mod whatif;
 
 use crate::analysis::from_results::FolderError;
-use crate::analysis::pareto::study::Pareto;
-use crate::analysis::robustness::Robustness;
 use crate::analysis::sensitivity::study::Sensitivity;
-use crate::analysis::table::PointTable;
-use crate::analysis::tolerances::stated::Tolerances;
 use crate::analysis::verdict::PassCounts;
 use base64::{Engine, engine::general_purpose::STANDARD};
 use figures::Series;
@@ -40,6 +36,10 @@ use flate2::{Compression, write::GzEncoder};
 use indexmap::IndexMap;
 use judgement::Judgement;
 use outlook::Outlook;
+use parameter_regions::pareto::study::Pareto;
+use parameter_regions::robustness::Robustness;
+use parameter_regions::table::PointTable;
+use parameter_regions::tolerances::stated::Tolerances;
 #[cfg(feature = "png")]
 use rayon::prelude::*;
 use sampling::statistics::share::Fraction;

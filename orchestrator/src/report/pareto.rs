@@ -2,7 +2,7 @@
 
 use super::format::{count, number};
 use super::svg::Frame;
-use crate::analysis::pareto::study::{CONFLICT, Member, Pareto};
+use parameter_regions::pareto::study::{CONFLICT, Member, Pareto};
 use serde::Serialize;
 use std::fmt::Write as _;
 

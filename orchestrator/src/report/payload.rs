@@ -4,8 +4,8 @@
 use super::bins;
 use super::judgement::Judgement;
 use super::whatif::WhatIf;
-use crate::analysis::table::PointTable;
 use crate::results::choice::Even;
+use parameter_regions::table::PointTable;
 use serde::Serialize;
 use std::cell::RefCell;
 use std::collections::BTreeMap;

@@ -2,7 +2,7 @@
 
 use super::figures;
 use super::payload::PlotColumn;
-use crate::analysis::table::PointTable;
+use parameter_regions::table::PointTable;
 use serde::Serialize;
 
 /// Largest number of planes of two criteria.

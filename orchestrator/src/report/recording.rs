@@ -6,8 +6,8 @@ use super::figures::envelope;
 use super::format::number;
 use super::svg::Frame;
 use super::{ReportError, write_file};
-use crate::analysis::synchronise::{DerivedCriterion, RigRecording, Synchronised, criteria};
 use minijinja::{Environment, value::Serde};
+use rig_signals::{DerivedCriterion, RigRecording, Synchronised, criteria};
 use sampling::statistics::moments::mean;
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -148,7 +148,7 @@ fn page(recording: &RigRecording, result: &Synchronised, title: &str, amplitudes
 fn row(finding: &DerivedCriterion) -> Row {
     let m = &finding.measured;
     let unit = &finding.unit;
-    let change = |s: &crate::analysis::synchronise::stationarity::Stationarity| {
+    let change = |s: &rig_signals::stationarity::Stationarity| {
         format!(
             "{} ({} … {})",
             number(s.change.value, 2),

@@ -2,11 +2,11 @@
 
 use super::format::{escape, number, percent, with_unit};
 use super::svg::ticks;
-use crate::analysis::robustness::Robustness;
-use crate::analysis::robustness::combinations::{Bound, Combination};
-use crate::analysis::robustness::maps::{CELLS, Map};
-use crate::analysis::robustness::margins::Margin;
-use crate::analysis::robustness::region::Confirmed;
+use parameter_regions::robustness::Robustness;
+use parameter_regions::robustness::combinations::{Bound, Combination};
+use parameter_regions::robustness::maps::{CELLS, Map};
+use parameter_regions::robustness::margins::Margin;
+use parameter_regions::robustness::region::Confirmed;
 use serde::Serialize;
 use std::fmt::Write as _;
 
@@ -37,7 +37,7 @@ struct Group {
 
 /// Prepares a result for the template.
 pub fn view(result: &Robustness) -> View {
-    let quality = |(name, q): &(String, crate::analysis::robustness::surrogate::Quality)| {
+    let quality = |(name, q): &(String, parameter_regions::robustness::surrogate::Quality)| {
         [
             name.clone(),
             format!("{} terms up to degree {}", q.terms, q.degree),

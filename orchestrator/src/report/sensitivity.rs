@@ -2,7 +2,7 @@
 
 use super::format::{escape, number};
 use crate::analysis::sensitivity::study::{Output, Sensitivity};
-use crate::analysis::table::PointTable;
+use parameter_regions::table::PointTable;
 use sensitivity::Estimate;
 use sensitivity::method::Measure;
 use serde::Serialize;

@@ -5,8 +5,8 @@ use std::fmt::Write;
 use serde::Serialize;
 
 use super::format::number;
-use crate::analysis::tolerances::stated::{Parameter, Tolerances, Wanted};
 use conformity::decision::Decision;
+use parameter_regions::tolerances::stated::{Parameter, Tolerances, Wanted};
 
 /// The result's file in a folder of results.
 pub const FILE: &str = "tolerances.json";

@@ -7,18 +7,8 @@ use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
 use super::{Name, Quantity};
+use calibration::problem::Spacing;
 use sampling::statistics::Statistic;
-
-/// How a parameter is measured out between its bounds.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Spacing {
-    /// Equal differences count equally.
-    #[default]
-    Linear,
-    /// Equal ratios count equally: for quantities known only by their order of magnitude.
-    Log,
-}
 
 /// Where the posterior's sample starts. The sample has the same distribution with either.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use crate::support::Bench;
 use orchestrator::analysis::from_results::read_some;
-use orchestrator::analysis::table::PointTable;
+use parameter_regions::table::PointTable;
 
 const STUDY: &str = r#"
 fmu = "lag.fmu"

@@ -2,10 +2,10 @@
 
 #![allow(clippy::unwrap_used)]
 
+use calibration::local::{Limits, Minimum, minimise};
+use calibration::objective::{Differences, Objective};
 use fmu_export::model::{Experiment, Model};
 use orchestrator::identify::bind::Bound;
-use orchestrator::identify::local::{Limits, Minimum, minimise};
-use orchestrator::identify::objective::{Differences, Objective};
 use orchestrator::judge::Judge;
 use orchestrator::study::Identification;
 use orchestrator::study::Study;

@@ -1,6 +1,6 @@
 //! Runs without values: how many there are of each output, and what the numbers mean without them.
 
-use crate::analysis::table::{CriterionColumn, PointTable};
+use parameter_regions::table::{CriterionColumn, PointTable};
 use sensitivity::method::FromRuns;
 
 /// The output that tells whether a run failed.

@@ -1,7 +1,7 @@
 //! The sensitivity of all outputs of a study in one result: of every criterion, and of "is verified".
 
 use super::failures;
-use crate::analysis::table::PointTable;
+use parameter_regions::table::PointTable;
 use sensitivity::method::{FirstOrder, FromRuns, Measure, Settled, Told};
 use sensitivity::methods::{RUNS, VIEWS};
 use sensitivity::{Estimate, dominant, regional};

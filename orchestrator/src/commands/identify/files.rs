@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use super::super::CommandError;
-use crate::identify::outcome::IdentificationOutcome;
-use crate::identify::{cross, text};
 use crate::results::{ResultsError, write_atomically, write_json};
 use crate::study::{Identification, Study};
 use crate::table::csv_file::{self, CsvFile, reason};
+use calibration::outcome::IdentificationOutcome;
+use calibration::{cross, text};
 
 /// Writes all files.
 pub(super) fn write(

@@ -6,18 +6,18 @@ use std::time::Instant;
 use super::super::CommandError;
 use super::files::remove;
 use crate::identify::bind::Bound;
-use crate::identify::discrepancy::Unknown;
-use crate::identify::local::End;
-use crate::identify::objective::Objective;
-use crate::identify::optima::Optimum;
-use crate::identify::outcome::IdentificationOutcome;
-use crate::identify::sample::outcome::PosteriorOutcome;
-use crate::identify::sample::{FEWEST, Sample, SampleError, Settings, sample, text};
-use crate::identify::search::SearchError;
 use crate::results::write_atomically;
 use crate::study::identification::PosteriorStart;
 use crate::study::{Identification, Study};
 use crate::table::csv_file;
+use calibration::discrepancy::Unknown;
+use calibration::local::End;
+use calibration::objective::Objective;
+use calibration::optima::Optimum;
+use calibration::outcome::IdentificationOutcome;
+use calibration::sample::outcome::PosteriorOutcome;
+use calibration::sample::{FEWEST, Sample, SampleError, Settings, sample, text};
+use calibration::search::SearchError;
 
 /// The most particles: more would be the table's work, not the posterior's.
 const MOST: u64 = 1_000_000;

@@ -3,15 +3,15 @@
 use super::super::CommandError;
 use crate::cli::Identify;
 use crate::identify::bind::Bound;
-use crate::identify::local::Minimum;
-use crate::identify::objective::Objective;
-use crate::identify::optima::Optimum;
-use crate::identify::problem::Simulate;
-use crate::identify::rounds;
-use crate::identify::search::SearchError;
-use crate::identify::surrogate::outcome::SurrogateOutcome;
-use crate::identify::surrogate::{Replaced, Task, fewest, replaced as made};
 use crate::study::{Identification, Study};
+use calibration::local::Minimum;
+use calibration::objective::Objective;
+use calibration::optima::Optimum;
+use calibration::problem::Simulate;
+use calibration::rounds;
+use calibration::search::SearchError;
+use calibration::surrogate::outcome::SurrogateOutcome;
+use calibration::surrogate::{Replaced, Task, fewest, replaced as made};
 use sampling::design::cube;
 
 /// The most runs that the fit of a polynomial uses.

@@ -5,8 +5,8 @@ use std::ops::Range;
 use super::super::CommandError;
 use super::{joint, option};
 use crate::analysis::from_results;
-use crate::analysis::robustness::{Robustness, refined, rows};
-use crate::analysis::table::PointTable;
+use parameter_regions::robustness::{Robustness, refined, rows};
+use parameter_regions::table::PointTable;
 use crate::pipeline::Pipeline;
 use crate::session::Session;
 

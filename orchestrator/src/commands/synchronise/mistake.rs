@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
-use crate::analysis::synchronise::signal::SignalError;
 use crate::table::csv_file::reason;
+use rig_signals::signal::SignalError;
 
 /// Why a recording cannot be used.
 #[derive(Debug, Error)]

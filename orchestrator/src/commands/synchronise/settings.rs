@@ -4,10 +4,10 @@ use std::path::Path;
 
 use serde::{Deserialize, Deserializer};
 
-use crate::analysis::synchronise::case::{Drive, Driven};
-use crate::analysis::synchronise::smooth::Smoothing;
-use crate::analysis::synchronise::{Accuracy, Channel, Derived, RigRecording};
 use crate::study::{Quantity, exactly_two};
+use rig_signals::case::{Drive, Driven};
+use rig_signals::smooth::Smoothing;
+use rig_signals::{Accuracy, Channel, Derived, RigRecording};
 
 use super::mistake::SettingsError;
 use super::recorded::RecordedTable;

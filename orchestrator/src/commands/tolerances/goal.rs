@@ -4,11 +4,11 @@ use std::path::Path;
 
 use super::super::CommandError;
 use crate::analysis::from_results;
-use crate::analysis::tolerances::stated::Wanted;
 use crate::judge::{Judge, share};
 use crate::results::ResultsError;
 use crate::study::Study;
 use conformity::risk::Guard;
+use parameter_regions::tolerances::stated::Wanted;
 
 /// A share of accepted points, or a conformance probability.
 #[derive(Clone, Copy, Debug)]

@@ -1,0 +1,359 @@
+//! The nearest minimum: Levenberg-Marquardt between bounds.
+//!
+//! Marquardt 1963 (SIAM J. Appl. Math. 11), with the damping of Nielsen (Madsen, Nielsen, Tingleff
+//! 2004, Methods for Non-Linear Least Squares Problems, section 3.2). Bounds enter each step as an
+//! active set: an unknown that the step would push out stays on its bound, and the others are solved for again.
+
+use nalgebra::{Cholesky, DMatrix, DVector};
+use std::time::Instant;
+
+use super::objective::{Differences, Linear, Misfit, Objective};
+use super::problem::NoPrediction;
+
+/// When to stop.
+#[derive(Clone, Copy, Debug)]
+pub struct Limits {
+    /// The most linearisations.
+    pub iterations: usize,
+    /// The least relative decrease of the sum of squares that is worth another iteration.
+    pub decrease: f64,
+    /// When time is up.
+    pub deadline: Option<Instant>,
+}
+
+/// Why the search for the minimum ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum End {
+    /// At a minimum, as far as the simulations resolve one.
+    Converged,
+    /// After the given number of iterations.
+    Iterations,
+    /// When time was up.
+    Time,
+    /// After the last of the rounds that look for unknown discrepancies of the model, while these still changed.
+    Rounds,
+}
+
+/// A minimum.
+#[derive(Clone, Debug)]
+pub struct Minimum {
+    /// The unknowns, as places between their bounds.
+    pub places: Vec<f64>,
+    /// The misfit there.
+    pub misfit: Misfit,
+    /// Why the search ended.
+    pub end: End,
+    /// Whether the way down leads to where runs fail: the sum of squares may be less beyond.
+    pub blocked: bool,
+    /// The unknowns on both sides of which runs fail: nothing is known of what they change.
+    pub surrounded: Vec<usize>,
+}
+
+/// Looks for the minimum nearest to a start. Unknowns that are `held` stay where they are, as do those on both sides of
+/// which runs fail.
+///
+/// # Errors
+/// When a simulation fails at the start.
+pub fn minimise(
+    objective: &Objective<'_>,
+    start: Vec<f64>,
+    held: &[usize],
+    differences: Differences,
+    limits: &Limits,
+) -> Result<Minimum, NoPrediction> {
+    let misfit = objective.misfit(&start)?;
+    let mut at = Minimum {
+        places: start,
+        misfit,
+        end: End::Iterations,
+        blocked: false,
+        surrounded: Vec::new(),
+    };
+    let mut damping = Damping::default();
+    for _ in 0..limits.iterations {
+        if limits
+            .deadline
+            .is_some_and(|deadline| Instant::now() >= deadline)
+        {
+            at.end = End::Time;
+            break;
+        }
+        let linear = objective.linear(&at.places, &at.misfit, differences)?;
+        let before = at.misfit.cost();
+        at.blocked |= !linear.surrounded.is_empty();
+        let held = [held, &linear.surrounded].concat();
+        if !descend(objective, &linear, &held, &mut damping, &mut at)?
+            || before - at.misfit.cost() < limits.decrease * before
+        {
+            at.end = End::Converged;
+            break;
+        }
+    }
+    at.blocked =
+        at.blocked && at.end != End::Time && goes_on(objective, held, differences, &mut at)?;
+    Ok(at)
+}
+
+/// Whether the linearised problem goes on down to a place where a run fails, or is unknown as runs fail all around.
+fn goes_on(
+    objective: &Objective<'_>,
+    held: &[usize],
+    differences: Differences,
+    at: &mut Minimum,
+) -> Result<bool, NoPrediction> {
+    /// A smaller decrease of the sum of squares matters to no probability.
+    const LITTLE: f64 = 0.01;
+    let mut linear = objective.linear(&at.places, &at.misfit, differences)?;
+    at.surrounded = std::mem::take(&mut linear.surrounded);
+    at.surrounded.retain(|unknown| !held.contains(unknown));
+    if !at.surrounded.is_empty() {
+        return Ok(true);
+    }
+    let size = linear.curvature.diagonal().amax().max(f64::MIN_POSITIVE);
+    for index in 0..at.places.len() {
+        linear.curvature[(index, index)] += 1e-9 * size;
+    }
+    let step = bounded_step(&linear, &at.places, held);
+    let expected = -(2.0 * linear.gradient.dot(&step) + (&linear.curvature * &step).dot(&step));
+    if expected < LITTLE {
+        return Ok(false);
+    }
+    let places = at.places.iter().zip(&step);
+    let places: Vec<f64> = places
+        .map(|(place, step)| (place + step).clamp(0.0, 1.0))
+        .collect();
+    match objective.misfit(&places) {
+        Ok(_) => Ok(false),
+        Err(NoPrediction::Here(_)) => Ok(true),
+        Err(NoPrediction::Stopped) => Err(NoPrediction::Stopped),
+    }
+}
+
+/// Levenberg's damping after Nielsen: little where the linearised problem predicts well.
+#[derive(Debug)]
+struct Damping {
+    value: f64,
+    growth: f64,
+}
+
+impl Default for Damping {
+    fn default() -> Self {
+        Self {
+            value: 1e-3,
+            growth: 2.0,
+        }
+    }
+}
+
+impl Damping {
+    const MOST: f64 = 1e12;
+    const LEAST: f64 = 1e-15;
+
+    fn accept(&mut self, gain: f64) {
+        self.value *= (1.0 - (2.0 * gain - 1.0).powi(3)).max(1.0 / 3.0);
+        self.value = self.value.max(Self::LEAST);
+        self.growth = 2.0;
+    }
+
+    fn refuse(&mut self) {
+        self.value *= self.growth;
+        self.growth *= 2.0;
+    }
+}
+
+/// Goes down one step; false where no step goes down.
+fn descend(
+    objective: &Objective<'_>,
+    linear: &Linear,
+    held: &[usize],
+    damping: &mut Damping,
+    at: &mut Minimum,
+) -> Result<bool, NoPrediction> {
+    let size = linear.curvature.diagonal().amax().max(f64::MIN_POSITIVE);
+    while damping.value < Damping::MOST {
+        let mut damped = linear.clone();
+        for index in 0..at.places.len() {
+            damped.curvature[(index, index)] += damping.value * size;
+        }
+        let step = bounded_step(&damped, &at.places, held);
+        if step.amax() < 1e-10 {
+            return Ok(false);
+        }
+        let expected = -(2.0 * linear.gradient.dot(&step) + (&linear.curvature * &step).dot(&step));
+        let places: Vec<f64> = at
+            .places
+            .iter()
+            .zip(&step)
+            .map(|(place, step)| (place + step).clamp(0.0, 1.0))
+            .collect();
+        match objective.misfit(&places) {
+            Ok(misfit) if misfit.cost() < at.misfit.cost() => {
+                let decrease = at.misfit.cost() - misfit.cost();
+                damping.accept(decrease / expected.max(f64::MIN_POSITIVE));
+                at.places = places;
+                at.misfit = misfit;
+                return Ok(true);
+            }
+            Err(NoPrediction::Stopped) => return Err(NoPrediction::Stopped),
+            Err(NoPrediction::Here(_)) => {
+                at.blocked = true;
+                damping.refuse();
+            }
+            Ok(_) => damping.refuse(),
+        }
+    }
+    damping.value = Damping::MOST.sqrt();
+    Ok(false)
+}
+
+/// The step to the minimum of the quadratic model within the bounds, by an active set: unknowns
+/// that would leave go to their bound and stay there, and the others are solved for again.
+fn bounded_step(linear: &Linear, places: &[f64], held: &[usize]) -> DVector<f64> {
+    let n = places.len();
+    let mut step = DVector::zeros(n);
+    let mut fixed = vec![false; n];
+    for &index in held {
+        fixed[index] = true;
+    }
+    // Each pass fixes at least one unknown, so this ends.
+    loop {
+        let open: Vec<usize> = (0..n).filter(|&index| !fixed[index]).collect();
+        if open.is_empty() {
+            return step;
+        }
+        let pull = &linear.curvature * &step + &linear.gradient;
+        let matrix = DMatrix::from_fn(open.len(), open.len(), |i, j| {
+            linear.curvature[(open[i], open[j])]
+        });
+        let right = DVector::from_fn(open.len(), |i, _| {
+            // Contribution of the unknowns at their bounds; the free ones are still zero.
+            -pull[open[i]]
+        });
+        let Some(solution) = Cholesky::new(matrix).map(|factor| factor.solve(&right)) else {
+            return DVector::zeros(n);
+        };
+        let mut leaving = false;
+        for (&index, &change) in open.iter().zip(&solution) {
+            let place = places[index] + change;
+            if !(0.0..=1.0).contains(&place) {
+                step[index] = place.clamp(0.0, 1.0) - places[index];
+                fixed[index] = true;
+                leaving = true;
+            }
+        }
+        if !leaving {
+            for (&index, &change) in open.iter().zip(&solution) {
+                step[index] = change;
+            }
+            return step;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::problem::{Case, Free, Measured, Problem, Quantity};
+    use super::*;
+    use crate::problem::Spacing;
+
+    fn problem(bounds: &[(f64, f64)], measured: &[f64]) -> Problem {
+        let free = bounds.iter().enumerate().map(|(index, &(min, max))| Free {
+            name: format!("p{index}"),
+            unit: None,
+            scale: Spacing::Linear,
+            min,
+            max,
+            prior: None,
+        });
+        let quantity = |index| Quantity {
+            name: format!("y{index}"),
+            unit: None,
+        };
+        let value = |&value| Measured {
+            value,
+            accuracy: 1.0,
+        };
+        Problem {
+            free: free.collect(),
+            latents: Vec::new(),
+            quantities: (0..measured.len()).map(quantity).collect(),
+            cases: vec![Case {
+                label: "1".to_owned(),
+                latents: Vec::new(),
+                measured: measured.iter().map(value).collect(),
+            }],
+        }
+    }
+
+    const LIMITS: Limits = Limits {
+        iterations: 200,
+        decrease: 1e-12,
+        deadline: None,
+    };
+
+    #[test]
+    fn finds_the_bottom_of_rosenbrocks_valley() {
+        let problem = problem(&[(-2.0, 2.0), (-2.0, 2.0)], &[0.0, 1.0]);
+        let valley = |_: usize, p: &[f64], _: &[f64]| Ok(vec![10.0 * (p[1] - p[0] * p[0]), p[0]]);
+        let objective = Objective::new(&problem, &valley, 1e-6);
+        let start = vec![0.2, 0.9];
+        let minimum = minimise(&objective, start, &[], Differences::Central, &LIMITS).unwrap();
+        let found = problem.free_values(&minimum.places);
+        assert!(
+            (found[0] - 1.0).abs() < 1e-6 && (found[1] - 1.0).abs() < 1e-6,
+            "{found:?}"
+        );
+    }
+
+    #[test]
+    fn a_minimum_outside_is_found_on_the_bound() {
+        // The least of (x + y - 3)^2 + (x - y)^2 + ... lies at x = y = 1.5; x may go to 1 only.
+        let problem = problem(&[(0.0, 1.0), (0.0, 4.0)], &[3.0, 0.0]);
+        let plane = |_: usize, p: &[f64], _: &[f64]| Ok(vec![p[0] + p[1], p[0] - p[1]]);
+        let objective = Objective::new(&problem, &plane, 1e-4);
+        let start = vec![0.3, 0.3];
+        let minimum = minimise(&objective, start, &[], Differences::Forward, &LIMITS).unwrap();
+        let found = problem.free_values(&minimum.places);
+        // With x = 1: (y - 2)^2 + (1 - y)^2 is least at y = 1.5.
+        assert!(
+            (found[0] - 1.0).abs() < 1e-12 && (found[1] - 1.5).abs() < 1e-6,
+            "{found:?}"
+        );
+    }
+
+    #[test]
+    fn keeps_away_from_where_the_simulation_fails() {
+        let problem = problem(&[(0.0, 10.0)], &[2.0]);
+        let fragile = |_: usize, p: &[f64], _: &[f64]| {
+            if p[0] < 1.0 {
+                Err("too thin".to_owned())
+            } else {
+                Ok(vec![p[0].ln() * 3.0])
+            }
+        };
+        let objective = Objective::new(&problem, &fragile, 1e-5);
+        let minimum = minimise(&objective, vec![0.95], &[], Differences::Central, &LIMITS).unwrap();
+        let found = problem.free_values(&minimum.places);
+        assert!((found[0] - (2.0_f64 / 3.0).exp()).abs() < 1e-5, "{found:?}");
+        assert!(!minimum.blocked);
+    }
+
+    #[test]
+    fn says_where_failing_simulations_end_the_way_down() {
+        let problem = problem(&[(0.0, 10.0)], &[2.0]);
+        let fragile = |_: usize, p: &[f64], _: &[f64]| match p[0] < 3.0 {
+            true => Err("too thin".to_owned()),
+            false => Ok(vec![p[0]]),
+        };
+        let objective = Objective::new(&problem, &fragile, 1e-5);
+        let minimum = minimise(&objective, vec![0.9], &[], Differences::Central, &LIMITS).unwrap();
+        let found = problem.free_values(&minimum.places);
+        assert!(
+            minimum.blocked && found[0] >= 3.0 && found[0] < 3.1,
+            "{found:?}"
+        );
+        let failures = objective.failures();
+        assert!(failures.failed > 0 && failures.failed < failures.asked);
+    }
+}

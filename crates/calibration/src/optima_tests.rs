@@ -1,0 +1,206 @@
+//! Several minima: all of them, with their parts of the posterior, and a curved valley for the one that it is.
+
+use super::objective::Objective;
+use super::optima::Optimum;
+use super::outcome::IdentificationOutcome;
+use super::problem::{Case, Free, Measured, Problem, Quantity, Simulate};
+use super::search::{Effort, search};
+use super::text;
+use crate::problem::Spacing;
+
+fn problem(bounds: &[(f64, f64)], measured: &[(f64, f64)]) -> Problem {
+    let free = bounds.iter().enumerate().map(|(index, &(min, max))| Free {
+        name: format!("p{index}"),
+        unit: None,
+        scale: Spacing::Linear,
+        min,
+        max,
+        prior: None,
+    });
+    let quantity = |index| Quantity {
+        name: format!("y{index}"),
+        unit: None,
+    };
+    let value = |&(value, accuracy): &(f64, f64)| Measured { value, accuracy };
+    Problem {
+        free: free.collect(),
+        latents: Vec::new(),
+        quantities: (0..measured.len()).map(quantity).collect(),
+        cases: vec![Case {
+            label: "1".to_owned(),
+            latents: Vec::new(),
+            measured: measured.iter().map(value).collect(),
+        }],
+    }
+}
+
+const EFFORT: Effort = Effort {
+    descents: 8,
+    iterations: 60,
+    deadline: None,
+};
+
+/// Starts on a diagonal lattice (Kronecker's, with the powers of an irrational number).
+fn starts(dimensions: usize, count: usize) -> Vec<Vec<f64>> {
+    let place =
+        |i: usize, d: usize| ((i + 1) as f64 * 0.754_877_666_f64.powi(d as i32 + 1)).fract();
+    (0..count)
+        .map(|i| (0..dimensions).map(|d| place(i, d)).collect())
+        .collect()
+}
+
+/// The optima in the order of the first parameter, and the outcome.
+fn found(problem: &Problem, model: &dyn Simulate) -> (Vec<Optimum>, IdentificationOutcome) {
+    let objective = Objective::new(problem, model, 1e-4);
+    let starts = starts(problem.free.len(), 64);
+    let (mut optima, progress) = search(&objective, &starts, &EFFORT, &|_| ()).unwrap();
+    let outcome = IdentificationOutcome::new(problem, &optima, &progress);
+    optima.sort_by(|a, b| a.minimum.places[0].total_cmp(&b.minimum.places[0]));
+    (optima, outcome)
+}
+
+#[test]
+fn all_six_solutions_of_a_wave_are_found_with_their_parts() {
+    // sin(6 x) + 0.3 x = 0.5 +- 0.02 on [0.1, 3.1]. Where a solution is sharp, its part of the posterior is
+    // proportional to the width of its valley, 1 / |6 cos(6 x) + 0.3|.
+    let problem = problem(&[(0.1, 3.1)], &[(0.5, 0.02)]);
+    let wave = |_: usize, p: &[f64], _: &[f64]| Ok(vec![(6.0 * p[0]).sin() + 0.3 * p[0]]);
+    let (optima, outcome) = found(&problem, &wave);
+    let slope = |x: f64| (6.0 * (6.0 * x).cos() + 0.3).abs();
+    let exact: Vec<f64> = (0..3000)
+        .map(|k| 0.1 + 0.001 * f64::from(k))
+        .filter_map(|x| root(x, x + 0.001, |x| (6.0 * x).sin() + 0.3 * x - 0.5))
+        .collect();
+    assert_eq!(exact.len(), 6);
+    assert_eq!(optima.len(), 6, "{optima:?}");
+    let all: f64 = exact.iter().map(|&x| 1.0 / slope(x)).sum();
+    for (own, &x) in optima.iter().zip(&exact) {
+        let found = problem.free_values(&own.minimum.places)[0];
+        assert!((found - x).abs() < 1e-6, "{found} {x}");
+        let part = 1.0 / slope(x) / all;
+        assert!(
+            (own.weight / part - 1.0).abs() < 0.02,
+            "{} {part}",
+            own.weight
+        );
+        // The reported 95 % interval is that of a straight line through the solution.
+        let mut places = outcome.optima.iter();
+        let same = |own: &&super::outcome::OptimumOutcome| (own.free[0].value - x).abs() < 1e-3;
+        let [low, high] = places.find(same).unwrap().free[0].interval;
+        let width = 2.0 * 1.959_964 * 0.02 / slope(x);
+        assert!(((high - low) / width - 1.0).abs() < 0.02, "{low} {high}");
+    }
+    assert!((optima.iter().map(|own| own.weight).sum::<f64>() - 1.0).abs() < 1e-12);
+    assert!(outcome.ambiguous);
+    assert!(
+        outcome
+            .optima
+            .windows(2)
+            .all(|two| two[0].weight >= two[1].weight)
+    );
+    let text = text::summary(&outcome);
+    assert!(text.contains("6 distinct sets of parameters fit"), "{text}");
+    assert!(!text.contains("determine every parameter"), "{text}");
+}
+
+/// The root between two places, by halving.
+fn root(mut a: f64, mut b: f64, f: impl Fn(f64) -> f64) -> Option<f64> {
+    if f(a) * f(b) > 0.0 {
+        return None;
+    }
+    for _ in 0..60 {
+        let middle = 0.5 * (a + b);
+        (a, b) = if f(a) * f(middle) <= 0.0 {
+            (a, middle)
+        } else {
+            (middle, b)
+        };
+    }
+    Some(a)
+}
+
+#[test]
+fn a_curved_valley_is_one_optimum_that_is_not_determined() {
+    // Only the product is measured: its solutions are one connected curve, whose ends are far apart.
+    let problem = problem(&[(0.1, 2.0), (0.1, 2.0)], &[(0.5, 0.005)]);
+    let product = |_: usize, p: &[f64], _: &[f64]| Ok(vec![p[0] * p[1]]);
+    let (optima, outcome) = found(&problem, &product);
+    assert_eq!(optima.len(), 1, "{optima:?}");
+    assert!(!outcome.ambiguous && outcome.directions[0].undetermined);
+}
+
+#[test]
+fn the_parts_of_two_optima_are_those_of_the_integral() {
+    // The distance from two places: 4 times as sharp at the one as at the other.
+    let problem = problem(&[(-2.0, 2.0), (-1.0, 1.0)], &[(0.0, 1.0), (0.0, 1.0)]);
+    let model = |_: usize, p: &[f64], _: &[f64]| {
+        let [x, y] = [p[0], p[1]];
+        Ok(if x < 0.0 {
+            vec![(x + 1.0) / 0.1, y / 0.1]
+        } else {
+            vec![(x - 1.0) / 0.2, y / 0.2]
+        })
+    };
+    let (optima, _) = found(&problem, &model);
+    assert_eq!(optima.len(), 2, "{optima:?}");
+    let weights = [optima[0].weight, optima[1].weight];
+    assert!(
+        (weights[0] - 0.2).abs() < 0.01 && (weights[1] - 0.8).abs() < 0.01,
+        "{weights:?}"
+    );
+}
+
+#[test]
+fn a_minimum_that_is_too_improbable_is_no_solution() {
+    // x^2 - 0.02 x is 1 near -0.99 and near 1.01; a second result leaves one of them.
+    let one = problem(&[(-2.0, 2.0)], &[(1.0, 0.01), (1.0, 0.1)]);
+    let model = |_: usize, p: &[f64], _: &[f64]| Ok(vec![p[0] * p[0] - 0.02 * p[0], p[0]]);
+    let (optima, outcome) = found(&one, &model);
+    assert_eq!(optima.len(), 1);
+    assert!((outcome.free[0].value - 1.01).abs() < 0.01 && !outcome.ambiguous);
+    assert!(text::summary(&outcome).contains("The data determine every parameter."));
+    // Without it both are.
+    let both = problem(&[(-2.0, 2.0)], &[(1.0, 0.01)]);
+    let (optima, _) = found(&both, &|_: usize, p: &[f64], _: &[f64]| {
+        Ok(vec![p[0] * p[0] - 0.02 * p[0]])
+    });
+    assert_eq!(optima.len(), 2);
+}
+
+/// Runs end on a grid of single places only: nothing is known around the best of them.
+#[test]
+fn an_optimum_amid_failing_runs_is_no_minimum_and_no_error() {
+    let problem = problem(&[(0.0, 1.0), (0.0, 1.0)], &[(0.4, 0.1), (0.5, 0.1)]);
+    let stripes = |_: usize, p: &[f64], _: &[f64]| match (p[0] * 1e3).fract() {
+        0.2..0.8 => Err("too thin".to_owned()),
+        _ => Ok(vec![p[0], p[1]]),
+    };
+    let starts = starts(2, 64);
+    // The starts of which a run ends have failing runs at this distance of a derivative.
+    let objective = Objective::new(&problem, &stripes, 5e-4);
+    let (optima, progress) = search(&objective, &starts, &EFFORT, &|_| ()).unwrap();
+    assert!(
+        optima
+            .iter()
+            .all(|own| own.minimum.surrounded == [0] && own.edge.blocked)
+    );
+    let outcome = IdentificationOutcome::new(&problem, &optima, &progress);
+    let [first, second] = &outcome.free[..] else {
+        panic!()
+    };
+    // The second parameter is found as usual; of the first one the prior is left.
+    assert!((second.value - 0.5).abs() < 0.01 && !second.surrounded && second.left < 0.5);
+    assert!(
+        first.surrounded && (first.left - 1.0).abs() < 1e-9,
+        "{first:?}"
+    );
+    let text = text::summary(&outcome);
+    for words in [
+        "no minimum is known",
+        "the interval is that of the prior",
+        "Runs failed at",
+    ] {
+        assert!(text.contains(words), "{text}");
+    }
+    assert!(!text.contains("determine every parameter"), "{text}");
+}

@@ -1,0 +1,394 @@
+//! The result of an identification: plain data that becomes JSON.
+
+use serde::Serialize;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+use super::cross::outcome::CrossValidation;
+use super::discrepancy::Discrepancy;
+use super::failures::{Edge, Excluded};
+use super::local::{End, Minimum};
+use super::optima::Optimum;
+use super::posterior::{Direction, Posterior, UNDETERMINED};
+use super::problem::{Interval, Latent, Problem};
+use super::sample::outcome::PosteriorOutcome;
+use super::search::Progress;
+use super::surrogate::outcome::SurrogateOutcome;
+use crate::problem::Spacing;
+
+/// The standard deviations to both sides that hold 95 % of a Gaussian.
+const NINETY_FIVE: f64 = 1.959_964;
+
+/// An unknown closer to its bound than this part of their distance counts as at it.
+const AT_BOUND: f64 = 1e-6;
+
+/// The result of an identification. Where there are several optima, `free`, `correlations`, `directions`, `cases`,
+/// `worst` and the sums are those of the first of them, which has the largest part of the posterior.
+#[derive(Clone, Debug, Serialize)]
+pub struct IdentificationOutcome {
+    /// Whether several distinct sets of parameters could be the right one: then none of them is the value.
+    pub ambiguous: bool,
+    /// All of them.
+    pub optima: Vec<OptimumOutcome>,
+    /// Why the last search ended.
+    pub end: End,
+    /// The sum of the weighted squares of all misfits: data and priors.
+    pub cost: f64,
+    /// The data's part of it.
+    pub data_cost: f64,
+    /// Measured values and priors, less the unknowns that are not at a bound.
+    pub degrees_of_freedom: usize,
+    /// The probability of a larger sum, if model and accuracies were right.
+    pub probability: Option<f64>,
+    /// The free parameters.
+    pub free: Vec<FreeOutcome>,
+    /// The correlations of the free parameters.
+    pub correlations: Vec<Vec<f64>>,
+    /// Combinations of free parameters, the least determined first.
+    pub directions: Vec<DirectionOutcome>,
+    /// The cases.
+    pub cases: Vec<CaseOutcome>,
+    /// The largest absolute misfit of each quantity.
+    pub worst: Vec<WorstOutcome>,
+    /// The local searches.
+    pub search: SearchOutcome,
+    /// What is excluded as runs failed there.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub excluded: Option<Excluded>,
+    /// The model's unknown discrepancies.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub discrepancies: Vec<Discrepancy>,
+    /// Each case predicted from the others, where that was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cross_validation: Option<CrossValidation>,
+    /// The surrogates in place of the model, where they were asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub surrogate: Option<SurrogateOutcome>,
+    /// A sample of the posterior, where that was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub posterior: Option<PosteriorOutcome>,
+}
+
+/// A set of parameters that could be the right one: a minimum of the sum of squares.
+#[derive(Clone, Debug, Serialize)]
+pub struct OptimumOutcome {
+    /// Its part of the posterior probability of all optima found, by their Gaussian approximations.
+    pub weight: f64,
+    /// The sum of squares.
+    pub cost: f64,
+    /// Why its search ended.
+    pub end: End,
+    /// How many local searches ended at it.
+    pub reached: usize,
+    /// What failed runs leave open about it.
+    pub edge: Edge,
+    /// The free parameters.
+    pub free: Vec<FreeOutcome>,
+    /// The latent parameters of the cases.
+    pub latents: Vec<Vec<LatentOutcome>>,
+}
+
+/// A free parameter.
+#[derive(Clone, Debug, Serialize)]
+pub struct FreeOutcome {
+    /// Its name.
+    pub name: String,
+    /// The unit of its numbers.
+    pub unit: Option<String>,
+    /// The most probable value.
+    pub value: f64,
+    /// One standard deviation: a difference, or on a logarithmic scale a factor.
+    pub deviation: f64,
+    /// How it was measured out.
+    pub scale: Spacing,
+    /// The interval that holds it with 95 % probability, within the bounds.
+    pub interval: [f64; 2],
+    /// The bounds.
+    pub bounds: [f64; 2],
+    /// The bound at which it ended.
+    pub at_bound: Option<&'static str>,
+    /// The part of the prior's standard deviation that the data leave.
+    pub left: f64,
+    /// Whether runs fail on both sides of it: then nothing is known of what it changes, and the interval is the prior's.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub surrounded: bool,
+}
+
+/// A combination of free parameters.
+#[derive(Clone, Debug, Serialize)]
+pub struct DirectionOutcome {
+    /// Posterior over prior standard deviation: 1 where the data say nothing.
+    pub left: f64,
+    /// Whether the data leave more than half of the prior's standard deviation.
+    pub undetermined: bool,
+    /// The parameters with their weights, in units of their prior standard deviations; the strongest
+    /// first, those below a tenth left out.
+    pub weights: Vec<(String, f64)>,
+}
+
+/// A measured case.
+#[derive(Clone, Debug, Serialize)]
+pub struct CaseOutcome {
+    /// Name, for people.
+    pub label: String,
+    /// Its latent parameters.
+    pub latents: Vec<LatentOutcome>,
+    /// Its measured values.
+    pub residuals: Vec<Residual>,
+}
+
+/// A latent parameter of a case.
+#[derive(Clone, Debug, Serialize)]
+pub struct LatentOutcome {
+    /// Its name.
+    pub name: String,
+    /// The most probable value.
+    pub value: f64,
+    /// One standard deviation.
+    pub deviation: f64,
+    /// The interval that it was known to lie in.
+    pub interval: [f64; 2],
+}
+
+/// A measured value and its prediction.
+#[derive(Clone, Debug, Serialize)]
+pub struct Residual {
+    /// The quantity.
+    pub quantity: String,
+    /// The measured value.
+    pub measured: f64,
+    /// The value that the model predicts.
+    pub predicted: f64,
+    /// The prediction minus the measured value.
+    pub difference: f64,
+    /// The accuracy of the measurement; a discrepancy of the model is part of it.
+    pub accuracy: f64,
+}
+
+/// The largest misfit of a quantity.
+#[derive(Clone, Debug, Serialize)]
+pub struct WorstOutcome {
+    /// The quantity.
+    pub quantity: String,
+    /// The unit of its numbers.
+    pub unit: Option<String>,
+    /// The largest absolute difference.
+    pub difference: f64,
+    /// The largest absolute difference over the measured value.
+    pub relative: f64,
+}
+
+/// The local searches.
+#[derive(Clone, Debug, Serialize)]
+pub struct SearchOutcome {
+    /// How many starts were screened.
+    pub screened: usize,
+    /// How many of them could not be simulated.
+    pub failed: usize,
+    /// The sums of squares at which the local searches ended, the lowest first.
+    pub minima: Vec<f64>,
+}
+
+impl IdentificationOutcome {
+    /// Gathers the results of a search, which has at least one optimum.
+    pub fn new(problem: &Problem, optima: &[Optimum], progress: &Progress) -> Self {
+        let Optimum {
+            minimum, posterior, ..
+        } = &optima[0];
+        let n = problem.free.len();
+        let values = problem.values();
+        let cost = minimum.misfit.cost();
+        let data_cost = minimum.misfit.residuals.rows(0, values).norm_squared();
+        let inside = minimum
+            .places
+            .iter()
+            .filter(|&&place| bound(place).is_none())
+            .count();
+        let degrees_of_freedom = minimum.misfit.residuals.len().saturating_sub(inside);
+        let probability = ChiSquared::new(degrees_of_freedom as f64).ok();
+        let correlation = |a| (0..n).map(|b| posterior.correlation(a, b)).collect();
+        Self {
+            ambiguous: optima.len() > 1,
+            optima: optima.iter().map(|own| optimum(problem, own)).collect(),
+            end: minimum.end,
+            cost,
+            data_cost,
+            degrees_of_freedom,
+            probability: probability.map(|distribution| distribution.sf(cost)),
+            free: (0..n)
+                .map(|index| free(problem, minimum, posterior, index))
+                .collect(),
+            correlations: (0..n).map(correlation).collect(),
+            directions: posterior
+                .directions
+                .iter()
+                .map(|d| direction(problem, d))
+                .collect(),
+            cases: (0..problem.cases.len())
+                .map(|c| case(problem, minimum, posterior, c))
+                .collect(),
+            worst: (0..problem.quantities.len())
+                .map(|q| worst(problem, minimum, q))
+                .collect(),
+            search: searches(progress),
+            excluded: Excluded::new(
+                problem,
+                &progress.failures,
+                progress.screened.iter().map(Option::is_some),
+            ),
+            discrepancies: Vec::new(),
+            cross_validation: None,
+            surrogate: None,
+            posterior: None,
+        }
+    }
+}
+
+fn optimum(problem: &Problem, own: &Optimum) -> OptimumOutcome {
+    let Optimum {
+        minimum, posterior, ..
+    } = own;
+    OptimumOutcome {
+        weight: own.weight,
+        cost: minimum.misfit.cost(),
+        end: minimum.end,
+        reached: own.reached,
+        edge: own.edge,
+        free: (0..problem.free.len())
+            .map(|index| free(problem, minimum, posterior, index))
+            .collect(),
+        latents: (0..problem.cases.len())
+            .map(|case| latents(problem, minimum, posterior, case))
+            .collect(),
+    }
+}
+
+fn bound(place: f64) -> Option<&'static str> {
+    if place <= AT_BOUND {
+        Some("lower")
+    } else if place >= 1.0 - AT_BOUND {
+        Some("upper")
+    } else {
+        None
+    }
+}
+
+fn free(problem: &Problem, minimum: &Minimum, posterior: &Posterior, index: usize) -> FreeOutcome {
+    let free = &problem.free[index];
+    let place = minimum.places[index];
+    let deviation = posterior.deviation(index);
+    FreeOutcome {
+        name: free.name.clone(),
+        unit: free.unit.clone(),
+        value: free.value(place),
+        deviation: free.spread(deviation),
+        scale: free.scale,
+        interval: [-1.0, 1.0].map(|side| free.value(place + side * NINETY_FIVE * deviation)),
+        bounds: [free.min, free.max],
+        at_bound: bound(place),
+        left: deviation * posterior.prior[index].sqrt(),
+        surrounded: minimum.surrounded.contains(&index),
+    }
+}
+
+fn direction(problem: &Problem, direction: &Direction) -> DirectionOutcome {
+    const SMALL: f64 = 0.1;
+    let pairs = problem.free.iter().zip(&direction.weights);
+    let mut weights: Vec<(String, f64)> = pairs
+        .filter(|(_, weight)| weight.abs() >= SMALL)
+        .map(|(free, &weight)| (free.name.clone(), weight))
+        .collect();
+    weights.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
+    DirectionOutcome {
+        left: direction.left,
+        undetermined: direction.left > UNDETERMINED,
+        weights,
+    }
+}
+
+fn case(problem: &Problem, minimum: &Minimum, posterior: &Posterior, index: usize) -> CaseOutcome {
+    let case = &problem.cases[index];
+    let residual = |((quantity, measured), &predicted): (
+        (&super::problem::Quantity, &super::problem::Measured),
+        &f64,
+    )| {
+        Residual {
+            quantity: quantity.name.clone(),
+            measured: measured.value,
+            predicted,
+            difference: predicted - measured.value,
+            accuracy: measured.accuracy,
+        }
+    };
+    let predicted = &minimum.misfit.predicted[index];
+    CaseOutcome {
+        label: case.label.clone(),
+        latents: latents(problem, minimum, posterior, index),
+        residuals: problem
+            .quantities
+            .iter()
+            .zip(&case.measured)
+            .zip(predicted)
+            .map(residual)
+            .collect(),
+    }
+}
+
+fn latents(
+    problem: &Problem,
+    minimum: &Minimum,
+    posterior: &Posterior,
+    index: usize,
+) -> Vec<LatentOutcome> {
+    let intervals = problem.latents.iter().zip(&problem.cases[index].latents);
+    let latent = |((latent, interval), unknown): ((&Latent, &Interval), usize)| LatentOutcome {
+        name: latent.name.clone(),
+        value: interval.value(minimum.places[unknown]),
+        deviation: posterior.deviation(unknown) * (interval.max - interval.min),
+        interval: [interval.min, interval.max],
+    };
+    intervals
+        .zip(problem.latents_of(index))
+        .map(latent)
+        .collect()
+}
+
+fn worst(problem: &Problem, minimum: &Minimum, quantity: usize) -> WorstOutcome {
+    let differences =
+        problem
+            .cases
+            .iter()
+            .zip(&minimum.misfit.predicted)
+            .map(|(case, predicted)| {
+                let measured = case.measured[quantity].value;
+                ((predicted[quantity] - measured).abs(), measured.abs())
+            });
+    let (mut difference, mut relative) = (0.0_f64, 0.0_f64);
+    for (misfit, measured) in differences {
+        difference = difference.max(misfit);
+        relative = relative.max(misfit / measured);
+    }
+    WorstOutcome {
+        quantity: problem.quantities[quantity].name.clone(),
+        unit: problem.quantities[quantity].unit.clone(),
+        difference,
+        relative,
+    }
+}
+
+fn searches(progress: &Progress) -> SearchOutcome {
+    let found = progress
+        .descents
+        .iter()
+        .filter_map(|descent| descent.found.as_ref());
+    let mut minima: Vec<f64> = found.map(|found| found.cost).collect();
+    minima.sort_by(f64::total_cmp);
+    SearchOutcome {
+        screened: progress.screened.len(),
+        failed: progress
+            .screened
+            .iter()
+            .filter(|cost| cost.is_none())
+            .count(),
+        minima,
+    }
+}

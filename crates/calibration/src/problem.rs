@@ -1,0 +1,275 @@
+//! The problem: unknown parameters, and the measurements that determine them.
+
+use serde::{Deserialize, Serialize};
+
+/// How a parameter is measured out between its bounds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Spacing {
+    /// Equal differences count equally.
+    #[default]
+    Linear,
+    /// Equal ratios count equally: for quantities known only by their order of magnitude.
+    Log,
+}
+
+/// Prior of a parameter: knowledge from before the measurement, beyond its bounds.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Prior {
+    /// The most probable value; on a logarithmic scale the median.
+    pub centre: f64,
+    /// The standard deviation; on a logarithmic scale the factor that stands for one.
+    pub spread: f64,
+}
+
+/// A parameter to be found, the same in all cases.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Free {
+    /// Its name.
+    pub name: String,
+    /// The unit of its numbers.
+    pub unit: Option<String>,
+    /// How it is measured out.
+    pub scale: Spacing,
+    /// The smallest value.
+    pub min: f64,
+    /// The largest value.
+    pub max: f64,
+    /// Its prior; without one, every value within the bounds is equally probable.
+    pub prior: Option<Prior>,
+}
+
+impl Free {
+    /// The value at a place between the bounds: 0 is the lower one, 1 the upper one.
+    pub fn value(&self, place: f64) -> f64 {
+        // The bounds themselves are hit exactly: rounding must not lead out of them.
+        if place <= 0.0 {
+            return self.min;
+        }
+        if place >= 1.0 {
+            return self.max;
+        }
+        match self.scale {
+            Spacing::Linear => self.min + place * (self.max - self.min),
+            Spacing::Log => self.min * (place * self.span()).exp(),
+        }
+    }
+
+    /// The place of a value between the bounds.
+    pub fn place(&self, value: f64) -> f64 {
+        match self.scale {
+            Spacing::Linear => (value - self.min) / (self.max - self.min),
+            Spacing::Log => (value / self.min).ln() / self.span(),
+        }
+    }
+
+    /// The distance of the bounds: a difference, or the logarithm of a ratio.
+    fn span(&self) -> f64 {
+        match self.scale {
+            Spacing::Linear => self.max - self.min,
+            Spacing::Log => (self.max / self.min).ln(),
+        }
+    }
+
+    /// Centre and standard deviation of the prior as places.
+    pub fn prior_place(&self) -> Option<(f64, f64)> {
+        let prior = self.prior?;
+        let spread = match self.scale {
+            Spacing::Linear => prior.spread,
+            Spacing::Log => prior.spread.ln(),
+        };
+        Some((self.place(prior.centre), spread / self.span()))
+    }
+
+    /// A standard deviation of the place as one of the value: a difference, or a factor above 1.
+    pub fn spread(&self, deviation: f64) -> f64 {
+        match self.scale {
+            Spacing::Linear => deviation * self.span(),
+            Spacing::Log => (deviation * self.span()).exp(),
+        }
+    }
+
+    /// Whether the numbers make sense.
+    ///
+    /// # Errors
+    /// Says which do not.
+    pub fn check(&self) -> Result<(), String> {
+        let Self { min, max, .. } = *self;
+        if !(min.is_finite() && max.is_finite() && min < max) {
+            return Err(format!(
+                "the bounds {min} and {max} must be two numbers in rising order"
+            ));
+        }
+        if self.scale == Spacing::Log && min <= 0.0 {
+            return Err(format!(
+                "a logarithmic scale needs a lower bound above 0, not {min}"
+            ));
+        }
+        let Some(Prior { centre, spread }) = self.prior else {
+            return Ok(());
+        };
+        let above = |limit: f64, number: f64| number.is_finite() && number > limit;
+        match self.scale {
+            Spacing::Linear if !above(0.0, spread) => {
+                Err(format!("the deviation {spread} must be positive"))
+            }
+            Spacing::Log if !above(1.0, spread) => {
+                Err(format!("the factor {spread} must be more than 1"))
+            }
+            Spacing::Log if !above(0.0, centre) => Err(format!(
+                "the median {centre} must be positive on a logarithmic scale"
+            )),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// The interval in which a case's latent parameter lies; within it everything is equally probable.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Interval {
+    /// The lower end.
+    pub min: f64,
+    /// The upper end.
+    pub max: f64,
+}
+
+impl Interval {
+    /// The value at a place between the ends: 0 is the lower one, 1 the upper one.
+    pub fn value(&self, place: f64) -> f64 {
+        (self.min + place * (self.max - self.min)).clamp(self.min, self.max)
+    }
+}
+
+/// A measured value.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Measured {
+    /// The value.
+    pub value: f64,
+    /// Its standard uncertainty, in the same unit: one standard deviation. A known discrepancy of the model is part of it.
+    pub accuracy: f64,
+}
+
+/// A measured quantity.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Quantity {
+    /// Its name.
+    pub name: String,
+    /// The unit of its numbers.
+    pub unit: Option<String>,
+}
+
+/// A parameter that no case knows better than an interval.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Latent {
+    /// Its name.
+    pub name: String,
+    /// The unit of its numbers.
+    pub unit: Option<String>,
+}
+
+/// A measured case.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Case {
+    /// Name, for people.
+    pub label: String,
+    /// Where its latent parameters lie, in the order of [`Problem::latents`].
+    pub latents: Vec<Interval>,
+    /// Measured values, in the order of [`Problem::quantities`].
+    pub measured: Vec<Measured>,
+}
+
+/// The problem: unknown parameters, and the measurements that determine them.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Problem {
+    /// The parameters that all cases share.
+    pub free: Vec<Free>,
+    /// The parameters that each case has to itself.
+    pub latents: Vec<Latent>,
+    /// The measured quantities.
+    pub quantities: Vec<Quantity>,
+    /// The measured cases.
+    pub cases: Vec<Case>,
+}
+
+impl Problem {
+    /// How many unknowns there are.
+    pub fn unknowns(&self) -> usize {
+        self.free.len() + self.cases.len() * self.latents.len()
+    }
+
+    /// How many measured values there are.
+    pub fn values(&self) -> usize {
+        self.cases.len() * self.quantities.len()
+    }
+
+    /// Where a case's latent parameters stand among the unknowns.
+    pub fn latents_of(&self, case: usize) -> std::ops::Range<usize> {
+        let start = self.free.len() + case * self.latents.len();
+        start..start + self.latents.len()
+    }
+
+    /// The free parameters' values at given places.
+    pub fn free_values(&self, places: &[f64]) -> Vec<f64> {
+        self.free
+            .iter()
+            .zip(places)
+            .map(|(free, &place)| free.value(place))
+            .collect()
+    }
+
+    /// A case's latent values at given places of all unknowns.
+    pub fn latent_values(&self, case: usize, places: &[f64]) -> Vec<f64> {
+        let intervals = self.cases[case].latents.iter();
+        let places = &places[self.latents_of(case)];
+        intervals
+            .zip(places)
+            .map(|(interval, &place)| interval.value(place))
+            .collect()
+    }
+}
+
+/// The values for which an output is to be predicted.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Query {
+    /// The case.
+    pub case: usize,
+    /// The free parameters' values.
+    pub free: Vec<f64>,
+    /// The values of the case's latent parameters.
+    pub latents: Vec<f64>,
+}
+
+/// Predicted measurements in the order of [`Problem::quantities`], or why there are none.
+pub type Prediction = Result<Vec<f64>, String>;
+
+/// Why a search cannot go on.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum NoPrediction {
+    /// There is none here; the search keeps away.
+    #[error("{0}")]
+    Here(String),
+    /// There will be no further ones.
+    #[error("the search was stopped")]
+    Stopped,
+}
+
+/// Predicts what would be measured.
+pub trait Simulate {
+    /// The predictions of several queries, in their order.
+    ///
+    /// # Errors
+    /// When there will be no further predictions.
+    fn simulate(&self, queries: &[Query]) -> Result<Vec<Prediction>, NoPrediction>;
+}
+
+impl<F> Simulate for F
+where
+    F: Fn(usize, &[f64], &[f64]) -> Prediction,
+{
+    fn simulate(&self, queries: &[Query]) -> Result<Vec<Prediction>, NoPrediction> {
+        let queries = queries.iter();
+        Ok(queries
+            .map(|query| self(query.case, &query.free, &query.latents))
+            .collect())
+    }
+}

@@ -1,0 +1,474 @@
+//! What a sample of the posterior tells, and how far it can be trusted: plain data that becomes JSON.
+
+use sampling::distribution::ln_sum;
+use sampling::statistics::moments::{mean, pearson, sorted, variance};
+use serde::Serialize;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+use super::super::discrepancy::Unknown;
+use super::super::failures;
+use super::super::objective::Objective;
+use super::super::optima::Optimum;
+use super::super::problem::Problem;
+use super::region::{quantile, regions};
+use super::target::Target;
+use super::{FEWEST, GROUPS, Particle, Sample, Stage};
+use crate::problem::Spacing;
+
+/// Fewer independent particles say too little of a 95 % interval: with 100 it holds 91 to 99 %.
+const ENOUGH: f64 = 100.0;
+
+/// A larger standard error of the evidence's logarithm means that the groups differ.
+const AGREE: f64 = 0.3;
+
+/// With fewer ancestors the modes' weights are guesses.
+const ANCESTORS: usize = 20;
+
+/// More particles than this part that no move has moved are copies.
+const STUCK: f64 = 0.1;
+
+/// Where normal approximations hold, 99 % of the sample lies within them.
+const APPROXIMATED: f64 = 0.93;
+
+/// An optimum with less of the posterior may well have no particle.
+const SEEN: f64 = 0.05;
+
+/// A sample of the posterior.
+#[derive(Clone, Debug, Serialize)]
+pub struct PosteriorOutcome {
+    /// Whether nothing speaks against the sample.
+    pub trusted: bool,
+    /// What speaks against it.
+    pub doubts: Vec<String>,
+    /// What else one should know.
+    pub notes: Vec<String>,
+    /// How many particles there are.
+    pub particles: usize,
+    /// How many of them are different.
+    pub distinct: usize,
+    /// About how many independent particles they are worth for means and variances, from the groups' scatter.
+    pub effective: f64,
+    /// What part of the posterior the 95 % intervals may really hold, as they are made from so many.
+    pub holds: [f64; 2],
+    /// The logarithm of the evidence: the mean likelihood over the prior, in the inverse units of the measured values.
+    pub log_evidence: f64,
+    /// Its standard error, from the groups' scatter.
+    pub log_evidence_error: f64,
+    /// At how many places the model was asked.
+    pub evaluated: u64,
+    /// At how many of them a run failed; they count as impossible.
+    pub failed: u64,
+    /// The distributions on the way; the last one is the posterior after the groups were joined.
+    pub stages: Vec<Stage>,
+    /// The free parameters.
+    pub free: Vec<Marginal>,
+    /// The latent parameters, case by case.
+    pub latents: Vec<Vec<Marginal>>,
+    /// The correlations of the free parameters.
+    pub correlations: Vec<Vec<f64>>,
+    /// The optima's parts of the sample.
+    pub optima: Vec<Share>,
+    /// The part of the sample that lies within the optima's normal approximations: about 0.99 where these hold.
+    pub approximated: f64,
+}
+
+/// One parameter's distribution.
+#[derive(Clone, Debug, Serialize)]
+pub struct Marginal {
+    /// Its name.
+    pub name: String,
+    /// The unit of its numbers.
+    pub unit: Option<String>,
+    /// The mean.
+    pub mean: f64,
+    /// The standard deviation.
+    pub deviation: f64,
+    /// The median.
+    pub median: f64,
+    /// The intervals that hold it with 95 % probability: several where there is nothing between them.
+    pub intervals: Vec<[f64; 2]>,
+    /// How it was measured out.
+    pub scale: Spacing,
+}
+
+/// An optimum's part of the sample: the particles that are nearest to it, in its own units.
+#[derive(Clone, Debug, Serialize)]
+pub struct Share {
+    /// The optimum's number, from 1.
+    pub optimum: usize,
+    /// Its part of the sample.
+    pub share: f64,
+    /// The part of the sample within the ellipsoid that would hold 99 % of a normal distribution.
+    pub within: f64,
+    /// The standard error, from the groups' scatter.
+    pub error: f64,
+    /// What its normal approximation says.
+    pub approximation: f64,
+}
+
+/// The groups' estimates of one mean, weighted by their evidence.
+struct Estimate {
+    mean: f64,
+    error: f64,
+}
+
+/// The groups with their parts of the evidence.
+struct Groups<'a> {
+    parts: Vec<f64>,
+    groups: Vec<&'a [Particle]>,
+}
+
+impl<'a> Groups<'a> {
+    fn of(sample: &'a Sample) -> Self {
+        let logs: Vec<f64> = sample.groups.iter().map(|(log, _)| *log).collect();
+        let all = ln_sum(&logs);
+        Self {
+            parts: logs.iter().map(|log| (log - all).exp()).collect(),
+            groups: sample
+                .groups
+                .iter()
+                .map(|(_, particles)| &particles[..])
+                .collect(),
+        }
+    }
+
+    fn estimate(&self, f: &dyn Fn(&Particle) -> f64) -> Estimate {
+        let mean = |group: &&[Particle]| group.iter().map(f).sum::<f64>() / group.len() as f64;
+        let means: Vec<f64> = self.groups.iter().map(mean).collect();
+        let pairs = || {
+            self.parts
+                .iter()
+                .zip(&means)
+                .filter(|(part, _)| **part > 0.0)
+        };
+        let mean: f64 = pairs().map(|(part, own)| part * own).sum();
+        let squares: f64 = pairs()
+            .map(|(part, own)| (part * (own - mean)).powi(2))
+            .sum();
+        let count = GROUPS as f64;
+        Estimate {
+            mean,
+            error: (squares * count / (count - 1.0)).sqrt(),
+        }
+    }
+}
+
+impl PosteriorOutcome {
+    /// Gathers what a sample tells.
+    pub fn new(objective: &Objective<'_>, optima: &[Optimum], sample: &Sample) -> Self {
+        let problem = objective.problem;
+        let groups = Groups::of(sample);
+        let effective = effective(&groups, sample);
+        let (log_evidence, log_evidence_error) = evidence(sample);
+        let half = 1.96 * (0.95 * 0.05 / effective.max(1.0)).sqrt();
+        let near = Near::new(optima, problem.unknowns());
+        let shares = near.shares(&groups);
+        let approximated = near.approximated(&groups);
+        let mut outcome = Self {
+            trusted: true,
+            doubts: Vec::new(),
+            notes: Vec::new(),
+            particles: sample.particles.len(),
+            distinct: distinct(&sample.particles),
+            effective,
+            holds: [0.95 - half, (0.95 + half).min(1.0)],
+            log_evidence,
+            log_evidence_error,
+            evaluated: sample.evaluated,
+            failed: sample.failed,
+            stages: sample.stages.clone(),
+            free: free(problem, sample),
+            latents: latents(problem, sample),
+            correlations: correlations(problem, sample),
+            optima: shares,
+            approximated,
+        };
+        outcome.doubts = outcome.doubts(sample);
+        outcome.trusted = outcome.doubts.is_empty();
+        outcome.notes = outcome.notes(objective, optima, sample);
+        outcome
+    }
+
+    fn doubts(&self, sample: &Sample) -> Vec<String> {
+        let mut doubts = Vec::new();
+        let dead = sample.groups.iter().filter(|(log, _)| !log.is_finite());
+        match dead.count() {
+            0 => {}
+            dead => doubts.push(format!(
+                "{dead} of {GROUPS} groups found no place that can be simulated"
+            )),
+        }
+        if self.effective < ENOUGH {
+            doubts.push(format!(
+                "the particles are worth about {:.0} independent ones, and {ENOUGH} are needed",
+                self.effective
+            ));
+        }
+        if self.log_evidence_error.is_nan() || self.log_evidence_error > AGREE {
+            doubts.push(format!(
+                "the {GROUPS} groups disagree about the evidence: its logarithm has a standard error of {:.2}",
+                self.log_evidence_error
+            ));
+        }
+        if let Some(last) = sample.stages.last() {
+            if last.ancestors < ANCESTORS {
+                doubts.push(format!(
+                    "all particles come from {} of those at the start, so the parts of separate modes are guesses",
+                    last.ancestors
+                ));
+            }
+            if last.unmoved > STUCK {
+                doubts.push(format!(
+                    "{:.0} % of the particles could not be moved from where they were copied to",
+                    100.0 * last.unmoved
+                ));
+            }
+        }
+        let missed = |own: &&Share| own.within == 0.0 && own.approximation > SEEN;
+        for own in self.optima.iter().filter(missed) {
+            doubts.push(format!(
+                "no particle is near optimum {}, which has {:.0} % by the optima's normal approximations",
+                own.optimum,
+                100.0 * own.approximation
+            ));
+        }
+        doubts
+    }
+
+    fn notes(&self, objective: &Objective<'_>, optima: &[Optimum], sample: &Sample) -> Vec<String> {
+        let mut notes = Vec::new();
+        if self.failed > 0 {
+            let within = failures::words(&failures::ranges(objective.problem, &sample.failures));
+            notes.push(format!(
+                "runs failed at {} of {} places, all within {within}; these count as impossible, though nothing is known of \
+                 them: if the truth lies there, the sample does not hold it",
+                self.failed, self.evaluated
+            ));
+            let last = sample.stages.iter().filter(|stage| stage.exponent >= 1.0);
+            let [asked, failed] = last.fold([0, 0], |[asked, failed], stage| {
+                [asked + stage.asked, failed + stage.failed]
+            });
+            if failed > 0 {
+                notes.push(format!(
+                    "{failed} of {asked} last steps led there: the sample borders on these places and is cut where they begin"
+                ));
+            }
+        }
+        if !optima.is_empty() && self.approximated < APPROXIMATED {
+            notes.push(format!(
+                "{:.0} % of the sample lies outside of the optima's normal approximations: their intervals do not hold, \
+                 the sample's do",
+                100.0 * (1.0 - self.approximated)
+            ));
+        }
+        // A place of so much higher density is no place that the search was at.
+        const HIGHER: f64 = 0.5;
+        let all = sample.particles.first().map_or(0, |own| own.places.len());
+        if all > objective.problem.unknowns() {
+            // The search took the discrepancies as known, so its densities are others.
+            return notes;
+        }
+        let target = Target::new(objective, Vec::new());
+        let known = optima.iter().map(|own| target.log_density(&own.minimum));
+        let known = known.fold(f64::NEG_INFINITY, f64::max);
+        let found = sample.particles.iter();
+        let found = found.map(|own| own.log_prior + own.log_likelihood);
+        let found = found.fold(f64::NEG_INFINITY, f64::max);
+        if known.is_finite() && found > known + HIGHER {
+            notes.push(format!(
+                "the sample holds places that are exp({:.1}) times as probable as the best optimum: the search has \
+                 missed one, and more `starts` may find it",
+                found - known
+            ));
+        }
+        notes
+    }
+
+    /// The median of an unknown discrepancy, and the interval that holds it with 95 % probability; it is that of number
+    /// `index`.
+    pub fn discrepancy(
+        problem: &Problem,
+        sample: &Sample,
+        unknown: &Unknown,
+        index: usize,
+    ) -> (f64, [f64; 2]) {
+        let place = problem.unknowns() + index;
+        let places = sample.particles.iter().map(|own| own.places[place]);
+        let places = sorted(places.collect());
+        let at = |part| unknown.deviation(quantile(&places, part));
+        (at(0.5), [at(0.025), at(0.975)])
+    }
+
+    /// How many particles are asked for where there are doubts.
+    pub fn more(&self) -> u64 {
+        (4 * self.particles as u64).max(FEWEST)
+    }
+}
+
+/// How many independent particles the sample is worth, for the means and variances of all unknowns together. The groups
+/// are few, so the estimate for a single one would scatter too much.
+fn effective(groups: &Groups<'_>, sample: &Sample) -> f64 {
+    let unknowns = sample.particles.first().map_or(0, |own| own.places.len());
+    let mut ratios = Vec::new();
+    for k in 0..unknowns {
+        let mean = groups.estimate(&|own| own.places[k]);
+        let square = |own: &Particle| (own.places[k] - mean.mean).powi(2);
+        let variance = groups.estimate(&square);
+        if variance.mean <= 0.0 {
+            continue;
+        }
+        ratios.push(mean.error.powi(2) / variance.mean);
+        let spread = groups.estimate(&|own| (square(own) - variance.mean).powi(2));
+        if spread.mean > 0.0 {
+            ratios.push(variance.error.powi(2) / spread.mean);
+        }
+    }
+    let mean = ratios.iter().sum::<f64>() / ratios.len().max(1) as f64;
+    let all = sample.particles.len() as f64;
+    (1.0 / mean).min(all)
+}
+
+/// The logarithm of the evidence, with its standard error.
+fn evidence(sample: &Sample) -> (f64, f64) {
+    let logs: Vec<f64> = sample.groups.iter().map(|(log, _)| *log).collect();
+    let count = logs.len() as f64;
+    let whole = ln_sum(&logs) - count.ln();
+    let squares = logs.iter().map(|log| ((log - whole).exp() - 1.0).powi(2));
+    let error = (squares.sum::<f64>() / (count - 1.0) / count).sqrt();
+    (whole, error)
+}
+
+fn distinct(particles: &[Particle]) -> usize {
+    let bits = |own: &Particle| -> Vec<u64> { own.places.iter().map(|p| p.to_bits()).collect() };
+    let mut all: Vec<Vec<u64>> = particles.iter().map(bits).collect();
+    all.sort_unstable();
+    all.dedup();
+    all.len()
+}
+
+/// The optima, and the squared distance from each within which 99 % of its normal approximation lie.
+struct Near<'a> {
+    optima: &'a [Optimum],
+    limit: f64,
+}
+
+impl<'a> Near<'a> {
+    fn new(optima: &'a [Optimum], unknowns: usize) -> Self {
+        let chi_squared = ChiSquared::new(unknowns.max(1) as f64);
+        let limit = chi_squared.expect("there is an unknown").inverse_cdf(0.99);
+        Self { optima, limit }
+    }
+
+    fn distance(optimum: &Optimum, own: &Particle) -> f64 {
+        let centre = &optimum.minimum.places;
+        optimum.posterior.distance(centre, &own.places)
+    }
+
+    /// The optimum that is nearest to a particle.
+    fn nearest(&self, own: &Particle) -> Option<usize> {
+        let distances = self
+            .optima
+            .iter()
+            .map(|optimum| Self::distance(optimum, own));
+        let least = distances.enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
+        least.map(|(index, _)| index)
+    }
+
+    fn shares(&self, groups: &Groups<'_>) -> Vec<Share> {
+        let one_or_none = |is: bool| f64::from(u8::from(is));
+        let share = |(index, optimum): (usize, &Optimum)| {
+            let nearest = |own: &Particle| one_or_none(self.nearest(own) == Some(index));
+            let within = |own: &Particle| one_or_none(Self::distance(optimum, own) <= self.limit);
+            let Estimate { mean, error } = groups.estimate(&nearest);
+            Share {
+                optimum: index + 1,
+                share: mean,
+                error,
+                within: groups.estimate(&within).mean,
+                approximation: optimum.weight,
+            }
+        };
+        self.optima.iter().enumerate().map(share).collect()
+    }
+
+    fn approximated(&self, groups: &Groups<'_>) -> f64 {
+        let any = |own: &Particle| {
+            let within = |optimum: &Optimum| Self::distance(optimum, own) <= self.limit;
+            f64::from(u8::from(self.optima.iter().any(within)))
+        };
+        groups.estimate(&any).mean
+    }
+}
+
+/// What there is to say of one unknown, given how a place becomes a value.
+fn marginal(
+    name: &str,
+    unit: Option<&String>,
+    scale: Spacing,
+    sample: &Sample,
+    unknown: usize,
+    value: &dyn Fn(f64) -> f64,
+) -> Marginal {
+    let places = sample.particles.iter().map(|own| own.places[unknown]);
+    let places = sorted(places.collect());
+    let values: Vec<f64> = places.iter().map(|&place| value(place)).collect();
+    let intervals = regions(&places).into_iter();
+    Marginal {
+        name: name.to_owned(),
+        unit: unit.cloned(),
+        mean: mean(&values),
+        deviation: variance(&values, 1).sqrt(),
+        median: value(quantile(&places, 0.5)),
+        intervals: intervals.map(|ends| ends.map(value)).collect(),
+        scale,
+    }
+}
+
+fn free(problem: &Problem, sample: &Sample) -> Vec<Marginal> {
+    let free = problem.free.iter().enumerate();
+    free.map(|(unknown, free)| {
+        let value = |place| free.value(place);
+        marginal(
+            &free.name,
+            free.unit.as_ref(),
+            free.scale,
+            sample,
+            unknown,
+            &value,
+        )
+    })
+    .collect()
+}
+
+fn latents(problem: &Problem, sample: &Sample) -> Vec<Vec<Marginal>> {
+    let of_case = |case: usize| {
+        let intervals = problem.cases[case].latents.iter();
+        let latents = problem.latents.iter().zip(intervals);
+        let latents = latents.zip(problem.latents_of(case));
+        latents
+            .map(|((latent, interval), unknown)| {
+                let value = |place| interval.value(place);
+                marginal(
+                    &latent.name,
+                    latent.unit.as_ref(),
+                    Spacing::Linear,
+                    sample,
+                    unknown,
+                    &value,
+                )
+            })
+            .collect()
+    };
+    (0..problem.cases.len()).map(of_case).collect()
+}
+
+/// The correlations of the free parameters' values.
+fn correlations(problem: &Problem, sample: &Sample) -> Vec<Vec<f64>> {
+    let particles = sample.particles.iter();
+    let rows = particles.map(|own| problem.free_values(&own.places));
+    let rows: Vec<Vec<f64>> = rows.collect();
+    let column = |k: usize| rows.iter().map(|row| row[k]).collect();
+    let columns: Vec<Vec<f64>> = (0..problem.free.len()).map(column).collect();
+    let with_all = |a: &Vec<f64>| columns.iter().map(|b| pearson(a, b)).collect();
+    columns.iter().map(with_all).collect()
+}

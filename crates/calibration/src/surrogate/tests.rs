@@ -1,0 +1,372 @@
+//! Surrogates against models whose values are known everywhere.
+
+use std::cell::Cell;
+
+use rand::rngs::StdRng;
+use rand::{RngExt, SeedableRng};
+use rand_distr::StandardNormal;
+use sampling::design::cube;
+
+use super::super::problem::{Case, Free, Interval, Latent, Measured, Quantity};
+use super::super::sample::outcome::PosteriorOutcome;
+use super::*;
+use crate::problem::Spacing;
+
+const TIMES: [f64; 6] = [0.3, 0.6, 1.0, 1.5, 2.2, 3.0];
+
+const EFFORT: Effort = Effort {
+    descents: 8,
+    iterations: 40,
+    deadline: None,
+};
+
+fn decay(p: &[f64]) -> Vec<f64> {
+    TIMES.iter().map(|t| p[0] * (-p[1] * t).exp()).collect()
+}
+
+fn free(name: &str, min: f64, max: f64, scale: Spacing) -> Free {
+    Free {
+        name: name.to_owned(),
+        unit: None,
+        scale,
+        min,
+        max,
+        prior: None,
+    }
+}
+
+/// One case with these values.
+fn problem(free: Vec<Free>, values: &[f64], accuracy: f64) -> Problem {
+    let quantity = |index| Quantity {
+        name: format!("y{index}"),
+        unit: None,
+    };
+    let measured = |&value| Measured { value, accuracy };
+    Problem {
+        free,
+        latents: Vec::new(),
+        quantities: (0..values.len()).map(quantity).collect(),
+        cases: vec![Case {
+            label: "1".to_owned(),
+            latents: Vec::new(),
+            measured: values.iter().map(measured).collect(),
+        }],
+    }
+}
+
+fn unknown_decay() -> Vec<Free> {
+    vec![
+        free("amplitude", 0.5, 2.0, Spacing::Linear),
+        free("rate", 0.1, 10.0, Spacing::Log),
+    ]
+}
+
+/// Surrogates of a model from so many runs.
+fn made(
+    problem: &Problem,
+    model: &dyn Simulate,
+    runs: usize,
+    seed: u64,
+) -> Result<Replaced, SearchError> {
+    let unknowns = problem.unknowns();
+    let spread =
+        |count: usize, round: u64| cube(unknowns, count as u64, 1000 * seed + round, 1).unwrap();
+    let starts = spread(64, 99);
+    let task = Task {
+        problem,
+        unknown: &[],
+        runs,
+        spread: &spread,
+        starts: &starts,
+        difference: 1e-3,
+        effort: EFFORT,
+        seed,
+    };
+    replaced(&task, model, &|_| ())
+}
+
+/// A model with unknowns, whose values are measured.
+struct Trial {
+    unknown: fn() -> Vec<Free>,
+    model: fn(&[f64]) -> Vec<f64>,
+    accuracy: f64,
+    /// At most so many runs.
+    runs: usize,
+}
+
+const DECAY: Trial = Trial {
+    unknown: unknown_decay,
+    model: decay,
+    accuracy: 0.01,
+    runs: 30,
+};
+
+/// How many of so many truths are in the sample's intervals, for each parameter; and the mean number of runs.
+fn held(trial: &Trial, records: u64, seed: u64) -> (Vec<u32>, f64) {
+    let mut random = StdRng::seed_from_u64(seed);
+    let unknowns = (trial.unknown)().len();
+    let mut held = vec![0; unknowns];
+    let asked = Cell::new(0_u64);
+    for record in 0..records {
+        let places: Vec<f64> = (0..unknowns).map(|_| random.random()).collect();
+        let truth = problem((trial.unknown)(), &[], 1.0).free_values(&places);
+        let noise = |value: f64| value + trial.accuracy * random.sample::<f64, _>(StandardNormal);
+        let values: Vec<f64> = (trial.model)(&truth).into_iter().map(noise).collect();
+        let problem = problem((trial.unknown)(), &values, trial.accuracy);
+        let model = |_: usize, p: &[f64], _: &[f64]| {
+            asked.set(asked.get() + 1);
+            Ok((trial.model)(p))
+        };
+        let own = made(&problem, &model, trial.runs, record).unwrap();
+        let task = rounds::Task {
+            problem: &own.problem,
+            unknown: &[],
+            difference: 1e-3,
+            starts: &cube(unknowns, 64, record, 1).unwrap(),
+            effort: EFFORT,
+        };
+        let found = searched(&task, &own.model, &|_| ()).unwrap();
+        let objective = Objective::new(&own.problem, &own.model, 1e-3);
+        let settings = Settings {
+            particles: 400,
+            seed: record,
+            deadline: None,
+            discrepancies: &[],
+        };
+        let sample = sample(&objective, &found.optima, &settings, &|_, _| ()).unwrap();
+        let posterior = PosteriorOutcome::new(&objective, &found.optima, &sample);
+        for k in 0..unknowns {
+            let inside = |[low, high]: &[f64; 2]| (*low..=*high).contains(&truth[k]);
+            held[k] += u32::from(posterior.free[k].intervals.iter().any(inside));
+        }
+    }
+    (held, asked.get() as f64 / records as f64)
+}
+
+/// Of 4 intervals that hold with 95 %, 2 to 4 hold with a probability of 99.95 %. With few runs the surrogates are rough, and
+/// the intervals have to tell.
+#[test]
+fn intervals_on_rough_surrogates_hold() {
+    let (held, _) = held(&DECAY, 4, 22);
+    assert!(held.iter().all(|count| *count >= 2), "{held:?}");
+}
+
+/// A row of docs/analysis.md. Of 60 intervals that hold with 95 %, 51 to 60 hold with a probability of 99.9 %.
+fn row(accuracy: f64, runs: usize, seed: u64) {
+    let trial = Trial {
+        accuracy,
+        runs,
+        ..DECAY
+    };
+    let (held, asked) = held(&trial, 60, seed);
+    println!("accuracy {accuracy}, at most {runs} runs: {held:?} of 60, {asked:.0} runs each");
+    assert!(held.iter().all(|count| *count >= 51), "{held:?}");
+    assert!(asked <= runs as f64);
+}
+
+#[test]
+#[ignore = "takes minutes"]
+fn intervals_on_surrogates_hold_with_good_data() {
+    row(0.01, 80, 21);
+}
+
+#[test]
+#[ignore = "takes minutes"]
+fn intervals_on_surrogates_hold_though_they_are_rough() {
+    row(0.01, 30, 22);
+}
+
+#[test]
+#[ignore = "takes minutes"]
+fn intervals_on_surrogates_hold_with_weak_data() {
+    row(0.1, 60, 23);
+    row(0.5, 60, 24);
+}
+
+/// Rows of docs/analysis.md for what no polynomial follows: intervals of 95 % that hold less, by how much is what they print.
+#[test]
+#[ignore = "takes minutes"]
+fn kinks_and_jumps() {
+    let jump = Trial {
+        unknown: || vec![free("x", 0.0, 1.0, Spacing::Linear)],
+        model: |p| vec![p[0] + f64::from(u8::from(p[0] > 0.437))],
+        accuracy: 0.02,
+        runs: 30,
+    };
+    let ridge = Trial {
+        unknown: || {
+            ["x1", "x2"]
+                .map(|x| free(x, 0.0, 1.0, Spacing::Linear))
+                .to_vec()
+        },
+        model: |p| vec![1.0 / (1.0 + (-200.0 * (p[0] + p[1] / 2.0 - 0.7)).exp())],
+        accuracy: 0.05,
+        runs: 60,
+    };
+    for (name, trial) in [("jump", jump), ("steep ridge", ridge)] {
+        let (held, asked) = held(&trial, 240, 31);
+        println!("{name}: {held:?} of 240, {asked:.0} runs each");
+        // The docs promise no more: of 240 that hold with 90 %, 201 or more do with a probability of 99.9 %.
+        assert!(held.iter().all(|count| *count >= 201), "{held:?}");
+    }
+}
+
+#[test]
+fn the_error_counted_is_that_of_the_posterior() {
+    let truth = [1.2, 0.7];
+    let problem = problem(unknown_decay(), &decay(&truth), 0.02);
+    let model = |_: usize, p: &[f64], _: &[f64]| Ok(decay(p));
+    let own = made(&problem, &model, 100, 5).unwrap();
+    assert!(
+        own.told.rounds > 1 && own.told.checked > 10,
+        "{:?}",
+        own.told
+    );
+    assert!(own.told.largest < 0.2, "{:?}", own.told);
+    // Places near the truth, about two deviations wide.
+    let mut random = StdRng::seed_from_u64(3);
+    let mut squares = [0.0; 6];
+    for _ in 0..200 {
+        let mut near =
+            |value: f64, width: f64| value * (1.0 + width * (random.random::<f64>() - 0.5));
+        let free = vec![near(truth[0], 0.08), near(truth[1], 0.12)];
+        let query = Query {
+            case: 0,
+            free: free.clone(),
+            latents: Vec::new(),
+        };
+        let ours = own.model.simulate(&[query]).unwrap().remove(0).unwrap();
+        for (square, (a, b)) in squares.iter_mut().zip(ours.iter().zip(decay(&free))) {
+            *square += (a - b).powi(2) / 200.0;
+        }
+    }
+    for (square, stated) in squares.iter().zip(&own.told.errors[0]) {
+        assert!(
+            square.sqrt() <= 2.0 * stated.counted,
+            "{} {stated:?}",
+            square.sqrt()
+        );
+    }
+}
+
+/// A wave of half a dozen bends from few runs: no polynomial follows it, and the error counted says so.
+#[test]
+fn what_cannot_be_followed_is_said() {
+    let wave = |_: usize, p: &[f64], _: &[f64]| Ok(vec![(20.0 * p[0]).sin()]);
+    let unknown = vec![free("x", 0.0, 3.0, Spacing::Linear)];
+    let problem = problem(unknown, &[0.3], 0.02);
+    let own = made(&problem, &wave, 24, 1).unwrap();
+    assert!(own.told.largest > 5.0, "{:?}", own.told);
+    assert!(text::summary(&own.told).contains("--surrogate 48"));
+}
+
+#[test]
+fn errors_that_go_together_count_more() {
+    // Six values that miss by the same bend tell no more than one does.
+    let bent = |_: usize, p: &[f64], _: &[f64]| Ok(vec![(9.0 * p[0]).sin() + p[0]; 6]);
+    let unknown = vec![free("x", 0.0, 3.0, Spacing::Linear)];
+    let problem = problem(unknown, &[0.3; 6], 0.5);
+    let own = made(&problem, &bent, 24, 1).unwrap();
+    assert!(
+        (own.told.together - 6.0).abs() < 1e-6,
+        "{}",
+        own.told.together
+    );
+}
+
+#[test]
+fn latent_parameters_of_several_cases_have_surrogates_of_their_own() {
+    let model = |case: usize, p: &[f64], latent: &[f64]| {
+        Ok(vec![
+            p[0] * (1.0 + case as f64) / latent[0],
+            p[0] * latent[0],
+        ])
+    };
+    let quantity = |name: &str| Quantity {
+        name: name.to_owned(),
+        unit: None,
+    };
+    let case = |index: usize| Case {
+        label: index.to_string(),
+        latents: vec![Interval { min: 0.8, max: 1.2 }],
+        measured: [2.0 * (1.0 + index as f64), 2.0]
+            .iter()
+            .map(|&value| Measured {
+                value,
+                accuracy: 0.05,
+            })
+            .collect(),
+    };
+    let problem = Problem {
+        free: vec![free("p", 1.0, 4.0, Spacing::Log)],
+        latents: vec![Latent {
+            name: "c".to_owned(),
+            unit: None,
+        }],
+        quantities: vec![quantity("a"), quantity("b")],
+        cases: (0..4).map(case).collect(),
+    };
+    let own = made(&problem, &model, 80, 2).unwrap();
+    // Rounds end where errors widen no accuracy by more than `SMALL`.
+    let widened = own.told.largest.hypot(1.0) - 1.0;
+    assert!(widened <= SMALL && own.told.runs < 80, "{:?}", own.told);
+    let query = Query {
+        case: 2,
+        free: vec![2.0],
+        latents: vec![1.1],
+    };
+    let found = own.model.simulate(&[query]).unwrap().remove(0).unwrap();
+    assert!(
+        (found[0] - 6.0 / 1.1).abs() < 0.01 && (found[1] - 2.2).abs() < 0.01,
+        "{found:?}"
+    );
+}
+
+/// Stripes so narrow that no run tells of its neighbours: what the fresh runs meet is told.
+#[test]
+fn a_sample_at_which_the_model_fails_is_told() {
+    let stripes = |_: usize, p: &[f64], _: &[f64]| match (500.0 * p[0]).fract() < 0.4 {
+        true => Ok(vec![p[0]]),
+        false => Err("too thin".to_owned()),
+    };
+    let unknown = vec![free("x", 0.0, 1.0, Spacing::Linear)];
+    let measured = problem(unknown, &[0.4], 0.1);
+    let told = made(&measured, &stripes, 60, 1).unwrap().told;
+    assert!(told.check_failed > 0, "{told:?}");
+    let text = text::summary(&told);
+    assert!(
+        text.contains("intervals of the sample do not hold"),
+        "{text}"
+    );
+}
+
+#[test]
+fn where_the_nearest_run_failed_there_is_no_surrogate() {
+    let holed = |_: usize, p: &[f64], _: &[f64]| match p[0] > 2.4 && p[1] > 0.5 {
+        true => Err("too thin".to_owned()),
+        false => Ok(vec![p[0] + p[1]]),
+    };
+    let unknown = vec![
+        free("x", 0.0, 3.0, Spacing::Linear),
+        free("y", 0.0, 1.0, Spacing::Linear),
+    ];
+    let measured = problem(unknown, &[1.0], 0.05);
+    let own = made(&measured, &holed, 80, 1).unwrap();
+    let at = |x: f64, y: f64| {
+        let query = Query {
+            case: 0,
+            free: vec![x, y],
+            latents: Vec::new(),
+        };
+        own.model.simulate(&[query]).unwrap().remove(0)
+    };
+    assert_eq!(at(2.8, 0.9), Err("too thin".to_owned()));
+    assert!((at(0.5, 0.5).unwrap()[0] - 1.0).abs() < 1e-6);
+    assert!(own.failures.failed > 0 && own.screened.iter().any(|ended| !ended));
+    let never = |_: usize, _: &[f64], _: &[f64]| Err("too thin".to_owned());
+    let error = made(&measured, &never, 80, 1).err().unwrap().to_string();
+    assert!(
+        error.contains("too few") && error.contains("too thin"),
+        "{error}"
+    );
+}

@@ -1,0 +1,327 @@
+//! The trade-off between the criteria of a study: its front, the best compromise, and where the
+//! nominal design lies.
+
+use super::{dominates, front};
+use crate::table::{CriterionColumn, PointTable};
+use sampling::statistics::moments::{mean, ranks};
+use serde::{Deserialize, Serialize};
+
+/// The trade-off between the criteria of a study.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Pareto {
+    /// Origin of the points, for people.
+    pub method: String,
+    /// Points with values that the front was chosen from.
+    pub points: usize,
+    /// The parameters, in the order of all lists below.
+    pub parameters: Vec<String>,
+    /// Their units.
+    pub units: Vec<String>,
+    /// The criteria, in the order of all lists below.
+    pub criteria: Vec<String>,
+    /// How many points no other one beats in every criterion.
+    pub unbeaten: usize,
+    /// How many of these meet all criteria.
+    pub unbeaten_verified: usize,
+    /// The unbeaten points, those with the least largest deviation first; of very many, the first thousand, as
+    /// many from all over the others, and the nearest.
+    pub front: Vec<Member>,
+    /// The point nearest to the measurement, by the root of the sum of squared deviations; its
+    /// place in the front. The best compromise is the front's first point.
+    pub nearest: usize,
+    /// The design with all parameters at their medians, where it was run.
+    pub nominal: Option<Nominal>,
+    /// Rank correlations of the deviations along the front, by pairs of criteria: negative where
+    /// one criterion is met better at the other's expense.
+    pub conflicts: Vec<Conflict>,
+}
+
+/// A point of the front, or to be compared with it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Member {
+    /// The point's number in `points.csv`, if it comes from there.
+    pub point: Option<u64>,
+    /// The parameters.
+    pub parameters: Vec<f64>,
+    /// The criteria's values.
+    pub values: Vec<f64>,
+    /// Their deviations in units of the tolerance: 0 agrees exactly, 1 is at the limit.
+    pub deviations: Vec<f64>,
+}
+
+impl Member {
+    /// A point of a table.
+    pub fn of(table: &PointTable, point: usize) -> Self {
+        let values: Vec<f64> = table.criteria.iter().map(|c| c.values[point]).collect();
+        Self {
+            point: None,
+            parameters: table.parameters.iter().map(|p| p.values[point]).collect(),
+            deviations: deviations(&table.criteria, &values),
+            values,
+        }
+    }
+
+    /// The largest deviation: Chebyshev's distance from the measurement.
+    pub fn largest(&self) -> f64 {
+        self.deviations.iter().copied().fold(0.0, f64::max)
+    }
+
+    /// Euclid's distance from the measurement.
+    pub fn distance(&self) -> f64 {
+        self.deviations.iter().map(|d| d * d).sum::<f64>().sqrt()
+    }
+
+    /// Whether all criteria are met.
+    pub fn verified(&self) -> bool {
+        self.deviations.iter().all(|d| *d <= 1.0)
+    }
+}
+
+/// The nominal design's place relative to the front.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Nominal {
+    /// The design.
+    pub member: Member,
+    /// Number of points on the front that beat it in every criterion.
+    pub beaten_by: usize,
+    /// The least distance to a point of the front, in units of the tolerances.
+    pub to_front: f64,
+}
+
+/// Largest number of front points that are listed. Nobody reads more, and a file of a million would be unwieldy.
+const MOST: usize = 2_000;
+
+/// Criteria with a rank correlation at or below this are said to be in conflict.
+pub const CONFLICT: f64 = -0.3;
+
+/// How two criteria go together along the front.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Conflict {
+    /// Index of the first criterion.
+    pub a: usize,
+    /// Index of the second criterion.
+    pub b: usize,
+    /// Spearman's rank correlation of their deviations.
+    pub correlation: f64,
+}
+
+fn deviations(criteria: &[CriterionColumn], values: &[f64]) -> Vec<f64> {
+    let pairs = criteria.iter().zip(values);
+    pairs.map(|(c, value)| c.deviation(*value)).collect()
+}
+
+/// The trade-off among the points of a table; `labelled` where they are those of `points.csv`.
+/// `None` where no point has values.
+///
+/// The best compromise is the point with the least largest deviation (Zeleny 1973, "Compromise
+/// programming", with the infinite norm): every criterion is met with as much room to spare as the
+/// worst of them can have.
+pub fn trade_off(
+    table: &PointTable,
+    labelled: bool,
+    nominal: Option<Member>,
+    method: String,
+) -> Option<Pareto> {
+    let completed: Vec<usize> = (0..table.len()).filter(|&i| table.completed(i)).collect();
+    let objectives: Vec<Vec<f64>> = completed
+        .iter()
+        .map(|&i| Member::of(table, i).deviations)
+        .collect();
+    let mut chosen: Vec<Member> = front(&objectives)
+        .into_iter()
+        .map(|k| Member {
+            point: labelled.then(|| table.ids[completed[k]]),
+            ..Member::of(table, completed[k])
+        })
+        .collect();
+    chosen.sort_by(|a, b| a.largest().total_cmp(&b.largest()));
+    let by_distance =
+        |a: &usize, b: &usize| chosen[*a].distance().total_cmp(&chosen[*b].distance());
+    let nearest = (0..chosen.len()).min_by(by_distance)?;
+    let unbeaten = chosen.len();
+    let unbeaten_verified = chosen.iter().filter(|m| m.verified()).count();
+    let nominal = nominal.map(|member| compare(member, &chosen));
+    let conflicts = conflicts(&chosen, table.criteria.len());
+    let nearest = shorten(&mut chosen, nearest);
+    Some(Pareto {
+        method,
+        points: completed.len(),
+        parameters: table.parameters.iter().map(|p| p.name.clone()).collect(),
+        units: table.parameters.iter().map(|p| p.unit.clone()).collect(),
+        criteria: table.criteria.iter().map(|c| c.name.clone()).collect(),
+        nearest,
+        nominal,
+        conflicts,
+        unbeaten,
+        unbeaten_verified,
+        front: chosen,
+    })
+}
+
+/// Keeps of a long front its first half of [`MOST`], a selection of the others all along it, and the nearest; returns
+/// the latter's place.
+fn shorten(front: &mut Vec<Member>, nearest: usize) -> usize {
+    if front.len() <= MOST {
+        return nearest;
+    }
+    let first = MOST / 2;
+    let others = front.len() - first;
+    let spread = (0..MOST - first).map(|k| first + k * others / (MOST - first));
+    let mut kept: Vec<usize> = (0..first).chain(spread).collect();
+    let place = kept.partition_point(|&i| i < nearest);
+    if kept.get(place) != Some(&nearest) {
+        kept.insert(place, nearest);
+    }
+    *front = kept.into_iter().map(|i| front[i].clone()).collect();
+    place
+}
+
+fn compare(member: Member, front: &[Member]) -> Nominal {
+    let to = |other: &Member| {
+        let pairs = member.deviations.iter().zip(&other.deviations);
+        pairs.map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+    };
+    let beats = |other: &&Member| dominates(&other.deviations, &member.deviations);
+    Nominal {
+        beaten_by: front.iter().filter(beats).count(),
+        to_front: front.iter().map(to).fold(f64::INFINITY, f64::min),
+        member,
+    }
+}
+
+fn conflicts(front: &[Member], criteria: usize) -> Vec<Conflict> {
+    const FEWEST: usize = 5;
+    if front.len() < FEWEST {
+        return vec![];
+    }
+    let column = |k: usize| ranks(&front.iter().map(|m| m.deviations[k]).collect::<Vec<_>>());
+    let columns: Vec<Vec<f64>> = (0..criteria).map(column).collect();
+    let mut found: Vec<Conflict> = (0..criteria)
+        .flat_map(|a| (a + 1..criteria).map(move |b| (a, b)))
+        .map(|(a, b)| Conflict {
+            a,
+            b,
+            correlation: correlation(&columns[a], &columns[b]),
+        })
+        .collect();
+    found.sort_by(|a, b| a.correlation.total_cmp(&b.correlation));
+    found
+}
+
+/// 0 where one of them does not vary.
+fn correlation(a: &[f64], b: &[f64]) -> f64 {
+    let (ma, mb) = (mean(a), mean(b));
+    let sum = |f: &dyn Fn(f64, f64) -> f64| -> f64 {
+        let pairs = a.iter().zip(b);
+        pairs.map(|(x, y)| f(x - ma, y - mb)).sum()
+    };
+    let scale = (sum(&|x, _| x * x) * sum(&|_, y| y * y)).sqrt();
+    if scale > 0.0 {
+        sum(&|x, y| x * y) / scale
+    } else {
+        0.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::table::ParameterColumn;
+
+    /// Two criteria that pull a single parameter to 0 and to 1, with tolerances of 1 and 0.5.
+    fn table(x: &[f64]) -> PointTable {
+        let criterion = |nominal: f64, room: f64| CriterionColumn {
+            name: format!("c{nominal}"),
+            source: String::new(),
+            unit: String::new(),
+            nominal,
+            lower: nominal - room,
+            upper: nominal + room,
+            group: None,
+            values: x.to_vec(),
+            ok: x.iter().map(|v| (v - nominal).abs() <= room).collect(),
+        };
+        PointTable {
+            ids: (1..=x.len() as u64).collect(),
+            parameters: vec![ParameterColumn {
+                name: "x".into(),
+                unit: "m".into(),
+                distribution: String::new(),
+                values: x.to_vec(),
+            }],
+            criteria: vec![criterion(0.0, 1.0), criterion(1.0, 0.5)],
+            verified: vec![false; x.len()],
+            status: vec!["ok".into(); x.len()],
+        }
+    }
+
+    #[test]
+    fn the_compromise_shares_the_room_and_the_nominal_design_is_compared() {
+        let x: Vec<f64> = (-20..=40).map(|k| f64::from(k) / 20.0).collect();
+        let nominal = Member::of(&table(&[-0.5]), 0);
+        let p = trade_off(&table(&x), true, Some(nominal), String::new()).unwrap();
+        // Everything between the two measured values is on the front, nothing else.
+        assert_eq!(p.front.len(), 21);
+        // x = 2 (1 - x): both deviations are 2/3; the nearest grid point is 0.65.
+        assert!(
+            (p.front[0].parameters[0] - 0.65).abs() < 1e-9,
+            "{:?}",
+            p.front[0]
+        );
+        assert_eq!(p.front[0].point, Some(34));
+        assert!((p.front[p.nearest].parameters[0] - 0.8).abs() < 1e-9);
+        assert!(p.front[0].verified() && !p.front[20].verified());
+        let n = p.nominal.unwrap();
+        assert_eq!(n.member.deviations, [0.5, 3.0]);
+        assert_eq!(n.beaten_by, 11);
+        // From (0.5, 3) to (0, 2), the front's end.
+        assert!((n.to_front - 1.25f64.sqrt()).abs() < 1e-9, "{n:?}");
+        assert_eq!(p.conflicts.len(), 1);
+        assert!((p.conflicts[0].correlation + 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_large_front_is_counted_and_its_best_points_are_kept() {
+        let x: Vec<f64> = (0..=30_000).map(|k| f64::from(k) / 30_000.0).collect();
+        let p = trade_off(&table(&x), true, None, String::new()).unwrap();
+        assert_eq!(
+            (p.unbeaten, p.front.len()),
+            (30_001, MOST + usize::from(p.nearest >= MOST / 2))
+        );
+        // Verified from 0.5 on.
+        assert_eq!(p.unbeaten_verified, 15_001);
+        assert!((p.front[0].parameters[0] - 2.0 / 3.0).abs() < 1e-9);
+        // x^2 + 4 (1 - x)^2 is least at 0.8, which is kept, too.
+        assert!((p.front[p.nearest].parameters[0] - 0.8).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_nearest_point_is_kept_wherever_it_is() {
+        let member = |k: usize| Member {
+            point: Some(k as u64),
+            parameters: vec![],
+            values: vec![],
+            deviations: vec![],
+        };
+        let mut front: Vec<Member> = (0..5 * MOST).map(member).collect();
+        let place = shorten(&mut front, MOST + 7);
+        assert_eq!(
+            (front.len(), front[place].point),
+            (MOST + 1, Some(MOST as u64 + 7))
+        );
+        assert!(front.is_sorted_by_key(|m| m.point));
+        assert!(front[MOST].point > Some(4 * MOST as u64));
+    }
+
+    #[test]
+    fn failed_points_are_no_part_of_it() {
+        let mut t = table(&[0.2, 0.5]);
+        t.status[0] = "failed".into();
+        t.criteria.iter_mut().for_each(|c| c.values[0] = f64::NAN);
+        let p = trade_off(&t, false, None, String::new()).unwrap();
+        assert_eq!((p.points, p.front.len(), p.front[0].point), (1, 1, None));
+        t.status[1] = "failed".into();
+        t.criteria.iter_mut().for_each(|c| c.values[1] = f64::NAN);
+        assert_eq!(trade_off(&t, false, None, String::new()), None);
+    }
+}

@@ -1,0 +1,96 @@
+//! Maps over pairs of parameters (the paper's Table 4): the criteria with all other parameters at
+//! their medians, and the probability of verification with all others as they were sampled.
+
+use super::Stand;
+use crate::table::PointTable;
+use sampling::statistics::moments::{quantile, sorted};
+use serde::{Deserialize, Serialize};
+
+/// Cells along each side.
+pub const CELLS: usize = 20;
+/// Samples of the remaining parameters for each cell of a map.
+const OTHERS: usize = 100;
+
+/// A map over two parameters.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Map {
+    /// Index of the parameter along the horizontal axis.
+    pub x: usize,
+    /// Index of the parameter along the vertical axis.
+    pub y: usize,
+    /// Ends of the horizontal axis: the middle 98 % of the samples.
+    pub x_range: [f64; 2],
+    /// Ends of the vertical axis.
+    pub y_range: [f64; 2],
+    /// The criteria's values, row by row from low `y`, one list a criterion.
+    pub criteria: Vec<Vec<f64>>,
+    /// Probability of verification, in the same order.
+    pub probability: Vec<f64>,
+}
+
+impl Map {
+    /// Least and greatest probability over the map.
+    pub fn extremes(&self) -> [f64; 2] {
+        self.probability
+            .iter()
+            .fold([1.0, 0.0], |[l, h], p| [l.min(*p), h.max(*p)])
+    }
+}
+
+/// All pairs.
+pub fn maps(table: &PointTable, stand: &Stand, inputs: &[Vec<f64>]) -> Vec<Map> {
+    let d = table.parameters.len();
+    let columns: Vec<Vec<f64>> = table
+        .parameters
+        .iter()
+        .map(|p| sorted(p.values.clone()))
+        .collect();
+    let medians: Vec<f64> = columns.iter().map(|c| quantile(c, 0.5)).collect();
+    let ranges: Vec<[f64; 2]> = columns
+        .iter()
+        .map(|c| [quantile(c, 0.01), quantile(c, 0.99)])
+        .collect();
+    let others: Vec<&Vec<f64>> = inputs
+        .iter()
+        .step_by(inputs.len().div_ceil(OTHERS).max(1))
+        .collect();
+    let pairs = (0..d).flat_map(|x| (x + 1..d).map(move |y| (x, y)));
+    pairs
+        .map(|(x, y)| {
+            let place = |k: usize, range: [f64; 2]| {
+                range[0] + (range[1] - range[0]) * (k as f64 + 0.5) / CELLS as f64
+            };
+            let cells = || {
+                (0..CELLS * CELLS)
+                    .map(|k| (place(k % CELLS, ranges[x]), place(k / CELLS, ranges[y])))
+            };
+            let at = |base: &[f64], (a, b): (f64, f64)| {
+                let mut point = base.to_vec();
+                (point[x], point[y]) = (a, b);
+                point
+            };
+            Map {
+                x,
+                y,
+                x_range: ranges[x],
+                y_range: ranges[y],
+                criteria: (0..table.criteria.len())
+                    .map(|c| {
+                        cells()
+                            .map(|cell| stand.value(c, &at(&medians, cell)))
+                            .collect()
+                    })
+                    .collect(),
+                probability: cells()
+                    .map(|cell| {
+                        others
+                            .iter()
+                            .map(|o| stand.probability(&at(o, cell)))
+                            .sum::<f64>()
+                            / others.len() as f64
+                    })
+                    .collect(),
+            }
+        })
+        .collect()
+}

@@ -1,0 +1,311 @@
+//! From measured time series to criteria: resample, smooth, align, test, and state the result with
+//! its uncertainty (section 5.1 of Vrublevskyi & Skonieczna, and beyond it).
+
+mod aligned;
+pub mod case;
+mod clean;
+pub mod criteria;
+pub mod delay;
+mod holes;
+mod kernel;
+pub mod signal;
+pub mod smooth;
+pub mod stationarity;
+pub mod uncertainty;
+
+use aligned::Aligned;
+use clean::{Cleaned, clean};
+use delay::{Delay, Pair};
+use holes::Holes;
+use sampling::statistics::moments::mean;
+use signal::{Even, SignalError, Spline};
+use smooth::Smoothing;
+use stationarity::Stationarity;
+use uncertainty::{MeasuredValue, from_bound};
+
+/// How accurate a sensor is: every error up to plus or minus this much is equally likely.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Accuracy {
+    /// Absolute accuracy, in the signal's unit.
+    Absolute(f64),
+    /// Relative accuracy: a fraction of the value.
+    Relative(f64),
+}
+
+impl Accuracy {
+    /// The standard uncertainty of a value.
+    fn standard(self, value: f64) -> f64 {
+        from_bound(match self {
+            Self::Absolute(bound) => bound,
+            Self::Relative(part) => part * value.abs(),
+        })
+    }
+}
+
+/// One recorded signal.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Channel {
+    /// The criterion's name.
+    pub name: String,
+    /// The FMU variable that it is compared with; empty for a signal that becomes no criterion.
+    pub variable: String,
+    /// The unit of the values.
+    pub unit: String,
+    /// The samples, as recorded.
+    pub values: Vec<f64>,
+    /// The sensor's accuracy.
+    pub accuracy: Accuracy,
+    /// The group of criteria that it is counted with.
+    pub group: Option<String>,
+}
+
+/// A criterion for a quantity that follows from several signals.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Derived {
+    /// The criterion's name.
+    pub name: String,
+    /// The FMU variable that it is compared with.
+    pub variable: String,
+    /// The group of criteria that it is counted with.
+    pub group: Option<String>,
+}
+
+/// A recording and what to do with it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RigRecording {
+    /// Times of the samples, s.
+    pub time: Vec<f64>,
+    /// The load on the bearing, N.
+    pub load: Channel,
+    /// The friction torque, N.m.
+    pub torque: Channel,
+    /// The shaft's speed, rad/s.
+    pub speed: Channel,
+    /// The friction power, torque times speed, where that becomes a criterion.
+    pub power: Option<Derived>,
+    /// Further signals of which the mean becomes a criterion, such as temperatures.
+    pub others: Vec<Channel>,
+    /// Diameter of the bearing, m.
+    pub diameter: f64,
+    /// The part of the record to use, s.
+    pub window: Option<[f64; 2]>,
+    /// Smoothing of load and torque.
+    pub smoothing: Smoothing,
+    /// The longest delay to look for, s.
+    pub longest_delay: f64,
+    /// Confidence of the tests of stationarity, such as 0.99.
+    pub confidence: f64,
+}
+
+/// A criterion derived from the record.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DerivedCriterion {
+    /// The criterion's name.
+    pub name: String,
+    /// The FMU variable.
+    pub variable: String,
+    /// The statistic: `mean` or `amplitude`.
+    pub statistic: &'static str,
+    /// The unit of the numbers.
+    pub unit: String,
+    /// The group of criteria.
+    pub group: Option<String>,
+    /// The value with its uncertainty.
+    pub measured: MeasuredValue,
+    /// Means of blocks of whole turns, evenly over the window; empty for an amplitude.
+    pub blocks: Vec<f64>,
+    /// The tests of the block means; `None` where the window is too short for them.
+    pub stationarity: Option<Stationarity>,
+}
+
+/// Result of synchronising a recording.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Synchronised {
+    /// The delay between torque and load.
+    pub delay: Delay,
+    /// Times of the aligned signals, s.
+    pub time: Vec<f64>,
+    /// The load before smoothing, N.
+    pub load_raw: Vec<f64>,
+    /// The torque as recorded, before smoothing, N.m.
+    pub torque_raw: Vec<f64>,
+    /// The smoothed load, N.
+    pub load: Vec<f64>,
+    /// The smoothed torque as recorded, N.m.
+    pub torque_before: Vec<f64>,
+    /// The smoothed torque, shifted, N.m.
+    pub torque: Vec<f64>,
+    /// Relative standard deviation of the friction coefficient before the shift and after it.
+    pub friction_scatter: [f64; 2],
+    /// The friction coefficient before the shift.
+    pub friction_before: Vec<f64>,
+    /// The friction coefficient after the shift.
+    pub friction: Vec<f64>,
+    /// The friction power, W.
+    pub power: Vec<f64>,
+    /// The duration of a block of the tests of stationarity, s.
+    pub block: f64,
+    /// The friction coefficient as a measured quantity.
+    pub mean_friction: MeasuredValue,
+    /// The criteria: means first, then amplitudes.
+    pub findings: Vec<DerivedCriterion>,
+    /// Caveats for the reader.
+    pub warnings: Vec<String>,
+}
+
+/// A gap in the record may be this many times as long as a step.
+const LONGEST_GAP: f64 = 10.0;
+
+/// Aligns a recording and derives the criteria.
+pub fn synchronise(recording: &RigRecording) -> Result<Synchronised, SignalError> {
+    check(recording)?;
+    let kept = window(recording);
+    let time: Vec<f64> = kept.iter().map(|&k| recording.time[k]).collect();
+    let cleaned =
+        |channel: &Channel| clean(&kept.iter().map(|&k| channel.values[k]).collect::<Vec<_>>());
+    let spline = |name: &str, values: &[f64]| Spline::new(name, &time, values, LONGEST_GAP);
+    let [clean_load, clean_torque] = [&recording.load, &recording.torque].map(cleaned);
+    let speed: Vec<f64> = kept.iter().map(|&k| recording.speed.values[k]).collect();
+    let (load, torque, speed) = (
+        spline(&recording.load.name, &clean_load.values)?,
+        spline(&recording.torque.name, &clean_torque.values)?,
+        spline(&recording.speed.name, &speed)?,
+    );
+    let start = load.span().0.max(torque.span().0);
+    let end = load.span().1.min(torque.span().1);
+    let step = load.step();
+    let even = |spline: &Spline| Even::from_spline(spline, start, end, step);
+    let smooth = |raw: &Even| -> Result<Even, SignalError> {
+        Ok(Even {
+            values: recording.smoothing.apply(&raw.values, step)?,
+            ..raw.clone()
+        })
+    };
+    let raw = (even(&load), even(&torque));
+    let (load, torque) = (smooth(&raw.0)?, smooth(&raw.1)?);
+    if load.values.contains(&0.0) {
+        return Err(SignalError::Setting(
+            "the load passes through zero: M/F_N has no meaning there".into(),
+        ));
+    }
+    let pair = Pair {
+        load: &load,
+        torque: &torque,
+        load_good: &good(&clean_load, &time, &load),
+        torque_good: &good(&clean_torque, &time, &load),
+    };
+    let turn = turn(recording).filter(|turn| *turn < (end - start) / 20.0);
+    let delay = delay::find(pair, recording.longest_delay, turn)?;
+    let late = Spline::new(
+        &recording.torque.name,
+        &torque.times(),
+        &torque.values,
+        LONGEST_GAP,
+    )?;
+    let mut notes = concerns(&recording.load, &clean_load);
+    notes.extend(concerns(&recording.torque, &clean_torque));
+    for channel in &recording.others {
+        notes.extend(concerns(channel, &cleaned(channel)));
+    }
+    let holes = [&clean_load, &clean_torque].map(|signal| Holes::of(&time, signal));
+    let mut result = Aligned::new(recording, raw, &load, &late, even(&speed), (delay, holes))
+        .finish(recording, |c| {
+            let signal = cleaned(c);
+            let values = even(&spline(&c.name, &signal.values)?).values;
+            Ok((values, Holes::of(&time, &signal)))
+        })?;
+    result.warnings.extend(notes);
+    Ok(result)
+}
+
+/// The time of a turn of the shaft, s; `None` where it does not turn.
+fn turn(recording: &RigRecording) -> Option<f64> {
+    let speed = recording.speed.values.iter().copied();
+    let speed: Vec<f64> = speed.filter(|v| v.is_finite()).collect();
+    let turn = std::f64::consts::TAU / mean(&speed).abs();
+    turn.is_finite().then_some(turn)
+}
+
+/// Which samples of an even signal lie next to none that is clipped.
+fn good(cleaned: &Cleaned, time: &[f64], even: &Even) -> Vec<bool> {
+    let near = |t: f64| {
+        let next = time.partition_point(|&known| known < t - even.step / 2.0);
+        let around = next.saturating_sub(1)..(next + 2).min(time.len());
+        !cleaned.clipped[around].contains(&true)
+    };
+    even.times().into_iter().map(near).collect()
+}
+
+/// What was found in a signal that its reader must know.
+fn concerns(channel: &Channel, cleaned: &Cleaned) -> Vec<String> {
+    let (name, spikes) = (&channel.name, cleaned.spikes);
+    let mut concerns = Vec::new();
+    if spikes > 0 {
+        concerns.push(format!(
+            "{spikes} of {} samples of {name} are spikes and were left out (more than 6 robust standard deviations, and \
+             a tenth of the range, from the median of the 7 samples around)",
+            cleaned.values.len()
+        ));
+    }
+    if cleaned.clipped_count() > 0 {
+        let part = 100.0 * cleaned.clipped_count() as f64 / cleaned.values.len() as f64;
+        concerns.push(format!(
+            "{name} is clipped: {part:.2} % of its samples stand at an end of the range; they do not count for the \
+             delay, but mean and amplitude of {name} lack what was cut off: measure with a wider range"
+        ));
+    }
+    concerns
+}
+
+fn check(recording: &RigRecording) -> Result<(), SignalError> {
+    let wrong = |text: String| Err(SignalError::Setting(text));
+    if !(recording.diameter.is_finite() && recording.diameter > 0.0) {
+        return wrong(format!(
+            "the bearing's diameter must be positive, not {} m",
+            recording.diameter
+        ));
+    }
+    if !(recording.longest_delay.is_finite() && recording.longest_delay > 0.0) {
+        return wrong(format!(
+            "the longest delay must be positive, not {} s",
+            recording.longest_delay
+        ));
+    }
+    if !(recording.confidence > 0.5 && recording.confidence < 1.0) {
+        return wrong(format!(
+            "the confidence must lie between 0.5 and 1, not at {}",
+            recording.confidence
+        ));
+    }
+    let channels = [&recording.load, &recording.torque, &recording.speed];
+    match channels
+        .into_iter()
+        .chain(&recording.others)
+        .find(|c| c.values.len() != recording.time.len())
+    {
+        Some(c) => wrong(format!(
+            "signal '{}' has {} rows, the time has {}",
+            c.name,
+            c.values.len(),
+            recording.time.len()
+        )),
+        None => Ok(()),
+    }
+}
+
+fn window(recording: &RigRecording) -> Vec<usize> {
+    let [from, to] = recording
+        .window
+        .unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+    (0..recording.time.len())
+        .filter(|&k| recording.time[k] >= from && recording.time[k] <= to)
+        .collect()
+}
+
+#[cfg(test)]
+mod tests;
+
+/// The README's example, as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
