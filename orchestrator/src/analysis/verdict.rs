@@ -65,7 +65,7 @@ pub fn verdict(table: &PointTable) -> PassCounts {
 fn criterion_verdict(
     table: &PointTable,
     k: usize,
-    bindings: &[Option<super::table::Binding>],
+    bindings: &[Option<parameter_regions::table::Binding>],
     passes: Fraction,
 ) -> CriterionVerdict {
     let c = &table.criteria[k];

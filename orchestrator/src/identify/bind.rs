@@ -3,14 +3,16 @@
 use super::cases::Columns;
 use super::error::BindError;
 use crate::study::identification::{
-    DiscrepancyText, Exception, FreeText, Identification, LatentText, MeasuredText, Spacing,
+    DiscrepancyText, Exception, FreeText, Identification, LatentText, MeasuredText,
 };
 use crate::study::plan::{Plan, find, slot_of};
 use crate::study::quantity::{Scale, Sense};
 use crate::study::{Name, Quantity as Text, Study, StudyError};
 use crate::task::{Case as Simulation, Probe, Slot};
 use calibration::discrepancy::Unknown;
-use calibration::problem::{Case, Free, Interval, Latent, Measured, Prior, Problem, Quantity};
+use calibration::problem::{
+    Case, Free, Interval, Latent, Measured, Prior, Problem, Quantity, Spacing,
+};
 use fmu_import::units::Conversion;
 use fmu_import::{Description, Variable};
 use sampling::statistics::Statistic;

@@ -6,12 +6,11 @@
 
 use super::bind::{Bound, free};
 use crate::judge::Judge;
-use crate::study::identification::Spacing;
 use crate::study::plan::{Input, Plan, find, slot_of};
 use crate::study::quantity::Scale;
 use crate::study::{CriterionText, Identification, Name, Study, StudyError};
 use crate::task::{Case as Simulation, Delay, MeasuredCurve, Probe, Slot};
-use calibration::problem::{Case, Free, Measured, Prior, Problem, Quantity};
+use calibration::problem::{Case, Free, Measured, Prior, Problem, Quantity, Spacing};
 use fmu_import::Description;
 use fmu_import::units::Conversion;
 use sampling::distribution::Distribution;
