@@ -97,7 +97,7 @@ mod tests {
     use super::super::problem::{Case, Free, Measured, Quantity};
     use super::super::text;
     use super::*;
-    use crate::study::identification::Spacing;
+    use crate::problem::Spacing;
 
     /// One unknown is both quantities, of which 20 cases say 10 with an accuracy, and 0 with 4. The first one's discrepancy is
     /// unknown: the larger it is, the nearer to 0 is the fit, which misses the first one the more.

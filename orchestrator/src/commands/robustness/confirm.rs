@@ -5,10 +5,10 @@ use std::ops::Range;
 use super::super::CommandError;
 use super::{joint, option};
 use crate::analysis::from_results;
-use parameter_regions::robustness::{Robustness, refined, rows};
-use parameter_regions::table::PointTable;
 use crate::pipeline::Pipeline;
 use crate::session::Session;
+use parameter_regions::robustness::{Robustness, refined, rows};
+use parameter_regions::table::PointTable;
 
 /// The most draws to search for points inside a small region.
 const MOST_DRAWS: u64 = 4_000_000;
