@@ -14,7 +14,7 @@ fn growth(case: usize, p: &[f64], _: &[f64]) -> Result<Vec<f64>, String> {
 }
 
 fn main() -> Result<(), SearchError> {
-    let free = |name: &str, min, max| Free {
+    let free = |name: &str, min: f64, max: f64| Free {
         name: name.into(),
         unit: None,
         scale: Spacing::Log,
@@ -52,9 +52,7 @@ fn main() -> Result<(), SearchError> {
         deadline: None,
     };
     let (optima, progress) = search(&objective, &starts, &effort, &|_| ())?;
-    match IdentificationOutcome::new(&problem, &optima, &progress) {
-        Some(outcome) => println!("{}", text::summary(&outcome)),
-        None => println!("no optimum"),
-    }
+    let outcome = IdentificationOutcome::new(&problem, &optima, &progress);
+    println!("{}", text::summary(&outcome));
     Ok(())
 }

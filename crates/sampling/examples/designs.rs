@@ -118,7 +118,7 @@ fn correlations() -> Result<(), String> {
             for seed in 0..if count > 500 { 10 } else { 50 } {
                 let inputs = Inputs {
                     joints: Vec::new(),
-                    distributions: vec![normal; 4],
+                    distributions: vec![normal.clone(); 4],
                     levels: Vec::new(),
                     correlation: Some(Correlation::new(4, &wanted)?),
                 };

@@ -235,14 +235,14 @@ fn truncated() -> Case {
 /// A sum of correlated parameters: correlations of 0.8 and -0.5.
 fn correlated() -> Option<Case> {
     let mixed = Correlation::new(3, &[(0, 1, 0.8), (1, 2, -0.5)]).ok()?;
-    let normal = Distribution::Normal {
+    let normal = [0; 3].map(|_| Distribution::Normal {
         mean: 1.0,
         deviation: 2.0,
-    };
+    });
     let deviation = 2.0 * (3.0 + 2.0 * (0.8_f64 - 0.5)).sqrt();
     let limit = 3.0 + deviation * exceeded(RARE);
     Some(case("sum of 3 correlated", 3, RARE, move |u| {
-        limit - mixed.at_scores(u, &[normal; 3]).iter().sum::<f64>()
+        limit - mixed.at_scores(u, &normal).iter().sum::<f64>()
     }))
 }
 
