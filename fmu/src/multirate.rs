@@ -35,7 +35,7 @@ use thiserror::Error;
 #[derive(Clone, Debug, Error)]
 pub enum NoLeap {
     /// The journal finds no periodic orbit at a viscosity.
-    #[error("no periodic orbit at a film viscosity of {0} Pa.s")]
+    #[error("no periodic orbit at a film viscosity of {0:?} Pa.s")]
     NoOrbit(f64),
     /// The clearance closes at these temperatures.
     #[error("the clearance closes with the bush at {:.1} K and the shaft at {:.1} K", .0.bush, .0.shaft)]

@@ -32,6 +32,7 @@ use fmu_export::model::{self, Exchange, Experiment, Fault, Info, Log, Model, Var
 use serde::{Deserialize, Serialize};
 
 pub use inputs::{Input, Inputs};
+use stuck::Stuck;
 
 /// The parameters of the time integration.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -143,14 +144,14 @@ impl Stand {
     }
 
     /// The time derivatives of the outputs at the present communication point, per second: differences over a short
-    /// step of a copy. `None` if that step fails.
-    fn differences(&self) -> Option<Readings> {
+    /// step of a copy.
+    fn differences(&self) -> Result<Readings, Stuck> {
         const AHEAD: f64 = 1e-6;
         let mut ahead = self.clone();
         let mut later = || {
-            ahead.check_inputs_after(AHEAD).ok()?;
-            ahead.resolve(AHEAD).ok()?;
-            Some(ahead.read(0.0, &unknowns(&ahead.state)))
+            ahead.check_inputs_after(AHEAD)?;
+            ahead.resolve(AHEAD)?;
+            Ok::<_, Stuck>(ahead.read(0.0, &unknowns(&ahead.state)))
         };
         // A transient film's flows depend on the length of its last step, so two steps of the same length are compared.
         let begin = if self.film.is_transient() {
@@ -158,7 +159,7 @@ impl Stand {
         } else {
             self.readings
         };
-        Some(begin.rates_to(&later()?, AHEAD))
+        Ok(begin.rates_to(&later()?, AHEAD))
     }
 
     /// The friction heat that goes into film, bush and shaft at the present communication point, W.
@@ -427,7 +428,7 @@ impl Model for Stand {
         log.log(
             EVENTS,
             format_args!(
-                "set up at {} s: {:?} film, radial clearance {:e} m, film of {:e} Pa.s at {} K, load {} N, \
+                "set up at {:?} s: {:?} film, radial clearance {:e} m, film of {:e} Pa.s at {:?} K, load {:?} N, \
                  tolerance {:e}",
                 experiment.start,
                 self.film.model,
@@ -448,8 +449,13 @@ impl Model for Stand {
         Ok(())
     }
 
-    fn differentiate(&mut self) {
-        self.rates = self.differences().unwrap_or_default();
+    fn differentiate(&mut self) -> Result<(), Fault> {
+        self.rates = self.differences().map_err(|stuck| {
+            Fault::Failed(format!(
+                "the outputs have no time derivatives here: a short step ahead failed: {stuck}"
+            ))
+        })?;
+        Ok(())
     }
 
     fn advance(&mut self, time: f64, step: f64, log: &mut dyn Log) -> Result<(), Fault> {
@@ -464,7 +470,7 @@ impl Model for Stand {
         } else {
             "with every turn resolved"
         };
-        log.log(EVENTS, format_args!("{step} s from {time} s {how}"));
+        log.log(EVENTS, format_args!("{step:?} s from {time:?} s {how}"));
         let done = if leaps {
             self.leap(step, log)
         } else {
@@ -474,7 +480,7 @@ impl Model for Stand {
             (self.state, self.inputs) = before;
             self.film.take_back();
             return Err(Fault::Failed(format!(
-                "the step from {time} s over {step} s failed: {failure}"
+                "the step from {time:?} s over {step:?} s failed: {failure}"
             )));
         }
         for input in self.inputs.all() {

@@ -69,7 +69,12 @@ pub trait Model: Clone + Default + Serialize + DeserializeOwned + Send + Sync + 
 
     /// Computes what the outputs' [derivatives](Kind::Real) read, where that is work that they share. It is called
     /// once before any of them is read, and again only after something has changed. It must not change an output.
-    fn differentiate(&mut self) {}
+    ///
+    /// # Errors
+    /// [`Fault::Failed`] when there are none at the present state.
+    fn differentiate(&mut self) -> Result<(), Fault> {
+        Ok(())
+    }
 
     /// Lets `step` seconds pass from `time`. Inputs are held or, where a [slope](Kind::Real) was set, vary linearly.
     /// Outputs are valid at `time + step` afterwards.

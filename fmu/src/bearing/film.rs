@@ -108,11 +108,11 @@ impl FilmModel {
         self as i32
     }
 
-    /// The model of an item's value; the default for any other value.
+    /// The model of an item's value.
     pub fn of(value: i32) -> Self {
         let mut all = Self::ALL.iter().copied();
         all.find(|model| model.value() == value)
-            .unwrap_or(Self::ALL[0])
+            .expect("hosts can set no other value than those of the items")
     }
 }
 
@@ -203,8 +203,8 @@ mod tests {
             assert_eq!(FilmModel::of(item.value), *model);
             assert_eq!(format!("{model:?}"), item.name);
         }
-        assert_eq!(FilmModel::of(0), Film::default().model);
     }
+
     #[test]
     fn impossible_dimensions_are_refused() {
         let bearing = Bearing::default();

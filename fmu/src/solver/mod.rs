@@ -20,7 +20,7 @@ pub enum Failure {
         passed: f64,
     },
     /// Too many steps for the time that they took the solution on.
-    #[error("{steps} internal steps were taken for the first {passed:.1e} of {span} s")]
+    #[error("{steps} internal steps were taken for the first {passed:.1e} of {span:?} s")]
     TooManySteps {
         /// The steps.
         steps: usize,

@@ -86,7 +86,7 @@ impl Continuous for Stand {
         }
         let film = temperatures(&y).film;
         Err(Fault::Failed(format!(
-            "no rates exist at eccentricity ratio {:.6} and film temperature {film:.2} K",
+            "no rates exist at eccentricity ratio {:.6e} and film temperature {film:.6e} K",
             y[0].hypot(y[1])
         )))
     }

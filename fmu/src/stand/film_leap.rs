@@ -98,7 +98,9 @@ impl Stand {
             self.film = film;
         }
         let film = self.film.transient();
-        let eccentricity = film.map_or(from.eccentricity, |film| film.eccentricity());
+        let eccentricity = film
+            .expect("only a transient film leads a leap")
+            .eccentricity();
         self.arrive(turns as f64 * period, eccentricity, end);
         self.state.means.restart();
         Ok(scout)

@@ -96,7 +96,7 @@ impl Stand {
             let within = (min - slack..=max + slack).contains(&value);
             (!within).then(|| {
                 Fault::Failed(format!(
-                    "the step over {span} s would take {} to {value} {unit}: it must lie between {min} and {max} \
+                    "the step over {span:?} s would take {} to {value:?} {unit}: it must lie between {min:?} and {max:?} \
                      {unit}; set a smaller input derivative or take a shorter step",
                     variable.name
                 ))

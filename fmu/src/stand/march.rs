@@ -33,6 +33,8 @@ const FILM_STEPS_PER_TURN: f64 = 100.0;
 const ROUGH_STEPS: f64 = 3.0;
 /// The longest step of a transient film, s.
 const LONGEST_FILM_STEP: f64 = 2e-3;
+/// In a shorter step, s, rounding moves a journal more than the film does: nothing changes but time, angle and inputs.
+const SHORTEST_FILM_STEP: f64 = 1e-13;
 /// Internal steps that may be taken before any time has passed. The rig takes some tens to get going.
 const STEPS_AT_ONCE: usize = 30_000;
 /// Further internal steps per second and per turn. The rig takes some 60 a turn.
@@ -121,6 +123,10 @@ impl Stand {
     /// Lets `span` seconds pass with a transient film, in steps that are `longer` by a factor: in each of them first the film
     /// advances, then the temperatures. Returns means over the span.
     fn resolve_transient(&mut self, span: f64, longer: f64) -> Result<Turn, Stuck> {
+        if span < SHORTEST_FILM_STEP {
+            self.arrive(span, self.state.eccentricity, self.state.temperatures);
+            return Ok(Turn::default());
+        }
         let steps = self.film_steps(span, longer);
         if steps > MOST_FILM_STEPS {
             return Err(Stuck::TooLong(steps));
@@ -140,9 +146,8 @@ impl Stand {
                 clearance: self.clearance(&self.state.temperatures, self.state.worn),
                 viscosity,
             };
-            let Some(film) = self.film.transient() else {
-                break;
-            };
+            let film = self.film.transient();
+            let film = film.expect("only a transient film takes steps of its own");
             let (flows, taken) = film.advance(&self.bearing, &interval)?;
             let eccentricity = film.eccentricity();
             spare = (spare + FILM_STEPS_PER_STEP)

@@ -315,13 +315,13 @@ impl Scout {
         let close = share(KNOWN, &self.ahead);
         while self.known.len() < PLACES {
             let way = self.way(turns, from)?;
-            let end = way.last().copied().unwrap_or(from.temperatures);
+            let end = *way.last().expect("a way has an end");
             let Some(at) = self.farthest(&way) else {
                 return Ok(end);
             };
             if self.look(at)? < close {
                 let way = self.way(turns, from)?;
-                return Ok(way.last().copied().unwrap_or(end));
+                return Ok(*way.last().expect("a way has an end"));
             }
         }
         Err(NoFilmLeap::Unknown(PLACES))
@@ -342,7 +342,7 @@ impl Scout {
             };
             let until = ((time * approach.turns).round() as usize).clamp(done, turns);
             way.extend(self.part(until - done, &from)?);
-            let here = way.last().copied().unwrap_or(from.temperatures);
+            let here = *way.last().expect("a way has an end");
             from.temperatures = self.warmed(&here, &approach.heat(portion));
             done = until;
         }

@@ -25,7 +25,9 @@ pub enum Stuck {
     #[error(transparent)]
     Film(#[from] Fault),
     /// The Reynolds film needed too many internal steps.
-    #[error("the Reynolds film's internal step collapsed after {passed:.1e} of {span} s; {cause}")]
+    #[error(
+        "the Reynolds film's internal step collapsed after {passed:.1e} of {span:?} s; {cause}"
+    )]
     Crawling {
         /// The time that had passed, s.
         passed: f64,
@@ -97,7 +99,7 @@ impl fmt::Display for Advice {
                 };
                 write!(
                     f,
-                    "check {name}: it is {value}{unit}, by default {default}{unit}"
+                    "check {name}: it is {value:?}{unit}, by default {default:?}{unit}"
                 )
             }
             None => f.write_str("check the parameters that are far from their defaults"),
@@ -126,8 +128,8 @@ impl Stand {
         ];
         if self.oil.properties_file.is_empty() && hot > cold {
             return Err(Fault::Invalid(format!(
-                "oil.kinematicViscosity100 = {hot} m2/s: it must not be greater than oil.kinematicViscosity40, \
-                 {cold} m2/s"
+                "oil.kinematicViscosity100 = {hot:?} m2/s: it must not be greater than oil.kinematicViscosity40, \
+                 {cold:?} m2/s"
             )));
         }
         let initial = self.thermal.initial();
@@ -137,7 +139,7 @@ impl Stand {
         ] {
             if start <= 0.0 {
                 return Err(Fault::Invalid(format!(
-                    "the {what} would start at {start} K, which is not above absolute zero: raise \
+                    "the {what} would start at {start:?} K, which is not above absolute zero: raise \
                      thermal.initialBearingTemperature or {rise}"
                 )));
             }
@@ -146,7 +148,7 @@ impl Stand {
         let viscosity = self.fluid.viscosity(start);
         if viscosity.is_nan() || viscosity > SOLID {
             return Err(Fault::Invalid(format!(
-                "the film would start at {start} K, where the oil's viscosity is {viscosity:.1e} Pa.s: raise \
+                "the film would start at {start:?} K, where the oil's viscosity is {viscosity:.1e} Pa.s: raise \
                  thermal.initialBearingTemperature or thermal.initialFilmRise"
             )));
         }

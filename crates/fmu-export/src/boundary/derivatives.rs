@@ -82,7 +82,7 @@ impl<M: Model> Instance<M> {
         for ((reference, order), value) in references.iter().zip(orders).zip(values.iter_mut()) {
             let (read, derivative) = output(variable::<M>(*reference)?, *order)?;
             *value = match derivative {
-                Some(derivative) => derivative(self.differentiated()),
+                Some(derivative) => derivative(self.differentiated()?),
                 None => {
                     let [near, far] = match &mut ahead {
                         Some(ahead) => ahead,
@@ -97,20 +97,22 @@ impl<M: Model> Instance<M> {
     }
 
     /// The model with its outputs' rates computed, once for all outputs.
-    fn differentiated(&mut self) -> &M {
-        if !std::mem::replace(&mut self.run.differentiated, true) {
-            self.run.model.differentiate();
+    fn differentiated(&mut self) -> Outcome<&M> {
+        if !self.run.differentiated {
+            self.run.model.differentiate().map_err(Refusal::Step)?;
+            self.run.differentiated = true;
         }
-        &self.run.model
+        Ok(&self.run.model)
     }
 
     /// Copies of the model one and two short steps ahead.
     fn go_ahead(&self) -> Outcome<[M; 2]> {
         let (time, step) = (self.run.time, TIME_STEP * M::INFO.default_step);
         let mut near = self.run.model.clone();
-        near.advance(time, step, &mut ())?;
+        near.advance(time, step, &mut ()).map_err(Refusal::Step)?;
         let mut far = near.clone();
-        far.advance(time + step, step, &mut ())?;
+        far.advance(time + step, step, &mut ())
+            .map_err(Refusal::Step)?;
         Ok([near, far])
     }
 
@@ -333,7 +335,7 @@ mod tests {
     use crate::model::{Experiment, Fault, Info, Log};
     use crate::{field, units};
 
-    /// A model that counts how often it computes its rates.
+    /// A model that counts how often it computes its rates; it has none where its input is negative.
     #[derive(Clone, Default, Serialize, Deserialize)]
     struct Counting {
         input: f64,
@@ -371,8 +373,12 @@ mod tests {
             Ok(())
         }
 
-        fn differentiate(&mut self) {
+        fn differentiate(&mut self) -> Result<(), Fault> {
+            if self.input < 0.0 {
+                return Err(Fault::Failed("there are none".to_owned()));
+            }
             self.count += 1.0;
+            Ok(())
         }
 
         fn advance(&mut self, _: f64, _: f64, _: &mut dyn Log) -> Result<(), Fault> {
@@ -380,11 +386,10 @@ mod tests {
         }
     }
 
-    #[test]
-    fn rates_are_computed_once_until_something_changes() -> Outcome<()> {
+    fn started(version: Version) -> Outcome<Instance<Counting>> {
         let request = Request {
             function: "instantiate",
-            version: Version::Two,
+            version,
             name: "counting",
             token: ("token", ""),
             expected: "",
@@ -396,6 +401,31 @@ mod tests {
         let mut instance = Instance::<Counting>::new(&request, logger).unwrap();
         instance.enter_initialization()?;
         instance.exit_initialization()?;
+        Ok(instance)
+    }
+
+    #[test]
+    fn rates_that_cannot_be_computed_are_discarded() -> Outcome<()> {
+        for version in [Version::Two, Version::Three] {
+            let mut instance = started(version)?;
+            instance.set_real(&[0], &[-1.0])?;
+            let mut rates = [7.0];
+            for _ in 0..2 {
+                let refusal = instance.get_output_derivatives(&[1], &[1], &mut rates);
+                let refusal = refusal.unwrap_err();
+                assert_eq!(refusal.status(), Status::Discard, "{refusal}");
+                assert_eq!(refusal.to_string(), "there are none");
+            }
+            instance.set_real(&[0], &[1.0])?;
+            instance.get_output_derivatives(&[1], &[1], &mut rates)?;
+            assert_eq!(rates, [1.0]);
+        }
+        Ok(())
+    }
+
+    #[test]
+    fn rates_are_computed_once_until_something_changes() -> Outcome<()> {
+        let mut instance = started(Version::Two)?;
         let mut rates = [0.0; 2];
         instance.get_output_derivatives(&[1, 2], &[1, 1], &mut rates)?;
         assert_eq!(rates, [1.0, 1.0]);

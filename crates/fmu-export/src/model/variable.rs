@@ -219,7 +219,7 @@ pub fn check_ranges<M: Model>(model: &M) -> Result<(), Fault> {
                 // Written so that NaN is refused, too.
                 if !(least <= value && value <= most) {
                     return Err(Fault::Invalid(format!(
-                        "{} = {value} {}: it must lie between {least} and {most} {}",
+                        "{} = {value:?} {}: it must lie between {least:?} and {most:?} {}",
                         variable.name, unit.name, unit.name
                     )));
                 }

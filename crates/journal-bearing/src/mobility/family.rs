@@ -55,7 +55,7 @@ impl SliceFamily {
     pub fn slice(&self, width_to_diameter: f64) -> MobilitySlice {
         assert!(
             width_to_diameter > 0.0,
-            "B/D is {width_to_diameter}, and must be positive"
+            "B/D is {width_to_diameter:?}, and must be positive"
         );
         let slices = &self.sources.slices;
         let last = (slices.len() - 1) as f64;

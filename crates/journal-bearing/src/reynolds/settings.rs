@@ -197,7 +197,7 @@ impl Drive {
 }
 
 /// Refuses a value unless it is usable.
-fn within(
+pub(super) fn within(
     name: &'static str,
     value: f64,
     usable: bool,
@@ -223,7 +223,7 @@ fn finite(name: &'static str, value: f64) -> Result<(), FilmError> {
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum FilmError {
     /// A setting, the interval or a number of the drive is out of range.
-    #[error("the film's {name} is {value}; it must be {must}")]
+    #[error("the film's {name} is {value:?}; it must be {must}")]
     Setting {
         /// The setting's name.
         name: &'static str,
@@ -234,17 +234,17 @@ pub enum FilmError {
     },
     /// The surfaces touch at the starting eccentricity ratio, which is given.
     #[error(
-        "form error and tilt leave no gap at eccentricity ratio {0}; reduce them, or start nearer the centre"
+        "form error and tilt leave no gap at eccentricity ratio {0:?}; reduce them, or start nearer the centre"
     )]
     NoGap(f64),
     /// Tilt or form error bring smooth surfaces together under the load, at the eccentricity ratio given.
     #[error(
-        "tilt or form error bring the smooth surfaces together at eccentricity ratio {0}, where no film carries the load; give the surfaces a roughness, or reduce them"
+        "tilt or form error bring the smooth surfaces together at eccentricity ratio {0:?}, where no film carries the load; give the surfaces a roughness, or reduce them"
     )]
     Touches(f64),
     /// The film's balances found no solution, however short the internal step.
     #[error(
-        "the film's step did not converge at eccentricity ratio {eccentricity} with steps of {step} s"
+        "the film's step did not converge at eccentricity ratio {eccentricity:?} with steps of {step:?} s"
     )]
     NotConverged {
         /// The eccentricity ratio at which it happened, 1.

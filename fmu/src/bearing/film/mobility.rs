@@ -100,7 +100,7 @@ impl JournalFilm for MobilityFilm {
         // Variables have limits; the bytes of a saved state may hold anything.
         if width_to_diameter.is_nan() || width_to_diameter <= 0.0 {
             return Err(Fault::Invalid(format!(
-                "the bearing's width and diameter must be positive, and are {} m and {} m",
+                "the bearing's width and diameter must be positive, and are {:?} m and {:?} m",
                 bearing.width, bearing.diameter
             )));
         }

@@ -200,9 +200,8 @@ impl TransientFilm for ReynoldsJournal {
 
     fn end_turn(&mut self) -> f64 {
         let search = self.search.0.as_mut();
-        search.map_or(f64::INFINITY, |search| {
-            Arc::make_mut(&mut self.film).end_turn(search)
-        })
+        let search = search.expect("a search has begun");
+        Arc::make_mut(&mut self.film).end_turn(search)
     }
 
     fn keep(&mut self) {
@@ -220,13 +219,14 @@ impl TransientFilm for ReynoldsJournal {
     }
 
     fn take_back(&mut self) {
-        // State and clearance are this film's own, so that they fit.
-        if let Some(kept) = &self.kept.0 {
-            let film = Arc::make_mut(&mut self.film);
-            if film.restore(&kept.0).is_ok() && film.set_clearance(kept.2).is_ok() {
-                self.motion = kept.1;
-            }
-        }
+        let kept = self.kept.0.as_ref();
+        let (state, motion, clearance) = kept.expect("a state was kept").as_ref();
+        let film = Arc::make_mut(&mut self.film);
+        let restored = film.restore(state);
+        restored
+            .and_then(|()| film.set_clearance(*clearance))
+            .expect("state and clearance are this film's own");
+        self.motion = *motion;
     }
 }
 
@@ -265,7 +265,7 @@ fn cells(bearing: &Bearing) -> [usize; 2] {
 fn message(error: &FilmError) -> String {
     match error {
         FilmError::Touches(ratio) => format!(
-            "tilt or form error bring the smooth surfaces together at eccentricity ratio {ratio}, where no film carries the \
+            "tilt or form error bring the smooth surfaces together at eccentricity ratio {ratio:?}, where no film carries the \
              load; give bearing.roughness, or reduce them"
         ),
         error => error.to_string(),

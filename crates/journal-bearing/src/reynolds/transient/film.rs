@@ -10,7 +10,7 @@ use super::state::State;
 use super::step::{Step, Stepper};
 use super::workspace::Workspace;
 use crate::reynolds::grid::Grid;
-use crate::reynolds::settings::{Drive, FilmError, FilmSettings, positive};
+use crate::reynolds::settings::{Drive, FilmError, FilmSettings, positive, within};
 
 /// The film between journal and bush by the transient Reynolds equation in two dimensions, with its journal.
 ///
@@ -78,6 +78,8 @@ impl TryFrom<Saved> for ReynoldsFilm {
 /// Most internal steps, taken or not, in one interval. Ordinary intervals need a few; a journal that slides around an
 /// emptied bush needs some thousands.
 const MOST_TRIES: usize = 20_000;
+/// The shortest interval, s: its internal steps and their reciprocals must be ordinary numbers.
+const LEAST_INTERVAL: f64 = 1e-250;
 /// Most internal steps without a solution in one interval.
 const MOST_FAILURES: usize = 500;
 
@@ -194,8 +196,8 @@ impl ReynoldsFilm {
     /// not used with [`FilmSettings::asperities`].
     ///
     /// # Errors
-    /// Returns [`FilmError::Setting`] when the interval or the viscosity is not positive or another number is not finite,
-    /// [`FilmError::Touches`] when smooth surfaces meet and [`FilmError::NotConverged`] when no internal step finds a
+    /// Returns [`FilmError::Setting`] when the interval is shorter than 1e-250 s, the viscosity is not positive or another number
+    /// is not finite, [`FilmError::Touches`] when smooth surfaces meet and [`FilmError::NotConverged`] when no internal step finds a
     /// solution. The film is then as before.
     pub fn advance(
         &mut self,
@@ -203,7 +205,8 @@ impl ReynoldsFilm {
         drive: &Drive,
         contact: &dyn Fn(f64) -> f64,
     ) -> Result<Diagnostics, FilmError> {
-        positive("interval", interval)?;
+        let usable = interval.is_finite() && interval >= LEAST_INTERVAL;
+        within("interval", interval, usable, "at least 1e-250 s")?;
         drive.check()?;
         self.before.copy_from(self.work.state());
         // The linearisation is not stored, so an interval must not begin with that of the last one.

@@ -309,17 +309,22 @@ fn a_drive_that_cannot_be_is_refused() {
         (
             0.0,
             usual,
-            "the film's interval is 0; it must be a positive number",
+            "the film's interval is 0.0; it must be at least 1e-250 s",
+        ),
+        (
+            5e-324,
+            usual,
+            "the film's interval is 5e-324; it must be at least 1e-250 s",
         ),
         (
             -0.1,
             usual,
-            "the film's interval is -0.1; it must be a positive number",
+            "the film's interval is -0.1; it must be at least 1e-250 s",
         ),
         (
             nan,
             usual,
-            "the film's interval is NaN; it must be a positive number",
+            "the film's interval is NaN; it must be at least 1e-250 s",
         ),
         (
             1e-3,
@@ -351,12 +356,12 @@ fn a_drive_that_cannot_be_is_refused() {
             .map(|error| error.to_string())
     };
     let few = settings(|settings| settings.cells = [3, 4]);
-    let told = "the film's number of columns is 3; it must be at least 4";
+    let told = "the film's number of columns is 3.0; it must be at least 4";
     assert_eq!(few.as_deref(), Some(told));
     let tilted = settings(|settings| settings.tilt = [0.0, f64::NAN]);
     let told = "the film's tilt is NaN; it must be a finite number";
     assert_eq!(tilted.as_deref(), Some(told));
     let pressed = settings(|settings| settings.side_pressure = -1.0);
-    let told = "the film's side pressure is -1; it must be 0 or more";
+    let told = "the film's side pressure is -1.0; it must be 0 or more";
     assert_eq!(pressed.as_deref(), Some(told));
 }
