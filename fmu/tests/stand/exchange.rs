@@ -110,7 +110,9 @@ fn what_cannot_be_integrated_is_refused() {
         (state.set)(&mut stand, *value);
     }
     let refused = Continuous::rates(&stand, &mut vec![0.0; y.len()]);
-    assert!(matches!(refused, Err(Fault::Failed(why)) if why.contains("film temperature 0.00 K")));
+    assert!(
+        matches!(refused, Err(Fault::Failed(why)) if why.contains("film temperature 0.000000e0 K"))
+    );
     let mut stand = Stand::default();
     stand.film.model = FilmModel::Reynolds;
     stand.initialise(&Experiment::default(), &mut ()).unwrap();

@@ -124,7 +124,7 @@ fn what_makes_a_step_impossible_is_named() {
         ),
         (
             &[("load.stiffness", 1e7), ("thermal.filmCapacity", 1e-3)],
-            "check load.stiffness: it is 10000000 N/m, by default 100 N/m",
+            "check load.stiffness: it is 10000000.0 N/m, by default 100.0 N/m",
         ),
         (
             &[("bearing.width", 1e-4), ("bearing.asperityDensity", 1.0)],
@@ -143,7 +143,7 @@ fn what_makes_a_step_impossible_is_named() {
                 ("thermal.initialBearingTemperature", 290.0),
                 ("thermal.initialShaftRise", -300.0),
             ],
-            "the shaft would start at -10 K, which is not above absolute zero: raise",
+            "the shaft would start at -10.0 K, which is not above absolute zero: raise",
         ),
     ];
     for (settings, expected) in cases {
