@@ -25,15 +25,18 @@ def simulate(
     step: float | None = None,
     record: Iterable[str] | None = None,
     inputs: Given | None = None,
+    extrapolate: Literal["hold"] | None = None,
     values_from: StrPath | None = None,
 ) -> Table:
     """Simulates an FMU once: a row a communication point, the column ``time``, then the outputs or what is recorded.
 
     ``values`` are start values: numbers in the FMU's units, or text with a unit such as ``"0.02 mm"``. ``values_from`` is
     an SSP parameter set, such as the ``best.ssv`` of a study. ``inputs`` are inputs over time: a table with a column
-    ``time`` and a column for each input, ``NAME`` or ``NAME [UNIT]``. Times in seconds, else as the FMU suggests.
+    ``time`` and a column for each input, ``NAME`` or ``NAME [UNIT]``; with ``extrapolate="hold"`` its first and last values
+    hold where the run is longer. Times in seconds, else as the FMU suggests.
     """
-    options: dict[str, Value] = {"start": start, "stop": stop, "step": step, "set_from": values_from}
+    options: dict[str, Value] = {"start": start, "stop": stop, "step": step, "set_from": values_from,
+                                   "extrapolate": extrapolate}
     options["record"] = None if record is None else ",".join(record)
     settings = [f"--set={name}={text_of(value)}" for name, value in (values or {}).items()]
     with tempfile.TemporaryDirectory(prefix="simulation-") as folder:

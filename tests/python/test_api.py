@@ -203,7 +203,7 @@ def test_a_simulation_is_the_command_lines(fmu, tmp_path):
 
 def test_inputs_over_time(fmu):
     speed = {"time": [0.0, 1.0, 2.0], "drive.speed [rpm]": [300.0, 300.0, 600.0]}
-    run = fmu_orchestrator.simulate(fmu, stop=3, step=1, inputs=speed, record=["drive.angle"])
+    run = fmu_orchestrator.simulate(fmu, stop=3, step=1, inputs=speed, extrapolate="hold", record=["drive.angle"])
     turns = np.diff(run["drive.angle"]) / (2 * np.pi)
     assert turns == pytest.approx([5, 5, 10], rel=1e-9)
 

@@ -177,7 +177,7 @@ criteria.F = {{ variable = "sensor.loadForce", statistic = "mean", window = {{ f
 criteria.early = {{ variable = "sensor.oilTemperature", at = "0.66 s", nominal = 48, tolerance = 0.5, unit = "degC" }}
 [[cases]]
 name = "run-up"
-inputs."drive.speed" = {{ file = "speed.csv", time = "t", column = "n", unit = "rpm" }}
+inputs."drive.speed" = {{ file = "speed.csv", time = "t", column = "n", unit = "rpm", extrapolate = "hold" }}
 {curves}"""
 
 

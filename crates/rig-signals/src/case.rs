@@ -155,6 +155,11 @@ impl<'a> Case<'a> {
         }
         let late = self.curves.iter().map(|curve| self.late(curve, frame));
         let early = late.map(|late| -late).fold(0.0, f64::max);
+        // The model runs from the first row, whole or not, and on until the last curve that is ahead of it.
+        let ends = match first > 0.0 || early > 0.0 {
+            true => ", extrapolate = \"hold\"",
+            false => "",
+        };
         let _ = writeln!(out, "[[cases]]\nname = {}", quoted(frame.name));
         if frame.held_out {
             out.push_str("held-out = true\n");
@@ -169,7 +174,7 @@ impl<'a> Case<'a> {
                 }
                 Driven::Recorded(_) => writeln!(
                     out,
-                    "inputs.{name} = {{ file = {}, time = \"time\", column = {name}, unit = {unit} }}",
+                    "inputs.{name} = {{ file = {}, time = \"time\", column = {name}, unit = {unit}{ends} }}",
                     quoted(frame.file)
                 ),
             };

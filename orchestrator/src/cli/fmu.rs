@@ -85,6 +85,9 @@ pub struct Simulate {
     /// Inputs over time: a table with a column `time` and a column for each input, `NAME` or `NAME [UNIT]`
     #[arg(long, value_name = "FILE.csv")]
     pub input: Option<PathBuf>,
+    /// Let the first and the last value of inputs hold where the run is longer than their table
+    #[arg(long, value_name = "hold", value_parser = ["hold"], requires = "input")]
+    pub extrapolate: Option<String>,
     /// The file for the trajectory; - or no option: standard output
     #[arg(long, value_name = "FILE.csv")]
     pub output: Option<PathBuf>,

@@ -8,6 +8,7 @@ use serde_json::json;
 use super::{CommandError, output};
 use crate::cli::Inspect;
 use crate::results::points::number;
+use fmu_import::units::Conversion;
 use fmu_import::{Causality, Description, Kind, Package, Variable};
 
 pub(super) fn run(options: &Inspect) -> Result<ExitCode, CommandError> {
@@ -108,34 +109,45 @@ fn section(text: &mut String, fmu: &Description, title: &str, causality: Causali
         .map(|variable| variable.name.chars().count())
         .max();
     let width = longest.unwrap_or(0).min(48);
+    let values: Vec<String> = variables
+        .iter()
+        .map(|variable| value(fmu, variable))
+        .collect();
+    let longest = values.iter().map(|value| value.chars().count()).max();
+    let widest = longest.unwrap_or(0).clamp(24, 36);
     let _ = writeln!(text, "\n{title}");
-    for variable in variables {
+    for (variable, value) in variables.iter().zip(values) {
         let description = variable.description.as_deref().unwrap_or("");
-        let value = value(fmu, variable);
-        let line = format!("  {:width$}  {value:<24}  {description}", variable.name);
+        let line = format!(
+            "  {:width$}  {value:<widest$}  {description}",
+            variable.name
+        );
         let _ = writeln!(text, "{}", line.trim_end());
     }
 }
 
-/// The start value in the unit for people, or that unit alone, or the type.
+/// The start value as it can be set, with its unit, and in the unit for people; or these units alone, or the type.
 fn value(fmu: &Description, variable: &Variable) -> String {
     match &variable.kind {
         Kind::Real { start, unit, .. } => {
-            let shown = variable.display_unit();
-            let conversion = shown.and_then(|shown| {
-                let to_unit = fmu.conversion(shown, variable).ok()?;
-                Some(to_unit.inverse())
-            });
-            let start = start.map(|start| conversion.map_or(start, |way| way.value(start)));
-            // Twelve digits hide what the conversion rounds.
-            let start = start.map(|start| format!("{start:.11e}").parse().unwrap_or(start));
-            let unit = if conversion.is_some() {
-                shown
-            } else {
-                unit.as_deref()
+            // Twelve digits hide what a conversion rounds.
+            let rounded = |value: f64| format!("{value:.11e}").parse().unwrap_or(value);
+            let with = |value: Option<f64>, unit: Option<&str>| {
+                let parts = [value.map(rounded).map(number), unit.map(str::to_owned)];
+                parts.into_iter().flatten().collect::<Vec<_>>().join(" ")
             };
-            let parts = [start.map(number), unit.map(str::to_owned)];
-            parts.into_iter().flatten().collect::<Vec<_>>().join(" ")
+            let own = with(*start, unit.as_deref());
+            let shown = variable
+                .display_unit()
+                .filter(|shown| unit.as_deref() != Some(shown));
+            let conversion = shown.and_then(|shown| fmu.conversion(shown, variable).ok());
+            match conversion.map(Conversion::inverse) {
+                Some(way) => format!(
+                    "{own} ({})",
+                    with(start.map(|start| way.value(start)), shown)
+                ),
+                None => own,
+            }
         }
         Kind::Integer { start, .. } => start.map_or("Integer".to_owned(), |v| v.to_string()),
         Kind::Boolean { start } => start.map_or("Boolean".to_owned(), |v| v.to_string()),

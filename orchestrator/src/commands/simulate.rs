@@ -19,7 +19,7 @@ use crate::pipeline::scratch::Scratch;
 use crate::pipeline::stop;
 use crate::results::points::number;
 use crate::results::{ResultsError, of_the_system};
-use crate::study::plan::{find, value_of};
+use crate::study::plan::{bare, find, value_of};
 use crate::study::{Setting, ssv};
 use crate::table::csv_file;
 use crate::task::{Case, Schedule, Task};
@@ -48,7 +48,7 @@ pub(super) fn run(options: &Simulate) -> Result<ExitCode, CommandError> {
             .collect(),
         varied: Vec::new(),
         inputs: match &options.input {
-            Some(path) => recorded::inputs(path, fmu, &schedule)?,
+            Some(path) => recorded::inputs(path, options.extrapolate.is_some(), fmu, &schedule)?,
             None => Vec::new(),
         },
         observed: Vec::new(),
@@ -91,10 +91,11 @@ pub(super) fn run(options: &Simulate) -> Result<ExitCode, CommandError> {
 fn schedule(options: &Simulate, fmu: &Description) -> Result<Schedule, CommandError> {
     let suggested = Schedule::suggested(fmu);
     let start = options.start.unwrap_or(suggested.start);
+    let stop = options.stop.unwrap_or(suggested.stop);
     let schedule = Schedule {
         start,
-        stop: options.stop.unwrap_or(suggested.stop),
-        step: options.step.unwrap_or(suggested.step),
+        stop,
+        step: options.step.unwrap_or(suggested.step.min(stop - start)),
         window_start: start,
         leap: false,
         tolerance: suggested.tolerance,
@@ -120,7 +121,11 @@ pub(super) fn settings(
             .map(|&place| (&text[..place], &text[place + 1..]))
             .ok_or_else(|| format!("`{text}` is not NAME=VALUE"))?;
         let variable = find(fmu, name.trim())?;
-        let value = value_of(fmu, variable, &Setting::Text(value.trim().to_owned()))?;
+        let setting = Setting::Text(value.trim().to_owned());
+        let value = value_of(fmu, variable, &setting)?;
+        if let Some(read) = bare(fmu, variable, &setting) {
+            crate::tell::line!("{read}");
+        }
         Ok((variable.handle().reference, value))
     };
     let set = |text| {

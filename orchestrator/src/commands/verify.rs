@@ -6,6 +6,9 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
 
+use indexmap::{IndexMap, IndexSet};
+use toml::Spanned;
+
 use super::limits::{limits, place};
 use super::{CommandError, asking, best, cost, dossier, improvements, output, table, verdict};
 use crate::cli::Verify;
@@ -17,7 +20,8 @@ use crate::reruns::{self, Wish};
 use crate::results::summary::Run;
 use crate::results::{Journal, Looked, ResultsError, Summary, lines, parquet};
 use crate::session::{Ending, Front, Request, Session, Verification};
-use crate::study::Study;
+use crate::study::plan::bare;
+use crate::study::{Name, Setting, Study};
 use crate::task::Case;
 use sampling::design::Method;
 
@@ -216,6 +220,7 @@ fn plan(verification: &Verification, folder: &Path) -> String {
         let [low, high] = [0.025, 0.975].map(|u| input.distribution.quantile(u));
         text += &format!("  {} {low:.5} .. {high:.5} {unit} (95 %)\n", input.name);
     }
+    text += &set(session);
     text += "accepted when\n";
     for criterion in &session.judge.criteria {
         let unit = criterion.unit.as_deref().unwrap_or("");
@@ -227,6 +232,35 @@ fn plan(verification: &Verification, folder: &Path) -> String {
         };
     }
     text
+}
+
+/// Recorded inputs in the FMU's units, and fixed numbers that people may have meant in another one.
+fn set(session: &Session) -> String {
+    let fmu = session.package.description();
+    let mut recorded: IndexMap<&str, [f64; 2]> = IndexMap::new();
+    let cases = session.plan.cases.iter();
+    for series in cases.flat_map(|case| &case.task.inputs) {
+        let [low, high] = recorded
+            .entry(&series.slot.name)
+            .or_insert([f64::INFINITY, f64::NEG_INFINITY]);
+        for value in &series.values {
+            (*low, *high) = (low.min(*value), high.max(*value));
+        }
+    }
+    let recorded = recorded.iter().map(|(name, [low, high])| {
+        let unit = fmu.variables[*name].unit();
+        let unit = unit.map_or_else(String::new, |unit| format!(" {unit}"));
+        format!("  {name} {low:.5} .. {high:.5}{unit} (recorded)\n")
+    });
+    let fixed = session.study.by_case().into_iter().flat_map(|(_, study)| {
+        let read = |(name, setting): (&Name, &Spanned<Setting>)| {
+            let variable = fmu.variables.get(name.as_ref())?;
+            bare(fmu, variable, setting.as_ref()).map(|read| format!("  {read}\n"))
+        };
+        study.fixed.iter().filter_map(read).collect::<Vec<_>>()
+    });
+    let lines: IndexSet<String> = recorded.chain(fixed).collect();
+    lines.into_iter().collect()
 }
 
 fn request(options: &Verify) -> Request {

@@ -47,6 +47,11 @@ pub(super) fn series(
         series.hold = recording.hold || is_discrete(variable, &series.slot);
         series.ramp = !series.hold && (recording.ramp || is_integrated(variable, fmu));
         series.each_row = takes_any_step(fmu);
+        if recording.extrapolate.is_none() {
+            let remedy = format!("extrapolate = \"hold\" in [inputs.\"{key}\"]");
+            covers(&series, schedule, ["start = ", "stop = ", &remedy])
+                .map_err(|message| named(format!("{}: {message}", path.display())))?;
+        }
         concerns.extend(missed(&series, schedule, &scale));
         Ok(series)
     };
@@ -54,6 +59,30 @@ pub(super) fn series(
     let inputs: Vec<Series> = inputs.collect::<Result<_, _>>()?;
     concerns.extend(many_steps(&inputs, schedule));
     Ok((inputs, concerns))
+}
+
+/// Whether a recording covers a run. `words` are how to set start and stop, and how to let the ends hold.
+///
+/// # Errors
+/// Says which part is missing, and the remedy.
+pub(crate) fn covers(series: &Series, schedule: &Schedule, words: [&str; 3]) -> Result<(), String> {
+    let Some([from, to]) = series.uncovered(schedule) else {
+        return Ok(());
+    };
+    let [first, last] = series.span();
+    let Schedule { start, stop, .. } = *schedule;
+    let [set_start, set_stop, hold] = words;
+    let cut = match from == start {
+        true if first < stop && first > start => format!("set {set_start}{first}, or "),
+        false => format!("set {set_stop}{last}, or "),
+        // Nothing is in common.
+        true => "correct its times, which are in s, or ".to_owned(),
+    };
+    let end = if first > start { "first" } else { "last" };
+    Err(format!(
+        "the recording covers {first} s .. {last} s, the run goes from {start} s to {stop} s, so {from} s .. {to} s is missing; \
+         record it, {cut}write {hold}, which keeps the {end} value"
+    ))
 }
 
 /// Whether a variable has its values one after the other, with nothing in between: the mean of two numbers of gears is none.

@@ -242,8 +242,18 @@ pub struct RecordingText {
     /// Whether the FMU lets it vary along a straight line within a step.
     #[serde(default)]
     pub ramp: bool,
+    /// Whether the first and the last value hold where the run is longer; such a recording is refused otherwise.
+    pub extrapolate: Option<Extrapolate>,
     /// A remark for people.
     pub about: Option<String>,
+}
+
+/// What an input is beyond the ends of its recording.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Extrapolate {
+    /// The first and the last value.
+    Hold,
 }
 
 /// Two correlated parameters, or criteria with correlated errors of the measured values.

@@ -19,7 +19,7 @@ use sampling::design::{self, Design, Joint, Sampling};
 use sampling::distribution::Distribution;
 use sampling::statistics::Statistic;
 
-pub use super::values::{find, slot_of, value_of};
+pub use super::values::{bare, find, slot_of, value_of};
 
 /// A study that fits an FMU.
 #[derive(Clone, Debug)]
@@ -138,8 +138,13 @@ impl Plan {
         // Away from the ends of the unit interval, where a distribution may reach to infinity.
         let mut given = cube.iter().map(|u| u.clamp(1e-6, 1.0 - 1e-6));
         let place = |input: &Input| {
-            let own = input.distribution.varies().then(|| given.next());
-            own.flatten().unwrap_or(0.5)
+            let varies = input.distribution.varies();
+            let own = varies.then(|| {
+                given
+                    .next()
+                    .expect("a place for each parameter that varies")
+            });
+            own.unwrap_or(0.5)
         };
         let places: Vec<f64> = self.inputs.iter().map(place).collect();
         let pairs = self.inputs.iter().zip(&places);
@@ -161,8 +166,13 @@ impl Plan {
     pub fn at_scores(&self, scores: &[f64]) -> Vec<f64> {
         let mut given = scores.iter().copied();
         let score = |input: &Input| {
-            let own = input.distribution.varies().then(|| given.next());
-            own.flatten().unwrap_or(0.0)
+            let varies = input.distribution.varies();
+            let own = varies.then(|| {
+                given
+                    .next()
+                    .expect("a score for each parameter that varies")
+            });
+            own.unwrap_or(0.0)
         };
         let all: Vec<f64> = self.inputs.iter().map(score).collect();
         let inputs = || self.inputs.iter().map(|input| input.distribution.clone());
@@ -293,12 +303,16 @@ impl Plan {
     pub fn criteria_of(&self, case: usize) -> Range<usize> {
         let before = self.cases.iter().take(case);
         let first = before.map(|case| case.task.observed.len()).sum();
-        let own = self.cases.get(case);
-        first..first + own.map_or(0, |case| case.task.observed.len())
+        first..first + self.cases[case].task.observed.len()
     }
 
     /// A point's parameters in the FMU's units.
     pub fn to_fmu(&self, parameters: &[f64], into: &mut Vec<f64>) {
+        assert_eq!(
+            parameters.len(),
+            self.inputs.len(),
+            "a value for each parameter"
+        );
         into.clear();
         let pairs = self.inputs.iter().zip(parameters);
         into.extend(pairs.map(|(input, &value)| input.conversion.value(value)));
@@ -306,6 +320,11 @@ impl Plan {
 
     /// The FMU's results in the study's units.
     pub fn to_study(&self, values: &mut [f64]) {
+        assert_eq!(
+            values.len(),
+            self.outputs.len(),
+            "a value for each criterion"
+        );
         for (value, (conversion, probe)) in values
             .iter_mut()
             .zip(self.outputs.iter().zip(self.probes()))
@@ -629,7 +648,7 @@ impl Binder<'_> {
         let mut schedule = Schedule {
             start,
             stop,
-            step: simulation.step.unwrap_or(experiment.step),
+            step: simulation.step.unwrap_or(experiment.step.min(stop - start)),
             window_start: start,
             leap: simulation.leap.unwrap_or(false),
             tolerance: simulation.tolerance.or(experiment.tolerance),

@@ -57,6 +57,21 @@ fn items(variable: &Variable) -> Vec<i64> {
     values
 }
 
+/// How a number without a unit was read, where people see its variable in another unit.
+pub fn bare(fmu: &Description, variable: &Variable, setting: &Setting) -> Option<String> {
+    let number: f64 = match setting {
+        Setting::Number(number) => *number,
+        Setting::Integer(number) => *number as f64,
+        Setting::Text(text) => text.trim().parse().ok()?,
+        Setting::Boolean(_) => return None,
+    };
+    let (name, unit, shown) = (&variable.name, variable.unit()?, variable.display_unit()?);
+    let conversion = fmu.conversion(shown, variable).ok()?;
+    (conversion.value(number) != number).then(|| {
+        format!("{name} = {number:?} {unit}; its display unit is {shown}: write \"{number:?} {shown}\" for that")
+    })
+}
+
 fn settable(variable: &Variable) -> Result<(), String> {
     if variable.is_settable() {
         return Ok(());

@@ -78,7 +78,7 @@ impl MeasuredCurve {
             Delay::Within(range) => range,
         };
         let ends = [self.times.first(), self.times.last()];
-        let [first, last] = ends.map(|time| time.copied().unwrap_or(0.0));
+        let [first, last] = ends.map(|time| *time.expect("a measured curve has samples"));
         [first - most, last - least]
     }
 }

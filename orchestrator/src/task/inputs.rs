@@ -7,6 +7,8 @@ use super::slot::Slot;
 
 /// Rows within this part of a step of a communication point count as on it: times in a file are rounded.
 const NEAR: f64 = 1e-3;
+/// The last sample of an even recording holds for one interval: so much of a run may lie beyond the rows.
+const MOST_BEYOND: f64 = 0.01;
 
 /// An input over time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -20,7 +22,7 @@ pub struct Series {
     /// Whether the FMU takes a step to each row, wherever it lies between communication points.
     #[serde(default)]
     pub each_row: bool,
-    /// When, s, growing.
+    /// When, s, growing; at least one.
     pub times: Vec<f64>,
     /// The values then, in the FMU's unit.
     pub values: Vec<f64>,
@@ -42,13 +44,37 @@ impl Series {
     /// The value at a time before the `after`th row, and not before the row ahead of that.
     fn between(&self, after: usize, time: f64) -> f64 {
         let Some(before) = after.checked_sub(1) else {
-            return self.values.first().copied().unwrap_or(0.0);
+            return self.values[0];
         };
         if self.hold || after == self.times.len() {
             return self.values[before];
         }
         let share = (time - self.times[before]) / (self.times[after] - self.times[before]);
         self.values[before] + share * (self.values[after] - self.values[before])
+    }
+}
+
+impl Series {
+    /// The first part of a run, s, that the rows do not cover. They may begin late or end early by one interval between rows
+    /// where that is a hundredth of the run at most, and by a rounding of times.
+    pub fn uncovered(&self, schedule: &Schedule) -> Option<[f64; 2]> {
+        let Schedule { start, stop, .. } = *schedule;
+        let [first, last] = self.span();
+        let interval = (last - first) / (self.times.len() as f64 - 1.0).max(1.0);
+        let may_miss = interval.min(MOST_BEYOND * (stop - start));
+        let may_miss = may_miss.max(NEAR * schedule.step);
+        if first > start + may_miss {
+            Some([start, first.min(stop)])
+        } else if last < stop - may_miss {
+            Some([last.max(start), stop])
+        } else {
+            None
+        }
+    }
+
+    /// The times of the first and the last row, s.
+    pub fn span(&self) -> [f64; 2] {
+        [self.times[0], self.times[self.times.len() - 1]]
     }
 }
 
@@ -220,6 +246,30 @@ mod tests {
         ];
         assert_eq!(place(&mut inputs, &schedule()), [0.3, 0.8]);
         assert_eq!(inputs[1].times, [0.0, 0.3, 0.8, 1.0]);
+    }
+
+    #[test]
+    fn a_recording_covers_its_run_but_for_one_interval() {
+        let run = Schedule {
+            step: 0.01,
+            ..schedule()
+        };
+        let covers = |times: &[f64]| series(times, &vec![0.0; times.len()]).uncovered(&run);
+        let even = |first: i32, last: i32| {
+            let times: Vec<f64> = (first..=last).map(|k| 0.02 * f64::from(k)).collect();
+            covers(&times)
+        };
+        assert_eq!(even(0, 200), None);
+        // A sample holds for an interval; two are missing rows.
+        assert_eq!(even(1, 199), None);
+        assert_eq!(even(0, 198), Some([3.96, 4.0]));
+        assert_eq!(even(2, 200), Some([0.0, 0.04]));
+        // Few rows must reach the ends, but for rounding.
+        assert_eq!(covers(&[0.0, 3.999_99]), None);
+        assert_eq!(covers(&[0.0, 3.9]), Some([3.9, 4.0]));
+        assert_eq!(covers(&[0.0]), Some([0.0, 4.0]));
+        assert_eq!(covers(&[5.0, 9.0]), Some([0.0, 4.0]));
+        assert_eq!(covers(&[-3.0, -1.0]), Some([0.0, 4.0]));
     }
 
     #[test]

@@ -51,12 +51,18 @@ impl Schedule {
         } = *self;
         if !(start.is_finite() && stop.is_finite() && stop > start) {
             return Err(format!(
-                "the stop time {stop} s must be later than the start {start} s"
+                "the stop time {stop:?} s must be later than the start {start:?} s"
             ));
         }
         if !(step > 0.0 && (stop - start) / step < MOST_STEPS) {
             return Err(format!(
                 "the step {step:?} s must be positive, and not absurdly small"
+            ));
+        }
+        // What an FMU suggests for longer runs is cut to the run before.
+        if step > (stop - start) * (1.0 + 1e-9) {
+            return Err(format!(
+                "the step {step:?} s is longer than the run from {start:?} s to {stop:?} s; make the step smaller, or stop later"
             ));
         }
         if !(self.window_start >= start && self.window_start <= stop) {

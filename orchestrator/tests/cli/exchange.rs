@@ -80,13 +80,84 @@ fn inputs_follow_a_recording() {
     // A point runs again wherever the results are, and the recording belongs to the study.
     let replay = bench.run(&["replay", "out", "3"]);
     assert_eq!(replay.code, 0, "{}", replay.err);
-    bench.write("studies/drive.csv", "t,n\n0,1\n");
+    bench.write("studies/drive.csv", "t,n\n0,1\n2,1\n");
     bench
         .run(&["replay", "out", "3"])
         .is_mistake(&["another study"]);
     bench
         .run(&[&verify[..], &["--resume"]].concat())
         .is_mistake(&["another study"]);
+}
+
+#[test]
+fn a_recording_that_does_not_cover_its_run_is_refused() {
+    let bench = bench();
+    let write = |study: &str| bench.write("studies/study.toml", study);
+    let run = || bench.run(&["verify", "studies/study.toml", "--output", "out"]);
+    bench.write("studies/drive.csv", "t,n\n0,0\n0.05,1\n");
+    run().is_mistake(&[
+        "study.toml:9:9: drive.u: studies/drive.csv: the recording covers 0 s .. 0.05 s, the run goes from 0 s to 2 s",
+        "so 0.05 s .. 2 s is missing",
+        "set stop = 0.05",
+        "extrapolate = \"hold\" in [inputs.\"drive.u\"]",
+    ]);
+    write(&STUDY.replace("time = \"t\"", "time = \"t\"\nextrapolate = \"hold\""));
+    let said = run();
+    assert_eq!(said.code, 0, "{}{}", said.out, said.err);
+    write(&STUDY.replace("time = \"t\"", "time = \"t\"\nextrapolate = \"line\""));
+    run().is_mistake(&["study.toml:13:15", "hold"]);
+    // A case has a run of its own.
+    let case = "[[cases]]\nname = \"long\"\nsimulation = { stop = 3 }\n";
+    bench.write("studies/drive.csv", "t,n\n0,0\n2,4\n");
+    write(&(STUDY.to_owned() + case));
+    run().is_mistake(&[
+        "drive.csv",
+        "covers 0 s .. 2 s, the run goes from 0 s to 3 s",
+    ]);
+    // Nothing in common: milliseconds, perhaps.
+    bench.write("studies/drive.csv", "t,n\n500,0\n2500,4\n");
+    write(STUDY);
+    run().is_mistake(&[
+        "covers 500 s .. 2500 s",
+        "correct its times, which are in s",
+    ]);
+}
+
+#[test]
+fn a_step_beyond_the_run_is_refused() {
+    let bench = bench();
+    bench.write(
+        "studies/study.toml",
+        &STUDY.replace("step = 0.01", "step = 3"),
+    );
+    bench
+        .run(&["verify", "studies/study.toml", "--output", "out"])
+        .is_mistake(&["[simulation] the step 3.0 s is longer than the run from 0.0 s to 2.0 s"]);
+}
+
+#[test]
+fn the_dry_run_shows_the_units_of_bare_numbers() {
+    let bench = bench();
+    let fixed = "[fixed]\n\"lag.rate\" = 2\n\"lag.length\" = 0.02\n[parameters.\"lag.count\"]\ndistribution = \"uniform\"\n\
+        min = 1\nmax = 2\n[criteria.Y]";
+    let study = STUDY.split("[parameters").next().unwrap().to_owned();
+    let criteria = STUDY.split("[criteria.Y]").nth(1).unwrap();
+    bench.write("studies/study.toml", &format!("{study}{fixed}{criteria}"));
+    let said = bench.run(&["verify", "studies/study.toml", "--dry-run"]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    assert!(
+        said.out
+            .contains("  lag.length = 0.02 m; its display unit is mm"),
+        "{}",
+        said.out
+    );
+    assert!(!said.out.contains("lag.rate ="), "{}", said.out);
+    assert!(
+        said.out
+            .contains("  drive.u -1.00000 .. 4.00000 (recorded)"),
+        "{}",
+        said.out
+    );
 }
 
 /// With the slopes, the lag follows the recording exactly, whatever the step: also where the jump lies within one.
@@ -120,7 +191,10 @@ fn an_input_ramps_within_a_step() {
 fn held_values_change_at_their_rows() {
     let bench = bench();
     bench.write("studies/drive.csv", "t,n\n0,4\n0.7,-1\n1.0001,2\n");
-    let held = STUDY.replace("time = \"t\"", "time = \"t\"\nhold = true");
+    let held = STUDY.replace(
+        "time = \"t\"",
+        "time = \"t\"\nhold = true\nextrapolate = \"hold\"",
+    );
     // The last row counts as at 1 s: it lies within a thousandth of the step.
     let r: f64 = 2.5;
     let towards = |y: f64, u: f64, time: f64| u + (y - u) * (-r * time).exp();

@@ -155,6 +155,8 @@ fn inputs_follow_a_table() {
             "lag.length",
             "--input",
             "length.csv",
+            "--extrapolate",
+            "hold",
         ])
     };
     // FMI 2.0.5, 4.2.4: only inputs and tunable parameters change while the simulation runs.
@@ -170,6 +172,59 @@ fn inputs_follow_a_table() {
     with("none.csv").is_mistake(&["no column beside `time`"]);
     bench.write("back.csv", "time,drive.u\n1,0\n0,1\n");
     with("back.csv").is_mistake(&["not later than the time before"]);
+}
+
+#[test]
+fn inputs_cover_the_run_or_are_told_to_hold() {
+    let bench = Bench::new();
+    bench.write("drive.csv", "time,drive.u\n0,0\n0.05,10\n");
+    bench.write("late.csv", "time,drive.u\n0.5,0\n5,10\n");
+    let command = [
+        "simulate", "lag.fmu", "--record", "drive.u", "--stop", "5", "--input",
+    ];
+    let with = |more: &[&str]| bench.run(&[&command[..], more].concat());
+    with(&["drive.csv"]).is_mistake(&[
+        "drive.csv: column `drive.u`: the recording covers 0 s .. 0.05 s, the run goes from 0 s to 5 s",
+        "so 0.05 s .. 5 s is missing",
+        "--stop 0.05",
+        "--extrapolate hold",
+    ]);
+    with(&["late.csv"]).is_mistake(&["0 s .. 0.5 s is missing", "--start 0.5"]);
+    let table = rows(&good(with(&["drive.csv", "--extrapolate", "hold"])).out);
+    assert_eq!(table.last().unwrap()[1], "10");
+    good(with(&["late.csv", "--extrapolate", "hold"]));
+}
+
+#[test]
+fn a_step_beyond_the_run_is_a_mistake() {
+    let bench = Bench::new();
+    let run = |more: &[&str]| bench.run(&[&["simulate", "lag.fmu", "--stop", "1"], more].concat());
+    run(&["--step", "2"]).is_mistake(&[
+        "--step",
+        "the step 2.0 s is longer than the run from 0.0 s to 1.0 s",
+    ]);
+    good(run(&["--step", "1"]));
+    // The step that the FMU suggests is cut to the run.
+    let said = good(bench.run(&["simulate", "lag.fmu", "--stop", "0.001"]));
+    assert_eq!(rows(&said.out).len(), 3);
+}
+
+/// A number without a unit is in the variable's unit, which is not the one that tools show.
+#[test]
+fn the_unit_of_a_bare_number_is_shown() {
+    let bench = Bench::new();
+    let said = good(bench.run(&["inspect", "lag.fmu"]));
+    assert!(said.out.contains("  2e-5 m (0.02 mm)"), "{}", said.out);
+    assert!(said.out.contains("  K (degC)"), "{}", said.out);
+    let set = |value: &str| {
+        let set = format!("lag.length={value}");
+        good(bench.run(&["simulate", "lag.fmu", "--set", &set, "--stop", "0.01"])).err
+    };
+    let told = "lag.length = 0.02 m; its display unit is mm: write \"0.02 mm\" for that\n";
+    assert_eq!(set("0.02"), told);
+    for value in ["0.02 mm", "0.02 m"] {
+        assert_eq!(set(value), "", "{value}");
+    }
 }
 
 /// Without outputs: the same FMU with what it computes as local variables.

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use super::{Columns, CommandError};
 use crate::study::inputs::{
-    follow, is_discrete, is_integrated, many_steps, missed, slot_while_running, takes_any_step,
+    covers, follow, is_discrete, is_integrated, many_steps, missed, slot_while_running,
+    takes_any_step,
 };
 use crate::study::plan::find;
 use crate::study::quantity::Scale;
@@ -63,6 +64,7 @@ fn end_of_name(list: &str) -> usize {
 /// The inputs of `--input`: each column beside the time is one, as under `[inputs]` in a study.
 pub(super) fn inputs(
     path: &Path,
+    ends_hold: bool,
     fmu: &Description,
     schedule: &Schedule,
 ) -> Result<Vec<Series>, CommandError> {
@@ -97,6 +99,10 @@ pub(super) fn inputs(
         series.hold = is_discrete(variable, &series.slot);
         series.ramp = !series.hold && is_integrated(variable, fmu);
         series.each_row = takes_any_step(fmu);
+        if !ends_hold {
+            let words = ["--start ", "--stop ", "--extrapolate hold"];
+            covers(&series, schedule, words).map_err(wrong)?;
+        }
         if let Some(concern) = missed(&series, schedule, &scale) {
             crate::tell::line!("note: {concern}");
         }
