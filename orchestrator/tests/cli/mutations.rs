@@ -213,7 +213,7 @@ fn bench() -> Bench {
     let bench = Bench::new();
     bench.write("study.toml", STUDY);
     bench.write("start.ssv", SET);
-    bench.write("drive.csv", "time,drive.u\n0,0\n1,1\n");
+    bench.write("drive.csv", "time,drive.u\n0,0\n1,1\n2,1\n");
     let said = bench.run(&["verify", "study.toml", "--output", "out"]);
     assert_eq!(said.code, 0, "{}", said.err);
     fs::create_dir(bench.path("folder")).unwrap();

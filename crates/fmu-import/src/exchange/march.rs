@@ -475,7 +475,7 @@ impl<E: Equations> Exchange<E> {
             };
         }
         Err(Self::failed(format!(
-            "the FMU refuses to compute rates at {time} s"
+            "the FMU refuses to compute rates at {time} s, or with a state a little changed"
         )))
     }
 

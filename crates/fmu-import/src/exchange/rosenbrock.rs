@@ -97,7 +97,7 @@ impl Rosenbrock {
     }
 
     /// Linearises at a time and states. `nominals` are the states' typical magnitudes, and `h` the likely step, s,
-    /// after whose end no rates are asked for. Whether there are rates.
+    /// after whose end no rates are asked for. Whether there are rates, there and a little beside it in each state.
     pub(super) fn linearise(
         &mut self,
         f: &mut Rates<'_>,
@@ -118,20 +118,27 @@ impl Rosenbrock {
         for column in 0..n {
             let size = root * states[column].abs().max(nominals[column]);
             // Where the FMU cannot look ahead it may look back.
+            let mut seen = false;
             for change in [size, -size] {
                 self.at[column] = states[column] + change;
                 // As rounding leaves it.
                 let change = self.at[column] - states[column];
-                if !f(time, &self.at, &mut self.rates)? {
-                    continue;
+                if f(time, &self.at, &mut self.rates)? {
+                    for row in 0..n {
+                        self.jacobian[row * n + column] =
+                            (self.rates[row] - self.first[row]) / change;
+                    }
+                    seen = true;
+                    break;
                 }
-                for row in 0..n {
-                    self.jacobian[row * n + column] = (self.rates[row] - self.first[row]) / change;
-                }
-                break;
+            }
+            if !seen {
+                return Ok(false);
             }
             self.at[column] = states[column];
         }
+        // Without rates ahead in time, the error of the step says what that costs.
+        self.in_time.fill(0.0);
         let later = (time + root * time.abs().max(h)).min(time + h);
         if later > time && f(later, states, &mut self.rates)? {
             for row in 0..n {
@@ -300,6 +307,22 @@ mod tests {
         };
         let order = (error(6) / error(12)).log2();
         assert!((order - 4.0).abs() < 0.35, "{order}");
+    }
+
+    /// The Jacobian of another place says nothing here.
+    #[test]
+    fn a_state_that_cannot_be_changed_has_no_jacobian() {
+        let mut method = Rosenbrock::new(2);
+        let mut closed = false;
+        for expected in [true, false] {
+            let mut f = |_: f64, x: &[f64], rates: &mut [f64]| {
+                rates.copy_from_slice(x);
+                Ok(!closed || x[1] == 2.0)
+            };
+            let seen = method.linearise(&mut f, 0.0, &[1.0, 2.0], &[1.0, 1.0], 0.1);
+            assert_eq!(seen.unwrap(), expected);
+            closed = true;
+        }
     }
 
     #[test]
