@@ -48,7 +48,7 @@ impl Notices {
     pub fn warn(&mut self, warnings: Warnings) {
         self.warnings += warnings.count;
         if self.first_warning.is_none() {
-            self.first_warning = warnings.first.as_deref().map(short);
+            self.first_warning = warnings.first;
         }
     }
 
@@ -69,17 +69,7 @@ impl Notices {
 
     /// Notes a call that ends a simulation, and failed.
     pub fn cannot_end(&mut self, call: &Call) {
-        self.unfinished
-            .get_or_insert_with(|| short(&call.to_string()));
-    }
-}
-
-/// The beginning of a message: every point may have one.
-fn short(message: &str) -> String {
-    const ENOUGH: usize = 300;
-    match message.char_indices().nth(ENOUGH) {
-        Some((end, _)) => format!("{}...", &message[..end]),
-        None => message.to_owned(),
+        self.unfinished.get_or_insert_with(|| call.to_string());
     }
 }
 
@@ -88,7 +78,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_first_warning_is_kept_and_shortened() {
+    fn the_first_warning_is_kept() {
         let warning = |count, text: &str| Warnings {
             count,
             first: Some(text.to_owned()),
@@ -96,10 +86,10 @@ mod tests {
         let mut notices = Notices::default();
         notices.warn(Warnings::default());
         assert!(notices.is_empty());
-        notices.warn(warning(2, &"é".repeat(1000)));
+        notices.warn(warning(2, "first"));
         notices.warn(warning(3, "second"));
         assert_eq!(notices.warnings, 5);
-        assert_eq!(notices.first_warning, Some("é".repeat(300) + "..."));
+        assert_eq!(notices.first_warning, Some("first".to_owned()));
     }
 
     #[test]

@@ -221,7 +221,13 @@ impl Runner {
 
     /// Refuses values that the FMU's description does not allow.
     fn allow(&self, values: &[f64]) -> Result<(), Failure> {
-        let mut slots = self.scene.task.varied.iter().zip(values);
+        let varied = &self.scene.task.varied;
+        assert_eq!(
+            varied.len(),
+            values.len(),
+            "a point has a value of every varied parameter"
+        );
+        let mut slots = varied.iter().zip(values);
         slots.try_for_each(|(slot, &value)| slot.check(value).map_err(Failure::OutOfRange))
     }
 

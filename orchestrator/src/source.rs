@@ -52,7 +52,8 @@ impl Source {
                 .zip(inputs)
                 .map(|(parameter, input)| {
                     let constant = fixed(input).filter(|_| parameter.column.is_none());
-                    constant.or_else(|| given.next()).unwrap_or(f64::NAN)
+                    let value = constant.or_else(|| given.next());
+                    value.expect("a row has a cell of each column that was asked for")
                 });
             *row = values.collect();
         }
@@ -76,7 +77,7 @@ impl Source {
     pub fn parameters(&self, index: u64) -> Vec<f64> {
         match self {
             Self::Design(design) => design.point(index),
-            Self::Table(table) => row(table, index).cloned().unwrap_or_default(),
+            Self::Table(table) => table.rows[place(index)].clone(),
         }
     }
 
@@ -84,13 +85,7 @@ impl Source {
     pub fn label(&self, index: u64) -> u64 {
         match self {
             Self::Design(_) => index + 1,
-            Self::Table(table) => {
-                let place = usize::try_from(index).ok();
-                place
-                    .and_then(|place| table.labels.get(place))
-                    .copied()
-                    .unwrap_or(index + 1)
-            }
+            Self::Table(table) => table.labels[place(index)],
         }
     }
 
@@ -106,6 +101,7 @@ impl Source {
     }
 }
 
-fn row(table: &Table, index: u64) -> Option<&Vec<f64>> {
-    table.rows.get(usize::try_from(index).ok()?)
+/// The place of a point in a table, which is in the memory.
+fn place(index: u64) -> usize {
+    usize::try_from(index).expect("a table has no more rows than memory has places")
 }

@@ -271,13 +271,40 @@ fn take(
         // SAFETY: `logger.c` passes its own zero-terminated buffer, and FMI 3.0 a zero-terminated string.
         let message = unsafe { CStr::from_ptr(message) }.to_string_lossy();
         let words: Vec<&str> = message.split_whitespace().collect();
-        seat.hear(status, words.join(" "), stray);
+        seat.hear(status, shortened(words.join(" ")), stray);
     });
+}
+
+/// A text of an FMU with its middle left out where it is long: every point of a study may have one.
+pub(crate) fn shortened(text: String) -> String {
+    const HEAD: usize = 200;
+    const TAIL: usize = 80;
+    let characters = text.chars().count();
+    if characters <= HEAD + TAIL + 20 {
+        return text;
+    }
+    let place = |count| {
+        text.char_indices()
+            .nth(count)
+            .map_or(text.len(), |(at, _)| at)
+    };
+    let [head, tail] = [&text[..place(HEAD)], &text[place(characters - TAIL)..]];
+    let left_out = characters - HEAD - TAIL;
+    format!("{head} [{left_out} characters left out] {tail}")
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn of_a_long_text_both_ends_are_kept() {
+        let text = format!("begun {} at last", "é".repeat(10_000));
+        let short = shortened(text);
+        assert!(short.starts_with("begun éé") && short.ends_with("éé at last"));
+        assert!(short.contains("é [9734 characters left out] é"), "{short}");
+        assert_eq!(shortened("é".repeat(300)), "é".repeat(300));
+    }
 
     fn say(environment: *const c_void, status: c_int, text: &CStr) {
         fmu_import_log(environment, ptr::null(), status, ptr::null(), text.as_ptr());

@@ -185,7 +185,7 @@ pub(crate) fn pair(seed: u64, purpose: Purpose, index: u64, dimension: u32) -> [
 
 /// A fast bijective mixer of 64 bits (Stafford's variant 13 of the MurmurHash3 finaliser, as in
 /// SplitMix64 of Steele, Lea, Flood 2014).
-pub(crate) fn mix(mut x: u64) -> u64 {
+pub fn mix(mut x: u64) -> u64 {
     x = (x ^ x >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     x = (x ^ x >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
     x ^ x >> 31

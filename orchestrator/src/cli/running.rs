@@ -7,6 +7,7 @@ use clap::Args;
 
 use crate::engine::Isolation;
 use crate::pipeline::Shard;
+use crate::pipeline::folder::Earlier;
 
 /// Shards of a run, and resuming.
 #[derive(Debug, Args)]
@@ -14,9 +15,46 @@ pub struct Parts {
     /// Continue a run that was interrupted
     #[arg(long)]
     pub resume: bool,
+    /// Replace what the output folder holds, also where it is of another study file or FMU, or not complete
+    #[arg(long, conflicts_with = "resume")]
+    pub force: bool,
     /// Simulate only one of several equal parts of the points; `merge` joins them
     #[arg(long, value_name = "I/N")]
-    pub shard: Option<Shard>,
+    shard: Option<Shard>,
+    /// The same, counted from 0 as array jobs do
+    #[arg(long, value_name = "I", requires = "shards", conflicts_with = "shard")]
+    shard_index: Option<u64>,
+    /// How many parts there are, with --shard-index
+    #[arg(long, value_name = "N", requires = "shard_index")]
+    shards: Option<u64>,
+}
+
+impl Parts {
+    /// The part to simulate, if not all.
+    ///
+    /// # Errors
+    /// When there is no such part.
+    pub fn shard(&self) -> Result<Option<Shard>, String> {
+        match (self.shard_index, self.shards) {
+            (Some(index), Some(of)) if index < of => {
+                let number = index + 1;
+                Ok(Some(Shard { number, of }))
+            }
+            (Some(index), Some(of)) => Err(format!(
+                "{index} is none of {of} parts, which are counted from 0"
+            )),
+            _ => Ok(self.shard),
+        }
+    }
+
+    /// What becomes of an earlier run in the output folder.
+    pub fn earlier(&self) -> Earlier {
+        match (self.resume, self.force) {
+            (true, _) => Earlier::Resumed,
+            (_, true) => Earlier::Replaced,
+            _ => Earlier::Complete,
+        }
+    }
 }
 
 /// Processes that run the points, and their limits.

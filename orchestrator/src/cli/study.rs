@@ -46,10 +46,10 @@ pub struct Verify {
     pub parquet: bool,
     /// End when the 95 % interval of the verified share is narrow enough, such as "ci 0.01", or with "verdict" when
     /// the rule of the study's section verdict decides; up to --points, or a million
-    #[arg(long, value_name = "CONDITION", conflicts_with = "shard")]
+    #[arg(long, value_name = "CONDITION", conflicts_with_all = ["shard", "shard_index"])]
     pub until: Option<Until>,
     /// Run some points with finer communication steps, too, to tell the numerical uncertainty (ASME V&V 20)
-    #[arg(long, conflicts_with = "shard")]
+    #[arg(long, conflicts_with_all = ["shard", "shard_index"])]
     pub validation: bool,
     /// Find a share that is too small to be counted among sampled points, with at most --points runs [default: 100000]:
     /// that of verified points, of points that miss a criterion, or of runs that fail
@@ -59,7 +59,7 @@ pub struct Verify {
         value_name = "OF",
         num_args = 0..=1,
         default_missing_value = "verified",
-        conflicts_with_all = ["until", "validation", "points_from", "shard", "parquet", "dry_run"]
+        conflicts_with_all = ["until", "validation", "points_from", "shard", "shard_index", "parquet", "dry_run"]
     )]
     pub rare: Option<RareEvent>,
     /// Run at most so many points once more, with finer steps and to a later end, to see whether their values rest
@@ -132,6 +132,9 @@ pub struct Merge {
     /// The FMU's new path, if it has moved
     #[arg(long, value_name = "FMU")]
     pub fmu: Option<PathBuf>,
+    /// Replace what the output folder holds, also where it is of another study file or FMU
+    #[arg(long)]
+    pub force: bool,
 }
 
 /// Options of `judge`.
@@ -147,6 +150,9 @@ pub struct Judge {
     /// The folder for points.csv and summary.json
     #[arg(long, value_name = "DIR")]
     pub output: Option<PathBuf>,
+    /// Replace what the output folder holds, also where it is of another study file
+    #[arg(long, requires = "output")]
+    pub force: bool,
 }
 
 /// Options of `identify`.

@@ -8,9 +8,10 @@ use super::finding::{self, AnalysisResult};
 use super::limits::place;
 use crate::cli::{Parts, Work};
 use crate::engine::crew::Crew;
-use crate::pipeline::Pipeline;
 use crate::pipeline::folder::RunFolder;
+use crate::pipeline::{Part, Pipeline, Shard};
 use crate::results::Header;
+use crate::results::lock::Lock;
 use crate::results::origin::Origin;
 use crate::session::{Asking, Request, Session};
 
@@ -67,21 +68,40 @@ pub(super) fn folder(
     study: &Path,
     parts: &Parts,
     analysis: Option<&str>,
-) -> PathBuf {
+) -> Result<PathBuf, CommandError> {
+    let shard = shard(parts)?;
     let usual = || {
         let folder = finding::folder_of(study);
         let name = analysis.map_or(String::new(), |name| format!("{name}-"));
-        match parts.shard {
+        match shard {
             Some(shard) => folder.join(format!("{name}shard-{}-of-{}", shard.number, shard.of)),
             None => folder,
         }
     };
-    output.map_or_else(usual, Path::to_owned)
+    Ok(output.map_or_else(usual, Path::to_owned))
+}
+
+/// The part of the points that the options name.
+pub(super) fn shard(parts: &Parts) -> Result<Option<Shard>, CommandError> {
+    parts.shard().map_err(|message| CommandError::Option {
+        option: "shard-index",
+        message,
+    })
+}
+
+/// Refuses a folder that holds the results of another study file, where these are not to be replaced, for what is told
+/// without new runs.
+pub(super) fn check(work: &Work, folder: &Path) -> Result<(), CommandError> {
+    let request = Request {
+        study: work.study.clone(),
+        ..Request::default()
+    };
+    Ok(request.check(folder, None, None, work.parts.earlier())?)
 }
 
 /// A study for an analysis.
 pub(super) fn open(work: &Work, analysis: &dyn Analysis) -> Result<Session, CommandError> {
-    let shard = work.parts.shard;
+    let shard = shard(&work.parts)?;
     if let (Some(_), Some(message)) = (shard, analysis.one_piece()) {
         return Err(CommandError::Option {
             option: "shard",
@@ -135,11 +155,16 @@ pub(super) fn run(
     let Work { means, parts, .. } = work;
     let header = header(&session, analysis)?;
     let state = folder.join(analysis.name());
+    let earlier = parts.earlier();
+    session
+        .request
+        .check(folder, Some(analysis.name()), Some(&session.study), earlier)?;
     let RunFolder {
         journal,
         finished,
         scratch,
-    } = RunFolder::open(&state, &header, parts.resume, false)?;
+        lock: _lock,
+    } = RunFolder::open(Lock::take(&state)?, &state, &header, earlier, false)?;
     session.request.write(&state, &session.study)?;
     let jobs = means.jobs();
     let crew = Crew::new(
@@ -148,16 +173,15 @@ pub(super) fn run(
         scratch.path(),
         jobs,
     )?;
-    let shard = session.request.shard;
+    let part = Part::of(session.request.shard, &header);
     let mut pipeline = Pipeline::new(
         &session,
         Some((&crew, &session.plan.cases[..])),
         journal,
         finished,
-        shard,
-        header.points,
+        part,
     )
-    .repeating(header.seed, header.points);
+    .repeating(header.seed, false);
     match analysis.find(&session, &mut pipeline, folder) {
         Ok(finding) => {
             pipeline.end()?;

@@ -15,8 +15,9 @@ use crate::identify::bind::Bound;
 use crate::identify::error::BindError;
 use crate::identify::from_study;
 use crate::identify::model::FmuModel;
-use crate::pipeline::Pipeline;
 use crate::pipeline::folder::RunFolder;
+use crate::pipeline::{Part, Pipeline};
+use crate::results::lock::Lock;
 use crate::results::{Header, ResultsError};
 use crate::session::{Asking, Request};
 use crate::study::Identification;
@@ -40,7 +41,7 @@ use sampling::design::cube;
 const NAME: &str = "identify";
 
 pub(super) fn run(options: &Identify) -> Result<ExitCode, CommandError> {
-    if options.work.parts.shard.is_some() {
+    if asking::shard(&options.work.parts)?.is_some() {
         let message = "each step of a search depends on the one before, so it has no parts; --resume goes on with one";
         return Err(CommandError::Option {
             option: "shard",
@@ -72,11 +73,13 @@ pub(super) fn run(options: &Identify) -> Result<ExitCode, CommandError> {
         &options.work.study,
         &options.work.parts,
         None,
-    );
+    )?;
     let state = folder.join(NAME);
     let header = header(&study, &package, &settings)?;
-    let taken = RunFolder::open(&state, &header, options.work.parts.resume, false)?;
-    request(options).write(&state, &study)?;
+    let (request, earlier) = (request(options), options.work.parts.earlier());
+    request.check(&folder, Some(NAME), Some(&study), earlier)?;
+    let taken = RunFolder::open(Lock::take(&state)?, &state, &header, earlier, false)?;
+    request.write(&state, &study)?;
     let jobs = options.work.means.jobs();
     let place = place(&options.work.means, jobs)?;
     let crew = Crew::new(&mut package, place, taken.scratch.path(), jobs)?;
@@ -88,10 +91,9 @@ pub(super) fn run(options: &Identify) -> Result<ExitCode, CommandError> {
         Some((&crew, &bound.simulations[..])),
         journal,
         finished,
-        None,
-        None,
+        Part::of(None, &header),
     )
-    .repeating(settings.seed, None);
+    .repeating(settings.seed, true);
     let found = find(options, &study, &settings, &bound, &mut pipeline);
     let (outcome, sample) = match found {
         Ok(found) => found,

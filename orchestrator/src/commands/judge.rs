@@ -1,6 +1,7 @@
 //! `judge`: applies a study's criteria to outputs that already stand in a table.
 
 use std::collections::HashSet;
+use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -8,12 +9,13 @@ use super::{CommandError, dossier, improvements, output, table, verdict};
 use crate::cli;
 use crate::failure::{Failure, Partial};
 use crate::judge::Judge;
+use crate::pipeline::folder::Earlier;
 use crate::report::Report;
-use crate::results::concerns;
+use crate::results::lock::Lock;
 use crate::results::summary::{Provenance, Run};
 use crate::results::survey::Survey;
-use crate::results::{Tally, write_atomically};
-use crate::session::{FileSet, provenance};
+use crate::results::{Tally, concerns, lines, write_atomically};
+use crate::session::{FileSet, Request, provenance};
 use crate::study::Study;
 use crate::study::quantity::Scale;
 use crate::table::Table;
@@ -38,6 +40,9 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, CommandError> {
     let mut survey = Survey::new(&judge, None, false);
     let (mut seen, mut repeated) = (HashSet::new(), 0);
     let folder = options.output.as_deref();
+    let _lock = folder
+        .map(|folder| take(options, &study, folder))
+        .transpose()?;
     let mut files = folder
         .map(|folder| FileSet::new(folder, &[], &judge))
         .transpose()?;
@@ -93,6 +98,25 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, CommandError> {
         improvements::text(&summary)
     ));
     Ok(verdict(&summary))
+}
+
+/// Takes the folder for the results. It keeps the request, unless it holds that of a run of the same study.
+fn take(options: &cli::Judge, study: &Study, folder: &Path) -> Result<Lock, CommandError> {
+    let request = Request {
+        study: options.study.clone(),
+        points_from: Some(options.table.clone()),
+        ..Request::default()
+    };
+    let earlier = match options.force {
+        true => Earlier::Replaced,
+        false => Earlier::Complete,
+    };
+    request.check(folder, None, None, earlier)?;
+    let lock = Lock::take(folder)?;
+    if options.force || !lines::path_in(folder).exists() {
+        request.write(folder, study)?;
+    }
+    Ok(lock)
 }
 
 /// The columns of the criteria: the study's mapping, the criterion's name, or the variable's. Those of cases are told

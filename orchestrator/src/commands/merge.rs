@@ -9,11 +9,13 @@ use super::asking::{self, Analysis};
 use super::{CommandError, pareto, robustness, sensitivity, verify};
 use crate::cli::Merge;
 use crate::engine::process::Limits;
-use crate::pipeline::folder::RunFolder;
-use crate::pipeline::{Halt, Pipeline};
+use crate::pipeline::folder::{Earlier, RunFolder};
+use crate::pipeline::{Halt, Part, Pipeline};
 use crate::reruns::Wish;
+use crate::results::finished::Finished;
+use crate::results::lock::Lock;
 use crate::results::summary::Run;
-use crate::results::{Header, MOST_EXTRA_RUNS, ResultsError, journal, lines, parquet};
+use crate::results::{Header, Journal, MOST_EXTRA_RUNS, ResultsError, journal, lines, parquet};
 use crate::session::{Asking, Request, Session, SessionError, Verification};
 
 /// The analyses by name, with what makes one of its kept options.
@@ -79,11 +81,19 @@ fn join_verification(
     let start = Instant::now();
     let mut verification = Verification::open(request)?;
     let named = check(folders, verification.header())?;
-    // Continue a merge that was interrupted.
-    let begun = !options.output.join("summary.json").exists();
+    let Session { request, study, .. } = &verification.session;
+    request.check(&options.output, None, Some(study), earlier(options, false))?;
     let mut looked = verification.looked(&options.output, folders)?;
-    let taken = verify::open(&verification, &options.output, begun)?;
-    fill(taken, folders)?;
+    let lock = Lock::take(&options.output)?;
+    // Continue a merge that was interrupted.
+    let complete = options.output.join("summary.json").exists();
+    let mut taken = verify::open(
+        &verification,
+        lock,
+        &options.output,
+        earlier(options, complete),
+    )?;
+    fill(&mut taken.journal, folders)?;
     let run = Run::since(start, 0, 0);
     let summary = verification.conclude(&options.output, Some(run), None, &mut looked);
     let summary = summary.map_err(|error| match error {
@@ -129,14 +139,24 @@ fn join_analysis(
     let named = check(folders, &header)?;
     let state = options.output.join(analysis.name());
     // Continue a merge that was interrupted.
-    fill(RunFolder::open(&state, &header, true, false)?, folders)?;
-    session.request.write(&state, &session.study)?;
+    let earlier = earlier(options, false);
+    session.request.check(
+        &options.output,
+        Some(analysis.name()),
+        Some(&session.study),
+        earlier,
+    )?;
     let RunFolder {
-        journal,
-        finished,
+        mut journal,
         scratch: _scratch,
-    } = RunFolder::open(&state, &header, true, false)?;
-    let mut pipeline = Pipeline::new(&session, None, journal, finished, None, header.points);
+        lock: _lock,
+        ..
+    } = RunFolder::open(Lock::take(&state)?, &state, &header, earlier, false)?;
+    session.request.write(&state, &session.study)?;
+    fill(&mut journal, folders)?;
+    let finished = Finished::read(&state)?;
+    let part = Part::of(None, &header);
+    let mut pipeline = Pipeline::new(&session, None, journal, Some(finished), part);
     match analysis.find(&session, &mut pipeline, &options.output) {
         Ok(finding) => {
             pipeline.end()?;
@@ -165,11 +185,19 @@ fn incomplete(
     ))
 }
 
+/// What becomes of what the output folder holds.
+fn earlier(options: &Merge, complete: bool) -> Earlier {
+    match (options.force, complete) {
+        (true, _) => Earlier::Replaced,
+        (_, true) => Earlier::Complete,
+        _ => Earlier::Resumed,
+    }
+}
+
 /// Adds all points of these folders to a journal.
-fn fill(taken: RunFolder, folders: &[PathBuf]) -> Result<(), ResultsError> {
-    let mut joined = taken.journal;
+fn fill(joined: &mut Journal, folders: &[PathBuf]) -> Result<(), ResultsError> {
     for folder in folders {
-        journal::copy(folder, &mut joined)?;
+        journal::copy(folder, joined)?;
     }
     joined.sync()
 }

@@ -47,6 +47,7 @@ pub(super) fn run(options: &cli::Pareto) -> Result<ExitCode, CommandError> {
             if options.generations.is_none() =>
         {
             let study = Study::read(study)?;
+            asking::check(&options.work, &folder)?;
             of_points(&from(), &study, |_| Ok(None))?.tell(&folder)
         }
         other => other,

@@ -89,7 +89,7 @@ pub(super) fn run(options: &Options) -> Result<ExitCode, CommandError> {
         parts,
         ..
     } = &options.work;
-    let folder = asking::folder(output.as_deref(), study, parts, None);
+    let folder = asking::folder(output.as_deref(), study, parts, None)?;
     asking::run(session, &analysis, &options.work, &folder)
 }
 

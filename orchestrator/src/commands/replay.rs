@@ -11,8 +11,8 @@ use crate::cli::Replay;
 use crate::judge::Judge;
 use crate::names::{did_you_mean, nearest};
 use crate::pipeline::Model;
-use crate::results::ResultsError;
 use crate::results::points::number;
+use crate::results::{ResultsError, draft, keep};
 use crate::session::Verification;
 use crate::task::Case;
 
@@ -44,11 +44,21 @@ pub(super) fn run(options: &Replay) -> Result<ExitCode, CommandError> {
         let again = Isolated::new(&mut session.package)?;
         let case = std::slice::from_ref(&session.plan.cases[case]);
         let again = again.in_a_study(&session.package, case);
-        let file = File::create(&path).map_err(ResultsError::io(&path))?;
+        // One in the folder is replaced when it is complete; where the user wants it may be a pipe.
+        let kept = options.output.is_none().then(|| draft(&options.folder));
+        let kept = kept.transpose().map_err(ResultsError::io(&path))?;
+        let file = match &kept {
+            Some(file) => file.reopen(),
+            None => File::create(&path),
+        };
+        let file = file.map_err(ResultsError::io(&path))?;
         let written = again.trajectory(&case[0].task, &job.values, &columns, file);
         // The trajectory of a point that fails ends where it fails.
         if outcome.is_ok() {
             written.map_err(|error| error.into_command(&path))?;
+        }
+        if let Some(file) = kept {
+            keep(file, &path)?;
         }
         let of = case[0].name.as_ref();
         let of = of.map_or_else(String::new, |name| format!(" of the case {name}"));

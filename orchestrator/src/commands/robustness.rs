@@ -44,17 +44,18 @@ pub(super) fn run(options: &cli::Robustness) -> Result<ExitCode, CommandError> {
         seed: options.seed.or(said.seed).unwrap_or(1),
     };
     let session = asking::open(&options.work, &analysis);
-    let own = parts
-        .shard
-        .map(|_| asking::folder(None, path, parts, Some(NAME)));
+    let shard = asking::shard(parts)?;
+    let own = shard.map(|_| asking::folder(None, path, parts, Some(NAME)));
+    let own = own.transpose()?;
     let folder = output.clone().or(own).unwrap_or(from);
     if analysis.confirm > 0 {
         return asking::run(session?, &analysis, &options.work, &folder);
     }
-    if parts.shard.is_some() || parts.resume {
+    if shard.is_some() || parts.resume {
         let message = "without new runs there is nothing to resume or to share; add --confirm N";
         return Err(option("confirm", message));
     }
+    asking::check(&options.work, &folder)?;
     // Without the FMU there are no new runs, but all else can be told, unless it takes what binds the study's parameters.
     let session = match session {
         Err(error) if !study.correlations.is_empty() || study.binds_by_samples() => {

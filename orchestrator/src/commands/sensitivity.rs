@@ -61,10 +61,12 @@ pub(super) fn run(options: &cli::Sensitivity) -> Result<ExitCode, CommandError> 
         }
         let text = text(&result);
         let finding = AnalysisResult::new(&result, Origin::of_points(&summary), text, shown::FILE)?;
-        return finding.tell(output.as_ref().unwrap_or(folder));
+        let folder = output.as_ref().unwrap_or(folder);
+        asking::check(&options.work, folder)?;
+        return finding.tell(folder);
     }
     let session = asking::open(&options.work, &analysis)?;
-    let folder = asking::folder(output.as_deref(), path, parts, Some(NAME));
+    let folder = asking::folder(output.as_deref(), path, parts, Some(NAME))?;
     asking::run(session, &analysis, &options.work, &folder)
 }
 

@@ -50,7 +50,7 @@ pub(super) fn run(options: &cli::Tolerances) -> Result<ExitCode, CommandError> {
         seed: options.seed.or(said.seed).unwrap_or(1),
     };
     let session = asking::open(&options.work, &analysis)?;
-    let folder = asking::folder(output.as_deref(), path, parts, Some(NAME));
+    let folder = asking::folder(output.as_deref(), path, parts, Some(NAME))?;
     asking::run(session, &analysis, &options.work, &folder)
 }
 

@@ -13,10 +13,11 @@ use super::limits::{limits, place};
 use super::{CommandError, asking, best, cost, dossier, improvements, output, table, verdict};
 use crate::cli::Verify;
 use crate::engine::crew::Crew;
-use crate::pipeline::folder::RunFolder;
+use crate::pipeline::folder::{Earlier, RunFolder};
 use crate::pipeline::{Pipeline, Step};
 use crate::report::Report;
 use crate::reruns::{self, Wish};
+use crate::results::lock::Lock;
 use crate::results::summary::Run;
 use crate::results::{Journal, Looked, ResultsError, Summary, lines, parquet};
 use crate::session::{Ending, Front, Request, Session, Verification};
@@ -30,14 +31,14 @@ const MOST_POINTS: u64 = 1_000_000;
 
 pub(super) fn run(options: &Verify) -> Result<ExitCode, CommandError> {
     let begun = Instant::now();
-    let mut verification = Verification::open(request(options))?;
+    let mut verification = Verification::open(request(options)?)?;
     super::warn(&verification.session.judge);
     let folder = asking::folder(
         options.output.as_deref(),
         &options.study,
         &options.parts,
         None,
-    );
+    )?;
     let mut looked = verification.looked(&folder, &[])?;
     let ending = check(options, &verification, &looked)?;
     // More workers than points would only take memory from each other.
@@ -48,30 +49,33 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, CommandError> {
         output::print(&cost::of(&mut verification, &options.means, jobs)?);
         return Ok(ExitCode::SUCCESS);
     }
-    if options.parts.resume {
+    let earlier = options.parts.earlier();
+    let Session { request, study, .. } = &verification.session;
+    request.check(&folder, None, Some(study), earlier)?;
+    let lock = Lock::take(&folder)?;
+    if earlier == Earlier::Resumed {
         extend(&verification, &folder)?;
     }
-    // The unpacked FMU is kept in the scratch folder until the report is written.
+    // The unpacked FMU is kept in the scratch folder until the report is written, and the lock until all is.
     let RunFolder {
         journal,
         finished,
         scratch,
-    } = open(&verification, &folder, options.parts.resume)?;
+        lock: _lock,
+    } = open(&verification, lock, &folder, earlier)?;
     let session = &mut verification.session;
     let place = place(&options.means, jobs)?;
     let crew = Crew::new(&mut session.package, place, scratch.path(), jobs)?;
-    let (shard, all) = (session.request.shard, Some(verification.source.len()));
-    // A study that ends when enough is known has as many points as that takes.
-    let known = all.filter(|_| ending.is_none());
+    let shard = session.request.shard;
     let mut pipeline = Pipeline::new(
         &verification.session,
         Some((&crew, &verification.session.plan.cases[..])),
         journal,
         finished,
-        shard,
-        all,
+        verification.part(),
     )
-    .repeating(verification.header().seed, known);
+    // A study that ends when enough is known has as many points as that takes.
+    .repeating(verification.header().seed, ending.is_some());
     let enough = compute(&verification, &mut pipeline, ending.as_ref())?;
     let (done, computed, interrupted) =
         (pipeline.done(), pipeline.computed(), pipeline.interrupted());
@@ -133,7 +137,7 @@ fn extend(verification: &Verification, folder: &Path) -> Result<(), CommandError
         if summary.exists() {
             fs::remove_file(&summary).map_err(ResultsError::io(&summary))?;
         }
-        return Ok(Journal::extend(folder, header)?);
+        return Ok(Journal::rewrite(folder, header)?);
     }
     let method = verification.session.study.design.method.name();
     let with = Method::named(Method::is_extensible);
@@ -150,11 +154,12 @@ fn extend(verification: &Verification, folder: &Path) -> Result<(), CommandError
 /// Takes a folder for the points of a study, and keeps there what was asked for.
 pub(super) fn open(
     verification: &Verification,
+    lock: Lock,
     folder: &Path,
-    resume: bool,
+    earlier: Earlier,
 ) -> Result<RunFolder, CommandError> {
     let complete = folder.join("summary.json").exists();
-    let taken = RunFolder::open(folder, verification.header(), resume, complete)?;
+    let taken = RunFolder::open(lock, folder, verification.header(), earlier, complete)?;
     // A run that was killed early may not have come so far.
     let Session { request, study, .. } = &verification.session;
     request.write(folder, study)?;
@@ -263,7 +268,7 @@ fn set(session: &Session) -> String {
     lines.into_iter().collect()
 }
 
-fn request(options: &Verify) -> Request {
+fn request(options: &Verify) -> Result<Request, CommandError> {
     // A design that needs all its points keeps those of the study; `check` refuses it then, and says why.
     let open_ended = || {
         let study = Study::read(&options.study);
@@ -272,15 +277,15 @@ fn request(options: &Verify) -> Request {
     let until = options
         .until
         .filter(|_| options.points_from.is_none() && open_ended());
-    Request {
+    Ok(Request {
         study: options.study.clone(),
         fmu: options.means.fmu.clone(),
         points: options.points.or(until.map(|_| MOST_POINTS)),
         seed: options.seed,
         points_from: options.points_from.clone(),
-        shard: options.parts.shard,
+        shard: asking::shard(&options.parts)?,
         ..Request::default()
-    }
+    })
 }
 
 /// Runs all points that are not finished; says whether no further ones are needed.
@@ -289,33 +294,50 @@ fn compute(
     pipeline: &mut Pipeline<'_>,
     ending: Option<&Ending>,
 ) -> Result<bool, CommandError> {
-    let mut front = ending.map(|ending| (ending, Front::new(ending)));
     let judge = &verification.session.judge;
-    let mut enough = false;
-    if let (Some((ending, front)), Some(finished)) = (&mut front, pipeline.finished()) {
-        let mut outcomes = finished.outcomes()?;
-        for index in (0..verification.source.len()).take_while(|&index| finished.has(index)) {
-            if let Some(outcome) = outcomes.get(index)? {
-                enough |= front.add(index, ending.counts(judge, &outcome));
+    let job = |index| verification.job(index);
+    pipeline.doubt(&job)?;
+    loop {
+        let finished = pipeline.finished();
+        let mut front = ending.map(|ending| (ending, Front::new(ending)));
+        let mut enough = false;
+        if let (Some((ending, front)), Some(finished)) = (&mut front, &finished) {
+            let mut outcomes = finished.outcomes()?;
+            // A run that was killed had several points under way, and left gaps.
+            for index in 0..verification.source.len() {
+                if let Some(outcome) = outcomes.get(index)? {
+                    enough = front.add(index, ending.counts(judge, &outcome));
+                }
+                if enough {
+                    return Ok(true);
+                }
             }
         }
-    }
-    if enough {
-        return Ok(true);
-    }
-    let finished = pipeline.finished();
-    let unfinished = move |index: &u64| !finished.as_ref().is_some_and(|f| f.has(*index));
-    let open = verification.indexes().filter(unfinished);
-    let job = |index| verification.job(index);
-    pipeline.compute(open, &job, |step| {
-        if let (Some((ending, front)), Step::Outcome { index, outcome, .. }) = (&mut front, step) {
-            enough |= front.add(index, ending.counts(judge, &outcome));
+        // The workers share out what is left, so they have to know how much that is.
+        let left = verification.expected().saturating_sub(pipeline.done());
+        let left = usize::try_from(left).unwrap_or(usize::MAX);
+        let is_open = |index: &u64| !finished.as_ref().is_some_and(|f| f.has(*index));
+        let open = verification.indexes().filter(is_open).take(left);
+        let mut void = false;
+        pipeline.compute(open, &job, |step| {
+            if let Some((ending, front)) = &mut front {
+                match step {
+                    Step::Outcome { index, outcome, .. } => {
+                        enough = enough || front.add(index, ending.counts(judge, &outcome));
+                    }
+                    // What counts no more comes again in the order of the points, and not after all of them.
+                    Step::Void(_) => void = true,
+                }
+            }
+            if enough || void {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            }
+        })?;
+        if !void {
+            return Ok(enough);
         }
-        if enough {
-            ControlFlow::Break(())
-        } else {
-            ControlFlow::Continue(())
-        }
-    })?;
-    Ok(enough)
+        pipeline.read_again()?;
+    }
 }

@@ -65,7 +65,7 @@ impl Company {
     }
 
     /// Whether no point is to be repeated.
-    pub(super) fn is_settled(&self) -> bool {
+    pub fn is_settled(&self) -> bool {
         self.failed
             .values()
             .all(|points| points.iter().next().is_none())

@@ -23,18 +23,21 @@ pub struct Repeats {
 }
 
 impl Repeats {
-    /// Chooses among `count` points with the indexes `first`, `first + step` and so on.
-    pub fn among(seed: u64, count: u64, first: u64, step: u64) -> Self {
+    /// Chooses among `count` points of these indexes, which ascend.
+    pub fn among(seed: u64, count: u64, mut indexes: impl Iterator<Item = u64>) -> Self {
         let count = usize::try_from(count).unwrap_or(usize::MAX);
         let mut random = StdRng::seed_from_u64(seed);
         let places = seq::index::sample(&mut random, count, ENOUGH.min(count));
-        let chosen = places
-            .into_iter()
-            .map(|place| first + step * place as u64)
-            .collect();
+        let mut passed = 0;
+        let chosen = places.into_iter().collect::<BTreeSet<usize>>();
+        let chosen = chosen.into_iter().map(|place| {
+            let index = indexes.nth(place - passed);
+            passed = place + 1;
+            index.expect("there are as many indexes as the caller says")
+        });
         Self {
             seed,
-            chosen: Some(chosen),
+            chosen: Some(chosen.collect()),
         }
     }
 
@@ -74,13 +77,13 @@ mod tests {
 
     #[test]
     fn sixty_points_of_a_part_are_chosen_by_the_seed() {
-        let part = |seed| chosen(&Repeats::among(seed, 1000, 2, 4), 5000);
+        let part = |seed| chosen(&Repeats::among(seed, 1000, (2..).step_by(4)), 5000);
         assert_eq!(part(1).len(), ENOUGH);
         assert!(part(1).iter().all(|index| index % 4 == 2 && *index < 4002));
         assert_eq!(part(1), part(1));
         assert_ne!(part(1), part(2));
         // Of few points all.
-        let few = Repeats::among(1, 7, 0, 1);
+        let few = Repeats::among(1, 7, 0..7);
         assert_eq!(chosen(&few, 100), (0..7).collect::<Vec<_>>());
     }
 

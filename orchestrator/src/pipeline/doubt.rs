@@ -42,22 +42,8 @@ impl Doubt {
 }
 
 impl Pipeline<'_> {
-    /// Points of the journal that have to be computed again, because they shared processes: all where the user wishes
-    /// none to do so, and all where one of them proves wrong. All points are known.
-    pub(super) fn doubted(&mut self, job: Known<'_>) -> Result<Vec<u64>, Halt> {
-        let Some(mut doubt) = self.doubt.take() else {
-            return Ok(Vec::new());
-        };
-        let used = self.used_before(&mut doubt);
-        if self.are_sound(&mut doubt, &used, job)? {
-            return Ok(Vec::new());
-        }
-        self.drop_used(&used)?;
-        Ok(used)
-    }
-
-    /// The same, where the points become known set by set, from this one's indexes on: what does not count is
-    /// forgotten. Outcomes of earlier sets have been used already.
+    /// Forgets points of the journal because they shared processes: all where the user wishes none to do so, and all where
+    /// one of them proves wrong. The points of a set are known; outcomes of earlier sets have been used already.
     pub(super) fn doubt_set(&mut self, set: Range<u64>, job: Known<'_>) -> Result<(), Halt> {
         let Some(mut doubt) = self.doubt.take() else {
             return Ok(());
@@ -74,7 +60,7 @@ impl Pipeline<'_> {
             }
             return Ok(());
         }
-        self.drop_used(&used)?;
+        self.drop_used()?;
         if used.iter().any(|index| *index < set.start) && !self.wants_fresh() {
             return Err(EngineError::Refuted.into());
         }
@@ -108,13 +94,13 @@ impl Pipeline<'_> {
         }
     }
 
-    fn drop_used(&mut self, used: &[u64]) -> Result<(), Halt> {
+    fn drop_used(&mut self) -> Result<(), Halt> {
         self.journal.note(&Note::Void(Separation::Used))?;
         self.journal.flush()?;
         if let Some(finished) = &mut self.finished {
             Arc::make_mut(finished).forget_used();
+            self.before = super::count_known(finished, &self.part, None);
         }
-        self.before -= used.len() as u64;
         Ok(())
     }
 

@@ -2,13 +2,11 @@
 
 use std::fs;
 use std::path::Path;
-use std::thread::sleep;
-use std::time::Duration;
 
-use tempfile::TempDir;
-
+use super::scratch::{self, Scratch};
 use crate::results::finished::Finished;
-use crate::results::{Header, Journal, ResultsError, lines};
+use crate::results::lock::Lock;
+use crate::results::{DRAFT, Header, Journal, ResultsError, lines};
 
 /// A folder that is taken for a run.
 #[derive(Debug)]
@@ -18,80 +16,86 @@ pub struct RunFolder {
     /// The points of earlier runs.
     pub finished: Option<Finished>,
     /// For what is needed while points run.
-    pub scratch: TempDir,
+    pub scratch: Scratch,
+    /// Keeps other runs out as long as this is there.
+    pub lock: Lock,
+}
+
+/// What becomes of a run that a folder holds already.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Earlier {
+    /// It goes on.
+    Resumed,
+    /// It is replaced if it is complete.
+    Complete,
+    /// It is replaced.
+    Replaced,
 }
 
 impl RunFolder {
-    /// Takes a folder: with a new journal, or with `resume` with the one that is there. A run that is complete, or
-    /// has no point yet, is simply done again.
+    /// Takes a folder of which this process has the lock: with a new journal, or with the one that is there. A run that is
+    /// complete, or has no point yet, is simply done again; `complete` says that it is, where the journal does not.
     ///
     /// # Errors
     /// When the folder holds something else, and when the system says no.
     pub fn open(
+        lock: Lock,
         folder: &Path,
         header: &Header,
-        resume: bool,
+        earlier: Earlier,
         complete: bool,
     ) -> Result<Self, ResultsError> {
-        let (journal, finished) = journal(folder, header, resume, complete)?;
+        // What killed runs left: nobody else is at work here.
+        scratch::remove_starting_with(folder, &[RUNNING, DRAFT]);
+        let (journal, finished) = journal(folder, header, earlier, complete)?;
         Ok(Self {
             journal,
             finished,
-            scratch: scratch(folder)?,
+            scratch: Scratch::within(folder, RUNNING)?,
+            lock,
         })
     }
 }
 
+/// The names of folders for what is needed while points run begin so.
+const RUNNING: &str = ".running-";
+
 fn journal(
     folder: &Path,
     header: &Header,
-    resume: bool,
+    earlier: Earlier,
     complete: bool,
 ) -> Result<(Journal, Option<Finished>), ResultsError> {
-    if lines::path_in(folder).exists() {
-        if resume {
+    let path = lines::path_in(folder);
+    if path.exists() {
+        if earlier == Earlier::Resumed {
             let (journal, finished) = Journal::resume(folder, header)?;
             return Ok((journal, Some(finished)));
         }
         // A run whose FMU could not be loaded has no points, so nothing is lost.
         let over = |finished: Finished| finished.ended || finished.count == 0;
-        if complete || Finished::read(folder).is_ok_and(over) {
-            Journal::remove(folder)?;
+        let replaced = earlier == Earlier::Replaced || complete;
+        if replaced || Finished::read(folder).is_ok_and(over) {
+            tell_of_another(folder, header);
+            let summary = folder.join("summary.json");
+            // Else the new run would count as complete, and be replaced itself where it was interrupted.
+            for file in [path, summary] {
+                if file.exists() {
+                    fs::remove_file(&file).map_err(ResultsError::io(&file))?;
+                }
+            }
         }
     }
     Ok((Journal::create(folder, header)?, None))
 }
 
-/// A folder within `folder` for what is needed while points run. Those of runs that were killed
-/// are removed; the journal's lock says that they are not in use.
-///
-/// # Errors
-/// When the system says no.
-fn scratch(folder: &Path) -> Result<TempDir, ResultsError> {
-    const PREFIX: &str = ".running-";
-    const LEFT_OVERS: [&str; 3] = [PREFIX, ".points-", ".writing-"];
-    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
-        let name = entry.file_name();
-        if LEFT_OVERS
-            .iter()
-            .any(|prefix| name.to_string_lossy().starts_with(prefix))
-        {
-            remove(&entry.path());
-        }
-    }
-    let scratch = tempfile::Builder::new().prefix(PREFIX).tempdir_in(folder);
-    scratch.map_err(ResultsError::io(folder))
-}
-
-/// Removes a folder or a file, if it can. One that stays only takes up room.
-fn remove(path: &Path) {
-    // The processes of a run that was killed end on their own, and may still write for a moment.
-    const TRIES: u32 = 50;
-    for _ in 0..TRIES {
-        let removed = fs::remove_dir_all(path).or_else(|_| fs::remove_file(path));
-        if removed.is_ok() || !path.exists() {
-            return;
-        }
-        sleep(Duration::from_millis(10));
+/// Says what is different about the run that takes the place of another one.
+fn tell_of_another(folder: &Path, header: &Header) {
+    let then = lines::header(folder).ok();
+    if let Some((what, then, now)) = then.and_then(|then| header.difference(&then)) {
+        crate::tell::line!(
+            "note: the results in {} came from another {what} ({then} then, {now} now); they are replaced",
+            folder.display()
+        );
     }
 }

@@ -14,8 +14,9 @@ pub mod stop;
 
 use std::collections::HashMap;
 use std::fmt;
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use thiserror::Error;
@@ -33,7 +34,7 @@ use crate::task::Case;
 use doubt::Doubt;
 use progress::Progress;
 
-pub use shard::Shard;
+pub use shard::{Part, Shard};
 
 /// Points of one model in the units of the study.
 pub trait Model {
@@ -119,7 +120,7 @@ pub struct Pipeline<'a> {
     noted: Option<Conduct>,
     journal: Journal,
     finished: Option<Arc<Finished>>,
-    shard: Option<Shard>,
+    part: Part,
     /// How many points all sets have together, where that is known beforehand.
     expected: Option<u64>,
     /// Points that were asked for so far.
@@ -156,11 +157,12 @@ impl<'a> Pipeline<'a> {
         crew: Option<(&'a Crew, &[Case])>,
         journal: Journal,
         finished: Option<Finished>,
-        shard: Option<Shard>,
-        points: Option<u64>,
+        part: Part,
     ) -> Self {
-        let expected = points.map(|points| shard.unwrap_or(Shard::WHOLE).count(points));
-        let before = finished.as_ref().map_or(0, |finished| finished.count);
+        let expected = part.count();
+        let before = finished
+            .as_ref()
+            .map_or(0, |finished| count_known(finished, &part, None));
         let progress = Progress::new(expected, before);
         if let Some(((crew, _), finished)) = crew.zip(finished.as_ref()) {
             finished
@@ -179,7 +181,7 @@ impl<'a> Pipeline<'a> {
             noted: None,
             journal,
             finished: finished.map(Arc::new),
-            shard,
+            part,
             expected,
             asked: 0,
             computed: [0; Separation::COUNT],
@@ -192,13 +194,14 @@ impl<'a> Pipeline<'a> {
         }
     }
 
-    /// Lets some points be computed twice, chosen by the seed; `points` is the number of all points, where that is
-    /// known.
-    pub fn repeating(mut self, seed: u64, points: Option<u64>) -> Self {
-        let shard = self.shard.unwrap_or(Shard::WHOLE);
-        self.repeats = match points {
-            Some(points) => Repeats::among(seed, shard.count(points), shard.number - 1, shard.of),
-            None => Repeats::endless(seed),
+    /// Lets some points be computed twice, chosen by the seed, from the first ones on where it is `open` how many points
+    /// there will be.
+    pub fn repeating(mut self, seed: u64, open: bool) -> Self {
+        self.repeats = match self.part.count() {
+            Some(count) if !open => {
+                Repeats::among(seed, count, (0..).filter(|&k| self.part.has(k)))
+            }
+            _ => Repeats::endless(seed),
         };
         if let Some(crew) = self.crew {
             crew.repeat(&self.repeats);
@@ -234,11 +237,31 @@ impl<'a> Pipeline<'a> {
         }
     }
 
+    /// Audits points of earlier runs that shared processes, all of which `job` must know. Where these processes changed the
+    /// results, the points are open again.
+    ///
+    /// # Errors
+    /// When no worker can be started, and when the journal cannot be written.
+    pub fn doubt(&mut self, job: &(dyn Fn(u64) -> Job + Sync)) -> Result<(), Halt> {
+        let every = 0..u64::MAX;
+        self.doubt_set(every, job)
+    }
+
+    /// Reads the journal again: points that count no more are open from here on.
+    ///
+    /// # Errors
+    /// When the journal cannot be written or read.
+    pub fn read_again(&mut self) -> Result<(), Halt> {
+        self.journal.flush()?;
+        let finished = Finished::read(self.journal.folder())?;
+        let known = count_known(&finished, &self.part, None);
+        self.before = known.saturating_sub(self.computed());
+        self.finished = Some(Arc::new(finished));
+        Ok(())
+    }
+
     /// Runs the points `open`, which `job` makes of their indexes. Each outcome goes to the journal and then to
     /// `receive`, in the order in which points finish. Ends early with Ctrl-C and where `receive` breaks.
-    ///
-    /// `job` must know all points of earlier runs, too: where these were computed in processes that changed the
-    /// results, they are computed again.
     ///
     /// # Errors
     /// When no worker can be started, and when the journal cannot be written.
@@ -248,22 +271,26 @@ impl<'a> Pipeline<'a> {
         job: &(dyn Fn(u64) -> Job + Sync),
         receive: impl FnMut(Step) -> ControlFlow<()>,
     ) -> Result<(), Halt> {
-        let again = self.doubted(job)?;
-        let open = open.chain(again);
         let finished = self.finished.clone();
-        if let Some(finished) = &finished {
-            let mut outcomes = finished.outcomes()?;
-            for index in finished.crowded() {
-                if let Some(Err(failure)) = outcomes.get(index)? {
-                    self.company.note(index, &failure);
-                }
-            }
-        }
+        self.note_crowded(0..u64::MAX)?;
         let earlier = |separation| {
             let finished = finished.as_ref();
             finished.map_or_else(Vec::new, |finished| finished.of(separation))
         };
         self.run(open, job, &earlier, receive)
+    }
+
+    /// Notes the points of a set that failed in an earlier part of the run, while others ran; whether there are any.
+    fn note_crowded(&mut self, set: Range<u64>) -> Result<bool, Halt> {
+        if let Some(finished) = &self.finished {
+            let mut outcomes = finished.outcomes()?;
+            for index in finished.crowded().filter(|index| set.contains(index)) {
+                if let Some(Err(failure)) = outcomes.get(index)? {
+                    self.company.note(index, &failure);
+                }
+            }
+        }
+        Ok(!self.company.is_settled())
     }
 
     fn run(
@@ -298,9 +325,16 @@ impl<'a> Pipeline<'a> {
         );
         self.workers = workers;
         self.company = company;
-        self.alone = None;
+        let ended_alone = self.alone.take().is_some();
         result?;
-        Ok(self.settle()?)
+        self.settle()?;
+        if flag.load(Ordering::Relaxed) && (ended_alone || !self.company.is_settled()) {
+            // All points may be there, but not as they will be.
+            self.note_conduct()?;
+            self.journal.flush()?;
+            return Err(self.interrupted());
+        }
+        Ok(())
     }
 
     /// Notes an event in the journal.
@@ -341,7 +375,10 @@ impl<'a> Pipeline<'a> {
                 self.note_conduct()?;
                 self.computed[separation as usize..].fill(0);
                 let finished = self.finished.as_ref();
-                self.before -= finished.map_or(0, |finished| finished.of(separation).len() as u64);
+                let left = finished.map_or(0, |finished| {
+                    count_known(finished, &self.part, Some(separation))
+                });
+                self.before = self.before.min(left);
                 Some(Step::Void(separation))
             }
             Event::Said(index, notices) => {
@@ -419,11 +456,11 @@ impl<'a> Pipeline<'a> {
         };
         self.doubt_set(first..self.asked, &job)?;
         let mut outcomes = self.known(first, points.len())?;
-        let shard = self.shard.unwrap_or(Shard::WHOLE);
         let open: Vec<usize> = (0..points.len())
-            .filter(|&k| outcomes[k].is_none() && shard.has(first + k as u64))
+            .filter(|&k| outcomes[k].is_none() && self.part.has(first + k as u64))
             .collect();
-        if !open.is_empty() {
+        let crowded = !self.workers.is_empty() && self.note_crowded(first..self.asked)?;
+        if crowded || !open.is_empty() {
             if self.workers.is_empty() {
                 return Err(Halt::Missing {
                     missing: open.len() as u64,
@@ -449,12 +486,9 @@ impl<'a> Pipeline<'a> {
     ) -> Result<(), Halt> {
         let model = self.model;
         let values: Vec<Vec<f64>> = points.iter().map(|point| model.values(point)).collect();
-        let job = |index: u64| {
-            let values = values.get((index - first) as usize).cloned();
-            Job {
-                index,
-                values: values.unwrap_or_default(),
-            }
+        let job = |index: u64| Job {
+            index,
+            values: values[(index - first) as usize].clone(),
         };
         let finished = self.finished.clone();
         let set = first..first + points.len() as u64;
@@ -534,11 +568,11 @@ impl<'a> Pipeline<'a> {
     fn begin_set(&mut self, first: u64, points: &[Vec<f64>]) -> Result<(), Halt> {
         let sum = checksum(points);
         if let Some(finished) = &mut self.finished {
-            match finished.sets.get(&first) {
-                Some(then) if *then == sum => return Ok(()),
-                Some(_) => Arc::make_mut(finished).forget_from(first),
-                None => {}
+            if finished.sets.get(&first) == Some(&sum) {
+                self.journal.hold_set(first, &sum);
+                return Ok(());
             }
+            Arc::make_mut(finished).begin_set(first, &sum);
         }
         Ok(self.journal.append_set(first, &sum)?)
     }
@@ -563,6 +597,14 @@ impl<'a> Pipeline<'a> {
         self.note_conduct()?;
         self.journal.sync()
     }
+}
+
+/// How many points of a part a journal knows, but for those from such processes or from less strictly separated ones.
+fn count_known(finished: &Finished, part: &Part, void: Option<Separation>) -> u64 {
+    let gone = void.map_or_else(Vec::new, |void| finished.of(void));
+    let known = finished.of(Separation::Apart).into_iter();
+    let left = known.filter(|index| part.has(*index) && gone.binary_search(index).is_err());
+    left.count() as u64
 }
 
 /// Identifies a set of points: their number and a checksum of all their digits.

@@ -1,10 +1,10 @@
 //! Folders for what is needed while a command runs, such as the unpacked FMU.
 //!
 //! They are removed when the command ends, also where a signal ends it: an FMU may hold hundreds of megabytes, and
-//! nobody else would ever remove them.
+//! nobody else would ever remove them. Those of a command that was killed go when the next one begins.
 
 use std::collections::BTreeSet;
-use std::fs;
+use std::fs::{self, File, OpenOptions};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread::sleep;
@@ -16,10 +16,18 @@ use crate::results::ResultsError;
 
 /// A folder that is removed with this.
 #[derive(Debug)]
-pub struct Scratch(TempDir);
+pub struct Scratch {
+    folder: TempDir,
+    /// Says that the folder is in use, where nothing else does.
+    _lock: Option<File>,
+}
 
 /// The folders that there are.
 static FOLDERS: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+/// The file of a folder in the system's place for such folders that its process has locked.
+const LOCK: &str = "in-use";
+/// The names of those folders begin so.
+const PREFIX: &str = "orchestrator-";
 
 fn folders() -> MutexGuard<'static, BTreeSet<PathBuf>> {
     // A set of paths is sound whatever interrupted its last user.
@@ -32,16 +40,33 @@ impl Scratch {
     /// # Errors
     /// When the system says no.
     pub(super) fn new() -> Result<Self, ResultsError> {
+        let place = std::env::temp_dir();
+        remove_abandoned(&place);
+        let mut scratch = Self::within(&place, PREFIX)?;
+        let path = scratch.path().join(LOCK);
+        scratch._lock = Some(locked(&path).map_err(ResultsError::io(&path))?);
+        Ok(scratch)
+    }
+
+    /// Makes a folder in another one, whose lock says that it is in use.
+    ///
+    /// # Errors
+    /// When the system says no.
+    pub(super) fn within(place: &Path, prefix: &str) -> Result<Self, ResultsError> {
         // A signal that comes between the two finds the folder.
         let mut folders = folders();
-        let folder = tempfile::tempdir().map_err(ResultsError::io(&std::env::temp_dir()))?;
+        let folder = tempfile::Builder::new().prefix(prefix).tempdir_in(place);
+        let folder = folder.map_err(ResultsError::io(place))?;
         folders.insert(folder.path().to_owned());
-        Ok(Self(folder))
+        Ok(Self {
+            folder,
+            _lock: None,
+        })
     }
 
     /// Where it is.
     pub fn path(&self) -> &Path {
-        self.0.path()
+        self.folder.path()
     }
 }
 
@@ -53,18 +78,84 @@ impl Drop for Scratch {
     }
 }
 
+/// Makes a file that is locked from the moment at which it has its name.
+fn locked(path: &Path) -> std::io::Result<File> {
+    let unnamed = path.with_extension("new");
+    let file = File::create(&unnamed)?;
+    // Where there are no locks, the folder of a killed command stays.
+    let _ = file.try_lock();
+    fs::rename(unnamed, path)?;
+    Ok(file)
+}
+
+/// Removes the folders of commands that were killed: their locks are free.
+fn remove_abandoned(place: &Path) {
+    for folder in starting_with(place, &[PREFIX]) {
+        let file = OpenOptions::new().write(true).open(folder.join(LOCK));
+        if file.is_ok_and(|file| file.try_lock().is_ok()) {
+            remove(&folder);
+        }
+    }
+}
+
 /// Removes all folders, for a process that is about to end itself.
 pub(super) fn remove_all() {
     folders().iter().for_each(|folder| remove(folder));
 }
 
-/// A process that has just been killed may still write there for a moment, or hold a file open.
-fn remove(folder: &Path) {
+/// Removes the files and folders whose names begin so.
+pub(super) fn remove_starting_with(place: &Path, prefixes: &[&str]) {
+    starting_with(place, prefixes).for_each(|path| remove(&path));
+}
+
+fn starting_with<'a>(
+    place: &Path,
+    prefixes: &'a [&'a str],
+) -> impl Iterator<Item = PathBuf> + use<'a> {
+    let entries = fs::read_dir(place).into_iter().flatten().flatten();
+    entries.filter_map(|entry| {
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        let wanted = prefixes.iter().any(|prefix| name.starts_with(prefix));
+        wanted.then(|| entry.path())
+    })
+}
+
+/// Removes a folder or a file, if it can; one that stays only takes up room. A process that has just been killed may
+/// still write there for a moment, or hold a file open.
+fn remove(path: &Path) {
     const TRIES: u32 = 10;
     for _ in 0..TRIES {
-        if fs::remove_dir_all(folder).is_ok() || !folder.exists() {
+        let removed = fs::remove_dir_all(path).or_else(|_| fs::remove_file(path));
+        if removed.is_ok() || !path.exists() {
             break;
         }
-        sleep(Duration::from_millis(5));
+        sleep(Duration::from_millis(10));
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn folders_of_killed_commands_go_and_others_stay() {
+        let place = tempfile::tempdir().unwrap();
+        let folder = |name: &str| {
+            let folder = place.path().join(name);
+            fs::create_dir(&folder).unwrap();
+            folder
+        };
+        let used = folder("orchestrator-used");
+        let held = locked(&used.join(LOCK)).unwrap();
+        let killed = folder("orchestrator-killed");
+        drop(locked(&killed.join(LOCK)).unwrap());
+        let [begun, other] = ["orchestrator-begun", "other"].map(folder);
+        remove_abandoned(place.path());
+        assert!(!killed.exists() && [&used, &begun, &other].iter().all(|folder| folder.exists()));
+        drop(held);
+        remove_abandoned(place.path());
+        assert!(!used.exists() && begun.exists());
     }
 }

@@ -30,6 +30,7 @@ pub mod whatif;
 use crate::analysis::from_results::FolderError;
 use crate::analysis::sensitivity::study::Sensitivity;
 use crate::analysis::verdict::PassCounts;
+use crate::results::{ResultsError, write_atomically};
 use base64::{Engine, engine::general_purpose::STANDARD};
 use figures::Series;
 use flate2::{Compression, write::GzEncoder};
@@ -192,13 +193,8 @@ pub enum ReportError {
     #[error(transparent)]
     Folder(#[from] FolderError),
     /// A file could not be written.
-    #[error("cannot write {path}: {source}")]
-    Write {
-        /// The file or folder.
-        path: PathBuf,
-        /// The system's reason.
-        source: std::io::Error,
-    },
+    #[error(transparent)]
+    Write(#[from] ResultsError),
     /// The page could not be put together.
     #[error("cannot put the report together: {0}")]
     Page(#[from] minijinja::Error),
@@ -231,10 +227,7 @@ impl Report {
     /// Writes `report.html` and `plots/*.svg` into a folder, and returns the page's path.
     pub fn write(&self, folder: &Path) -> Result<PathBuf, ReportError> {
         let plots = folder.join("plots");
-        std::fs::create_dir_all(&plots).map_err(|source| ReportError::Write {
-            path: plots.clone(),
-            source,
-        })?;
+        std::fs::create_dir_all(&plots).map_err(ResultsError::io(&plots))?;
         // A picture that cannot be written costs itself: the page has it all the same.
         let written = page::plots(self).into_iter().map(|(name, plot)| {
             write_file(&plots.join(format!("{name}.svg")), &svg::standalone(&plot))
@@ -264,7 +257,7 @@ impl Report {
         plots.par_iter().try_for_each(|(name, plot)| {
             let file = painter.png(&svg::plain(plot)).map_err(ReportError::Png)?;
             let path = folder.join("plots").join(format!("{name}.png"));
-            std::fs::write(&path, file).map_err(|source| ReportError::Write { path, source })
+            write_atomically(&path, |out| out.write_all(&file)).map_err(ReportError::from)
         })?;
         Ok(plots.len())
     }
@@ -281,10 +274,9 @@ impl Report {
 }
 
 fn write_file(path: &Path, text: &str) -> Result<(), ReportError> {
-    std::fs::write(path, text).map_err(|source| ReportError::Write {
-        path: path.to_owned(),
-        source,
-    })
+    Ok(write_atomically(path, |out| {
+        out.write_all(text.as_bytes())
+    })?)
 }
 
 /// What the page unpacks, as text.

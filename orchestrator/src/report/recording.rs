@@ -6,6 +6,7 @@ use super::figures::envelope;
 use super::format::number;
 use super::svg::Frame;
 use super::{ReportError, write_file};
+use crate::results::ResultsError;
 use minijinja::{Environment, value::Serde};
 use rig_signals::{DerivedCriterion, RigRecording, Synchronised, criteria};
 use sampling::statistics::moments::mean;
@@ -77,10 +78,7 @@ pub fn write(
 ) -> Result<PathBuf, ReportError> {
     let page = page(recording, result, title, amplitudes);
     let plots = folder.join("plots");
-    std::fs::create_dir_all(&plots).map_err(|source| ReportError::Write {
-        path: plots.clone(),
-        source,
-    })?;
+    std::fs::create_dir_all(&plots).map_err(ResultsError::io(&plots))?;
     for figure in page.figures.iter().chain(&page.steady) {
         let path = plots.join(format!("{}.svg", figure.file));
         write_file(&path, &super::svg::standalone(&figure.svg))?;

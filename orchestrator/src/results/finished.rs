@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use super::header::Header;
-use super::lines::{Lines, open, path_in};
-use super::note::{Note, separation};
+use super::lines::{Line, Lines, open, path_in};
+use super::note::{Note, SAME_SET, SET, separation};
 use super::{Outcome, ResultsError};
 use crate::engine::{Conduct, Indexes, Isolation, Separation};
 use crate::failure::Failure;
@@ -37,8 +37,10 @@ pub struct Finished {
     pub sets: HashMap<u64, String>,
     /// Whether the analysis needed no further points.
     pub ended: bool,
-    /// The length of the sound part of the file.
-    pub(super) sound: u64,
+    /// Lines whose checksum is wrong, from a flipped bit or a bad block: their points are open.
+    pub(super) damaged: u64,
+    /// The length of the file without a last line that was not written to its end.
+    pub(super) end: u64,
 }
 
 const NOWHERE: u64 = u64::MAX;
@@ -62,7 +64,7 @@ impl Finished {
     /// Reads the journal of a folder.
     ///
     /// # Errors
-    /// When there is none, when its first line is damaged, and when the system says no.
+    /// When there is none, when its header is lost, and when the system says no.
     pub fn read(folder: &Path) -> Result<Self, ResultsError> {
         let (mut lines, header) = open(folder)?;
         let mut finished = Self {
@@ -72,40 +74,51 @@ impl Finished {
             count: 0,
             sets: HashMap::new(),
             ended: false,
-            sound: lines.sound,
+            damaged: 0,
+            end: 0,
             noted: None,
             apart: false,
             refuted: None,
             crowded: Indexes::default(),
         };
         loop {
-            let place = lines.sound;
-            let line = lines
-                .next_line()
-                .map_err(ResultsError::io(&finished.path))?;
-            let Some(line) = line else { break };
-            match line.split_once(' ') {
-                Some(("set", set)) => {
-                    let (first, sum) = set.split_once(' ').unwrap_or((set, ""));
-                    if let Ok(first) = first.parse() {
-                        finished.begin_set(first, sum);
-                    }
-                }
-                Some(("note", note)) => {
-                    let note = serde_json::from_str(note);
-                    note.into_iter().for_each(|note| finished.heed(note));
-                }
-                Some((index, rest)) => {
-                    let word = rest.split(' ').next().unwrap_or("");
-                    let separation = separation(word).unwrap_or(Separation::New);
-                    let place = place | (separation as u64) << SEPARATION;
-                    finished.note(index.parse().ok(), place);
-                }
-                None => finished.ended |= line == "end",
+            let place = lines.place();
+            let line = lines.next_line();
+            match line.map_err(ResultsError::io(&finished.path))? {
+                Line::Sound(line) => finished.take(line, place),
+                Line::Damaged => finished.damaged += 1,
+                Line::End => break,
             }
         }
-        finished.sound = lines.sound;
+        finished.end = lines.place();
         Ok(finished)
+    }
+
+    /// Notes what a line at this place says.
+    fn take(&mut self, line: &str, place: u64) {
+        match line.split_once(' ') {
+            Some((word @ (SET | SAME_SET), set)) => {
+                let (first, sum) = set.split_once(' ').unwrap_or((set, ""));
+                let Ok(first) = first.parse() else { return };
+                // The line at which the set began may be damaged; its points are no others for that.
+                if word == SAME_SET && !self.sets.contains_key(&first) {
+                    self.sets.insert(first, sum.to_owned());
+                } else {
+                    self.begin_set(first, sum);
+                }
+            }
+            Some(("note", note)) => {
+                let note = serde_json::from_str(note);
+                note.into_iter().for_each(|note| self.heed(note));
+            }
+            Some((index, rest)) => {
+                let word = rest.split(' ').next().unwrap_or("");
+                let separation = separation(word).unwrap_or(Separation::New);
+                let place = place | (separation as u64) << SEPARATION;
+                self.note(index.parse().ok(), place);
+            }
+            None => self.ended |= line == "end",
+        }
     }
 
     fn heed(&mut self, note: Note) {
@@ -124,7 +137,9 @@ impl Finished {
                 noted.repeated_alone += repeated;
                 noted.passed_alone += passed;
             }
-            Note::Void(separation) => {
+            Note::StillVoid(separation)
+                if self.refuted.is_some_and(|known| known <= separation) => {}
+            Note::Void(separation) | Note::StillVoid(separation) => {
                 let refuted = self
                     .refuted
                     .map_or(separation, |known| known.min(separation));
@@ -207,16 +222,17 @@ impl Finished {
         (slot != NOWHERE).then_some(slot & ((1 << SEPARATION) - 1))
     }
 
-    /// A set that differs from the one that began here makes an end of all that followed that.
-    fn begin_set(&mut self, first: u64, sum: &str) {
-        if self.sets.get(&first).is_some_and(|then| then != sum) {
+    /// A set that differs from the one that began here makes an end of all that followed that. So does one that is not
+    /// known: nothing says that points which are there already are its own.
+    pub fn begin_set(&mut self, first: u64, sum: &str) {
+        if self.sets.get(&first).is_none_or(|then| then != sum) {
             self.forget_from(first);
         }
         self.sets.insert(first, sum.to_owned());
     }
 
     /// Forgets all points from an index on.
-    pub fn forget_from(&mut self, first: u64) {
+    fn forget_from(&mut self, first: u64) {
         self.sets.retain(|&other, _| other < first);
         let first = usize::try_from(first).unwrap_or(usize::MAX);
         for slot in self.places.iter_mut().skip(first) {
@@ -285,8 +301,11 @@ impl Outcomes<'_> {
             return Ok(None);
         };
         self.lines.seek(place).map_err(ResultsError::io(path))?;
-        let line = self.lines.next_line().map_err(ResultsError::io(path))?;
-        let noted = line.and_then(parse).ok_or_else(|| ResultsError::Content {
+        let noted = match self.lines.next_line().map_err(ResultsError::io(path))? {
+            Line::Sound(line) => parse(line),
+            Line::Damaged | Line::End => None,
+        };
+        let noted = noted.ok_or_else(|| ResultsError::Content {
             path: path.clone(),
             message: format!("the line of point {} is damaged", index + 1),
         })?;

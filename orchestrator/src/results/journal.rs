@@ -2,7 +2,8 @@
 //!
 //! A text file to which lines are only ever appended, in the order in which points finish. The
 //! first line says what the study is. Every line carries a checksum, so that a line that was cut
-//! off by a power loss or a full disk is recognised and its point computed again:
+//! off by a power loss or damaged by a bad disk is recognised and its point computed again. Lines on which others depend
+//! come again from time to time:
 //!
 //! ```text
 //! 5d41402a {"orchestrator":...,"points":50}
@@ -19,37 +20,19 @@
 //! and at last `end`. Where a set takes the place of another one, what followed that one counts no more.
 
 use std::fmt::Write as _;
-use std::fs::{self, File, OpenOptions, TryLockError};
+use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::thread::sleep;
-use std::time::{Duration, Instant};
 
 use tempfile::NamedTempFile;
 
 use super::finished::Finished;
 use super::header::Header;
-use super::lines::{self, open, path_in};
-use super::note::{Note, word};
-use super::{Outcome, ResultsError};
+use super::lines::{self, Line, open, path_in};
+use super::note::{Note, SAME_SET, SET, word};
+use super::{Outcome, ResultsError, draft};
 use crate::engine::Separation;
 use crate::notices::Notices;
-
-/// How long to wait for the lock. When a run is killed while it starts a worker, the new process holds a copy of the lock
-/// until it becomes the worker's program.
-const PATIENCE: Duration = Duration::from_secs(2);
-
-fn lock(file: &File) -> Result<(), TryLockError> {
-    let begun = Instant::now();
-    loop {
-        match file.try_lock() {
-            Err(TryLockError::WouldBlock) if begun.elapsed() < PATIENCE => {
-                sleep(Duration::from_millis(10));
-            }
-            result => return result,
-        }
-    }
-}
 
 /// A journal that is being written.
 #[derive(Debug)]
@@ -58,6 +41,10 @@ pub struct Journal {
     file: File,
     line: String,
     buffer: Vec<u8>,
+    /// Lines on which others depend.
+    header: String,
+    set: Option<String>,
+    void: Option<Separation>,
 }
 
 impl Journal {
@@ -76,23 +63,23 @@ impl Journal {
         Ok(journal)
     }
 
-    /// Makes the journal of a folder one of a run with more points, whose first points are those that it has. It is
-    /// replaced as a whole, or stays as it is.
+    /// Writes the journal of a folder anew, with another header and without damaged lines. It is replaced as a whole, or
+    /// stays as it is.
     ///
     /// # Errors
-    /// When another run writes it, and when the system says no.
-    pub fn extend(folder: &Path, header: &Header) -> Result<(), ResultsError> {
+    /// When the system says no.
+    pub fn rewrite(folder: &Path, header: &Header) -> Result<(), ResultsError> {
         let path = path_in(folder);
-        let file = OpenOptions::new().append(true).open(&path);
-        let _lock = Self::new(folder, path.clone(), file.map_err(ResultsError::io(&path))?)?;
-        let (draft, mut longer) = Self::draft(folder, header)?;
+        let (draft, mut anew) = Self::draft(folder, header)?;
         let (mut lines, _) = open(folder)?;
-        while let Some(line) = lines.next_line().map_err(ResultsError::io(&path))? {
-            longer.line.push_str(line);
-            longer.finish_line();
-            longer.flush_when_full()?;
+        loop {
+            match lines.next_line().map_err(ResultsError::io(&path))? {
+                Line::Sound(line) if !line.starts_with('{') => anew.copy_line(line)?,
+                Line::Sound(_) | Line::Damaged => {}
+                Line::End => break,
+            }
         }
-        longer.sync()?;
+        anew.sync()?;
         let placed = draft.persist(&path);
         placed
             .map(drop)
@@ -101,55 +88,53 @@ impl Journal {
 
     /// A journal with its first line, which is not yet in its place.
     fn draft(folder: &Path, header: &Header) -> Result<(NamedTempFile, Self), ResultsError> {
-        let path = path_in(folder);
         fs::create_dir_all(folder).map_err(ResultsError::io(folder))?;
-        let draft = tempfile::Builder::new()
-            .prefix(".writing-")
-            .tempfile_in(folder);
-        let draft = draft.map_err(ResultsError::io(folder))?;
-        let file = OpenOptions::new().append(true).open(draft.path());
-        let file = file.map_err(ResultsError::io(&path))?;
-        let mut journal = Self::new(folder, path, file)?;
-        let header = serde_json::to_string(header).map_err(|error| ResultsError::Content {
-            path: journal.path.clone(),
-            message: error.to_string(),
-        })?;
-        journal.line.push_str(&header);
-        journal.finish_line();
+        let draft = draft(folder).map_err(ResultsError::io(folder))?;
+        let mut journal = Self::open(folder, draft.path(), header)?;
+        journal.append_header();
         journal.flush()?;
         Ok((draft, journal))
     }
 
-    /// Continues a journal; a damaged end is cut off.
+    /// Continues a journal. A last line that was not written to its end is cut off; other damaged lines are told.
     ///
     /// # Errors
     /// When there is none, when it belongs to something else, and when the system says no.
     pub fn resume(folder: &Path, header: &Header) -> Result<(Self, Finished), ResultsError> {
         header.check(&lines::header(folder)?, folder)?;
         let path = path_in(folder);
-        let file = OpenOptions::new().append(true).open(&path);
-        let file = file.map_err(ResultsError::io(&path))?;
-        let journal = Self::new(folder, path, file)?;
-        // Read under the lock: another run may just have ended.
-        let finished = Finished::read(folder)?;
-        let cut = journal.file.set_len(finished.sound);
-        cut.map_err(ResultsError::io(&journal.path))?;
+        let mut finished = Finished::read(folder)?;
+        if let Some(what) = damage(finished.damaged) {
+            let path = path.display();
+            crate::tell::line!("note: {what} of {path}: those points run again");
+            Self::rewrite(folder, header)?;
+            finished = Finished::read(folder)?;
+        }
+        let journal = Self::open(folder, &path, header)?;
+        let cut = journal.file.set_len(finished.end);
+        cut.map_err(ResultsError::io(&path))?;
         Ok((journal, finished))
     }
 
-    /// Takes the file for this run alone; the lock ends with the process, however it ends.
-    fn new(folder: &Path, path: PathBuf, file: File) -> Result<Self, ResultsError> {
-        match lock(&file) {
-            Ok(()) => {}
-            Err(TryLockError::WouldBlock) => return Err(ResultsError::Busy(folder.to_owned())),
-            Err(TryLockError::Error(error)) => return Err(ResultsError::io(&path)(error)),
-        }
+    /// Opens a file to append the lines of a folder's journal to it.
+    fn open(folder: &Path, file: &Path, header: &Header) -> Result<Self, ResultsError> {
+        let path = path_in(folder);
+        let opened = OpenOptions::new().append(true).open(file);
         Ok(Self {
+            file: opened.map_err(ResultsError::io(&path))?,
             path,
-            file,
             line: String::new(),
             buffer: Vec::new(),
+            header: serde_json::to_string(header).expect("a header is texts and whole numbers"),
+            set: None,
+            void: None,
         })
+    }
+
+    /// The folder that it is in.
+    pub fn folder(&self) -> &Path {
+        let folder = self.path.parent();
+        folder.expect("a journal is a file in a folder")
     }
 
     /// Notes a finished point; [`flush`](Self::flush) hands it to the system.
@@ -172,12 +157,14 @@ impl Journal {
                     .try_for_each(|value| write!(self.line, " {value:e}"))
             }
             Err(failure) => {
-                let text = serde_json::to_string(failure).unwrap_or_default();
+                let text = serde_json::to_string(failure);
+                let text = text.expect("a failure is texts and numbers");
                 write!(self.line, "{index} failed {text}")
             }
         };
         if let Some(notices) = notices {
-            let text = serde_json::to_string(notices).unwrap_or_default();
+            let text = serde_json::to_string(notices);
+            let text = text.expect("notices are texts and numbers");
             let _ = write!(self.line, " {text}");
         }
         self.finish_line();
@@ -189,10 +176,17 @@ impl Journal {
     /// # Errors
     /// When the system says no.
     pub fn note(&mut self, note: &Note) -> Result<(), ResultsError> {
-        let text = serde_json::to_string(note).unwrap_or_default();
+        if let Note::Void(separation) = *note {
+            self.void = Some(self.void.map_or(separation, |void| void.min(separation)));
+        }
+        self.append_note(note);
+        self.flush_when_full()
+    }
+
+    fn append_note(&mut self, note: &Note) {
+        let text = serde_json::to_string(note).expect("a note is texts and numbers");
         let _ = write!(self.line, "note {text}");
         self.finish_line();
-        self.flush_when_full()
     }
 
     /// Notes a set of points by what tells it from others; `first` is the index of its first point.
@@ -200,10 +194,30 @@ impl Journal {
     /// # Errors
     /// When the system says no.
     pub fn append_set(&mut self, first: u64, sum: &str) -> Result<(), ResultsError> {
+        // That of the set before is in the journal twice then, also where that was a matter of a moment.
+        self.append_same_set();
         // Writing to a String cannot fail.
-        let _ = write!(self.line, "set {first} {sum}");
+        let _ = write!(self.line, "{SET} {first} {sum}");
         self.finish_line();
+        self.hold_set(first, sum);
         self.flush_when_full()
+    }
+
+    /// Knows the set to which the points that follow belong, when it is in the journal already.
+    pub fn hold_set(&mut self, first: u64, sum: &str) {
+        self.set = Some(format!("{SAME_SET} {first} {sum}"));
+    }
+
+    fn append_same_set(&mut self) {
+        if let Some(set) = &self.set {
+            self.line.push_str(set);
+            self.finish_line();
+        }
+    }
+
+    fn append_header(&mut self) {
+        self.line.push_str(&self.header);
+        self.finish_line();
     }
 
     /// Notes that no further points are needed.
@@ -221,15 +235,10 @@ impl Journal {
         }
     }
 
-    /// Removes the journal of a folder.
-    ///
-    /// # Errors
-    /// When another run writes it, and when the system says no.
-    pub fn remove(folder: &Path) -> Result<(), ResultsError> {
-        let path = path_in(folder);
-        let file = OpenOptions::new().append(true).open(&path);
-        let _lock = Self::new(folder, path.clone(), file.map_err(ResultsError::io(&path))?)?;
-        fs::remove_file(&path).map_err(ResultsError::io(&path))
+    fn copy_line(&mut self, line: &str) -> Result<(), ResultsError> {
+        self.line.push_str(line);
+        self.finish_line();
+        self.flush_when_full()
     }
 
     fn finish_line(&mut self) {
@@ -249,14 +258,26 @@ impl Journal {
         result.map_err(ResultsError::io(&self.path))
     }
 
-    /// Waits until everything is on the disk: from here on it survives a power loss.
+    /// Waits until everything is on the disk: from here on it survives a power loss. Lines on which others depend come
+    /// once more before, so that no single damage costs more than its line.
     ///
     /// # Errors
     /// When the system says no.
     pub fn sync(&mut self) -> Result<(), ResultsError> {
+        self.append_header();
+        self.append_same_set();
+        if let Some(void) = self.void {
+            self.append_note(&Note::StillVoid(void));
+        }
         self.flush()?;
         self.file.sync_data().map_err(ResultsError::io(&self.path))
     }
+}
+
+/// So many damaged lines, if there are any.
+fn damage(lines: u64) -> Option<String> {
+    let plural = if lines == 1 { "" } else { "s" };
+    (lines > 0).then(|| format!("{lines} damaged line{plural}"))
 }
 
 /// Appends all points of a folder's journal that count to another one.
@@ -265,16 +286,25 @@ impl Journal {
 /// When either cannot be read or written.
 pub fn copy(folder: &Path, into: &mut Journal) -> Result<(), ResultsError> {
     let finished = Finished::read(folder)?;
-    let (mut lines, _) = open(folder)?;
     let path = path_in(folder);
+    if let Some(what) = damage(finished.damaged) {
+        let path = path.display();
+        crate::tell::line!(
+            "note: {what} of {path}: those points are missing; run that part again with --resume"
+        );
+    }
+    let mut sets: Vec<_> = finished.sets.iter().collect();
+    sets.sort();
+    for (first, sum) in sets {
+        into.append_set(*first, sum)?;
+    }
+    let (mut lines, _) = open(folder)?;
     loop {
         let place = lines.place();
-        let line = lines.next_line().map_err(ResultsError::io(&path))?;
-        let Some(line) = line else { break };
-        if finished.counts(line, place) {
-            into.line.push_str(line);
-            into.finish_line();
-            into.flush_when_full()?;
+        match lines.next_line().map_err(ResultsError::io(&path))? {
+            Line::Sound(line) if finished.counts(line, place) => into.copy_line(line)?,
+            Line::Sound(_) | Line::Damaged => {}
+            Line::End => break,
         }
     }
     into.note(&Note::Conduct(finished.conduct()))?;

@@ -1,4 +1,7 @@
-//! Tests of the journal: what was written comes back, damage is cut off.
+//! Tests of the journal: what was written comes back, damage costs its line.
+
+use rand::rngs::StdRng;
+use rand::{RngExt, SeedableRng};
 
 use super::*;
 use crate::engine::{Conduct, Isolation, Separation};
@@ -171,17 +174,137 @@ fn what_the_fmu_said_comes_back_with_the_point() {
     }
 }
 
+/// A journal of 300 points with sets, as an analysis writes it, and the value of each point.
+fn long() -> (tempfile::TempDir, Header) {
+    let folder = tempfile::tempdir().unwrap();
+    let header = Header {
+        points: None,
+        ..header()
+    };
+    let mut journal = Journal::create(folder.path(), &header).unwrap();
+    for index in 0..300_u64 {
+        if index % 100 == 0 {
+            journal.append_set(index, "100 5d41402a").unwrap();
+        }
+        let outcome = match index % 7 {
+            0 => Err(Failure::Error(format!("point {index} broke"))),
+            _ => Ok(vec![index as f64, 1.0 / (index as f64 + 1.0)]),
+        };
+        let way = [Separation::Forked, Separation::Used][(index % 2) as usize];
+        journal.append(index, &outcome, way, None).unwrap();
+        if index % 50 == 49 {
+            journal.sync().unwrap();
+        }
+    }
+    journal.append_end();
+    journal.sync().unwrap();
+    (folder, header)
+}
+
+/// Damages some bytes; returns how many lines that costs at most.
+fn damage_somewhere(bytes: &mut Vec<u8>, random: &mut StdRng) -> u64 {
+    let at = random.random_range(0..bytes.len());
+    let mut ends: Vec<usize> = (0..bytes.len()).filter(|&k| bytes[k] == b'\n').collect();
+    ends.insert(0, 0);
+    let line = |k: usize| ends[k]..ends[k + 1];
+    let some = random.random_range(1..ends.len() - 1);
+    match random.random_range(0..6) {
+        0 => {
+            bytes[at] ^= 1 << random.random_range(0..8);
+            2
+        }
+        1 => {
+            let end = (at + random.random_range(1..40)).min(bytes.len());
+            bytes.drain(at..end);
+            4
+        }
+        2 => {
+            let strange: Vec<u8> = (0..random.random_range(1..40))
+                .map(|_| random.random())
+                .collect();
+            bytes.splice(at..at, strange);
+            2
+        }
+        3 => {
+            let twice = bytes[line(some)].to_vec();
+            bytes.splice(ends[some]..ends[some], twice);
+            0
+        }
+        4 => {
+            let (first, second) = (line(some), line(some - 1));
+            let swapped = [&bytes[first.clone()], &bytes[second.clone()]].concat();
+            bytes.splice(second.start..first.end, swapped);
+            // A set that comes after its first point makes that one open.
+            1
+        }
+        _ => {
+            let end = (at + 200).min(bytes.len());
+            let lines = bytes[at..end].iter().filter(|&&byte| byte == b'\n').count();
+            bytes[at..end].fill(0);
+            lines as u64 + 1
+        }
+    }
+}
+
 #[test]
-fn a_lock_that_is_released_soon_is_waited_for() {
-    let (folder, _) = written();
-    let other = File::open(path_in(folder.path())).unwrap();
-    other.lock().unwrap();
-    let busy = Journal::resume(folder.path(), &header());
-    assert!(matches!(busy, Err(ResultsError::Busy(_))));
-    let released = std::thread::spawn(move || {
-        sleep(Duration::from_millis(100));
-        drop(other);
-    });
-    assert!(Journal::resume(folder.path(), &header()).is_ok());
-    released.join().unwrap();
+fn damage_anywhere_costs_its_lines_and_nothing_else() {
+    let (folder, header) = long();
+    let path = path_in(folder.path());
+    let whole = fs::read(&path).unwrap();
+    let right = Finished::read(folder.path()).unwrap();
+    let right: Vec<_> = {
+        let mut outcomes = right.outcomes().unwrap();
+        (0..300).map(|index| outcomes.get(index).unwrap()).collect()
+    };
+    let mut random = StdRng::seed_from_u64(1);
+    for round in 0..200 {
+        let mut damaged = whole.clone();
+        let cost = damage_somewhere(&mut damaged, &mut random);
+        fs::write(&path, damaged).unwrap();
+        let (mut journal, finished) = Journal::resume(folder.path(), &header).unwrap();
+        assert!(
+            finished.count + cost >= 300,
+            "{round}: {} points",
+            finished.count
+        );
+        let mut outcomes = finished.outcomes().unwrap();
+        for index in 0..300 {
+            match outcomes.get(index).unwrap() {
+                Some(outcome) => assert_eq!(Some(outcome), right[index as usize], "{round}"),
+                None => {
+                    let again = right[index as usize].as_ref().unwrap();
+                    journal.append(index, again, Separation::New, None).unwrap();
+                }
+            }
+        }
+        journal.sync().unwrap();
+        let healed = Finished::read(folder.path()).unwrap();
+        assert_eq!((healed.count, healed.damaged), (300, 0), "{round}");
+        assert_eq!(healed.sets.len(), 3, "{round}");
+    }
+}
+
+#[test]
+fn a_note_that_points_do_not_count_outlasts_its_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut journal = Journal::create(folder.path(), &header()).unwrap();
+    journal
+        .append(0, &Ok(vec![1.0]), Separation::Used, None)
+        .unwrap();
+    journal.note(&Note::Void(Separation::Used)).unwrap();
+    journal
+        .append(1, &Ok(vec![2.0]), Separation::New, None)
+        .unwrap();
+    journal.sync().unwrap();
+    let path = path_in(folder.path());
+    let text = fs::read_to_string(&path).unwrap();
+    let damaged = text.replacen("\"Void\"", "\"Vojd\"", 1);
+    assert_ne!(text, damaged);
+    fs::write(&path, damaged).unwrap();
+    let finished = Finished::read(folder.path()).unwrap();
+    assert_eq!(
+        (finished.has(0), finished.has(1), finished.damaged),
+        (false, true, 1)
+    );
+    assert_eq!(finished.refuted(), Some(Separation::Used));
 }

@@ -15,12 +15,12 @@ pub fn path_in(folder: &Path) -> PathBuf {
 /// Which study, FMU and points the journal of a folder belongs to.
 ///
 /// # Errors
-/// When there is none, and when its first line is damaged.
+/// When there is none, and when no copy of its header is left.
 pub fn header(folder: &Path) -> Result<Header, ResultsError> {
     Ok(open(folder)?.1)
 }
 
-/// Opens the journal of a folder and reads its first line.
+/// Opens the journal of a folder and reads its header: the first line, or a copy of it further on.
 pub(super) fn open(folder: &Path) -> Result<(Lines, Header), ResultsError> {
     let path = path_in(folder);
     let file = File::open(&path).map_err(|error| match error.kind() {
@@ -28,22 +28,42 @@ pub(super) fn open(folder: &Path) -> Result<(Lines, Header), ResultsError> {
         _ => ResultsError::io(&path)(error),
     })?;
     let mut lines = Lines::new(file);
-    let header = lines.next_line().map_err(ResultsError::io(&path))?;
-    let header = header.and_then(|line| serde_json::from_str(line).ok());
+    let header = loop {
+        match lines.next_line().map_err(ResultsError::io(&path))? {
+            Line::Sound(text) if text.starts_with('{') => {
+                break serde_json::from_str(text).ok();
+            }
+            Line::Sound(_) | Line::Damaged => {}
+            Line::End => break None,
+        }
+    };
     let header = header.ok_or_else(|| ResultsError::Content {
-        path,
-        message: "the first line is damaged; delete the folder and begin again".to_owned(),
+        path: path.clone(),
+        message: "the line that says which study this is is damaged, and so are its copies; begin again with --force"
+            .to_owned(),
     })?;
+    lines.seek(0).map_err(ResultsError::io(&path))?;
     Ok((lines, header))
 }
 
-/// Lines whose checksums are right.
+/// A line of the file.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) enum Line<'a> {
+    /// Its checksum is right; this is what stands behind it.
+    Sound(&'a str),
+    /// Its checksum is wrong.
+    Damaged,
+    /// There is none, or one that was not written to its end.
+    End,
+}
+
+/// Lines, one after the other.
 #[derive(Debug)]
 pub(super) struct Lines {
     reader: BufReader<File>,
     line: Vec<u8>,
-    /// Position at which the intact lines end.
-    pub(super) sound: u64,
+    /// Position at which the next line begins.
+    place: u64,
 }
 
 impl Lines {
@@ -51,42 +71,41 @@ impl Lines {
         Self {
             reader: BufReader::with_capacity(1 << 16, file),
             line: Vec::new(),
-            sound: 0,
+            place: 0,
         }
     }
 
     /// Position at which the next line begins.
     pub(super) fn place(&self) -> u64 {
-        self.sound
+        self.place
     }
 
     pub(super) fn seek(&mut self, place: u64) -> io::Result<()> {
-        match i64::try_from(i128::from(place) - i128::from(self.sound)) {
+        match i64::try_from(i128::from(place) - i128::from(self.place)) {
             // Stays in the buffer where that holds the place.
             Ok(distance) => self.reader.seek_relative(distance)?,
             Err(_) => self.reader.seek(SeekFrom::Start(place)).map(drop)?,
         }
-        self.sound = place;
+        self.place = place;
         Ok(())
     }
 
-    /// The next sound line without its checksum; `None` at the end, or where damage begins.
-    pub(super) fn next_line(&mut self) -> io::Result<Option<&str>> {
+    /// The next line without its checksum.
+    pub(super) fn next_line(&mut self) -> io::Result<Line<'_>> {
         self.line.clear();
-        let length = self.reader.read_until(b'\n', &mut self.line)?;
+        let length = self.reader.read_until(b'\n', &mut self.line)? as u64;
         let Some(line) = self.line.strip_suffix(b"\n") else {
-            return Ok(None);
+            self.reader
+                .seek_relative(-i64::try_from(length).unwrap_or(i64::MAX))?;
+            return Ok(Line::End);
         };
-        let Some((sum, text)) = std::str::from_utf8(line)
-            .ok()
-            .and_then(|line| line.split_once(' '))
-        else {
-            return Ok(None);
-        };
-        if u32::from_str_radix(sum, 16).ok() != Some(crc32fast::hash(text.as_bytes())) {
-            return Ok(None);
-        }
-        self.sound += length as u64;
-        Ok(Some(text))
+        self.place += length;
+        Ok(checked(line).map_or(Line::Damaged, Line::Sound))
     }
+}
+
+/// The text of a line whose checksum is right.
+fn checked(line: &[u8]) -> Option<&str> {
+    let (sum, text) = std::str::from_utf8(line).ok()?.split_once(' ')?;
+    (u32::from_str_radix(sum, 16).ok()? == crc32fast::hash(text.as_bytes())).then_some(text)
 }

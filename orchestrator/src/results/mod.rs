@@ -2,8 +2,8 @@
 //! it is done.
 //!
 //! The final files are a function of the study, the FMU and the journal's content alone, so they
-//! are the same, byte for byte, however the points were computed; only [`Summary::run`] tells
-//! how long it took, and a verdict by a rule knows of those that were drawn before ([`Looked`]).
+//! are the same, byte for byte, however the points were computed; only [`Summary::run`] and [`Summary::conduct`] tell how that
+//! was, and a verdict by a rule knows of those that were drawn before ([`Looked`]).
 
 pub mod asides;
 pub mod choice;
@@ -16,6 +16,7 @@ pub mod header;
 pub mod improvement;
 pub mod journal;
 pub mod lines;
+pub mod lock;
 pub mod looked;
 pub mod note;
 pub mod origin;
@@ -35,6 +36,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
+use tempfile::NamedTempFile;
 use thiserror::Error;
 
 use crate::failure::Failure;
@@ -67,7 +69,8 @@ pub enum ResultsError {
     },
     /// There is a study in the folder already.
     #[error(
-        "{0} holds a study that has begun already; continue it with --resume, or choose another --output"
+        "{0} holds a study that has begun already; continue it with --resume, replace it with --force, or choose another \
+         --output"
     )]
     Begun(PathBuf),
     /// Another run is at work in the folder.
@@ -80,7 +83,8 @@ pub enum ResultsError {
     Missing(PathBuf),
     /// The folder holds another study's run, which cannot be resumed.
     #[error(
-        "{path} was made with another {what} ({then} then, {now} now); choose another --output"
+        "{path} was made with another {what} ({then} then, {now} now); choose another --output, or begin again with --force \
+         instead of --resume"
     )]
     Changed {
         /// The folder.
@@ -91,6 +95,18 @@ pub enum ResultsError {
         then: String,
         /// Its value now.
         now: String,
+    },
+    /// The folder holds results of something else.
+    #[error(
+        "{path} holds results of {what}, {then}; choose another --output, or replace them with --force"
+    )]
+    Foreign {
+        /// The folder.
+        path: PathBuf,
+        /// What is another one.
+        what: &'static str,
+        /// The file that it was made of.
+        then: PathBuf,
     },
     /// Points are missing.
     #[error("{path}: {missing} of {points} points are not computed yet; continue with --resume")]
@@ -145,9 +161,7 @@ pub fn write_atomically(
 ) -> Result<(), ResultsError> {
     let folder = path.parent().unwrap_or(Path::new("."));
     let attempt = || {
-        let mut file = tempfile::Builder::new()
-            .prefix(".writing-")
-            .tempfile_in(folder)?;
+        let mut file = draft(folder)?;
         let mut buffered = io::BufWriter::new(&mut file);
         write(&mut buffered)?;
         io::Write::flush(&mut buffered)?;
@@ -168,25 +182,28 @@ pub fn write_json(path: &Path, value: &impl Serialize) -> Result<(), ResultsErro
     })
 }
 
-/// Gives a finished temporary file its name.
+/// The names of files that are being written begin so.
+pub const DRAFT: &str = ".writing-";
+
+/// A file in a folder that [`keep`] gives its name when it is complete. It may be read by whom the user's umask lets read,
+/// as any other file; temporary files are private otherwise.
 ///
 /// # Errors
 /// When the system says no.
-pub fn keep(file: tempfile::NamedTempFile, path: &Path) -> Result<(), ResultsError> {
-    set_usual_permissions(file.as_file()).map_err(ResultsError::io(path))?;
+pub fn draft(folder: &Path) -> io::Result<NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(DRAFT);
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    builder.tempfile_in(folder)
+}
+
+/// Gives a finished file its name. What has that name is replaced: a link, too, and not the file that it leads to.
+///
+/// # Errors
+/// When the system says no.
+pub fn keep(file: NamedTempFile, path: &Path) -> Result<(), ResultsError> {
     file.persist(path)
         .map(drop)
         .map_err(|error| ResultsError::io(path)(error.error))
-}
-
-/// Temporary files are private; results are as any file that the user writes.
-#[cfg(unix)]
-fn set_usual_permissions(file: &std::fs::File) -> io::Result<()> {
-    use std::os::unix::fs::PermissionsExt;
-    file.set_permissions(std::fs::Permissions::from_mode(0o644))
-}
-
-#[cfg(not(unix))]
-fn set_usual_permissions(_: &std::fs::File) -> io::Result<()> {
-    Ok(())
 }

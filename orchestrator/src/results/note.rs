@@ -11,6 +11,8 @@ pub enum Note {
     Conduct(Conduct),
     /// The points so far that were computed in such processes, or in less strictly separated ones, do not count.
     Void(Separation),
+    /// The same once more, for the case that its line is damaged.
+    StillVoid(Separation),
     /// The point of this index failed while others ran: it may come again.
     Crowded(u64),
     /// Such points do not come again: how many were repeated alone, and how many of them passed.
@@ -21,6 +23,11 @@ pub enum Note {
         passed: u64,
     },
 }
+
+/// Begins a line that says which points a set has.
+pub(super) const SET: &str = "set";
+/// Begins the same line once more, for the case that the first one is damaged.
+pub(super) const SAME_SET: &str = "same-set";
 
 /// How a line names the process of a point that has results.
 pub(super) fn word(separation: Separation) -> &'static str {

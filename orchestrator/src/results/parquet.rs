@@ -26,10 +26,7 @@ const GROUP: usize = 1 << 16;
 /// When the table cannot be read or the file not be written.
 pub fn convert(folder: &Path, summary: &Summary) -> Result<(), ResultsError> {
     let path = folder.join("points.parquet");
-    let draft = tempfile::Builder::new()
-        .prefix(".writing-")
-        .tempfile_in(folder);
-    let draft = draft.map_err(ResultsError::io(folder))?;
+    let draft = super::draft(folder).map_err(ResultsError::io(folder))?;
     let attempt = || -> Result<(), ParquetError> {
         let mut table = csv::Reader::from_path(folder.join("points.csv")).map_err(other)?;
         let header = table.headers().map_err(other)?.clone();

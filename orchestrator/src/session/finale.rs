@@ -14,7 +14,7 @@ use crate::results::asides::Asides;
 use crate::results::finished::Finished;
 use crate::results::summary::{ParameterSummary, Provenance, Run, Summary};
 use crate::results::survey::Survey;
-use crate::results::{Looked, Outcome, ResultsError, Tally, keep, points, write_json};
+use crate::results::{Looked, Outcome, ResultsError, Tally, draft, keep, points, write_json};
 use crate::study::Study;
 use crate::study::plan::Input;
 
@@ -228,13 +228,6 @@ impl FileSet {
         keep(file, &path)?;
         write_json(&self.folder.join("summary.json"), summary)
     }
-}
-
-/// A file that becomes one of the folder's when it is complete.
-fn draft(folder: &Path) -> io::Result<NamedTempFile> {
-    tempfile::Builder::new()
-        .prefix(".points-")
-        .tempfile_in(folder)
 }
 
 /// The table with the decisions of the guard band.

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use crate::pipeline::Shard;
+use crate::pipeline::folder::Earlier;
 use crate::results::{ResultsError, write_atomically, write_json};
 use crate::study::Study;
 
@@ -55,6 +56,54 @@ impl Request {
         folder.join(FILE).exists()
     }
 
+    /// Refuses a folder that holds the results of another study file, or of this one with another FMU, where these are not
+    /// to be replaced. `analysis` keeps its request in a folder of its own there. Without `study` no FMU is run, and any
+    /// will do.
+    ///
+    /// # Errors
+    /// Names what the folder holds.
+    pub fn check(
+        &self,
+        folder: &Path,
+        analysis: Option<&str>,
+        study: Option<&Study>,
+        earlier: Earlier,
+    ) -> Result<(), ResultsError> {
+        let inner = analysis.map(|name| folder.join(name));
+        for place in [folder].into_iter().chain(inner.as_deref()) {
+            if earlier == Earlier::Replaced || !Self::is_in(place) {
+                continue;
+            }
+            let then = Self::read(place)?;
+            let of = |what: &'static str, then: &Path| ResultsError::Foreign {
+                path: folder.to_owned(),
+                what,
+                then: then.to_owned(),
+            };
+            if !is_same(then.own_study(), self.own_study()) {
+                return Err(of("another study file", then.own_study()));
+            }
+            let (Some(study), Some(fmu)) = (study, &then.fmu) else {
+                continue;
+            };
+            let now = self.fmu.clone().unwrap_or_else(|| study.fmu_path());
+            if !is_same(fmu, &now) && (self.fmu.is_some() || then.has_another_fmu()) {
+                return Err(of("another FMU", fmu));
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether the FMU of a request that was kept is another one than its study's.
+    fn has_another_fmu(&self) -> bool {
+        let (Ok(study), Some(fmu), Some(folder)) =
+            (Study::read(&self.study), &self.fmu, &self.base)
+        else {
+            return false;
+        };
+        !is_same(fmu, &folder.join(study.fmu.as_ref()))
+    }
+
     /// Keeps the request in a folder, and the study's text beside it.
     ///
     /// # Errors
@@ -94,5 +143,14 @@ impl Request {
     /// The study as the user called it.
     pub fn own_study(&self) -> &Path {
         self.original.as_deref().unwrap_or(&self.study)
+    }
+}
+
+/// Whether two paths lead to the same file. One that is gone since the results were made may have moved.
+fn is_same(then: &Path, now: &Path) -> bool {
+    match (fs::canonicalize(then), fs::canonicalize(now)) {
+        (Ok(then), Ok(now)) => then == now,
+        (Err(_), _) => then.file_name() == now.file_name(),
+        (Ok(_), Err(_)) => false,
     }
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::{Ending, Request, Session, SessionError, Until};
 use crate::engine::Job;
-use crate::pipeline::{Model, Shard};
+use crate::pipeline::{Model, Part};
 use crate::results::{Header, Looked, ResultsError, lines};
 use crate::source::Source;
 use conformity::looks::History;
@@ -58,10 +58,10 @@ impl Verification {
     /// # Errors
     /// When there is none, or the FMU is another one.
     pub fn reopen(folder: &Path, fmu: Option<PathBuf>) -> Result<Self, SessionError> {
+        let then = lines::header(folder)?;
         let mut request = Request::read(folder)?;
         request.fmu = fmu.or(request.fmu);
         let verification = Self::open(request)?;
-        let then = lines::header(folder)?;
         verification.header.check(&then, folder)?;
         Ok(verification)
     }
@@ -71,21 +71,21 @@ impl Verification {
         &self.header
     }
 
-    /// The part of the points that is to be run.
-    pub fn shard(&self) -> Shard {
-        self.session.request.shard.unwrap_or(Shard::WHOLE)
+    /// The part of the points that is to be run: all, or those of the shard.
+    pub fn part(&self) -> Part {
+        Part::of(self.session.request.shard, &self.header)
     }
 
-    /// The indexes of the points to be run: all, or those of the shard.
+    /// The indexes of the points to be run.
     pub fn indexes(&self) -> impl Iterator<Item = u64> + Send + use<> {
-        let shard = self.shard();
-        let step = usize::try_from(shard.of).unwrap_or(usize::MAX);
-        (shard.number - 1..self.source.len()).step_by(step)
+        let part = self.part();
+        (0..self.source.len()).filter(move |&index| part.has(index))
     }
 
     /// How many points are to be run.
     pub fn expected(&self) -> u64 {
-        self.shard().count(self.source.len())
+        let count = self.part().count();
+        count.expect("the points of a verification are counted")
     }
 
     /// When the study may end before its last point.

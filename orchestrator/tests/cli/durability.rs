@@ -51,19 +51,25 @@ fn verify(bench: &Bench, folder: &str, options: &[&str]) -> crate::support::Said
     bench.run(&[&["verify", "study.toml", "--output", folder], options].concat())
 }
 
+/// The keys of a summary that tell how the points were computed and how long it took: all that may differ between a
+/// resumed and an undisturbed run.
+pub const KEYS_OF_HOW: [&str; 10] = [
+    "run",
+    "isolation",
+    "isolation_reason",
+    "audits",
+    "audits_of_shared",
+    "audit_mismatches",
+    "reproducible",
+    "reproducibility",
+    "repeated_alone",
+    "passed_alone",
+];
+
 /// The final files of a folder, without how they were computed and how long it took.
 fn files(bench: &Bench, folder: &str) -> (String, String, String) {
     let mut summary = bench.summary(folder);
-    for how in [
-        "run",
-        "isolation",
-        "isolation_reason",
-        "audits",
-        "audits_of_shared",
-        "audit_mismatches",
-        "reproducible",
-        "reproducibility",
-    ] {
+    for how in KEYS_OF_HOW {
         summary[how].take();
     }
     (
@@ -190,12 +196,12 @@ fn worker_of(supervisor: u32) -> Option<String> {
 
 #[test]
 fn a_study_that_was_killed_again_and_again_ends_with_the_same_files() {
-    kill(600, 12, 0);
+    kill(600, 2, 0);
 }
 
 #[test]
 fn a_study_that_grew_and_was_killed_meanwhile_ends_with_the_same_files() {
-    kill(600, 6, 200);
+    kill(600, 2, 200);
 }
 
 #[test]
@@ -268,6 +274,168 @@ fn shards_join_to_the_same_files() {
         fs::remove_dir_all(bench.path(part)).unwrap();
     }
     assert!(bench.run(&["replay", "joined", "7"]).code < 2);
+}
+
+/// The points of a folder, as its journal names them: their indexes.
+fn points_in(bench: &Bench, folder: &str) -> Vec<usize> {
+    let journal = bench.read(&format!("{folder}/journal.txt"));
+    let index = |line: &str| line.split(' ').nth(1).and_then(|word| word.parse().ok());
+    journal.lines().filter_map(index).collect()
+}
+
+#[test]
+fn shards_share_the_dear_points_and_grow() {
+    let bench = bench();
+    bench.write("study.toml", &STUDY.replace("0.001", "2"));
+    let many = ["--points", "4096", "--extra-runs", "0"];
+    verify(&bench, "whole", &many);
+    let table = bench.read("whole/points.csv");
+    let cell = |row: &str| row.split(',').nth(1).and_then(|cell| cell.parse().ok());
+    let rates: Vec<f64> = table.lines().skip(1).filter_map(cell).collect();
+    let mut sorted = rates.clone();
+    sorted.sort_by(f64::total_cmp);
+    // Where the rate is in its upper tenth, a point may take 100 times as long.
+    let cost = |index: usize| {
+        if rates[index] > sorted[3686] {
+            100.0
+        } else {
+            1.0
+        }
+    };
+    let costs = ["0", "1", "2", "3", "4", "5", "6", "7"].map(|index| {
+        let shard = ["--shard-index", index, "--shards", "8"];
+        let folder = format!("part{index}");
+        assert_eq!(
+            verify(&bench, &folder, &[&many[..], &shard].concat()).code,
+            0
+        );
+        let points = points_in(&bench, &folder);
+        assert_eq!(points.len(), 512);
+        points.into_iter().map(cost).sum::<f64>()
+    });
+    let mean = costs.iter().sum::<f64>() / 8.0;
+    assert!(costs.iter().all(|&cost| cost < 1.3 * mean), "{costs:?}");
+    // Counted from 1 they are the same; a longer study goes on with what they have.
+    let more = ["--points", "5000", "--resume"];
+    for shard in 1..=8 {
+        let (folder, shard) = (format!("part{}", shard - 1), format!("{shard}/8"));
+        let shard = ["--shard", &shard];
+        assert_eq!(
+            verify(&bench, &folder, &[&more[..], &shard].concat()).code,
+            0
+        );
+    }
+    let parts: Vec<String> = (0..8).map(|part| format!("part{part}")).collect();
+    let parts: Vec<&str> = parts.iter().map(String::as_str).collect();
+    let merge = [&["merge"], &parts[..], &["--output", "joined"]].concat();
+    assert!(bench.run(&merge).code < 2);
+    verify(&bench, "longer", &["--points", "5000"]);
+    assert!(files(&bench, "joined") == files(&bench, "longer"));
+    let wrong = ["--shard-index", "8", "--shards", "8"];
+    verify(&bench, "wrong", &wrong).is_mistake(&["--shard-index", "8 is none of 8 parts"]);
+}
+
+/// A folder with the journal of another one, of which some lines were changed, and nothing else that a killed run would
+/// not have.
+fn killed(bench: &Bench, from: &str, into: &str, change: impl Fn(&mut Vec<String>)) {
+    fs::create_dir(bench.path(into)).unwrap();
+    for file in ["request.json", "study.toml"] {
+        fs::copy(
+            bench.path(&format!("{from}/{file}")),
+            bench.path(&format!("{into}/{file}")),
+        )
+        .unwrap();
+    }
+    let journal = bench.read(&format!("{from}/journal.txt"));
+    let mut lines: Vec<String> = journal.lines().map(str::to_owned).collect();
+    change(&mut lines);
+    bench.write(&format!("{into}/journal.txt"), &(lines.join("\n") + "\n"));
+}
+
+/// Whether a line of the journal is that of a point.
+fn is_of_point(line: &str) -> bool {
+    line.split(' ')
+        .nth(1)
+        .is_some_and(|word| word.parse::<u64>().is_ok())
+}
+
+#[test]
+fn a_study_that_waits_for_its_verdict_sees_all_finished_points_whatever_gaps_there_are() {
+    let bench = bench();
+    let awaited = STUDY.replace("sobol", "monte-carlo") + "[verdict]\nshare = \"1 %\"\n";
+    bench.write("study.toml", &awaited);
+    let until = ["--until", "verdict", "--points", "1000", "--jobs", "1"];
+    assert_eq!(verify(&bench, "whole", &until).code, 0);
+    let needed = bench.summary("whole")["points"].as_u64().unwrap();
+    assert!((3..500).contains(&needed), "{needed}");
+    // Two workers were at work when the run was killed: the second point is missing.
+    killed(&bench, "whole", "gap", |lines| {
+        lines.retain(|line| line.split(' ').nth(1) != Some("1"));
+    });
+    assert_eq!(
+        verify(&bench, "gap", &[&until[..], &["--resume"]].concat()).code,
+        0
+    );
+    assert_eq!(bench.summary("gap")["run"]["computed"], 1);
+    assert!(files(&bench, "gap") == files(&bench, "whole"));
+}
+
+#[test]
+fn a_damaged_line_of_the_journal_costs_its_line() {
+    let bench = bench();
+    let few = ["--points", "60"];
+    assert_eq!(verify(&bench, "whole", &few).code, 0);
+    let flip = |line: &mut String| *line = line.replacen(' ', "!", 1);
+    for (folder, lines, told) in [
+        // The first line says which study it is; it stands there once more.
+        ("first", 0..1, "1 damaged line "),
+        ("three", 4..7, "3 damaged lines "),
+    ] {
+        killed(&bench, "whole", folder, |journal| {
+            journal[lines.clone()].iter_mut().for_each(flip);
+        });
+        let damaged = bench.read(&format!("{folder}/journal.txt"));
+        let lost = damaged
+            .lines()
+            .filter(|line| !line.contains(' ') || line.split(' ').next().unwrap().contains('!'));
+        let lost = lost
+            .filter(|line| is_of_point(&line.replacen('!', " ", 1)))
+            .count();
+        let said = verify(&bench, folder, &[&few[..], &["--resume"]].concat());
+        assert_eq!(said.code, 0, "{}", said.err);
+        assert!(
+            said.err.contains(told) && said.err.lines().count() == 1,
+            "{}",
+            said.err
+        );
+        assert_eq!(bench.summary(folder)["run"]["computed"], lost);
+        assert!(files(&bench, folder) == files(&bench, "whole"), "{folder}");
+        // What has been told once is mended.
+        let again = verify(&bench, folder, &[&few[..], &["--resume"]].concat());
+        assert_eq!(again.err, "");
+    }
+}
+
+#[test]
+fn the_documents_name_all_that_differs_in_the_summary_of_a_resumed_run() {
+    let bench = bench();
+    assert_eq!(verify(&bench, "whole", &[]).code, 0);
+    killed(&bench, "whole", "resumed", |lines| lines.truncate(300));
+    assert_eq!(verify(&bench, "resumed", &["--resume"]).code, 0);
+    let [whole, resumed] = ["whole", "resumed"].map(|folder| bench.summary(folder));
+    let engine = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/engine.md");
+    let engine = fs::read_to_string(engine).unwrap();
+    let (_, named) = engine.split_once("`summary.json` except for").unwrap();
+    for (key, value) in whole.as_object().unwrap() {
+        assert!(
+            *value == resumed[key] || named.contains(&format!("`{key}`")),
+            "{key}: {value} {}",
+            resumed[key]
+        );
+    }
+    for key in KEYS_OF_HOW {
+        assert!(named.contains(&format!("`{key}`")), "{key}");
+    }
 }
 
 #[test]

@@ -226,7 +226,12 @@ impl Analysis {
         let mut struck = Struck::default();
         while struck.moments() < moments {
             let mut child = self.begin(&bench);
-            let wanted = struck.moments() * points / (moments - 1);
+            // Two moments lie within the run; of more, one is its start and one its finale.
+            let (place, last) = match moments {
+                2 => (struck.moments() + 1, 3),
+                _ => (struck.moments(), moments - 1),
+            };
+            let wanted = place * points / last;
             while self.noted(&bench, "stopped") < wanted && child.try_wait().unwrap().is_none() {
                 sleep(Duration::from_micros(200));
             }
@@ -289,43 +294,13 @@ fn stop(child: Child, signal: &str) -> bool {
 const BOTH: [&str; 2] = ["-INT", "-KILL"];
 
 #[test]
-fn sensitivity_goes_on() {
-    SENSITIVITY.stop_and_resume(6, &BOTH);
+fn an_analysis_of_one_set_of_points_goes_on() {
+    SENSITIVITY.stop_and_resume(2, &BOTH);
 }
 
 #[test]
-fn screening_goes_on() {
-    SCREENING.stop_and_resume(4, &BOTH);
-}
-
-#[test]
-fn pareto_goes_on() {
-    PARETO.stop_and_resume(6, &BOTH);
-}
-
-#[test]
-fn robustness_goes_on() {
-    ROBUSTNESS.stop_and_resume(6, &BOTH);
-}
-
-#[test]
-fn a_rare_share_goes_on() {
-    RARE.stop_and_resume(6, &BOTH);
-}
-
-#[test]
-fn identification_goes_on() {
-    IDENTIFICATION.stop_and_resume(6, &BOTH);
-}
-
-#[test]
-fn a_posterior_sample_goes_on() {
-    POSTERIOR.stop_and_resume(4, &BOTH);
-}
-
-#[test]
-fn cross_validation_goes_on() {
-    CROSS_VALIDATION.stop_and_resume(6, &BOTH);
+fn a_search_goes_on() {
+    PARETO.stop_and_resume(2, &BOTH);
 }
 
 #[test]
@@ -363,42 +338,185 @@ fn cross_validation_goes_on_from_a_fit_and_predicts_each_case_from_the_others() 
         .is_mistake(&["--cross-validate", "one case only"]);
 }
 
-impl Analysis {
-    fn twenty_moments_of_each_signal(&self) {
+#[test]
+#[ignore = "takes minutes: cargo test --workspace --test cli interrupted -- --ignored --nocapture"]
+fn every_analysis_goes_on_from_twenty_moments() {
+    for analysis in [
+        SENSITIVITY,
+        SCREENING,
+        PARETO,
+        ROBUSTNESS,
+        RARE,
+        IDENTIFICATION,
+        POSTERIOR,
+        CROSS_VALIDATION,
+    ] {
         for signal in BOTH {
-            self.stop_and_resume(20, &[signal]);
+            analysis.stop_and_resume(20, &[signal]);
         }
     }
 }
 
-#[test]
-#[ignore = "takes a minute: cargo test --workspace --test cli interrupted -- --ignored --nocapture"]
-fn sensitivity_goes_on_from_twenty_moments() {
-    SENSITIVITY.twenty_moments_of_each_signal();
+/// A verification that ends with its verdict.
+const AWAITED: &str = r#"
+fmu = "lag.fmu"
+[simulation]
+stop = 2
+step = 0.1
+[design]
+method = "monte-carlo"
+seed = 5
+[parameters."lag.rate"]
+distribution = "normal"
+mean = 1
+deviation = 0.1
+[criteria.Y]
+variable = "lag.y"
+nominal = 0.86
+tolerance = 0.02
+[verdict]
+share = "43 %"
+"#;
+
+/// So many points a batch has at most: 50 ms of points of 2 ms.
+const BATCH: u64 = 25;
+
+/// A result that a resumed run must give as an undisturbed one does.
+fn result(bench: &Bench, file: &str) -> String {
+    if file.ends_with("summary.json") {
+        let folder = file.strip_suffix("/summary.json").unwrap();
+        let mut summary = bench.summary(folder);
+        for key in crate::durability::KEYS_OF_HOW {
+            summary[key].take();
+        }
+        return summary.to_string();
+    }
+    bench.read(file)
+}
+
+/// Kills a command with SIGKILL at moments spread over its points, and resumes it each time. Returns how many simulations
+/// all runs began together.
+fn kill_and_resume(
+    bench: &Bench,
+    command: &[&str],
+    journal: &str,
+    files: &[&str],
+    kills: u64,
+) -> u64 {
+    let all = |folder: &str| -> Vec<String> {
+        files
+            .iter()
+            .map(|file| result(bench, &format!("{folder}/{file}")))
+            .collect()
+    };
+    let noted = |folder: &str| {
+        let text =
+            fs::read_to_string(bench.path(&format!("{folder}/{journal}"))).unwrap_or_default();
+        let word = |line: &str| line.split(' ').nth(2).map(str::to_owned);
+        let done = ["ok", "forked", "used", "failed"];
+        text.lines()
+            .filter(|line| word(line).is_some_and(|word| done.contains(&&*word)))
+            .count() as u64
+    };
+    let begun = bench.path("begun");
+    let run = |folder: &str| {
+        let mut own = bench.command(&[command, &["--output", folder, "--resume"]].concat());
+        own.env("LAG_INSTANCES", &begun)
+            .stdout(Stdio::null())
+            .stderr(Stdio::null());
+        own.spawn().unwrap()
+    };
+    let simulations = || fs::metadata(&begun).map_or(0, |file| file.len());
+    assert!(
+        run("whole")
+            .wait()
+            .unwrap()
+            .code()
+            .is_some_and(|code| code < 2)
+    );
+    let (points, undisturbed) = (noted("whole"), simulations());
+    fs::remove_file(&begun).unwrap();
+    let mut done = 0;
+    while done < kills {
+        let mut child = run("stopped");
+        let wanted = (2 * done + 1) * points / (2 * kills);
+        while noted("stopped") < wanted && child.try_wait().unwrap().is_none() {
+            sleep(Duration::from_micros(500));
+        }
+        if child.try_wait().unwrap().is_some() {
+            // Done before it could be killed.
+            assert!(all("stopped") == all("whole"));
+            fs::remove_dir_all(bench.path("stopped")).unwrap();
+            let _ = fs::remove_file(&begun);
+            done = 0;
+            continue;
+        }
+        child.kill().unwrap();
+        child.wait().unwrap();
+        done += 1;
+    }
+    assert!(
+        run("stopped")
+            .wait()
+            .unwrap()
+            .code()
+            .is_some_and(|code| code < 2)
+    );
+    assert!(all("stopped") == all("whole"), "{command:?}");
+    let more = simulations().saturating_sub(undisturbed);
+    println!(
+        "{command:?}: {points} points, {kills} kills, {more} simulations more than undisturbed"
+    );
+    for folder in ["whole", "stopped"] {
+        fs::remove_dir_all(bench.path(folder)).unwrap();
+    }
+    fs::remove_file(&begun).unwrap();
+    more
 }
 
 #[test]
-#[ignore = "takes a minute: cargo test --workspace --test cli interrupted -- --ignored --nocapture"]
-fn screening_goes_on_from_twenty_moments() {
-    SCREENING.twenty_moments_of_each_signal();
-}
-
-#[test]
-#[ignore = "takes a minute: cargo test --workspace --test cli interrupted -- --ignored --nocapture"]
-fn pareto_goes_on_from_twenty_moments() {
-    PARETO.twenty_moments_of_each_signal();
-}
-
-#[test]
-#[ignore = "takes a minute: cargo test --workspace --test cli interrupted -- --ignored --nocapture"]
-fn robustness_goes_on_from_twenty_moments() {
-    ROBUSTNESS.twenty_moments_of_each_signal();
-}
-
-#[test]
-#[ignore = "takes a minute: cargo test --workspace --test cli interrupted -- --ignored --nocapture"]
-fn identification_goes_on_from_twenty_moments() {
-    IDENTIFICATION.twenty_moments_of_each_signal();
+#[ignore = "takes minutes: cargo test --workspace --test cli interrupted -- --ignored --nocapture"]
+fn a_hundred_kills_with_one_two_and_five_workers_cost_a_batch_a_worker_at_most() {
+    const KILLS: u64 = 9;
+    let bench = bench();
+    bench.write("awaited.toml", AWAITED);
+    let until: &[&str] = &[
+        "verify",
+        "awaited.toml",
+        "--until",
+        "verdict",
+        "--points",
+        "3000",
+    ];
+    let commands: [(&[&str], &str, &[&str]); 4] = [
+        (
+            until,
+            "journal.txt",
+            &["points.csv", "summary.json", "best.srmd"],
+        ),
+        (POSTERIOR.command, "identify/journal.txt", POSTERIOR.files),
+        (
+            SENSITIVITY.command,
+            "sensitivity/journal.txt",
+            SENSITIVITY.files,
+        ),
+        (
+            ROBUSTNESS.command,
+            "robustness/journal.txt",
+            ROBUSTNESS.files,
+        ),
+    ];
+    for jobs in [1, 2, 5] {
+        let number = jobs.to_string();
+        for (command, journal, files) in commands {
+            let command = [command, &["--jobs", &number]].concat();
+            kill_and_resume(&bench, &command, journal, files, KILLS);
+            // Where each point has an instance of its own, these count the points that were computed.
+            let fresh = [&command[..], &["--isolation", "fresh"]].concat();
+            let more = kill_and_resume(&bench, &fresh, journal, files, KILLS);
+            assert!(more <= KILLS * jobs * BATCH, "{command:?}: {more}");
+        }
+    }
 }
 
 #[test]

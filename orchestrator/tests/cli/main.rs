@@ -13,6 +13,7 @@ mod durability;
 mod exchange;
 mod faults;
 mod finale;
+mod folders;
 mod integrated;
 mod interrupted;
 mod isolation;

@@ -5,6 +5,7 @@ use std::io::{self, Read, Write};
 use std::os::fd::{AsRawFd, OwnedFd, RawFd};
 
 use super::system::pipe;
+use crate::logger::shortened;
 
 /// The end of what is printed; a flood of text costs no memory.
 const KEPT: usize = 4096;
@@ -74,7 +75,7 @@ impl Words {
     pub fn last_line(&mut self) -> String {
         let text = self.text();
         let line = text.lines().map(str::trim).rfind(|line| !line.is_empty());
-        line.unwrap_or("").to_owned()
+        shortened(line.unwrap_or("").to_owned())
     }
 }
 
