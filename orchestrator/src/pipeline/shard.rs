@@ -156,7 +156,7 @@ mod tests {
     fn every_part_has_its_share_of_the_points_that_are_dear() {
         for (seed, replicates) in (1..=10).map(|seed| (seed, 1)).chain([(1, 8), (2, 8)]) {
             let points = sampling::design::cube(3, 4096, seed, replicates).unwrap();
-            for parameter in 0..3 {
+            for parameter in [0, 1, 2] {
                 let value = |index: u64| points[index as usize][parameter];
                 let most = unevenness(|index| value(index) < 0.1)
                     .max(unevenness(|index| value(index) > 0.9));

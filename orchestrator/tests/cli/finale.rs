@@ -82,9 +82,8 @@ fn whatever_a_point_gives_the_files_are_written() {
             let page = bench.read("out/report.html");
             assert!(!page.contains("NaN,") && !page.contains("inf,"), "{length}");
             let spread = summary["validation"]["Y"]["u_input"].as_f64();
-            assert_eq!(
+            assert!(
                 spread.is_none_or(|spread| spread > 1e4),
-                true,
                 "{length}: {spread:?}"
             );
         }
