@@ -2,10 +2,10 @@
 
 use super::delay::Delay;
 use super::holes::Holes;
+use super::recording::{Accuracy, Channel, DerivedCriterion, RigRecording, Synchronised, turn};
 use super::signal::{Even, SignalError, Spline};
 use super::stationarity::{self, block_means, uncertainty_of_mean};
 use super::uncertainty::{MeasuredValue, from_bound, of_product};
-use super::{Accuracy, Channel, DerivedCriterion, RigRecording, Synchronised, turn};
 use sampling::statistics::moments::{mean, variance};
 
 /// The aligned signals over their common time.

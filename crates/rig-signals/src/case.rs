@@ -2,8 +2,8 @@
 
 use std::fmt::Write as _;
 
+use super::recording::{Accuracy, Channel, DerivedCriterion, RigRecording, Synchronised};
 use super::uncertainty::from_bound;
-use super::{Accuracy, Channel, DerivedCriterion, RigRecording, Synchronised};
 use sampling::statistics::estimate::Estimate;
 
 /// What turns a recording into a case.
@@ -66,7 +66,7 @@ impl<'a> Case<'a> {
     /// The case of a synchronised recording.
     pub fn new(recording: &'a RigRecording, result: &'a Synchronised, drives: &[Drive]) -> Self {
         let curve = |channel: &'a Channel, delay| {
-            let cleaned = super::clean(&channel.values);
+            let cleaned = super::clean::clean(&channel.values);
             let samples = cleaned.values.into_iter().zip(cleaned.clipped);
             // Of a sample at the end of the sensor's range nobody knows the true value.
             let value = |(value, clipped)| if clipped { f64::NAN } else { value };

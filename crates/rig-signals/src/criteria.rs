@@ -1,6 +1,6 @@
 //! The criteria as text for a study.
 
-use super::{DerivedCriterion, Synchronised};
+use super::recording::{DerivedCriterion, Synchronised};
 use std::fmt::Write as _;
 
 /// The `[criteria]` of a study, with the uncertainty budget as comments. The uncertainty is expanded

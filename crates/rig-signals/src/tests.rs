@@ -1,3 +1,4 @@
+use super::smooth::Smoothing;
 use super::*;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rand_distr::StandardNormal;

@@ -1,0 +1,145 @@
+//! What is recorded, and what comes out of it.
+
+use super::delay::Delay;
+use super::smooth::Smoothing;
+use super::stationarity::Stationarity;
+use super::uncertainty::{MeasuredValue, from_bound};
+use sampling::statistics::moments::mean;
+
+/// How accurate a sensor is: every error up to plus or minus this much is equally likely.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Accuracy {
+    /// Absolute accuracy, in the signal's unit.
+    Absolute(f64),
+    /// Relative accuracy: a fraction of the value.
+    Relative(f64),
+}
+
+impl Accuracy {
+    /// The standard uncertainty of a value.
+    pub(crate) fn standard(self, value: f64) -> f64 {
+        from_bound(match self {
+            Self::Absolute(bound) => bound,
+            Self::Relative(part) => part * value.abs(),
+        })
+    }
+}
+
+/// One recorded signal.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Channel {
+    /// The criterion's name.
+    pub name: String,
+    /// The FMU variable that it is compared with; empty for a signal that becomes no criterion.
+    pub variable: String,
+    /// The unit of the values.
+    pub unit: String,
+    /// The samples, as recorded.
+    pub values: Vec<f64>,
+    /// The sensor's accuracy.
+    pub accuracy: Accuracy,
+    /// The group of criteria that it is counted with.
+    pub group: Option<String>,
+}
+
+/// A criterion for a quantity that follows from several signals.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Derived {
+    /// The criterion's name.
+    pub name: String,
+    /// The FMU variable that it is compared with.
+    pub variable: String,
+    /// The group of criteria that it is counted with.
+    pub group: Option<String>,
+}
+
+/// A recording and what to do with it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RigRecording {
+    /// Times of the samples, s.
+    pub time: Vec<f64>,
+    /// The load on the bearing, N.
+    pub load: Channel,
+    /// The friction torque, N.m.
+    pub torque: Channel,
+    /// The shaft's speed, rad/s.
+    pub speed: Channel,
+    /// The friction power, torque times speed, where that becomes a criterion.
+    pub power: Option<Derived>,
+    /// Further signals of which the mean becomes a criterion, such as temperatures.
+    pub others: Vec<Channel>,
+    /// Diameter of the bearing, m.
+    pub diameter: f64,
+    /// The part of the record to use, s.
+    pub window: Option<[f64; 2]>,
+    /// Smoothing of load and torque.
+    pub smoothing: Smoothing,
+    /// The longest delay to look for, s.
+    pub longest_delay: f64,
+    /// Confidence of the tests of stationarity, such as 0.99.
+    pub confidence: f64,
+}
+
+/// A criterion derived from the record.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DerivedCriterion {
+    /// The criterion's name.
+    pub name: String,
+    /// The FMU variable.
+    pub variable: String,
+    /// The statistic: `mean` or `amplitude`.
+    pub statistic: &'static str,
+    /// The unit of the numbers.
+    pub unit: String,
+    /// The group of criteria.
+    pub group: Option<String>,
+    /// The value with its uncertainty.
+    pub measured: MeasuredValue,
+    /// Means of blocks of whole turns, evenly over the window; empty for an amplitude.
+    pub blocks: Vec<f64>,
+    /// The tests of the block means; `None` where the window is too short for them.
+    pub stationarity: Option<Stationarity>,
+}
+
+/// Result of synchronising a recording.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Synchronised {
+    /// The delay between torque and load.
+    pub delay: Delay,
+    /// Times of the aligned signals, s.
+    pub time: Vec<f64>,
+    /// The load before smoothing, N.
+    pub load_raw: Vec<f64>,
+    /// The torque as recorded, before smoothing, N.m.
+    pub torque_raw: Vec<f64>,
+    /// The smoothed load, N.
+    pub load: Vec<f64>,
+    /// The smoothed torque as recorded, N.m.
+    pub torque_before: Vec<f64>,
+    /// The smoothed torque, shifted, N.m.
+    pub torque: Vec<f64>,
+    /// Relative standard deviation of the friction coefficient before the shift and after it.
+    pub friction_scatter: [f64; 2],
+    /// The friction coefficient before the shift.
+    pub friction_before: Vec<f64>,
+    /// The friction coefficient after the shift.
+    pub friction: Vec<f64>,
+    /// The friction power, W.
+    pub power: Vec<f64>,
+    /// The duration of a block of the tests of stationarity, s.
+    pub block: f64,
+    /// The friction coefficient as a measured quantity.
+    pub mean_friction: MeasuredValue,
+    /// The criteria: means first, then amplitudes.
+    pub findings: Vec<DerivedCriterion>,
+    /// Caveats for the reader.
+    pub warnings: Vec<String>,
+}
+
+/// The time of a turn of the shaft, s; `None` where it does not turn.
+pub(crate) fn turn(recording: &RigRecording) -> Option<f64> {
+    let speed = recording.speed.values.iter().copied();
+    let speed: Vec<f64> = speed.filter(|v| v.is_finite()).collect();
+    let turn = std::f64::consts::TAU / mean(&speed).abs();
+    turn.is_finite().then_some(turn)
+}
