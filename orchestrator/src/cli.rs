@@ -7,6 +7,7 @@ mod study;
 
 use std::path::PathBuf;
 
+use clap::error::ErrorKind;
 use clap::{Args, Parser, Subcommand};
 
 pub use analysis::{Pareto, Robustness, Sensitivity, Synchronise, Tolerances};
@@ -21,6 +22,54 @@ pub struct Cli {
     /// The command.
     #[command(subcommand)]
     pub command: Command,
+}
+
+/// Reads the command line. Help and version are printed at once, and end the program.
+///
+/// # Errors
+/// With one line for a mistake in it.
+pub fn parse() -> Result<Cli, String> {
+    Cli::try_parse().map_err(|error| {
+        let is_help = error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand;
+        if is_help || !error.use_stderr() {
+            error.exit();
+        }
+        told(&error.to_string())
+    })
+}
+
+/// What is wrong with the command line, on one line and in plain words.
+fn told(message: &str) -> String {
+    const WORDS: [(&str, &str); 7] = [
+        (
+            "number would be zero for non-zero type",
+            "at least 1 is needed",
+        ),
+        (
+            "invalid digit found in string",
+            "a whole number is needed, not negative",
+        ),
+        (
+            "number too large to fit in target type",
+            "too large a number",
+        ),
+        (
+            "invalid float literal",
+            "a number is needed, with a decimal point and without a unit",
+        ),
+        ("were not provided:", "are missing:"),
+        ("tip: a similar", "a similar"),
+        ("tip: some similar", "some similar"),
+    ];
+    let message = message.strip_prefix("error: ").unwrap_or(message);
+    // Behind it stand the usage and where to find more.
+    let ends = ["\n\nUsage:", "\n\nFor more"].map(|end| message.find(end));
+    let end = ends.into_iter().flatten().min().unwrap_or(message.len());
+    let parts = message[..end].split("\n\n");
+    let parts = parts.map(|part| part.split_whitespace().collect::<Vec<_>>().join(" "));
+    let line = parts.collect::<Vec<_>>().join("; ") + "; --help shows what there is";
+    let replaced = |text: String, (from, to): &(&str, &str)| text.replace(from, to);
+    WORDS.iter().fold(line, replaced)
 }
 
 const EXIT: &str = "Exit codes: 0 done (verify, judge, merge: verified), 1 not verified, 2 a mistake in the call, \
@@ -110,4 +159,55 @@ pub struct Completion {
 pub struct Manual {
     /// The folder; it is made if it is not there
     pub folder: PathBuf,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn mistakes_take_one_line() {
+        let said = |line: &str| {
+            let error = Cli::try_parse_from(line.split(' ')).unwrap_err();
+            told(&error.to_string())
+        };
+        for (line, message) in [
+            (
+                "o verify s --jobs 0",
+                "invalid value '0' for '--jobs <J>': at least 1 is needed",
+            ),
+            (
+                "o verify s --points 1e4",
+                "invalid value '1e4' for '--points <N>': a whole number is needed, not negative",
+            ),
+            (
+                "o simulate m --stop 10s",
+                "invalid value '10s' for '--stop <T>': a number is needed, with a decimal point and without a unit",
+            ),
+            (
+                "o verify s --ponits 3",
+                "unexpected argument '--ponits' found; a similar argument exists: '--points'",
+            ),
+            (
+                "o verify",
+                "the following required arguments are missing: <STUDY>",
+            ),
+            (
+                "o verfy s",
+                "unrecognized subcommand 'verfy'; a similar subcommand exists: 'verify'",
+            ),
+            (
+                "o verify s --isolation none",
+                "invalid value 'none' for '--isolation <HOW>' [possible values: fresh, audited, reuse]",
+            ),
+            (
+                "o verify s --output",
+                "a value is required for '--output <DIR>' but none was supplied",
+            ),
+        ] {
+            assert_eq!(said(line), format!("{message}; --help shows what there is"));
+        }
+        let negative = Cli::try_parse_from(["o", "verify", "s", "--point-timeout", "-1"]);
+        assert!(negative.is_ok(), "the command says what a time must be");
+    }
 }

@@ -1,17 +1,69 @@
 //! Why a file cannot be read or written, with a remedy.
 
-use std::fs;
-use std::io;
+use std::fs::{self, File};
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use crate::names::{did_you_mean, nearest};
+use fmu_import::{ArchiveError, FmuError, hexadecimal, sha256};
+
+/// The largest text that is read at once: a study, settings, a parameter set. In MiB.
+const MOST: u64 = 64;
+
+/// Opens a file that a user names. A device or a pipe may have no end, and what is read twice is gone after the first time.
+///
+/// # Errors
+/// When there is none, or it is none.
+pub fn open(path: &Path) -> io::Result<File> {
+    let kind = fs::metadata(path)?.file_type();
+    if kind.is_dir() {
+        return Err(io::ErrorKind::IsADirectory.into());
+    }
+    if !kind.is_file() {
+        return Err(io::Error::other(
+            "a device or a pipe, which may have no end; write its content to a file and give that",
+        ));
+    }
+    File::open(path)
+}
+
+/// The SHA-256 digest of a file, as hexadecimal digits.
+///
+/// # Errors
+/// As [`open`], and when it cannot be read.
+pub fn digest(path: &Path) -> io::Result<String> {
+    open(path).and_then(sha256).map(|hash| hexadecimal(&hash))
+}
+
+/// Reads a text that a user names.
+///
+/// # Errors
+/// As [`open`], when it is very large, and when it is not in UTF-8.
+pub fn text(path: &Path) -> io::Result<String> {
+    let mut bytes = Vec::new();
+    open(path)?.take((MOST << 20) + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > MOST << 20 {
+        let message = format!("larger than {MOST} MiB, which is the most that is read here");
+        return Err(io::Error::other(message));
+    }
+    String::from_utf8(bytes).map_err(|error| {
+        let sound = &error.as_bytes()[..error.utf8_error().valid_up_to()];
+        let line = sound.iter().filter(|byte| **byte == b'\n').count() + 1;
+        io::Error::other(format!(
+            "line {line} is not text in UTF-8; save the file as UTF-8"
+        ))
+    })
+}
 
 /// The operating system's message in plain words, with a remedy where we know one.
 pub fn reason(path: &Path, error: &io::Error) -> String {
     match error.kind() {
         io::ErrorKind::NotFound => missing(path),
-        io::ErrorKind::InvalidData => "not a text file in UTF-8".to_owned(),
         io::ErrorKind::IsADirectory => "a folder; give a file".to_owned(),
+        io::ErrorKind::NotADirectory => {
+            let file = path.ancestors().find(|part| part.is_file()).unwrap_or(path);
+            format!("{} is a file, where a folder is needed", file.display())
+        }
         io::ErrorKind::PermissionDenied => "no permission; look at its owner and mode".to_owned(),
         io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded | io::ErrorKind::FileTooLarge => {
             format!(
@@ -19,6 +71,17 @@ pub fn reason(path: &Path, error: &io::Error) -> String {
             )
         }
         _ => error.to_string(),
+    }
+}
+
+/// Why an FMU cannot be used, with a remedy.
+pub fn unusable(error: &FmuError) -> String {
+    match error {
+        FmuError::Archive {
+            path,
+            source: ArchiveError::Missing,
+        } => format!("{}: {}", path.display(), missing(path)),
+        other => other.to_string(),
     }
 }
 
@@ -57,6 +120,36 @@ fn names_in(folder: &Path) -> Vec<String> {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_no_text_is_refused_with_its_reason() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.toml");
+        let told = |path: &Path| reason(path, &text(path).unwrap_err());
+        fs::write(&path, b"a\nb\n\xe9").unwrap();
+        assert_eq!(
+            told(&path),
+            "line 3 is not text in UTF-8; save the file as UTF-8"
+        );
+        File::create(&path)
+            .unwrap()
+            .set_len((64 << 20) + 1)
+            .unwrap();
+        assert_eq!(
+            told(&path),
+            "larger than 64 MiB, which is the most that is read here"
+        );
+        assert_eq!(told(folder.path()), "a folder; give a file");
+        let below = told(&path.join("b"));
+        assert_eq!(
+            below,
+            format!("{} is a file, where a folder is needed", path.display())
+        );
+        if cfg!(unix) {
+            let device = told("/dev/zero".as_ref());
+            assert!(device.starts_with("a device or a pipe"), "{device}");
+        }
+    }
 
     #[test]
     fn a_missing_file_is_told_with_its_folder_and_a_name_like_it() {

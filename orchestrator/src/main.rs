@@ -2,16 +2,15 @@
 
 use std::process::ExitCode;
 
-use clap::Parser;
-use orchestrator::cli::Cli;
-use orchestrator::commands;
+use orchestrator::{cli, commands};
 
 fn main() -> ExitCode {
-    match commands::run(Cli::parse()) {
-        Ok(code) => code,
-        Err(error) => {
-            orchestrator::tell::line!("error: {error}");
-            ExitCode::from(commands::MISTAKE)
-        }
-    }
+    let said = cli::parse().map(commands::run);
+    let error = match said {
+        Ok(Ok(code)) => return code,
+        Ok(Err(error)) => error.to_string(),
+        Err(error) => error,
+    };
+    orchestrator::tell::line!("error: {error}");
+    ExitCode::from(commands::MISTAKE)
 }

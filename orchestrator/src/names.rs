@@ -1,8 +1,34 @@
 //! Suggestions for names that were mistyped.
 
-/// The candidate that looks most like `name`, if any comes close.
+/// What other programs call what has another name here.
+const ELSEWHERE: [(&str, &str); 17] = [
+    ("gauss", "normal"),
+    ("gaussian", "normal"),
+    ("rectangular", "uniform"),
+    ("average", "mean"),
+    ("mu", "mean"),
+    ("last", "final"),
+    ("end", "final"),
+    ("std", "deviation"),
+    ("sd", "deviation"),
+    ("sigma", "deviation"),
+    ("lhs", "latin-hypercube"),
+    ("lhc", "latin-hypercube"),
+    ("random", "monte-carlo"),
+    ("mc", "monte-carlo"),
+    ("samples", "points"),
+    ("model", "fmu"),
+    ("value", "nominal"),
+];
+
+/// The candidate that looks most like `name`, or that means the same, if any comes close.
 pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let wanted = name.to_lowercase();
+    let candidates: Vec<&str> = candidates.into_iter().collect();
+    let meant = |candidate: &&&str| ELSEWHERE.contains(&(&*wanted, **candidate));
+    if let Some(meant) = candidates.iter().find(meant) {
+        return Some(meant);
+    }
     candidates
         .into_iter()
         .map(|candidate| (closeness(&wanted, &candidate.to_lowercase()), candidate))
@@ -41,5 +67,7 @@ mod tests {
         assert_eq!(nearest("clearance", names), Some(names[0]));
         assert_eq!(nearest("load.dampping", names), Some(names[2]));
         assert_eq!(nearest("zzz", names), None);
+        assert_eq!(nearest("Gauss", ["uniform", "normal"]), Some("normal"));
+        assert_eq!(nearest("gauss", names), None);
     }
 }

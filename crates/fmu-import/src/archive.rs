@@ -4,16 +4,18 @@
 //! the number of entries and the unpacked size are limited.
 
 use std::borrow::Cow;
+use std::collections::HashSet;
 use std::fs::{self, File};
-use std::io::{self, BufWriter, Read, Write};
+use std::io::{self, BufReader, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
 use thiserror::Error;
 use zip::ZipArchive;
-use zip::result::ZipError;
+use zip::read::Config;
+use zip::result::{ZipError, ZipResult};
+use zip::unstable::read::ZipIterable;
 
-use crate::directory;
 use crate::version::Version;
 
 /// More entries than any FMU has.
@@ -59,6 +61,9 @@ pub enum ArchiveError {
         /// The problem and its remedy.
         why: String,
     },
+    /// It is neither a file nor a folder.
+    #[error("{0} is a device or a pipe, which may have no end; give a file")]
+    NoFile(PathBuf),
     /// There is no model description.
     #[error("not an FMU: it holds no modelDescription.xml")]
     NoDescription,
@@ -101,7 +106,10 @@ pub enum ArchiveError {
 impl ArchiveError {
     /// Whether the fault lies in the FMU rather than in the request.
     pub fn is_a_fault(&self) -> bool {
-        !matches!(self, Self::Missing | Self::Io(_) | Self::NotZip)
+        !matches!(
+            self,
+            Self::Missing | Self::Io(_) | Self::NotZip | Self::NoFile(_)
+        )
     }
 
     /// The problem with an entry.
@@ -160,18 +168,23 @@ impl Archive {
         if metadata.is_dir() {
             return Ok(Self::Folder(path.to_owned()));
         }
-        // Opening a pipe would wait for its writer.
-        if !metadata.is_file() {
-            return Err(ArchiveError::NotZip);
-        }
-        let zip = ZipArchive::new(File::open(path)?).map_err(|error| match error {
+        let file = open(path)?;
+        let unreadable = |error| match error {
             ZipError::Io(error) => ArchiveError::Io(error),
             _ => ArchiveError::NotZip,
-        })?;
+        };
+        // The crate keeps the last entry of a name, and all of them in memory.
+        let entries = ZipIterable::try_new(BufReader::new(&file), Config::default());
+        let entries = entries.map_err(unreadable)?;
+        if entries.len() > MAX_ENTRIES {
+            return Err(ArchiveError::TooLarge);
+        }
+        let twice = names_twice(entries).map_err(unreadable)?;
+        let zip = ZipArchive::new(file).map_err(unreadable)?;
+        // It may have taken another directory, further ahead in the file.
         if zip.len() > MAX_ENTRIES {
             return Err(ArchiveError::TooLarge);
         }
-        let twice = directory::names_twice(path, zip.central_directory_start())?;
         let path = path.to_owned();
         Ok(Self::Zip { path, zip, twice })
     }
@@ -181,9 +194,11 @@ impl Archive {
         let mut bytes = Vec::new();
         match self {
             Self::Folder(path) => {
-                let Ok(file) = File::open(path.join(DESCRIPTION)) else {
+                let path = path.join(DESCRIPTION);
+                if !path.exists() {
                     return Err(self.no_description());
-                };
+                }
+                let file = open(&path)?;
                 file.take(MAX_DESCRIPTION + 1).read_to_end(&mut bytes)?;
             }
             Self::Zip { zip, twice, .. } => {
@@ -251,7 +266,7 @@ impl Archive {
         let bytes = match self {
             Self::Folder(path) => {
                 let mut bytes = Vec::new();
-                let file = File::open(path.join(entry))?;
+                let file = open(&path.join(entry))?;
                 file.take(MAX_FILE + 1).read_to_end(&mut bytes)?;
                 bytes
             }
@@ -269,12 +284,12 @@ impl Archive {
         Ok(bytes)
     }
 
-    /// Bytes that identify the content: the whole file, or the description of a folder.
-    pub(crate) fn bytes(&self) -> Result<Vec<u8>, ArchiveError> {
-        Ok(match self {
-            Self::Folder(path) => fs::read(path.join(DESCRIPTION))?,
-            Self::Zip { path, .. } => fs::read(path)?,
-        })
+    /// The file that identifies the content: the archive, or the description in a folder.
+    pub(crate) fn identity(&self) -> Result<File, ArchiveError> {
+        match self {
+            Self::Folder(path) => open(&path.join(DESCRIPTION)),
+            Self::Zip { path, .. } => open(path),
+        }
     }
 
     pub(crate) fn folder(&self) -> Option<&Path> {
@@ -316,10 +331,32 @@ impl Archive {
         let target = tempfile::Builder::new().prefix("fmu-").tempdir_in(parent)?;
         match self {
             Self::Zip { zip, .. } => unpack_needed(zip, platform, target.path())?,
-            Self::Folder(folder) => copy_needed(folder, platform, target.path())?,
+            Self::Folder(folder) => Copy::default().needed(folder, platform, target.path())?,
         }
         Ok(target)
     }
+}
+
+/// Opens a file. Opening a pipe would wait for its writer, and a device may have no end.
+fn open(path: &Path) -> Result<File, ArchiveError> {
+    match fs::metadata(path)?.is_file() {
+        true => Ok(File::open(path)?),
+        false => Err(ArchiveError::NoFile(path.to_owned())),
+    }
+}
+
+/// The names that more than one entry has, each once.
+fn names_twice(mut entries: ZipIterable<BufReader<&File>>) -> ZipResult<Vec<String>> {
+    let (mut seen, mut told, mut twice) = (HashSet::new(), HashSet::new(), Vec::new());
+    for entry in entries.files()? {
+        let name = entry?.name_raw().to_owned();
+        if let Some(name) = seen.replace(name)
+            && told.insert(name.clone())
+        {
+            twice.push(String::from_utf8_lossy(&name).into_owned());
+        }
+    }
+    Ok(twice)
 }
 
 /// The content of an entry, up to a limit in bytes.
@@ -389,32 +426,50 @@ fn needed(name: &Path, platform: &str) -> bool {
     }
 }
 
-/// Copies what a simulation on this platform may need.
-fn copy_needed(from: &Path, platform: &str, into: &Path) -> io::Result<()> {
-    for entry in fs::read_dir(from)? {
-        let entry = entry?;
-        let name = PathBuf::from(entry.file_name());
-        if name == Path::new("binaries") {
-            let name = name.join(platform);
-            copy_all(&from.join(&name), &into.join(&name))?;
-        } else if needed(&name, platform) {
-            copy_all(&entry.path(), &into.join(name))?;
-        }
-    }
-    Ok(())
+/// What has been copied from a folder: links may lead around in circles, and to what has no end.
+#[derive(Default)]
+struct Copy {
+    entries: usize,
+    bytes: u64,
 }
 
-/// Copies a file, or a folder with all that is in it.
-fn copy_all(from: &Path, into: &Path) -> io::Result<()> {
-    if !from.is_dir() {
-        return fs::copy(from, into).map(drop);
+impl Copy {
+    /// Copies what a simulation on this platform may need.
+    fn needed(&mut self, from: &Path, platform: &str, into: &Path) -> Result<(), ArchiveError> {
+        for entry in fs::read_dir(from)? {
+            let entry = entry?;
+            let name = PathBuf::from(entry.file_name());
+            if name == Path::new("binaries") {
+                let name = name.join(platform);
+                self.all(&from.join(&name), &into.join(&name))?;
+            } else if needed(&name, platform) {
+                self.all(&entry.path(), &into.join(name))?;
+            }
+        }
+        Ok(())
     }
-    fs::create_dir_all(into)?;
-    for entry in fs::read_dir(from)? {
-        let entry = entry?;
-        copy_all(&entry.path(), &into.join(entry.file_name()))?;
+
+    /// Copies a file, or a folder with all that is in it.
+    fn all(&mut self, from: &Path, into: &Path) -> Result<(), ArchiveError> {
+        self.entries += 1;
+        if self.entries > MAX_ENTRIES {
+            return Err(ArchiveError::TooLarge);
+        }
+        if from.is_dir() {
+            fs::create_dir_all(into)?;
+            for entry in fs::read_dir(from)? {
+                let entry = entry?;
+                self.all(&entry.path(), &into.join(entry.file_name()))?;
+            }
+        } else {
+            self.bytes += open(from)?.metadata()?.len();
+            if self.bytes > MAX_UNPACKED {
+                return Err(ArchiveError::TooLarge);
+            }
+            fs::copy(from, into)?;
+        }
+        Ok(())
     }
-    Ok(())
 }
 
 fn unpack_needed(
@@ -482,6 +537,81 @@ mod tests {
         }
         zip.finish().unwrap();
         (folder, path)
+    }
+
+    /// An archive whose directory has these names, all of one empty file.
+    fn directory(names: &[String]) -> (TempDir, PathBuf) {
+        let mut bytes = b"PK\x03\x04\x14".to_vec();
+        bytes.resize(30, 0);
+        bytes[26] = 1;
+        bytes.push(b'a');
+        let start = bytes.len() as u64;
+        for name in names {
+            let mut head = [0; 46];
+            head[..7].copy_from_slice(b"PK\x01\x02\x14\0\x14");
+            head[28] = u8::try_from(name.len()).unwrap();
+            bytes.extend(head);
+            bytes.extend(name.as_bytes());
+        }
+        let end = bytes.len() as u64;
+        let count = names.len() as u64;
+        bytes.extend(b"PK\x06\x06\x2c\0\0\0\0\0\0\0\x2d\0\x2d\0\0\0\0\0\0\0\0\0");
+        for number in [count, count, end - start, start] {
+            bytes.extend(number.to_le_bytes());
+        }
+        bytes.extend(b"PK\x06\x07\0\0\0\0");
+        bytes.extend(end.to_le_bytes());
+        bytes.extend(b"\x01\0\0\0PK\x05\x06\0\0\0\0");
+        bytes.extend([0xff; 12]);
+        bytes.extend(b"\0\0");
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.fmu");
+        fs::write(&path, bytes).unwrap();
+        (folder, path)
+    }
+
+    #[test]
+    fn every_entry_counts_however_often_its_name_comes() {
+        let names = |count: usize| -> Vec<String> { (0..count).map(|k| format!("n{k}")).collect() };
+        let (_folder, path) = directory(&[names(40_000), names(40_000)].concat());
+        let archive = Archive::open(&path).unwrap();
+        assert_eq!(archive.twice(), names(40_000));
+        for many in [
+            [names(60_000), names(60_000)].concat(),
+            vec!["a".to_owned(); 100_001],
+        ] {
+            let (_folder, path) = directory(&many);
+            let error = Archive::open(&path).unwrap_err().to_string();
+            assert_eq!(error, "refused: more than 100000 entries or 8 GiB");
+        }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_folder_may_hold_no_device_and_no_circle() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        let ours = format!("binaries/{PLATFORM}");
+        fs::create_dir_all(path(&ours)).unwrap();
+        fs::write(path(&format!("{ours}/m.{EXTENSION}")), "").unwrap();
+        fs::write(path(DESCRIPTION), "<x/>").unwrap();
+        fs::create_dir(path("resources")).unwrap();
+        let refused = |target: &Path| {
+            let link = path("resources/link");
+            std::os::unix::fs::symlink(target, &link).unwrap();
+            let mut archive = Archive::open(folder.path()).unwrap();
+            let error = archive.unpack("m", Version::Two, &std::env::temp_dir());
+            fs::remove_file(link).unwrap();
+            error.unwrap_err().to_string()
+        };
+        let device = refused(Path::new("/dev/zero"));
+        assert!(device.ends_with("link is a device or a pipe, which may have no end; give a file"));
+        // The system ends a circle of links.
+        refused(&path("resources"));
+        fs::remove_file(path(DESCRIPTION)).unwrap();
+        std::os::unix::fs::symlink("/dev/zero", path(DESCRIPTION)).unwrap();
+        let error = Archive::open(folder.path()).unwrap().description();
+        assert!(matches!(error, Err(ArchiveError::NoFile(_))));
     }
 
     #[test]

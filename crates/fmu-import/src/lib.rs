@@ -5,7 +5,6 @@ pub mod call;
 mod caller;
 mod decode;
 pub mod description;
-mod directory;
 mod exchange;
 mod floating_point;
 mod fmi2;
@@ -25,6 +24,7 @@ mod symbols;
 pub mod units;
 pub mod value;
 pub mod version;
+pub mod xml;
 
 pub use archive::ArchiveError;
 pub use call::{Call, End, Status, Warnings};
@@ -34,8 +34,9 @@ pub use description::{
 pub use instance::Instance;
 pub use library::{Library, LibraryError};
 pub use logger::complaints;
-pub use package::{FmuError, Package, digest};
+pub use package::{FmuError, Package, digest, hexadecimal, sha256};
 pub use parse::DescriptionError;
 pub use state::{State, StateError};
 pub use value::{Content, Handle, Value};
 pub use version::Version;
+pub use xml::XmlError;

@@ -1,5 +1,6 @@
 //! An FMU at rest: its description, and its files.
 
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -14,6 +15,7 @@ use crate::description::Description;
 use crate::isolation::watch::Snapshot;
 use crate::library::{Library, LibraryError};
 use crate::parse::{self, DescriptionError};
+use crate::xml;
 
 /// Why an FMU cannot be used.
 #[derive(Debug, Error)]
@@ -121,12 +123,8 @@ impl Package {
     /// # Errors
     /// When it cannot be read.
     pub fn bytes_of(&mut self, entry: &str) -> Result<Vec<u8>, FmuError> {
-        self.archive
-            .bytes_of(entry)
-            .map_err(|source| FmuError::Archive {
-                path: self.path.clone(),
-                source,
-            })
+        let bytes = self.archive.bytes_of(entry);
+        bytes.map_err(|source| self.unusable(source))
     }
 
     /// Hands the document of `modelDescription.xml` to `read`.
@@ -137,17 +135,12 @@ impl Package {
         &mut self,
         read: impl FnOnce(Node<'_, '_>) -> T,
     ) -> Result<T, FmuError> {
-        let bytes = self
-            .archive
-            .description()
-            .map_err(|source| FmuError::Archive {
-                path: self.path.clone(),
-                source,
-            })?;
+        let bytes = self.archive.description();
+        let bytes = bytes.map_err(|source| self.unusable(source))?;
         let text = decode::decode(&bytes);
-        let document = parse::document(&text).map_err(|source| FmuError::Description {
+        let document = xml::parse(&text).map_err(|error| FmuError::Description {
             path: self.path.clone(),
-            source,
+            source: error.into(),
         })?;
         Ok(read(document.root_element()))
     }
@@ -157,11 +150,14 @@ impl Package {
     /// # Errors
     /// When the file cannot be read any more.
     pub fn digest(&self) -> Result<String, FmuError> {
-        let bytes = self.archive.bytes().map_err(|source| FmuError::Archive {
-            path: self.path.clone(),
-            source,
-        })?;
-        Ok(digest(&bytes))
+        let hash = self.archive.identity().and_then(|file| Ok(sha256(file)?));
+        let hash = hash.map_err(|source| self.unusable(source))?;
+        Ok(hexadecimal(&hash))
+    }
+
+    fn unusable(&self, source: ArchiveError) -> FmuError {
+        let path = self.path.clone();
+        FmuError::Archive { path, source }
     }
 
     /// Unpacks what a simulation on this platform needs into a new folder within `parent`, and returns that. One that
@@ -200,10 +196,7 @@ impl Package {
             ..
         } = &self.description;
         let unpacked = self.archive.unpack(model_identifier, *standard, parent);
-        unpacked.map_err(|source| FmuError::Archive {
-            path: self.path.clone(),
-            source,
-        })
+        unpacked.map_err(|source| self.unusable(source))
     }
 
     /// The binary for this platform in the folder into which the FMU was unpacked; none where there is none.
@@ -238,10 +231,24 @@ impl Package {
 
 /// The SHA-256 digest of bytes as lower-case hexadecimal digits: what tells two files apart.
 pub fn digest(bytes: &[u8]) -> String {
-    use std::fmt::Write;
-    let digest = Sha256::digest(bytes);
-    digest.iter().fold(String::new(), |mut text, byte| {
-        let _ = write!(text, "{byte:02x}");
-        text
-    })
+    hexadecimal(&Sha256::digest(bytes))
+}
+
+/// The SHA-256 digest of all that can be read.
+///
+/// # Errors
+/// When it cannot be read.
+pub fn sha256(mut from: impl Read) -> io::Result<[u8; 32]> {
+    let (mut hash, mut buffer) = (Sha256::new(), vec![0; 1 << 16]);
+    loop {
+        match from.read(&mut buffer)? {
+            0 => return Ok(hash.finalize().into()),
+            count => hash.update(&buffer[..count]),
+        }
+    }
+}
+
+/// Bytes as lower-case hexadecimal digits.
+pub fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -7,7 +7,7 @@
 use std::collections::{HashMap, HashSet};
 use std::str::FromStr;
 
-use roxmltree::{Document, Node, ParsingOptions};
+use roxmltree::Node;
 use thiserror::Error;
 
 use crate::decode::{self, decode};
@@ -17,21 +17,14 @@ use crate::description::{
 };
 use crate::units::{BaseUnit, DisplayUnit, Unit, Units};
 use crate::version::Version;
-
-/// More XML nodes than any model description has.
-const MAX_NODES: u32 = 50_000_000;
+use crate::xml::{self, XmlError};
 
 /// Why a model description cannot be used.
 #[derive(Debug, Error)]
 pub enum DescriptionError {
-    /// The file is not well-formed.
-    #[error("{0}")]
-    Xml(roxmltree::Error),
-    /// The file has a document type, whose entities could grow a small file beyond all memory.
-    #[error(
-        "a DOCTYPE, which is not read here, because its entities may grow without limit: remove it; FMI needs none"
-    )]
-    DocumentType,
+    /// The file is no XML that is read here.
+    #[error(transparent)]
+    Xml(#[from] XmlError),
     /// The root element is another one.
     #[error("the root element is `{0}`, not `fmiModelDescription`")]
     Root(String),
@@ -56,22 +49,10 @@ pub enum DescriptionError {
     Identifier(String),
 }
 
-/// The document of a model description.
-pub(crate) fn document(text: &str) -> Result<Document<'_>, DescriptionError> {
-    let options = ParsingOptions {
-        nodes_limit: MAX_NODES,
-        ..ParsingOptions::default()
-    };
-    Document::parse_with_options(text, options).map_err(|error| match error {
-        roxmltree::Error::DtdDetected => DescriptionError::DocumentType,
-        other => DescriptionError::Xml(other),
-    })
-}
-
 /// Reads a model description.
 pub(crate) fn description(bytes: &[u8]) -> Result<Description, DescriptionError> {
-    let text = decode(bytes);
-    let document = document(&text)?;
+    let content = decode(bytes);
+    let document = xml::parse(&content)?;
     let root = document.root_element();
     if root.tag_name().name() != "fmiModelDescription" {
         return Err(DescriptionError::Root(root.tag_name().name().to_owned()));
@@ -93,12 +74,12 @@ pub(crate) fn description(bytes: &[u8]) -> Result<Description, DescriptionError>
         fmi_version: version.to_owned(),
         standard,
         interface,
-        model_name: root.attribute("modelName").unwrap_or("").to_owned(),
+        model_name: text(root, "modelName").unwrap_or_default(),
         model_identifier,
         guid: root.attribute(token).unwrap_or("").to_owned(),
         description: root.attribute("description").map(str::to_owned),
-        version: root.attribute("version").map(str::to_owned),
-        generation_tool: root.attribute("generationTool").map(str::to_owned),
+        version: text(root, "version"),
+        generation_tool: text(root, "generationTool"),
         capabilities: match standard {
             Version::Two => reader.capabilities(slave),
             Version::Three => reader.capabilities_of_three(slave),
@@ -159,6 +140,12 @@ pub(crate) fn children<'a>(node: Node<'a, 'a>, name: &str) -> impl Iterator<Item
             && child.tag_name().name() == name
             && child.tag_name().namespace().is_none()
     })
+}
+
+/// A text of one line (`xs:normalizedString`), in which line ends and tabs are blanks.
+pub(crate) fn text(node: Node<'_, '_>, attribute: &str) -> Option<String> {
+    let text = node.attribute(attribute)?;
+    Some(text.replace(['\n', '\r', '\t'], " "))
 }
 
 pub(crate) fn line(node: Node<'_, '_>) -> u32 {
@@ -325,7 +312,7 @@ impl Reader {
             .into_iter()
             .flat_map(|node| children(node, "Unit"))
         {
-            let Some(name) = node.attribute("name") else {
+            let Some(name) = text(node, "name") else {
                 self.remark(node, About::Value, "a unit without a name");
                 continue;
             };
@@ -345,13 +332,13 @@ impl Reader {
                         return None;
                     }
                     Some(DisplayUnit {
-                        name: display.attribute("name")?.to_owned(),
+                        name: text(display, "name")?,
                         factor: self.number(display, "factor").unwrap_or(1.0),
                         offset: self.number(display, "offset").unwrap_or(0.0),
                     })
                 })
                 .collect();
-            units.insert(name.to_owned(), Unit { base, display });
+            units.insert(name, Unit { base, display });
         }
         units
     }
@@ -389,7 +376,7 @@ impl Reader {
     }
 
     fn variable(&mut self, node: Node<'_, '_>, types: &Types<'_>) -> Option<Variable> {
-        let Some(name) = node.attribute("name") else {
+        let Some(name) = text(node, "name") else {
             self.remark(
                 node,
                 About::Variable,
@@ -424,7 +411,7 @@ impl Reader {
             .attribute("declaredType")
             .and_then(|name| types.get(name));
         Some(Variable {
-            name: name.to_owned(),
+            name,
             line: self.line(node),
             value_reference,
             place: None,
@@ -483,7 +470,7 @@ impl Reader {
                 declared.unwrap_or(own)
             }
         };
-        let text = |name: &str| source(name).attribute(name).map(str::to_owned);
+        let text = |name: &str| text(source(name), name);
         match own.tag_name().name() {
             "Integer" => Kind::Integer {
                 start: self.number::<i32>(own, "start").map(i64::from),
@@ -518,7 +505,7 @@ impl Reader {
         children(declared, "Item")
             .filter_map(|item| {
                 let value = self.number::<i32>(item, "value")?.into();
-                Some((item.attribute("name")?.to_owned(), value))
+                Some((text(item, "name")?, value))
             })
             .collect()
     }

@@ -120,7 +120,7 @@ fn entity_bombs_are_refused() {
         <fmiModelDescription fmiVersion=\"2.0\" modelName=\"&b;\"/>";
     assert!(matches!(
         description(bomb),
-        Err(DescriptionError::DocumentType)
+        Err(DescriptionError::Xml(XmlError::DocumentType))
     ));
 }
 

@@ -10,7 +10,7 @@ use roxmltree::Node;
 use crate::description::{
     About, Capabilities, Description, Kind, Place, Storage, Variability, Variable,
 };
-use crate::parse::{Reader, Types, child, children};
+use crate::parse::{Reader, Types, child, children, text};
 
 /// More elements than an array can have that is useful by its elements.
 const MOST_ELEMENTS: usize = 100_000;
@@ -93,13 +93,13 @@ impl Reader {
         sizes: &Sizes,
         into: &mut Description,
     ) -> Option<Written<'a>> {
-        let Some(name) = node.attribute("name") else {
+        let Some(name) = text(node, "name") else {
             let text = "a variable without a name is left out";
             self.remark(node, About::Variable, text);
             return None;
         };
         let mut refuse = |why: String| {
-            into.unusable.insert(name.to_owned(), why);
+            into.unusable.insert(name.clone(), why);
             None
         };
         let storage = match node.tag_name().name() {
@@ -149,7 +149,7 @@ impl Reader {
     /// Adds the elements of a variable, by its name and by its aliases.
     fn elements(&mut self, written: &Written<'_>, types: &Types<'_>, into: &mut Description) {
         let node = written.node;
-        let name = node.attribute("name").unwrap_or_default();
+        let name = text(node, "name").unwrap_or_default();
         let reference = node.attribute("valueReference");
         let Some(value_reference) = reference.and_then(|text| text.trim().parse().ok()) else {
             let text =
@@ -161,7 +161,7 @@ impl Reader {
         let declared = declared.and_then(|name| types.get(name)).copied();
         let starts = starts(node);
         let variable = Variable {
-            name: name.to_owned(),
+            name,
             line: self.line(node),
             value_reference,
             place: None,
@@ -173,7 +173,8 @@ impl Reader {
         let count = written.count();
         if !matches!(starts.len(), 0 | 1) && starts.len() != count {
             let text = format!(
-                "`{name}` has {} start values for {count} elements; they are not read",
+                "`{}` has {} start values for {count} elements; they are not read",
+                variable.name,
                 starts.len()
             );
             self.remark(node, About::Value, &text);
@@ -200,7 +201,7 @@ impl Reader {
             })
             .collect();
         for alias in std::iter::once(node).chain(children(node, "Alias")) {
-            let Some(name) = alias.attribute("name") else {
+            let Some(name) = text(alias, "name") else {
                 continue;
             };
             for (index, element) in elements.iter().enumerate() {
@@ -253,7 +254,7 @@ impl Reader {
                 declared.unwrap_or(own)
             }
         };
-        let text = |name: &str| source(name).attribute(name).map(str::to_owned);
+        let text = |name: &str| text(source(name), name);
         match written.storage {
             Storage::Float32 | Storage::Float64 => Kind::Real {
                 unit: text("unit"),

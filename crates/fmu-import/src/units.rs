@@ -115,6 +115,11 @@ impl Units {
         self.0.insert(name, unit);
     }
 
+    /// A unit definition.
+    pub fn get(&self, name: &str) -> Option<&Unit> {
+        self.0.get(name)
+    }
+
     /// The unit definitions by name.
     pub fn iter(&self) -> impl Iterator<Item = (&str, &Unit)> {
         self.0.iter().map(|(name, unit)| (name.as_str(), unit))

@@ -73,7 +73,12 @@ pub struct Means {
     #[arg(long, value_enum, value_name = "HOW", default_value = "audited")]
     pub isolation: Isolation,
     /// The longest time that a point may take, s
-    #[arg(long, value_name = "T", default_value_t = 3600.0)]
+    #[arg(
+        long,
+        value_name = "T",
+        default_value_t = 3600.0,
+        allow_negative_numbers = true
+    )]
     pub point_timeout: f64,
     /// The most memory that a worker process may take, such as 500MB [default: a fair share of
     /// the machine's]

@@ -1,12 +1,11 @@
 //! The verdict for other tools: meta data of the summary and of the whole task, after SSP Traceability.
 
-use std::fs;
 use std::path::Path;
 
 use super::CommandError;
+use crate::files;
 use crate::results::traceability::{self, criteria, dossier, origin, parameters, verdict};
 use crate::results::{ResultsError, Summary, write_atomically};
-use fmu_import::digest;
 
 const SUMMARY: &str = "summary.json";
 const RESOURCE: &str = "verdict.srmd";
@@ -15,10 +14,10 @@ const TASK: &str = "verdict.stmd";
 /// Writes `verdict.srmd` and `verdict.stmd` beside the summary that they are about.
 pub(super) fn write(folder: &Path, summary: &Summary) -> Result<(), CommandError> {
     let path = folder.join(SUMMARY);
-    let content = fs::read(&path).map_err(ResultsError::io(&path))?;
+    let digest = files::digest(&path).map_err(ResultsError::io(&path))?;
     let parts = [verdict, dossier, origin, parameters, criteria];
     let mut entries: Vec<_> = parts.iter().flat_map(|part| part(summary)).collect();
-    entries.push(("data.sha256".to_owned(), digest(&content)));
+    entries.push(("data.sha256".to_owned(), digest));
     let title = summary.title.as_deref();
     let name = format!("{}: verdict", title.unwrap_or(&summary.provenance.study));
     let resource = traceability::resource(&name, SUMMARY, &entries);

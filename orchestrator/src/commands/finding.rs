@@ -7,11 +7,11 @@ use serde::Serialize;
 
 use super::{CommandError, output};
 use crate::analysis::from_results;
+use crate::files;
 use crate::report::Report;
 use crate::results::origin::Origin;
-use crate::results::{ResultsError, Summary, write_json};
+use crate::results::{ResultsError, Summary, make_folder, write_json};
 use crate::study::Study;
-use fmu_import::digest;
 use parameter_regions::table::PointTable;
 
 /// Where a study's results lie unless the user says otherwise.
@@ -58,11 +58,11 @@ fn belongs(summary: &Summary, folder: &Path, study: &Study) -> Result<(), Comman
 /// A digest that identifies the points of a finished study.
 pub(super) fn digest_of(folder: &Path) -> Result<String, CommandError> {
     let path = folder.join("points.csv");
-    let bytes = std::fs::read(&path).map_err(|error| match error.kind() {
+    let digest = files::digest(&path).map_err(|error| match error.kind() {
         std::io::ErrorKind::NotFound => ResultsError::Missing(folder.to_owned()),
         _ => ResultsError::io(&path)(error),
-    })?;
-    Ok(digest(&bytes))
+    });
+    Ok(digest?)
 }
 
 /// The result of an analysis.
@@ -114,7 +114,7 @@ impl AnalysisResult {
             origin: &self.origin,
             finding: &self.result,
         };
-        std::fs::create_dir_all(folder).map_err(ResultsError::io(folder))?;
+        make_folder(folder)?;
         write_json(&folder.join(self.file), &told)?;
         if folder.join("summary.json").exists() {
             Report::from_folder(folder)?.write(folder)?;

@@ -34,7 +34,7 @@ use calibration::rounds;
 use calibration::sample::{self, Sample};
 use calibration::search::{self, Progress, SearchError};
 use calibration::text;
-use fmu_import::{Description, Package, digest};
+use fmu_import::{Description, Package};
 use sampling::design::cube;
 
 /// The name of the command, and of the folder of its journal.
@@ -50,7 +50,8 @@ pub(super) fn run(options: &Identify) -> Result<ExitCode, CommandError> {
     }
     let study = Study::read(&options.work.study)?;
     let settings = settings(options, &study)?;
-    let mut package = Package::open(&options.work.means.fmu(&study))?;
+    let fmu = options.work.means.fmu.as_deref();
+    let mut package = study.open_fmu::<CommandError>(fmu)?;
     let bound = bound(&study, &settings, package.description())?;
     if options.cross_validate && bound.problem.cases.len() < 2 {
         let message = match study.cases.is_empty() {
@@ -186,13 +187,13 @@ fn header(
 ) -> Result<Header, CommandError> {
     let table = settings.cases.as_ref().map(|path| {
         let path = files::beside(study, path.as_ref());
-        std::fs::read(&path).map_err(ResultsError::io(&path))
+        crate::files::digest(&path).map_err(ResultsError::io(&path))
     });
     Ok(Header {
         orchestrator: env!("CARGO_PKG_VERSION").to_owned(),
         study: study.digest(),
         fmu: package.digest()?,
-        table: table.transpose()?.map(|bytes| digest(&bytes)),
+        table: table.transpose()?,
         seed: settings.seed,
         points: None,
         shard: None,

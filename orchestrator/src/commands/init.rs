@@ -8,8 +8,9 @@ use std::process::ExitCode;
 use super::{CommandError, output};
 use crate::cli::Init;
 use crate::results::points::number;
-use crate::results::{ResultsError, write_atomically};
+use crate::results::write_atomically;
 use crate::task::Schedule;
+use crate::tell::one_line;
 use fmu_import::{Causality, Description, Kind, Package, Variability, Variable};
 use sampling::design::Method;
 
@@ -26,8 +27,7 @@ pub(super) fn run(options: &Init) -> Result<ExitCode, CommandError> {
             });
         }
         Some(path) => {
-            let written = write_atomically(path, |out| out.write_all(study.as_bytes()));
-            written.map_err(|error: ResultsError| CommandError::Results(error))?;
+            write_atomically(path, |out| out.write_all(study.as_bytes()))?;
             output::print(&format!("{}\n", path.display()));
         }
     }
@@ -175,27 +175,14 @@ fn parameter(text: &mut String, fmu: &Description, variable: &Variable) {
 
 /// What the FMU says of a variable, else its name.
 fn about(variable: &Variable) -> String {
-    one_line(variable.description.as_deref().unwrap_or(&variable.name))
-}
-
-/// A text for a comment. A line break in it would end the comment, and the rest would become part of the study.
-fn one_line(text: &str) -> String {
-    let clean = |c: char| if c.is_control() { ' ' } else { c };
-    text.chars().map(clean).collect()
+    // A line end in it would end the comment, and the rest would become part of the study.
+    one_line(variable.description.as_deref().unwrap_or(&variable.name)).into_owned()
 }
 
 /// A text as TOML writes it.
 fn quoted(text: &str) -> String {
-    let plain = |c: char| !c.is_control() && c != '"' && c != '\\';
-    if text.chars().all(plain) {
-        return format!("\"{text}\"");
-    }
-    let escaped = |c: char| match c {
-        '"' | '\\' => format!("\\{c}"),
-        c if c.is_control() => format!("\\u{:04X}", u32::from(c)),
-        c => c.to_string(),
-    };
-    format!("\"{}\"", text.chars().map(escaped).collect::<String>())
+    let text = text.replace('\\', "\\\\").replace('"', "\\\"");
+    format!("\"{}\"", one_line(&text))
 }
 
 fn criterion(text: &mut String, name: &str, variable: &Variable) {

@@ -8,6 +8,7 @@ use serde_json::json;
 use super::{CommandError, output};
 use crate::cli::Inspect;
 use crate::results::points::number;
+use crate::tell::one_line;
 use fmu_import::units::Conversion;
 use fmu_import::{Causality, Description, Kind, Package, Variable};
 
@@ -41,11 +42,11 @@ fn text(fmu: &Description, platforms: &[String]) -> String {
         fmu.interface.name()
     );
     if let Some(description) = &fmu.description {
-        let _ = writeln!(text, "{description}");
+        let _ = writeln!(text, "{}", one_line(description));
     }
     let mut row = |key: &str, value: &str| {
         if !value.is_empty() {
-            let _ = writeln!(text, "  {key:<14}{value}");
+            let _ = writeln!(text, "  {key:<14}{}", one_line(value));
         }
     };
     row("version", fmu.version.as_deref().unwrap_or(""));
@@ -122,7 +123,7 @@ fn section(text: &mut String, fmu: &Description, title: &str, causality: Causali
             "  {:width$}  {value:<widest$}  {description}",
             variable.name
         );
-        let _ = writeln!(text, "{}", line.trim_end());
+        let _ = writeln!(text, "{}", one_line(line.trim_end()));
     }
 }
 

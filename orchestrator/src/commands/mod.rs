@@ -16,7 +16,6 @@ mod limits;
 mod manual;
 mod means;
 mod merge;
-mod output;
 mod pareto;
 mod rare;
 mod replay;
@@ -39,6 +38,7 @@ use crate::cli::{Cli, Command, Work};
 use crate::engine::birth;
 use crate::engine::{EngineError, Isolation, guard};
 use crate::failure::Failure;
+use crate::files::unusable;
 use crate::judge::Judge;
 use crate::pipeline::Halt;
 use crate::pipeline::stop::INTERRUPTED;
@@ -48,6 +48,7 @@ use crate::session::SessionError;
 use crate::study::StudyError;
 use crate::study::ssv::SsvError;
 use crate::table::TableError;
+use crate::tell as output;
 use conformity::decision::Decision;
 use fmu_import::FmuError;
 
@@ -58,7 +59,7 @@ pub const MISTAKE: u8 = 2;
 #[derive(Debug, Error)]
 pub enum CommandError {
     /// The FMU cannot be used.
-    #[error(transparent)]
+    #[error("{}", unusable(.0))]
     Fmu(#[from] FmuError),
     /// The study cannot be used.
     #[error(transparent)]

@@ -16,7 +16,7 @@ use crate::pipeline::Pipeline;
 use crate::report::format::number;
 use crate::report::sensitivity as shown;
 use crate::results::origin::Origin;
-use crate::results::{ResultsError, points, write_atomically};
+use crate::results::{make_folder, points, write_atomically};
 use crate::session::Session;
 use crate::study::Study;
 use crate::study::plan::Plan;
@@ -257,7 +257,7 @@ fn simulate(
 
 /// Writes the runs in the order of their design, for other programs to analyse.
 fn keep_runs(folder: &Path, rows: &PointTable) -> Result<(), CommandError> {
-    std::fs::create_dir_all(folder).map_err(ResultsError::io(folder))?;
+    make_folder(folder)?;
     let parameters = rows
         .parameters
         .iter()

@@ -10,7 +10,7 @@ use std::process::ExitCode;
 use super::{CommandError, output};
 use crate::cli;
 use crate::report::recording;
-use crate::results::{ResultsError, write_atomically};
+use crate::results::{make_folder, write_atomically};
 use rig_signals::case::{Case, Frame};
 use rig_signals::{RigRecording, Synchronised, criteria, synchronise};
 use settings::Settings;
@@ -28,7 +28,7 @@ pub(super) fn run(options: &cli::Synchronise) -> Result<ExitCode, CommandError> 
         source,
     })?;
     let folder = &options.output;
-    std::fs::create_dir_all(folder).map_err(ResultsError::io(folder))?;
+    make_folder(folder)?;
     let mut text = criteria::to_toml(&result, options.amplitudes);
     if recorded.power.is_none() {
         text += NO_POWER;

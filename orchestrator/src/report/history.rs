@@ -94,7 +94,7 @@ fn measured(path: &Path) -> csv::Result<IndexMap<String, Measured>> {
         let (Some(name), Some(time), Some(value)) = (record.get(0), number(1), number(2)) else {
             continue;
         };
-        let curve = curves.entry(csv_file::text(name).to_owned()).or_default();
+        let curve = curves.entry(csv_file::text(name).into_owned()).or_default();
         curve.time.push(time);
         curve.values.push(value);
         curve.uncertainty.extend(number(3));
@@ -120,7 +120,7 @@ pub fn trajectories(folder: &Path) -> Vec<Trajectory> {
 
 fn trajectory(path: &Path) -> Option<Trajectory> {
     let (header, columns) = columns(path).ok()?;
-    let names = header.iter().map(|name| csv_file::text(name).to_owned());
+    let names = header.iter().map(|name| csv_file::text(name).into_owned());
     let mut columns = names.zip(columns);
     let (_, time) = columns.next()?;
     Some((time, columns.collect()))

@@ -31,6 +31,7 @@ use crate::analysis::from_results::FolderError;
 use crate::analysis::sensitivity::study::Sensitivity;
 use crate::analysis::verdict::PassCounts;
 use crate::results::{ResultsError, write_atomically};
+use crate::tell::visible;
 use base64::{Engine, engine::general_purpose::STANDARD};
 use figures::Series;
 use flate2::{Compression, write::GzEncoder};
@@ -275,7 +276,7 @@ impl Report {
 
 fn write_file(path: &Path, text: &str) -> Result<(), ReportError> {
     Ok(write_atomically(path, |out| {
-        out.write_all(text.as_bytes())
+        out.write_all(visible(text).as_bytes())
     })?)
 }
 

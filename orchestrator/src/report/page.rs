@@ -11,6 +11,7 @@ use super::shown::Shown;
 use super::{Report, ReportError, Whole};
 use crate::analysis::verdict::{PassCounts, verdict};
 use crate::results::words::capitalised;
+use crate::tell::is_hidden;
 use base64::{Engine, engine::general_purpose::STANDARD};
 use conformity::decision::Decision;
 use minijinja::{Environment, HtmlEscape, Value, value::Serde};
@@ -387,11 +388,32 @@ fn marked(text: &str) -> Value {
     Value::from_safe_string(html)
 }
 
-/// JSON that cannot end the script element it stands in.
+/// JSON that cannot end the script element it stands in, and whose texts are visible to the last character in the page.
 fn script_safe(json: &str) -> String {
-    json.replace('<', "\\u003c")
-        .replace('\u{2028}', "\\u2028")
-        .replace('\u{2029}', "\\u2029")
+    let mut safe = String::new();
+    let mut rest = json;
+    while let Some(c) = rest.chars().next() {
+        // A character that JSON has escaped is one that the script sees.
+        let (seen, length) = match rest.get(..6).and_then(|start| start.strip_prefix("\\u")) {
+            Some(code) => (
+                u32::from_str_radix(code, 16).ok().and_then(char::from_u32),
+                6,
+            ),
+            None if rest.starts_with("\\r\\n") => (None, 4),
+            None if rest.starts_with("\\r") => (Some('\r'), 2),
+            None if rest.starts_with("\\b") => (Some('\x08'), 2),
+            None if rest.starts_with("\\f") => (Some('\x0c'), 2),
+            None if c == '\\' => (None, 2),
+            None => (Some(c), c.len_utf8()),
+        };
+        match seen.filter(|seen| is_hidden(*seen)) {
+            Some(hidden) => safe += &format!("\\\\u{:04x}", u32::from(hidden)),
+            None if c == '<' => safe += "\\u003c",
+            None => safe += &rest[..length],
+        }
+        rest = &rest[length..];
+    }
+    safe
 }
 
 fn distributions(
@@ -554,5 +576,16 @@ mod tests {
     #[test]
     fn data_cannot_end_its_script() {
         assert_eq!(script_safe("[\"</script>\"]"), "[\"\\u003c/script>\"]");
+    }
+
+    #[test]
+    fn the_script_sees_no_hidden_character() {
+        let text = "\x1b[2J\u{202e}\u{9b}\r\r\n\x08\x0c\\u001b\\\x1b\u{2028}\u{e9}";
+        let json = script_safe(&serde_json::to_string(text).unwrap());
+        let seen: String = serde_json::from_str(&json).unwrap();
+        assert_eq!(
+            seen,
+            "\\u001b[2J\\u202e\\u009b\\u000d\r\n\\u0008\\u000c\\u001b\\\\u001b\\u2028\u{e9}"
+        );
     }
 }

@@ -30,7 +30,7 @@ use super::finished::Finished;
 use super::header::Header;
 use super::lines::{self, Line, open, path_in};
 use super::note::{Note, SAME_SET, SET, word};
-use super::{Outcome, ResultsError, draft};
+use super::{Outcome, ResultsError, draft, make_folder};
 use crate::engine::Separation;
 use crate::notices::Notices;
 
@@ -88,7 +88,7 @@ impl Journal {
 
     /// A journal with its first line, which is not yet in its place.
     fn draft(folder: &Path, header: &Header) -> Result<(NamedTempFile, Self), ResultsError> {
-        fs::create_dir_all(folder).map_err(ResultsError::io(folder))?;
+        make_folder(folder)?;
         let draft = draft(folder).map_err(ResultsError::io(folder))?;
         let mut journal = Self::open(folder, draft.path(), header)?;
         journal.append_header();

@@ -139,6 +139,20 @@ impl ResultsError {
     }
 }
 
+/// Makes the folder for results, where it is not there.
+///
+/// # Errors
+/// When the system says no.
+pub fn make_folder(path: &Path) -> Result<(), ResultsError> {
+    std::fs::create_dir_all(path).map_err(|error| match error.kind() {
+        io::ErrorKind::NotFound => ResultsError::Content {
+            path: path.to_owned(),
+            message: "no folder can be made here; choose another --output".to_owned(),
+        },
+        _ => ResultsError::io(path)(error),
+    })
+}
+
 /// The operating system's error inside the csv writer's: its kind decides which remedy we name.
 pub fn of_the_system(error: io::Error) -> io::Error {
     match error.downcast::<csv::Error>() {

@@ -99,7 +99,7 @@ fn schema(header: &csv::StringRecord, kinds: &[Kind]) -> Result<Type, ParquetErr
             Repetition::REQUIRED
         };
         let name = csv_file::text(name);
-        let builder = Type::primitive_type_builder(name, physical).with_repetition(repetition);
+        let builder = Type::primitive_type_builder(&name, physical).with_repetition(repetition);
         let logical = (*kind == Kind::Text).then_some(LogicalType::String);
         builder.with_logical_type(logical).build().map(Arc::new)
     };
@@ -140,8 +140,8 @@ fn write_group(
                 column.write_batch(&values, None, None)?;
             }
             ColumnWriter::ByteArrayColumnWriter(column) => {
-                let values: Vec<ByteArray> =
-                    cells.map(csv_file::text).map(ByteArray::from).collect();
+                let text = |cell| ByteArray::from(&*csv_file::text(cell));
+                let values: Vec<ByteArray> = cells.map(text).collect();
                 column.write_batch(&values, None, None)?;
             }
             _ => {}

@@ -301,7 +301,7 @@ impl Points {
         // A million points are hardly ever not ok: their texts would be a good part of the memory.
         self.status.push(match cells.next()? {
             "ok" => Cow::Borrowed("ok"),
-            failure => Cow::Owned(csv_file::text(failure).to_owned()),
+            failure => Cow::Owned(csv_file::text(failure).into_owned()),
         });
         Some(())
     }

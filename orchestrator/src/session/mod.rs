@@ -8,6 +8,7 @@ mod verification;
 use thiserror::Error;
 
 use crate::engine::{Answer, EngineError};
+use crate::files::unusable;
 use crate::judge::Judge;
 use crate::pipeline::Model;
 use crate::results::{Header, Outcome, ResultsError};
@@ -26,7 +27,7 @@ pub use verification::Verification;
 #[derive(Debug, Error)]
 pub enum SessionError {
     /// The FMU cannot be used.
-    #[error(transparent)]
+    #[error("{}", unusable(.0))]
     Fmu(#[from] FmuError),
     /// The study cannot be used.
     #[error(transparent)]
@@ -79,8 +80,7 @@ impl Session {
         }
         study.design.points = request.points.unwrap_or(study.design.points);
         study.design.seed = request.seed.unwrap_or(study.design.seed);
-        let fmu = request.fmu.clone().unwrap_or_else(|| study.fmu_path());
-        let package = Package::open(&fmu)?;
+        let package = study.open_fmu::<SessionError>(request.fmu.as_deref())?;
         let judge = Judge::new(&study, Some(package.description()))?;
         let plan = Plan::new(&study, package.description())?;
         points::varies(&study)?;

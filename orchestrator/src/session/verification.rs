@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::{Ending, Request, Session, SessionError, Until};
 use crate::engine::Job;
+use crate::files;
 use crate::pipeline::{Model, Part};
 use crate::results::{Header, Looked, ResultsError, lines};
 use crate::source::Source;
@@ -32,8 +33,8 @@ impl Verification {
         let (source, table) = match &session.request.points_from {
             Some(path) => {
                 let source = Source::from_table(study, &plan.inputs, path)?;
-                let bytes = fs::read(path).map_err(ResultsError::io(path))?;
-                (source, Some(digest(&bytes)))
+                let digest = files::digest(path).map_err(ResultsError::io(path))?;
+                (source, Some(digest))
             }
             None => {
                 let design = plan.design(&study.design);

@@ -59,11 +59,16 @@ impl Place<'_> {
         }
     }
 
-    /// The TOML reader's message on one line, with a suggestion for a mistyped name.
+    /// The TOML reader's message on one line, with a remedy.
     pub(super) fn toml(&self, error: &toml::de::Error) -> StudyError {
         let message = suggest(error.message());
         match error.span() {
-            Some(span) => self.error(span.start, message),
+            Some(span) => {
+                let line = self.text.get(..span.start).unwrap_or_default();
+                let begin = line.rfind('\n').map_or(0, |end| end + 1);
+                let line = self.text[begin..].lines().next().unwrap_or_default();
+                self.error(span.start, remedy(error.message(), line).unwrap_or(message))
+            }
             None => StudyError::Whole {
                 path: self.path.to_owned(),
                 message,
@@ -79,6 +84,83 @@ const LIMITS: [&str; 6] = ["min", "max", "lower", "upper", "below", "above"];
 pub const BOTH_SIDES: &str = "a tolerance is the same to both sides: for limits a and b state nominal = (a + b) / 2 and \
                               tolerance = (b - a) / 2, where only one limit counts with the other one beyond what the model \
                               can reach; an uncertainty given as a percentage must be given as a value then";
+
+/// What to do about a message of the TOML reader, from the line that it is about; none where its own words do.
+fn remedy(message: &str, line: &str) -> Option<String> {
+    let says = |part: &str| message.contains(part);
+    let (key, value) = line.split_once('=').unwrap_or((line, ""));
+    let (key, value) = (
+        key.trim(),
+        value.split('#').next().unwrap_or_default().trim(),
+    );
+    let header = line.trim().strip_prefix('[');
+    if says("expected newline") && is_decimal_comma(value) {
+        let point = value.replace(',', ".");
+        return Some(format!(
+            "a number has a point, not a comma: {key} = {point}"
+        ));
+    }
+    if says("escaped value") || says("unicode value") || says("unicode hexadecimal") {
+        return Some(format!(
+            "between double quotes a backslash begins a special character: write '{}', with single quotes, or / instead of \\",
+            value.trim_matches('"')
+        ));
+    }
+    if says("must be quoted") {
+        let bare = value.trim_matches(|c: char| "\u{201c}\u{201d}\u{201e}\u{201f}\"'".contains(c));
+        return Some(format!("a text needs straight quotes: {key} = \"{bare}\""));
+    }
+    if says("key with no value") && line.contains(':') {
+        return Some("a key has = behind it, not a colon: `key = value`".to_owned());
+    }
+    if says("key with no value") || says("invalid key-value pair") || says("invalid unquoted") {
+        return Some(
+            "this is neither `key = value` nor `[section]`, as every line of a study is".to_owned(),
+        );
+    }
+    if says("unclosed table") {
+        return Some(format!(
+            "the section's name has no end: write {}]",
+            line.trim()
+        ));
+    }
+    if says("invalid basic string") || says("invalid literal string") {
+        return Some(format!(
+            "the text has no end: {key} needs the same quote behind its value"
+        ));
+    }
+    if says("duplicate key") {
+        let name = header.map_or(key, |name| name.trim_matches(|c| c == '[' || c == ']'));
+        return Some(format!("`{name}` stands here a second time; keep one"));
+    }
+    if says("expected a sequence") {
+        return Some(match header {
+            Some(name) => format!(
+                "there may be several of this section: write two brackets around its name, [[{}]]",
+                name.trim_end_matches(']')
+            ),
+            None => format!("{key} takes a list: write brackets around its values"),
+        });
+    }
+    if let Some((section, name)) = header.and_then(|name| name.split_once('.'))
+        && says("unknown field")
+        && name.contains('.')
+        && !name.contains(['"', '\''])
+    {
+        let name = name.trim_end_matches(']');
+        return Some(format!(
+            "a name with a point in it needs quotes: [{section}.\"{name}\"]"
+        ));
+    }
+    None
+}
+
+/// Whether a value is a number such as `0,02`.
+fn is_decimal_comma(value: &str) -> bool {
+    value.matches(',').count() == 1
+        && !value.contains('.')
+        && value.replace(',', ".").parse::<f64>().is_ok()
+}
 
 /// Shortens "unknown field `x`, expected one of `a`, `b`, ..." to the nearest name.
 fn suggest(message: &str) -> String {
@@ -108,7 +190,12 @@ fn suggest(message: &str) -> String {
 
 /// Says what is expected in words of the study, not in those of the program.
 fn plain(message: &str) -> String {
-    const WORDS: [(&str, &str); 7] = [
+    const WORDS: [(&str, &str); 9] = [
+        (
+            "missing field `fmu`",
+            "`fmu` is missing, the model: fmu = \"my.fmu\"",
+        ),
+        ("missing field", "there is missing"),
         ("expected f64", "expected a number"),
         ("expected u64", "expected a whole number, not negative"),
         ("expected usize", "expected a whole number, not negative"),
@@ -129,6 +216,102 @@ fn plain(message: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::study::Study;
+
+    #[test]
+    fn every_slip_of_the_pen_has_its_place_and_remedy() {
+        const STUDY: &str = "fmu = \"lag.fmu\"\n[design]\npoints = 8\n[parameters.\"lag.rate\"]\n\
+                             distribution = \"normal\"\nmean = 1\ndeviation = 0.1\n";
+        for (from, to, message) in [
+            (
+                "mean = 1",
+                "mean = 0,020",
+                "6:9: a number has a point, not a comma: mean = 0.020",
+            ),
+            (
+                "mean = 1",
+                "mean = 1 mm # wide",
+                "6:8: a text needs straight quotes: mean = \"1 mm\"",
+            ),
+            (
+                "\"lag.fmu\"",
+                "lag.fmu",
+                "1:7: a text needs straight quotes: fmu = \"lag.fmu\"",
+            ),
+            (
+                "\"normal\"",
+                "\u{201c}normal\u{201d}",
+                "5:16: a text needs straight quotes: distribution = \"normal\"",
+            ),
+            (
+                "\"lag.fmu\"",
+                "\"C:\\Users\\me\\lag.fmu\"",
+                "write 'C:\\Users\\me\\lag.fmu', with single quotes, or /",
+            ),
+            (
+                "\"lag.fmu\"",
+                "\"a\\lag.fmu\"",
+                "write 'a\\lag.fmu', with single quotes, or /",
+            ),
+            (
+                "mean = 1",
+                "mean: 1",
+                "6:7: a key has = behind it, not a colon",
+            ),
+            (
+                "mean = 1",
+                "mean",
+                "6:5: this is neither `key = value` nor `[section]`",
+            ),
+            (
+                "[design]",
+                "[design",
+                "2:8: the section's name has no end: write [design]",
+            ),
+            (
+                "\"normal\"",
+                "\"normal",
+                "5:23: the text has no end: distribution needs the same quote",
+            ),
+            (
+                "mean = 1",
+                "mean = 1\nmean = 2",
+                "7:1: `mean` stands here a second time; keep one",
+            ),
+            (
+                "[design]",
+                "[design]\n[design]",
+                "3:2: `design` stands here a second time; keep one",
+            ),
+            (
+                "[design]",
+                "[cases]\n[design]",
+                "2:1: there may be several of this section: write two brackets around its name, [[cases]]",
+            ),
+            (
+                "\"lag.rate\"]",
+                "lag.rate]",
+                "4:17: a name with a point in it needs quotes: [parameters.\"lag.rate\"]",
+            ),
+            (
+                "fmu = \"lag.fmu\"\n",
+                "",
+                "`fmu` is missing, the model: fmu = \"my.fmu\"",
+            ),
+            ("\"normal\"", "\"gauss\"", "did you mean `normal`?"),
+            ("\"normal\"", "\"rectangular\"", "did you mean `uniform`?"),
+            ("deviation", "sigma", "did you mean `deviation`?"),
+            (
+                "points = 8",
+                "method = \"lhs\"",
+                "did you mean `latin-hypercube`?",
+            ),
+        ] {
+            assert!(STUDY.contains(from), "{from}");
+            let error = Study::parse("s.toml".as_ref(), STUDY.replace(from, to)).unwrap_err();
+            assert!(error.to_string().contains(message), "{to}: {error}");
+        }
+    }
 
     #[test]
     fn types_have_plain_names() {

@@ -42,9 +42,10 @@ pub use reference::{DelayText, Normalise, ReferenceText};
 pub use sections::{RobustnessText, SensitivityText, TolerancesText};
 pub use window::Window;
 
+use crate::files;
 use ::curves::Metric;
 use error::Place;
-use fmu_import::digest;
+use fmu_import::{ArchiveError, FmuError, Package, digest, sha256};
 use sampling::design::Sampling;
 use sampling::statistics::{Direction, Statistic};
 
@@ -394,11 +395,26 @@ impl Study {
     /// # Errors
     /// When it cannot be read, with line and column when it is not understood.
     pub fn read(path: &Path) -> Result<Self, StudyError> {
-        let text = std::fs::read_to_string(path).map_err(|source| StudyError::Read {
-            path: path.to_owned(),
-            source,
-        })?;
-        Self::parse(path, text)
+        let of = |ending: &str| {
+            path.extension()
+                .is_some_and(|end| end.eq_ignore_ascii_case(ending))
+        };
+        let path = path.to_owned();
+        if of("fmu") {
+            let message = format!(
+                "is an FMU, where a study is needed: `orchestrator init {}` writes one",
+                path.display()
+            );
+            return Err(StudyError::Whole { path, message });
+        }
+        if of("csv") || of("parquet") {
+            let message = "is a table, where a study (a TOML file) is needed".to_owned();
+            return Err(StudyError::Whole { path, message });
+        }
+        match files::text(&path) {
+            Ok(text) => Self::parse(&path, text),
+            Err(source) => Err(StudyError::Read { path, source }),
+        }
     }
 
     /// Reads the text of a study that stands, or would stand, at `path`.
@@ -436,6 +452,24 @@ impl Study {
     pub fn fmu_path(&self) -> PathBuf {
         let folder = self.path.parent().unwrap_or(Path::new(""));
         folder.join(self.fmu.as_ref())
+    }
+
+    /// Opens its FMU, or another one instead.
+    ///
+    /// # Errors
+    /// When it cannot be used; where there is none, with the place in the study that names it.
+    pub fn open_fmu<E: From<FmuError> + From<StudyError>>(
+        &self,
+        instead: Option<&Path>,
+    ) -> Result<Package, E> {
+        let own = self.fmu_path();
+        Package::open(instead.unwrap_or(&own)).map_err(|error| match error {
+            FmuError::Archive {
+                source: ArchiveError::Missing,
+                ..
+            } if instead.is_none() => self.error_at(&self.fmu, files::unusable(&error)).into(),
+            other => other.into(),
+        })
     }
 
     /// Finds the files that the study names as if it still stood in this folder.
@@ -479,9 +513,9 @@ impl Study {
         let samples = samples.filter_map(|parameter| parameter.file.as_ref());
         let named = inputs.chain(curves).chain(samples);
         for file in named.chain(&self.fixed_from) {
-            // An unreadable value is reported where it is used.
-            let content = std::fs::read(self.beside(file.as_ref())).unwrap_or_default();
-            bytes.extend(Sha256::digest(&content));
+            // An unreadable file is reported where it is used.
+            let hash = files::open(&self.beside(file.as_ref())).and_then(sha256);
+            bytes.extend(hash.unwrap_or_else(|_| Sha256::digest([]).into()));
         }
         digest(&bytes)
     }

@@ -1,13 +1,13 @@
 //! Parameters that come together from a sample, such as the `posterior.csv` of `identify`.
 
 use std::collections::HashMap;
-use std::fs::File;
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, Read};
 use std::path::PathBuf;
 
 use toml::Spanned;
 
 use super::{Name, ParameterText, Shape, Study, StudyError};
+use crate::files;
 use crate::table::Table;
 use sampling::design::Joint;
 use sampling::distribution::Distribution;
@@ -118,7 +118,9 @@ fn together(
 /// The units that the comment in a file's first line states: `# NAME in UNIT, NAME in UNIT`, as `identify` writes it.
 fn stated_units(path: &std::path::Path) -> HashMap<String, String> {
     let mut first = String::new();
-    let read = File::open(path).map(|file| BufReader::new(file).read_line(&mut first));
+    const MOST: u64 = 1 << 20;
+    let file = files::open(path).map(|file| BufReader::new(file.take(MOST)));
+    let read = file.and_then(|mut file| file.read_line(&mut first));
     let Some(comment) = read
         .ok()
         .and(first.trim_start_matches('\u{feff}').strip_prefix("# "))

@@ -3,16 +3,15 @@
 
 mod write;
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
-use roxmltree::{Document, Node};
+use roxmltree::Node;
 use thiserror::Error;
 
 use super::Setting;
 use super::values::{find, value_of};
-use crate::files::reason;
-use fmu_import::{Description, Value};
+use crate::files::{self, reason};
+use fmu_import::{Description, Value, XmlError, xml};
 
 pub use write::write;
 pub(crate) use write::{Xml, document, printable};
@@ -28,13 +27,13 @@ pub enum SsvError {
         /// The operating system's message.
         source: std::io::Error,
     },
-    /// The XML is not well-formed.
-    #[error("{path}: {source}")]
+    /// It is no XML that can be read.
+    #[error("{path}: no SSP parameter set: {source}")]
     Xml {
         /// The file.
         path: PathBuf,
         /// The problem and its place.
-        source: roxmltree::Error,
+        source: XmlError,
     },
     /// Something in it is wrong.
     #[error("{path}:{line}: {message}")]
@@ -69,7 +68,7 @@ const TYPES: [&str; 5] = ["Real", "Integer", "Boolean", "Enumeration", "String"]
 /// # Errors
 /// When it cannot be read or is not a parameter set, with the line.
 pub fn read(path: &Path) -> Result<ParameterSet, SsvError> {
-    let text = fs::read_to_string(path).map_err(|source| SsvError::Read {
+    let text = files::text(path).map_err(|source| SsvError::Read {
         path: path.to_owned(),
         source,
     })?;
@@ -78,7 +77,7 @@ pub fn read(path: &Path) -> Result<ParameterSet, SsvError> {
 
 fn parse(path: &Path, text: &str) -> Result<ParameterSet, SsvError> {
     let text = text.trim_start_matches('\u{feff}');
-    let document = Document::parse(text).map_err(|source| SsvError::Xml {
+    let document = xml::parse(text).map_err(|source| SsvError::Xml {
         path: path.to_owned(),
         source,
     })?;

@@ -3,16 +3,22 @@
 
 use std::borrow::Cow;
 use std::fs::File;
-use std::io::{self, BufRead, BufReader, Seek};
+use std::io::{self, BufRead, BufReader, Read, Seek, Take};
 use std::path::Path;
 
+use csv::StringRecord;
+
 use crate::files;
+use crate::tell::{is_hidden, visible};
+
+/// The longest row that is read, MiB.
+const MOST_ROW: u64 = 64;
+const MOST_ROW_BYTES: u64 = MOST_ROW << 20;
 
 /// A csv file that is being read.
 #[derive(Debug)]
 pub struct CsvFile {
-    /// Its records, without the blanks around cells.
-    pub reader: csv::Reader<BufReader<File>>,
+    reader: csv::Reader<Take<File>>,
     separator: u8,
 }
 
@@ -22,15 +28,57 @@ impl CsvFile {
     /// # Errors
     /// When it cannot be read.
     pub fn open(path: &Path, comment: Option<u8>) -> csv::Result<Self> {
-        let mut file = BufReader::new(File::open(path)?);
-        let separator = separator(&mut file, comment)?;
+        let mut file = files::open(path)?;
+        let mut start = BufReader::new(&file).take(MOST_ROW_BYTES);
+        let archive = start.fill_buf()?.starts_with(b"PK\x03\x04");
+        if archive {
+            let message = "a zip archive, such as a spreadsheet or an FMU; save the table as csv";
+            return Err(io::Error::other(message).into());
+        }
+        let separator = separator(&mut start, comment)?;
         file.rewind()?;
         let mut builder = csv::ReaderBuilder::new();
         builder.trim(csv::Trim::All).comment(comment);
+        let file = file.take(MOST_ROW_BYTES);
         Ok(Self {
             reader: builder.delimiter(separator).from_reader(file),
             separator,
         })
+    }
+
+    /// The cells of its first row.
+    ///
+    /// # Errors
+    /// When it cannot be read.
+    pub fn header(&mut self) -> csv::Result<Vec<String>> {
+        let header = self.reader.headers()?;
+        let header = header.iter().map(|name| text(name).into_owned());
+        let header = header.collect();
+        self.check_row()?;
+        Ok(header)
+    }
+
+    /// Reads the next row, without the blanks around cells; none behind the last one.
+    ///
+    /// # Errors
+    /// When it cannot be read.
+    pub fn row(&mut self, row: &mut StringRecord) -> csv::Result<bool> {
+        self.reader.get_mut().set_limit(MOST_ROW_BYTES);
+        let more = self.reader.read_record(row)?;
+        self.check_row()?;
+        Ok(more)
+    }
+
+    /// A row that ends with what may be read of it may be longer.
+    fn check_row(&self) -> csv::Result<()> {
+        if self.reader.get_ref().limit() > 0 {
+            return Ok(());
+        }
+        let message = format!(
+            "line {}: a row longer than {MOST_ROW} MiB, which is the most that is read; look for a quote without an end",
+            self.reader.position().line()
+        );
+        Err(io::Error::other(message).into())
     }
 
     /// The number in a cell of this file.
@@ -73,7 +121,7 @@ fn separator(file: &mut impl BufRead, comment: Option<u8>) -> io::Result<u8> {
 /// The places of blank lines among the rows of a file, counted from 0 behind the header. Lines that begin with `comment`
 /// are no rows.
 pub fn blank_rows(path: &Path, comment: u8) -> io::Result<Vec<usize>> {
-    blank(BufReader::new(File::open(path)?), comment)
+    blank(BufReader::new(files::open(path)?), comment)
 }
 
 fn blank(file: impl BufRead, comment: u8) -> io::Result<Vec<usize>> {
@@ -93,20 +141,45 @@ fn blank(file: impl BufRead, comment: u8) -> io::Result<Vec<usize>> {
     Ok(found)
 }
 
-/// A text as a cell: where a spreadsheet would take it for a formula, an apostrophe before it prevents that. Numbers
-/// stay as they are.
+/// A text as a cell: where a spreadsheet would take it for a formula, an apostrophe before it prevents that, and what a
+/// terminal would obey is written as `\u001b`. Numbers stay as they are.
 pub fn cell(text: &str) -> Cow<'_, str> {
-    if is_formula(text) && text.parse::<f64>().is_err() {
-        Cow::Owned(format!("'{text}"))
-    } else {
-        Cow::Borrowed(text)
+    let formula = is_formula(text) && text.parse::<f64>().is_err();
+    if !formula && !text.contains(is_hidden) && !text.contains("\\u") {
+        return Cow::Borrowed(text);
     }
+    // What looks like a hidden character that is written so must not become one.
+    let plain = text.replace("\\u", "\\u005cu");
+    let mark = if formula { "'" } else { "" };
+    Cow::Owned(format!("{mark}{}", visible(&plain)))
 }
 
 /// The text that [`cell`] made a cell of.
-pub fn text(cell: &str) -> &str {
-    let inner = cell.strip_prefix('\'');
-    inner.filter(|inner| is_formula(inner)).unwrap_or(cell)
+pub fn text(cell: &str) -> Cow<'_, str> {
+    let mut text = Cow::Borrowed(cell);
+    let mut rest = cell;
+    if cell.contains("\\u") {
+        let mut all = String::new();
+        while let Some((before, after)) = rest.split_once("\\u") {
+            let code = after
+                .get(..4)
+                .and_then(|code| u32::from_str_radix(code, 16).ok());
+            let c = code.and_then(char::from_u32);
+            let c = c.filter(|c| *c == '\\' || is_hidden(*c));
+            all += before;
+            all.push(c.unwrap_or('\\'));
+            rest = match c {
+                Some(_) => &after[4..],
+                None => &rest[before.len() + 1..],
+            };
+        }
+        text = Cow::Owned(all + rest);
+    }
+    let bare = text.strip_prefix('\'').filter(|bare| is_formula(bare));
+    match bare.map(str::to_owned) {
+        Some(bare) => Cow::Owned(bare),
+        None => text,
+    }
 }
 
 /// Whether a text begins as a formula does. One that has an apostrophe before it already gets another, so that
@@ -132,7 +205,7 @@ pub fn reason(path: &Path, error: &csv::Error) -> String {
             expected_len,
             len,
         } => format!(
-            "{} has {len} cells instead of {expected_len} as the first line",
+            "{} has {len} cells instead of {expected_len} as the first line; a decimal comma needs semicolons between cells",
             line(pos)
         ),
         _ => error.to_string(),
@@ -178,15 +251,54 @@ mod tests {
             assert_eq!(cell, format!("'{formula}"));
             assert_eq!(text(&cell), formula);
         }
-        for plain in ["", "lag.y", "-1.5e3", "+2", "'quoted'", "der(x)", "a=b"] {
+        for plain in [
+            "", "lag.y", "-1.5e3", "+2", "'quoted'", "der(x)", "a=b", "C:\\a", "a\nb",
+        ] {
             assert_eq!(cell(plain), plain);
             assert_eq!(text(plain), plain);
         }
     }
 
+    #[test]
+    fn nothing_hidden_is_in_a_cell() {
+        let steering = "\x1b]0;owned\x07\u{9b}2J\u{202e}\r";
+        assert_eq!(cell(steering), r"\u001b]0;owned\u0007\u009b2J\u202e\u000d");
+        for plain in [
+            steering,
+            r"\u001b",
+            r"\u005cu001b",
+            r"\u00e9",
+            "=\x1b",
+            "\\u\x1b",
+        ] {
+            assert_eq!(text(&cell(plain)), plain);
+            assert!(!cell(plain).contains(is_hidden));
+        }
+        // What other programs write stays what it is.
+        assert_eq!(text(r"\u00e9 \u12 \user"), r"\u00e9 \u12 \user");
+    }
+
+    #[test]
+    fn a_row_without_end_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.csv");
+        std::fs::write(&path, "x\n1\n\"").unwrap();
+        let file = std::fs::OpenOptions::new().write(true).open(&path).unwrap();
+        file.set_len(65 << 20).unwrap();
+        let mut table = CsvFile::open(&path, None).unwrap();
+        let mut row = StringRecord::new();
+        assert_eq!(table.header().unwrap(), ["x"]);
+        assert!(table.row(&mut row).unwrap());
+        let error = reason(&path, &table.row(&mut row).unwrap_err());
+        assert!(error.contains("a row longer than 64 MiB"), "{error}");
+        std::fs::write(&path, "PK\x03\x04").unwrap();
+        let error = reason(&path, &CsvFile::open(&path, None).unwrap_err());
+        assert!(error.starts_with("a zip archive"), "{error}");
+    }
+
     proptest::proptest! {
         #[test]
-        fn every_text_comes_back(plain in "['=+@\t\r-]{0,3}.{0,5}") {
+        fn every_text_comes_back(plain in "['=+@\t\r-]{0,3}(\\\\u00|[\\\\u0159b\u{9b}\u{202e}\x07]|.){0,5}") {
             let cell = cell(&plain);
             let number = plain.parse::<f64>().is_ok();
             let formula = cell.starts_with(['=', '+', '-', '@', '\t', '\r']);

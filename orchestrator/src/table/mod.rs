@@ -13,6 +13,9 @@ use crate::names::{did_you_mean, nearest};
 use csv_file::{CsvFile, reason};
 use parquet::ParquetFile;
 
+/// The most rows that are read, some gigabytes.
+const MOST_ROWS: usize = 50_000_000;
+
 /// Why a table cannot be used.
 #[derive(Debug, Error)]
 pub enum TableError {
@@ -44,9 +47,9 @@ pub enum TableError {
         /// The cell.
         text: String,
     },
-    /// A Parquet file cannot be read.
+    /// A table as a whole cannot be read.
     #[error("{path}: {message}")]
-    Parquet {
+    Whole {
         /// The table.
         path: PathBuf,
         /// The problem.
@@ -160,105 +163,123 @@ impl Table {
             source,
         };
         let mut file = CsvFile::open(path, Some(COMMENT)).map_err(failed)?;
-        let header: Vec<String> = file
-            .reader
-            .headers()
-            .map_err(failed)?
-            .iter()
-            .map(|cell| csv_file::text(cell).to_owned())
-            .collect();
+        let header = file.header().map_err(failed)?;
         if header.is_empty() {
             return Err(TableError::Empty(path.to_owned()));
         }
-        let places = columns
-            .iter()
-            .map(|(names, purpose)| find(path, &header, names, purpose))
-            .collect::<Result<Vec<usize>, _>>()?;
-        let label = header
-            .iter()
-            .position(|name| name.eq_ignore_ascii_case("point"));
-        let mut table = Self {
-            rows: Vec::new(),
-            labels: Vec::new(),
-        };
+        let mut reading = Reading::new(path, header, columns)?;
         let mut record = csv::StringRecord::new();
         // The reader skips blank lines. In a table of one column they are empty cells, but for those at the end.
-        let blanks = if gaps && header.len() == 1 {
+        let blanks = if gaps && reading.header.len() == 1 {
             csv_file::blank_rows(path, COMMENT).map_err(|error| failed(error.into()))?
         } else {
             Vec::new()
         };
         let mut blanks = blanks.into_iter().peekable();
-        while file.reader.read_record(&mut record).map_err(failed)? {
-            while blanks.next_if_eq(&table.rows.len()).is_some() {
-                table.rows.push(vec![f64::NAN; places.len()]);
-                table.labels.push(table.rows.len() as u64);
+        while file.row(&mut record).map_err(failed)? {
+            while blanks.next_if_eq(&reading.table.rows.len()).is_some() {
+                reading.add(0, |_| Ok(f64::NAN), |_| None)?;
             }
-            let number = |&place: &usize| {
+            let number = |place: usize| {
                 let text = record.get(place).unwrap_or("");
                 let gap = (gaps && text.is_empty()).then_some(f64::NAN);
-                gap.or_else(|| file.number(text))
-                    .ok_or_else(|| TableError::Number {
-                        path: path.to_owned(),
-                        line: record.position().map_or(0, csv::Position::line),
-                        column: shown(&header[place]),
-                        text: shown(text),
-                    })
+                let number = gap.or_else(|| file.number(text));
+                number.ok_or_else(|| text.to_owned())
             };
-            table
-                .rows
-                .push(places.iter().map(number).collect::<Result<_, _>>()?);
-            let own = label.and_then(|place| record.get(place)?.parse().ok());
-            table.labels.push(own.unwrap_or(table.rows.len() as u64));
+            let line = record.position().map_or(0, csv::Position::line);
+            reading.add(line, number, |place| record.get(place)?.parse().ok())?;
         }
-        Ok(table)
+        Ok(reading.table)
     }
-}
 
-impl Table {
     /// Reads a Parquet file.
     fn read_parquet(
         path: &Path,
         columns: &[(Vec<String>, String)],
         gaps: bool,
     ) -> Result<Self, TableError> {
-        let failed = |message: String| TableError::Parquet {
+        let failed = |message: String| TableError::Whole {
             path: path.to_owned(),
             message,
         };
         let source = ParquetFile::open(path).map_err(failed)?;
-        let header = source.names();
+        let mut reading = Reading::new(path, source.names(), columns)?;
+        for row in source.rows().map_err(failed)? {
+            let row = row.map_err(failed)?;
+            let number = |place: usize| {
+                let cell = row.get(place);
+                let value = cell.and_then(parquet::number);
+                let value = value.or_else(|| gaps.then_some(f64::NAN));
+                value.ok_or_else(|| cell.map_or_else(String::new, ToString::to_string))
+            };
+            let line = reading.table.rows.len() as u64 + 1;
+            reading.add(line, number, |place| {
+                row.get(place).and_then(parquet::whole)
+            })?;
+        }
+        Ok(reading.table)
+    }
+}
+
+/// A table that is being read.
+struct Reading<'a> {
+    path: &'a Path,
+    header: Vec<String>,
+    /// Where the columns are that were asked for, and that of the labels.
+    places: Vec<usize>,
+    label: Option<usize>,
+    table: Table,
+}
+
+impl<'a> Reading<'a> {
+    fn new(
+        path: &'a Path,
+        header: Vec<String>,
+        columns: &[(Vec<String>, String)],
+    ) -> Result<Self, TableError> {
         let places = columns
             .iter()
             .map(|(names, purpose)| find(path, &header, names, purpose))
-            .collect::<Result<Vec<usize>, _>>()?;
-        let label = header
-            .iter()
-            .position(|name| name.eq_ignore_ascii_case("point"));
-        let mut table = Self {
-            rows: Vec::new(),
-            labels: Vec::new(),
+            .collect::<Result<_, _>>()?;
+        let label = |name: &String| name.eq_ignore_ascii_case("point");
+        Ok(Self {
+            path,
+            places,
+            label: header.iter().position(label),
+            header,
+            table: Table {
+                rows: Vec::new(),
+                labels: Vec::new(),
+            },
+        })
+    }
+
+    /// Adds a row: `number` gives the number at a place, or the cell's text where it is none.
+    fn add(
+        &mut self,
+        line: u64,
+        number: impl Fn(usize) -> Result<f64, String>,
+        label: impl Fn(usize) -> Option<u64>,
+    ) -> Result<(), TableError> {
+        let cell = |&place: &usize| {
+            number(place).map_err(|text| TableError::Number {
+                path: self.path.to_owned(),
+                line,
+                column: shown(&self.header[place]),
+                text: shown(&text),
+            })
         };
-        for row in source.rows().map_err(failed)? {
-            let row = row.map_err(failed)?;
-            let number = |&place: &usize| {
-                let cell = row.get(place);
-                let value = cell.and_then(parquet::number);
-                value
-                    .or_else(|| gaps.then_some(f64::NAN))
-                    .ok_or_else(|| TableError::Number {
-                        path: path.to_owned(),
-                        line: table.rows.len() as u64 + 1,
-                        column: shown(&header[place]),
-                        text: cell.map_or_else(String::new, |cell| shown(&cell.to_string())),
-                    })
-            };
-            let numbers = places.iter().map(number).collect::<Result<_, _>>()?;
-            let own = label.and_then(|place| row.get(place).and_then(parquet::whole));
-            table.rows.push(numbers);
-            table.labels.push(own.unwrap_or(table.rows.len() as u64));
+        let numbers = self.places.iter().map(cell).collect::<Result<_, _>>()?;
+        let Table { rows, labels } = &mut self.table;
+        if rows.len() == MOST_ROWS {
+            return Err(TableError::Whole {
+                path: self.path.to_owned(),
+                message: format!("more than {MOST_ROWS} rows, which is the most that is read here"),
+            });
         }
-        Ok(table)
+        rows.push(numbers);
+        labels.push(self.label.and_then(label).unwrap_or(rows.len() as u64));
+        Ok(())
     }
 }
 
@@ -289,6 +310,7 @@ fn find(
             what: format!("column `{}`", shown(&header[place])),
         });
     }
+    let is_number = |name: &String| name.parse::<f64>().is_ok();
     place.ok_or_else(|| {
         let column = names.first().map_or("", String::as_str);
         let near = nearest(column, header.iter().map(String::as_str)).map(shown);
@@ -297,7 +319,10 @@ fn find(
         let known = known.join(", ");
         TableError::Column {
             path: path.to_owned(),
-            message: format!("`{column}` for {purpose}{suggestion}; it has {known}"),
+            message: match header.iter().all(is_number) {
+                true => format!("`{column}` for {purpose}: the first line must name the columns, and it has {known}"),
+                false => format!("`{column}` for {purpose}{suggestion}; it has {known}"),
+            },
         }
     })
 }

@@ -19,7 +19,7 @@ impl ParquetFile {
     /// # Errors
     /// When there is none, or it is none of Parquet.
     pub fn open(path: &Path) -> Result<Self, String> {
-        let file = File::open(path).map_err(|error| files::reason(path, &error))?;
+        let file = files::open(path).map_err(|error| files::reason(path, &error))?;
         let reader = SerializedFileReader::new(file).map_err(|error| one_line(&error))?;
         Ok(Self { reader })
     }

@@ -27,6 +27,7 @@ mod samples;
 mod sensitivities;
 mod simulate;
 mod statistics;
+mod strangers;
 mod support;
 mod three;
 mod verdicts;

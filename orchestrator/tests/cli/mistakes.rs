@@ -47,7 +47,52 @@ fn no_such_file() {
     bench
         .run(&["verify", "none.toml"])
         .is_mistake(&["none.toml: no such file"]);
-    verify("lag.fmu", "lost.fmu").is_mistake(&["lost.fmu: no such file"]);
+    verify("lag.fmu", "lost.fmu").is_mistake(&[
+        "study.toml:2:7: lost.fmu: no such file in ",
+        "did you mean `lag.fmu`?",
+    ]);
+    verify("lag.fmu", "models/lag.fmu").is_mistake(&["study.toml:2:7: ", "there is no folder "]);
+    let bench = Bench::new();
+    bench
+        .run(&["inspect", "lga.fmu"])
+        .is_mistake(&["lga.fmu: no such file in ", "did you mean `lag.fmu`?"]);
+}
+
+#[test]
+fn one_file_in_the_place_of_another() {
+    let bench = Bench::new();
+    bench.write("study.toml", STUDY);
+    bench.write("table.csv", "Y\n0.8\n");
+    bench.run(&["verify", "lag.fmu"]).is_mistake(&[
+        "lag.fmu: is an FMU",
+        "`orchestrator init lag.fmu` writes one",
+    ]);
+    bench
+        .run(&["judge", "table.csv", "study.toml"])
+        .is_mistake(&["table.csv: is a table, where a study (a TOML file) is needed"]);
+    bench
+        .run(&["judge", "study.toml", "lag.fmu"])
+        .is_mistake(&["lag.fmu: a zip archive", "save the table as csv"]);
+    bench
+        .run(&["simulate", "lag.fmu", "--set-from", "study.toml"])
+        .is_mistake(&["study.toml: no SSP parameter set"]);
+    for folder in ["study.toml", "study.toml/below"] {
+        bench
+            .run(&["verify", "study.toml", "--output", folder])
+            .is_mistake(&["study.toml is a file, where a folder is needed"]);
+    }
+    bench
+        .run(&["report", "study.toml"])
+        .is_mistake(&["study.toml is a file, where a folder is needed"]);
+    if cfg!(target_os = "linux") {
+        bench
+            .run(&["verify", "study.toml", "--output", "/proc/x"])
+            .is_mistake(&["/proc/x: no folder can be made here; choose another --output"]);
+    }
+    std::fs::write(bench.path("latin.toml"), b"# K\xfchlung").unwrap();
+    bench
+        .run(&["verify", "latin.toml"])
+        .is_mistake(&["latin.toml: line 1 is not text in UTF-8; save the file as UTF-8"]);
 }
 
 #[test]
@@ -158,15 +203,17 @@ fn values_that_make_no_sense() {
     verify("points = 8", "points = 0").is_mistake(&["points"]);
     verify("nominal = 0.86", "nominal = nan").is_mistake(&["study.toml:15", "not a finite number"]);
     verify("stop = 2", "stop = \"2 s\"").is_mistake(&["study.toml:5:8", "expected a number"]);
-    for (option, value) in [("--jobs", "0"), ("--points", "-1"), ("--seed", "-1")] {
+    for (option, value, remedy) in [
+        ("--jobs", "0", "at least 1 is needed"),
+        ("--points", "-1", "a whole number is needed, not negative"),
+        ("--seed", "1e4", "a whole number is needed, not negative"),
+    ] {
         let said = bench.run(&["verify", "study.toml", option, value]);
-        assert_eq!(said.code, 2);
-        assert!(
-            said.err.contains(&format!("invalid value '{value}'")),
-            "{}",
-            said.err
-        );
+        said.is_mistake(&[&format!("invalid value '{value}'"), remedy]);
     }
+    bench.write("study.toml", STUDY);
+    let never = bench.run(&["verify", "study.toml", "--point-timeout", "-1"]);
+    never.is_mistake(&["--point-timeout: -1.0 s is not a positive time"]);
     let start = bench.run(&["simulate", "lag.fmu", "--start", "-1", "--stop", "0"]);
     assert_eq!(start.code, 0, "{}", start.err);
     assert!(start.out.lines().nth(1).unwrap().starts_with("-1,"));
@@ -349,7 +396,12 @@ fn tables_that_do_not_fit() {
     judge("").is_mistake(&["table.csv", "no rows"]);
     judge("Y,Y\n1,2\n").is_mistake(&["table.csv", "column `Y` is there twice"]);
     judge("point,Y\n1,1\n1,2\n").is_mistake(&["table.csv", "point 1 is there twice"]);
-    judge("point,Y\n1,1,3\n").is_mistake(&["table.csv", "line 2 has 3 cells instead of 2"]);
+    judge("point,Y\n1,1,3\n").is_mistake(&[
+        "table.csv",
+        "line 2 has 3 cells instead of 2",
+        "a decimal comma needs semicolons between cells",
+    ]);
+    judge("1,0.8\n2,0.9\n").is_mistake(&["table.csv", "the first line must name the columns"]);
     std::fs::write(bench.path("table.csv"), b"point,Y,\xe9\n1,1,1\n").unwrap();
     let latin = bench.run(&["judge", "study.toml", "table.csv"]);
     latin.is_mistake(&["table.csv", "line 1", "UTF-8"]);

@@ -62,7 +62,7 @@ pub(super) fn type_attributes(document: &Document<'_>) -> Vec<Hit> {
                 shown.map(|shown| format!("displayUnit \"{shown}\" without a unit: add the unit"))
             }
             Some(unit) => {
-                let defined = document.read.units.iter().any(|(name, _)| name == unit);
+                let defined = document.read.units.get(unit).is_some();
                 (!defined)
                     .then(|| format!("unit \"{unit}\" is not defined: add it to UnitDefinitions"))
             }

@@ -141,10 +141,8 @@ fn starts_of_lines(text: &str) -> Vec<usize> {
 /// A finding at an element.
 pub(super) fn at(node: Node<'_, '_>, text: &str) -> Hit {
     Hit {
-        file: Some(NAME.to_owned()),
-        line: None,
         position: Some(node.range().start),
-        text: text.to_owned(),
+        ..Hit::of(NAME, text.to_owned())
     }
 }
 

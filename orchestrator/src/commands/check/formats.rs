@@ -13,14 +13,8 @@ const MANY: usize = 20;
 
 /// A line per finding, the worst first. What is one rule's over and over is counted at the end.
 pub(super) fn text(fmu: &Path, findings: &[Finding]) -> String {
-    let count = |severity| {
-        findings
-            .iter()
-            .filter(|f| f.rule.severity == severity)
-            .count()
-    };
     let counts = [Severity::Error, Severity::Warning, Severity::Note].map(|severity| {
-        let count = count(severity);
+        let count = count(findings, severity);
         let plural = if count == 1 { "" } else { "s" };
         (count > 0).then(|| format!("{count} {}{plural}", severity.word()))
     });
@@ -55,6 +49,11 @@ pub(super) fn text(fmu: &Path, findings: &[Finding]) -> String {
     text
 }
 
+fn count(findings: &[Finding], severity: Severity) -> usize {
+    let of_it = findings.iter().filter(|f| f.rule.severity == severity);
+    of_it.count()
+}
+
 /// One object with all findings.
 pub(super) fn json(fmu: &Path, findings: &[Finding]) -> String {
     let of = |finding: &Finding| {
@@ -68,17 +67,11 @@ pub(super) fn json(fmu: &Path, findings: &[Finding]) -> String {
             "message": hit.text,
         })
     };
-    let count = |severity| {
-        findings
-            .iter()
-            .filter(|f| f.rule.severity == severity)
-            .count()
-    };
     pretty(&json!({
         "fmu": fmu.display().to_string(),
-        "errors": count(Severity::Error),
-        "warnings": count(Severity::Warning),
-        "notes": count(Severity::Note),
+        "errors": count(findings, Severity::Error),
+        "warnings": count(findings, Severity::Warning),
+        "notes": count(findings, Severity::Note),
         "findings": findings.iter().map(of).collect::<Vec<_>>(),
     }))
 }

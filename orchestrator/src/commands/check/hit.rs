@@ -4,7 +4,7 @@
 pub(super) type Breach = (&'static str, Hit);
 
 /// A breach of a rule: where, and what to do about it.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Hit {
     /// The file within the FMU.
     pub(super) file: Option<String>,
@@ -18,10 +18,8 @@ impl Hit {
     /// One of no file.
     pub(super) fn plain(text: String) -> Self {
         Self {
-            file: None,
-            line: None,
-            position: None,
             text,
+            ..Self::default()
         }
     }
 
@@ -29,9 +27,7 @@ impl Hit {
     pub(super) fn of(file: &str, text: String) -> Self {
         Self {
             file: Some(file.to_owned()),
-            line: None,
-            position: None,
-            text,
+            ..Self::plain(text)
         }
     }
 

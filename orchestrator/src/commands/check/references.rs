@@ -3,10 +3,10 @@
 
 use std::str;
 
-use roxmltree::{Document, Node};
+use roxmltree::Node;
 
 use super::hit::{Breach, Hit};
-use fmu_import::{FmuError, Package};
+use fmu_import::{FmuError, Package, xml};
 
 const MANIFEST: &str = "extra/org.fmi-standard.fmi-ls-ref/fmi-ls-manifest.xml";
 const TERMINALS: &str = "terminalsAndIcons/terminalsAndIcons.xml";
@@ -58,7 +58,7 @@ fn in_file(
         Ok(bytes) if bytes.len() > LARGEST => {
             vec![format!("longer than {LARGEST} bytes, and not looked at")]
         }
-        Ok(bytes) => match str::from_utf8(&bytes).map(Document::parse) {
+        Ok(bytes) => match str::from_utf8(&bytes).map(xml::parse) {
             Ok(Ok(document)) => look(document.root_element()),
             Ok(Err(error)) => vec![error.to_string()],
             Err(error) => vec![error.to_string()],

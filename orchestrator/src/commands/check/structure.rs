@@ -108,10 +108,7 @@ pub(super) fn initial_unknowns_missing(document: &Document<'_>) -> Vec<Hit> {
 
 /// The positions of the states and their derivatives, as `Derivatives` lists them.
 fn states_and_derivatives(document: &Document<'_>) -> HashSet<usize> {
-    let listed = structure(document)
-        .into_iter()
-        .flat_map(|node| unknowns(node, "Derivatives"));
-    let derivatives = listed
+    let derivatives = listed(document, "Derivatives")
         .filter_map(|unknown| position(unknown.attribute("index")?, &document.scalars))
         .collect();
     &states(document) | &derivatives
@@ -119,14 +116,11 @@ fn states_and_derivatives(document: &Document<'_>) -> HashSet<usize> {
 
 /// The positions of the states: the variables of which `Derivatives` lists the derivatives.
 pub(super) fn states(document: &Document<'_>) -> HashSet<usize> {
-    let listed = structure(document)
-        .into_iter()
-        .flat_map(|node| unknowns(node, "Derivatives"));
     let state = |unknown: Node<'_, '_>| {
         let derivative = position(unknown.attribute("index")?, &document.scalars)?;
         state_of(document.scalars[derivative].as_ref()?, &document.scalars)
     };
-    listed.filter_map(state).collect()
+    listed(document, "Derivatives").filter_map(state).collect()
 }
 
 /// The position of the variable of which this one is the derivative.
@@ -185,6 +179,12 @@ pub(super) fn no_outputs(document: &Document<'_>) -> Vec<Hit> {
     vec![Hit::of(super::document::NAME, text.to_owned())]
 }
 
+/// The unknowns of one list, where there is a `ModelStructure`.
+fn listed<'a>(document: &Document<'a>, name: &'static str) -> impl Iterator<Item = Node<'a, 'a>> {
+    let structure = structure(document).into_iter();
+    structure.flat_map(move |node| unknowns(node, name))
+}
+
 /// The unknowns of one list.
 pub(super) fn unknowns<'a>(
     structure: Node<'a, 'a>,
@@ -222,10 +222,7 @@ fn list(
 ) -> Vec<Hit> {
     let scalars = &document.scalars;
     let mut seen = HashSet::new();
-    let listed = structure(document)
-        .into_iter()
-        .flat_map(|node| unknowns(node, name));
-    let wrong = listed.filter_map(|unknown| {
+    let wrong = listed(document, name).filter_map(|unknown| {
         let index = unknown.attribute("index")?;
         let wrong = match position(index, scalars) {
             None => format!(

@@ -200,7 +200,7 @@ pub(super) fn declared(document: &Document<'_>) -> Vec<Hit> {
         else {
             return None;
         };
-        let defined = document.read.units.iter().any(|(name, _)| name == unit);
+        let defined = document.read.units.get(unit).is_some();
         (!defined).then(|| format!("unit \"{unit}\" is not defined: add it to UnitDefinitions"))
     })
 }

@@ -13,10 +13,8 @@ fn remarks(document: &Document<'_>, about: About) -> Vec<Hit> {
         .iter()
         .filter(|remark| remark.about == about);
     let hit = |remark: &fmu_import::Remark| Hit {
-        file: Some(NAME.to_owned()),
         line: Some(remark.line),
-        position: None,
-        text: remark.text.clone(),
+        ..Hit::of(NAME, remark.text.clone())
     };
     remarks.map(hit).collect()
 }
@@ -208,7 +206,7 @@ pub(super) fn item(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<Strin
 
 pub(super) fn unit(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let unit = document.effective(scalar, "unit")?;
-    let defined = document.read.units.iter().any(|(name, _)| name == unit);
+    let defined = document.read.units.get(unit).is_some();
     (!defined).then(|| format!("unit \"{unit}\" is not defined: add it to UnitDefinitions"))
 }
 
@@ -223,7 +221,7 @@ pub(super) fn display_unit_alone(scalar: &Scalar<'_>, document: &Document<'_>) -
 pub(super) fn display_unit(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let shown = document.effective(scalar, "displayUnit")?;
     let unit = document.effective(scalar, "unit")?;
-    let (_, defined) = document.read.units.iter().find(|(name, _)| *name == unit)?;
+    let defined = document.read.units.get(unit)?;
     let known = shown == unit || defined.display.iter().any(|other| other.name == shown);
     (!known).then(|| {
         format!("displayUnit \"{shown}\" is not defined for unit \"{unit}\": add it there")

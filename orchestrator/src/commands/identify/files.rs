@@ -105,29 +105,33 @@ fn write_cases(
         path: path.clone(),
         message: reason(&path, &error),
     };
-    let mut reader = CsvFile::open(&path, Some(b'#')).map_err(failed)?.reader;
-    let header = reader.headers().map_err(failed)?.clone();
+    let mut table = CsvFile::open(&path, Some(b'#')).map_err(failed)?;
+    let header = table.header().map_err(failed)?;
     let latents = settings.latent.values();
     let places: Vec<Option<usize>> = latents
         .map(|latent| {
             header
                 .iter()
-                .position(|name| Some(csv_file::text(name)) == latent.column.as_deref())
+                .position(|name| Some(name) == latent.column.as_ref())
         })
         .collect();
     let mut writer = csv::Writer::from_writer(Vec::new());
-    let safe = |text: &str| csv_file::cell(csv_file::text(text)).into_owned();
-    let names = header.iter().map(safe);
+    let names = header.iter().map(|name| csv_file::cell(name).into_owned());
     writer.write_record(names).map_err(failed)?;
-    for (record, case) in reader.records().zip(&outcome.optima[optimum].latents) {
-        let mut cells: Vec<String> = record.map_err(failed)?.iter().map(str::to_owned).collect();
+    let mut row = csv::StringRecord::new();
+    for case in &outcome.optima[optimum].latents {
+        if !table.row(&mut row).map_err(failed)? {
+            break;
+        }
+        let texts = row.iter().map(|cell| csv_file::text(cell).into_owned());
+        let mut cells: Vec<String> = texts.collect();
         for (place, latent) in places.iter().zip(case) {
             if let Some(cell) = place.and_then(|place| cells.get_mut(place)) {
                 *cell = text::digits(latent.value).to_string();
             }
         }
         writer
-            .write_record(cells.iter().map(|text| safe(text)))
+            .write_record(cells.iter().map(|text| csv_file::cell(text).into_owned()))
             .map_err(failed)?;
     }
     let bytes = writer

@@ -9,7 +9,7 @@ use crate::study::inputs::{
 };
 use crate::study::plan::find;
 use crate::study::quantity::Scale;
-use crate::table::csv_file::{self, CsvFile};
+use crate::table::csv_file::CsvFile;
 use crate::table::{Table, TableError};
 use crate::task::{Schedule, Series};
 use fmu_import::Description;
@@ -74,11 +74,7 @@ pub(super) fn inputs(
         source,
     };
     let mut file = CsvFile::open(path, Some(b'#')).map_err(failed)?;
-    let header = file.reader.headers().map_err(failed)?;
-    let header: Vec<String> = header
-        .iter()
-        .map(|cell| csv_file::text(cell).to_owned())
-        .collect();
+    let header = file.header().map_err(failed)?;
     let series = |column: &String| {
         let wrong = |message: String| {
             mistake(

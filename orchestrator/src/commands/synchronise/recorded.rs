@@ -6,7 +6,7 @@ use chrono::{DateTime, NaiveDateTime};
 
 use super::mistake::SettingsError;
 use crate::names::{did_you_mean, nearest};
-use crate::table::csv_file::{self, CsvFile};
+use crate::table::csv_file::CsvFile;
 
 /// A recording's columns by name.
 pub(super) struct RecordedTable {
@@ -73,18 +73,18 @@ impl RecordedTable {
             source,
         };
         let mut file = CsvFile::open(path, None).map_err(failed)?;
-        let header = file.reader.headers().map_err(failed)?.clone();
+        let header = file.header().map_err(failed)?;
         let column = |name: &str| Column {
-            name: csv_file::text(name.trim_start_matches('\u{feff}')).to_owned(),
+            name: name.trim_start_matches('\u{feff}').to_owned(),
             unit: None,
             values: Vec::new(),
             stamps: false,
         };
-        let mut columns: Vec<Column> = header.iter().map(column).collect();
+        let mut columns: Vec<Column> = header.iter().map(|name| column(name)).collect();
         let mut first: Option<Stamp> = None;
         let mut record = csv::StringRecord::new();
         let mut row = 0;
-        while file.reader.read_record(&mut record).map_err(failed)? {
+        while file.row(&mut record).map_err(failed)? {
             row += 1;
             let no_value = |cell: &str| file.number(cell).is_none() && stamp(cell).is_none();
             if row == 1 && record.iter().all(no_value) && record.iter().any(|c| !c.is_empty()) {

@@ -108,7 +108,7 @@ fn usual_smoothing() -> Smoothing {
 
 impl Settings {
     pub(super) fn read(path: &Path) -> Result<Self, SettingsError> {
-        let text = std::fs::read_to_string(path).map_err(|source| SettingsError::Io {
+        let text = crate::files::text(path).map_err(|source| SettingsError::Io {
             path: path.to_owned(),
             source,
         })?;

@@ -1,0 +1,147 @@
+//! What strangers wrote, in an FMU or a table, neither steers a terminal nor takes time or memory without end.
+
+use crate::support::{Bench, model};
+
+/// Clears a terminal and turns the text after it around.
+const STEER: &str = "\u{9b}2J\u{202e}";
+const SHOWN: &str = r"\u009b2J\u202e";
+
+const STUDY: &str = r#"fmu = "lag.fmu"
+[design]
+points = 4
+[parameters."lag.rate\u009b2J\u202e"]
+distribution = "uniform"
+min = 1
+max = 2
+[fixed]
+"lag.fault" = "Fail"
+[criteria.Y]
+variable = "lag.y\u009b2J\u202e"
+nominal = 0.86
+tolerance = 0.5
+"#;
+
+/// An FMU whose names, description and log messages steer the terminal.
+fn steering() -> Bench {
+    let bench = Bench::empty();
+    let description = model("lag.rate\"", &format!("lag.rate{STEER}\""));
+    let description = description.replace("lag.y\"", &format!("lag.y{STEER}\""));
+    let description = description.replace("first-order", &format!("first&#10;{STEER}"));
+    bench.fmu("lag.fmu", &[r#"PART="\033]0;owned\007""#], &description);
+    bench.write("study.toml", STUDY);
+    bench
+}
+
+fn is_hidden(c: char) -> bool {
+    c.is_control() && c != '\n' || matches!(c, '\u{202a}'..='\u{202e}')
+}
+
+fn hides_nothing(what: &str, text: &str) {
+    let hidden = text.chars().find(|c| is_hidden(*c));
+    assert_eq!(hidden, None, "{what}: {text}");
+}
+
+#[test]
+fn no_output_steers_the_terminal() {
+    let bench = steering();
+    for (command, shown) in [
+        ("inspect lag.fmu", SHOWN),
+        ("inspect lag.fmu --json", SHOWN),
+        ("check lag.fmu", ""),
+        ("check lag.fmu --format json", ""),
+        ("check lag.fmu --format sarif", ""),
+        ("init lag.fmu", SHOWN),
+        ("simulate lag.fmu --stop 0.1", SHOWN),
+        ("simulate lag.fmu --stop 0.1 --output run.csv", SHOWN),
+        (
+            "simulate lag.fmu --set lag.fault=Fail",
+            r"the \u001b]0;owned\u0007 broke",
+        ),
+        ("simulate lag.fmu --set lag.rat\u{9b}=1", SHOWN),
+        ("verify study.toml", r"the \u001b]0;owned\u0007 broke"),
+        ("verify \u{9b}.toml", r"\u009b.toml"),
+        ("verify --\u{9b}", r"\u009b"),
+    ] {
+        let said = bench.run(&command.split(' ').collect::<Vec<_>>());
+        let said = said.out + &said.err;
+        hides_nothing(command, &said);
+        assert!(said.contains(shown), "{command}: {said}");
+    }
+    // A line end in a description makes no line of its own.
+    let said = bench.run(&["inspect", "lag.fmu"]).out;
+    assert!(
+        said.contains(&format!(r"A first\u000a{SHOWN} lag")),
+        "{said}"
+    );
+    let json = bench.run(&["inspect", "lag.fmu", "--json"]).out;
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(json["variables"][3]["name"], format!("lag.y{STEER}"));
+    for file in ["points.csv", "report.html"] {
+        let text = bench.read(&format!("results/study/{file}"));
+        hides_nothing(file, &text);
+        assert!(text.contains(r"the \u001b]0;owned\u0007 broke"), "{file}");
+    }
+}
+
+#[test]
+fn texts_of_a_csv_file_come_back() {
+    let bench = steering();
+    let text = format!("lag.text=\x1b[31mred{STEER}");
+    let record = format!("lag.text,lag.y{STEER}");
+    let run = ["simulate", "lag.fmu", "--set", &text, "--record", &record];
+    let said = bench.run(&run);
+    assert_eq!(said.code, 0, "{}", said.err);
+    let mut lines = said.out.lines();
+    assert_eq!(lines.next(), Some(&*format!("time,lag.text,lag.y{SHOWN}")));
+    let row = format!(r"0,\u001b[31mred{SHOWN},0");
+    assert_eq!(lines.next(), Some(&*row));
+    // The columns are found by the names that the FMU gives them.
+    bench.write("study.toml", &STUDY.replace("Fail", "None"));
+    assert!(bench.run(&["verify", "study.toml"]).code < 2);
+    let again = ["verify", "study.toml", "--output", "again", "--points-from"];
+    let again = bench.run(&[&again[..], &["results/study/points.csv"]].concat());
+    assert!(again.code < 2, "{}", again.err);
+    assert_eq!(
+        bench.read("again/points.csv"),
+        bench.read("results/study/points.csv")
+    );
+}
+
+#[cfg(unix)]
+#[test]
+fn devices_and_pipes_are_no_files() {
+    let bench = Bench::new();
+    let plain = STUDY.replace(r"\u009b2J\u202e", "").replace("Fail", "None");
+    bench.write("study.toml", &plain);
+    let pipe = bench.path("pipe").display().to_string();
+    let made = std::process::Command::new("mkfifo").arg(&pipe).status();
+    assert!(made.unwrap().success());
+    for endless in ["/dev/zero", &pipe] {
+        let refused = |command: &[&str]| {
+            bench
+                .run(command)
+                .is_mistake(&[endless, "a device or a pipe, which may have no end"]);
+        };
+        refused(&["verify", endless]);
+        refused(&["verify", "study.toml", "--points-from", endless]);
+        refused(&["judge", "study.toml", endless]);
+        refused(&["simulate", "lag.fmu", "--set-from", endless]);
+        refused(&["simulate", "lag.fmu", "--input", endless]);
+        refused(&["inspect", endless]);
+        for keys in [
+            format!("fixed-from = \"{endless}\"\n{plain}"),
+            format!("{plain}[inputs]\n\"drive.u\" = {{ file = \"{endless}\" }}\n"),
+            plain.replace(
+                "nominal = 0.86",
+                &format!("reference = {{ file = \"{endless}\" }}\nmetric = \"rmse\""),
+            ),
+            plain.replace(
+                "\"uniform\"\nmin = 1\nmax = 2",
+                &format!("\"sample\"\nfile = \"{endless}\""),
+            ),
+        ] {
+            bench.write("other.toml", &keys);
+            refused(&["verify", "other.toml"]);
+        }
+    }
+}
