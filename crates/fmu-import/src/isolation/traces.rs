@@ -101,7 +101,12 @@ fn actions() -> [Action; SIGNALS] {
         unsafe {
             let mut found: libc::sigaction = std::mem::zeroed();
             libc::sigaction(signal, std::ptr::null(), &raw mut found);
-            *action = (found.sa_sigaction, found.sa_flags);
+            let flags = match found.sa_sigaction {
+                // Without a function to call, most flags say nothing, and `signal` leaves some behind.
+                libc::SIG_DFL | libc::SIG_IGN => found.sa_flags & libc::SA_NOCLDWAIT,
+                _ => found.sa_flags,
+            };
+            *action = (found.sa_sigaction, flags);
         }
     }
     actions
