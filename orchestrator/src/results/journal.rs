@@ -20,7 +20,7 @@
 //! and at last `end`. Where a set takes the place of another one, what followed that one counts no more.
 
 use std::fmt::Write as _;
-use std::fs::{self, File, OpenOptions};
+use std::fs::{File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 

@@ -2,6 +2,7 @@
 
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
+use std::fs;
 
 use super::*;
 use crate::engine::{Conduct, Isolation, Separation};
