@@ -39,6 +39,8 @@ class Running(TypedDict, total=False):
     """The most memory that a worker may take, such as ``500MB``."""
     resume: bool
     """Continues a run that was interrupted."""
+    force: bool
+    """Replaces results of another study file or FMU."""
     progress: Show | bool | None
     """A function of the points done and their number, which may be None; False shows nothing. Unless given, a terminal
     and a notebook show a bar."""
@@ -100,7 +102,7 @@ class Study:
         done = self._run("verify", folder, options, running)
         return Verification(folder, done.text)
 
-    def judge(self, table: Given, *, output: StrPath | None = None) -> Verification:
+    def judge(self, table: Given, *, output: StrPath | None = None, force: bool = False) -> Verification:
         """Applies the criteria to outputs in a table, without simulating: a file, or columns as `verify` takes them.
 
         Without ``output`` the results are kept as long as the object is.
@@ -109,7 +111,8 @@ class Study:
         folder = Path(keep.name if keep else output or "")
         with tempfile.TemporaryDirectory(prefix="table-") as place:
             file = given(table, Path(place))
-            done = run("judge", self.path, file, f"--output={folder}", results=ANSWERS)
+            forced = ["--force"] if force else []
+            done = run("judge", self.path, file, f"--output={folder}", *forced, results=ANSWERS)
         return Verification(folder, done.text, keep)
 
     def sensitivity(

@@ -229,7 +229,7 @@ def test_a_point_is_replayed(verified, tmp_path):
 
 # What Python has in other ways: files of its own, results that are read, functions. The search for rare shares has results of
 # its own, and the command line alone runs it so far.
-OTHERWISE = {"help", "output", "from", "shard", "dry-run", "parquet", "png", "rare"}
+OTHERWISE = {"help", "output", "from", "shard", "shard-index", "shards", "dry-run", "parquet", "png", "rare"}
 
 
 @pytest.mark.parametrize("name", ["verify", "judge", "sensitivity", "robustness", "tolerances", "pareto", "identify"])

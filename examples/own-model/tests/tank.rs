@@ -43,7 +43,7 @@ fn parameters_out_of_range_are_refused() {
     let mut tank = Tank::default();
     access("area").set.unwrap()(&mut tank, &0.0);
     let refused = tank.initialise(&Experiment::default(), &mut ());
-    assert!(matches!(refused, Err(Fault::Invalid(message)) if message.contains("area = 0 m2")));
+    assert!(matches!(refused, Err(Fault::Invalid(message)) if message.contains("area = 0.0 m2")));
 }
 
 #[test]
