@@ -42,6 +42,11 @@ pub(super) trait Analysis {
         false
     }
 
+    /// Refuses what it cannot do, before the folder is taken and what an earlier run left there is replaced.
+    fn check(&self, _: &Session) -> Result<(), CommandError> {
+        Ok(())
+    }
+
     /// Asks for the points and says what they tell; tables of its own go into `folder`.
     fn find(
         &self,
@@ -153,6 +158,7 @@ pub(super) fn run(
     folder: &Path,
 ) -> Result<ExitCode, CommandError> {
     let Work { means, parts, .. } = work;
+    analysis.check(&session)?;
     let header = header(&session, analysis)?;
     let state = folder.join(analysis.name());
     let earlier = parts.earlier();

@@ -135,6 +135,7 @@ fn join_analysis(
 ) -> Result<ExitCode, CommandError> {
     let analysis = analysis_of(asking, &folders[0])?;
     let session = Session::open(request)?;
+    analysis.check(&session)?;
     let header = asking::header(&session, &*analysis)?;
     let named = check(folders, &header)?;
     let state = options.output.join(analysis.name());

@@ -97,6 +97,11 @@ impl Analysis for Search {
         true
     }
 
+    fn check(&self, session: &Session) -> Result<(), CommandError> {
+        let goal = Goal::new(&session.study, &session.judge, &self.from)?;
+        self.problem(session, &goal).map(drop)
+    }
+
     fn find(
         &self,
         session: &Session,

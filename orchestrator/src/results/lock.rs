@@ -3,13 +3,13 @@
 //! It is a lock of the operating system on the file `run.lock`, so that it ends with the process that holds it, however
 //! that ends. The file stays: to remove it would let two runs lock two files of the same name.
 
-use std::fs::{self, File, OpenOptions, TryLockError};
+use std::fs::{File, OpenOptions, TryLockError};
 use std::io::ErrorKind;
 use std::path::Path;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use super::ResultsError;
+use super::{ResultsError, make_folder};
 
 const FILE: &str = "run.lock";
 /// How long to wait for the lock. When a run is killed while it starts a worker, the new process holds a copy of the lock
@@ -26,7 +26,7 @@ impl Lock {
     /// # Errors
     /// When another run has it, and when the system says no.
     pub fn take(folder: &Path) -> Result<Self, ResultsError> {
-        fs::create_dir_all(folder).map_err(ResultsError::io(folder))?;
+        make_folder(folder)?;
         let path = folder.join(FILE);
         // A network file system locks only files that are open for writing.
         let file = OpenOptions::new()

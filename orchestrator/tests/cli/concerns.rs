@@ -769,7 +769,10 @@ fn tolerances_say_why_none_would_do() {
         "study.toml",
         &(LINEAR.to_owned() + "[tolerances]\ncosts.\"lag.lenght\" = 2\n"),
     );
+    // The results of the run before stay, and nothing says that they are replaced.
+    let before = bench.read("out/tolerances/journal.txt");
     bench
-        .run(&["tolerances", "study.toml"])
+        .run(&["tolerances", "study.toml", "--output", "out"])
         .is_mistake(&["study.toml:20:7", "lag.lenght"]);
+    assert_eq!(bench.read("out/tolerances/journal.txt"), before);
 }
