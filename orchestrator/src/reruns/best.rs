@@ -45,6 +45,7 @@ pub(super) fn write(reruns: &Reruns<'_>, folder: &Path, summary: &Summary) -> Ve
         let mut tries = vec![fine(case.task.schedule), case.task.schedule];
         tries.dedup();
         let coarsest = tries.len();
+        let mut failed = None;
         for (place, schedule) in tries.into_iter().enumerate() {
             let task = Task {
                 schedule,
@@ -65,15 +66,22 @@ pub(super) fn write(reruns: &Reruns<'_>, folder: &Path, summary: &Summary) -> Ve
                 &own,
                 &folder.join(&file),
             ) {
-                Ok(None) => break,
-                Ok(Some(every)) => {
-                    left_out.push(format!("{file} holds one of {every} communication points"));
+                Ok(kept) => {
+                    left_out.extend(failed.map(|reason| {
+                        format!("{file} holds the study's own steps: the FMU fails in finer ones: {reason}")
+                    }));
+                    left_out.extend(
+                        kept.map(|every| {
+                            format!("{file} holds one of {every} communication points")
+                        }),
+                    );
                     break;
                 }
                 Err(halt) if place + 1 == coarsest => {
                     left_out.push(format!("no trajectory of the best point in {file}: {halt}"));
                 }
-                Err(_) => {}
+                Err(Halt::Failed(reason)) => failed = Some(reason),
+                Err(Halt::Late) => {}
             }
         }
     }

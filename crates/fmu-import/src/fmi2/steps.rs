@@ -48,7 +48,7 @@ impl Model {
                     .slow_step(caller, status, rest.times[0], rest.sizes[0])
                     .and_then(|()| match rest.references.len() {
                         0 => Ok(()),
-                        _ => self.reals(caller, rest.references, rest.rows),
+                        width => self.reals(caller, rest.references, &mut rest.rows[..width]),
                     }),
                 Halt::Read(status) => caller.check("fmi2GetReal", status),
             };
