@@ -113,16 +113,6 @@ pub enum Command {
     Completion(Completion),
     /// Writes manual pages into a folder: one of the program and one of each command
     Manual(Manual),
-    /// Runs points for another process of this program
-    #[command(hide = true)]
-    Worker,
-    /// Runs points for a worker
-    #[cfg(windows)]
-    #[command(hide = true)]
-    Servant {
-        /// Name of the number that tells how far it is
-        progress: String,
-    },
     /// Simulates once for `check`
     #[command(hide = true)]
     Probe {

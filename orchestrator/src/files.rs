@@ -4,8 +4,8 @@ use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-use crate::names::{did_you_mean, nearest};
 use fmu_import::{ArchiveError, FmuError, hexadecimal, sha256};
+use fmu_points::names::{did_you_mean, nearest};
 
 /// The largest text that is read at once: a study, settings, a parameter set. In MiB.
 const MOST: u64 = 64;

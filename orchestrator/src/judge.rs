@@ -11,17 +11,17 @@ use std::ops::Range;
 use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
-use crate::failure::Failure;
-use crate::names::did_you_mean;
 use crate::study::plan::find;
 use crate::study::quantity::{Scale, Sense};
 use crate::study::{BOTH_SIDES, CriterionText, Name, Quantity, Study, StudyError};
-use crate::task::Detail;
 use conformity::decision::Rule;
 use conformity::measured::{Measured, Measurement, Uncertainty};
 use conformity::risk::Guard;
 use curves::{Kind, Metric};
 use fmu_import::{Description, Variable};
+use fmu_points::failure::Failure;
+use fmu_points::names::did_you_mean;
+use fmu_points::task::Detail;
 use sampling::statistics::Statistic;
 
 /// Measured value of one quantity with its tolerance, in the study's unit.
@@ -257,7 +257,7 @@ impl Judge {
                 .map(|criterion| criterion.name.as_str())
         };
         names().position(|known| known == name).ok_or_else(|| {
-            let suggestion = did_you_mean(crate::names::nearest(name, names()));
+            let suggestion = did_you_mean(fmu_points::names::nearest(name, names()));
             format!("there is no criterion `{name}`{suggestion}")
         })
     }

@@ -5,12 +5,13 @@ use std::process::ExitCode;
 use orchestrator::{cli, commands};
 
 fn main() -> ExitCode {
+    fmu_points::serve_if_worker();
     let said = cli::parse().map(commands::run);
     let error = match said {
         Ok(Ok(code)) => return code,
         Ok(Err(error)) => error.to_string(),
         Err(error) => error,
     };
-    orchestrator::tell::line!("error: {error}");
+    fmu_points::tell::line!("error: {error}");
     ExitCode::from(commands::MISTAKE)
 }

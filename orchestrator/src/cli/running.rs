@@ -5,9 +5,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::engine::Isolation;
 use crate::pipeline::Shard;
 use crate::pipeline::folder::Earlier;
+use fmu_points::Isolation;
 
 /// Shards of a run, and resuming.
 #[derive(Debug, Args)]

@@ -7,13 +7,13 @@ use super::CommandError;
 use super::finding::{self, AnalysisResult};
 use super::limits::place;
 use crate::cli::{Parts, Work};
-use crate::engine::crew::Crew;
 use crate::pipeline::folder::RunFolder;
 use crate::pipeline::{Part, Pipeline, Shard};
 use crate::results::Header;
 use crate::results::lock::Lock;
 use crate::results::origin::Origin;
 use crate::session::{Asking, Request, Session};
+use fmu_points::crew::Crew;
 
 /// An analysis that asks for points of its own.
 pub(super) trait Analysis {

@@ -6,8 +6,8 @@ use super::CommandError;
 use crate::results::{ResultsError, Summary, traceability, write_atomically};
 use crate::study::plan::Plan;
 use crate::study::ssv;
-use crate::task::Case;
 use fmu_import::{Description, Value, Variable, digest};
+use fmu_points::task::Case;
 
 const SET: &str = "best.ssv";
 const PROVENANCE: &str = "best.srmd";

@@ -33,11 +33,11 @@ use std::time::Duration;
 
 use super::{CommandError, output};
 use crate::cli::{Check, Format};
-use crate::pipeline::stop;
 use crate::results::ResultsError;
 use document::Document;
 use finding::{Find, Finding, Severity};
 use fmu_import::{ArchiveError, FmuError, Package, Version, needed};
+use fmu_points::stop;
 use hit::Hit;
 use probes::Probes;
 
@@ -111,7 +111,7 @@ impl Findings {
         for (rule, hit) in files.findings.into_iter().chain(others) {
             self.add(rule, hit);
         }
-        let folder = stop::scratch()?;
+        let folder = stop::scratch().map_err(ResultsError::from)?;
         let unpacked = match package.unpack(folder.path()) {
             Ok(unpacked) => unpacked,
             Err(FmuError::Archive { source, .. }) => {

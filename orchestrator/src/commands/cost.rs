@@ -6,11 +6,12 @@ use std::time::{Duration, Instant};
 use super::CommandError;
 use super::limits::place;
 use crate::cli::Means;
-use crate::engine::crew::{Crew, Place};
-use crate::engine::process::Limits;
-use crate::engine::{Event, Job, Post};
-use crate::pipeline::stop;
+use crate::results::ResultsError;
 use crate::session::Verification;
+use fmu_points::crew::{Crew, Place};
+use fmu_points::process::Limits;
+use fmu_points::stop;
+use fmu_points::{Event, Job, Post};
 
 /// How long the point may take; nobody waits longer for an estimate.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -29,7 +30,7 @@ pub(super) fn of(
     means: &Means,
     jobs: usize,
 ) -> Result<String, CommandError> {
-    let scratch = stop::scratch()?;
+    let scratch = stop::scratch().map_err(ResultsError::from)?;
     let place = match place(means, jobs)? {
         Place::Processes(limits, isolation) => {
             let time = limits.time.min(PATIENCE);

@@ -120,7 +120,7 @@ impl AnalysisResult {
             Report::from_folder(folder)?.write(folder)?;
             if !self.origin.fits(&from_results::read(folder)?.0) {
                 let page = folder.join("report.html");
-                crate::tell::line!(
+                fmu_points::tell::line!(
                     "note: {} tells of another study or its earlier text, so it does not show this",
                     page.display()
                 );

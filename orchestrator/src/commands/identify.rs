@@ -10,7 +10,6 @@ use std::time::{Duration, Instant};
 use super::limits::place;
 use super::{CommandError, asking, output};
 use crate::cli::Identify;
-use crate::engine::crew::Crew;
 use crate::identify::bind::Bound;
 use crate::identify::error::BindError;
 use crate::identify::from_study;
@@ -35,6 +34,7 @@ use calibration::sample::{self, Sample};
 use calibration::search::{self, Progress, SearchError};
 use calibration::text;
 use fmu_import::{Description, Package};
+use fmu_points::crew::Crew;
 use sampling::design::cube;
 
 /// The name of the command, and of the folder of its journal.

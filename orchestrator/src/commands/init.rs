@@ -9,9 +9,9 @@ use super::{CommandError, output};
 use crate::cli::Init;
 use crate::results::points::number;
 use crate::results::write_atomically;
-use crate::task::Schedule;
-use crate::tell::one_line;
 use fmu_import::{Causality, Description, Kind, Package, Variability, Variable};
+use fmu_points::task::Schedule;
+use fmu_points::tell::one_line;
 use sampling::design::Method;
 
 pub(super) fn run(options: &Init) -> Result<ExitCode, CommandError> {

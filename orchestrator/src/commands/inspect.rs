@@ -8,9 +8,9 @@ use serde_json::json;
 use super::{CommandError, output};
 use crate::cli::Inspect;
 use crate::results::points::number;
-use crate::tell::one_line;
 use fmu_import::units::Conversion;
 use fmu_import::{Causality, Description, Kind, Package, Variable};
+use fmu_points::tell::one_line;
 
 pub(super) fn run(options: &Inspect) -> Result<ExitCode, CommandError> {
     let package = Package::open(&options.fmu)?;

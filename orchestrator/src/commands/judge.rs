@@ -7,7 +7,6 @@ use std::time::Instant;
 
 use super::{CommandError, dossier, improvements, output, table, verdict};
 use crate::cli;
-use crate::failure::{Failure, Partial};
 use crate::judge::Judge;
 use crate::pipeline::folder::Earlier;
 use crate::report::Report;
@@ -21,6 +20,7 @@ use crate::study::quantity::Scale;
 use crate::table::Table;
 use fmu_import::units::Conversion;
 use fmu_import::{Description, Package};
+use fmu_points::failure::{Failure, Partial};
 
 pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, CommandError> {
     let begun = Instant::now();

@@ -4,9 +4,9 @@ use std::time::Duration;
 
 use super::CommandError;
 use crate::cli::Means;
-use crate::engine::crew::Place;
-use crate::engine::process::Limits;
-use crate::engine::system;
+use fmu_points::crew::Place;
+use fmu_points::process::Limits;
+use fmu_points::system;
 
 /// Where `jobs` points at a time are run.
 pub(super) fn place(options: &Means, jobs: usize) -> Result<Place, CommandError> {

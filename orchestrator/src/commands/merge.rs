@@ -8,7 +8,6 @@ use std::time::{Duration, Instant};
 use super::asking::{self, Analysis};
 use super::{CommandError, pareto, robustness, sensitivity, verify};
 use crate::cli::Merge;
-use crate::engine::process::Limits;
 use crate::pipeline::folder::{Earlier, RunFolder};
 use crate::pipeline::{Halt, Part, Pipeline};
 use crate::reruns::Wish;
@@ -17,6 +16,7 @@ use crate::results::lock::Lock;
 use crate::results::summary::Run;
 use crate::results::{Header, Journal, MOST_EXTRA_RUNS, ResultsError, journal, lines, parquet};
 use crate::session::{Asking, Request, Session, SessionError, Verification};
+use fmu_points::process::Limits;
 
 /// The analyses by name, with what makes one of its kept options.
 const KNOWN: [(&str, Kept); 3] = [
@@ -105,7 +105,7 @@ fn join_verification(
     // Shards that grow and are joined again know of it, where they can be written to.
     for folder in folders {
         if looked.write(folder).is_err() {
-            crate::tell::line!(
+            fmu_points::tell::line!(
                 "note: {} does not take a note of this verdict; join its points in the same --output",
                 folder.display()
             );

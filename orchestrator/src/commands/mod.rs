@@ -34,23 +34,21 @@ use thiserror::Error;
 
 use crate::analysis::from_results::FolderError;
 use crate::cli::{Cli, Command, Work};
-#[cfg(windows)]
-use crate::engine::birth;
-use crate::engine::{EngineError, Isolation, guard};
-use crate::failure::Failure;
 use crate::files::unusable;
 use crate::judge::Judge;
 use crate::pipeline::Halt;
-use crate::pipeline::stop::INTERRUPTED;
 use crate::report::ReportError;
 use crate::results::{ResultsError, Summary};
 use crate::session::SessionError;
 use crate::study::StudyError;
 use crate::study::ssv::SsvError;
 use crate::table::TableError;
-use crate::tell as output;
 use conformity::decision::Decision;
 use fmu_import::FmuError;
+use fmu_points::failure::Failure;
+use fmu_points::stop::INTERRUPTED;
+use fmu_points::tell as output;
+use fmu_points::{Isolation, RunError, worker};
 
 /// The exit code for a mistake in what was asked for.
 pub const MISTAKE: u8 = 2;
@@ -84,7 +82,7 @@ pub enum CommandError {
     Report(#[from] ReportError),
     /// The points cannot be run.
     #[error(transparent)]
-    Engine(#[from] EngineError),
+    Engine(#[from] RunError),
     /// The study cannot be run.
     #[error(transparent)]
     Session(#[from] SessionError),
@@ -127,7 +125,7 @@ pub enum CommandError {
 pub fn run(cli: Cli) -> Result<ExitCode, CommandError> {
     match dispatch(cli) {
         Err(CommandError::Halted(halt @ Halt::Interrupted { .. })) => {
-            crate::tell::line!("{halt}");
+            fmu_points::tell::line!("{halt}");
             Ok(ExitCode::from(INTERRUPTED))
         }
         Err(CommandError::Halted(halt @ Halt::Shard(_))) => {
@@ -156,10 +154,7 @@ fn dispatch(cli: Cli) -> Result<ExitCode, CommandError> {
         Command::Judge(options) => judge::run(&options),
         Command::Replay(options) => replay::run(&options),
         Command::Merge(options) => merge::run(&options),
-        Command::Worker => guard::end(guard::serve()),
-        #[cfg(windows)]
-        Command::Servant { progress } => guard::end(birth::serve(&progress)),
-        Command::Probe { setup } => guard::end(check::serve(&setup)),
+        Command::Probe { setup } => worker::end(check::serve(&setup)),
         Command::Report(options) => report::run(&options),
         Command::Sensitivity(options) => proven(options, sensitivity::run, |o| &mut o.work),
         Command::Robustness(options) => proven(options, robustness::run, |o| &mut o.work),
@@ -177,8 +172,8 @@ fn proven<T>(
     work: impl Fn(&mut T) -> &mut Work,
 ) -> Result<ExitCode, CommandError> {
     match run(&options) {
-        Err(CommandError::Halted(Halt::Engine(EngineError::Refuted))) => {
-            crate::tell::line!(
+        Err(CommandError::Halted(Halt::Engine(RunError::Refuted))) => {
+            fmu_points::tell::line!(
                 "note: the FMU gives other results in a process that has computed points before: all points are \
                  computed again, each alone"
             );
@@ -209,6 +204,6 @@ fn exit_code(verdict: Option<Decision>) -> ExitCode {
 /// Says what the user should know of a study that can be used all the same.
 fn warn(judge: &Judge) {
     for warning in &judge.warnings {
-        crate::tell::line!("warning: {warning}");
+        fmu_points::tell::line!("warning: {warning}");
     }
 }

@@ -9,12 +9,12 @@ use super::{CommandError, output};
 use crate::analysis::from_results;
 use crate::cli::Replay;
 use crate::judge::Judge;
-use crate::names::{did_you_mean, nearest};
 use crate::pipeline::Model;
 use crate::results::points::number;
 use crate::results::{ResultsError, draft, keep};
 use crate::session::Verification;
-use crate::task::Case;
+use fmu_points::names::{did_you_mean, nearest};
+use fmu_points::task::Case;
 
 pub(super) fn run(options: &Replay) -> Result<ExitCode, CommandError> {
     let mut verification = Verification::reopen(&options.folder, options.fmu.clone())?;

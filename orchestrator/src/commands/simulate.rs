@@ -10,20 +10,20 @@ use std::process::ExitCode;
 
 use super::{CommandError, output};
 use crate::cli::Simulate;
-use crate::engine::process::Limits;
-use crate::engine::single::Recorder;
-use crate::engine::working_directory;
-use crate::engine::{Answer, EngineError, Job};
-use crate::failure::Failure;
-use crate::pipeline::scratch::Scratch;
-use crate::pipeline::stop;
 use crate::results::points::number;
 use crate::results::{ResultsError, of_the_system};
 use crate::study::plan::{bare, find, value_of};
 use crate::study::{Setting, ssv};
 use crate::table::csv_file;
-use crate::task::{Case, Schedule, Task};
 use fmu_import::{Causality, Description, Handle, Package, Value, Variable};
+use fmu_points::failure::Failure;
+use fmu_points::process::Limits;
+use fmu_points::scratch::Scratch;
+use fmu_points::single::Recorder;
+use fmu_points::stop;
+use fmu_points::task::{Case, Schedule, Task};
+use fmu_points::working_directory;
+use fmu_points::{Answer, Job, RunError};
 
 pub(super) fn run(options: &Simulate) -> Result<ExitCode, CommandError> {
     let mut package = Package::open(&options.fmu)?;
@@ -124,7 +124,7 @@ pub(super) fn settings(
         let setting = Setting::Text(value.trim().to_owned());
         let value = value_of(fmu, variable, &setting)?;
         if let Some(read) = bare(fmu, variable, &setting) {
-            crate::tell::line!("{read}");
+            fmu_points::tell::line!("{read}");
         }
         Ok((variable.handle().reference, value))
     };
@@ -162,11 +162,11 @@ impl Columns {
         let locals = all(Causality::Local);
         match locals.len() {
             _ if !aloud => {}
-            0 => crate::tell::line!(
+            0 => fmu_points::tell::line!(
                 "note: the FMU has neither outputs nor local variables, so only the time is recorded; --record \
                  chooses others"
             ),
-            count => crate::tell::line!(
+            count => fmu_points::tell::line!(
                 "note: the FMU has no outputs, so its {count} local variables are recorded; --record chooses others"
             ),
         }
@@ -187,7 +187,7 @@ fn cell(value: &Value) -> String {
 #[derive(Debug)]
 pub(super) enum TrajectoryError {
     Simulation(Failure),
-    Engine(EngineError),
+    Engine(RunError),
     Write(io::Error),
 }
 
@@ -197,8 +197,8 @@ impl From<Failure> for TrajectoryError {
     }
 }
 
-impl From<EngineError> for TrajectoryError {
-    fn from(error: EngineError) -> Self {
+impl From<RunError> for TrajectoryError {
+    fn from(error: RunError) -> Self {
         Self::Engine(error)
     }
 }
@@ -242,7 +242,7 @@ pub(super) struct Isolated {
 
 impl Isolated {
     pub(super) fn new(package: &mut Package) -> Result<Self, CommandError> {
-        let scratch = stop::scratch()?;
+        let scratch = stop::scratch().map_err(ResultsError::from)?;
         Ok(Self {
             fmu: package.unpack(scratch.path())?,
             name: package.path().to_owned(),
@@ -303,7 +303,7 @@ impl Isolated {
     }
 
     /// Simulates a point as `verify` does.
-    pub(super) fn run(&self, cases: &[Case], job: &Job) -> Result<Answer, EngineError> {
+    pub(super) fn run(&self, cases: &[Case], job: &Job) -> Result<Answer, RunError> {
         let silent = Recorder {
             echo: false,
             ..self.recorder()

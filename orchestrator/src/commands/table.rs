@@ -4,10 +4,10 @@ use std::fmt::Write;
 
 use indexmap::IndexMap;
 
-use crate::engine::Conduct;
 use crate::results::asides::Asides;
 use crate::results::summary::{Count, FailedPoint};
 use crate::results::{Summary, words};
+use fmu_points::Conduct;
 
 /// The summary for people: what meets which criterion.
 pub(super) fn counts(summary: &Summary) -> String {

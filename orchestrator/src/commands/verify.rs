@@ -12,7 +12,6 @@ use toml::Spanned;
 use super::limits::{limits, place};
 use super::{CommandError, asking, best, cost, dossier, improvements, output, table, verdict};
 use crate::cli::Verify;
-use crate::engine::crew::Crew;
 use crate::pipeline::folder::{Earlier, RunFolder};
 use crate::pipeline::{Pipeline, Step};
 use crate::report::Report;
@@ -23,7 +22,8 @@ use crate::results::{Journal, Looked, ResultsError, Summary, lines, parquet};
 use crate::session::{Ending, Front, Request, Session, Verification};
 use crate::study::plan::bare;
 use crate::study::{Name, Setting, Study};
-use crate::task::Case;
+use fmu_points::crew::Crew;
+use fmu_points::task::Case;
 use sampling::design::Method;
 
 /// With `--until`, a study has as many points as needed, but for a limit.
@@ -173,7 +173,8 @@ pub(super) fn conclude(
     mut summary: Summary,
     wish: &Wish,
 ) -> Result<ExitCode, CommandError> {
-    let missing = |what: &str, error: CommandError| crate::tell::line!("note: {what}: {error}");
+    let missing =
+        |what: &str, error: CommandError| fmu_points::tell::line!("note: {what}: {error}");
     let again = reruns::run(verification, folder, &mut summary, wish);
     again.unwrap_or_else(|error| missing("no point was run once more", error.into()));
     let Session { plan, package, .. } = &verification.session;

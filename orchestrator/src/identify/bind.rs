@@ -8,13 +8,13 @@ use crate::study::identification::{
 use crate::study::plan::{Plan, find, slot_of};
 use crate::study::quantity::{Scale, Sense};
 use crate::study::{Name, Quantity as Text, Study, StudyError};
-use crate::task::{Case as Simulation, Probe, Slot};
 use calibration::discrepancy::Unknown;
 use calibration::problem::{
     Case, Free, Interval, Latent, Measured, Prior, Problem, Quantity, Spacing,
 };
 use fmu_import::units::Conversion;
 use fmu_import::{Description, Variable};
+use fmu_points::task::{Case as Simulation, Probe, Slot};
 use sampling::statistics::Statistic;
 
 /// An identification in terms of an FMU.

@@ -9,10 +9,10 @@ use crate::judge::Judge;
 use crate::study::plan::{Input, Plan, find, slot_of};
 use crate::study::quantity::Scale;
 use crate::study::{CriterionText, Identification, Name, Study, StudyError};
-use crate::task::{Case as Simulation, Delay, MeasuredCurve, Probe, Slot};
 use calibration::problem::{Case, Free, Measured, Prior, Problem, Quantity, Spacing};
 use fmu_import::Description;
 use fmu_import::units::Conversion;
+use fmu_points::task::{Case as Simulation, Delay, MeasuredCurve, Probe, Slot};
 use sampling::distribution::Distribution;
 
 /// How many standard uncertainties a curve's uncertainty is.

@@ -3,10 +3,10 @@
 use std::cell::RefCell;
 
 use super::bind::Bound;
-use crate::engine::Answer;
 use crate::pipeline::{Halt, Model, Pipeline};
 use crate::results::Outcome;
 use calibration::problem::{NoPrediction, Prediction, Query, Simulate};
+use fmu_points::Answer;
 
 impl Model for Bound {
     fn values(&self, point: &[f64]) -> Vec<f64> {

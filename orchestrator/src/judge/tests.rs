@@ -1,5 +1,5 @@
 use super::*;
-use crate::failure::OfCase;
+use fmu_points::failure::OfCase;
 use std::path::Path;
 
 const STUDY: &str = r#"

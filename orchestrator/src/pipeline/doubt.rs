@@ -8,10 +8,11 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
-use super::{Halt, Pipeline, stop};
-use crate::engine::{EngineError, Event, Isolation, Job, Post, Separation, Worker};
+use super::{Halt, Pipeline};
 use crate::results::Outcome;
 use crate::results::note::Note;
+use fmu_points::stop;
+use fmu_points::{Event, Isolation, Job, Post, RunError, Separation, Worker};
 
 /// So many points are audited where that takes little time: they find 95 % of the FMUs that err in 5 % of theirs.
 const AUDITS: usize = 60;
@@ -62,7 +63,7 @@ impl Pipeline<'_> {
         }
         self.drop_used()?;
         if used.iter().any(|index| *index < set.start) && !self.wants_fresh() {
-            return Err(EngineError::Refuted.into());
+            return Err(RunError::Refuted.into());
         }
         Ok(())
     }

@@ -3,10 +3,10 @@
 use std::fs;
 use std::path::Path;
 
-use super::scratch::{self, Scratch};
 use crate::results::finished::Finished;
 use crate::results::lock::Lock;
 use crate::results::{DRAFT, Header, Journal, ResultsError, lines};
+use fmu_points::scratch::{self, Scratch};
 
 /// A folder that is taken for a run.
 #[derive(Debug)]
@@ -93,7 +93,7 @@ fn journal(
 fn tell_of_another(folder: &Path, header: &Header) {
     let then = lines::header(folder).ok();
     if let Some((what, then, now)) = then.and_then(|then| header.difference(&then)) {
-        crate::tell::line!(
+        fmu_points::tell::line!(
             "note: the results in {} came from another {what} ({then} then, {now} now); they are replaced",
             folder.display()
         );

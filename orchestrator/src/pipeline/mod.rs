@@ -8,9 +8,7 @@
 mod doubt;
 pub mod folder;
 mod progress;
-pub mod scratch;
 mod shard;
-pub mod stop;
 
 use std::collections::HashMap;
 use std::fmt;
@@ -21,17 +19,17 @@ use std::time::{Duration, Instant};
 
 use thiserror::Error;
 
-use crate::engine::crew::Crew;
-use crate::engine::repeats::Repeats;
-use crate::engine::{
-    self, Answer, Company, Conduct, EngineError, Event, Isolation, Job, Separation, Worker,
-};
-use crate::notices::Notices;
 use crate::results::finished::Finished;
 use crate::results::note::Note;
 use crate::results::{Journal, Outcome, ResultsError};
-use crate::task::Case;
 use doubt::Doubt;
+use fmu_points::crew::Crew;
+use fmu_points::notices::Notices;
+use fmu_points::repeats::Repeats;
+use fmu_points::task::Case;
+use fmu_points::{
+    Answer, Company, Conduct, Event, Isolation, Job, RunError, Separation, Worker, stop,
+};
 use progress::Progress;
 
 pub use shard::{Part, Shard};
@@ -75,7 +73,7 @@ pub enum Halt {
     Results(#[from] ResultsError),
     /// The points cannot be run.
     #[error(transparent)]
-    Engine(#[from] EngineError),
+    Engine(#[from] RunError),
 }
 
 /// So many audits are noted at once, further ones with the next sync.
@@ -309,7 +307,7 @@ impl<'a> Pipeline<'a> {
         let mut company = std::mem::take(&mut self.company);
         let open_ended = &mut company;
         let flag = stop::flag();
-        let result = engine::run(
+        let result = fmu_points::run(
             &mut workers,
             open,
             job,
@@ -525,8 +523,8 @@ impl<'a> Pipeline<'a> {
                 }
                 Step::Void(separation) => {
                     let error = match separation {
-                        Separation::Apart | Separation::New => EngineError::Disturbed,
-                        Separation::Forked | Separation::Used => EngineError::Refuted,
+                        Separation::Apart | Separation::New => RunError::Disturbed,
+                        Separation::Forked | Separation::Used => RunError::Refuted,
                     };
                     spoilt = spoilt
                         .take()

@@ -1,10 +1,10 @@
 //! What the page needs to simulate points by itself: the FMU's WebAssembly module, and a point's simulation.
 
 use crate::study::plan::Plan;
-use crate::task::{Delay, Detail, MeasuredCurve, Probe, Schedule, Series, Task, place};
 use curves::Metric;
 use fmu_import::units::Conversion;
 use fmu_import::{Content, Interface, Package, Value, Version};
+use fmu_points::task::{Delay, Detail, MeasuredCurve, Probe, Schedule, Series, Task, place};
 use parameter_regions::table::PointTable;
 use sampling::statistics::Statistic;
 use serde::Serialize;

@@ -31,10 +31,10 @@ use crate::analysis::from_results::FolderError;
 use crate::analysis::sensitivity::study::Sensitivity;
 use crate::analysis::verdict::PassCounts;
 use crate::results::{ResultsError, write_atomically};
-use crate::tell::visible;
 use base64::{Engine, engine::general_purpose::STANDARD};
 use figures::Series;
 use flate2::{Compression, write::GzEncoder};
+use fmu_points::tell::visible;
 use indexmap::IndexMap;
 use judgement::Judgement;
 use outlook::Outlook;
@@ -235,7 +235,7 @@ impl Report {
         });
         let failed: Vec<ReportError> = written.filter_map(Result::err).collect();
         if let Some(first) = failed.first() {
-            crate::tell::line!(
+            fmu_points::tell::line!(
                 "note: {} plots have no file; the first: {first}",
                 failed.len()
             );

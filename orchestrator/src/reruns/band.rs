@@ -8,8 +8,8 @@ use super::{Halt, Reruns};
 use crate::report::history;
 use crate::results::{Summary, write_atomically};
 use crate::table::csv_file;
-use crate::task::MeasuredCurve;
 use curves::Sampler;
+use fmu_points::task::MeasuredCurve;
 
 /// So many points for each of those that are run once more to see whether they had settled.
 const EACH: usize = 5;

@@ -7,7 +7,7 @@ use super::{Halt, Reruns};
 use crate::report::history;
 use crate::results::{ResultsError, Summary, write_atomically};
 use crate::table::csv_file;
-use crate::task::{Schedule, Task};
+use fmu_points::task::{Schedule, Task};
 
 /// So many numbers a file holds at the most, more or less: of more communication points some are left out.
 const MOST_NUMBERS: u64 = 1_000_000;

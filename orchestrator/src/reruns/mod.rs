@@ -12,18 +12,18 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
-use crate::engine::process::Limits;
-use crate::engine::single::{Recorder, Recording};
-use crate::engine::{Answer, EngineError, working_directory};
-use crate::failure::Failure;
-use crate::pipeline::scratch::Scratch;
-use crate::pipeline::stop;
-use crate::results::{Summary, write_json};
+use crate::results::{ResultsError, Summary, write_json};
 use crate::session::{SessionError, Verification};
 use crate::study::plan::Plan;
-use crate::task::{Case, Task};
 use budget::Budget;
 use fmu_import::{Content, Handle, Package, Value};
+use fmu_points::failure::Failure;
+use fmu_points::process::Limits;
+use fmu_points::scratch::Scratch;
+use fmu_points::single::{Recorder, Recording};
+use fmu_points::stop;
+use fmu_points::task::{Case, Task};
+use fmu_points::{Answer, RunError, working_directory};
 
 /// What is to be run once more.
 #[derive(Clone, Copy, Debug)]
@@ -76,8 +76,8 @@ impl From<Failure> for Halt {
     }
 }
 
-impl From<EngineError> for Halt {
-    fn from(error: EngineError) -> Self {
+impl From<RunError> for Halt {
+    fn from(error: RunError) -> Self {
         Self::Failed(error.to_string())
     }
 }
@@ -123,7 +123,7 @@ impl<'a> Reruns<'a> {
         summary: &Summary,
         wish: &Wish,
     ) -> Result<Self, SessionError> {
-        let scratch = stop::scratch()?;
+        let scratch = stop::scratch().map_err(ResultsError::from)?;
         let fmu = verification.session.package.unpack(scratch.path())?;
         let conduct = summary.conduct.as_ref();
         let verification: &Verification = verification;
@@ -203,7 +203,7 @@ impl<'a> Reruns<'a> {
 
     /// Runs a point as the study does.
     fn answer(&self, cases: &[Case], values: Vec<f64>) -> Result<Answer, Halt> {
-        let job = crate::engine::Job { index: 0, values };
+        let job = fmu_points::Job { index: 0, values };
         self.with_fmu(|fmu| Ok(self.recorder(fmu).run(cases, &job)?))
     }
 

@@ -5,7 +5,7 @@ use super::Reruns;
 use crate::pipeline::Model;
 use crate::results::Summary;
 use crate::results::validation::{Comparison, Numerical, Refined, refined};
-use crate::task::Case;
+use fmu_points::task::Case;
 
 /// So many points are refined.
 const POINTS: u64 = 3;

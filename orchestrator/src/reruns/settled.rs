@@ -7,14 +7,14 @@ use std::thread;
 
 use super::{Halt, Reruns};
 use crate::analysis::motion::{Motion, motion};
-use crate::engine::single::Recording;
 use crate::judge::Criterion;
 use crate::report::format::number;
 use crate::report::history;
 use crate::results::Summary;
 use crate::results::settled::Moved;
 use crate::study::plan::Plan;
-use crate::task::{Probe, Schedule, Task};
+use fmu_points::single::Recording;
+use fmu_points::task::{Probe, Schedule, Task};
 use sampling::statistics::{Accumulator, Statistic, Trend};
 
 /// The fewest communication steps of the study's part of a run.
@@ -105,7 +105,7 @@ fn again(reruns: &Reruns<'_>, points: &[u64]) -> Vec<(u64, Result<Again, Halt>)>
         .min(points.len() * count);
     let (next, found) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
     let work = || {
-        // Points of one case have the same guard.
+        // Points of one case have the same worker.
         let mut recordings: Vec<Option<Recording>> = Vec::new();
         recordings.resize_with(count, || None);
         loop {

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::notices::Notices;
+use fmu_points::notices::Notices;
 
 /// The FMU's remarks beside its results, over all points. None of them makes a point fail.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -10,9 +10,9 @@ use super::header::Header;
 use super::lines::{Line, Lines, open, path_in};
 use super::note::{Note, SAME_SET, SET, separation};
 use super::{Outcome, ResultsError};
-use crate::engine::{Conduct, Indexes, Isolation, Separation};
-use crate::failure::Failure;
-use crate::notices::Notices;
+use fmu_points::failure::Failure;
+use fmu_points::notices::Notices;
+use fmu_points::{Conduct, Indexes, Isolation, Separation};
 
 /// Index of a journal: the position of each finished point's line.
 #[derive(Clone, Debug)]

@@ -31,8 +31,8 @@ use super::header::Header;
 use super::lines::{self, Line, open, path_in};
 use super::note::{Note, SAME_SET, SET, word};
 use super::{Outcome, ResultsError, draft, make_folder};
-use crate::engine::Separation;
-use crate::notices::Notices;
+use fmu_points::Separation;
+use fmu_points::notices::Notices;
 
 /// A journal that is being written.
 #[derive(Debug)]
@@ -106,7 +106,7 @@ impl Journal {
         let mut finished = Finished::read(folder)?;
         if let Some(what) = damage(finished.damaged) {
             let path = path.display();
-            crate::tell::line!("note: {what} of {path}: those points run again");
+            fmu_points::tell::line!("note: {what} of {path}: those points run again");
             Self::rewrite(folder, header)?;
             finished = Finished::read(folder)?;
         }
@@ -289,7 +289,7 @@ pub fn copy(folder: &Path, into: &mut Journal) -> Result<(), ResultsError> {
     let path = path_in(folder);
     if let Some(what) = damage(finished.damaged) {
         let path = path.display();
-        crate::tell::line!(
+        fmu_points::tell::line!(
             "note: {what} of {path}: those points are missing; run that part again with --resume"
         );
     }

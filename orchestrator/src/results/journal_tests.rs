@@ -5,8 +5,8 @@ use rand::{RngExt, SeedableRng};
 use std::fs;
 
 use super::*;
-use crate::engine::{Conduct, Isolation, Separation};
-use crate::failure::Failure;
+use fmu_points::failure::Failure;
+use fmu_points::{Conduct, Isolation, Separation};
 
 fn header() -> Header {
     Header {

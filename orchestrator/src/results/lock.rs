@@ -46,7 +46,7 @@ impl Lock {
                     return Err(ResultsError::Busy(folder.to_owned()));
                 }
                 Err(TryLockError::Error(error)) if error.kind() == ErrorKind::Unsupported => {
-                    crate::tell::line!(
+                    fmu_points::tell::line!(
                         "note: the file system of {} has no locks; see that no other run writes there",
                         folder.display()
                     );

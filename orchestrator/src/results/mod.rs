@@ -39,8 +39,9 @@ use serde::Serialize;
 use tempfile::NamedTempFile;
 use thiserror::Error;
 
-use crate::failure::Failure;
 use crate::files::reason;
+use fmu_points::failure::Failure;
+use fmu_points::scratch::ScratchError;
 
 pub use header::Header;
 pub use journal::Journal;
@@ -126,6 +127,12 @@ pub enum ResultsError {
         /// The problem.
         message: String,
     },
+}
+
+impl From<ScratchError> for ResultsError {
+    fn from(ScratchError { path, source }: ScratchError) -> Self {
+        Self::Io { path, source }
+    }
 }
 
 impl ResultsError {

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::engine::{Conduct, Separation};
+use fmu_points::{Conduct, Separation};
 
 /// A line about many points.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

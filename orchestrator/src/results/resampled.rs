@@ -2,9 +2,9 @@
 
 use super::Summary;
 use crate::judge::{Criterion, Judge};
-use crate::notices::Replicates;
 use conformity::measured::Told;
 use conformity::risk::Risk;
+use fmu_points::notices::Replicates;
 
 /// The conformance probabilities of a point's curves: the shares of the draws to which it conforms, and to which it does in all
 /// of them. Draws of the same number belong together: curves of one recording share their errors, those of others are drawn

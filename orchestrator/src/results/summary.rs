@@ -11,11 +11,11 @@ use super::conclusion::Conclusion;
 use super::improvement::Improvements;
 use super::settled::Settled;
 use super::validation::Comparison;
-use crate::engine::Conduct;
 use crate::judge::Criterion;
 use crate::study::Dossier;
 use conformity::measured::Measurement;
 use conformity::risk::Risk;
+use fmu_points::Conduct;
 
 /// The content of `summary.json`.
 #[derive(Clone, Debug, Serialize, Deserialize)]

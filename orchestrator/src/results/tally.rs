@@ -13,10 +13,10 @@ use super::summary::{
     Provenance, Summary, VariantCount,
 };
 use crate::judge::{Judge, PointVerdict, Variant};
-use crate::notices::{Notices, Replicates};
 use conformity::decision::randomised;
 use conformity::looks::Looks;
 use conformity::risk::RiskTally;
+use fmu_points::notices::{Notices, Replicates};
 
 impl Count {
     /// The count of points that belong to randomisations of a design in turn, given that of each.

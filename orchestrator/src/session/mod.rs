@@ -7,7 +7,6 @@ mod verification;
 
 use thiserror::Error;
 
-use crate::engine::{Answer, EngineError};
 use crate::files::unusable;
 use crate::judge::Judge;
 use crate::pipeline::Model;
@@ -17,6 +16,7 @@ use crate::study::points;
 use crate::study::{Study, StudyError};
 use crate::table::TableError;
 use fmu_import::{FmuError, Package};
+use fmu_points::{Answer, RunError};
 
 pub use finale::{FileSet, provenance};
 pub use request::{Asking, Request};
@@ -40,7 +40,7 @@ pub enum SessionError {
     Results(#[from] ResultsError),
     /// The points cannot be run.
     #[error(transparent)]
-    Engine(#[from] EngineError),
+    Engine(#[from] RunError),
 }
 
 /// A study that is tied to its FMU.

@@ -4,13 +4,13 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::{Ending, Request, Session, SessionError, Until};
-use crate::engine::Job;
 use crate::files;
 use crate::pipeline::{Model, Part};
 use crate::results::{Header, Looked, ResultsError, lines};
 use crate::source::Source;
 use conformity::looks::History;
 use fmu_import::digest;
+use fmu_points::Job;
 
 /// A study whose points are known beforehand.
 #[derive(Debug)]

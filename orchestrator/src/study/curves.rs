@@ -6,10 +6,10 @@ use super::reference::{DelayRange, DelayText, Normalise, OwnNormaliser, Referenc
 use super::window::seconds;
 use super::{CriterionText, Name, Study, StudyError};
 use crate::table::Table;
-use crate::task::{Delay, MeasuredCurve, Resampling};
 use curves::{Curve, Metric, iso18571};
 use fmu_import::digest;
 use fmu_import::units::Conversion;
+use fmu_points::task::{Delay, MeasuredCurve, Resampling};
 
 /// How many standard uncertainties the uncertainty of a reference is.
 const COVERAGE: f64 = 2.0;

@@ -3,8 +3,8 @@
 use super::CriterionText;
 use super::quantity::Scale;
 use super::window::seconds;
-use crate::task::Detail;
 use fmu_import::{Description, Variable};
+use fmu_points::task::Detail;
 use sampling::statistics::{Direction, Statistic};
 
 impl CriterionText {

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 use crate::files::reason;
-use crate::names::{did_you_mean, nearest};
+use fmu_points::names::{did_you_mean, nearest};
 
 /// Why a study cannot be used.
 #[derive(Debug, Error)]

@@ -4,10 +4,10 @@ use super::quantity::Scale;
 use super::values::{find, slot_of};
 use super::{Name, RecordingText, Study, StudyError};
 use crate::table::Table;
-use crate::task::{Schedule, Series, Slot, place};
 use fmu_import::description::Interface;
 use fmu_import::units::Conversion;
 use fmu_import::{Causality, Content, Description, Variability, Variable};
+use fmu_points::task::{Schedule, Series, Slot, place};
 
 /// The recordings of a study for an FMU.
 pub(super) fn series(

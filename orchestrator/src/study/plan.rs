@@ -11,9 +11,9 @@ use super::{
     CaseText, CriterionText, Name, ParameterText, Setting, Study, StudyError, inputs, points,
     samples, ssv,
 };
-use crate::task::{Case, Detail, MeasuredCurve, Probe, Schedule, Slot, Task};
 use fmu_import::units::Conversion;
 use fmu_import::{Content, Description, Handle, Value, Variable};
+use fmu_points::task::{Case, Detail, MeasuredCurve, Probe, Schedule, Slot, Task};
 use sampling::design::correlation::Correlation;
 use sampling::design::{self, Design, Joint, Sampling};
 use sampling::distribution::Distribution;
@@ -266,7 +266,7 @@ impl Plan {
     /// Tells at once of recorded inputs that the FMU gets otherwise, or at a great cost: every analysis rests on them.
     pub fn tell_of_inputs(&self) {
         for doubt in &self.of_inputs {
-            crate::tell::line!("note: {doubt}");
+            fmu_points::tell::line!("note: {doubt}");
         }
     }
 

@@ -4,7 +4,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::{Pair, Shape, Study, StudyError};
-use crate::names::{did_you_mean, nearest};
+use fmu_points::names::{did_you_mean, nearest};
 use sampling::design::correlation::Correlation;
 
 /// Points or levels that the design would ignore are an error: they were meant to do something.

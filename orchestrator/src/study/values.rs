@@ -4,9 +4,9 @@ use std::num::IntErrorKind;
 
 use super::Setting;
 use super::quantity::{Quantity, Scale, Sense};
-use crate::names::{did_you_mean, nearest};
-use crate::task::Slot;
 use fmu_import::{Causality, Description, Kind, Value, Variability, Variable};
+use fmu_points::names::{did_you_mean, nearest};
+use fmu_points::task::Slot;
 
 /// The variable of this name.
 ///

@@ -9,7 +9,7 @@ use std::path::Path;
 use csv::StringRecord;
 
 use crate::files;
-use crate::tell::{is_hidden, visible};
+use fmu_points::tell::{is_hidden, visible};
 
 /// The longest row that is read, MiB.
 const MOST_ROW: u64 = 64;

@@ -9,8 +9,8 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use crate::names::{did_you_mean, nearest};
 use csv_file::{CsvFile, reason};
+use fmu_points::names::{did_you_mean, nearest};
 use parquet::ParquetFile;
 
 /// The most rows that are read, some gigabytes.

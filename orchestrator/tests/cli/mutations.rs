@@ -7,8 +7,8 @@ use std::path::Path;
 
 use crate::support::Bench;
 use fmu_import::Package;
+use fmu_points::Separation;
 use orchestrator::analysis::from_results;
-use orchestrator::engine::Separation;
 use orchestrator::judge::Judge;
 use orchestrator::results::finished::Finished;
 use orchestrator::results::{Journal, lines};

@@ -8,12 +8,12 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use super::probe::{COMMAND, Report, Setup};
-use crate::engine::guard;
-use crate::engine::process::marked;
-use crate::engine::system::{self, Tree};
-use crate::pipeline::stop;
 use fmu_import::isolation::Loss;
 use fmu_import::isolation::keeper::signal_name;
+use fmu_points::process::marked;
+use fmu_points::stop;
+use fmu_points::system::{self, Tree};
+use fmu_points::worker;
 
 /// The most memory that a probe may use, bytes.
 const MEMORY: u64 = 8 << 30;
@@ -110,7 +110,7 @@ fn fate(end: End, heard: &Path) -> Option<String> {
         return Some(last.map_or(name.clone(), |last| format!("{name}: {last}")));
     }
     match loss {
-        Loss::Exit(guard::UNABLE) => Some(guard::MUTE.to_owned()),
+        Loss::Exit(worker::UNABLE) => Some(worker::MUTE.to_owned()),
         _ => Some(format!(
             "the FMU ended its process with code {}",
             status.code().unwrap_or(-1)

@@ -1,7 +1,7 @@
 //! The probes' simulations: which variables they read, for how long, and which parameters they change.
 
-use crate::task::Schedule;
 use fmu_import::{Causality, Description, Handle, Kind, Value, Variability, Variable};
+use fmu_points::task::Schedule;
 
 /// All outputs and parameters; without outputs, local variables.
 pub(super) fn columns(fmu: &Description) -> Vec<&Variable> {

@@ -11,9 +11,9 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use crate::engine::system;
-use crate::task::Schedule;
 use fmu_import::{Call, Handle, Instance, Library, Package, Status, Value, Version};
+use fmu_points::system;
+use fmu_points::task::Schedule;
 
 /// The hidden command that runs a probe.
 pub(super) const COMMAND: &str = "probe";

@@ -5,7 +5,7 @@ use roxmltree::Node;
 
 use super::document::{Document, at, elements};
 use super::hit::Hit;
-use crate::names::{did_you_mean, nearest};
+use fmu_points::names::{did_you_mean, nearest};
 
 /// An element: its name, with its parent's where it has several; its attributes and its children. Those that must
 /// be there are marked by `!`, unless the reader remarks on them itself.

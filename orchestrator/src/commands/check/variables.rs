@@ -2,7 +2,7 @@
 
 use super::document::{Document, Scalar};
 use super::hit::Hit;
-use crate::names::{did_you_mean, nearest};
+use fmu_points::names::{did_you_mean, nearest};
 
 const CAUSALITIES: [&str; 6] = [
     "parameter",

@@ -11,8 +11,8 @@ use crate::study::plan::find;
 use crate::study::quantity::Scale;
 use crate::table::csv_file::CsvFile;
 use crate::table::{Table, TableError};
-use crate::task::{Schedule, Series};
 use fmu_import::Description;
+use fmu_points::task::{Schedule, Series};
 
 /// The variables of `--record`.
 pub(super) fn columns(lists: &[String], fmu: &Description) -> Result<Columns, CommandError> {
@@ -100,7 +100,7 @@ pub(super) fn inputs(
             covers(&series, schedule, words).map_err(wrong)?;
         }
         if let Some(concern) = missed(&series, schedule, &scale) {
-            crate::tell::line!("note: {concern}");
+            fmu_points::tell::line!("note: {concern}");
         }
         Ok(series)
     };
@@ -116,7 +116,7 @@ pub(super) fn inputs(
         return Err(mistake("input", message));
     }
     if let Some(concern) = many_steps(&inputs, schedule) {
-        crate::tell::line!("note: {concern}");
+        fmu_points::tell::line!("note: {concern}");
     }
     Ok(inputs)
 }

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use chrono::{DateTime, NaiveDateTime};
 
 use super::mistake::SettingsError;
-use crate::names::{did_you_mean, nearest};
 use crate::table::csv_file::CsvFile;
+use fmu_points::names::{did_you_mean, nearest};
 
 /// A recording's columns by name.
 pub(super) struct RecordedTable {

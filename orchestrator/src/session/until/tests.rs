@@ -92,7 +92,7 @@ fn guarded_points_count_for_the_verdict_and_others_for_the_width() {
     };
     assert!(counts("verdict", 0.39) && !counts("verdict", 0.41));
     assert!(counts("ci 0.1", 0.5) && !counts("ci 0.1", 0.51));
-    let failed = Err(crate::failure::Failure::Timeout);
+    let failed = Err(fmu_points::failure::Failure::Timeout);
     assert!(!ending("verdict", design).unwrap().counts(&judge, &failed));
 }
 

@@ -1,8 +1,8 @@
 //! The messages between the processes of a study, over pipes.
 //!
-//! A supervisor has guards, each guard has children in which the FMU runs. All messages are frames with length and
-//! checksum ([`frame`](fmu_import::isolation::frame)); numbers are little-endian. The first frame to a guard is its
-//! [`Setup`] as JSON; then come orders: a byte that says how points are to be run, then the points. A guard gives
+//! A supervisor has workers, each worker has children in which the FMU runs. All messages are frames with length and
+//! checksum ([`frame`](fmu_import::isolation::frame)); numbers are little-endian. The first frame to a worker is its
+//! [`Setup`] as JSON; then come orders: a byte that says how points are to be run, then the points. A worker gives
 //! one [`Reply`] a point, many to a frame. An order to record a trajectory gets frames of rows instead, each behind
 //! a byte that says whether it is the last one.
 
@@ -11,42 +11,42 @@ use std::path::PathBuf;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use super::conduct::Reason;
-use super::{Job, Simulated};
+use crate::conduct::Reason;
 use crate::failure::Failure;
 use crate::notices::Notices;
-use crate::run::Habit;
+use crate::points::{Job, Simulated};
+use crate::runner::Habit;
 use crate::task::Case;
 use fmu_import::{Content, Handle, Value};
 
-/// The first message to a guard.
+/// The first message to a worker.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) struct Setup {
+pub(crate) struct Setup {
     /// The folder of the unpacked FMU.
-    pub(super) fmu: PathBuf,
+    pub(crate) fmu: PathBuf,
     /// The FMU's path as the user gave it.
-    pub(super) name: PathBuf,
+    pub(crate) name: PathBuf,
     /// The working directory, empty for each child; none where that is the supervisor's own.
-    pub(super) place: Option<PathBuf>,
-    /// The simulations of a point. Those of several cases are ordered one by one: see [`join`](super::join).
-    pub(super) cases: Vec<Case>,
+    pub(crate) place: Option<PathBuf>,
+    /// The simulations of a point. Those of several cases are ordered one by one: see [`join`](crate::join).
+    pub(crate) cases: Vec<Case>,
     /// The longest time that a point may take, s; none without a limit.
-    pub(super) time: Option<f64>,
+    pub(crate) time: Option<f64>,
     /// The most memory that a child may occupy, bytes.
-    pub(super) memory: u64,
+    pub(crate) memory: u64,
     /// The number that marks all further frames.
-    pub(super) ticket: u64,
+    pub(crate) ticket: u64,
     /// The byte that fills memory which the FMU has not written; none for memory as it comes.
-    pub(super) fill: Option<u8>,
+    pub(crate) fill: Option<u8>,
     /// Whether what the FMU prints is shown on standard error.
-    pub(super) echo: bool,
+    pub(crate) echo: bool,
     /// Whether signals are looked at after every point, since one of them has changed how they are handled.
-    pub(super) careful: bool,
+    pub(crate) careful: bool,
 }
 
 /// How points are run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Way {
+pub(crate) enum Way {
     /// Each in a child that loads the FMU itself.
     New,
     /// Each in a child of a process that has loaded the FMU and never instantiated it.
@@ -66,7 +66,7 @@ const WAYS: [Way; 5] = [
 ];
 
 impl Way {
-    pub(super) fn put(self, into: &mut Vec<u8>) {
+    pub(crate) fn put(self, into: &mut Vec<u8>) {
         let place = WAYS.iter().position(|way| *way == self);
         // `WAYS` has them all, and they are few.
         into.push(place.unwrap_or(0) as u8);
@@ -75,24 +75,24 @@ impl Way {
 
 /// The outcome of a point.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Reply {
+pub(crate) struct Reply {
     /// The index of the point.
-    pub(super) index: u64,
+    pub(crate) index: u64,
     /// Its results in the FMU's units, or why there are none.
-    pub(super) answer: Result<Simulated, Trouble>,
+    pub(crate) answer: Result<Simulated, Trouble>,
     /// How long it took until there was an instance, s; 0 where that is not known.
-    pub(super) start: f32,
+    pub(crate) start: f32,
     /// How long the simulation took from then on, s; likewise.
-    pub(super) simulated: f32,
+    pub(crate) simulated: f32,
     /// Why no other point may use its process; none after a point that ended plainly.
-    pub(super) odd: Option<Odd>,
+    pub(crate) odd: Option<Odd>,
     /// Whether the process that has loaded the FMU may be forked, where that has been looked at.
-    pub(super) forkable: Option<bool>,
+    pub(crate) forkable: Option<bool>,
 }
 
 /// What was odd about a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Odd {
+pub(crate) enum Odd {
     /// It failed, ended early, or the FMU said or returned something other than OK.
     Complaint,
     /// A thread of the FMU still runs.
@@ -105,7 +105,7 @@ impl Odd {
     const ALL: [Self; 3] = [Self::Complaint, Self::Threads, Self::Signals];
 
     /// Why points run alone that are mostly so.
-    pub(super) fn reason(self) -> Reason {
+    pub(crate) fn reason(self) -> Reason {
         match self {
             Self::Complaint => Reason::Complaints,
             Self::Threads => Reason::Threads,
@@ -116,7 +116,7 @@ impl Odd {
 
 /// Why there are no results.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) enum Trouble {
+pub(crate) enum Trouble {
     /// The FMU failed, and said so; its warnings before that.
     Failed {
         failure: Failure,
@@ -132,7 +132,7 @@ pub(super) enum Trouble {
 
 impl Trouble {
     /// The FMU's warnings before it failed, if there were any.
-    pub(super) fn notices(&self) -> Option<&Notices> {
+    pub(crate) fn notices(&self) -> Option<&Notices> {
         match self {
             Self::Failed { notices, .. } if !notices.is_empty() => Some(notices),
             _ => None,
@@ -140,7 +140,7 @@ impl Trouble {
     }
 
     /// The failure as the results show it.
-    pub(super) fn failure(self) -> Failure {
+    pub(crate) fn failure(self) -> Failure {
         match self {
             Self::Failed { failure, .. } | Self::Refused { failure, .. } | Self::Lost(failure) => {
                 failure
@@ -151,34 +151,34 @@ impl Trouble {
 }
 
 /// Kinds of messages from a child.
-pub(super) mod speech {
+pub(crate) mod speech {
     /// The FMU cannot be loaded; the reason follows.
-    pub(in super::super) const UNLOADABLE: u8 = 0;
+    pub(crate) const UNLOADABLE: u8 = 0;
     /// It is loaded; 0 or 1 follows where it was looked at whether the process may be forked.
-    pub(in super::super) const LOADED: u8 = 1;
+    pub(crate) const LOADED: u8 = 1;
     /// Replies follow.
-    pub(in super::super) const REPLIES: u8 = 2;
+    pub(crate) const REPLIES: u8 = 2;
     /// Rows of a trajectory follow.
-    pub(in super::super) const ROWS: u8 = 3;
+    pub(crate) const ROWS: u8 = 3;
     /// The [`Notices`](crate::notices::Notices) of the point follow, now that its simulation has been ended.
-    pub(in super::super) const FAREWELL: u8 = 4;
+    pub(crate) const FAREWELL: u8 = 4;
 }
 
 /// Whether a trajectory ends with a frame.
-pub(super) enum End {
+pub(crate) enum End {
     Not,
     Done,
     Failed(Failure),
 }
 
 /// Appends a job: the index of a simulation, and the point's values.
-pub(super) fn put_job(index: u64, values: &[f64], into: &mut Vec<u8>) {
+pub(crate) fn put_job(index: u64, values: &[f64], into: &mut Vec<u8>) {
     into.extend(index.to_le_bytes());
     put_numbers(values, into);
 }
 
 /// Appends results; `times` are those until there was an instance, and from then on, s.
-pub(super) fn put_results(
+pub(crate) fn put_results(
     index: u64,
     times: [f32; 2],
     values: &[f64],
@@ -199,7 +199,7 @@ pub(super) fn put_results(
 }
 
 /// Appends why there are none.
-pub(super) fn put_trouble(index: u64, times: [f32; 2], trouble: &Trouble, into: &mut Vec<u8>) {
+pub(crate) fn put_trouble(index: u64, times: [f32; 2], trouble: &Trouble, into: &mut Vec<u8>) {
     put_head(index, BAD, times, into);
     put_json(trouble, into);
 }
@@ -211,7 +211,7 @@ fn put_json(value: &impl Serialize, into: &mut Vec<u8>) {
 }
 
 /// Appends a reply.
-pub(super) fn put_reply(reply: &Reply, into: &mut Vec<u8>) {
+pub(crate) fn put_reply(reply: &Reply, into: &mut Vec<u8>) {
     let begin = into.len();
     let times = [reply.start, reply.simulated];
     match &reply.answer {
@@ -225,7 +225,7 @@ pub(super) fn put_reply(reply: &Reply, into: &mut Vec<u8>) {
 }
 
 /// Says in a reply what was odd about its point.
-pub(super) fn mark(odd: Option<Odd>, reply: &mut [u8]) {
+pub(crate) fn mark(odd: Option<Odd>, reply: &mut [u8]) {
     let place = Odd::ALL.iter().position(|known| Some(*known) == odd);
     reply[ODD] = place.map_or(0, |place| 1 + place as u8);
 }
@@ -249,7 +249,7 @@ fn put_head(index: u64, kind: u8, times: [f32; 2], into: &mut Vec<u8>) {
 }
 
 /// Appends how a trajectory ended.
-pub(super) fn put_end(end: &End, into: &mut Vec<u8>) {
+pub(crate) fn put_end(end: &End, into: &mut Vec<u8>) {
     match end {
         End::Not => into.push(0),
         End::Done => into.push(1),
@@ -261,7 +261,7 @@ pub(super) fn put_end(end: &End, into: &mut Vec<u8>) {
 }
 
 /// Appends a value of a trajectory's row.
-pub(super) fn put_value(value: &Value, into: &mut Vec<u8>) {
+pub(crate) fn put_value(value: &Value, into: &mut Vec<u8>) {
     match value {
         Value::Real(value) => into.extend(value.to_le_bytes()),
         Value::Integer(value) => into.extend(value.to_le_bytes()),
@@ -286,10 +286,10 @@ fn put_numbers(values: &[f64], into: &mut Vec<u8>) {
 }
 
 /// Reads what was put into a frame; `None` where that is damaged.
-pub(super) struct Reader<'a>(pub(super) &'a [u8]);
+pub(crate) struct Reader<'a>(pub(crate) &'a [u8]);
 
 impl Reader<'_> {
-    pub(super) fn job(&mut self) -> Option<Job> {
+    pub(crate) fn job(&mut self) -> Option<Job> {
         let index = u64::from_le_bytes(self.array()?);
         Some(Job {
             index,
@@ -298,12 +298,12 @@ impl Reader<'_> {
     }
 
     /// How the points of an order are to be run.
-    pub(super) fn way(&mut self) -> Option<Way> {
+    pub(crate) fn way(&mut self) -> Option<Way> {
         let [number] = self.array()?;
         WAYS.get(usize::from(number)).copied()
     }
 
-    pub(super) fn reply(&mut self) -> Option<Reply> {
+    pub(crate) fn reply(&mut self) -> Option<Reply> {
         let index = u64::from_le_bytes(self.array()?);
         let [kind, forkable, odd] = self.array()?;
         let start = f32::from_le_bytes(self.array()?);
@@ -330,7 +330,7 @@ impl Reader<'_> {
     }
 
     /// How a trajectory goes on.
-    pub(super) fn end(&mut self) -> Option<End> {
+    pub(crate) fn end(&mut self) -> Option<End> {
         match self.array()? {
             [0] => Some(End::Not),
             [1] => Some(End::Done),
@@ -339,7 +339,7 @@ impl Reader<'_> {
     }
 
     /// A row of a trajectory: the time, and a value per column.
-    pub(super) fn row(&mut self, columns: &[Handle]) -> Option<(f64, Vec<Value>)> {
+    pub(crate) fn row(&mut self, columns: &[Handle]) -> Option<(f64, Vec<Value>)> {
         let time = f64::from_le_bytes(self.array()?);
         let value = |column: &Handle| self.value(column.content);
         Some((time, columns.iter().map(value).collect::<Option<_>>()?))

@@ -9,8 +9,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::{EngineError, Event, Indexes, Job, Post, Worker};
 use crate::failure::Failure;
+use crate::indexes::Indexes;
+use crate::points::{Event, Job, Post, RunError, Worker};
 
 /// So many points of a kind are repeated at first; of those that took too long, one.
 const FIRST: usize = 3;
@@ -47,7 +48,7 @@ impl Company {
     }
 
     /// Notes what happened while others ran.
-    pub(super) fn heed(&mut self, event: &Event) {
+    pub(crate) fn heed(&mut self, event: &Event) {
         match event {
             Event::Answer(index, answer, _) => {
                 let known = self.failed.iter_mut().filter(|(kind, _)| *kind != FICKLE);
@@ -72,7 +73,7 @@ impl Company {
     }
 
     /// Repeats points one by one while nothing else runs; whether that was ended early.
-    pub(super) fn settle<E: From<EngineError>>(
+    pub(crate) fn settle<E: From<RunError>>(
         &mut self,
         workers: &mut [Box<dyn Worker>],
         job: &(dyn Fn(u64) -> Job + Sync),
@@ -152,13 +153,13 @@ fn kind(failure: &Failure) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::Separation;
+    use crate::conduct::Separation;
 
     /// Alone, the points below this number fail for a reason of their own.
     struct Shy(u64);
 
     impl Worker for Shy {
-        fn run(&mut self, jobs: &[Job], post: &mut Post<'_>) -> Result<(), EngineError> {
+        fn run(&mut self, jobs: &[Job], post: &mut Post<'_>) -> Result<(), RunError> {
             for job in jobs {
                 post.send(answer(job.index, self.0, 0));
             }
@@ -187,7 +188,7 @@ mod tests {
         };
         let (mut again, mut passed) = (0, 0);
         let never = AtomicBool::new(false);
-        let over = company.settle::<EngineError>(&mut workers, &job, &never, &mut |event| {
+        let over = company.settle::<RunError>(&mut workers, &job, &never, &mut |event| {
             if let Event::Answer(_, answer, _) = event {
                 again += 1;
                 passed += usize::from(answer.is_ok());

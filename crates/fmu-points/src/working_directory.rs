@@ -22,7 +22,7 @@ pub fn home<'a, 't>(
 }
 
 /// Whether a text that the study sets is the relative path of something that exists.
-pub(super) fn named_in(task: &Task) -> bool {
+pub(crate) fn named_in(task: &Task) -> bool {
     task.fixed.iter().any(|(_, value)| match value {
         Value::String(text) => is_here(text),
         _ => false,
@@ -30,7 +30,7 @@ pub(super) fn named_in(task: &Task) -> bool {
 }
 
 /// Whether the start value of a text is the relative path of something that exists.
-pub(super) fn named_by(description: &Description) -> bool {
+pub(crate) fn named_by(description: &Description) -> bool {
     let mut variables = description.variables.values();
     variables.any(|variable| match &variable.kind {
         Kind::String { start: Some(text) } => is_here(text),
@@ -47,7 +47,7 @@ fn is_here(text: &str) -> bool {
 const LISTS: [&str; 4] = ["LD_LIBRARY_PATH", "LD_PRELOAD", "PATH", "PYTHONPATH"];
 
 /// These lists for a process in another working directory: what they name relative to this one, it would not find.
-pub(super) fn lists_for_elsewhere() -> impl Iterator<Item = (&'static str, OsString)> {
+pub(crate) fn lists_for_elsewhere() -> impl Iterator<Item = (&'static str, OsString)> {
     let named = LISTS
         .into_iter()
         .filter_map(|name| Some((name, env::var_os(name)?)));

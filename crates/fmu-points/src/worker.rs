@@ -1,4 +1,4 @@
-//! A guard: the process between the supervisor and those in which the FMU runs.
+//! A worker: the process between the supervisor and those in which the FMU runs.
 //!
 //! It runs each point in a child, or many in one, and gives one reply a point whatever becomes of the child: a
 //! crash, silence, foreign bytes. Only its own code writes to the supervisor. It ends with the supervisor, and
@@ -11,16 +11,16 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::Job;
-use super::birth::{self, Estate};
-use super::servant::{self, Work};
-use super::system::{self, Shared, Streams};
-use super::wire::{
+use crate::birth::{self, Estate};
+use crate::child::{self, Work};
+use crate::failure::Failure;
+use crate::points::Job;
+use crate::runner::Habit;
+use crate::system::{self, Shared, Streams};
+use crate::task::Record;
+use crate::wire::{
     End, Odd, Reader, Reply, Setup, Trouble, Way, put_end, put_job, put_reply, put_trouble, speech,
 };
-use crate::failure::Failure;
-use crate::run::Habit;
-use crate::task::Record;
 use fmu_import::isolation::keeper::signal_name;
 use fmu_import::isolation::{Bounds, Child, Keeper, Loss, Parting, frame};
 use fmu_import::{FmuError, Library, Package};
@@ -42,7 +42,7 @@ pub const MUTE: &str = "the FMU closed descriptors that it did not open, or beca
 ///
 /// # Errors
 /// When the supervisor cannot be understood or reached.
-pub fn serve() -> io::Result<()> {
+pub(crate) fn serve() -> io::Result<()> {
     let (input, output, streams) = Streams::take()?;
     let mut orders = frame::Inbox::new(input, 0);
     let Some(setup) = orders.wait()? else {
@@ -51,9 +51,9 @@ pub fn serve() -> io::Result<()> {
     let setup: Setup = serde_json::from_slice(&setup)?;
     orders.expect(setup.ticket);
     if let Some(byte) = setup.fill {
-        servant::fill_memory(byte);
+        child::fill_memory(byte);
     }
-    let mut guard = Guard {
+    let mut service = Service {
         keeper: streams.keeper(setup.echo, setup.ticket)?,
         output: Output {
             to: output,
@@ -68,13 +68,14 @@ pub fn serve() -> io::Result<()> {
         setup,
     };
     while let Some(order) = orders.wait()? {
-        guard.obey(&order)?;
-        guard.output.send()?;
+        service.obey(&order)?;
+        service.output.send()?;
     }
     Ok(())
 }
 
-struct Guard {
+/// What a worker works with.
+struct Service {
     setup: Setup,
     keeper: Keeper,
     output: Output,
@@ -87,7 +88,7 @@ struct Guard {
     progress: Shared,
 }
 
-impl Guard {
+impl Service {
     fn obey(&mut self, order: &[u8]) -> io::Result<()> {
         let mut reader = Reader(order);
         let damaged = || io::Error::other("an order is damaged");
@@ -365,7 +366,7 @@ impl Guard {
             progress: &self.progress,
         };
         for pause in PAUSES {
-            // SAFETY: where children are forks, a guard has a single thread; loading the FMU has started none, or it is
+            // SAFETY: where children are forks, a worker has a single thread; loading the FMU has started none, or it is
             // not loaded here.
             if let Ok(child) = unsafe { birth::child(&mut self.keeper, &mut estate, work) } {
                 return Ok(child);

@@ -1,4 +1,4 @@
-//! Windows: job objects in place of process groups and signals. A guard's job ends what its guard has started.
+//! Windows: job objects in place of process groups and signals. A worker's job ends what its worker has started.
 
 use std::fs::File;
 use std::io;
@@ -18,20 +18,20 @@ use windows_sys::Win32::System::Memory::{
     CreateFileMappingW, FILE_MAP_ALL_ACCESS, MapViewOfFile, PAGE_READWRITE,
 };
 
-pub(crate) use fmu_import::isolation::process::{detach, memory_of_machine, resident};
+pub use fmu_import::isolation::process::{detach, memory_of_machine, resident};
 
-/// Whether a guard needs a control group to be ended with all that it has started.
+/// Whether a worker needs a control group to be ended with all that it has started.
 pub(crate) const GROUPS_ARE_NEEDED: bool = true;
 
 /// A process that ends leaves its children to nobody.
 pub(crate) fn adopt_orphans() {}
 
 /// This program. Its file cannot be replaced while it runs.
-pub(crate) fn program() -> io::Result<PathBuf> {
+pub fn program() -> io::Result<PathBuf> {
     std::env::current_exe()
 }
 
-/// Where a guard's replies come from.
+/// Where a worker's replies come from.
 pub(crate) type Source = Arrivals;
 
 /// The same, from its standard output.
@@ -45,7 +45,7 @@ pub(crate) fn is_ready(replies: &mut Inbox<Source>, time: Duration) -> bool {
 }
 
 /// How a process ended.
-pub(crate) fn loss(status: ExitStatus) -> Loss {
+pub fn loss(status: ExitStatus) -> Loss {
     match process::loss(status) {
         Loss::Mute => Loss::Exit(status.code().unwrap_or(-1)),
         loss => loss,
@@ -60,32 +60,32 @@ pub(crate) fn is_stopped(_: u32) -> bool {
 /// Jobs end processes here.
 pub(crate) fn kill_group(_: u32) {}
 
-/// Jobs end guards here.
-pub(crate) fn kill_guard(_: u32) {}
+/// Jobs end workers here.
+pub(crate) fn kill_worker(_: u32) {}
 
-/// Jobs end processes here, so none outlives its guard. Whether there were any.
+/// Jobs end processes here, so none outlives its worker. Whether there were any.
 pub(crate) fn end_marked(_: &str, _: impl Fn(u32) -> bool) -> bool {
     false
 }
 
 /// A process with all that it starts.
 #[derive(Debug)]
-pub(crate) struct Tree(Option<ControlGroup>);
+pub struct Tree(Option<ControlGroup>);
 
 impl Tree {
     /// That of a process that was just started apart.
-    pub(crate) fn of(child: &Child) -> Self {
+    pub fn of(child: &Child) -> Self {
         Self(ControlGroup::new().filter(|group| group.take(child.id())))
     }
 
     /// Ends it at once.
-    pub(crate) fn end(self) {
+    pub fn end(self) {
         self.0.iter().for_each(ControlGroup::end);
     }
 }
 
 /// The supervisor's job ends this process with it.
-pub(crate) fn end_with(_: u32) -> io::Result<()> {
+pub fn end_with(_: u32) -> io::Result<()> {
     process::end_without_words();
     Ok(())
 }
@@ -101,7 +101,7 @@ pub(crate) fn leave(code: i32) -> ! {
 /// There are no forks.
 pub(crate) const FORKS: bool = false;
 
-/// A guard's standard streams. The FMU runs in other processes, which have streams of their own.
+/// A worker's standard streams. The FMU runs in other processes, which have streams of their own.
 #[derive(Debug)]
 pub(crate) struct Streams;
 
@@ -113,7 +113,7 @@ impl Streams {
         Ok((input.into(), output.into(), Self))
     }
 
-    /// The keeper of the guard's children; with `echo`, what they print is shown on standard error.
+    /// The keeper of the worker's children; with `echo`, what they print is shown on standard error.
     pub(crate) fn keeper(self, echo: bool, seed: u64) -> io::Result<Keeper> {
         let error = echo.then(|| io::stderr().as_handle().try_clone_to_owned());
         let error: Option<OwnedHandle> = error.transpose()?;

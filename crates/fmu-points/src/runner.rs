@@ -320,19 +320,19 @@ impl Runner {
     /// until [`end`](Self::end).
     ///
     /// # Errors
-    /// As [`run`](Self::run), and what `sink` returns.
-    pub fn trajectory<E: From<Failure>>(
+    /// As [`run`](Self::run), and where `read` fails.
+    pub fn trajectory(
         &mut self,
         values: &[f64],
-        mut read: impl FnMut(f64, &mut Instance) -> Result<(), Trouble<E>>,
-    ) -> Result<(), E> {
+        mut read: impl FnMut(f64, &mut Instance) -> Result<(), Call>,
+    ) -> Result<(), Failure> {
         self.allow(values)?;
         let mut held = self.prepared()?;
         held.instance.forget_warnings();
         let instance = &mut held.instance;
         let schedule = self.scene.task.schedule;
         let mut ended = None;
-        let mut run = || -> Result<(), Trouble<E>> {
+        let mut run = || -> Result<(), Call> {
             start(&self.scene.task, instance, values)?;
             read(schedule.start, instance)?;
             let (points, mut time) = (schedule.points(), schedule.start);
@@ -355,15 +355,10 @@ impl Runner {
             ended,
             ..Notices::default()
         };
-        match result {
-            Ok(()) => {
-                self.hear_warnings(&held);
-                self.used = Some(held);
-                Ok(())
-            }
-            Err(Trouble::Call(call)) => Err(Failure::from_call(&call).into()),
-            Err(Trouble::Other(error)) => Err(error),
-        }
+        result.map_err(|call| Failure::from_call(&call))?;
+        self.hear_warnings(&held);
+        self.used = Some(held);
+        Ok(())
     }
 
     /// Ends the instance of a trajectory that went to its end.
@@ -488,21 +483,6 @@ impl Runner {
             }
         }
         Ok(())
-    }
-}
-
-/// Reasons for a trajectory to end early: the FMU failed, or its reader wants no more.
-#[derive(Debug)]
-pub enum Trouble<E> {
-    /// A call of the FMU failed.
-    Call(Call),
-    /// The reader failed.
-    Other(E),
-}
-
-impl<E> From<Call> for Trouble<E> {
-    fn from(call: Call) -> Self {
-        Self::Call(call)
     }
 }
 

@@ -5,22 +5,22 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::conduct::{Reason, Separation};
-use super::ground::Ground;
-use super::policy::{Plan, Policy, Probed, Wait};
-use super::process::{Gone, Limits, Process};
-use super::wire::{Odd, Reply, Trouble, Way};
-use super::{EngineError, Event, Job, Post, Simulated, Worker};
+use crate::conduct::{Reason, Separation};
 use crate::failure::Failure;
-use crate::run::Habit;
+use crate::ground::Ground;
+use crate::points::{Event, Job, Post, RunError, Simulated, Worker};
+use crate::policy::{Plan, Policy, Probed, Wait};
+use crate::process::{Gone, Limits, Process};
+use crate::runner::Habit;
 use crate::task::Case;
+use crate::wire::{Odd, Reply, Trouble, Way};
 
 /// The bytes with which unwritten memory is filled for comparison.
 const FILLS: [u8; 2] = [0x55, 0xaa];
 
 /// A worker with processes of its own.
 #[derive(Debug)]
-pub(super) struct Slot {
+pub(crate) struct Isolated {
     policy: Arc<Policy>,
     /// For points with a folder of their own.
     apart: Arc<Policy>,
@@ -29,9 +29,9 @@ pub(super) struct Slot {
     home: Option<PathBuf>,
     cases: Vec<Case>,
     limits: Limits,
-    /// The guard of points that are run alone, in forks.
+    /// The worker of points that are run alone, in forks.
     forking: Process,
-    /// The guard of the process that runs many points.
+    /// The worker of the process that runs many points.
     using: Process,
     /// Whether the last point that ran in a used process was odd.
     behind_odd: bool,
@@ -50,22 +50,22 @@ struct Done<'a> {
 /// The outcome of a point that was run alone.
 type Found = Result<Simulated, Trouble>;
 
-impl Slot {
-    pub(super) fn new(
+impl Isolated {
+    pub(crate) fn new(
         [policy, apart]: [Arc<Policy>; 2],
         ground: Arc<Ground>,
         home: Option<&Path>,
         cases: &[Case],
         limits: Limits,
     ) -> Self {
-        let guard = || {
-            let guard = Process::new(&ground.shared, &ground.name, cases, limits);
-            guard.on(&ground).at(home).lasting()
+        let worker = || {
+            let worker = Process::new(&ground.shared, &ground.name, cases, limits);
+            worker.on(&ground).at(home).lasting()
         };
         let known = ground.changed().is_some();
         Self {
-            forking: guard(),
-            using: guard(),
+            forking: worker(),
+            using: worker(),
             policy: if known { Arc::clone(&apart) } else { policy },
             apart,
             ground,
@@ -98,14 +98,14 @@ impl Slot {
             let own = own.map_err(|error| Gone::Start(error.to_string()))?;
             let shared = &self.ground;
             let fmu = own.as_ref().map_or(&*shared.shared, |own| own.path());
-            let guard = Process::new(fmu, &shared.name, &self.cases, self.limits);
-            let guard = if own.is_none() {
-                guard.on(shared)
+            let worker = Process::new(fmu, &shared.name, &self.cases, self.limits);
+            let worker = if own.is_none() {
+                worker.on(shared)
             } else {
-                guard
+                worker
             };
-            let mut guard = guard.at(self.home.as_deref()).with_fill(fill);
-            guard.run(Way::New, jobs, post.stopped, &mut take)
+            let mut worker = worker.at(self.home.as_deref()).with_fill(fill);
+            worker.run(Way::New, jobs, post.stopped, &mut take)
         };
         let failure = match (ran, reply) {
             (_, Some(reply)) => {
@@ -163,7 +163,7 @@ impl Slot {
             if self.policy.share_licences() {
                 post.send(Event::Void(Separation::Used));
             }
-            post.pause(pause)?;
+            pause_for(pause, post)?;
             pause = LONGEST.min(pause * 3 / 2);
         }
     }
@@ -214,7 +214,7 @@ impl Slot {
         if values.is_none() {
             self.policy.note_odd(Some(Odd::Complaint));
         }
-        post.answer(job.index, found, separation);
+        tell(post, job.index, found, separation);
         self.policy.spend(separation, begun.elapsed().as_secs_f64());
         let Some(values) = values.filter(|_| self.policy.audits()) else {
             return Ok(());
@@ -305,7 +305,7 @@ impl Slot {
         if answer.is_err() {
             self.policy.note_odd(Some(Odd::Complaint));
         }
-        post.answer(job.index, answer, new);
+        tell(post, job.index, answer, new);
         Ok(())
     }
 
@@ -415,7 +415,7 @@ impl Slot {
                         separation: Separation::Used,
                         behind_odd,
                     });
-                    post.answer(job.index, Ok(found), Separation::Used);
+                    tell(post, job.index, Ok(found), Separation::Used);
                     reply.odd
                 }
                 Err(trouble) => {
@@ -430,7 +430,7 @@ impl Slot {
         match ran {
             Ok(()) => {}
             Err(Gone::Lost(failure)) => {
-                // The guard was lost: which point it was is not known, so none of them is to blame yet.
+                // The worker was lost: which point it was is not known, so none of them is to blame yet.
                 let lost = |job| (job, Err(Trouble::Lost(failure.clone())));
                 failed.extend(open.into_values().map(lost));
             }
@@ -459,7 +459,7 @@ impl Slot {
             self.policy.audited(job.index, false, Separation::Used);
             self.refute(Separation::Used, post);
         }
-        post.answer(job.index, found, separation);
+        tell(post, job.index, found, separation);
         Ok(())
     }
 
@@ -541,7 +541,7 @@ impl Slot {
         if found.is_err() {
             found = self.licensed(job, new, Some(FILLS[0]), post)?.answer;
         }
-        post.answer(job.index, found, new);
+        tell(post, job.index, found, new);
         Ok(())
     }
 
@@ -571,8 +571,8 @@ impl Slot {
     }
 }
 
-impl Worker for Slot {
-    fn run(&mut self, jobs: &[Job], post: &mut Post<'_>) -> Result<(), EngineError> {
+impl Worker for Isolated {
+    fn run(&mut self, jobs: &[Job], post: &mut Post<'_>) -> Result<(), RunError> {
         let mut jobs = jobs;
         while let Some((job, rest)) = jobs.split_first() {
             let plan = self.policy.plan(post.left.map(|left| left + jobs.len()));
@@ -614,7 +614,7 @@ impl Worker for Slot {
     }
 
     /// A point that gives results now gives them twice, or the FMU is not reproducible.
-    fn run_alone(&mut self, job: &Job, post: &mut Post<'_>) -> Result<(), EngineError> {
+    fn run_alone(&mut self, job: &Job, post: &mut Post<'_>) -> Result<(), RunError> {
         loop {
             let new = self.policy.strictest();
             let found = self.licensed(job, new, None, post).and_then(|first| {
@@ -628,7 +628,7 @@ impl Worker for Slot {
                 Ok(first.answer)
             });
             match found {
-                Ok(found) => post.answer(job.index, found, new),
+                Ok(found) => tell(post, job.index, found, new),
                 Err(Gone::Stopped) => {}
                 Err(Gone::Disturbed) => {
                     self.leave_the_shared_folder(post);
@@ -644,6 +644,27 @@ impl Worker for Slot {
         // Others may need the licence that it holds.
         self.using.end();
     }
+}
+
+/// Hands over the outcome of a point, and the FMU's warnings before it failed.
+fn tell(post: &mut Post<'_>, index: u64, found: Found, separation: Separation) {
+    if let Some(notices) = found.as_ref().err().and_then(Trouble::notices) {
+        post.send(Event::Said(index, Box::new(notices.clone())));
+    }
+    let answer = found.map_err(Trouble::failure);
+    post.send(Event::Answer(index, answer, separation));
+}
+
+/// Waits, unless the run is to end.
+fn pause_for(pause: Duration, post: &Post<'_>) -> Result<(), Gone> {
+    let until = Instant::now() + pause;
+    while Instant::now() < until {
+        if (post.stopped)() {
+            return Err(Gone::Stopped);
+        }
+        std::thread::sleep(pause.min(Duration::from_millis(20)));
+    }
+    Ok(())
 }
 
 /// Whether an answer comes from the FMU, and not from what happened around its process: a lack of time or memory,

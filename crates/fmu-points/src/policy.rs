@@ -6,22 +6,22 @@
 //! points in different orders, unless most of them leave a process that no other may use, or a process each costs next to
 //! nothing. These are counts and medians of many times: no single reading of a clock decides, and nothing is decided for
 //! good but what was proven. Some points are computed again in a new process with other bytes in unwritten memory:
-//! [a few](super::repeats) where that takes little time, and further ones as long as that takes at most a fiftieth of the
+//! [a few](crate::repeats) where that takes little time, and further ones as long as that takes at most a fiftieth of the
 //! time.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
-use super::Job;
-use super::conduct::{Conduct, Isolation, Reason, Separation};
-use super::repeats::{ENOUGH, Repeats};
-use super::wire::{Odd, Reply};
-use crate::run::Habit;
+use crate::conduct::{Conduct, Isolation, Reason, Separation};
+use crate::points::Job;
+use crate::repeats::{ENOUGH, Repeats};
+use crate::runner::Habit;
+use crate::wire::{Odd, Reply};
 
 /// The next task of a worker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Plan {
+pub(crate) enum Plan {
     /// Run a point in several ways and [report](Policy::probed).
     Probe,
     /// Run a point alone.
@@ -36,7 +36,7 @@ pub(super) enum Plan {
 
 /// The result of a probe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Probed {
+pub(crate) enum Probed {
     /// New processes and forks agree.
     Alike,
     /// New processes agree with each other; forks are not possible, or differ.
@@ -49,7 +49,7 @@ pub(super) enum Probed {
 
 /// What to do about an instance that was refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Wait {
+pub(crate) enum Wait {
     /// Nothing: it stays refused.
     No,
     /// Ask again.
@@ -86,7 +86,7 @@ const LICENCE: Duration = Duration::from_secs(600);
 const FIRST_LICENCE: Duration = Duration::from_secs(60);
 
 /// A point with its results, computed alone.
-pub(super) type Proof = (Job, Vec<f64>);
+pub(crate) type Proof = (Job, Vec<f64>);
 
 /// Time that was spent on points of one kind, and on their audits.
 #[derive(Clone, Copy, Debug, Default)]
@@ -163,7 +163,7 @@ impl Readings {
 
 /// Decides how points share processes, from all that is known of the FMU.
 #[derive(Debug)]
-pub(super) struct Policy {
+pub(crate) struct Policy {
     wish: Isolation,
     /// A tool stands behind the FMU.
     tool: bool,
@@ -218,7 +218,7 @@ enum Reuse {
 }
 
 impl Policy {
-    pub(super) fn new(wish: Isolation, tool: bool) -> Self {
+    pub(crate) fn new(wish: Isolation, tool: bool) -> Self {
         let reuse = match wish {
             Isolation::Audited => Reuse::Untried,
             Isolation::Reuse => Reuse::Earned(Habit::Reset),
@@ -255,12 +255,12 @@ impl Policy {
     }
 
     /// The same for points that run beside others.
-    pub(super) fn in_company(self, company: bool) -> Self {
+    pub(crate) fn in_company(self, company: bool) -> Self {
         Self { company, ..self }
     }
 
     /// A policy for points that have an unpacked FMU each.
-    pub(super) fn apart(tool: bool) -> Self {
+    pub(crate) fn apart(tool: bool) -> Self {
         Self {
             strictest: Separation::Apart,
             ..Self::new(Isolation::Fresh, tool)
@@ -268,7 +268,7 @@ impl Policy {
     }
 
     /// A policy for points that are computed again as in audits.
-    pub(super) fn auditing() -> Self {
+    pub(crate) fn auditing() -> Self {
         Self {
             auditing: true,
             ..Self::new(Isolation::Fresh, false)
@@ -276,17 +276,17 @@ impl Policy {
     }
 
     /// How the user wishes points to share processes.
-    pub(super) fn wish(&self) -> Isolation {
+    pub(crate) fn wish(&self) -> Isolation {
         self.wish
     }
 
     /// Whether points run beside others.
-    pub(super) fn has_company(&self) -> bool {
+    pub(crate) fn has_company(&self) -> bool {
         self.company
     }
 
     /// The most independent processes: new ones, or new ones with a folder each where the FMU changes its folder.
-    pub(super) fn strictest(&self) -> Separation {
+    pub(crate) fn strictest(&self) -> Separation {
         self.strictest
     }
 
@@ -296,7 +296,7 @@ impl Policy {
     }
 
     /// The next task; `left` is the number of points to come, where it is known.
-    pub(super) fn plan(&self, left: Option<usize>) -> Plan {
+    pub(crate) fn plan(&self, left: Option<usize>) -> Plan {
         if self.auditing {
             return Plan::Audit;
         }
@@ -336,7 +336,7 @@ impl Policy {
     }
 
     /// Notes what a probe found and how long it took.
-    pub(super) fn probed(&self, found: Probed, took: Duration) {
+    pub(crate) fn probed(&self, found: Probed, took: Duration) {
         let mut state = self.state();
         state.probing = false;
         state.probe_time += took;
@@ -358,12 +358,12 @@ impl Policy {
     }
 
     /// How points are run alone, as far as that is known.
-    pub(super) fn alone(&self) -> Separation {
+    pub(crate) fn alone(&self) -> Separation {
         self.state().alone.unwrap_or(self.strictest)
     }
 
     /// Whether a single probe is enough, because every start costs much.
-    pub(super) fn is_dear(&self) -> bool {
+    pub(crate) fn is_dear(&self) -> bool {
         self.is_dear_in(&self.state())
     }
 
@@ -372,7 +372,7 @@ impl Policy {
     }
 
     /// Notes a point with results that was computed alone, and how long that took, s, where nothing else was started for it.
-    pub(super) fn note(&self, job: &Job, reply: &Reply, separation: Separation, took: Option<f64>) {
+    pub(crate) fn note(&self, job: &Job, reply: &Reply, separation: Separation, took: Option<f64>) {
         let Ok(found) = &reply.answer else { return };
         let mut state = self.state();
         state.alone_so_far += 1;
@@ -392,12 +392,12 @@ impl Policy {
     }
 
     /// Notes what was odd about a point that ran in a used process, or failed.
-    pub(super) fn note_odd(&self, odd: Option<Odd>) {
+    pub(crate) fn note_odd(&self, odd: Option<Odd>) {
         self.state().note_odd(odd);
     }
 
     /// Notes that an instance was made, and how long it took from the start of its process, s.
-    pub(super) fn instantiated(&self, start: f64) {
+    pub(crate) fn instantiated(&self, start: f64) {
         let mut state = self.state();
         state.instance = Some(Instant::now());
         state.loaded = true;
@@ -406,19 +406,19 @@ impl Policy {
     }
 
     /// Notes that the FMU was loaded, whatever came after that.
-    pub(super) fn loaded(&self) {
+    pub(crate) fn loaded(&self) {
         self.state().loaded = true;
     }
 
     /// Whether the FMU was ever loaded: if not, it will never be.
-    pub(super) fn has_loaded(&self) -> bool {
+    pub(crate) fn has_loaded(&self) -> bool {
         self.state().loaded
     }
 
     /// Whether a refused instance is to be asked for again: it spoke of a licence, or the tool behind the FMU
     /// gave one before. A point waits no longer than it may take, and where nobody got an instance for a whole round, no
     /// further one is waited for until somebody does.
-    pub(super) fn wait(&self, spoken: bool, since: Instant, limit: Duration) -> Wait {
+    pub(crate) fn wait(&self, spoken: bool, since: Instant, limit: Duration) -> Wait {
         let mut state = self.state();
         let wanted = spoken || self.tool && state.instance.is_some();
         if !wanted || state.hopeless {
@@ -442,7 +442,7 @@ impl Policy {
 
     /// There are too few licences: no process may keep one between points. Says whether some did, so that their points
     /// have to be computed again, because their last audits will not come.
-    pub(super) fn share_licences(&self) -> bool {
+    pub(crate) fn share_licences(&self) -> bool {
         let mut state = self.state();
         if self.wish != Isolation::Audited || matches!(state.reuse, Reuse::Refused(_)) {
             return false;
@@ -452,7 +452,7 @@ impl Policy {
     }
 
     /// The points on which reuse is to be proven.
-    pub(super) fn proof(&self) -> Vec<Proof> {
+    pub(crate) fn proof(&self) -> Vec<Proof> {
         let mut state = self.state();
         if self.is_dear_in(&state) {
             state.proof.truncate(1);
@@ -461,7 +461,7 @@ impl Policy {
     }
 
     /// Notes what a trial found: the habit with which points came out the same, or why there is none.
-    pub(super) fn tried(&self, habit: Result<Habit, Reason>) {
+    pub(crate) fn tried(&self, habit: Result<Habit, Reason>) {
         let mut state = self.state();
         if state.reuse == Reuse::OnTrial {
             state.reuse = habit.map_or_else(Reuse::Refused, Reuse::Earned);
@@ -470,7 +470,7 @@ impl Policy {
     }
 
     /// Notes that a trial was interrupted.
-    pub(super) fn untried(&self) {
+    pub(crate) fn untried(&self) {
         let mut state = self.state();
         if state.reuse == Reuse::OnTrial {
             state.reuse = Reuse::Untried;
@@ -478,26 +478,26 @@ impl Policy {
     }
 
     /// Notes that points were computed in a used process.
-    pub(super) fn note_reuse(&self) {
+    pub(crate) fn note_reuse(&self) {
         self.state().reused = true;
     }
 
     /// Chooses the points that are computed twice in any case.
-    pub(super) fn repeat(&self, repeats: &Repeats) {
+    pub(crate) fn repeat(&self, repeats: &Repeats) {
         // Later sets of points of the same run keep the first choice.
         let _ = self.repeats.set(repeats.clone());
     }
 
     /// Whether points are computed twice now and then: not where the user wants none, nor once it is known that they
     /// differ.
-    pub(super) fn audits(&self) -> bool {
+    pub(crate) fn audits(&self) -> bool {
         let wanted = matches!(self.wish, Isolation::Fresh | Isolation::Audited);
         wanted && self.repeats.get().is_some() && self.state().reproducible
     }
 
     /// Whether a point is computed twice whatever share of the time that takes: one of those that were chosen, or one of
     /// the first that came right behind an odd one. There must be time for it.
-    pub(super) fn chooses(&self, index: u64, behind_odd: bool) -> bool {
+    pub(crate) fn chooses(&self, index: u64, behind_odd: bool) -> bool {
         let chosen = self.repeats.get().is_some_and(|own| own.has(index));
         let state = self.state();
         let wanted = chosen || behind_odd && state.audits.behind_odd < ENOUGH;
@@ -507,30 +507,30 @@ impl Policy {
     }
 
     /// The place of a point in the order in which points are audited.
-    pub(super) fn rank(&self, index: u64) -> u64 {
+    pub(crate) fn rank(&self, index: u64) -> u64 {
         self.repeats.get().map_or(0, |repeats| repeats.rank(index))
     }
 
     /// Notes the time that points took, s.
-    pub(super) fn spend(&self, separation: Separation, took: f64) {
+    pub(crate) fn spend(&self, separation: Separation, took: f64) {
         self.state().spent[kind(separation)].computed += took;
     }
 
     /// Whether a point that ran alone is audited, as far as the share of the time goes.
-    pub(super) fn audits_alone(&self) -> bool {
+    pub(crate) fn audits_alone(&self) -> bool {
         let state = self.state();
         let spent = &state.spent[1];
         SHARE * spent.computed >= spent.audited + state.time_of_audit()
     }
 
     /// How many of the points that a used process has just computed are audited beside the chosen ones.
-    pub(super) fn audits_of_used(&self, last: bool) -> u32 {
+    pub(crate) fn audits_of_used(&self, last: bool) -> u32 {
         let state = self.state();
         state.spent[0].audits(state.time_of_audit(), last)
     }
 
     /// Notes how long an audit took, s; `in_any_case`: whatever share of the time that is.
-    pub(super) fn note_audit(
+    pub(crate) fn note_audit(
         &self,
         took: f64,
         separation: Separation,
@@ -548,13 +548,13 @@ impl Policy {
     }
 
     /// Notes what came of an audit of a point that had been computed in such a process.
-    pub(super) fn audited(&self, index: u64, agreed: bool, separation: Separation) {
+    pub(crate) fn audited(&self, index: u64, agreed: bool, separation: Separation) {
         let used = separation == Separation::Used;
         self.state().audits.note(index, agreed, used);
     }
 
     /// Points of this separation are not to be had any more. Those that there are do not count.
-    pub(super) fn refute(&self, separation: Separation) {
+    pub(crate) fn refute(&self, separation: Separation) {
         let mut state = self.state();
         state.reuse = Reuse::Refused(Reason::OtherResults);
         if separation == Separation::Forked {
@@ -563,12 +563,12 @@ impl Policy {
     }
 
     /// New processes differ among themselves.
-    pub(super) fn give_up_reproducing(&self) {
+    pub(crate) fn give_up_reproducing(&self) {
         self.state().give_up_reproducing(self.strictest);
     }
 
     /// How the points were computed.
-    pub(super) fn conduct(&self) -> Conduct {
+    pub(crate) fn conduct(&self) -> Conduct {
         let state = self.state();
         Conduct {
             isolation: match (self.wish, state.reuse) {

@@ -5,14 +5,31 @@
 
 use std::collections::BTreeSet;
 use std::fs::{self, File, OpenOptions};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread::sleep;
 use std::time::Duration;
 
 use tempfile::TempDir;
+use thiserror::Error;
 
-use crate::results::ResultsError;
+/// Why there is no folder.
+#[derive(Debug, Error)]
+#[error("{path}: {source}")]
+pub struct ScratchError {
+    /// The folder in which it was to be, or its lock.
+    pub path: PathBuf,
+    /// The operating system's message.
+    pub source: io::Error,
+}
+
+impl ScratchError {
+    fn at(path: &Path) -> impl FnOnce(io::Error) -> Self {
+        let path = path.to_owned();
+        move |source| Self { path, source }
+    }
+}
 
 /// A folder that is removed with this.
 #[derive(Debug)]
@@ -39,12 +56,12 @@ impl Scratch {
     ///
     /// # Errors
     /// When the system says no.
-    pub(super) fn new() -> Result<Self, ResultsError> {
+    pub(crate) fn new() -> Result<Self, ScratchError> {
         let place = std::env::temp_dir();
         remove_abandoned(&place);
         let mut scratch = Self::within(&place, PREFIX)?;
         let path = scratch.path().join(LOCK);
-        scratch._lock = Some(locked(&path).map_err(ResultsError::io(&path))?);
+        scratch._lock = Some(locked(&path).map_err(ScratchError::at(&path))?);
         Ok(scratch)
     }
 
@@ -52,11 +69,11 @@ impl Scratch {
     ///
     /// # Errors
     /// When the system says no.
-    pub(super) fn within(place: &Path, prefix: &str) -> Result<Self, ResultsError> {
+    pub fn within(place: &Path, prefix: &str) -> Result<Self, ScratchError> {
         // A signal that comes between the two finds the folder.
         let mut folders = folders();
         let folder = tempfile::Builder::new().prefix(prefix).tempdir_in(place);
-        let folder = folder.map_err(ResultsError::io(place))?;
+        let folder = folder.map_err(ScratchError::at(place))?;
         folders.insert(folder.path().to_owned());
         Ok(Self {
             folder,
@@ -79,7 +96,7 @@ impl Drop for Scratch {
 }
 
 /// Makes a file that is locked from the moment at which it has its name.
-fn locked(path: &Path) -> std::io::Result<File> {
+fn locked(path: &Path) -> io::Result<File> {
     let unnamed = path.with_extension("new");
     let file = File::create(&unnamed)?;
     // Where there are no locks, the folder of a killed command stays.
@@ -99,12 +116,12 @@ fn remove_abandoned(place: &Path) {
 }
 
 /// Removes all folders, for a process that is about to end itself.
-pub(super) fn remove_all() {
+pub(crate) fn remove_all() {
     folders().iter().for_each(|folder| remove(folder));
 }
 
 /// Removes the files and folders whose names begin so.
-pub(super) fn remove_starting_with(place: &Path, prefixes: &[&str]) {
+pub fn remove_starting_with(place: &Path, prefixes: &[&str]) {
     starting_with(place, prefixes).for_each(|path| remove(&path));
 }
 

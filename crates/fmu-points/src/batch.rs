@@ -3,7 +3,7 @@
 
 use std::time::{Duration, Instant};
 
-use super::Job;
+use crate::points::Job;
 
 /// How long a batch should take.
 const MOMENT: Duration = Duration::from_millis(50);
@@ -12,13 +12,13 @@ const MOST: usize = 1024;
 
 /// How fast a worker is.
 #[derive(Debug, Default)]
-pub(super) struct Pace {
+pub(crate) struct Pace {
     begun: Option<Instant>,
     size: usize,
 }
 
 impl Pace {
-    pub(super) fn begin(&mut self) {
+    pub(crate) fn begin(&mut self) {
         self.begun = Some(Instant::now());
     }
 
@@ -27,7 +27,7 @@ impl Pace {
         clippy::cast_sign_loss,
         clippy::cast_precision_loss
     )]
-    pub(super) fn end(&mut self, jobs: usize) {
+    pub(crate) fn end(&mut self, jobs: usize) {
         let Some(begun) = self.begun.take() else {
             return;
         };
@@ -39,18 +39,18 @@ impl Pace {
 }
 
 /// The points that are left.
-pub(super) struct Batches<I> {
+pub(crate) struct Batches<I> {
     jobs: I,
     workers: usize,
 }
 
 impl<I: Iterator<Item = Job>> Batches<I> {
-    pub(super) fn new(jobs: I, workers: usize) -> Self {
+    pub(crate) fn new(jobs: I, workers: usize) -> Self {
         Self { jobs, workers }
     }
 
     /// Takes the next batch; `false` when nothing is left.
-    pub(super) fn take(&mut self, pace: &Pace, batch: &mut Vec<Job>) -> bool {
+    pub(crate) fn take(&mut self, pace: &Pace, batch: &mut Vec<Job>) -> bool {
         // Towards the end, what is left is shared.
         let fair = self
             .jobs
@@ -64,7 +64,7 @@ impl<I: Iterator<Item = Job>> Batches<I> {
     }
 
     /// How many points are left, as far as that is known.
-    pub(super) fn left(&self) -> Option<usize> {
+    pub(crate) fn left(&self) -> Option<usize> {
         self.jobs.size_hint().1
     }
 }

@@ -4,11 +4,11 @@ use std::cell::Cell;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use super::process::{Gone, Limits, Process};
-use super::wire::{End, Reader, Trouble, Way};
-use super::{Answer, EngineError, Job};
 use crate::failure::Failure;
+use crate::points::{Answer, Job, RunError};
+use crate::process::{Gone, Limits, Process};
 use crate::task::{Case, Record, Task};
+use crate::wire::{End, Reader, Trouble, Way};
 use fmu_import::{Handle, Value};
 
 /// Takes a row of a trajectory: the time, s, and the values then.
@@ -40,7 +40,7 @@ impl Recorder<'_> {
     ///
     /// # Errors
     /// When no process can be started, or the FMU cannot be loaded.
-    pub fn run(&self, cases: &[Case], job: &Job) -> Result<Answer, EngineError> {
+    pub fn run(&self, cases: &[Case], job: &Job) -> Result<Answer, RunError> {
         let first = self.answer(cases, job)?;
         match first {
             Ok(_) => Ok(first),
@@ -48,7 +48,7 @@ impl Recorder<'_> {
         }
     }
 
-    fn answer(&self, cases: &[Case], job: &Job) -> Result<Answer, EngineError> {
+    fn answer(&self, cases: &[Case], job: &Job) -> Result<Answer, RunError> {
         let mut answer = None;
         let mut process = self.process(cases);
         let jobs = std::slice::from_ref(job);
@@ -56,14 +56,14 @@ impl Recorder<'_> {
             answer = Some(reply.answer);
         });
         match (answer, run) {
-            (Some(Err(Trouble::Unloadable(reason))), _) => Err(EngineError::Unloadable(reason)),
+            (Some(Err(Trouble::Unloadable(reason))), _) => Err(RunError::Unloadable(reason)),
             // An FMU that breaks its process at the end costs no answer.
             (Some(answer), Ok(()) | Err(Gone::Lost(_))) => {
                 let answer = answer.map(|found| found.values);
                 Ok(answer.map_err(Trouble::failure))
             }
             (None, Err(Gone::Lost(failure))) => Ok(Err(failure)),
-            (None, Ok(())) => Err(EngineError::Lost("it gave no answer".to_owned())),
+            (None, Ok(())) => Err(RunError::Lost("it gave no answer".to_owned())),
             (_, Err(gone)) => Err(gone.into()),
         }
     }
@@ -77,7 +77,7 @@ impl Recorder<'_> {
     }
 }
 
-/// Records trajectories of a task's points: each in a process of its own, which all have the same guard.
+/// Records trajectories of a task's points: each in a process of its own, which all have the same worker.
 #[derive(Debug)]
 pub struct Recording {
     process: Process,
@@ -90,7 +90,7 @@ impl Recording {
     ///
     /// # Errors
     /// When no process can be started, when the simulation fails, and what `row` returns.
-    pub fn record<E: From<Failure> + From<EngineError>>(
+    pub fn record<E: From<Failure> + From<RunError>>(
         &mut self,
         values: &[f64],
         columns: &[Handle],
@@ -104,7 +104,7 @@ impl Recording {
         let mut order = Vec::new();
         Way::Recorded.put(&mut order);
         let text = serde_json::to_vec(&record);
-        order.extend(text.map_err(|error| EngineError::Start(error.to_string()))?);
+        order.extend(text.map_err(|error| RunError::Start(error.to_string()))?);
         let is_late = || until.is_some_and(|until| Instant::now() >= until);
         let mut handed_over = 0;
         for last in [false, true] {
@@ -132,7 +132,7 @@ impl Recording {
     }
 
     /// One try: the failure, if there is one.
-    fn attempt<E: From<EngineError>>(
+    fn attempt<E: From<RunError>>(
         &mut self,
         order: &[u8],
         columns: &[Handle],
@@ -140,7 +140,7 @@ impl Recording {
         row: Row<'_, E>,
     ) -> Result<Option<Failure>, E> {
         // After the last result, the FMU's own end is waited for no longer than this, so that a crash in it is told. The
-        // guard says a second time that it is done when the FMU has ended.
+        // worker says a second time that it is done when the FMU has ended.
         const FAREWELL: Duration = Duration::from_secs(62);
         let mut outcome = Ok(None);
         let done: Cell<Option<Instant>> = Cell::new(None);
@@ -161,7 +161,7 @@ impl Recording {
                     return false;
                 }
                 None => {
-                    let damaged = EngineError::Lost("its answer is damaged".to_owned());
+                    let damaged = RunError::Lost("its answer is damaged".to_owned());
                     outcome = Err(damaged.into());
                     return false;
                 }
@@ -179,7 +179,7 @@ impl Recording {
             Err(_) if done.get().is_some() => outcome,
             Err(Gone::Stopped) => Ok(Some(Failure::Timeout)),
             Err(Gone::Lost(failure)) => Ok(Some(failure)),
-            Err(gone) => Err(EngineError::from(gone).into()),
+            Err(gone) => Err(RunError::from(gone).into()),
         }
     }
 }

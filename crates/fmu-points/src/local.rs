@@ -2,12 +2,13 @@
 
 use std::sync::Arc;
 
-use super::join::{Part, joined, parts};
-use super::wire::Trouble;
-use super::{EngineError, Event, Job, Post, Separation, Simulated, Worker};
+use crate::conduct::Separation;
 use crate::failure::Failure;
-use crate::run::Runner;
+use crate::join::{Part, joined, parts};
+use crate::points::{Event, Job, Post, RunError, Simulated, Worker};
+use crate::runner::Runner;
 use crate::task::Case;
+use crate::wire::Trouble;
 use fmu_import::Library;
 
 /// Runs points on an instance of its own.
@@ -53,7 +54,7 @@ impl Local {
 }
 
 impl Worker for Local {
-    fn run(&mut self, jobs: &[Job], post: &mut Post<'_>) -> Result<(), EngineError> {
+    fn run(&mut self, jobs: &[Job], post: &mut Post<'_>) -> Result<(), RunError> {
         let Some(runner) = &mut self.runner else {
             return Ok(());
         };

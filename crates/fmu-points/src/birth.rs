@@ -1,6 +1,6 @@
-//! How a guard gets a child that works for it.
+//! How a worker gets a child that works for it.
 //!
-//! On Unix that is a fork, which has all that the guard has. Windows has no forks: there a child is this program once
+//! On Unix that is a fork, which has all that the worker has. Windows has no forks: there a child is this program once
 //! more, and is told what it needs.
 
 use std::io;
@@ -9,21 +9,21 @@ use std::sync::Arc;
 use fmu_import::isolation::{Child, Keeper};
 use fmu_import::{Library, Package};
 
-use super::servant::Work;
-use super::system::Shared;
-use super::wire::Setup;
+use crate::child::Work;
+use crate::system::Shared;
+use crate::wire::Setup;
 
-/// What a guard has for its children.
+/// What a worker has for its children.
 #[cfg_attr(
     windows,
     expect(dead_code, reason = "only forks inherit what is loaded")
 )]
-pub(super) struct Estate<'a> {
-    pub(super) setup: &'a Setup,
-    pub(super) package: &'a mut Option<Package>,
-    /// The FMU, where the guard has loaded it for them.
-    pub(super) library: Option<Arc<Library>>,
-    pub(super) progress: &'a Shared,
+pub(crate) struct Estate<'a> {
+    pub(crate) setup: &'a Setup,
+    pub(crate) package: &'a mut Option<Package>,
+    /// The FMU, where the worker has loaded it for them.
+    pub(crate) library: Option<Arc<Library>>,
+    pub(crate) progress: &'a Shared,
 }
 
 /// Forks a child.
@@ -31,17 +31,17 @@ pub(super) struct Estate<'a> {
 /// # Safety
 /// This process has a single thread.
 #[cfg(unix)]
-pub(super) unsafe fn child(
+pub(crate) unsafe fn child(
     keeper: &mut Keeper,
     estate: &mut Estate<'_>,
     work: &Work,
 ) -> io::Result<Child> {
-    use super::servant;
+    use crate::child;
     // SAFETY: the caller promises that this process has a single thread.
     unsafe {
         keeper.fork(&mut |place| {
             let (package, library) = (estate.package.as_mut(), estate.library.clone());
-            servant::work(place, estate.setup, package, library, estate.progress, work);
+            child::work(place, estate.setup, package, library, estate.progress, work);
         })
     }
 }
@@ -51,13 +51,13 @@ pub(super) unsafe fn child(
 /// # Safety
 /// None is needed: it is there as on Unix.
 #[cfg(windows)]
-pub(super) unsafe fn child(
+pub(crate) unsafe fn child(
     keeper: &mut Keeper,
     estate: &mut Estate<'_>,
     work: &Work,
 ) -> io::Result<Child> {
-    let mut command = std::process::Command::new(super::system::program()?);
-    command.arg(SERVANT).arg(estate.progress.name());
+    let mut command = std::process::Command::new(crate::system::program()?);
+    command.arg(CHILD).arg(estate.progress.name());
     let mut child = keeper.start(&mut command)?;
     child.send(&serde_json::to_vec(estate.setup)?)?;
     let mut order = Vec::new();
@@ -66,31 +66,31 @@ pub(super) unsafe fn child(
     Ok(child)
 }
 
-/// The hidden command that makes this program a guard's child.
+/// The argument that makes this program a worker's child.
 #[cfg(windows)]
-pub const SERVANT: &str = "servant";
+pub(crate) const CHILD: &str = "fmu-points-child";
 
-/// Works for the guard that has started this process.
+/// Works for the worker that has started this process.
 ///
 /// # Errors
-/// When the guard cannot be understood or reached.
+/// When the worker cannot be understood or reached.
 #[cfg(windows)]
-pub fn serve(progress: &str) -> io::Result<()> {
+pub(crate) fn serve(progress: &str) -> io::Result<()> {
     use std::panic::{AssertUnwindSafe, catch_unwind};
 
-    use super::servant;
+    use crate::child;
     use fmu_import::isolation::Place;
     use fmu_import::isolation::keeper::leave;
 
     let mut place = Place::take()?;
-    let missing = || io::Error::other("the guard has gone");
+    let missing = || io::Error::other("the worker has gone");
     let setup: Setup = serde_json::from_slice(&place.receive().ok_or_else(missing)?)?;
     let work = Work::of(&place.receive().ok_or_else(missing)?)?;
     let progress = Shared::open(progress.to_owned())?;
     let mut package = Package::open(&setup.fmu).map_err(io::Error::other)?;
     // A panic ends this process as it would end a fork.
     let work = AssertUnwindSafe(|| {
-        servant::work(place, &setup, Some(&mut package), None, &progress, &work);
+        child::work(place, &setup, Some(&mut package), None, &progress, &work);
     });
     if catch_unwind(work).is_err() {
         std::process::abort()

@@ -1,10 +1,11 @@
 use super::*;
+use crate::failure::Failure;
 
 /// Doubles its first value; fails where that is negative.
 struct Doubling;
 
 impl Worker for Doubling {
-    fn run(&mut self, jobs: &[Job], post: &mut Post<'_>) -> Result<(), EngineError> {
+    fn run(&mut self, jobs: &[Job], post: &mut Post<'_>) -> Result<(), RunError> {
         for job in jobs {
             let value = job.values[0];
             let answer = if value < 0.0 {
@@ -44,7 +45,7 @@ fn none(_: Separation) -> Vec<u64> {
 fn every_point_is_answered_once() {
     let mut seen = vec![0; 10_000];
     let stop = AtomicBool::new(false);
-    run::<EngineError>(
+    run::<RunError>(
         &mut workers(3),
         0..10_000,
         &job,
@@ -73,7 +74,7 @@ fn every_point_is_answered_once() {
 fn a_run_ends_early_when_asked_to() {
     let stop = AtomicBool::new(false);
     let mut count = 0;
-    run::<EngineError>(
+    run::<RunError>(
         &mut workers(2),
         0..1_000_000,
         &job,
@@ -97,7 +98,7 @@ fn a_run_ends_early_when_asked_to() {
 struct Erring(u64);
 
 impl Worker for Erring {
-    fn run(&mut self, jobs: &[Job], post: &mut Post<'_>) -> Result<(), EngineError> {
+    fn run(&mut self, jobs: &[Job], post: &mut Post<'_>) -> Result<(), RunError> {
         for job in jobs {
             self.0 += 1;
             let (value, separation) = match self.0 {
@@ -123,7 +124,7 @@ fn what_does_not_count_is_computed_again() {
     let earlier = |_| vec![7];
     let open = (0..5000).filter(|index| *index != 7);
     let stop = AtomicBool::new(false);
-    run::<EngineError>(
+    run::<RunError>(
         &mut workers,
         open,
         &job,
@@ -140,19 +141,4 @@ fn what_does_not_count_is_computed_again() {
     .unwrap();
     // A point of an earlier run comes again, too.
     assert!((0..5000).all(|index| values[index] == index as f64 - 3.0));
-}
-
-#[test]
-fn sets_of_indexes() {
-    let mut set = Indexes::default();
-    for index in [0, 63, 64, 1000] {
-        set.insert(index);
-    }
-    set.remove(63);
-    set.remove(100_000);
-    let mut other = Indexes::default();
-    other.insert(70_000);
-    set.take(&mut other);
-    assert_eq!(set.iter().collect::<Vec<_>>(), [0, 64, 1000, 70_000]);
-    assert_eq!(other.iter().count(), 0);
 }

@@ -3,9 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 /// How points share processes, as the user wishes it and as it turned out.
-#[derive(
-    Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, clap::ValueEnum,
-)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum Isolation {
     /// Every point alone in a process of its own
@@ -15,7 +14,7 @@ pub enum Isolation {
     /// Processes are used for many points, and not audited
     Reuse,
     /// All points in the process of the supervisor.
-    #[value(skip)]
+    #[cfg_attr(feature = "clap", value(skip))]
     InProcess,
 }
 

@@ -17,16 +17,17 @@ use fmu_import::isolation::{Keeper, Loss};
 
 pub(crate) use fmu_import::isolation::offspring::adopt_orphans;
 
-/// Whether a guard needs a control group to be ended with all that it has started; else a group only makes that surer.
+/// Whether a worker needs a control group to be ended with all that it has started; else a group only makes that surer.
 pub(crate) const GROUPS_ARE_NEEDED: bool = false;
 
-/// Lets a command run in a process group of its own, out of reach of Ctrl-C.
-pub(crate) fn detach(command: &mut Command) -> &mut Command {
-    command.arg0("orchestrator").process_group(0)
+/// Lets a command, which is this program, run in a process group of its own, out of reach of Ctrl-C.
+pub fn detach(command: &mut Command) -> &mut Command {
+    let name = std::env::args_os().next().unwrap_or_default();
+    command.arg0(name).process_group(0)
 }
 
 /// This program, even when its file has been replaced since.
-pub(crate) fn program() -> io::Result<PathBuf> {
+pub fn program() -> io::Result<PathBuf> {
     let own = Path::new("/proc/self/exe");
     if own.exists() {
         Ok(own.to_owned())
@@ -35,7 +36,7 @@ pub(crate) fn program() -> io::Result<PathBuf> {
     }
 }
 
-/// Where a guard's replies come from.
+/// Where a worker's replies come from.
 pub(crate) type Source = File;
 
 /// The same, from its standard output.
@@ -55,7 +56,7 @@ pub(crate) fn is_ready(replies: &mut Inbox<Source>, time: Duration) -> bool {
 }
 
 /// How a process ended.
-pub(crate) fn loss(status: ExitStatus) -> Loss {
+pub fn loss(status: ExitStatus) -> Loss {
     let code = || Loss::Exit(status.code().unwrap_or(-1));
     status.signal().map_or_else(code, Loss::Signal)
 }
@@ -71,9 +72,9 @@ pub(crate) fn kill_group(leader: u32) {
     unsafe { libc::kill(-(leader as libc::pid_t), libc::SIGKILL) };
 }
 
-/// Ends a guard and its group at once.
-pub(crate) fn kill_guard(guard: u32) {
-    offspring::kill_group(guard as libc::pid_t);
+/// Ends a worker and its group at once.
+pub(crate) fn kill_worker(worker: u32) {
+    offspring::kill_group(worker as libc::pid_t);
 }
 
 /// Ends the children of this process whose environment holds `mark`, except `spared`. Whether there were any.
@@ -82,12 +83,12 @@ pub(crate) fn end_marked(mark: &str, spared: impl Fn(u32) -> bool) -> bool {
 }
 
 /// The memory that a process occupies, bytes; 0 where that is not known.
-pub(crate) fn resident(pid: u32) -> u64 {
+pub fn resident(pid: u32) -> u64 {
     offspring::resident(pid as libc::pid_t)
 }
 
 /// The memory of this machine, bytes; `None` where that is not known.
-pub(crate) fn memory_of_machine() -> Option<u64> {
+pub fn memory_of_machine() -> Option<u64> {
     let text = fs::read_to_string("/proc/meminfo").ok()?;
     let line = text.lines().find_map(|l| l.strip_prefix("MemTotal:"))?;
     let kibibytes = line.trim().strip_suffix("kB")?.trim().parse::<u64>();
@@ -96,22 +97,22 @@ pub(crate) fn memory_of_machine() -> Option<u64> {
 
 /// A process with all that it starts.
 #[derive(Debug)]
-pub(crate) struct Tree(u32);
+pub struct Tree(u32);
 
 impl Tree {
     /// That of a process that was just started apart.
-    pub(crate) fn of(child: &Child) -> Self {
+    pub fn of(child: &Child) -> Self {
         Self(child.id())
     }
 
     /// Ends it at once.
-    pub(crate) fn end(self) {
+    pub fn end(self) {
         kill_group(self.0);
     }
 }
 
 /// Lets the kernel end this process with the one that waits for it.
-pub(crate) fn end_with(supervisor: u32) -> io::Result<()> {
+pub fn end_with(supervisor: u32) -> io::Result<()> {
     #[cfg(target_os = "linux")]
     // SAFETY: sets a property of this process; the arguments are plain numbers.
     if unsafe { libc::prctl(libc::PR_SET_PDEATHSIG, libc::SIGKILL) } != 0 {
@@ -138,7 +139,7 @@ pub(crate) fn leave(code: i32) -> ! {
 /// Whether a process may be forked; the rest is for the FMU to spoil.
 pub(crate) const FORKS: bool = true;
 
-/// A guard's standard streams, taken for the supervisor alone.
+/// A worker's standard streams, taken for the supervisor alone.
 #[derive(Debug)]
 pub(crate) struct Streams {
     superior: OwnedFd,
@@ -162,7 +163,7 @@ impl Streams {
         Ok((input.into(), output.into(), Self { superior, error }))
     }
 
-    /// The keeper of the guard's children; with `echo`, what they print is shown on standard error.
+    /// The keeper of the worker's children; with `echo`, what they print is shown on standard error.
     pub(crate) fn keeper(self, echo: bool, seed: u64) -> io::Result<Keeper> {
         let echo = echo.then(|| File::from(self.error));
         Ok(Keeper::new(self.superior, Words::overhear(echo)?, seed))

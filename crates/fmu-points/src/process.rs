@@ -1,6 +1,6 @@
-//! The supervisor's side of a guard.
+//! The supervisor's side of a worker.
 //!
-//! A guard answers for all that becomes of its children. What may become of the guard itself (an FMU may kill its
+//! A worker answers for all that becomes of its children. What may become of the worker itself (an FMU may kill its
 //! parent, or stop it) is noticed here: it is looked at while it is silent, and each of its answers has a deadline.
 
 use std::collections::BTreeMap;
@@ -12,23 +12,24 @@ use std::time::{Duration, Instant};
 
 use tempfile::TempDir;
 
-use super::ground::Ground;
-use super::join::{Join, split};
-use super::system;
-use super::wire::{Reader, Reply, Setup, Way, put_job};
-use super::{EngineError, Job, working_directory};
 use crate::failure::Failure;
+use crate::ground::Ground;
+use crate::join::{Join, split};
+use crate::points::{Job, RunError};
+use crate::system;
 use crate::task::Case;
+use crate::wire::{Reader, Reply, Setup, Way, put_job};
+use crate::working_directory;
 use fmu_import::isolation::frame::Inbox;
 use fmu_import::isolation::keeper::signal_name;
 use fmu_import::isolation::{ControlGroup, Loss, frame};
 
-/// The hidden command that makes this program a guard.
-pub const COMMAND: &str = "worker";
+/// The argument that makes this program a worker.
+pub(crate) const WORKER: &str = "fmu-points-worker";
 
 /// How often a waiting supervisor looks whether it is to stop.
 const LOOK: Duration = Duration::from_millis(20);
-/// How much longer than a point, and the end of its instance, a guard's answer may take: it waits for children to end,
+/// How much longer than a point, and the end of its instance, a worker's answer may take: it waits for children to end,
 /// and for room to fork.
 const MARGIN: Duration = Duration::from_secs(20);
 
@@ -49,9 +50,9 @@ impl Limits {
     };
 }
 
-/// Why a guard gives no further answers.
+/// Why a worker gives no further answers.
 #[derive(Debug)]
-pub(super) enum Gone {
+pub(crate) enum Gone {
     /// It was lost; what becomes of the point that it was at.
     Lost(Failure),
     /// The run is to end.
@@ -64,7 +65,7 @@ pub(super) enum Gone {
     Disturbed,
 }
 
-impl From<Gone> for EngineError {
+impl From<Gone> for RunError {
     fn from(gone: Gone) -> Self {
         match gone {
             Gone::Lost(failure) => Self::Lost(failure.to_string()),
@@ -76,9 +77,9 @@ impl From<Gone> for EngineError {
     }
 }
 
-/// A guard, started when it is needed and replaced when it is lost.
+/// A worker, started when it is needed and replaced when it is lost.
 #[derive(Debug)]
-pub(super) struct Process {
+pub(crate) struct Process {
     setup: Setup,
     limits: Limits,
     /// What it shares with other processes.
@@ -95,15 +96,15 @@ struct Running {
     orders: Option<ChildStdin>,
     replies: Inbox<system::Source>,
     ticket: u64,
-    /// The working directory, which is removed with the guard.
+    /// The working directory, which is removed with the worker.
     place: Option<TempDir>,
     /// Whether it has ever answered.
     answered: bool,
 }
 
 impl Process {
-    /// A guard for the FMU unpacked in `fmu`, which the user calls `name`.
-    pub(super) fn new(fmu: &Path, name: &Path, cases: &[Case], limits: Limits) -> Self {
+    /// A worker for the FMU unpacked in `fmu`, which the user calls `name`.
+    pub(crate) fn new(fmu: &Path, name: &Path, cases: &[Case], limits: Limits) -> Self {
         let setup = Setup {
             fmu: std::path::absolute(fmu).unwrap_or_else(|_| fmu.to_owned()),
             name: name.to_owned(),
@@ -127,38 +128,38 @@ impl Process {
     }
 
     /// The same, in a folder that other processes share: answers count while it is as it was unpacked.
-    pub(super) fn on(mut self, ground: &Arc<Ground>) -> Self {
+    pub(crate) fn on(mut self, ground: &Arc<Ground>) -> Self {
         self.ground = Some(Arc::clone(ground));
         self
     }
 
     /// The same, with an empty working directory, made within this folder.
-    pub(super) fn at(mut self, home: Option<&Path>) -> Self {
+    pub(crate) fn at(mut self, home: Option<&Path>) -> Self {
         self.home = home.map(Path::to_owned);
         self
     }
 
     /// The same, but for many points: it gets a control group where there can be such, which takes the system longer
     /// than most points.
-    pub(super) fn lasting(mut self) -> Self {
+    pub(crate) fn lasting(mut self) -> Self {
         self.lasting = true;
         self
     }
 
     /// The same, but memory that the FMU has not written holds this byte.
-    pub(super) fn with_fill(mut self, fill: Option<u8>) -> Self {
+    pub(crate) fn with_fill(mut self, fill: Option<u8>) -> Self {
         self.setup.fill = fill;
         self
     }
 
     /// The same, but what the FMU prints is shown on standard error.
-    pub(super) fn with_echo(mut self, echo: bool) -> Self {
+    pub(crate) fn with_echo(mut self, echo: bool) -> Self {
         self.setup.echo = echo;
         self
     }
 
     /// Lets points be run, and hands over what comes of each.
-    pub(super) fn run(
+    pub(crate) fn run(
         &mut self,
         way: Way,
         jobs: &[Job],
@@ -195,7 +196,7 @@ impl Process {
     }
 
     /// Sends an order, and hands over the payloads that come, while `more` says that more are to come.
-    pub(super) fn order(
+    pub(crate) fn order(
         &mut self,
         order: &[u8],
         stopped: &dyn Fn() -> bool,
@@ -217,8 +218,8 @@ impl Process {
         result
     }
 
-    /// Whether there is a guard already.
-    pub(super) fn is_running(&self) -> bool {
+    /// Whether there is a worker already.
+    pub(crate) fn is_running(&self) -> bool {
         self.running.is_some()
     }
 
@@ -231,8 +232,8 @@ impl Process {
         self.running.as_mut().ok_or_else(missing)
     }
 
-    /// Ends the guard with all its children; the next order gets another one.
-    pub(super) fn end(&mut self) {
+    /// Ends the worker with all its children; the next order gets another one.
+    pub(crate) fn end(&mut self) {
         self.running = None;
     }
 }
@@ -254,7 +255,7 @@ impl Running {
         }
         // Ctrl-C is for the supervisor.
         let mut child = system::detach(marked(&mut command))
-            .arg(COMMAND)
+            .arg(WORKER)
             // An FMU that runs Python would leave compiled modules in its own folder.
             .env("PYTHONDONTWRITEBYTECODE", "1")
             .stdin(Stdio::piped())
@@ -311,7 +312,7 @@ impl Running {
         }
     }
 
-    /// Waits for the next payload, or until the guard is given up.
+    /// Waits for the next payload, or until the worker is given up.
     fn wait(&mut self, limits: Limits, stopped: &dyn Fn() -> bool) -> Result<Vec<u8>, Gone> {
         let begun = Instant::now();
         loop {
@@ -339,7 +340,7 @@ impl Running {
         }
     }
 
-    /// How the guard ended, whose pipes are closed.
+    /// How the worker ended, whose pipes are closed.
     fn ending(&mut self) -> Failure {
         let status = self.wait_for_end(Duration::from_secs(1));
         let reason = match status.map(system::loss) {
@@ -375,7 +376,7 @@ impl Running {
 
 impl Drop for Running {
     fn drop(&mut self) {
-        // A guard ends its children and itself when nobody can send it orders any more.
+        // A worker ends its children and itself when nobody can send it orders any more.
         self.orders = None;
         let patience = Duration::from_millis(300);
         let sound = self.wait_for_end(patience).is_some_and(|end| end.success());
@@ -396,12 +397,12 @@ impl Drop for Running {
 }
 
 /// Marks a process that this one is about to start: it ends with this one, and so does what it starts.
-pub(crate) fn marked(command: &mut Command) -> &mut Command {
+pub fn marked(command: &mut Command) -> &mut Command {
     command.env(MARK, mark())
 }
 
 /// The environment variable by which the processes of a run are known.
-const MARK: &str = "ORCHESTRATOR_RUN";
+const MARK: &str = "FMU_POINTS_RUN";
 
 /// Its value for the processes of this supervisor.
 fn mark() -> &'static str {
@@ -409,44 +410,44 @@ fn mark() -> &'static str {
     OWN.get_or_init(|| format!("{}-{:016x}", std::process::id(), rand::random::<u64>()))
 }
 
-/// The guards of this process, with their control groups where there can be such: its other children with the mark
+/// The workers of this process, with their control groups where there can be such: its other children with the mark
 /// have outlived theirs.
-static GUARDS: Mutex<Family> = Mutex::new(Family::new());
+static WORKERS: Mutex<Family> = Mutex::new(Family::new());
 
 type Family = BTreeMap<u32, Option<ControlGroup>>;
 
 fn family() -> MutexGuard<'static, Family> {
     // A map of numbers is sound whatever interrupted its last user.
-    GUARDS.lock().unwrap_or_else(PoisonError::into_inner)
+    WORKERS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// The same, unless another thread holds it.
 fn family_if_free() -> Option<MutexGuard<'static, Family>> {
-    match GUARDS.try_lock() {
-        Ok(guards) => Some(guards),
+    match WORKERS.try_lock() {
+        Ok(workers) => Some(workers),
         Err(TryLockError::Poisoned(poisoned)) => Some(poisoned.into_inner()),
         Err(TryLockError::WouldBlock) => None,
     }
 }
 
-/// Ends all guards of this process at once, with everything that they have started: for a process that is about to end
+/// Ends all workers of this process at once, with everything that they have started: for a process that is about to end
 /// itself, whatever its threads are waiting for.
 pub fn abandon_all() {
     const PATIENCE: Duration = Duration::from_millis(100);
     let until = Instant::now() + PATIENCE;
-    // A thread that is starting a guard holds the set for a moment.
-    let guards = loop {
+    // A thread that is starting a worker holds the set for a moment.
+    let workers = loop {
         match family_if_free() {
-            Some(mut guards) => break std::mem::take(&mut *guards),
+            Some(mut workers) => break std::mem::take(&mut *workers),
             None if Instant::now() > until => break Family::new(),
             None => std::thread::sleep(Duration::from_millis(1)),
         }
     };
-    for (&guard, group) in &guards {
-        system::kill_guard(guard);
+    for (&worker, group) in &workers {
+        system::kill_worker(worker);
         group.iter().for_each(ControlGroup::end);
     }
-    // Processes that a guard has adopted become this process's own when the guard ends, so look for them again then.
+    // Processes that a worker has adopted become this process's own when the worker ends, so look for them again then.
     let mark = format!("{MARK}={}", mark());
     while Instant::now() < until && system::end_marked(&mark, |_| false) {
         std::thread::sleep(Duration::from_millis(1));

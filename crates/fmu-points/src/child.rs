@@ -1,31 +1,31 @@
-//! A guard's child, in which the FMU runs.
+//! A worker's child, in which the FMU runs.
 
 use std::collections::BTreeSet;
 use std::fs;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::Job;
-use super::join;
-use super::system::{self, Shared};
-use super::wire::{
+use crate::failure::Failure;
+use crate::join;
+use crate::notices::Notices;
+use crate::points::Job;
+use crate::runner::{Habit, Runner};
+use crate::system::{self, Shared};
+use crate::task::Record;
+use crate::wire::{
     End, Odd, Reader, Setup, Trouble, mark, put_end, put_results, put_trouble, put_value, speech,
 };
 #[cfg(any(windows, test))]
-use super::wire::{Way, put_job};
-use crate::failure::Failure;
-use crate::notices::Notices;
-use crate::run::{Habit, Runner, Trouble as Interruption};
-use crate::task::Record;
+use crate::wire::{Way, put_job};
 use fmu_import::isolation::{Place, Traces};
 use fmu_import::{Library, Package, Value, complaints};
 
 /// Answers of many points are sent after this time at the latest, when the next point is done.
 const HOLD: Duration = Duration::from_millis(1);
 
-/// What a guard wants of its child.
+/// What a worker wants of its child.
 #[derive(Debug)]
-pub(super) enum Work {
+pub(crate) enum Work {
     /// One point.
     Alone(Job),
     /// All points that come.
@@ -37,7 +37,7 @@ pub(super) enum Work {
 /// A child that is not a fork is told its work.
 #[cfg(any(windows, test))]
 impl Work {
-    pub(super) fn put(&self, into: &mut Vec<u8>) -> std::io::Result<()> {
+    pub(crate) fn put(&self, into: &mut Vec<u8>) -> std::io::Result<()> {
         match self {
             Self::Alone(job) => {
                 Way::New.put(into);
@@ -52,7 +52,7 @@ impl Work {
         Ok(())
     }
 
-    pub(super) fn of(order: &[u8]) -> std::io::Result<Self> {
+    pub(crate) fn of(order: &[u8]) -> std::io::Result<Self> {
         let damaged = || std::io::Error::other("an order is damaged");
         let mut reader = Reader(order);
         Ok(match reader.way().ok_or_else(damaged)? {
@@ -63,8 +63,8 @@ impl Work {
     }
 }
 
-/// Does the work of a guard's child.
-pub(super) fn work(
+/// Does the work of a worker's child.
+pub(crate) fn work(
     place: Place,
     setup: &Setup,
     package: Option<&mut Package>,
@@ -255,7 +255,7 @@ fn record(mut place: Place, setup: &Setup, package: Option<&mut Package>, record
             said.truncate(empty);
             sent = Instant::now();
         }
-        Ok::<_, Interruption<Failure>>(())
+        Ok(())
     });
     place.send(&said);
     let end = match ended {
@@ -290,7 +290,7 @@ fn tell(notices: &Notices) {
     }
 }
 
-/// The FMU, loaded here where the guard has not done so; the guard is told.
+/// The FMU, loaded here where the worker has not done so; the worker is told.
 fn loaded(
     place: &mut Place,
     setup: &Setup,
@@ -302,7 +302,7 @@ fn loaded(
         return Some(library);
     }
     let package = package?;
-    // Only a guard that fills memory is there for finding out.
+    // Only a worker that fills memory is there for finding out.
     let before = setup.fill.map(|_| Belongings::now());
     match package.load() {
         Ok(library) => {
@@ -360,7 +360,7 @@ impl Belongings {
 }
 
 /// Lets the C library fill memory that is handed out or given back, so that what depends on it shows.
-pub(super) fn fill_memory(byte: u8) {
+pub(crate) fn fill_memory(byte: u8) {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     {
         const M_PERTURB: i32 = -6;

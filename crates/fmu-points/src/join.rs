@@ -1,4 +1,4 @@
-//! Points of several cases: each case is ordered from a guard as a simulation of its own, and their replies become
+//! Points of several cases: each case is ordered from a worker as a simulation of its own, and their replies become
 //! one.
 //!
 //! So whoever separates processes separates cases as strictly as points, and whoever asks for points sees one answer with
@@ -7,30 +7,30 @@
 
 use std::collections::BTreeMap;
 
-use super::wire::{Reply, Trouble};
-use super::{Job, Simulated};
 use crate::failure::{Failure, OfCase};
 use crate::notices::Notices;
+use crate::points::{Job, Simulated};
 use crate::task::Case;
+use crate::wire::{Reply, Trouble};
 
 /// The outcome of one simulation.
 type Found = Result<Simulated, Trouble>;
 
 /// The indexes of a point's simulations, each with the point's values.
-pub(super) fn split(job: &Job, cases: usize) -> impl Iterator<Item = (u64, &[f64])> {
+pub(crate) fn split(job: &Job, cases: usize) -> impl Iterator<Item = (u64, &[f64])> {
     let first = job.index * cases as u64;
     (first..first + cases as u64).map(|index| (index, &job.values[..]))
 }
 
 /// The number of the case of a simulation.
-pub(super) fn case_of(index: u64, cases: usize) -> usize {
+pub(crate) fn case_of(index: u64, cases: usize) -> usize {
     // Less than the number of cases, which is none of 64 bits where there is another width.
     usize::try_from(index % (cases as u64).max(1)).unwrap_or(0)
 }
 
 /// The part of a case in the results of a point.
 #[derive(Clone, Debug)]
-pub(super) struct Part {
+pub(crate) struct Part {
     /// The case's name.
     name: String,
     /// How many results it has.
@@ -38,7 +38,7 @@ pub(super) struct Part {
 }
 
 /// The parts of all cases.
-pub(super) fn parts(cases: &[Case]) -> Vec<Part> {
+pub(crate) fn parts(cases: &[Case]) -> Vec<Part> {
     let part = |case: &Case| Part {
         name: case.name.clone().unwrap_or_default(),
         results: case.task.observed.len(),
@@ -48,13 +48,13 @@ pub(super) fn parts(cases: &[Case]) -> Vec<Part> {
 
 /// The simulations of points that are not complete yet.
 #[derive(Debug)]
-pub(super) struct Join {
+pub(crate) struct Join {
     cases: Vec<Part>,
     open: BTreeMap<u64, Vec<Option<Reply>>>,
 }
 
 impl Join {
-    pub(super) fn new(cases: &[Case]) -> Self {
+    pub(crate) fn new(cases: &[Case]) -> Self {
         Self {
             cases: parts(cases),
             open: BTreeMap::new(),
@@ -62,7 +62,7 @@ impl Join {
     }
 
     /// Takes the reply of a simulation; gives that of its point once it is the last one.
-    pub(super) fn add(&mut self, reply: Reply) -> Option<Reply> {
+    pub(crate) fn add(&mut self, reply: Reply) -> Option<Reply> {
         let count = self.cases.len();
         if count == 1 {
             return Some(reply);
@@ -96,7 +96,7 @@ impl Join {
 }
 
 /// The outcome of a point: the results of all cases, or the failure of the first one of the gravest kind.
-pub(super) fn joined(cases: &[Part], found: Vec<Found>) -> Found {
+pub(crate) fn joined(cases: &[Part], found: Vec<Found>) -> Found {
     let name = |case: usize| {
         cases
             .get(case)

@@ -3,16 +3,16 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use super::Worker;
-use super::conduct::{Conduct, Isolation, Separation};
-use super::ground::Ground;
-use super::local::Local;
-use super::policy::Policy;
-use super::process::Limits;
-use super::repeats::Repeats;
-use super::slot::Slot;
-use super::working_directory;
+use crate::conduct::{Conduct, Isolation, Separation};
+use crate::ground::Ground;
+use crate::isolated::Isolated;
+use crate::local::Local;
+use crate::points::Worker;
+use crate::policy::Policy;
+use crate::process::Limits;
+use crate::repeats::Repeats;
 use crate::task::Case;
+use crate::working_directory;
 use fmu_import::{FmuError, Library, Package};
 
 /// Where points are run.
@@ -155,7 +155,7 @@ impl Crew {
             Way::Here(_) => self.worker(cases),
             Way::Processes { apart, .. } => {
                 let alone = Arc::new(Policy::auditing());
-                self.slot(alone, apart, cases)
+                self.isolated(alone, apart, cases)
             }
         }
     }
@@ -164,11 +164,16 @@ impl Crew {
     pub fn worker(&self, cases: &[Case]) -> Box<dyn Worker> {
         match &self.way {
             Way::Here(library) => Box::new(Local::new(library, cases)),
-            Way::Processes { apart, .. } => self.slot(Arc::clone(&self.policy), apart, cases),
+            Way::Processes { apart, .. } => self.isolated(Arc::clone(&self.policy), apart, cases),
         }
     }
 
-    fn slot(&self, policy: Arc<Policy>, apart: &Arc<Policy>, cases: &[Case]) -> Box<dyn Worker> {
+    fn isolated(
+        &self,
+        policy: Arc<Policy>,
+        apart: &Arc<Policy>,
+        cases: &[Case],
+    ) -> Box<dyn Worker> {
         match &self.way {
             Way::Here(library) => Box::new(Local::new(library, cases)),
             Way::Processes {
@@ -180,7 +185,7 @@ impl Crew {
                 let named = |case: &Case| working_directory::named_in(&case.task);
                 let here = *here || cases.iter().any(named);
                 let home = (!here).then_some(&*ground.scratch);
-                Box::new(Slot::new(
+                Box::new(Isolated::new(
                     [policy, Arc::clone(apart)],
                     Arc::clone(ground),
                     home,

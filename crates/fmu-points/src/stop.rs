@@ -6,9 +6,8 @@ use std::sync::mpsc::sync_channel;
 use std::thread;
 use std::time::Duration;
 
-use super::scratch::{self, Scratch};
-use crate::engine::{process, system};
-use crate::results::ResultsError;
+use crate::scratch::{self, Scratch, ScratchError};
+use crate::{process, system};
 
 /// The exit code of an interrupted command.
 pub const INTERRUPTED: u8 = 130;
@@ -59,7 +58,7 @@ fn heed() {
 ///
 /// # Errors
 /// When the system says no.
-pub fn scratch() -> Result<Scratch, ResultsError> {
+pub fn scratch() -> Result<Scratch, ScratchError> {
     heed();
     Scratch::new()
 }

@@ -14,13 +14,13 @@ use fmu_import::{FmuError, Package};
 
 /// The FMU's unpacked files.
 #[derive(Debug)]
-pub(super) struct Ground {
+pub(crate) struct Ground {
     /// The folder that points share.
-    pub(super) shared: PathBuf,
+    pub(crate) shared: PathBuf,
     /// The FMU's path as the user gave it.
-    pub(super) name: PathBuf,
+    pub(crate) name: PathBuf,
     /// For further folders.
-    pub(super) scratch: PathBuf,
+    pub(crate) scratch: PathBuf,
     state: Mutex<State>,
 }
 
@@ -34,7 +34,7 @@ struct State {
 }
 
 impl Ground {
-    pub(super) fn new(shared: PathBuf, name: &Path, scratch: &Path) -> Self {
+    pub(crate) fn new(shared: PathBuf, name: &Path, scratch: &Path) -> Self {
         let state = Mutex::new(State {
             watch: Watch::on(&shared),
             changed: None,
@@ -50,7 +50,7 @@ impl Ground {
 
     /// What the FMU has changed first in the folder that points share; `None` while all is as it was unpacked.
     /// Whatever a point has changed before its answer came is known here.
-    pub(super) fn changed(&self) -> Option<String> {
+    pub(crate) fn changed(&self) -> Option<String> {
         // One at a time: who finds no further event must know of those that another has just taken.
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         if state.changed.is_none() {
@@ -64,13 +64,13 @@ impl Ground {
     }
 
     /// Takes it for known that the FMU changes this file.
-    pub(super) fn know(&self, changed: &str) {
+    pub(crate) fn know(&self, changed: &str) {
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         state.changed.get_or_insert_with(|| changed.to_owned());
     }
 
     /// A new folder with the FMU as it came, for one process.
-    pub(super) fn own(&self) -> Result<TempDir, FmuError> {
+    pub(crate) fn own(&self) -> Result<TempDir, FmuError> {
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         let package = match &mut state.package {
             Some(package) => package,

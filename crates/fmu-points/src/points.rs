@@ -1,0 +1,154 @@
+//! Points, those who run them, and what may happen meanwhile.
+
+use std::ops::ControlFlow;
+
+use thiserror::Error;
+
+use crate::conduct::Separation;
+use crate::failure::Failure;
+use crate::notices::Notices;
+
+/// Why a run cannot go on at all. What happens to a single point is a [`Failure`].
+#[derive(Debug, Error)]
+pub enum RunError {
+    /// A worker cannot be started.
+    #[error("cannot start a worker: {0}")]
+    Start(String),
+    /// The FMU cannot be loaded.
+    #[error("{0}")]
+    Unloadable(String),
+    /// A worker was lost and cannot be replaced.
+    #[error("a worker was lost: {0}")]
+    Lost(String),
+    /// Points were computed again, and no result counted.
+    #[error(
+        "points were computed again, and no result counted, because processes of the FMU differ; go on with --resume"
+    )]
+    Circling,
+    /// Earlier results, which have been used already, do not count any more.
+    #[error(
+        "the FMU gives other results in a process that has computed points before; use --isolation fresh"
+    )]
+    Refuted,
+    /// The same, because the FMU has changed its own folder, which all points shared.
+    #[error(
+        "the FMU changes files in its own folder, so points on which others were built do not count; --resume computes them again, each with a folder of its own"
+    )]
+    Disturbed,
+}
+
+/// A point to run: its index, and its parameters in the FMU's units.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Job {
+    /// The index of the point.
+    pub index: u64,
+    /// The parameters.
+    pub values: Vec<f64>,
+}
+
+/// The results of a point in the FMU's units, or why there are none.
+pub type Answer = Result<Vec<f64>, Failure>;
+
+/// A simulated point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Simulated {
+    /// The results in the FMU's units.
+    pub values: Vec<f64>,
+    /// The FMU's remarks beside them, if there were any.
+    pub notices: Option<Box<Notices>>,
+}
+
+impl From<Vec<f64>> for Simulated {
+    fn from(values: Vec<f64>) -> Self {
+        let notices = None;
+        Self { values, notices }
+    }
+}
+
+impl Simulated {
+    /// Results with what was said beside them.
+    pub(crate) fn new(values: &[f64], notices: &Notices) -> Self {
+        Self {
+            values: values.to_vec(),
+            notices: (!notices.is_empty()).then(|| Box::new(notices.clone())),
+        }
+    }
+}
+
+/// Events of a run.
+#[derive(Debug)]
+pub enum Event {
+    /// The FMU's warnings in the point of this index, of which the next event will be that it failed.
+    Said(u64, Box<Notices>),
+    /// The point of this index is done, in such a process.
+    Answer(u64, Result<Simulated, Failure>, Separation),
+    /// Points that were computed in such processes, or less strictly separated ones, do not count any more:
+    /// they will come again.
+    Void(Separation),
+    /// The point of this index gave results in one try and none in another, while others ran.
+    Fickle(u64),
+    /// From now on nothing else runs while a point does: some of those that failed come again.
+    Alone,
+    /// Points that failed do not come again.
+    Settled,
+    /// All answers so far have been handed over; the next one is waited for.
+    Idle,
+}
+
+/// The connection of a running worker: its instructions, and the place for its answers.
+pub struct Post<'a> {
+    /// Takes what happens; breaks where nothing further is wanted.
+    pub take: &'a mut dyn FnMut(Event) -> ControlFlow<()>,
+    /// Whether the run is to end at once.
+    pub stopped: &'a dyn Fn() -> bool,
+    /// How many points are left besides the batch, as far as that is known.
+    pub left: Option<usize>,
+    over: bool,
+}
+
+impl<'a> Post<'a> {
+    /// Hands everything to `take`.
+    pub fn new(
+        take: &'a mut dyn FnMut(Event) -> ControlFlow<()>,
+        stopped: &'a dyn Fn() -> bool,
+        left: Option<usize>,
+    ) -> Self {
+        Self {
+            take,
+            stopped,
+            left,
+            over: false,
+        }
+    }
+
+    /// Reports what happened.
+    pub fn send(&mut self, event: Event) {
+        self.over |= (self.take)(event).is_break();
+    }
+
+    /// Whether nothing further is wanted.
+    pub fn is_over(&self) -> bool {
+        self.over || (self.stopped)()
+    }
+}
+
+/// Something that runs points one after another.
+pub trait Worker: Send {
+    /// Runs the jobs and reports each one as soon as it is done, exactly once; may stop early
+    /// when the post says so.
+    ///
+    /// # Errors
+    /// When no further point can be run.
+    fn run(&mut self, jobs: &[Job], post: &mut Post<'_>) -> Result<(), RunError>;
+
+    /// Runs a point while no other worker does anything.
+    ///
+    /// # Errors
+    /// As [`run`](Self::run).
+    fn run_alone(&mut self, job: &Job, post: &mut Post<'_>) -> Result<(), RunError> {
+        self.run(std::slice::from_ref(job), post)
+    }
+
+    /// Gives back what it keeps for further points, and others may need.
+    fn rest(&mut self) {}
+}
