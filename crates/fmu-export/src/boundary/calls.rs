@@ -1,68 +1,119 @@
-//! Functions that have the same arguments in all versions of the standard, under different names. Each version defines them with
-//! its own list of `functions`.
+//! The C functions of a version of the standard, from one table: name, arguments, the phases in which each may be called, and
+//! what it does.
 
-/// Defines functions that take nothing but the instance.
-macro_rules! plain {
-    ($($(#[$doc:meta])* $name:ident = $function:ident, $method:ident;)*) => {$(
-        $(#[$doc])*
-        pub unsafe fn $name<M: Model>(component: Component) -> Status {
-            // SAFETY: as the host vouches.
-            unsafe { enter(component, &functions::$function, Instance::<M>::$method) }
-        }
-    )*};
+use super::refusal::Outcome;
+use super::types::Status;
+
+/// Defines the C functions for a model, the 44 of FMI 2.0 and the 75 of FMI 3.0:
+/// `fmu_export::export!(Tank);`
+///
+/// Write it once, at the root of a crate whose `crate-type` is `["lib", "cdylib"]`. Which interface a library serves is
+/// said by the model description beside it.
+#[macro_export]
+macro_rules! export {
+    ($model:ty) => {
+        $crate::export_fmi2! { $model }
+        $crate::export_fmi3! { $model }
+    };
 }
-pub(crate) use plain;
 
-/// Defines functions that take or give a number for each state.
-macro_rules! vectors {
-    ($($(#[$doc:meta])* $name:ident = $function:ident, $method:ident($pointer:ty, $slice:ident);)*) => {$(
-        $(#[$doc])*
-        pub unsafe fn $name<M: Model>(component: Component, value: $pointer, n: usize) -> Status {
-            let body = |instance: &mut Instance<M>| {
+/// Makes the functions of a table, generic over the model `M`, and a macro that exports them to C for one model.
+///
+/// `texts` give a constant text. `whole` functions have no instance yet, or no status. The others are called in some phases
+/// of an instance, which they get, and what they do is `unsafe` as it relies on the host's pointers.
+macro_rules! c_functions {
+    (
+        ($d:tt) $standard:ident $version:ident, $export:ident makes $module:ident;
+        types $($type:ident)*;
+        texts {$($text_name:ident = $text:literal;)*}
+        whole {$(
+            $(#[$whole_doc:meta])*
+            $whole_name:ident = $whole:ident($($whole_argument:ident: $whole_type:ty),* $(,)?) $(-> $result:ty)? => $run:expr;
+        )*}
+        calls {$(
+            $(#[$doc:meta])*
+            $name:ident = $call:ident($($argument:ident: $of:ty),* $(,)?) in $phases:expr => |$instance:tt| $body:expr;
+        )*}
+    ) => {
+        use super::types::{$($type),*};
+
+        $(
+            #[doc = concat!("`", stringify!($whole_name), "`.")]
+            $(#[$whole_doc])*
+            #[allow(unused_variables)]
+            pub unsafe fn $whole<M: Model>($($whole_argument: $whole_type),*) $(-> $result)? {
                 // SAFETY: as the host vouches.
-                let value = unsafe { $slice(value, n, "values") }?;
-                instance.$method(value)
-            };
-            // SAFETY: as the host vouches.
-            unsafe { enter(component, &functions::$function, body) }
-        }
-    )*};
-}
-pub(crate) use vectors;
+                unsafe { $run }
+            }
+        )*
 
-/// Defines the function that takes the time, and the one that ends a step of the host's solver, which changes nothing.
-macro_rules! integration {
-    ($(#[$time:meta])* $set_time:ident; $(#[$completed:meta])* $completed_step:ident;) => {
-        $(#[$time])*
-        pub unsafe fn $set_time<M: Model>(component: Component, time: Real) -> Status {
-            let body = |instance: &mut Instance<M>| instance.set_time(time);
-            // SAFETY: as the host vouches.
-            unsafe { enter(component, &functions::SET_TIME, body) }
-        }
-
-        $(#[$completed])*
-        pub unsafe fn $completed_step<M: Model>(
-            component: Component,
-            _no_set_state_prior: Boolean,
-            enter_event_mode: *mut Boolean,
-            terminate: *mut Boolean,
-        ) -> Status {
-            let body = |_: &mut Instance<M>| {
+        $(
+            #[doc = concat!("`", stringify!($name), "`.")]
+            $(#[$doc])*
+            #[allow(unused_variables, unused_unsafe)]
+            pub unsafe fn $call<M: Model>(component: Component, $($argument: $of),*) -> Status {
+                const FUNCTION: Function = Function::new(stringify!($name), Version::$version, $phases);
                 // SAFETY: as the host vouches.
-                let flags = unsafe {
-                    [
-                        place(enter_event_mode, "enterEventMode")?,
-                        place(terminate, "terminateSimulation")?,
-                    ]
-                };
-                for flag in flags {
-                    *flag = FALSE;
+                let body = |$instance: &mut Instance<M>| -> Outcome { unsafe { $body } };
+                // SAFETY: as the host vouches.
+                unsafe { enter(component, &FUNCTION, body) }
+            }
+        )*
+
+        /// Exports the functions for a model; [`export!`](crate::export) calls it.
+        #[doc(hidden)]
+        #[macro_export]
+        macro_rules! $export {
+            ($d model:ty) => {
+                /// The C functions of one version of FMI. `calls` of `fmu_export` says what they rely on.
+                #[allow(non_snake_case, missing_docs)]
+                #[allow(clippy::missing_safety_doc, clippy::too_many_arguments)]
+                pub mod $module {
+                    // The model. If its crate has a type `Status`, too, the one below counts: it is imported by its name.
+                    #[allow(unused_imports)]
+                    use super::*;
+                    use $crate::$standard::calls;
+                    use $crate::$standard::types::{$($type),*};
+
+                    $(
+                        #[unsafe(no_mangle)]
+                        pub extern "C" fn $text_name() -> Text {
+                            $text.as_ptr()
+                        }
+                    )*
+
+                    $(
+                        #[unsafe(no_mangle)]
+                        pub unsafe extern "C" fn $whole_name($($whole_argument: $whole_type),*) $(-> $result)? {
+                            // SAFETY: the generic function asks the same of its caller.
+                            unsafe { calls::$whole::<$d model>($($whole_argument),*) }
+                        }
+                    )*
+
+                    $(
+                        #[unsafe(no_mangle)]
+                        pub unsafe extern "C" fn $name(component: Component, $($argument: $of),*) -> Status {
+                            // SAFETY: the generic function asks the same of its caller.
+                            unsafe { calls::$call::<$d model>(component, $($argument),*) }
+                        }
+                    )*
                 }
-                Ok(Status::Ok)
             };
-            // SAFETY: as the host vouches.
-            unsafe { enter(component, &functions::COMPLETED_STEP, body) }
         }
     };
 }
-pub(crate) use integration;
+pub(crate) use c_functions;
+
+/// Answers with a value.
+pub fn answer<T>(place: &mut T, value: T) -> Outcome {
+    *place = value;
+    Ok(Status::Ok)
+}
+
+/// Answers that nothing has happened.
+pub fn nothing<T: Default, const N: usize>(flags: [&mut T; N]) -> Outcome {
+    for flag in flags {
+        *flag = T::default();
+    }
+    Ok(Status::Ok)
+}

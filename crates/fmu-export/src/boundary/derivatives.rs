@@ -328,6 +328,7 @@ mod tests {
     use serde::{Deserialize, Serialize};
 
     use super::*;
+    use crate::boundary::describe::token;
     use crate::boundary::instance::Request;
     use crate::boundary::logger::Logger;
     use crate::boundary::version::Version;
@@ -391,8 +392,7 @@ mod tests {
             function: "instantiate",
             version,
             name: "counting",
-            token: ("token", ""),
-            expected: "",
+            token: &token(0),
             fingerprint: 0,
             exchange: false,
             resources: None,

@@ -24,17 +24,17 @@ pub fn hash(text: &str) -> u128 {
     })
 }
 
-/// A hash in the usual form of a UUID.
-pub fn uuid(hash: u128) -> String {
-    let digits = format!("{hash:032x}");
-    format!(
-        "{}-{}-{}-{}-{}",
+/// The token of a description with this hash, which its instantiation function compares: so a binary never runs with another
+/// version's description. It has the usual form of a GUID.
+pub fn token(fingerprint: u128) -> String {
+    let digits = format!("{fingerprint:032x}");
+    let [a, b, c, d] = [
         &digits[..8],
         &digits[8..12],
         &digits[12..16],
         &digits[16..20],
-        &digits[20..]
-    )
+    ];
+    format!("{{{a}-{b}-{c}-{d}-{}}}", &digits[20..])
 }
 
 /// The root with the attributes that say where the model comes from.

@@ -6,11 +6,14 @@ use std::cell::UnsafeCell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use super::instance::Instance;
+use super::instance::{Instance, Request};
+use super::logger::Logger;
 use super::phase::{Function, Phase};
+use super::raw::lossy;
 use super::refusal::{Outcome, Refusal};
-use super::types::{Component, Status};
+use super::types::{Component, Status, Text};
 use super::version::Version;
+use super::watch::Watch;
 use crate::model::Model;
 
 /// The number at the start of every object that the host holds a handle of. It differs between kinds of object, between
@@ -92,6 +95,45 @@ impl<M: Model> Handle<M> {
         // SAFETY: the number is written by `give` only, in front of a handle of this type.
         (found == magic::<M>(Self::KIND, version)).then(|| unsafe { &*component.cast::<Self>() })
     }
+}
+
+/// Makes an instance for a host that names it, its token and its resources: with the `logger` for its name, if `check` knows the
+/// fingerprint of its description and how the host looks into steps. NULL if it is refused.
+///
+/// # Safety
+/// The texts are NULL or end with NUL.
+pub unsafe fn instantiate_by<M: Model>(
+    function: &'static str,
+    (version, exchange): (Version, bool),
+    texts: [Text; 3],
+    logger: impl FnOnce(&str) -> Option<Logger>,
+    check: impl FnOnce() -> Outcome<(u128, Option<Watch<M>>)>,
+) -> Component {
+    let make = || {
+        // SAFETY: as the caller promises. Some hosts write names and paths in their system's code page, not in UTF-8.
+        let [name, token, resources] = texts.map(|text| unsafe { lossy(text) });
+        let name = name.as_deref().unwrap_or_default();
+        let logger = logger(name)?;
+        let (fingerprint, watch) = check()
+            .map_err(|refusal| logger.refuse(function, &refusal))
+            .ok()?;
+        let request = Request {
+            function,
+            version,
+            name,
+            token: token.as_deref().unwrap_or_default(),
+            fingerprint,
+            exchange,
+            resources: resources.as_deref(),
+        };
+        let mut instance = Instance::<M>::new(&request, logger)?;
+        instance.watch = watch;
+        Some(Handle::give(instance))
+    };
+    catch_unwind(AssertUnwindSafe(make))
+        .ok()
+        .flatten()
+        .unwrap_or(std::ptr::null_mut())
 }
 
 /// Resets the busy flag when the call ends, even by a panic.

@@ -3,6 +3,7 @@
 use std::ffi::CString;
 use std::path::PathBuf;
 
+use super::describe::token;
 use super::logger::Logger;
 use super::phase::Phase;
 use super::refusal::{Outcome, Refusal};
@@ -38,10 +39,8 @@ pub struct Request<'a> {
     pub version: Version,
     /// The instance's name.
     pub name: &'a str,
-    /// What the host says to belong to, with the argument's name.
-    pub token: (&'static str, &'a str),
-    /// What it must be.
-    pub expected: &'a str,
+    /// The token of the description that the host has read.
+    pub token: &'a str,
     /// A hash of the description.
     pub fingerprint: u128,
     /// Whether it is for Model Exchange.
@@ -287,11 +286,10 @@ fn check(request: &Request<'_>) -> Outcome<()> {
             why: "it must not be empty",
         });
     }
-    let (name, given) = request.token;
-    if given != request.expected {
+    if request.token != token(request.fingerprint) {
         return Err(Refusal::Argument {
-            name,
-            value: given.to_owned(),
+            name: request.version.token(),
+            value: request.token.to_owned(),
             why: "the modelDescription.xml in use does not belong to this binary; unpack the FMU again",
         });
     }

@@ -237,6 +237,7 @@ mod tests {
     use serde::{Deserialize, Serialize};
 
     use super::*;
+    use crate::boundary::describe::token;
     use crate::boundary::instance::Request;
     use crate::boundary::logger::Logger;
     use crate::boundary::version::Version;
@@ -298,8 +299,7 @@ mod tests {
             function: "instantiate",
             version: Version::Three,
             name: "clock",
-            token: ("token", ""),
-            expected: "",
+            token: &token(0),
             fingerprint: 0,
             exchange: false,
             resources: None,

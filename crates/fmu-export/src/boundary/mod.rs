@@ -4,8 +4,8 @@
 //! - `instance`: one instance, with `values`, `snapshot`, `derivatives`, for Model Exchange `exchange`, and
 //!   `intermediate` for hosts that look into communication steps;
 //! - `phase`: where an instance is in its life;
-//! - `calls`: the functions that all versions have with the same arguments;
-//! - `describe` and `xml`: what the model descriptions of all versions have in common.
+//! - `calls`: makes C functions of a version's table of them;
+//! - `description`, with `describe` and `xml`: the model descriptions of all versions.
 //!
 //! An instance owns all its data and the boundary has no globals, so any number of instances can run in any number of
 //! threads. A second call to an instance that is at work is refused.
@@ -13,6 +13,7 @@
 pub mod calls;
 pub mod derivatives;
 pub mod describe;
+pub mod description;
 pub mod exchange;
 pub mod guard;
 pub mod instance;
@@ -24,7 +25,6 @@ pub mod refusal;
 pub mod resources;
 pub mod run;
 pub mod snapshot;
-pub mod states;
 pub mod types;
 pub mod values;
 pub mod version;

@@ -143,15 +143,3 @@ pub const SETTABLE: &[Phase] = &[
     Phase::Continuous,
     Phase::Intermediate,
 ];
-
-/// Defines the functions of a version: a constant each, with its C name and its phases.
-macro_rules! functions {
-    ($version:ident: $($constant:ident $name:ident $phases:expr;)*) => {
-        $(pub const $constant: $crate::boundary::phase::Function = $crate::boundary::phase::Function::new(
-            stringify!($name),
-            $crate::boundary::version::Version::$version,
-            $phases,
-        );)*
-    };
-}
-pub(crate) use functions;

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::guard::magic;
 use super::instance::Instance;
 use super::phase::Phase;
+use super::raw;
 use super::refusal::{Outcome, Refusal};
 use super::run::Run;
 use super::types::{FmuState, Status};
@@ -87,16 +88,21 @@ impl<M: Model> Instance<M> {
         Ok(Status::Ok)
     }
 
-    /// Frees a saved state.
+    /// Frees a saved state. NULL, and a place that holds NULL, are left alone.
     ///
     /// # Safety
-    /// `place` holds NULL or a state of this FMU that was not freed and that no other call uses.
-    pub unsafe fn free_state(place: &mut FmuState, version: Version) -> Outcome {
+    /// `place` is NULL, or holds NULL or a state of this FMU that was not freed and that no other call uses.
+    pub unsafe fn free_state(&mut self, place: *mut FmuState) -> Outcome {
+        if place.is_null() {
+            return Ok(Status::Ok);
+        }
+        // SAFETY: the caller promises that it is NULL or such a place.
+        let place = unsafe { raw::place(place, self.version.state()) }?;
         if place.is_null() {
             return Ok(Status::Ok);
         }
         // SAFETY: the caller promises that `place` holds NULL or a living state of this FMU.
-        let saved = unsafe { Saved::<M>::find(*place, version) }?;
+        let saved = unsafe { Saved::<M>::find(*place, self.version) }?;
         saved.magic.store(0, Ordering::Relaxed);
         // SAFETY: made by `give`, freed only here.
         drop(unsafe { Box::from_raw(place.cast::<Saved<M>>()) });
@@ -114,6 +120,24 @@ impl<M: Model> Instance<M> {
             &unsafe { Saved::<M>::find(state, self.version) }?.run,
             self.fingerprint,
         )
+    }
+
+    /// Writes them to a place for `size` bytes.
+    ///
+    /// # Safety
+    /// As for [`serialize`](Self::serialize); there is room for that many bytes.
+    pub unsafe fn serialize_to(&self, state: FmuState, place: *mut u8, size: usize) -> Outcome {
+        // SAFETY: as the caller promises.
+        let bytes = unsafe { self.serialize(state) }?;
+        if size < bytes.len() {
+            return Err(Refusal::Size {
+                given: size,
+                needed: bytes.len(),
+            });
+        }
+        // SAFETY: as the caller promises.
+        unsafe { raw::values_mut(place, bytes.len(), "serializedState") }?.copy_from_slice(&bytes);
+        Ok(Status::Ok)
     }
 
     /// Makes a saved state of bytes. What `place` held before is not read, as the standard

@@ -32,14 +32,6 @@ pub fn wrong_type<M>(version: Version, variable: &Variable<M>, asked: &'static s
 /// grow, and a positive number in every signed type.
 pub const TIME: ValueReference = i32::MAX as ValueReference;
 
-/// The type that the host asks for, in words; enumerations have a function of their own in FMI 3.0.
-const fn real(version: Version) -> &'static str {
-    match version {
-        Version::Two => "Real",
-        Version::Three => "Float64",
-    }
-}
-
 /// The refusal for a real variable that has no finite value at the host's states.
 fn no_value<M: Model>(reference: ValueReference, value: Real) -> Refusal {
     let name = variable::<M>(reference).map_or("the value", |variable| variable.name);
@@ -98,7 +90,7 @@ impl<M: Model> Instance<M> {
             *value = match variable::<M>(*reference) {
                 Ok(variable) => match &variable.kind {
                     Kind::Real { access, .. } => (access.get)(&self.run.model),
-                    _ => return Err(wrong_type(version, variable, real(version))),
+                    _ => return Err(wrong_type(version, variable, version.real())),
                 },
                 Err(unknown) => self.unlisted(*reference)?.ok_or(unknown)?,
             };
@@ -217,7 +209,7 @@ impl<M: Model> Instance<M> {
                 access, min, max, ..
             } = &variable.kind
             else {
-                return Err(wrong_type(version, variable, real(version)));
+                return Err(wrong_type(version, variable, version.real()));
             };
             if !value.is_finite() || !inside(value, *min, *max) {
                 return Err(outside(variable, value, *min, *max));

@@ -12,12 +12,28 @@ pub enum Version {
 }
 
 impl Version {
+    /// The name that this version gives the type of real numbers.
+    pub fn real(self) -> &'static str {
+        match self {
+            Self::Two => "Real",
+            Self::Three => "Float64",
+        }
+    }
+
     /// The name that this version gives a variable's type.
     pub fn type_name<M>(self, variable: &Variable<M>) -> &'static str {
         match (self, &variable.kind) {
-            (Self::Three, Kind::Real { .. }) => "Float64",
+            (_, Kind::Real { .. }) => self.real(),
             (Self::Three, Kind::Integer { .. }) => "Int32",
             _ => variable.type_name(),
+        }
+    }
+
+    /// The name that this version gives the argument with the description's token.
+    pub fn token(self) -> &'static str {
+        match self {
+            Self::Two => "fmuGUID",
+            Self::Three => "instantiationToken",
         }
     }
 

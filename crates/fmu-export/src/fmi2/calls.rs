@@ -1,5 +1,5 @@
-//! The functions of FMI 2.0, generic over the model. [`export!`](crate::export)
-//! gives them their C names.
+//! The functions of FMI 2.0, generic over the model, with the phases in which they may be called (standard 2.0.4, sections
+//! 3.2.3 and 4.2.4). [`export!`](crate::export) gives them their C names.
 //!
 //! # Safety
 //! The functions take what a C host passes, and rely on this: a component is NULL or points to at least eight readable
@@ -7,157 +7,183 @@
 //! NULL or was not freed. NULL in place of a value, foreign handles and calls at the wrong time are refused.
 #![allow(clippy::missing_safety_doc)] // said above for all functions
 
-mod access;
-mod exchange;
-mod states;
-mod status;
-
-use std::ffi::c_int;
-use std::panic::{AssertUnwindSafe, catch_unwind};
-
 use super::description;
-use super::functions;
 use super::types::{
-    Boolean, CO_SIMULATION, CallbackFunctions, Component, FALSE, MODEL_EXCHANGE, Real, Status, Text,
+    CO_SIMULATION, DO_STEP_STATUS, FALSE, LAST_SUCCESSFUL_TIME, MODEL_EXCHANGE, TERMINATED,
 };
-use crate::boundary::calls::plain;
-use crate::boundary::guard::{Handle, enter};
-use crate::boundary::instance::{Instance, Request};
+use crate::boundary::calls::{answer, c_functions, nothing};
+use crate::boundary::guard::{Handle, enter, instantiate_by};
+use crate::boundary::instance::Instance;
 use crate::boundary::logger::{Callback, Logger, c_string};
-use crate::boundary::raw::{lossy, texts, values};
-use crate::boundary::refusal::Refusal;
+use crate::boundary::phase::Phase::{
+    self, Continuous, Error, Event, Initialization, Instantiated, StepComplete, StepFailed,
+    Terminated,
+};
+use crate::boundary::phase::{ALIVE, DERIVABLE, Function, INTEGRABLE, READABLE, SETTABLE};
+use crate::boundary::raw::{place, texts, values, values_mut};
+use crate::boundary::refusal::{Outcome, Refusal};
 use crate::boundary::version::Version;
 use crate::model::{Model, offered};
 
-pub use access::*;
-pub use exchange::*;
-pub use states::*;
-pub use status::*;
+/// The phases in which the results of steps can be asked for.
+const STEPPED: &[Phase] = &[StepComplete, StepFailed, Terminated, Error];
 
-/// `fmi2Instantiate`.
-pub unsafe fn instantiate<M: Model>(
-    name: Text,
-    kind: c_int,
-    guid: Text,
-    resources: Text,
+c_functions! { ($) fmi2 Two, export_fmi2 makes c_functions;
+    types Boolean Byte Choice CallbackFunctions Component EventInfo FmuState Integer Real Status Text ValueReference;
+    texts {
+        fmi2GetTypesPlatform = c"default";
+        fmi2GetVersion = c"2.0";
+    }
+    whole {
+        fmi2Instantiate = instantiate(name: Text, kind: Choice, guid: Text, resources: Text, callbacks: *const CallbackFunctions,
+            visible: Boolean, logging: Boolean) -> Component => make::<M>(kind, [name, guid, resources], callbacks, logging != FALSE);
+        fmi2FreeInstance = free_instance(component: Component) => Handle::<M>::end(component, Version::Two);
+    }
+    calls {
+        fmi2SetDebugLogging = set_debug_logging(on: Boolean, n: usize, categories: *const Text) in ALIVE =>
+            |instance| instance.set_logging(on != FALSE, &texts(categories, n, "categories")?);
+        fmi2SetupExperiment = setup_experiment(tolerance_defined: Boolean, tolerance: Real, start: Real, stop_defined: Boolean,
+            stop: Real) in &[Instantiated] => |instance| {
+                let tolerance = (tolerance_defined != FALSE).then_some(tolerance);
+                instance.setup(tolerance, start, (stop_defined != FALSE).then_some(stop))
+            };
+        fmi2EnterInitializationMode = enter_initialization_mode() in &[Instantiated] => |instance| instance.enter_initialization();
+        fmi2ExitInitializationMode = exit_initialization_mode() in &[Initialization] => |instance| instance.exit_initialization();
+        fmi2Terminate = terminate() in &[StepComplete, StepFailed, Event, Continuous] => |instance| instance.terminate();
+        fmi2Reset = reset() in ALIVE => |instance| instance.reset();
+
+        fmi2GetReal = get_real(vr: *const ValueReference, n: usize, value: *mut Real) in READABLE =>
+            |instance| instance.get_real(values(vr, n, "vr")?, values_mut(value, n, "value")?);
+        fmi2GetInteger = get_integer(vr: *const ValueReference, n: usize, value: *mut Integer) in READABLE =>
+            |instance| instance.get_integer(values(vr, n, "vr")?, values_mut(value, n, "value")?);
+        fmi2GetBoolean = get_boolean(vr: *const ValueReference, n: usize, value: *mut Boolean) in READABLE =>
+            |instance| instance.get_boolean(values(vr, n, "vr")?, values_mut(value, n, "value")?);
+        fmi2GetString = get_string(vr: *const ValueReference, n: usize, value: *mut Text) in READABLE =>
+            |instance| instance.get_string(values(vr, n, "vr")?, values_mut(value, n, "value")?);
+        fmi2SetReal = set_real(vr: *const ValueReference, n: usize, value: *const Real) in SETTABLE =>
+            |instance| instance.set_real(values(vr, n, "vr")?, values(value, n, "value")?);
+        fmi2SetInteger = set_integer(vr: *const ValueReference, n: usize, value: *const Integer) in SETTABLE =>
+            |instance| instance.set_integer(values(vr, n, "vr")?, values(value, n, "value")?);
+        fmi2SetBoolean = set_boolean(vr: *const ValueReference, n: usize, value: *const Boolean) in SETTABLE =>
+            |instance| instance.set_boolean(values(vr, n, "vr")?, values(value, n, "value")?);
+        fmi2SetString = set_string(vr: *const ValueReference, n: usize, value: *const Text) in SETTABLE =>
+            |instance| instance.set_string(values(vr, n, "vr")?, &texts(value, n, "value")?);
+
+        fmi2GetFMUstate = get_fmu_state(state: *mut FmuState) in ALIVE => |instance| instance.save(place(state, "FMUstate")?);
+        fmi2SetFMUstate = set_fmu_state(state: FmuState) in ALIVE => |instance| instance.restore(state);
+        /// NULL, and a pointer to NULL, are left alone.
+        fmi2FreeFMUstate = free_fmu_state(state: *mut FmuState) in ALIVE => |instance| instance.free_state(state);
+        fmi2SerializedFMUstateSize = serialized_fmu_state_size(state: FmuState, size: *mut usize) in ALIVE =>
+            |instance| answer(place(size, "size")?, instance.serialize(state)?.len());
+        fmi2SerializeFMUstate = serialize_fmu_state(state: FmuState, bytes: *mut Byte, size: usize) in ALIVE =>
+            |instance| instance.serialize_to(state, bytes.cast(), size);
+        fmi2DeSerializeFMUstate = deserialize_fmu_state(bytes: *const Byte, size: usize, state: *mut FmuState) in ALIVE =>
+            |instance| instance.deserialize(values(bytes.cast(), size, "serializedState")?, place(state, "FMUstate")?);
+
+        fmi2GetDirectionalDerivative = get_directional_derivative(unknowns: *const ValueReference, n_unknowns: usize,
+            knowns: *const ValueReference, n_knowns: usize, direction: *const Real, derivative: *mut Real) in DERIVABLE =>
+            |instance| instance.get_directional_derivative(
+                values(unknowns, n_unknowns, "vUnknown_ref")?,
+                values(knowns, n_knowns, "vKnown_ref")?,
+                values(direction, n_knowns, "dvKnown")?,
+                values_mut(derivative, n_unknowns, "dvUnknown")?,
+            );
+        fmi2SetRealInputDerivatives = set_real_input_derivatives(vr: *const ValueReference, n: usize, order: *const Integer,
+            value: *const Real) in SETTABLE => |instance| instance.set_input_derivatives(
+                values(vr, n, "vr")?, values(order, n, "order")?, values(value, n, "value")?,
+            );
+        fmi2GetRealOutputDerivatives = get_real_output_derivatives(vr: *const ValueReference, n: usize, order: *const Integer,
+            value: *mut Real) in STEPPED => |instance| instance.get_output_derivatives(
+                values(vr, n, "vr")?, values(order, n, "order")?, values_mut(value, n, "value")?,
+            );
+
+        /// Saved states are copies, so that it does not matter whether the host goes back to an earlier one.
+        fmi2DoStep = do_step(from: Real, step: Real, no_set_state_prior: Boolean) in &[StepComplete] =>
+            |instance| instance.step(from, step);
+        /// Steps are synchronous, so there is none to cancel: it is refused in every phase.
+        fmi2CancelStep = cancel_step() in &[] => |_| Ok(Status::Ok);
+        /// How the last step ended.
+        fmi2GetStatus = get_status(kind: Choice, value: *mut Status) in STEPPED =>
+            |instance| tell(value, (kind == DO_STEP_STATUS).then_some(instance.run.last_step));
+        /// The time that the last successful step has reached.
+        fmi2GetRealStatus = get_real_status(kind: Choice, value: *mut Real) in STEPPED =>
+            |instance| tell(value, (kind == LAST_SUCCESSFUL_TIME).then_some(instance.run.time));
+        /// The standard defines no such status.
+        fmi2GetIntegerStatus = get_integer_status(kind: Choice, value: *mut Integer) in STEPPED => |_| tell(value, None);
+        /// Whether the model wants to terminate. It never does.
+        fmi2GetBooleanStatus = get_boolean_status(kind: Choice, value: *mut Boolean) in STEPPED =>
+            |_| tell(value, (kind == TERMINATED).then_some(FALSE));
+        /// The state of a pending step. Steps are never pending.
+        fmi2GetStringStatus = get_string_status(kind: Choice, value: *mut Text) in STEPPED => |_| tell(value, None);
+
+        fmi2EnterEventMode = enter_event_mode() in &[Continuous] => |instance| instance.enter_event();
+        /// Nothing ever happens.
+        fmi2NewDiscreteStates = new_discrete_states(info: *mut EventInfo) in &[Event] => |_| nothing([place(info, "eventInfo")?]);
+        fmi2EnterContinuousTimeMode = enter_continuous_time_mode() in &[Event] => |instance| instance.enter_continuous();
+        /// A completed step changes nothing.
+        fmi2CompletedIntegratorStep = completed_integrator_step(no_set_state_prior: Boolean, enter_event_mode: *mut Boolean,
+            terminate: *mut Boolean) in &[Continuous] =>
+            |_| nothing([place(enter_event_mode, "enterEventMode")?, place(terminate, "terminateSimulation")?]);
+        fmi2SetTime = set_time(time: Real) in &[Event, Continuous] => |instance| instance.set_time(time);
+        fmi2SetContinuousStates = set_continuous_states(x: *const Real, n: usize) in &[Continuous] =>
+            |instance| instance.set_states(values(x, n, "values")?);
+        fmi2GetDerivatives = get_derivatives(rates: *mut Real, n: usize) in INTEGRABLE =>
+            |instance| instance.get_rates(values_mut(rates, n, "values")?);
+        /// There are none.
+        fmi2GetEventIndicators = get_event_indicators(indicators: *mut Real, n: usize) in INTEGRABLE =>
+            |instance| instance.get_indicators(values_mut(indicators, n, "values")?);
+        fmi2GetContinuousStates = get_continuous_states(x: *mut Real, n: usize) in INTEGRABLE =>
+            |instance| instance.get_states(values_mut(x, n, "values")?);
+        fmi2GetNominalsOfContinuousStates = get_nominals_of_continuous_states(nominals: *mut Real, n: usize)
+            in &[Instantiated, Initialization, Event, Continuous, Terminated, Error] =>
+            |instance| instance.get_nominals(values_mut(nominals, n, "values")?);
+    }
+}
+
+/// Makes an instance from its name, the GUID that the host knows, and the folder of the resources.
+///
+/// # Safety
+/// As for all functions.
+unsafe fn make<M: Model>(
+    kind: Choice,
+    texts: [Text; 3],
     callbacks: *const CallbackFunctions,
-    _visible: Boolean,
-    logging: Boolean,
+    logging: bool,
 ) -> Component {
-    let make = || {
+    let logger = |name: &str| {
         // SAFETY: as the host vouches. The struct is copied, as hosts may keep it on their stack.
         let callbacks = unsafe { values(callbacks, 1, "functions") }.ok()?[0];
-        // SAFETY: as the host vouches. Some hosts write names and paths in their system's code page, not in UTF-8.
-        let [name, guid, resources] = unsafe { [lossy(name), lossy(guid), lossy(resources)] };
-        let name = name.as_deref().unwrap_or_default();
         let callback = (callbacks.logger).map(|logger| Callback::Two(logger, c_string(name)));
-        let logger = Logger::new(callback, callbacks.component_environment, logging != FALSE);
-        let fingerprint = match (kind, offered::<M>()) {
-            (CO_SIMULATION, _) => description::fingerprint::<M>(),
-            (MODEL_EXCHANGE, Some(_)) => description::exchange_fingerprint::<M>(),
-            (_, offered) => {
-                let refusal = Refusal::Argument {
-                    name: "fmuType",
-                    value: kind.to_string(),
-                    why: match offered {
-                        Some(_) => "it must be Model Exchange (0) or Co-Simulation (1)",
-                        None => "this FMU supports Co-Simulation (1) only",
-                    },
-                };
-                logger.refuse("fmi2Instantiate", &refusal);
-                return None;
-            }
-        };
-        let request = Request {
-            function: "fmi2Instantiate",
-            version: Version::Two,
-            name,
-            token: ("fmuGUID", guid.as_deref().unwrap_or_default()),
-            expected: &description::guid(fingerprint),
-            fingerprint,
-            exchange: kind == MODEL_EXCHANGE,
-            resources: resources.as_deref(),
-        };
-        Instance::<M>::new(&request, logger).map(Handle::give)
+        Some(Logger::new(
+            callback,
+            callbacks.component_environment,
+            logging,
+        ))
     };
-    catch_unwind(AssertUnwindSafe(make))
-        .ok()
-        .flatten()
-        .unwrap_or(std::ptr::null_mut())
-}
-
-/// `fmi2FreeInstance`.
-pub unsafe fn free_instance<M: Model>(component: Component) {
-    // SAFETY: as the host vouches.
-    unsafe { Handle::<M>::end(component, Version::Two) }
-}
-
-/// `fmi2SetDebugLogging`.
-pub unsafe fn set_debug_logging<M: Model>(
-    component: Component,
-    on: Boolean,
-    n: usize,
-    categories: *const Text,
-) -> Status {
-    let body = |instance: &mut Instance<M>| {
-        // SAFETY: as the host vouches.
-        let categories = unsafe { texts(categories, n, "categories") }?;
-        instance.set_logging(on != FALSE, &categories)
+    let check = || match (kind, offered::<M>()) {
+        (CO_SIMULATION, _) => Ok((description::fingerprint::<M>(), None)),
+        (MODEL_EXCHANGE, Some(_)) => Ok((description::exchange_fingerprint::<M>(), None)),
+        (_, offered) => Err(Refusal::Argument {
+            name: "fmuType",
+            value: kind.to_string(),
+            why: match offered {
+                Some(_) => "it must be Model Exchange (0) or Co-Simulation (1)",
+                None => "this FMU supports Co-Simulation (1) only",
+            },
+        }),
     };
+    let kind = (Version::Two, kind == MODEL_EXCHANGE);
     // SAFETY: as the host vouches.
-    unsafe { enter(component, &functions::SET_DEBUG_LOGGING, body) }
+    unsafe { instantiate_by::<M>("fmi2Instantiate", kind, texts, logger, check) }
 }
 
-/// `fmi2SetupExperiment`.
-pub unsafe fn setup_experiment<M: Model>(
-    component: Component,
-    tolerance_defined: Boolean,
-    tolerance: Real,
-    start: Real,
-    stop_defined: Boolean,
-    stop: Real,
-) -> Status {
-    let tolerance = (tolerance_defined != FALSE).then_some(tolerance);
-    let stop = (stop_defined != FALSE).then_some(stop);
-    let body = |instance: &mut Instance<M>| instance.setup(tolerance, start, stop);
+/// Answers one of the `fmi2GetXxxStatus` functions.
+///
+/// # Safety
+/// As for all functions.
+unsafe fn tell<T>(value: *mut T, known: Option<T>) -> Outcome {
     // SAFETY: as the host vouches.
-    unsafe { enter(component, &functions::SETUP_EXPERIMENT, body) }
-}
-
-plain! {
-    /// `fmi2EnterInitializationMode`.
-    enter_initialization_mode = ENTER_INITIALIZATION, enter_initialization;
-    /// `fmi2ExitInitializationMode`.
-    exit_initialization_mode = EXIT_INITIALIZATION, exit_initialization;
-    /// `fmi2Terminate`.
-    terminate = TERMINATE, terminate;
-    /// `fmi2Reset`.
-    reset = RESET, reset;
-}
-
-/// `fmi2DoStep`. Saved states are copies, so that it does not matter whether the host goes back to an earlier one.
-pub unsafe fn do_step<M: Model>(
-    component: Component,
-    from: Real,
-    step: Real,
-    _no_set_state_prior: Boolean,
-) -> Status {
-    // SAFETY: as the host vouches.
-    unsafe {
-        enter(
-            component,
-            &functions::DO_STEP,
-            |instance: &mut Instance<M>| instance.step(from, step),
-        )
-    }
-}
-
-/// `fmi2CancelStep`. Steps are synchronous, so there is none to cancel: it is refused in every phase.
-pub unsafe fn cancel_step<M: Model>(component: Component) -> Status {
-    // SAFETY: as the host vouches.
-    unsafe {
-        enter(component, &functions::CANCEL_STEP, |_: &mut Instance<M>| {
-            Ok(Status::Ok)
-        })
-    }
+    let place = unsafe { place(value, "value") }?;
+    let unknown = Refusal::Unsupported("this kind of status is not provided");
+    answer(place, known.ok_or(unknown)?)
 }

@@ -10,6 +10,8 @@ pub use crate::boundary::types::{
 pub type Integer = c_int;
 /// `fmi2Boolean`: 0 is false, everything else is true.
 pub type Boolean = c_int;
+/// `fmi2Type`, `fmi2StatusKind`: an enumeration of C.
+pub type Choice = c_int;
 /// `fmi2Byte`.
 pub type Byte = c_char;
 
@@ -18,16 +20,16 @@ pub const TRUE: Boolean = 1;
 /// `fmi2False`.
 pub const FALSE: Boolean = 0;
 /// `fmi2ModelExchange` of `fmi2Type`.
-pub const MODEL_EXCHANGE: c_int = 0;
+pub const MODEL_EXCHANGE: Choice = 0;
 /// `fmi2CoSimulation` of `fmi2Type`.
-pub const CO_SIMULATION: c_int = 1;
+pub const CO_SIMULATION: Choice = 1;
 
 /// `fmi2DoStepStatus` of `fmi2StatusKind`.
-pub const DO_STEP_STATUS: c_int = 0;
+pub const DO_STEP_STATUS: Choice = 0;
 /// `fmi2LastSuccessfulTime` of `fmi2StatusKind`.
-pub const LAST_SUCCESSFUL_TIME: c_int = 2;
+pub const LAST_SUCCESSFUL_TIME: Choice = 2;
 /// `fmi2Terminated` of `fmi2StatusKind`.
-pub const TERMINATED: c_int = 3;
+pub const TERMINATED: Choice = 3;
 
 /// `fmi2EventInfo`; by default nothing happens.
 #[derive(Clone, Copy, Debug, Default)]

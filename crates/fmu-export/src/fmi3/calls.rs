@@ -1,4 +1,9 @@
-//! The functions of FMI 3.0, generic over the model. [`export!`](crate::export) gives them their C names.
+//! The functions of FMI 3.0, generic over the model, with the phases in which they may be called (standard 3.0.2, sections
+//! 2.3.1, 3.2.1 and 4.2.1). [`export!`](crate::export) gives them their C names.
+//!
+//! A discarded step leaves an instance in step mode. Functions for what this boundary does not offer must be there, as
+//! importers look for all of the standard; they can be called at any time, touch no argument, say what is missing, and end
+//! with `fmi3Error`.
 //!
 //! # Safety
 //! The functions take what a C host passes, and rely on this: an instance is NULL or points to at least eight readable
@@ -7,213 +12,327 @@
 #![allow(clippy::missing_safety_doc)] // said above for all functions
 #![allow(clippy::too_many_arguments)] // as many as the standard says
 
-mod absent;
-mod access;
-mod exchange;
-mod states;
-
-use std::panic::{AssertUnwindSafe, catch_unwind};
-
-use super::types::{
-    Boolean, Component, ComponentEnvironment, FALSE, IntermediateUpdateCallback,
-    LogMessageCallback, Real, Status, Text, Unused, ValueReference,
-};
-use super::{description, functions};
-use crate::boundary::calls::plain;
-use crate::boundary::guard::{Handle, enter};
-use crate::boundary::instance::{Instance, Request};
+use super::description;
+use super::types::FALSE;
+use crate::boundary::calls::{answer, c_functions, nothing};
+use crate::boundary::guard::{Handle, enter, instantiate_by};
+use crate::boundary::instance::Instance;
 use crate::boundary::logger::{Callback, Logger};
-use crate::boundary::phase::Phase;
-use crate::boundary::raw::{lossy, place, texts, values};
+use crate::boundary::phase::Phase::{
+    Continuous, Error, Event, Initialization, Instantiated, Intermediate, StepComplete, StepFailed,
+    Terminated,
+};
+use crate::boundary::phase::{ALIVE, DERIVABLE, Function, INTEGRABLE, SETTABLE, VISIBLE};
+use crate::boundary::raw::{place, texts, values, values_mut};
 use crate::boundary::refusal::{Outcome, Refusal};
 use crate::boundary::version::Version;
 use crate::boundary::watch::Watch;
 use crate::model::{Model, offered};
 
-use absent::NO_CLOCKS;
+const NO_CLOCKS: Outcome = Err(Refusal::Absent("this FMU has no clocks"));
+const NO_EVENTS: Outcome = Err(Refusal::Absent(
+    "this FMU has no event mode in Co-Simulation, and no discrete states",
+));
+const NO_STRUCTURE: Outcome = Err(Refusal::Absent("this FMU has no structural parameters"));
+const NO_ELEMENTS: Outcome = Err(Refusal::Absent(
+    "this FMU provides no dependencies of single elements",
+));
 
-pub use absent::*;
-pub use access::*;
-pub use exchange::*;
-pub use states::*;
+c_functions! { ($) fmi3 Three, export_fmi3 makes fmi3_functions;
+    types Binary Boolean Byte Component ComponentEnvironment FmuState IntermediateUpdateCallback LogMessageCallback Real Status Text
+        Unused ValueReference;
+    texts { fmi3GetVersion = c"3.0"; }
+    whole {
+        fmi3InstantiateModelExchange = instantiate_model_exchange(name: Text, token: Text, resources: Text, visible: Boolean,
+            logging: Boolean, environment: ComponentEnvironment, log: Option<LogMessageCallback>) -> Component => {
+                let check = || match offered::<M>() {
+                    Some(_) => Ok((description::exchange_fingerprint::<M>(), None)),
+                    None => Err(Refusal::Absent("this FMU supports Co-Simulation only")),
+                };
+                let logger = Logger::new(log.map(Callback::Three), environment, logging != FALSE);
+                make::<M>("fmi3InstantiateModelExchange", true, [name, token, resources], logger, check)
+            };
+        /// Without a callback for intermediate updates, or for a model without inner steps, it does not matter which variables
+        /// the host would want then, nor whether it allows early returns.
+        fmi3InstantiateCoSimulation = instantiate_co_simulation(name: Text, token: Text, resources: Text, visible: Boolean,
+            logging: Boolean, event_mode: Boolean, early_return: Boolean, intermediate: *const ValueReference,
+            n_intermediate: usize, environment: ComponentEnvironment, log: Option<LogMessageCallback>,
+            update: Option<IntermediateUpdateCallback>) -> Component => {
+                let check = || {
+                    if event_mode != FALSE {
+                        return Err(Refusal::Argument {
+                            name: "eventModeUsed",
+                            value: "fmi3True".to_owned(),
+                            why: "this FMU has no event mode",
+                        });
+                    }
+                    let (Some(update), Some(inner_step)) = (update, M::INNER_STEP) else {
+                        return Ok((description::fingerprint::<M>(), None));
+                    };
+                    let variables = values(intermediate, n_intermediate, "requiredIntermediateVariables")?;
+                    let watch = Watch::new(update, environment, early_return != FALSE, variables, inner_step)?;
+                    Ok((description::fingerprint::<M>(), Some(watch)))
+                };
+                let logger = Logger::new(log.map(Callback::Three), environment, logging != FALSE);
+                make::<M>("fmi3InstantiateCoSimulation", false, [name, token, resources], logger, check)
+            };
+        /// Refused.
+        fmi3InstantiateScheduledExecution = instantiate_scheduled_execution(name: Text, token: Text, resources: Text,
+            visible: Boolean, logging: Boolean, environment: ComponentEnvironment, log: Option<LogMessageCallback>,
+            update: Unused, lock: Unused, unlock: Unused) -> Component => {
+                let logger = Logger::new(log.map(Callback::Three), environment, logging != FALSE);
+                let check = || NO_CLOCKS.map(|_| (0, None));
+                make::<M>("fmi3InstantiateScheduledExecution", false, [name, token, resources], logger, check)
+            };
+        fmi3FreeInstance = free_instance(component: Component) => Handle::<M>::end(component, Version::Three);
+        /// After a discarded step the instance is where it was, in step mode: the host may try a shorter one. A host that
+        /// looks into the step is called while the instance is free for it.
+        fmi3DoStep = do_step(component: Component, from: Real, step: Real, no_set_state_prior: Boolean,
+            event_handling_needed: *mut Boolean, terminate_simulation: *mut Boolean, early_return: *mut Boolean,
+            last_successful_time: *mut Real) -> Status =>
+            take_step::<M>(component, from, step, [event_handling_needed, terminate_simulation, early_return], last_successful_time);
+    }
+    calls {
+        fmi3SetDebugLogging = set_debug_logging(on: Boolean, n: usize, categories: *const Text) in ALIVE =>
+            |instance| instance.set_logging(on != FALSE, &texts(categories, n, "categories")?);
+        fmi3EnterInitializationMode = enter_initialization_mode(tolerance_defined: Boolean, tolerance: Real, start: Real,
+            stop_defined: Boolean, stop: Real) in &[Instantiated] => |instance| {
+                let tolerance = (tolerance_defined != FALSE).then_some(tolerance);
+                instance.setup(tolerance, start, (stop_defined != FALSE).then_some(stop))?;
+                instance.enter_initialization()
+            };
+        fmi3ExitInitializationMode = exit_initialization_mode() in &[Initialization] => |instance| instance.exit_initialization();
+        fmi3EnterEventMode = enter_event_mode() in &[Continuous] => |instance| instance.enter_event();
+        fmi3Terminate = terminate() in &[StepComplete, Event, Continuous] => |instance| instance.terminate();
+        fmi3Reset = reset() in ALIVE => |instance| instance.reset();
 
-/// `fmi3InstantiateCoSimulation`. Without a callback for intermediate updates, or for a model without inner steps, it does not
-/// matter which variables the host would want then, nor whether it allows early returns.
-pub unsafe fn instantiate_co_simulation<M: Model>(
-    name: Text,
-    token: Text,
-    resources: Text,
-    _visible: Boolean,
-    logging: Boolean,
-    event_mode: Boolean,
-    early_return: Boolean,
-    intermediate: *const ValueReference,
-    n_intermediate: usize,
-    environment: ComponentEnvironment,
-    log: Option<LogMessageCallback>,
-    update: Option<IntermediateUpdateCallback>,
-) -> Component {
-    const FUNCTION: &str = "fmi3InstantiateCoSimulation";
-    let check = || {
-        if event_mode != FALSE {
-            return Err(Refusal::Argument {
-                name: "eventModeUsed",
-                value: "fmi3True".to_owned(),
-                why: "this FMU has no event mode",
-            });
-        }
-        let (Some(update), Some(inner_step)) = (update, M::INNER_STEP) else {
-            return Ok((description::fingerprint::<M>(), None));
+        fmi3GetFloat32 = get_float32(vr: *const ValueReference, n: usize, value: *mut f32, n_values: usize) in VISIBLE =>
+            |instance| instance.none_of(references(vr, n)?, "Float32");
+        fmi3GetFloat64 = get_float64(vr: *const ValueReference, n: usize, value: *mut Real, n_values: usize) in VISIBLE =>
+            |instance| instance.get_real(for_values(vr, n, n_values)?, values_mut(value, n, "values")?);
+        fmi3GetInt8 = get_int8(vr: *const ValueReference, n: usize, value: *mut i8, n_values: usize) in VISIBLE =>
+            |instance| instance.none_of(references(vr, n)?, "Int8");
+        fmi3GetUInt8 = get_uint8(vr: *const ValueReference, n: usize, value: *mut u8, n_values: usize) in VISIBLE =>
+            |instance| instance.none_of(references(vr, n)?, "UInt8");
+        fmi3GetInt16 = get_int16(vr: *const ValueReference, n: usize, value: *mut i16, n_values: usize) in VISIBLE =>
+            |instance| instance.none_of(references(vr, n)?, "Int16");
+        fmi3GetUInt16 = get_uint16(vr: *const ValueReference, n: usize, value: *mut u16, n_values: usize) in VISIBLE =>
+            |instance| instance.none_of(references(vr, n)?, "UInt16");
+        fmi3GetInt32 = get_int32(vr: *const ValueReference, n: usize, value: *mut i32, n_values: usize) in VISIBLE =>
+            |instance| instance.get_int32(for_values(vr, n, n_values)?, values_mut(value, n, "values")?);
+        fmi3GetUInt32 = get_uint32(vr: *const ValueReference, n: usize, value: *mut u32, n_values: usize) in VISIBLE =>
+            |instance| instance.none_of(references(vr, n)?, "UInt32");
+        /// For enumerations.
+        fmi3GetInt64 = get_int64(vr: *const ValueReference, n: usize, value: *mut i64, n_values: usize) in VISIBLE =>
+            |instance| instance.get_int64(for_values(vr, n, n_values)?, values_mut(value, n, "values")?);
+        fmi3GetUInt64 = get_uint64(vr: *const ValueReference, n: usize, value: *mut u64, n_values: usize) in VISIBLE =>
+            |instance| instance.none_of(references(vr, n)?, "UInt64");
+        fmi3GetBoolean = get_boolean(vr: *const ValueReference, n: usize, value: *mut Boolean, n_values: usize) in VISIBLE =>
+            |instance| instance.get_boolean(for_values(vr, n, n_values)?, values_mut(value, n, "values")?);
+        fmi3GetString = get_string(vr: *const ValueReference, n: usize, value: *mut Text, n_values: usize) in VISIBLE =>
+            |instance| instance.get_string(for_values(vr, n, n_values)?, values_mut(value, n, "values")?);
+        fmi3GetBinary = get_binary(vr: *const ValueReference, n: usize, sizes: *mut usize, value: *mut Binary, n_values: usize)
+            in VISIBLE => |instance| instance.none_of(references(vr, n)?, "Binary");
+        fmi3GetClock = get_clock(vr: *const ValueReference, n: usize, value: *mut Boolean) in VISIBLE =>
+            |instance| instance.none_of(references(vr, n)?, "Clock");
+
+        fmi3SetFloat32 = set_float32(vr: *const ValueReference, n: usize, value: *const f32, n_values: usize) in SETTABLE =>
+            |instance| instance.none_of(references(vr, n)?, "Float32");
+        fmi3SetFloat64 = set_float64(vr: *const ValueReference, n: usize, value: *const Real, n_values: usize) in SETTABLE =>
+            |instance| instance.set_real(for_values(vr, n, n_values)?, values(value, n, "values")?);
+        fmi3SetInt8 = set_int8(vr: *const ValueReference, n: usize, value: *const i8, n_values: usize) in SETTABLE =>
+            |instance| instance.none_of(references(vr, n)?, "Int8");
+        fmi3SetUInt8 = set_uint8(vr: *const ValueReference, n: usize, value: *const u8, n_values: usize) in SETTABLE =>
+            |instance| instance.none_of(references(vr, n)?, "UInt8");
+        fmi3SetInt16 = set_int16(vr: *const ValueReference, n: usize, value: *const i16, n_values: usize) in SETTABLE =>
+            |instance| instance.none_of(references(vr, n)?, "Int16");
+        fmi3SetUInt16 = set_uint16(vr: *const ValueReference, n: usize, value: *const u16, n_values: usize) in SETTABLE =>
+            |instance| instance.none_of(references(vr, n)?, "UInt16");
+        fmi3SetInt32 = set_int32(vr: *const ValueReference, n: usize, value: *const i32, n_values: usize) in SETTABLE =>
+            |instance| instance.set_int32(for_values(vr, n, n_values)?, values(value, n, "values")?);
+        fmi3SetUInt32 = set_uint32(vr: *const ValueReference, n: usize, value: *const u32, n_values: usize) in SETTABLE =>
+            |instance| instance.none_of(references(vr, n)?, "UInt32");
+        /// For enumerations.
+        fmi3SetInt64 = set_int64(vr: *const ValueReference, n: usize, value: *const i64, n_values: usize) in SETTABLE =>
+            |instance| instance.set_int64(for_values(vr, n, n_values)?, values(value, n, "values")?);
+        fmi3SetUInt64 = set_uint64(vr: *const ValueReference, n: usize, value: *const u64, n_values: usize) in SETTABLE =>
+            |instance| instance.none_of(references(vr, n)?, "UInt64");
+        fmi3SetBoolean = set_boolean(vr: *const ValueReference, n: usize, value: *const Boolean, n_values: usize) in SETTABLE =>
+            |instance| instance.set_boolean(for_values(vr, n, n_values)?, values(value, n, "values")?);
+        fmi3SetString = set_string(vr: *const ValueReference, n: usize, value: *const Text, n_values: usize) in SETTABLE =>
+            |instance| instance.set_string(for_values(vr, n, n_values)?, &texts(value, n, "values")?);
+        fmi3SetBinary = set_binary(vr: *const ValueReference, n: usize, sizes: *const usize, value: *const Binary, n_values: usize)
+            in SETTABLE => |instance| instance.none_of(references(vr, n)?, "Binary");
+        fmi3SetClock = set_clock(vr: *const ValueReference, n: usize, value: *const Boolean) in SETTABLE =>
+            |instance| instance.none_of(references(vr, n)?, "Clock");
+
+        fmi3GetNumberOfVariableDependencies = get_number_of_variable_dependencies(vr: ValueReference, n: *mut usize) in ALIVE =>
+            |_| NO_ELEMENTS;
+        fmi3GetVariableDependencies = get_variable_dependencies(dependent: ValueReference, elements: *mut usize,
+            independents: *mut ValueReference, independent_elements: *mut usize, kinds: *mut i32, n: usize) in ALIVE =>
+            |_| NO_ELEMENTS;
+
+        fmi3GetFMUState = get_fmu_state(state: *mut FmuState) in ALIVE => |instance| instance.save(place(state, "FMUState")?);
+        fmi3SetFMUState = set_fmu_state(state: FmuState) in ALIVE => |instance| instance.restore(state);
+        /// NULL, and a pointer to NULL, are left alone.
+        fmi3FreeFMUState = free_fmu_state(state: *mut FmuState) in ALIVE => |instance| instance.free_state(state);
+        fmi3SerializedFMUStateSize = serialized_fmu_state_size(state: FmuState, size: *mut usize) in ALIVE =>
+            |instance| answer(place(size, "size")?, instance.serialize(state)?.len());
+        fmi3SerializeFMUState = serialize_fmu_state(state: FmuState, bytes: *mut Byte, size: usize) in ALIVE =>
+            |instance| instance.serialize_to(state, bytes, size);
+        fmi3DeserializeFMUState = deserialize_fmu_state(bytes: *const Byte, size: usize, state: *mut FmuState) in ALIVE =>
+            |instance| instance.deserialize(values(bytes, size, "serializedState")?, place(state, "FMUState")?);
+
+        fmi3GetDirectionalDerivative = get_directional_derivative(unknowns: *const ValueReference, n_unknowns: usize,
+            knowns: *const ValueReference, n_knowns: usize, seed: *const Real, n_seed: usize, sensitivity: *mut Real,
+            n_sensitivity: usize) in DERIVABLE => |instance| {
+                scalars("nSeed", n_seed, n_knowns)?;
+                scalars("nSensitivity", n_sensitivity, n_unknowns)?;
+                let (unknowns, knowns) = (values(unknowns, n_unknowns, "unknowns")?, values(knowns, n_knowns, "knowns")?);
+                let (seed, sensitivity) = (values(seed, n_seed, "seed")?, values_mut(sensitivity, n_sensitivity, "sensitivity")?);
+                instance.get_directional_derivative(unknowns, knowns, seed, sensitivity)
+            };
+        fmi3GetAdjointDerivative = get_adjoint_derivative(unknowns: *const ValueReference, n_unknowns: usize,
+            knowns: *const ValueReference, n_knowns: usize, seed: *const Real, n_seed: usize, sensitivity: *mut Real,
+            n_sensitivity: usize) in DERIVABLE => |instance| {
+                scalars("nSeed", n_seed, n_unknowns)?;
+                scalars("nSensitivity", n_sensitivity, n_knowns)?;
+                let (unknowns, knowns) = (values(unknowns, n_unknowns, "unknowns")?, values(knowns, n_knowns, "knowns")?);
+                let (seed, sensitivity) = (values(seed, n_seed, "seed")?, values_mut(sensitivity, n_sensitivity, "sensitivity")?);
+                instance.get_adjoint_derivative(unknowns, knowns, seed, sensitivity)
+            };
+        fmi3GetOutputDerivatives = get_output_derivatives(vr: *const ValueReference, n: usize, orders: *const i32, value: *mut Real,
+            n_values: usize) in &[StepComplete, StepFailed, Terminated, Error, Intermediate] =>
+            |instance| instance.get_output_derivatives(
+                for_values(vr, n, n_values)?, values(orders, n, "orders")?, values_mut(value, n, "values")?,
+            );
+
+        fmi3EnterConfigurationMode = enter_configuration_mode() in ALIVE => |_| NO_STRUCTURE;
+        fmi3ExitConfigurationMode = exit_configuration_mode() in ALIVE => |_| NO_STRUCTURE;
+        fmi3GetIntervalDecimal = get_interval_decimal(vr: *const ValueReference, n: usize, intervals: *mut Real,
+            qualifiers: *mut i32) in ALIVE => |_| NO_CLOCKS;
+        fmi3GetIntervalFraction = get_interval_fraction(vr: *const ValueReference, n: usize, counters: *mut u64,
+            resolutions: *mut u64, qualifiers: *mut i32) in ALIVE => |_| NO_CLOCKS;
+        fmi3GetShiftDecimal = get_shift_decimal(vr: *const ValueReference, n: usize, shifts: *mut Real) in ALIVE => |_| NO_CLOCKS;
+        fmi3GetShiftFraction = get_shift_fraction(vr: *const ValueReference, n: usize, counters: *mut u64, resolutions: *mut u64)
+            in ALIVE => |_| NO_CLOCKS;
+        fmi3SetIntervalDecimal = set_interval_decimal(vr: *const ValueReference, n: usize, intervals: *const Real) in ALIVE =>
+            |_| NO_CLOCKS;
+        fmi3SetIntervalFraction = set_interval_fraction(vr: *const ValueReference, n: usize, counters: *const u64,
+            resolutions: *const u64) in ALIVE => |_| NO_CLOCKS;
+        fmi3SetShiftDecimal = set_shift_decimal(vr: *const ValueReference, n: usize, shifts: *const Real) in ALIVE => |_| NO_CLOCKS;
+        fmi3SetShiftFraction = set_shift_fraction(vr: *const ValueReference, n: usize, counters: *const u64,
+            resolutions: *const u64) in ALIVE => |_| NO_CLOCKS;
+        fmi3ActivateModelPartition = activate_model_partition(clock: ValueReference, time: Real) in ALIVE => |_| NO_CLOCKS;
+        fmi3EnterStepMode = enter_step_mode() in ALIVE => |_| NO_EVENTS;
+        fmi3EvaluateDiscreteStates = evaluate_discrete_states() in ALIVE => |_| NO_EVENTS;
+
+        /// Nothing ever happens.
+        fmi3UpdateDiscreteStates = update_discrete_states(again: *mut Boolean, terminate: *mut Boolean, nominals: *mut Boolean,
+            states: *mut Boolean, defined: *mut Boolean, time: *mut Real) in &[Event] => |_| {
+                let flags = [
+                    place(again, "discreteStatesNeedUpdate")?,
+                    place(terminate, "terminateSimulation")?,
+                    place(nominals, "nominalsOfContinuousStatesChanged")?,
+                    place(states, "valuesOfContinuousStatesChanged")?,
+                    place(defined, "nextEventTimeDefined")?,
+                ];
+                *place(time, "nextEventTime")? = 0.0;
+                nothing(flags)
+            };
+        fmi3EnterContinuousTimeMode = enter_continuous_time_mode() in &[Event] => |instance| instance.enter_continuous();
+        /// A completed step changes nothing.
+        fmi3CompletedIntegratorStep = completed_integrator_step(no_set_state_prior: Boolean, enter_event_mode: *mut Boolean,
+            terminate: *mut Boolean) in &[Continuous] =>
+            |_| nothing([place(enter_event_mode, "enterEventMode")?, place(terminate, "terminateSimulation")?]);
+        fmi3SetTime = set_time(time: Real) in &[Event, Continuous] => |instance| instance.set_time(time);
+        fmi3SetContinuousStates = set_continuous_states(states: *const Real, n: usize) in &[Continuous] =>
+            |instance| instance.set_states(values(states, n, "values")?);
+        fmi3GetContinuousStateDerivatives = get_continuous_state_derivatives(rates: *mut Real, n: usize) in INTEGRABLE =>
+            |instance| instance.get_rates(values_mut(rates, n, "values")?);
+        /// There are none.
+        fmi3GetEventIndicators = get_event_indicators(indicators: *mut Real, n: usize) in INTEGRABLE =>
+            |instance| instance.get_indicators(values_mut(indicators, n, "values")?);
+        fmi3GetContinuousStates = get_continuous_states(states: *mut Real, n: usize) in INTEGRABLE =>
+            |instance| instance.get_states(values_mut(states, n, "values")?);
+        fmi3GetNominalsOfContinuousStates = get_nominals_of_continuous_states(nominals: *mut Real, n: usize) in ALIVE =>
+            |instance| instance.get_nominals(values_mut(nominals, n, "values")?);
+        /// There are none.
+        fmi3GetNumberOfEventIndicators = get_number_of_event_indicators(n: *mut usize) in ALIVE => |instance| {
+            instance.states()?;
+            answer(place(n, "nEventIndicators")?, 0)
         };
-        let name = "requiredIntermediateVariables";
-        // SAFETY: as the host vouches.
-        let variables = unsafe { values(intermediate, n_intermediate, name) }?;
-        let early = early_return != FALSE;
-        let watch = Watch::new(update, environment, early, variables, inner_step)?;
-        Ok((description::fingerprint::<M>(), Some(watch)))
-    };
-    let logger = || Logger::new(log.map(Callback::Three), environment, logging != FALSE);
-    // SAFETY: as the host vouches.
-    unsafe { instantiate::<M>(FUNCTION, [name, token, resources], false, logger, check) }
-}
-
-/// `fmi3InstantiateModelExchange`.
-pub unsafe fn instantiate_model_exchange<M: Model>(
-    name: Text,
-    token: Text,
-    resources: Text,
-    _visible: Boolean,
-    logging: Boolean,
-    environment: ComponentEnvironment,
-    log: Option<LogMessageCallback>,
-) -> Component {
-    const FUNCTION: &str = "fmi3InstantiateModelExchange";
-    let check = || match offered::<M>() {
-        Some(_) => Ok((description::exchange_fingerprint::<M>(), None)),
-        None => Err(Refusal::Absent("this FMU supports Co-Simulation only")),
-    };
-    let logger = || Logger::new(log.map(Callback::Three), environment, logging != FALSE);
-    // SAFETY: as the host vouches.
-    unsafe { instantiate::<M>(FUNCTION, [name, token, resources], true, logger, check) }
-}
-
-/// `fmi3InstantiateScheduledExecution`: refused.
-pub unsafe fn instantiate_scheduled_execution<M: Model>(
-    name: Text,
-    token: Text,
-    resources: Text,
-    _visible: Boolean,
-    logging: Boolean,
-    environment: ComponentEnvironment,
-    log: Option<LogMessageCallback>,
-    _update: Unused,
-    _lock: Unused,
-    _unlock: Unused,
-) -> Component {
-    const FUNCTION: &str = "fmi3InstantiateScheduledExecution";
-    let check = || Err(Refusal::Absent(NO_CLOCKS));
-    let logger = || Logger::new(log.map(Callback::Three), environment, logging != FALSE);
-    // SAFETY: as the host vouches.
-    unsafe { instantiate::<M>(FUNCTION, [name, token, resources], false, logger, check) }
+        fmi3GetNumberOfContinuousStates = get_number_of_continuous_states(n: *mut usize) in ALIVE => |instance| {
+            let states = instance.states()?;
+            answer(place(n, "nContinuousStates")?, states)
+        };
+    }
 }
 
 /// Makes an instance, if `check` knows the fingerprint of its description and how the host looks into steps.
-unsafe fn instantiate<M: Model>(
+///
+/// # Safety
+/// As for all functions.
+unsafe fn make<M: Model>(
     function: &'static str,
-    texts: [Text; 3],
     exchange: bool,
-    logger: impl FnOnce() -> Logger,
+    texts: [Text; 3],
+    logger: Logger,
     check: impl FnOnce() -> Outcome<(u128, Option<Watch<M>>)>,
 ) -> Component {
-    let make = || {
-        let logger = logger();
-        let (fingerprint, watch) = check()
-            .map_err(|refusal| logger.refuse(function, &refusal))
-            .ok()?;
-        // SAFETY: as the host vouches. Some hosts write names and paths in their system's code page, not in UTF-8.
-        let [name, token, resources] = texts.map(|text| unsafe { lossy(text) });
-        let request = Request {
-            function,
-            version: Version::Three,
-            name: name.as_deref().unwrap_or_default(),
-            token: ("instantiationToken", token.as_deref().unwrap_or_default()),
-            expected: &description::token(fingerprint),
-            fingerprint,
-            exchange,
-            resources: resources.as_deref(),
-        };
-        let mut instance = Instance::<M>::new(&request, logger)?;
-        instance.watch = watch;
-        Some(Handle::give(instance))
-    };
-    catch_unwind(AssertUnwindSafe(make))
-        .ok()
-        .flatten()
-        .unwrap_or(std::ptr::null_mut())
-}
-
-/// `fmi3FreeInstance`.
-pub unsafe fn free_instance<M: Model>(component: Component) {
+    let kind = (Version::Three, exchange);
     // SAFETY: as the host vouches.
-    unsafe { Handle::<M>::end(component, Version::Three) }
+    unsafe { instantiate_by(function, kind, texts, |_| Some(logger), check) }
 }
 
-/// `fmi3SetDebugLogging`.
-pub unsafe fn set_debug_logging<M: Model>(
-    component: Component,
-    on: Boolean,
+/// The value references for `n` values.
+///
+/// # Safety
+/// As for all functions.
+unsafe fn references<'a>(vr: *const ValueReference, n: usize) -> Outcome<&'a [ValueReference]> {
+    // SAFETY: as the host vouches.
+    unsafe { values(vr, n, "valueReferences") }
+}
+
+/// The value references for as many values.
+///
+/// # Safety
+/// As for all functions.
+unsafe fn for_values<'a>(
+    vr: *const ValueReference,
     n: usize,
-    categories: *const Text,
-) -> Status {
-    let body = |instance: &mut Instance<M>| {
-        // SAFETY: as the host vouches.
-        let categories = unsafe { texts(categories, n, "categories") }?;
-        instance.set_logging(on != FALSE, &categories)
-    };
+    n_values: usize,
+) -> Outcome<&'a [ValueReference]> {
+    scalars("nValues", n_values, n)?;
     // SAFETY: as the host vouches.
-    unsafe { enter(component, &functions::SET_DEBUG_LOGGING, body) }
+    unsafe { references(vr, n) }
 }
 
-/// `fmi3EnterInitializationMode`.
-pub unsafe fn enter_initialization_mode<M: Model>(
-    component: Component,
-    tolerance_defined: Boolean,
-    tolerance: Real,
-    start: Real,
-    stop_defined: Boolean,
-    stop: Real,
-) -> Status {
-    let tolerance = (tolerance_defined != FALSE).then_some(tolerance);
-    let stop = (stop_defined != FALSE).then_some(stop);
-    let body = |instance: &mut Instance<M>| {
-        instance.setup(tolerance, start, stop)?;
-        instance.enter_initialization()
-    };
-    // SAFETY: as the host vouches.
-    unsafe { enter(component, &functions::ENTER_INITIALIZATION, body) }
+/// Checks that there is one value for each reference.
+fn scalars(name: &'static str, n: usize, expected: usize) -> Outcome<()> {
+    if n == expected {
+        return Ok(());
+    }
+    Err(Refusal::Argument {
+        name,
+        value: n.to_string(),
+        why: "all variables are scalars: there must be as many values as value references",
+    })
 }
 
-plain! {
-    /// `fmi3ExitInitializationMode`.
-    exit_initialization_mode = EXIT_INITIALIZATION, exit_initialization;
-    /// `fmi3Terminate`.
-    terminate = TERMINATE, terminate;
-    /// `fmi3Reset`.
-    reset = RESET, reset;
-}
-
-/// `fmi3DoStep`. After a discarded step the instance is where it was, in step mode: the host may try a shorter one. A host that
-/// looks into the step is called while the instance is free for it.
-pub unsafe fn do_step<M: Model>(
+/// Takes a communication step, and asks the host within it if it wants to be asked.
+///
+/// # Safety
+/// As for all functions.
+unsafe fn take_step<M: Model>(
     component: Component,
     from: Real,
     step: Real,
-    _no_set_state_prior: Boolean,
-    event_handling_needed: *mut Boolean,
-    terminate_simulation: *mut Boolean,
-    early_return: *mut Boolean,
+    [event_handling_needed, terminate_simulation, early_return]: [*mut Boolean; 3],
     last_successful_time: *mut Real,
 ) -> Status {
+    const BEGIN: Function = Function::new("fmi3DoStep", Version::Three, &[StepComplete]);
+    const GO_ON: Function = Function::new("fmi3DoStep", Version::Three, &[Intermediate]);
     let (mut answer, mut pause) = (None, None);
     loop {
         let body = |instance: &mut Instance<M>| {
@@ -237,15 +356,12 @@ pub unsafe fn do_step<M: Model>(
             }
             *early = (outcome.is_ok() && instance.run.time < from + step).into();
             *reached = instance.run.time;
-            if instance.run.phase == Phase::StepFailed {
-                instance.run.phase = Phase::StepComplete;
+            if instance.run.phase == StepFailed {
+                instance.run.phase = StepComplete;
             }
             outcome
         };
-        let function = match answer {
-            None => &functions::DO_STEP,
-            Some(_) => &functions::GO_ON,
-        };
+        let function = if answer.is_none() { &BEGIN } else { &GO_ON };
         // SAFETY: as the host vouches; it cannot free the instance in its callback.
         let status = unsafe { enter(component, function, body) };
         match pause.take() {

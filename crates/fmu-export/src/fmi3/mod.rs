@@ -1,9 +1,8 @@
 //! The FMI 3.0 boundary, Co-Simulation and Model Exchange, generic over any [`Model`](crate::model::Model).
 //!
 //! From the outside in:
-//! - [`exports`]: the C functions, defined for one model by [`export!`](crate::export);
-//! - [`calls`]: the same functions, generic over the model. Raw pointers end here;
-//! - `functions`: which of them may be called when;
+//! - [`calls`]: the C functions, generic over the model, and which of them may be called when. Raw pointers end here, and
+//!   [`export!`](crate::export) defines them for one model;
 //! - [`description`]: the model description, written from the variable table.
 //!
 //! Value references are those of FMI 2.0. Reals are `Float64`, integers `Int32`; no variable has a dimension. A
@@ -12,7 +11,4 @@
 
 pub mod calls;
 pub mod description;
-pub mod exports;
 pub mod types;
-
-mod functions;

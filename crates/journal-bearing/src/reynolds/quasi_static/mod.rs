@@ -268,8 +268,8 @@ impl QuasiStatic {
                 }
                 let width = self.grid.zeta_width(j);
                 let couplings = [
-                    (Some(left * rows + j), self.along_into(i) * width),
-                    (Some(right * rows + j), self.along_into(right) * width),
+                    (Some(left * rows + j), self.along[i] * width),
+                    (Some(right * rows + j), self.along[right] * width),
                     ((j > 0).then(|| cell - 1), self.across_into(i, j)),
                     (
                         (j + 1 < rows).then_some(cell + 1),
@@ -307,11 +307,6 @@ impl QuasiStatic {
         let definite = self.matrix.factorise();
         debug_assert!(definite, "a positive gap makes a definite matrix");
         self.matrix.solve2(&mut self.unit);
-    }
-
-    /// Conductance between column `i - 1` and `i`.
-    fn along_into(&self, i: usize) -> f64 {
-        self.along[i]
     }
 
     /// Conductance between rows `j - 1` and `j` of column `i`; nothing flows through the mid-plane.

@@ -7,7 +7,7 @@ use crate::contact::{NO_CONTACT, Surface, f_5_2};
 
 /// The contact's force on the load's side, N, and its derivative over the eccentricity ratio.
 pub fn push(surface: &Surface, geometry: &Geometry) -> (Vector2<f64>, Matrix2<f64>) {
-    let ratio = geometry.settings().clearance / surface.roughness;
+    let ratio = geometry.settings.clearance / surface.roughness;
     let mut force = Vector2::zeros();
     let mut slope = Matrix2::zeros();
     if !ratio.is_finite() {
@@ -33,7 +33,7 @@ pub fn normal(surface: &Surface, geometry: &Geometry) -> f64 {
 
 /// Visits every touching cell with its direction, area (m2) and film ratio.
 fn each(surface: &Surface, geometry: &Geometry, mut visit: impl FnMut(Vector2<f64>, f64, f64)) {
-    let (settings, cells, gap) = (geometry.settings(), geometry.cells(), geometry.gap());
+    let (settings, cells, gap) = (&geometry.settings, &geometry.cells, &geometry.gap);
     let ratio = settings.clearance / surface.roughness;
     let developed = 0.5 * settings.diameter * settings.width;
     for (i, range) in cells.columns() {

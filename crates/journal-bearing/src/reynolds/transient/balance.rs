@@ -17,11 +17,11 @@
 
 use super::cells::Cells;
 use super::gap::Gap;
-use super::lanes::{dot, dot_of_sizes, sum, sum_of_sizes};
+use super::lanes::{dot, sum_of};
 use super::liquid::Liquid;
 use super::stage::Stage;
 use super::state::Field;
-use super::sweeps::{add, add_difference, multiply};
+use super::sweeps::{add_difference, change, fill};
 use super::upwind;
 use crate::reynolds::roughness::shear_flow_factor;
 
@@ -88,8 +88,9 @@ impl Balance {
 
     /// Computes the mass in each cell.
     pub fn weigh(&mut self, gap: &Gap, liquid: &Liquid, field: &Field) {
-        multiply(&mut self.fill, &liquid.density, &field.content);
-        multiply(&mut self.mass, &self.fill, &gap.cell);
+        let product = |[a, b]: [f64; 2]| a * b;
+        fill(&mut self.fill, [&liquid.density, &field.content], product);
+        fill(&mut self.mass, [&self.fill, &gap.cell], product);
     }
 
     /// Computes conductances `rho H^3 / mu` and fluxes between columns.
@@ -102,40 +103,29 @@ impl Balance {
         stage: &Stage<'_>,
     ) {
         for (own, before) in cells.neighbours() {
+            let (h, share) = (&gap.edge[own.clone()], &cells.share[own.clone()]);
             let along = &mut self.along[own.clone()];
-            conduct(along, &cells.along[own.clone()], &gap.edge[own.clone()]);
+            fill(along, [&cells.along[own.clone()], h], at_gap);
             if !liquid.uniform {
-                let both = [&liquid.ease[before.clone()], &liquid.ease[own.clone()]];
-                ease(along, both);
+                let ease = [before.clone(), own.clone()].map(|of| &liquid.ease[of]);
+                change(along, ease, eased);
             }
-            carry(
-                &mut self.carried[own.clone()],
-                stage.rotation,
-                &cells.share[own.clone()],
-                &gap.edge[own.clone()],
-            );
+            let carried = &mut self.carried[own.clone()];
+            fill(carried, [share, h], |[share, h]| stage.rotation * share * h);
             if stage.shear != 0.0 {
-                let carried = &mut self.carried[own.clone()];
-                let edges = gap.edge_ratio[own.clone()]
-                    .iter()
-                    .zip(&cells.share[own.clone()]);
-                for (carried, (&ratio, share)) in carried.iter_mut().zip(edges) {
-                    *carried += stage.shear * share * shear_flow_factor(ratio);
-                }
+                let edges = [share, &gap.edge_ratio[own.clone()]];
+                change(carried, edges, |carried, [share, ratio]| {
+                    carried + stage.shear * share * shear_flow_factor(ratio)
+                });
             }
-            flow(
-                &mut self.around[own.clone()],
-                &self.along[own.clone()],
-                [
-                    &field.pressure[before.clone()],
-                    &field.pressure[own.clone()],
-                ],
-            );
-            add_carried(
-                &mut self.around[own.clone()],
-                &self.carried[own.clone()],
-                [&self.fill[before.clone()], &self.fill[own.clone()]],
-            );
+            let around = &mut self.around[own.clone()];
+            let p = [before.clone(), own.clone()].map(|of| &field.pressure[of]);
+            fill(around, [along, p[0], p[1]], driven);
+            // The oil comes from the cell upstream.
+            let upstream = [carried, &self.fill[before], &self.fill[own]];
+            change(around, upstream, |flux, [carried, before, own]| {
+                flux + carried * if carried > 0.0 { before } else { own }
+            });
         }
     }
 
@@ -149,46 +139,46 @@ impl Balance {
         stage: &Stage<'_>,
     ) {
         let n = self.mass.len();
-        let (h, p) = (&gap.cell[..], &field.pressure[..]);
+        let (h, p, ease) = (&gap.cell[..], &field.pressure[..], &liquid.ease[..]);
         let (below, above) = (..n - 1, 1..n);
         let across = &mut self.across[1..n];
-        let both = [&h[below], &h[above.clone()]];
-        conduct_between(across, &cells.across[1..n], both);
-        conduct(&mut self.open, &cells.open, h);
+        let both = [&cells.across[1..n], &h[below], &h[above.clone()]];
+        fill(across, both, |[at_one, below, above]| {
+            at_gap([at_one, 0.5 * (below + above)])
+        });
+        fill(&mut self.open, [&cells.open, h], at_gap);
         if !liquid.uniform {
-            let of = &liquid.ease[..];
-            ease(across, [&of[below], &of[above.clone()]]);
-            ease(&mut self.open, [of; 2]);
+            change(across, [&ease[below], &ease[above.clone()]], eased);
+            change(&mut self.open, [ease; 2], eased);
         }
-        flow(
-            &mut self.over[1..n],
-            &self.across[1..n],
-            [&p[below], &p[above]],
-        );
-        flow_out(&mut self.out, &self.open, p, stage.side);
+        fill(&mut self.over[1..n], [across, &p[below], &p[above]], driven);
+        fill(&mut self.out, [&self.open, p], |[conductance, p]| {
+            conductance * (p - stage.side)
+        });
     }
 
     /// Adds up the residuals.
     fn add_up(&mut self, cells: &Cells, stage: &Stage<'_>) {
+        let rate = 1.0 / stage.duration;
         for (after, own) in cells.neighbours() {
             let residual = &mut self.residual[own.clone()];
-            store(
-                residual,
-                1.0 / stage.duration,
-                &cells.area[own.clone()],
-                [&stage.mass[own.clone()], &self.mass[own.clone()]],
-            );
+            let masses = [&cells.area, stage.mass, &self.mass].map(|of| &of[own.clone()]);
+            fill(residual, masses, |[area, start, mass]| {
+                area * rate * (mass - start)
+            });
             let around = [&self.around[own.clone()], &self.around[after]];
             add_difference(residual, around);
             let over = &self.over[own.start..=own.end];
             add_difference(residual, [over, &over[1..]]);
-            add(residual, &self.out[own]);
+            change(residual, [&self.out[own]], |residual, [out]| residual + out);
         }
     }
 
     /// The sum of the residuals' absolute values, weighted by `counted`.
     pub fn imbalance(&self, counted: &[f64]) -> f64 {
-        dot_of_sizes(&self.residual, counted)
+        sum_of([&self.residual, counted], |[residual, counted]| {
+            residual.abs() * counted
+        })
     }
 
     /// The mass in the whole film.
@@ -198,7 +188,8 @@ impl Balance {
 
     /// The flows through the open ends.
     pub fn end_flow(&self) -> EndFlow {
-        let (net, size) = (sum(&self.out), sum_of_sizes(&self.out));
+        let net = sum_of([&self.out], |[out]| out);
+        let size = sum_of([&self.out], |[out]| out.abs());
         EndFlow {
             out: 0.5 * (size + net),
             into: 0.5 * (size - net),
@@ -206,103 +197,24 @@ impl Balance {
     }
 }
 
-// The sweeps below follow the rule of `sweeps`: each writes to a single array.
-
-/// Conductance of edges at their gap.
-fn conduct(conductance: &mut [f64], at_one: &[f64], h: &[f64]) {
-    let n = conductance.len();
-    let (at_one, h) = (&at_one[..n], &h[..n]);
-    for k in 0..n {
-        conductance[k] = at_one[k] * (h[k] * h[k] * h[k]);
-    }
+/// Conductance of an edge, from that at `H = 1` and its gap.
+fn at_gap([at_one, h]: [f64; 2]) -> f64 {
+    at_one * (h * h * h)
 }
 
-/// Conductance of edges at the mean gap of both sides.
-fn conduct_between(conductance: &mut [f64], at_one: &[f64], h: [&[f64]; 2]) {
-    let n = conductance.len();
-    let (at_one, h) = (&at_one[..n], h.map(|h| &h[..n]));
-    for k in 0..n {
-        let h = 0.5 * (h[0][k] + h[1][k]);
-        conductance[k] = at_one[k] * (h * h * h);
-    }
+/// A conductance at the mean ease of both sides.
+fn eased(conductance: f64, [before, own]: [f64; 2]) -> f64 {
+    conductance * (0.5 * (before + own))
 }
 
-/// Multiplies conductances by the mean ease of both sides.
-fn ease(conductance: &mut [f64], ease: [&[f64]; 2]) {
-    let n = conductance.len();
-    let ease = ease.map(|e| &e[..n]);
-    for k in 0..n {
-        conductance[k] *= 0.5 * (ease[0][k] + ease[1][k]);
-    }
-}
-
-/// The flux that the mean rotation carries at full content.
-fn carry(carried: &mut [f64], rotation: f64, share: &[f64], h: &[f64]) {
-    let n = carried.len();
-    let (share, h) = (&share[..n], &h[..n]);
-    for k in 0..n {
-        carried[k] = rotation * share[k] * h[k];
-    }
-}
-
-/// The flux that a pressure difference drives.
-fn flow(flux: &mut [f64], conductance: &[f64], p: [&[f64]; 2]) {
-    let n = flux.len();
-    let (conductance, p) = (&conductance[..n], p.map(|p| &p[..n]));
-    for k in 0..n {
-        flux[k] = conductance[k] * (p[0][k] - p[1][k]);
-    }
-}
-
-/// The flux out to the bath.
-fn flow_out(flux: &mut [f64], conductance: &[f64], p: &[f64], side: f64) {
-    let n = flux.len();
-    let (conductance, p) = (&conductance[..n], &p[..n]);
-    for k in 0..n {
-        flux[k] = conductance[k] * (p[k] - side);
-    }
-}
-
-/// Adds the flux that the surfaces carry, with the fill of the upstream cell.
-fn add_carried(flux: &mut [f64], carried: &[f64], fill: [&[f64]; 2]) {
-    let n = flux.len();
-    let (carried, fill) = (&carried[..n], fill.map(|f| &f[..n]));
-    for k in 0..n {
-        let (before, own) = (fill[0][k], fill[1][k]);
-        flux[k] += carried[k] * if carried[k] > 0.0 { before } else { own };
-    }
-}
-
-/// The rate at which mass is stored.
-fn store(flux: &mut [f64], rate: f64, area: &[f64], mass: [&[f64]; 2]) {
-    let n = flux.len();
-    let (area, mass) = (&area[..n], mass.map(|m| &m[..n]));
-    for k in 0..n {
-        flux[k] = area[k] * rate * (mass[1][k] - mass[0][k]);
-    }
+/// The flux that the pressures of both sides drive.
+fn driven([conductance, before, own]: [f64; 3]) -> f64 {
+    conductance * (before - own)
 }
 
 /// Flows through the open ends, outwards and inwards.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct EndFlow {
     pub out: f64,
     pub into: f64,
-}
-
-impl EndFlow {
-    /// Both flows times a weight.
-    pub fn weighted(self, weight: f64) -> Self {
-        Self {
-            out: self.out * weight,
-            into: self.into * weight,
-        }
-    }
-
-    /// The sum with other flows.
-    pub fn and(self, other: Self) -> Self {
-        Self {
-            out: self.out + other.out,
-            into: self.into + other.into,
-        }
-    }
 }

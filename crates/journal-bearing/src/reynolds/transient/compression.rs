@@ -30,15 +30,15 @@ const LACK: f64 = 1e-9;
 /// The powers at the end of a stage. `squeeze` computes how fast the surfaces approach in a column.
 pub fn powers(work: &Workspace, stage: &Stage<'_>, squeeze: impl Fn(usize) -> f64) -> Powers {
     let mut powers = Powers::default();
-    let cells = work.cells();
+    let cells = &work.geometry.cells;
     for (own, before) in cells.neighbours() {
         for (own, before) in own.zip(before) {
-            powers.flow(work, [before, own], work.balance().along[own]);
-            powers.carry(work, [before, own], work.balance().carried[own]);
+            powers.flow(work, [before, own], work.balance.along[own]);
+            powers.carry(work, [before, own], work.balance.carried[own]);
         }
     }
     for cell in 1..cells.count() {
-        powers.flow(work, [cell - 1, cell], work.balance().across[cell]);
+        powers.flow(work, [cell - 1, cell], work.balance.across[cell]);
     }
     for (column, range) in cells.columns() {
         let squeeze = squeeze(column);
@@ -53,10 +53,10 @@ pub fn powers(work: &Workspace, stage: &Stage<'_>, squeeze: impl Fn(usize) -> f6
 impl Powers {
     /// Adds the pressure flow over an edge.
     fn flow(&mut self, work: &Workspace, ends: [usize; 2], conductance: f64) {
-        let p = ends.map(|cell| work.field().pressure[cell]);
+        let p = ends.map(|cell| work.state.field.pressure[cell]);
         let mean = 0.5
             * ends
-                .map(|cell| work.liquid().density[cell])
+                .map(|cell| work.liquid.density[cell])
                 .iter()
                 .sum::<f64>();
         let flow = conductance * (p[0] - p[1]) / mean;
@@ -67,10 +67,10 @@ impl Powers {
     /// Adds the flow that the rotation carries over an edge.
     fn carry(&mut self, work: &Workspace, ends: [usize; 2], carried: f64) {
         let upstream = ends[usize::from(carried <= 0.0)];
-        let content = work.field().content[upstream];
+        let content = work.state.field.content[upstream];
         let mean = 0.5
             * ends
-                .map(|cell| work.liquid().density[cell])
+                .map(|cell| work.liquid.density[cell])
                 .iter()
                 .sum::<f64>();
         let power = taken(work, ends, carried, content * mean);
@@ -83,11 +83,14 @@ impl Powers {
 
     /// Adds the change of a cell's mass.
     fn hold(&mut self, work: &Workspace, stage: &Stage<'_>, cell: usize, squeeze: f64) {
-        let (p, area) = (work.field().pressure[cell], work.cells().area[cell]);
-        let start = work.geometry().gap().cell[cell]
-            + squeeze * work.geometry().gap().cell_apart[cell] * stage.duration;
+        let (p, area) = (
+            work.state.field.pressure[cell],
+            work.geometry.cells.area[cell],
+        );
+        let start = work.geometry.gap.cell[cell]
+            + squeeze * work.geometry.gap.cell_apart[cell] * stage.duration;
         let mass = stage.mass[cell];
-        let taken = p * area * (start - mass / work.liquid().density[cell]) / stage.duration;
+        let taken = p * area * (start - mass / work.liquid.density[cell]) / stage.duration;
         if mass < (1.0 - LACK) * start {
             self.loss += taken;
         } else {
@@ -97,8 +100,8 @@ impl Powers {
 
     /// Adds the flow out of the open ends.
     fn leave(&mut self, work: &Workspace, stage: &Stage<'_>, cell: usize) {
-        let over = work.field().pressure[cell] - stage.side;
-        let flow = work.balance().open[cell] * over / work.liquid().density[cell];
+        let over = work.state.field.pressure[cell] - stage.side;
+        let flow = work.balance.open[cell] * over / work.liquid.density[cell];
         self.loss += flow * over;
         self.bath -= flow * stage.side;
     }
@@ -107,6 +110,6 @@ impl Powers {
 /// The power that a flow over an edge, from the first of its ends to the second, takes to change to their densities.
 fn taken(work: &Workspace, ends: [usize; 2], flow: f64, density: f64) -> f64 {
     let [before, own] = ends
-        .map(|cell| work.field().pressure[cell] * (density / work.liquid().density[cell] - 1.0));
+        .map(|cell| work.state.field.pressure[cell] * (density / work.liquid.density[cell] - 1.0));
     flow * (before - own)
 }

@@ -1,7 +1,5 @@
 //! Evaluation of the film at the end of a step: forces, torques, flows and the energy balance.
 
-use std::ops::Range;
-
 use nalgebra::Vector2;
 
 use super::asperities;
@@ -37,7 +35,7 @@ struct Sums {
 
 /// Evaluates a step whose last implicit stage was `stage`.
 pub fn diagnose(work: &Workspace, stage: &Stage<'_>, drive: &Drive) -> Diagnostics {
-    let settings = work.settings();
+    let settings = &work.geometry.settings;
     let radius = 0.5 * settings.diameter;
     let psi = settings.clearance / radius;
     let scale = settings.force_scale(drive.viscosity);
@@ -49,7 +47,7 @@ pub fn diagnose(work: &Workspace, stage: &Stage<'_>, drive: &Drive) -> Diagnosti
     // Each surface takes half of the pressure's moment on the gap. The moment on the roughness acts on both alike.
     let journal_torque = shear + moment * (0.5 * (sums.rise + sums.rough) - sums.form[0]);
     let bush_torque = shear - moment * (0.5 * (sums.rise - sums.rough) - sums.form[1]);
-    let velocity = work.state().velocity;
+    let velocity = work.state.velocity;
     let heat = shear * sliding + moment * sums.loss;
     let stored = moment * sums.stored;
     let works = [
@@ -60,10 +58,10 @@ pub fn diagnose(work: &Workspace, stage: &Stage<'_>, drive: &Drive) -> Diagnosti
     ];
     // The energy error of a film at rest would be rounding over rounding. Its scale is therefore at least the power that
     // moves it by a millionth of the clearance, and a billionth of what the bath could spend on flow through the film.
-    let bath = work.balance().open.iter().sum::<f64>() * stage.side.powi(2);
+    let bath = work.balance.open.iter().sum::<f64>() * stage.side.powi(2);
     let still = moment * ((1e-6 / stage.duration).powi(2) + 1e-9 * bath);
     let through = works.iter().map(|work| work.abs()).sum::<f64>() + heat.abs() + still;
-    let flow = work.balance().end_flow();
+    let flow = work.balance.end_flow();
     let volume = settings.clearance * radius * settings.width;
     let asperities = settings.asperities.as_ref();
     Diagnostics {
@@ -72,9 +70,9 @@ pub fn diagnose(work: &Workspace, stage: &Stage<'_>, drive: &Drive) -> Diagnosti
         journal_torque,
         bush_torque,
         max_pressure: (sums.max_pressure - stage.side) * 12.0 * drive.viscosity / (psi * psi),
-        smallest_gap: work.geometry().smallest_gap(work.state().eps),
+        smallest_gap: work.geometry.smallest_gap(work.state.eps),
         contact_normal: asperities
-            .map_or(0.0, |surface| asperities::normal(surface, work.geometry())),
+            .map_or(0.0, |surface| asperities::normal(surface, &work.geometry)),
         outflow: flow.out * volume,
         inflow: flow.into * volume,
         heat,
@@ -85,9 +83,9 @@ pub fn diagnose(work: &Workspace, stage: &Stage<'_>, drive: &Drive) -> Diagnosti
 
 /// Sums the contributions of cells and edges.
 fn sum(work: &Workspace, stage: &Stage<'_>, drive: &Drive) -> Sums {
-    let (cells, gap, balance) = (work.cells(), work.geometry().gap(), work.balance());
-    let (settings, field) = (work.settings(), work.field());
-    let roughness = work.geometry().form().roughness;
+    let (cells, gap, balance) = (&work.geometry.cells, &work.geometry.gap, &work.balance);
+    let (settings, field) = (&work.geometry.settings, &work.state.field);
+    let roughness = work.geometry.form.roughness;
     let mut sums = Sums {
         load: work.pressure_load().force,
         max_pressure: largest(&field.pressure),
@@ -104,21 +102,31 @@ fn sum(work: &Workspace, stage: &Stage<'_>, drive: &Drive) -> Sums {
             sums.loss += filling_loss(work, stage, i, squeeze);
         }
     }
+    let resolved = cells.resolved_gap();
     sums.shear = if settings.flow_factors().is_some() {
-        rough_shear(work, drive.rotation())
+        sheared(work, drive.rotation(), |[_, _, ratio], fluidity| {
+            sliding_resistance(ratio) / (roughness * fluidity)
+        })
     } else {
-        shear(work, drive.rotation())
+        sheared(work, drive.rotation(), |[h, apart, _], fluidity| {
+            let h = if h > resolved { h } else { resolved };
+            apart / (h * fluidity)
+        })
     };
     for (own, before) in cells.neighbours() {
         let p = [&field.pressure[before], &field.pressure[own.clone()]];
         sums.loss += lost(&balance.along[own.clone()], p);
-        let share = &cells.share[own.clone()];
-        sums.rise += rise(share, &gap.edge[own.clone()], p);
+        let (share, h) = (&cells.share[own.clone()], &gap.edge[own.clone()]);
+        sums.rise += sum_of([share, h, p[0], p[1]], |[share, h, before, own]| {
+            share * h * (own - before)
+        });
         if let Some(journal_share) = settings.flow_factors() {
             let excess = roughness * (2.0 * journal_share - 1.0);
-            let ratio = &gap.edge_ratio[own];
-            let rough = |k: usize| share[k] * shear_flow_factor(ratio[k]) * (p[1][k] - p[0][k]);
-            sums.rough += excess * sum_of(share.len(), rough);
+            let of = [share, &gap.edge_ratio[own], p[0], p[1]];
+            let rough = sum_of(of, |[share, ratio, before, own]| {
+                share * shear_flow_factor(ratio) * (own - before)
+            });
+            sums.rough += excess * rough;
         }
     }
     let n = field.pressure.len();
@@ -147,9 +155,12 @@ fn sum(work: &Workspace, stage: &Stage<'_>, drive: &Drive) -> Sums {
 
 /// How fast turning the journal, and the bush, by an angle opens the gap in a column.
 fn opening(work: &Workspace, column: usize) -> [f64; 2] {
-    let settings = work.settings();
+    let settings = &work.geometry.settings;
     (settings.profile)
-        .opening_rates(work.cells().grid.theta_centre(column), work.state().angles)
+        .opening_rates(
+            work.geometry.cells.grid.theta_centre(column),
+            work.state.angles,
+        )
         .map(|rate| rate / settings.clearance)
 }
 
@@ -157,45 +168,23 @@ fn opening(work: &Workspace, column: usize) -> [f64; 2] {
 fn squeeze(work: &Workspace, drive: &Drive, column: usize) -> f64 {
     let opening = opening(work, column);
     let turning = opening[0] * drive.journal_speed + opening[1] * drive.bush_speed;
-    let direction = &work.cells().directions.mean[column];
-    work.state().velocity.dot(direction) - turning
+    let direction = &work.geometry.cells.directions.mean[column];
+    work.state.velocity.dot(direction) - turning
 }
 
-/// Integral of content over viscous gap, where the surfaces do not touch.
-fn shear(work: &Workspace, rotation: f64) -> f64 {
-    let resolved = work.cells().resolved_gap();
-    let gap = work.geometry().gap();
-    sheared(work, rotation, |edges| {
-        let (h, apart) = (&gap.edge[edges.clone()], &gap.edge_apart[edges]);
-        move |k, fluidity| {
-            let h = if h[k] > resolved { h[k] } else { resolved };
-            apart[k] / (h * fluidity)
-        }
-    })
-}
-
-/// The same integral between rough surfaces, by their shear stress factors.
-fn rough_shear(work: &Workspace, rotation: f64) -> f64 {
-    let geometry = work.geometry();
-    let roughness = geometry.form().roughness;
-    sheared(work, rotation, |edges| {
-        let ratio = &geometry.gap().edge_ratio[edges];
-        move |k, fluidity| sliding_resistance(ratio[k]) / (roughness * fluidity)
-    })
-}
-
-/// Integral of content times a `resistance` at the edges between columns, which receives the fluidity there.
+/// Integral of content over viscous gap: content times a `resistance` at the edges between columns. It receives the gap there, its
+/// share where the surfaces do not touch, their film ratio, and the fluidity.
 ///
 /// It uses the trapezoidal rule over the edges, which around the ring is nearly exact where the film is full. The content
 /// of a cell is that of the oil that the rotation carries over the cell's downstream edge, so it is paired with the gap
 /// there. The gap in the middle of the cell would be tens of per cent too wide behind the narrowest place.
-fn sheared<R: Fn(usize, f64) -> f64>(
-    work: &Workspace,
+fn sheared<'a>(
+    work: &'a Workspace,
     rotation: f64,
-    resistance: impl Fn(Range<usize>) -> R,
+    resistance: impl Fn([f64; 3], f64) -> f64,
 ) -> f64 {
-    let (area, fluidity) = (&work.cells().area, &work.liquid().fluidity);
-    let content = &work.field().content;
+    let (area, fluidity) = (&work.geometry.cells.area, &work.liquid.fluidity);
+    let content = &work.state.field.content;
     // Weights of the content before an edge and of that behind it.
     let before_counts = if rotation == 0.0 {
         0.5
@@ -204,17 +193,26 @@ fn sheared<R: Fn(usize, f64) -> f64>(
     };
     let shares = [before_counts, 1.0 - before_counts];
     let mut sum = 0.0;
-    for (own, before) in work.cells().neighbours() {
-        let n = own.len();
-        let area = [&area[before.clone()][..n], &area[own.clone()][..n]];
-        let fluidity = [&fluidity[before.clone()][..n], &fluidity[own.clone()][..n]];
-        let content = [&content[before][..n], &content[own.clone()][..n]];
-        let resistance = resistance(own);
-        sum += sum_of(n, |k| {
-            let carried = shares[0] * content[0][k] + shares[1] * content[1][k];
-            let area = 0.5 * (area[0][k] + area[1][k]);
-            let fluidity = 0.5 * (fluidity[0][k] + fluidity[1][k]);
-            area * carried * resistance(k, fluidity)
+    for (own, before) in work.geometry.cells.neighbours() {
+        let of_both = |of: &'a [f64]| [&of[before.clone()], &of[own.clone()]];
+        let ([area, area_own], [fluidity, fluidity_own]) = (of_both(area), of_both(fluidity));
+        let ([content, content_own], gap) = (of_both(content), &work.geometry.gap);
+        let [h, apart, ratio] =
+            [&gap.edge, &gap.edge_apart, &gap.edge_ratio].map(|of| &of[own.clone()]);
+        let of = [
+            area,
+            area_own,
+            fluidity,
+            fluidity_own,
+            content,
+            content_own,
+            h,
+            apart,
+            ratio,
+        ];
+        sum += sum_of(of, |[a, a_own, f, f_own, c, c_own, h, apart, ratio]| {
+            let carried = shares[0] * c + shares[1] * c_own;
+            0.5 * (a + a_own) * carried * resistance([h, apart, ratio], 0.5 * (f + f_own))
         });
     }
     sum
@@ -222,23 +220,16 @@ fn sheared<R: Fn(usize, f64) -> f64>(
 
 /// Dissipation by the pressure flow through edges.
 fn lost(conductance: &[f64], p: [&[f64]; 2]) -> f64 {
-    let n = conductance.len();
-    let p = p.map(|p| &p[..n]);
-    sum_of(n, |k| conductance[k] * (p[0][k] - p[1][k]).powi(2))
-}
-
-/// Integral of the gap times the pressure's rise.
-fn rise(share: &[f64], h: &[f64], p: [&[f64]; 2]) -> f64 {
-    let n = share.len();
-    let (h, p) = (&h[..n], p.map(|p| &p[..n]));
-    sum_of(n, |k| share[k] * h[k] * (p[1][k] - p[0][k]))
+    sum_of([conductance, p[0], p[1]], |[conductance, before, own]| {
+        conductance * (before - own).powi(2)
+    })
 }
 
 /// Power lost in a column by oil that enters a full cell from a less full one, or fills it up: it arrives without the
 /// cell's pressure. `squeeze` is how fast the surfaces approach.
 fn filling_loss(work: &Workspace, stage: &Stage<'_>, column: usize, squeeze: f64) -> f64 {
-    let (cells, gap, field) = (work.cells(), work.geometry().gap(), work.field());
-    let carried = &work.balance().carried;
+    let (cells, gap, field) = (&work.geometry.cells, &work.geometry.gap, &work.state.field);
+    let carried = &work.balance.carried;
     let w = cells.stride;
     let (own, left) = (column * w, cells.before(column) * w);
     let right = cells.after(column) * w;

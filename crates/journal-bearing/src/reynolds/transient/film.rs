@@ -59,8 +59,8 @@ struct Saved {
 impl From<ReynoldsFilm> for Saved {
     fn from(film: ReynoldsFilm) -> Self {
         Self {
-            settings: film.work.settings().clone(),
-            state: film.work.state().clone(),
+            settings: film.work.geometry.settings.clone(),
+            state: film.work.state.clone(),
         }
     }
 }
@@ -93,7 +93,7 @@ impl ReynoldsFilm {
         let work = Workspace::new(settings)?;
         Ok(Self {
             stepper: Stepper::new(&work),
-            before: work.state().clone(),
+            before: work.state.clone(),
             work,
         })
     }
@@ -120,12 +120,12 @@ impl ReynoldsFilm {
 
     /// The settings.
     pub fn settings(&self) -> &FilmSettings {
-        self.work.settings()
+        &self.work.geometry.settings
     }
 
     /// The eccentricity-ratio vector in the middle plane, 1.
     pub fn eccentricity(&self) -> Vector2<f64> {
-        self.work.state().eps
+        self.work.state.eps
     }
 
     /// The share of the gap that oil fills, 0..1, in a column (around the bush) and a row (over the width) of
@@ -134,22 +134,22 @@ impl ReynoldsFilm {
     /// # Panics
     /// When the grid has no such cell.
     pub fn content(&self, column: usize, row: usize) -> f64 {
-        self.work.field().content[column * self.work.cells().stride + row]
+        self.work.state.field.content[column * self.work.geometry.cells.stride + row]
     }
 
     /// The grid. It covers the half width, or the whole width of a tilted journal.
     pub fn grid(&self) -> &Grid {
-        &self.work.cells().grid
+        &self.work.geometry.cells.grid
     }
 
     /// The smallest gap, m; where the film sees the surfaces' roughness, the smallest mean gap.
     pub fn smallest_gap(&self) -> f64 {
-        self.work.geometry().smallest_gap(self.eccentricity())
+        self.work.geometry.smallest_gap(self.eccentricity())
     }
 
     /// A copy of the state, for [`restore`](Self::restore). It is far smaller than a clone of the film.
     pub fn state(&self) -> FilmState {
-        FilmState(self.work.state().clone())
+        FilmState(self.work.state.clone())
     }
 
     /// Copies the state into one that was taken from this film before; allocates nothing.
@@ -157,7 +157,7 @@ impl ReynoldsFilm {
     /// # Panics
     /// When that state has another number of cells.
     pub fn copy_state_to(&self, state: &mut FilmState) {
-        state.0.copy_from(self.work.state());
+        state.0.copy_from(&self.work.state);
     }
 
     /// Returns to a state of this film, or of one with the same settings.
@@ -166,7 +166,7 @@ impl ReynoldsFilm {
     /// Returns [`FilmError::Setting`] when the state has another number of cells; the film is then as before.
     pub fn restore(&mut self, state: &FilmState) -> Result<(), FilmError> {
         let FilmState(state) = state;
-        if !state.field.fits(self.work.cells().count()) {
+        if !state.field.fits(self.work.geometry.cells.count()) {
             let (name, value) = ("number of stored cells", state.field.full.len());
             let value = value as f64;
             let must = "that of this film";
@@ -178,14 +178,14 @@ impl ReynoldsFilm {
 
     /// Begins the search for the periodic orbit of a load that repeats itself: the first turn starts here.
     pub fn seek_orbit(&self) -> PeriodicSearch {
-        PeriodicSearch::new(self.work.state())
+        PeriodicSearch::new(&self.work.state)
     }
 
     /// Ends a turn of a search, and moves the film to where the next one should begin. Returns how far that is from where this
     /// turn began: the change of eccentricity ratio and content, root of the sum of both mean squares, 1. It is next to zero on
     /// the orbit. Mass is not conserved when the film is moved.
     pub fn end_turn(&mut self, search: &mut PeriodicSearch) -> f64 {
-        let (start, moved) = search.next(self.work.state());
+        let (start, moved) = search.next(&self.work.state);
         self.work.restore(start);
         moved
     }
@@ -208,14 +208,14 @@ impl ReynoldsFilm {
         let usable = interval.is_finite() && interval >= LEAST_INTERVAL;
         within("interval", interval, usable, "at least 1e-250 s")?;
         drive.check()?;
-        self.before.copy_from(self.work.state());
+        self.before.copy_from(&self.work.state);
         // The linearisation is not stored, so an interval must not begin with that of the last one.
-        self.work.discard_linearisation();
+        self.work.linear.discard();
         self.stepper.begin_interval();
         let mut total = Diagnostics::default();
         let mut done = 0.0;
         let shortest = 1e-9 * interval;
-        let mut step = self.work.state().step.unwrap_or(interval).min(interval);
+        let mut step = self.work.state.step.unwrap_or(interval).min(interval);
         for tries in 0.. {
             if interval - done <= shortest {
                 break;
@@ -230,7 +230,7 @@ impl ReynoldsFilm {
             } else {
                 left
             };
-            let duration = self.work.geometry().resolve_turning(duration, drive);
+            let duration = self.work.geometry.resolve_turning(duration, drive);
             let place = Step {
                 from: done / interval,
                 share: duration / interval,
@@ -261,14 +261,14 @@ impl ReynoldsFilm {
                 }
             }
         }
-        self.work.expect_step(step);
+        self.work.state.step = Some(step);
         Ok(total.over(done))
     }
 
     /// Goes back to the state before the interval. Returns why.
     fn give_up(&mut self, step: f64) -> FilmError {
         let eps = self.eccentricity();
-        let touches = self.work.geometry().touches(eps);
+        let touches = self.work.geometry.touches(eps);
         self.work.restore(&self.before);
         let eccentricity = eps.norm();
         if touches {

@@ -31,7 +31,7 @@ pub struct Forces {
 impl Forces {
     /// The forces at the eccentricity ratio `eps`, with the present pressures.
     pub fn at(eps: Vector2<f64>, work: &Workspace, stage: &Stage<'_>, task: &Task<'_>) -> Self {
-        let support = Support::at(eps, work.geometry(), stage, task);
+        let support = Support::at(eps, &work.geometry, stage, task);
         let carried = work.pressure_load();
         let wanted = task.load / task.force_scale;
         Self {
@@ -57,7 +57,7 @@ struct Support {
 
 impl Support {
     fn at(eps: Vector2<f64>, geometry: &Geometry, stage: &Stage<'_>, task: &Task<'_>) -> Self {
-        let settings = geometry.settings();
+        let settings = &geometry.settings;
         let (touch, stiffness) = rubbing(task, touch(eps, geometry, task));
         let air = AIR * settings.width.powi(2) / settings.diameter.powi(2);
         let turning = stage.rotation * Vector2::new(-eps.y, eps.x);
@@ -88,7 +88,7 @@ fn rubbing(
 /// The contact of the asperities: cell by cell, or from the contact of an aligned journal.
 fn touch(eps: Vector2<f64>, geometry: &Geometry, task: &Task<'_>) -> (Vector2<f64>, Matrix2<f64>) {
     let (scale, contact) = (task.force_scale, task.contact);
-    if let Some(surface) = &geometry.settings().asperities {
+    if let Some(surface) = &geometry.settings.asperities {
         let (force, slope) = asperities::push(surface, geometry);
         return (force / scale, slope / scale);
     }
@@ -120,10 +120,10 @@ fn unresolved(
 ) -> (Vector2<f64>, Matrix2<f64>) {
     let (start, duration) = (task.start, stage.duration);
     let e = eps.norm();
-    let variation = geometry.cells().resolved_gap();
+    let variation = geometry.cells.resolved_gap();
     let gap = 1.0 - e;
     let farthest = 3.0 * variation;
-    if !geometry.form().is_plain() || gap > farthest {
+    if !geometry.form.is_plain() || gap > farthest {
         return (Vector2::zeros(), Matrix2::zeros());
     }
     let n = eps / e;

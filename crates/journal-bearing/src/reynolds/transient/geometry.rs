@@ -14,10 +14,11 @@ const TOUCHING: f64 = 1e-3;
 /// Settings, cells and the gap at one position of the journal.
 #[derive(Clone, Debug)]
 pub struct Geometry {
-    settings: FilmSettings,
-    cells: Cells,
-    form: Form,
-    gap: Gap,
+    pub settings: FilmSettings,
+    pub cells: Cells,
+    pub form: Form,
+    /// The present gap.
+    pub gap: Gap,
 }
 
 impl Geometry {
@@ -53,26 +54,6 @@ impl Geometry {
         let settings = &self.settings;
         self.form.tilt = Vector2::from(settings.tilt) / settings.clearance;
         self.form.roughness = settings.film_roughness();
-    }
-
-    /// The settings.
-    pub fn settings(&self) -> &FilmSettings {
-        &self.settings
-    }
-
-    /// The cells' geometry.
-    pub fn cells(&self) -> &Cells {
-        &self.cells
-    }
-
-    /// All that shapes the gap apart from the eccentricity.
-    pub fn form(&self) -> &Form {
-        &self.form
-    }
-
-    /// The present gap.
-    pub fn gap(&self) -> &Gap {
-        &self.gap
     }
 
     /// Computes the form error with journal and bush turned by `angles`.

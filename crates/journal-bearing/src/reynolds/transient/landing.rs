@@ -82,15 +82,15 @@ impl Landing {
         task: &Task<'_>,
         start: &Field,
     ) -> Result<Vector2<f64>, NoSolution> {
-        work.restore_field(start);
-        let mut rest = self.rest_at(work, work.state().eps, stage, task)?;
+        work.state.field.copy_from(start);
+        let mut rest = self.rest_at(work, work.state.eps, stage, task)?;
         for _ in 0..STEPS {
             let change = rest.change().ok_or(NoSolution)?;
             if rest.forces.balance(change) {
                 return Ok(rest.eps);
             }
-            work.move_to(rest.eps);
-            let way = Way::new(work.geometry(), rest.eps, change, 0.25);
+            work.geometry.move_to(rest.eps);
+            let way = Way::new(&work.geometry, rest.eps, change, 0.25);
             rest = self.search(work, rest, way, stage, task)?;
         }
         Err(NoSolution)
@@ -155,13 +155,13 @@ impl Landing {
         stage: &Stage<'_>,
         task: &Task<'_>,
     ) -> Result<Rest, NoSolution> {
-        work.move_to(eps);
+        work.geometry.move_to(eps);
         self.fill_cells(work, stage, task)?;
         let forces = Forces::at(eps, work, stage, task);
         Ok(Rest {
             eps,
             forces,
-            slope: work.slope() + forces.stiffness,
+            slope: work.linear.slope + forces.stiffness,
         })
     }
 
@@ -176,24 +176,24 @@ impl Landing {
         let mut last = f64::INFINITY;
         for _ in 0..PASSES {
             work.linearise(stage);
-            let imbalance = work.imbalance();
+            let imbalance = work.linear.imbalance(&work.balance);
             if steady && is_balanced(work, stage, imbalance, imbalance > 0.5 * last) {
                 return Ok(());
             }
             last = imbalance;
-            self.trial.copy_from(work.field());
+            self.trial.copy_from(&work.state.field);
             let mut share = 1.0;
             loop {
-                work.approach(share);
-                work.release_cells();
+                work.linear.approach(share, &mut work.state.field);
+                work.active_set.begin();
                 work.exchange(stage);
                 steady = work.update_balance(stage, task.drive);
-                let now = work.imbalance();
+                let now = work.linear.imbalance(&work.balance);
                 if now <= (1.0 - 0.1 * share) * imbalance || share < SHORTEST {
                     break;
                 }
                 share *= 0.5;
-                work.restore_field(&self.trial);
+                work.state.field.copy_from(&self.trial);
             }
         }
         Err(NoSolution)

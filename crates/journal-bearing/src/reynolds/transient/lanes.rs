@@ -4,113 +4,49 @@
 /// Cells that are processed side by side. A column of cells is padded to a multiple.
 pub const LANES: usize = 8;
 
-/// Adds the partial sums.
-fn total(sum: [f64; LANES]) -> f64 {
-    ((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7]))
-}
-
-/// The sum.
-pub fn sum(a: &[f64]) -> f64 {
-    let mut sum = [0.0; LANES];
-    for a in a.as_chunks::<LANES>().0 {
-        for q in 0..LANES {
-            sum[q] += a[q];
-        }
-    }
-    total(sum)
-}
-
-/// The sum of `term(0)` to `term(count - 1)`.
+/// The sum of a term over the values at the same place of arrays, which are as long as the first one.
 #[inline(always)]
-pub fn sum_of(count: usize, term: impl Fn(usize) -> f64) -> f64 {
+pub fn sum_of<const N: usize>(of: [&[f64]; N], term: impl Fn([f64; N]) -> f64) -> f64 {
+    let n = of[0].len();
+    let of = of.map(|of| of[..n].as_chunks::<LANES>());
     let mut sum = [0.0; LANES];
-    let whole = count - count % LANES;
-    let mut start = 0;
-    while start < whole {
-        for (q, sum) in sum.iter_mut().enumerate() {
-            *sum += term(start + q);
-        }
-        start += LANES;
-    }
-    for k in whole..count {
-        sum[k - whole] += term(k);
-    }
-    total(sum)
-}
-
-/// The sum of absolute values.
-pub fn sum_of_sizes(a: &[f64]) -> f64 {
-    let mut sum = [0.0; LANES];
-    for a in a.as_chunks::<LANES>().0 {
+    for chunk in 0..n / LANES {
+        let lanes = of.map(|(chunks, _)| &chunks[chunk]);
         for q in 0..LANES {
-            sum[q] += a[q].abs();
+            sum[q] += term(lanes.map(|lane| lane[q]));
         }
     }
-    total(sum)
+    for q in 0..n % LANES {
+        sum[q] += term(of.map(|(_, rest)| rest[q]));
+    }
+    ((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7]))
 }
 
 /// The scalar product.
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sum = [0.0; LANES];
-    for (a, b) in a
-        .as_chunks::<LANES>()
-        .0
-        .iter()
-        .zip(b.as_chunks::<LANES>().0)
-    {
-        for q in 0..LANES {
-            sum[q] += a[q] * b[q];
-        }
-    }
-    total(sum)
+    sum_of([a, b], |[a, b]| a * b)
 }
 
-/// The weighted sum of absolute values.
-pub fn dot_of_sizes(a: &[f64], weight: &[f64]) -> f64 {
-    let mut sum = [0.0; LANES];
-    let chunks = a.as_chunks::<LANES>().0.iter();
-    for (a, weight) in chunks.zip(weight.as_chunks::<LANES>().0) {
-        for q in 0..LANES {
-            sum[q] += a[q].abs() * weight[q];
-        }
-    }
-    total(sum)
-}
-
-/// The sum of the products of three arrays.
-pub fn dot3(a: &[f64], b: &[f64], c: &[f64]) -> f64 {
-    let mut sum = [0.0; LANES];
-    let chunks = a
-        .as_chunks::<LANES>()
-        .0
-        .iter()
-        .zip(b.as_chunks::<LANES>().0);
-    for ((a, b), c) in chunks.zip(c.as_chunks::<LANES>().0) {
-        for q in 0..LANES {
-            sum[q] += a[q] * b[q] * c[q];
-        }
-    }
-    total(sum)
-}
-
-/// The smallest value; infinity of an empty array.
+/// The smallest value of an array of whole lanes; infinity of an empty array.
 pub fn smallest(a: &[f64]) -> f64 {
-    let mut least = [f64::INFINITY; LANES];
-    for a in a.as_chunks::<LANES>().0 {
-        for q in 0..LANES {
-            least[q] = if a[q] < least[q] { a[q] } else { least[q] };
-        }
-    }
-    least.iter().copied().fold(f64::INFINITY, f64::min)
+    let least = extremes(a, f64::INFINITY, |a, least| a < least);
+    least.into_iter().fold(f64::INFINITY, f64::min)
 }
 
-/// The largest value; minus infinity of an empty array.
+/// The largest value of an array of whole lanes; minus infinity of an empty array.
 pub fn largest(a: &[f64]) -> f64 {
-    let mut most = [f64::NEG_INFINITY; LANES];
+    let most = extremes(a, f64::NEG_INFINITY, |a, most| a > most);
+    most.into_iter().fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// The values of each lane that go beyond all others and `start`.
+#[inline(always)]
+fn extremes(a: &[f64], start: f64, beyond: impl Fn(f64, f64) -> bool) -> [f64; LANES] {
+    let mut most = [start; LANES];
     for a in a.as_chunks::<LANES>().0 {
         for q in 0..LANES {
-            most[q] = if a[q] > most[q] { a[q] } else { most[q] };
+            most[q] = if beyond(a[q], most[q]) { a[q] } else { most[q] };
         }
     }
-    most.iter().copied().fold(f64::NEG_INFINITY, f64::max)
+    most
 }

@@ -79,7 +79,7 @@ pub fn solve(
     work.begin_stage(wanted);
     let mut eps = work.reachable(task.guess);
     let mut path = Path {
-        balanced: if work.cells().conserves_mass() {
+        balanced: if work.geometry.cells.conserves_mass() {
             BALANCED
         } else {
             BALANCED_ROUGHLY
@@ -89,15 +89,15 @@ pub fn solve(
         last: None,
     };
     for _ in 0..PASSES {
-        work.move_to(eps);
+        work.geometry.move_to(eps);
         let steady = work.update_balance(stage, task.drive);
         path.moved += work.refill(stage);
         let forces = Forces::at(eps, work, stage, task);
         let flow = work.flow(stage);
-        let imbalance = work.imbalance() / flow;
+        let imbalance = work.linear.imbalance(&work.balance) / flow;
         let rounding = || LAST_PLACES * f64::EPSILON * work.turnover(stage) / flow;
         let carries = |inverse: Matrix2<f64>| steady && forces.balance(inverse * forces.missing);
-        match path.judge(work.is_linearised(stage.duration), imbalance, rounding) {
+        match path.judge(work.linear.serves(stage.duration), imbalance, rounding) {
             Next::Rest if inverse(work, &forces).is_some_and(carries) => {
                 // A tension that no film can have may look like a balance.
                 return if work.is_forced() {
@@ -107,16 +107,16 @@ pub fn solve(
                 };
             }
             Next::Renew => work.linearise(stage),
-            Next::Rest | Next::Reuse => work.reuse_linearisation(),
+            Next::Rest | Next::Reuse => work.linear.reuse(&work.balance),
         }
         let missing = forces.missing + work.load_of_correction();
         let change = inverse(work, &forces).ok_or(NoSolution)? * missing;
         if !(change.x.is_finite() && change.y.is_finite()) {
             return Err(NoSolution);
         }
-        let share = work.geometry().allowed(eps, change, 0.25);
+        let share = work.geometry.allowed(eps, change, 0.25);
         eps += change * share;
-        work.apply(change * share);
+        work.linear.apply(change * share, &mut work.state.field);
         path.moved = work.exchange(stage);
         path.cut_short = share < 1.0;
     }
@@ -133,14 +133,14 @@ pub fn is_balanced(work: &Workspace, stage: &Stage<'_>, imbalance: f64, stays: b
 
 /// Derivative of the eccentricity ratio over a force on the journal.
 fn inverse(work: &Workspace, forces: &Forces) -> Option<Matrix2<f64>> {
-    (work.slope() + forces.stiffness).try_inverse()
+    (work.linear.slope + forces.stiffness).try_inverse()
 }
 
 /// Whether nothing presses on a film without conserved mass, so that the journal follows the mean rotation.
 fn floats(work: &Workspace, load: Vector2<f64>, task: &Task<'_>) -> bool {
-    !work.cells().conserves_mass()
+    !work.geometry.cells.conserves_mass()
         && load == Vector2::zeros()
-        && work.settings().asperities.is_none()
+        && work.geometry.settings.asperities.is_none()
         && (task.contact)(task.start.norm()) == 0.0
 }
 
@@ -150,7 +150,7 @@ fn float(work: &mut Workspace, stage: &Stage<'_>, task: &Task<'_>) -> Vector2<f6
     work.rupture();
     let eps =
         Vector2::new(start.x - turn * start.y, start.y + turn * start.x) / (1.0 + turn * turn);
-    work.move_to(eps);
+    work.geometry.move_to(eps);
     work.update_balance(stage, task.drive);
     eps
 }

@@ -42,12 +42,12 @@ pub struct Stepper {
 impl Stepper {
     /// Buffers for films like that of `work`.
     pub fn new(work: &Workspace) -> Self {
-        let count = work.cells().count();
+        let count = work.geometry.cells.count();
         Self {
             start: vec![0.0; count],
             launch: vec![0.0; count],
-            kept: work.state().clone(),
-            landing: Landing::new(work.field()),
+            kept: work.state.clone(),
+            landing: Landing::new(&work.state.field),
             failures: 0,
         }
     }
@@ -75,7 +75,7 @@ impl Stepper {
         drive: &Drive,
         contact: &dyn Fn(f64) -> f64,
     ) -> Result<(Diagnostics, f64), NoSolution> {
-        self.kept.copy_from(work.state());
+        self.kept.copy_from(&work.state);
         let done = self.two_stages(work, step, drive, contact);
         self.failures += usize::from(done.is_err());
         done
@@ -95,7 +95,7 @@ impl Stepper {
             landing,
             failures,
         } = self;
-        let lands = work.cells().conserves_mass() && *failures >= PATIENCE;
+        let lands = work.geometry.cells.conserves_mass() && *failures >= PATIENCE;
         let mut solve = |work: &mut Workspace, stage: &Stage<'_>, task: &Task<'_>| {
             let solution = newton::solve(work, stage, task);
             match solution {
@@ -104,24 +104,24 @@ impl Stepper {
             }
         };
 
-        let start = work.state().eps;
+        let start = work.state.eps;
         let first = GAMMA * step.duration;
-        mass.copy_from_slice(&work.balance().mass);
+        mass.copy_from_slice(&work.balance.mass);
         let mut task = Task {
             start,
-            guess: start + work.state().velocity * first,
+            guess: start + work.state.velocity * first,
             load: drive.load_at(step.from + GAMMA * step.share),
-            force_scale: work.settings().force_scale(drive.viscosity),
+            force_scale: work.geometry.settings.force_scale(drive.viscosity),
             drive,
             contact,
         };
         work.turn(first, drive);
         let middle = solve(work, &stage(work, first, mass, drive), &task)?;
-        let first_flow = work.balance().end_flow();
+        let first_flow = work.balance.end_flow();
 
         // The second stage starts from where the rates of the first one lead at (1 - gamma) of the step.
         let ahead = (1.0 - GAMMA) / GAMMA;
-        for ((launch, start), mass) in launch.iter_mut().zip(&*mass).zip(&work.balance().mass) {
+        for ((launch, start), mass) in launch.iter_mut().zip(&*mass).zip(&work.balance.mass) {
             *launch = start + ahead * (mass - start);
         }
         work.extrapolate(ahead, &kept.field);
@@ -135,15 +135,17 @@ impl Stepper {
 
         work.end_step(end, (end - task.start) / first, drive.viscosity);
         // A gap that is finer than the grid resolves does not deserve finer steps.
-        let resolved = work.cells().resolved_gap();
-        let gap = work.geometry().gap().smallest.max(resolved);
-        let error = (end - straight).norm() / (work.settings().tolerance * gap);
+        let resolved = work.geometry.cells.resolved_gap();
+        let gap = work.geometry.gap.smallest.max(resolved);
+        let error = (end - straight).norm() / (work.geometry.settings.tolerance * gap);
         let mut report = diagnose(work, &stage, drive);
-        if work.cells().conserves_mass() {
-            let last_flow = work.balance().end_flow();
-            let flow = first_flow
-                .weighted(1.0 - GAMMA)
-                .and(last_flow.weighted(GAMMA));
+        if work.geometry.cells.conserves_mass() {
+            let last_flow = work.balance.end_flow();
+            let mean = |first: f64, last: f64| first * (1.0 - GAMMA) + last * GAMMA;
+            let flow = EndFlow {
+                out: mean(first_flow.out, last_flow.out),
+                into: mean(first_flow.into, last_flow.into),
+            };
             report.mass_error = mass_error(work, mass, step.duration, flow, stage.rotation);
         }
         Ok((report, error))
@@ -152,7 +154,7 @@ impl Stepper {
 
 /// A stage that starts from the masses `mass`.
 fn stage<'a>(work: &Workspace, duration: f64, mass: &'a [f64], drive: &Drive) -> Stage<'a> {
-    let settings = work.settings();
+    let settings = &work.geometry.settings;
     let side = match settings.cavitation {
         Cavitation::NonNegative => 0.0,
         Cavitation::MassConserving => {
@@ -161,7 +163,7 @@ fn stage<'a>(work: &Workspace, duration: f64, mass: &'a [f64], drive: &Drive) ->
     };
     // The flow of sliding rough surfaces at a shear flow factor of one (Patir & Cheng 1979).
     let shear = settings.flow_factors().map_or(0.0, |share| {
-        let (roughness, excess) = (work.geometry().form().roughness, 2.0 * share - 1.0);
+        let (roughness, excess) = (work.geometry.form.roughness, 2.0 * share - 1.0);
         0.5 * (drive.journal_speed - drive.bush_speed) * roughness * excess
     });
     Stage {
@@ -175,8 +177,8 @@ fn stage<'a>(work: &Workspace, duration: f64, mass: &'a [f64], drive: &Drive) ->
 
 /// Inflow less outflow less storage over a step that began with the masses `start`, over the flow through the film.
 fn mass_error(work: &Workspace, start: &[f64], duration: f64, flow: EndFlow, rotation: f64) -> f64 {
-    let stored: f64 = (work.cells().area.iter())
-        .zip(work.balance().mass.iter().zip(start))
+    let stored: f64 = (work.geometry.cells.area.iter())
+        .zip(work.balance.mass.iter().zip(start))
         .map(|(area, (mass, start))| area * (mass - start))
         .sum();
     let moved = flow.out + flow.into + work.circulating(rotation);

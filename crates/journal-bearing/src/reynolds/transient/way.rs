@@ -22,7 +22,7 @@ impl Way {
     pub fn new(geometry: &Geometry, from: Vector2<f64>, change: Vector2<f64>, rest: f64) -> Self {
         let e = from.norm();
         // Near the middle there is no curve to follow.
-        if !geometry.form().is_plain() || change.norm() < 0.5 * (1.0 - e) || e < 0.5 {
+        if !geometry.form.is_plain() || change.norm() < 0.5 * (1.0 - e) || e < 0.5 {
             let step = change * geometry.allowed(from, change, rest);
             return Self {
                 from,

@@ -1,11 +1,10 @@
 //! The film at the place where the solver tries it, with all buffers that the solver needs.
 
-use nalgebra::{Matrix2, Vector2};
+use nalgebra::Vector2;
 
 use super::active_set::ActiveSet;
 use super::balance::Balance;
 use super::base::Base;
-use super::cells::Cells;
 use super::geometry::Geometry;
 use super::lanes::dot;
 use super::linear::Linear;
@@ -21,12 +20,13 @@ const STILL: f64 = 1e-5;
 /// State, gap, oil, balances and their linearisation. What is not state follows from it or is overwritten before use.
 #[derive(Clone, Debug)]
 pub struct Workspace {
-    geometry: Geometry,
-    state: State,
-    liquid: Liquid,
-    balance: Balance,
-    linear: Linear,
-    active_set: ActiveSet,
+    pub geometry: Geometry,
+    pub state: State,
+    /// The oil's properties at the last balance.
+    pub liquid: Liquid,
+    pub balance: Balance,
+    pub linear: Linear,
+    pub active_set: ActiveSet,
 }
 
 /// The load of a pressure field, and the sum of the absolute contributions to it.
@@ -41,7 +41,7 @@ impl Workspace {
     /// A flooded film with the journal in the middle.
     pub fn new(settings: FilmSettings) -> Result<Self, FilmError> {
         let geometry = Geometry::new(settings)?;
-        let cells = geometry.cells();
+        let cells = &geometry.cells;
         let count = cells.count();
         let mut work = Self {
             state: State::flooded(cells),
@@ -67,7 +67,7 @@ impl Workspace {
         self.state = State {
             eps,
             angles,
-            ..State::flooded(self.geometry.cells())
+            ..State::flooded(&self.geometry.cells)
         };
         self.arrive();
         Ok(())
@@ -81,7 +81,7 @@ impl Workspace {
 
     /// Gives the bearing another radial clearance, m. Eccentricity ratio and content stay as they are.
     pub fn set_clearance(&mut self, clearance: f64) -> Result<(), FilmError> {
-        let before = self.settings().clearance;
+        let before = self.geometry.settings.clearance;
         self.geometry.set_clearance(clearance);
         self.arrive();
         if self.geometry.is_open() {
@@ -99,53 +99,13 @@ impl Workspace {
         self.geometry.shape(self.state.angles);
         self.geometry.move_to(self.state.eps);
         let (field, unit) = (&self.state.field, self.state.unit);
-        self.liquid.compress(self.geometry.settings(), field, unit);
-        self.balance.weigh(self.geometry.gap(), &self.liquid, field);
-    }
-
-    /// The geometry at the present place.
-    pub fn geometry(&self) -> &Geometry {
-        &self.geometry
-    }
-
-    /// The settings.
-    pub fn settings(&self) -> &FilmSettings {
-        self.geometry.settings()
-    }
-
-    /// The cells' geometry.
-    pub fn cells(&self) -> &Cells {
-        self.geometry.cells()
-    }
-
-    /// The state.
-    pub fn state(&self) -> &State {
-        &self.state
-    }
-
-    /// The present field.
-    pub fn field(&self) -> &Field {
-        &self.state.field
-    }
-
-    /// The oil's properties at the last balance.
-    pub fn liquid(&self) -> &Liquid {
-        &self.liquid
-    }
-
-    /// The last balance.
-    pub fn balance(&self) -> &Balance {
-        &self.balance
+        self.liquid.compress(&self.geometry.settings, field, unit);
+        self.balance.weigh(&self.geometry.gap, &self.liquid, field);
     }
 }
 
 /// Moving on within a step.
 impl Workspace {
-    /// Notes the internal step that the error control expects to fit next, s.
-    pub fn expect_step(&mut self, step: f64) {
-        self.state.step = Some(step);
-    }
-
     /// Turns the surfaces for `duration` seconds.
     pub fn turn(&mut self, duration: f64, drive: &Drive) {
         self.state.angles[0] += drive.journal_speed * duration;
@@ -153,19 +113,14 @@ impl Workspace {
         self.geometry.shape(self.state.angles);
     }
 
-    /// Computes the gap at an eccentricity ratio.
-    pub fn move_to(&mut self, eps: Vector2<f64>) {
-        self.geometry.move_to(eps);
-    }
-
     /// The point on the way to `guess` that leaves at least half of the gap at the step's start.
     pub fn reachable(&mut self, guess: Vector2<f64>) -> Vector2<f64> {
         let from = self.state.eps;
-        let plain = self.geometry.form().is_plain();
+        let plain = self.geometry.form.is_plain();
         if plain && (guess - from).norm() <= 0.5 * (1.0 - from.norm()) {
             return guess;
         }
-        self.move_to(from);
+        self.geometry.move_to(from);
         from + (guess - from) * self.geometry.allowed(from, guess - from, 0.5)
     }
 
@@ -186,12 +141,7 @@ impl Workspace {
     pub fn end_step(&mut self, eps: Vector2<f64>, velocity: Vector2<f64>, viscosity: f64) {
         self.state.velocity = velocity;
         self.state.eps = eps;
-        self.state.unit = self.geometry.settings().pressure_scale(viscosity);
-    }
-
-    /// Replaces the field.
-    pub fn restore_field(&mut self, field: &Field) {
-        self.state.field.copy_from(field);
+        self.state.unit = self.geometry.settings.pressure_scale(viscosity);
     }
 
     /// Empties the film.
@@ -206,31 +156,25 @@ impl Workspace {
     /// Begins a stage under a dimensionless load: every cell may move again.
     pub fn begin_stage(&mut self, load: Vector2<f64>) {
         self.active_set.begin();
-        ActiveSet::fill_towards(load, self.geometry.cells(), &mut self.state.field);
-    }
-
-    /// Lets every cell move again.
-    pub fn release_cells(&mut self) {
-        self.active_set.begin();
+        ActiveSet::fill_towards(load, &self.geometry.cells, &mut self.state.field);
     }
 
     /// Moves cells into and out of the set by their unknowns; the number that moved.
     pub fn exchange(&mut self, stage: &Stage<'_>) -> usize {
         let field = &mut self.state.field;
-        self.active_set
-            .exchange(self.geometry.cells(), field, stage)
+        self.active_set.exchange(&self.geometry.cells, field, stage)
     }
 
     /// Fills empty cells by their balances where mass is not conserved; the number that moved.
     pub fn refill(&mut self, stage: &Stage<'_>) -> usize {
         let field = &mut self.state.field;
         self.active_set
-            .refill(self.geometry.cells(), field, &self.balance, stage)
+            .refill(&self.geometry.cells, field, &self.balance, stage)
     }
 
     /// Whether the field is one that no film can have: a cell that was held back violates the complementarity.
     pub fn is_forced(&self) -> bool {
-        self.cells().conserves_mass() && self.active_set.is_forced(&self.state.field)
+        self.geometry.cells.conserves_mass() && self.active_set.is_forced(&self.state.field)
     }
 }
 
@@ -239,8 +183,8 @@ impl Workspace {
     /// Computes oil and balances at the present gap and field. True when the oil's properties have converged.
     pub fn update_balance(&mut self, stage: &Stage<'_>, drive: &Drive) -> bool {
         let (field, geometry) = (&self.state.field, &self.geometry);
-        let (cells, gap) = (geometry.cells(), geometry.gap());
-        let steady = self.liquid.update(geometry.settings(), gap, field, drive);
+        let (cells, gap) = (&geometry.cells, &geometry.gap);
+        let steady = self.liquid.update(&geometry.settings, gap, field, drive);
         self.balance.update(cells, gap, &self.liquid, field, stage);
         steady
     }
@@ -248,71 +192,36 @@ impl Workspace {
     /// Linearises at the present place and answers to the residuals.
     pub fn linearise(&mut self, stage: &Stage<'_>) {
         self.linear.renew(&Base {
-            cells: self.geometry.cells(),
-            gap: self.geometry.gap(),
+            cells: &self.geometry.cells,
+            gap: &self.geometry.gap,
             liquid: &self.liquid,
             field: &self.state.field,
             balance: &self.balance,
             stage,
         });
-        if self.geometry.form().roughness > 0.0 {
-            self.linear
-                .soften(self.geometry.lost_area(&self.state.field));
+        if self.geometry.form.roughness > 0.0 {
+            // An effect on the load that the cells' pressures do not show.
+            self.linear.slope -= self.geometry.lost_area(&self.state.field);
         }
-    }
-
-    /// Whether a linearisation for stages of this duration is at hand.
-    pub fn is_linearised(&self, duration: f64) -> bool {
-        self.linear.serves(duration)
-    }
-
-    /// Puts the linearisation out of use.
-    pub fn discard_linearisation(&mut self) {
-        self.linear.discard();
-    }
-
-    /// Answers to the residuals with the linearisation at hand.
-    pub fn reuse_linearisation(&mut self) {
-        self.linear.reuse(&self.balance);
-    }
-
-    /// Derivative of the film's load over the eccentricity ratio.
-    pub fn slope(&self) -> Matrix2<f64> {
-        self.linear.slope()
     }
 
     /// The load that the correction of the cells takes from the film.
     pub fn load_of_correction(&self) -> Vector2<f64> {
         self.linear
-            .load_of_correction(self.cells(), self.geometry.gap())
-    }
-
-    /// Moves the unknowns by the correction and by a change of the eccentricity ratio.
-    pub fn apply(&mut self, change: Vector2<f64>) {
-        self.linear.apply(change, &mut self.state.field);
-    }
-
-    /// Moves the unknowns by a share of the correction.
-    pub fn approach(&mut self, share: f64) {
-        self.linear.approach(share, &mut self.state.field);
-    }
-
-    /// The sum of the absolute residuals that have to vanish.
-    pub fn imbalance(&self) -> f64 {
-        self.linear.imbalance(&self.balance)
+            .load_of_correction(&self.geometry.cells, &self.geometry.gap)
     }
 
     /// The load of the present pressures.
     pub fn pressure_load(&self) -> PressureLoad {
-        let (gap, pressure) = (self.geometry.gap(), &self.state.field.pressure);
+        let (gap, pressure) = (&self.geometry.gap, &self.state.field.pressure);
         let mut sum = PressureLoad {
             force: Vector2::zeros(),
             size: 0.0,
         };
-        for (i, range) in self.cells().columns() {
+        for (i, range) in self.geometry.cells.columns() {
             let pressed = &gap.pressed[range.clone()];
             let share = dot(pressed, &pressure[range]);
-            sum.force += self.cells().directions.mean[i] * share;
+            sum.force += self.geometry.cells.directions.mean[i] * share;
             sum.size += share.abs();
         }
         sum
@@ -327,17 +236,17 @@ impl Workspace {
 
     /// The sum of the absolute contributions to the residuals.
     pub fn turnover(&self, stage: &Stage<'_>) -> f64 {
-        let stored = self.balance.held(self.cells()) / stage.duration;
+        let stored = self.balance.held(&self.geometry.cells) / stage.duration;
         stored + self.linear.turnover(&self.state.field)
     }
 
     /// The flow that the mean rotation carries around, averaged over the columns.
     pub fn circulating(&self, rotation: f64) -> f64 {
-        rotation.abs() * self.balance.held(self.cells()) / std::f64::consts::TAU
+        rotation.abs() * self.balance.held(&self.geometry.cells) / std::f64::consts::TAU
     }
 
     /// The flow below which a film counts as still in a stage or step of this duration.
     pub fn still_flow(&self, duration: f64) -> f64 {
-        STILL * self.balance.held(self.cells()) / duration
+        STILL * self.balance.held(&self.geometry.cells) / duration
     }
 }

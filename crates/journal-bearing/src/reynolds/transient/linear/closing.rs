@@ -1,7 +1,7 @@
 //! Derivatives of the residuals over the eccentricity ratio, as the journal closes or opens the gap.
 
 use super::super::base::Base;
-use super::super::sweeps::{add_difference, scale};
+use super::super::sweeps::{add_difference, change, fill};
 
 /// The fluxes' derivatives over the gap at the edges, and buffers for them.
 #[derive(Clone, Debug)]
@@ -45,28 +45,35 @@ impl Closing {
             stage,
             ..
         } = *base;
-        let p = &field.pressure;
+        let rate = 1.0 / stage.duration;
         for (after, own) in cells.neighbours() {
+            // Storage, and the flux out of the open ends, per unit of gap.
             let kept = &mut self.kept[own.clone()];
-            let rate = 1.0 / stage.duration;
-            store(
-                kept,
-                rate,
-                &cells.area[own.clone()],
-                &balance.fill[own.clone()],
-            );
-            let out = [&balance.open, p, &gap.cell].map(|of| &of[own.clone()]);
-            open_end(kept, out, stage.side);
-            scale(kept, &gap.cell_apart[own.clone()]);
+            let [area, oil] = [&cells.area, &balance.fill].map(|of| &of[own.clone()]);
+            fill(kept, [area, oil], |[area, oil]| rate * area * oil);
+            let out = [&balance.open, &field.pressure, &gap.cell].map(|of| &of[own.clone()]);
+            change(kept, out, |kept, [open, p, h]| {
+                kept + 3.0 * open * (p - stage.side) / h
+            });
+            change(kept, [&gap.cell_apart[own.clone()]], product);
             let over = &self.over[own.start..=own.end];
             add_difference(kept, [over, &over[1..]]);
-            let around = [&self.around[own.clone()], &self.around[after.clone()]];
+            let around = [own.clone(), after.clone()].map(|of| &self.around[of]);
             let directions = [&cells.normal_x, &cells.normal_y];
             for (derivative, normal) in derivatives.iter_mut().zip(directions) {
-                let edges = [&normal.edge[own.clone()], &normal.edge[after.clone()]];
+                // The eccentricity closes the cell and its edges by the components of their normals.
                 let derivative = &mut derivative[own.clone()];
-                close(derivative, [&normal.mean[own.clone()], kept], edges, around);
-                scale(derivative, &balanced[own.clone()]);
+                let mean = &normal.mean[own.clone()];
+                let edges = [own.clone(), after.clone()].map(|of| &normal.edge[of]);
+                let of = [edges[0], around[0], edges[1], around[1], mean, kept];
+                fill(
+                    derivative,
+                    of,
+                    |[before, enters, after, leaves, mean, kept]| {
+                        before * enters - after * leaves - mean * kept
+                    },
+                );
+                change(derivative, [&balanced[own.clone()]], product);
             }
         }
     }
@@ -76,81 +83,39 @@ impl Closing {
         let (gap, balance) = (base.gap, base.balance);
         let pressure = &base.field.pressure;
         for (own, before) in base.cells.neighbours() {
-            let through = [&balance.along[own.clone()], &balance.carried[own.clone()]];
-            let p = [&pressure[before.clone()], &pressure[own.clone()]];
-            let fill = [&balance.fill[before], &balance.fill[own.clone()]];
-            let h = [&gap.edge[own.clone()], &gap.edge_apart[own.clone()]];
-            open_edge(&mut self.around[own], through, p, fill, h);
+            let [along, carried] = [&balance.along, &balance.carried].map(|of| &of[own.clone()]);
+            let around = &mut self.around[own.clone()];
+            let oil = [before.clone(), own.clone()].map(|of| &balance.fill[of]);
+            fill(
+                around,
+                [carried, oil[0], oil[1]],
+                |[carried, before, own]| carried * if carried > 0.0 { before } else { own },
+            );
+            let p = [before, own.clone()].map(|of| &pressure[of]);
+            let [h, apart] = [&gap.edge, &gap.edge_apart].map(|of| &of[own.clone()]);
+            let of = [along, p[0], p[1], h, apart];
+            change(around, of, |flux, [along, before, own, h, apart]| {
+                (flux + 3.0 * along * (before - own)) * apart / h
+            });
         }
         let n = pressure.len();
         let (low, high) = (..n - 1, 1..n);
         let [p, h, apart] =
             [pressure, &gap.cell, &gap.cell_apart].map(|of| [&of[low], &of[high.clone()]]);
-        open_row(&mut self.over[1..n], &balance.across[1..n], p, h, apart);
+        let across = &balance.across[1..n];
+        let over = &mut self.over[1..n];
+        let gaps = [apart[0], apart[1], h[0], h[1]];
+        fill(over, gaps, |[apart_below, apart, below, above]| {
+            (apart_below + apart) / (below + above)
+        });
+        change(
+            over,
+            [across, p[0], p[1]],
+            |opening, [across, below, above]| 3.0 * across * (below - above) * opening,
+        );
     }
 }
 
-// The sweeps below follow the rule of `sweeps`: each writes to a single array.
-
-/// Storage per unit of gap.
-fn store(kept: &mut [f64], rate: f64, area: &[f64], fill: &[f64]) {
-    let n = kept.len();
-    let (area, fill) = (&area[..n], &fill[..n]);
-    for k in 0..n {
-        kept[k] = rate * area[k] * fill[k];
-    }
-}
-
-/// Adds the flux out of the open ends per unit of gap.
-fn open_end(kept: &mut [f64], out: [&[f64]; 3], side: f64) {
-    let n = kept.len();
-    let [open, p, h] = out.map(|o| &o[..n]);
-    for k in 0..n {
-        kept[k] += 3.0 * open[k] * (p[k] - side) / h[k];
-    }
-}
-
-/// A component of the eccentricity closes the cell and its edges by the component of their normals.
-fn close(derivative: &mut [f64], own: [&[f64]; 2], normal: [&[f64]; 2], around: [&[f64]; 2]) {
-    let n = derivative.len();
-    let (own, normal) = (own.map(|o| &o[..n]), normal.map(|n_| &n_[..n]));
-    let around = around.map(|a| &a[..n]);
-    for k in 0..n {
-        derivative[k] =
-            normal[0][k] * around[0][k] - normal[1][k] * around[1][k] - own[0][k] * own[1][k];
-    }
-}
-
-/// The derivative of the flux between columns.
-fn open_edge(
-    around: &mut [f64],
-    through: [&[f64]; 2],
-    p: [&[f64]; 2],
-    fill: [&[f64]; 2],
-    h: [&[f64]; 2],
-) {
-    let n = around.len();
-    let (p, fill) = (p.map(|p| &p[..n]), fill.map(|f| &f[..n]));
-    let ([along, carried], [h, apart]) = (through.map(|t| &t[..n]), h.map(|h| &h[..n]));
-    for k in 0..n {
-        let (before, own) = (fill[0][k], fill[1][k]);
-        let fill = if carried[k] > 0.0 { before } else { own };
-        let flux = carried[k] * fill + 3.0 * along[k] * (p[0][k] - p[1][k]);
-        around[k] = flux * apart[k] / h[k];
-    }
-}
-
-/// The derivative of the flux between rows.
-fn open_row(over: &mut [f64], across: &[f64], p: [&[f64]; 2], h: [&[f64]; 2], apart: [&[f64]; 2]) {
-    let n = over.len();
-    let (p, h, apart) = (
-        p.map(|p| &p[..n]),
-        h.map(|h| &h[..n]),
-        apart.map(|a| &a[..n]),
-    );
-    let across = &across[..n];
-    for k in 0..n {
-        let opening = (apart[0][k] + apart[1][k]) / (h[0][k] + h[1][k]);
-        over[k] = 3.0 * across[k] * (p[0][k] - p[1][k]) * opening;
-    }
+fn product(value: f64, [by]: [f64; 1]) -> f64 {
+    value * by
 }

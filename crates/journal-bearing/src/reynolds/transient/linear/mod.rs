@@ -16,7 +16,7 @@ use super::balance::Balance;
 use super::base::Base;
 use super::cells::Cells;
 use super::gap::Gap;
-use super::lanes::dot3;
+use super::lanes::sum_of;
 use super::state::Field;
 use closing::Closing;
 use ring::Ring;
@@ -35,7 +35,7 @@ pub struct Linear {
     /// The unknowns' answers to the eccentricity ratio along x and y.
     answer: [Vec<f64>; 2],
     /// Derivative of the load over the eccentricity ratio.
-    slope: Matrix2<f64>,
+    pub slope: Matrix2<f64>,
     /// Duration of the stages for which it was made; `None` when it must not be used.
     duration: Option<f64>,
 }
@@ -94,16 +94,6 @@ impl Linear {
         self.ring.solve([&mut self.correction]);
     }
 
-    /// Derivative of the load over the eccentricity ratio.
-    pub fn slope(&self) -> Matrix2<f64> {
-        self.slope
-    }
-
-    /// Subtracts an effect on the load that the cells' pressures do not show.
-    pub fn soften(&mut self, slope: Matrix2<f64>) {
-        self.slope -= slope;
-    }
-
     /// The load that the correction takes from the film.
     pub fn load_of_correction(&self, cells: &Cells, gap: &Gap) -> Vector2<f64> {
         self.load_of(cells, gap, &self.correction)
@@ -115,7 +105,8 @@ impl Linear {
         let mut sum = Vector2::zeros();
         for (i, range) in cells.columns() {
             let pressed = &gap.pressed[range.clone()];
-            let share = dot3(pressed, &full[range.clone()], &answer[range]);
+            let of = [pressed, &full[range.clone()], &answer[range]];
+            let share = sum_of(of, |[pressed, full, answer]| pressed * full * answer);
             sum += cells.directions.mean[i] * share;
         }
         sum
