@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::bins::axis_range;
-use super::svg::Frame;
+use super::svg::{Frame, envelope};
 use curves::{Curve, Metric};
 
 /// A measured curve on the model's time, in the criterion's unit.
@@ -55,11 +55,13 @@ impl Measured {
 
     /// The area between two lines.
     fn between(&self, class: &str, [low, high]: [&[f64]; 2], frame: &Frame) -> String {
-        let back = self.time.iter().rev().zip(high.iter().rev());
-        let back = back.map(|(t, v)| format!("L{:.2},{:.1}", frame.x.at(*t), frame.y.clamped(*v)));
-        let back: String = back.collect();
-        let there = line(&self.time, low, frame);
-        format!("<path class=\"{class}\" d=\"{there}{back}z\"/>")
+        let back = |of: &[f64]| of.iter().rev().copied().collect::<Vec<_>>();
+        let time = [&self.time[..], &back(&self.time)].concat();
+        let edge = [low, &back(high)].concat();
+        format!(
+            "<path class=\"{class}\" d=\"{}z\"/>",
+            envelope(&time, &edge, frame)
+        )
     }
 
     /// The band, the curve, and its first and last time, between which the model is judged.
@@ -84,7 +86,7 @@ impl Measured {
         let _ = write!(
             out,
             "<path class=\"line measured\" d=\"{}\"/>",
-            line(&self.time, &self.values, frame)
+            envelope(&self.time, &self.values, frame)
         );
         out
     }
@@ -126,20 +128,10 @@ impl Measured {
         let _ = write!(
             out,
             "<path class=\"line\" d=\"{}\"/>",
-            line(&self.time, &deviations, &frame)
+            envelope(&self.time, &deviations, &frame)
         );
         Some(frame.wrap(&format!("{name}: model less measurement over time"), &out))
     }
-}
-
-fn line(time: &[f64], values: &[f64], frame: &Frame) -> String {
-    let mut d = String::new();
-    let mut pen = 'M';
-    for (t, v) in time.iter().zip(values) {
-        let _ = write!(d, "{pen}{:.2},{:.1}", frame.x.at(*t), frame.y.clamped(*v));
-        pen = 'L';
-    }
-    d
 }
 
 #[cfg(test)]
@@ -166,18 +158,31 @@ mod tests {
                 .unwrap()
                 .to_owned()
         };
-        let heights = |svg: String| {
-            let places = path(svg);
-            places
-                .split(',')
-                .skip(1)
-                .map(|part| part.split('L').next().unwrap().to_owned())
-                .collect::<Vec<_>>()
+        // Behind the first place, the steps down from one to the next.
+        let steps = |svg: String| {
+            let down = |step: &str| step.split_once(',').unwrap().1.parse::<f64>().unwrap();
+            path(svg).split('l').skip(1).map(down).collect::<Vec<_>>()
         };
-        let equal = heights(of(&[0.0, 2.0]));
-        assert!(equal.iter().all(|height| *height == equal[0]), "{equal:?}");
-        let steeper = heights(of(&[0.0, 4.0]));
-        assert!(steeper[0] != steeper[2], "{steeper:?}");
+        let equal = steps(of(&[0.0, 2.0]));
+        assert_eq!(equal, [0.0, 0.0]);
+        let steeper = steps(of(&[0.0, 4.0]));
+        assert!(steeper[0] < 0.0, "{steeper:?}");
         assert!(measured.residuals("y", "m", &[0.0], &[1.0]).is_none());
+    }
+
+    #[test]
+    fn a_long_recording_takes_no_more_room_than_the_picture_shows() {
+        let count = 1_000_000;
+        let time: Vec<f64> = (0..count).map(f64::from).collect();
+        let values: Vec<f64> = (0..count).map(|k| f64::from(k % 7)).collect();
+        let measured = Measured {
+            uncertainty: vec![0.5; values.len()],
+            verified: [values.clone(), values.clone()],
+            time,
+            values,
+            ..Measured::default()
+        };
+        let frame = Frame::new(560.0, 150.0, [0.0, 1e6], [0.0, 7.0]);
+        assert!(measured.draw(&frame).len() < 100_000);
     }
 }

@@ -2,9 +2,8 @@
 //! the tests of stationarity say, and the criteria.
 
 use super::bins::axis_range;
-use super::figures::envelope;
 use super::format::number;
-use super::svg::Frame;
+use super::svg::{Frame, envelope};
 use super::{ReportError, write_file};
 use crate::results::ResultsError;
 use minijinja::{Environment, value::Serde};

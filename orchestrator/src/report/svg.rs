@@ -201,6 +201,55 @@ fn with_style(svg: &str, style: &str) -> String {
     }
 }
 
+/// A polyline through the first, least, greatest and last value of every pixel column, in tenths of a pixel.
+#[allow(clippy::cast_possible_truncation)]
+pub(super) fn envelope(time: &[f64], values: &[f64], frame: &Frame) -> String {
+    let mut d = String::new();
+    let mut pen: Option<[i64; 2]> = None;
+    let points: Vec<(f64, f64)> = time
+        .iter()
+        .zip(values)
+        .filter(|(_, v)| v.is_finite())
+        .map(|(t, v)| (frame.x.at(*t), frame.y.clamped(*v)))
+        .collect();
+    for column in points.chunk_by(|a, b| a.0.floor() == b.0.floor()) {
+        let least = column.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1));
+        let most = column.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1));
+        let mut kept: Vec<(f64, f64)> =
+            [column.first().copied(), least, most, column.last().copied()]
+                .into_iter()
+                .flatten()
+                .collect();
+        kept.sort_by(|a, b| a.0.total_cmp(&b.0));
+        kept.dedup();
+        for (px, py) in kept {
+            let place = [px, py].map(|p| (10.0 * p).round() as i64);
+            let [dx, dy] = match pen {
+                Some([x, y]) => [place[0] - x, place[1] - y].map(tenths),
+                None => place.map(tenths),
+            };
+            let mark = match pen {
+                None => 'M',
+                Some(before) if before == place => continue,
+                Some(_) => 'l',
+            };
+            let _ = write!(d, "{mark}{dx},{dy}");
+            pen = Some(place);
+        }
+    }
+    d
+}
+
+/// A number of tenths, as short as can be.
+fn tenths(number: i64) -> String {
+    let sign = if number < 0 { "-" } else { "" };
+    match [number.abs() / 10, number.abs() % 10] {
+        [whole, 0] => format!("{sign}{whole}"),
+        [0, part] => format!("{sign}.{part}"),
+        [whole, part] => format!("{sign}{whole}.{part}"),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -187,8 +187,10 @@ fn one(
             },
         );
         let until = time.last().copied().unwrap_or(f64::NEG_INFINITY);
-        // Further than the study is enough, whatever becomes of the run then.
-        if ended.is_ok() || until >= finer.stop * (1.0 - 1e-9) {
+        // Further than the study is enough where the FMU goes no further. A run that the clock cuts counts as none: it would
+        // tell another drift each time.
+        let is_late = matches!(ended, Err(Halt::Late));
+        if ended.is_ok() || (!is_late && until >= finer.stop * (1.0 - 1e-9)) {
             let columns = signals.criteria.iter().zip(&columns);
             let moves =
                 columns.filter_map(|(&k, values)| Some((k, moves_of(plan, k, &time, values)?)));
