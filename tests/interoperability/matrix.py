@@ -21,6 +21,7 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 CACHE = ROOT / ".cache" / "importers"
 FMU = ROOT / "dist" / "PlainBearingStand.fmu"
+ORCHESTRATOR = ROOT / os.environ.get("CARGO_TARGET_DIR", "target") / os.environ.get("PROFILE", "debug") / "orchestrator"
 PAGE = ROOT / "docs" / "interoperability.md"
 TOLERANCE = 1e-12
 BEGIN, END = "<!-- interoperability:begin -->", "<!-- interoperability:end -->"
@@ -242,13 +243,12 @@ def reader_rows():
 
 
 def own_rows(references):
-    program = ROOT / os.environ.get("CARGO_TARGET_DIR", "target") / os.environ.get("PROFILE", "debug") / "orchestrator"
-    if not program.exists():
+    if not ORCHESTRATOR.exists():
         return []
     row = Row("orchestrator simulate (ours)")
     try:
-        row.version = run([program, "--version"]).split()[-1]
-        judged(row, orchestrator_samples(program), references, "")
+        row.version = run([ORCHESTRATOR, "--version"]).split()[-1]
+        judged(row, orchestrator_samples(ORCHESTRATOR), references, "")
     except Trouble as trouble:
         row.result, row.good = str(trouble), False
     return [row]
