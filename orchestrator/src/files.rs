@@ -4,7 +4,7 @@ use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-use fmu_import::{ArchiveError, FmuError, hexadecimal, sha256};
+use fmu_import::{ArchiveError, FmuError, FmuFault, hexadecimal, sha256};
 use fmu_points::names::{did_you_mean, nearest};
 
 /// The largest text that is read at once: a study, settings, a parameter set. In MiB.
@@ -77,9 +77,9 @@ pub fn reason(path: &Path, error: &io::Error) -> String {
 /// Why an FMU cannot be used, with a remedy.
 pub fn unusable(error: &FmuError) -> String {
     match error {
-        FmuError::Archive {
+        FmuError {
             path,
-            source: ArchiveError::Missing,
+            fault: FmuFault::Archive(ArchiveError::Missing),
         } => format!("{}: {}", path.display(), missing(path)),
         other => other.to_string(),
     }

@@ -191,30 +191,18 @@ impl Archive {
 
     /// The bytes of `modelDescription.xml`.
     pub(crate) fn description(&mut self) -> Result<Vec<u8>, ArchiveError> {
-        let mut bytes = Vec::new();
-        match self {
-            Self::Folder(path) => {
-                let path = path.join(DESCRIPTION);
-                if !path.exists() {
-                    return Err(self.no_description());
-                }
-                let file = open(&path)?;
-                file.take(MAX_DESCRIPTION + 1).read_to_end(&mut bytes)?;
-            }
-            Self::Zip { zip, twice, .. } => {
-                if zip.index_for_name(DESCRIPTION).is_none() {
-                    return Err(self.no_description());
-                }
-                if twice.iter().any(|name| name == DESCRIPTION) {
-                    return Err(ArchiveError::Twice(DESCRIPTION.to_owned()));
-                }
-                bytes = content(zip, DESCRIPTION, MAX_DESCRIPTION + 1)?;
-            }
+        let is_there = match self {
+            Self::Folder(path) => path.join(DESCRIPTION).exists(),
+            Self::Zip { zip, .. } => zip.index_for_name(DESCRIPTION).is_some(),
+        };
+        if !is_there {
+            return Err(self.no_description());
         }
-        if bytes.len() as u64 > MAX_DESCRIPTION {
-            return Err(ArchiveError::LargeDescription);
+        if self.twice().iter().any(|name| name == DESCRIPTION) {
+            return Err(ArchiveError::Twice(DESCRIPTION.to_owned()));
         }
-        Ok(bytes)
+        let bytes = self.content(DESCRIPTION, MAX_DESCRIPTION)?;
+        bytes.ok_or(ArchiveError::LargeDescription)
     }
 
     fn no_description(&self) -> ArchiveError {
@@ -263,25 +251,29 @@ impl Archive {
 
     /// The content of one file.
     pub(crate) fn bytes_of(&mut self, entry: &str) -> Result<Vec<u8>, ArchiveError> {
-        let bytes = match self {
+        let bytes = self.content(entry, MAX_FILE)?;
+        bytes.ok_or_else(|| ArchiveError::LargeFile(entry.to_owned()))
+    }
+
+    /// The content of one file; none where it is larger than so many bytes, whatever the archive declares.
+    fn content(&mut self, entry: &str, most: u64) -> Result<Option<Vec<u8>>, ArchiveError> {
+        let mut bytes = Vec::new();
+        match self {
             Self::Folder(path) => {
-                let mut bytes = Vec::new();
                 let file = open(&path.join(entry))?;
-                file.take(MAX_FILE + 1).read_to_end(&mut bytes)?;
-                bytes
+                file.take(most + 1).read_to_end(&mut bytes)?;
             }
             Self::Zip { zip, .. } => {
-                let declared = zip.by_name(entry).map_or(0, |file| file.size());
-                if declared > MAX_FILE {
-                    return Err(ArchiveError::LargeFile(entry.to_owned()));
+                let wrong = |error| ArchiveError::of_entry(entry, error);
+                let file = zip.by_name(entry).map_err(wrong)?;
+                if file.size() > most {
+                    return Ok(None);
                 }
-                content(zip, entry, MAX_FILE + 1)?
+                let read = file.take(most + 1).read_to_end(&mut bytes);
+                read.map_err(|error| wrong(error.into()))?;
             }
-        };
-        if bytes.len() as u64 > MAX_FILE {
-            return Err(ArchiveError::LargeFile(entry.to_owned()));
         }
-        Ok(bytes)
+        Ok(Some(bytes).filter(|bytes| bytes.len() as u64 <= most))
     }
 
     /// The file that identifies the content: the archive, or the description in a folder.
@@ -357,15 +349,6 @@ fn names_twice(mut entries: ZipIterable<BufReader<&File>>) -> ZipResult<Vec<Stri
         }
     }
     Ok(twice)
-}
-
-/// The content of an entry, up to a limit in bytes.
-fn content(zip: &mut ZipArchive<File>, entry: &str, most: u64) -> Result<Vec<u8>, ArchiveError> {
-    let mut bytes = Vec::new();
-    zip.by_name(entry)
-        .and_then(|file| Ok(file.take(most).read_to_end(&mut bytes)?))
-        .map_err(|error| ArchiveError::of_entry(entry, error))?;
-    Ok(bytes)
 }
 
 /// The path of the binary below an unpacked FMU.

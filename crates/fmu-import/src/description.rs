@@ -3,7 +3,7 @@
 use std::fmt;
 
 use indexmap::IndexMap;
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Serialize, Serializer};
 
 use crate::units::{Conversion, UnitError, Units};
 use crate::value::{Content, Handle, Value};
@@ -140,17 +140,12 @@ pub struct Capabilities {
     /// Steps may return before they are done.
     pub can_run_asynchronuously: bool,
     /// A step may end before its communication point (FMI 3.0).
-    #[serde(skip_serializing_if = "is_not")]
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub might_return_early_from_do_step: bool,
     /// The importer may handle events itself (FMI 3.0). It need not, and does not here: the FMU then handles them
     /// within its steps.
-    #[serde(skip_serializing_if = "is_not")]
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub has_event_mode: bool,
-}
-
-#[allow(clippy::trivially_copy_pass_by_ref)] // as serde calls it
-fn is_not(flag: &bool) -> bool {
-    !flag
 }
 
 /// The suggested experiment.
@@ -167,7 +162,7 @@ pub struct DefaultExperiment {
 }
 
 /// The part that a variable plays.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub enum Causality {
     /// Set before the start.
@@ -188,7 +183,7 @@ pub enum Causality {
 }
 
 /// When a variable may change.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub enum Variability {
     /// Never.
@@ -245,7 +240,7 @@ pub struct Place {
 }
 
 /// The types of FMI 3.0 that can be used.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[allow(missing_docs)] // as the standard names them
 pub enum Storage {
     Float32,
@@ -261,6 +256,28 @@ pub enum Storage {
     Boolean,
     String,
     Enumeration,
+}
+
+impl Storage {
+    /// The smallest and the largest number of a type, where these bind: no value beyond them can be passed.
+    pub(crate) fn range(self) -> (Option<i64>, Option<i64>) {
+        match self {
+            Self::Int8 => (Some(i8::MIN.into()), Some(i8::MAX.into())),
+            Self::UInt8 => (Some(0), Some(u8::MAX.into())),
+            Self::Int16 => (Some(i16::MIN.into()), Some(i16::MAX.into())),
+            Self::UInt16 => (Some(0), Some(u16::MAX.into())),
+            Self::Int32 => (Some(i32::MIN.into()), Some(i32::MAX.into())),
+            Self::UInt32 => (Some(0), Some(u32::MAX.into())),
+            Self::UInt64 => (Some(0), None),
+            _ => (None, None),
+        }
+    }
+
+    /// Whether a text is a value of an `UInt64` that is legal, but too large to be kept here.
+    pub(crate) fn cannot_keep(self, text: &str) -> bool {
+        let value = text.trim().parse::<u64>().ok();
+        self == Self::UInt64 && value.is_some_and(|value| i64::try_from(value).is_err())
+    }
 }
 
 /// A variable's type and its attributes.

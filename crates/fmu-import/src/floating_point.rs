@@ -17,7 +17,17 @@ pub(crate) struct Mode {
 
 impl Mode {
     /// The mode in which every process starts: to nearest, with subnormal numbers, without exceptions.
-    pub(crate) const USUAL: Self = usual();
+    pub(crate) const USUAL: Self = if cfg!(target_arch = "x86_64") {
+        Self {
+            vector: 0x1f80,
+            extended: 0x037f,
+        }
+    } else {
+        Self {
+            vector: 0,
+            extended: 0,
+        }
+    };
 }
 
 /// Makes a call of the FMU in its own mode `own`, and keeps there how it leaves that.
@@ -51,14 +61,6 @@ fn apart<T>(own: &mut Mode, call: impl FnOnce() -> T) -> T {
 fn keep(own: &mut Mode, now: Mode) {
     *own = now;
     write(Mode::USUAL);
-}
-
-#[cfg(target_arch = "x86_64")]
-const fn usual() -> Mode {
-    Mode {
-        vector: 0x1f80,
-        extended: 0x037f,
-    }
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -101,14 +103,6 @@ fn write(mode: Mode) {
 }
 
 #[cfg(target_arch = "aarch64")]
-const fn usual() -> Mode {
-    Mode {
-        vector: 0,
-        extended: 0,
-    }
-}
-
-#[cfg(target_arch = "aarch64")]
 #[inline(always)]
 fn read() -> Mode {
     let vector: u64;
@@ -127,14 +121,6 @@ fn write(mode: Mode) {
     // SAFETY: the value was read from the register, or is that of a new process.
     unsafe {
         std::arch::asm!("msr fpcr, {}", in(reg) mode.vector, options(nomem, nostack, preserves_flags));
-    }
-}
-
-#[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
-const fn usual() -> Mode {
-    Mode {
-        vector: 0,
-        extended: 0,
     }
 }
 

@@ -6,8 +6,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use crate::call::{Call, Warnings};
 use crate::caller::Caller;
 use crate::library::Library;
-use crate::simulation::{Experiment, Simulation};
-use crate::value::{Content, Handle, Value};
+use crate::simulation::{Batch, Experiment, Simulation};
+use crate::value::{Handle, Value};
 
 /// One instance. It may move between threads, but only one at a time may use it.
 #[derive(Debug)]
@@ -95,43 +95,6 @@ impl Instance {
         self.simulation.reals(&mut self.caller, references, into)
     }
 
-    /// Reads an integer or an item of an enumeration.
-    ///
-    /// # Errors
-    /// When the FMU refuses.
-    pub fn integer(&mut self, reference: u32) -> Result<i64, Call> {
-        match self.of(reference, Content::Integer)? {
-            Value::Integer(value) => Ok(value),
-            other => Err(unlike(&other)),
-        }
-    }
-
-    /// Reads a Boolean.
-    ///
-    /// # Errors
-    /// When the FMU refuses.
-    pub fn boolean(&mut self, reference: u32) -> Result<bool, Call> {
-        match self.of(reference, Content::Boolean)? {
-            Value::Boolean(value) => Ok(value),
-            other => Err(unlike(&other)),
-        }
-    }
-
-    /// Reads a text.
-    ///
-    /// # Errors
-    /// When the FMU refuses.
-    pub fn string(&mut self, reference: u32) -> Result<String, Call> {
-        match self.of(reference, Content::Text)? {
-            Value::String(value) => Ok(value),
-            other => Err(unlike(&other)),
-        }
-    }
-
-    fn of(&mut self, reference: u32, content: Content) -> Result<Value, Call> {
-        self.value(Handle { reference, content })
-    }
-
     /// Reads a variable of any kind.
     ///
     /// # Errors
@@ -157,6 +120,46 @@ impl Instance {
         self.simulation.set(&mut self.caller, reference, value)
     }
 
+    /// Lets `step` seconds pass from `time`.
+    ///
+    /// # Errors
+    /// When the step is refused or fails, and when the FMU ends the simulation by itself: then [`Call::ended`] says
+    /// when, and the instance holds its last values.
+    #[inline(never)]
+    pub fn step(&mut self, time: f64, step: f64) -> Result<(), Call> {
+        self.simulation.step(&mut self.caller, time, step)
+    }
+
+    /// Lets several steps pass, one after another, and reads real variables after each: `times` says when the steps
+    /// begin and `sizes` how long they are, in s, `references` names the variables, and `rows` gets as many values a
+    /// step. What a call costs beside the FMU's own work is paid once for all of them.
+    ///
+    /// Returns how many steps were taken and read, and why not all of them: see [`step`](Self::step) and
+    /// [`reals`](Self::reals).
+    ///
+    /// # Panics
+    /// When there are not as many times as sizes, or `rows` has no room for the values of all steps.
+    #[inline(never)]
+    pub fn steps(
+        &mut self,
+        times: &[f64],
+        sizes: &[f64],
+        references: &[u32],
+        rows: &mut [f64],
+    ) -> (usize, Result<(), Call>) {
+        assert!(
+            times.len() == sizes.len() && rows.len() >= times.len() * references.len(),
+            "each step needs a size, and a row of its own"
+        );
+        let batch = Batch {
+            times,
+            sizes,
+            references,
+            rows,
+        };
+        self.simulation.steps(&mut self.caller, batch)
+    }
+
     /// Takes the instance back to where it was after its creation.
     ///
     /// # Errors
@@ -177,20 +180,14 @@ impl Instance {
         if self.caller.dead {
             return Ok(());
         }
-        self.simulation.terminate(&mut self.caller)
+        self.simulation.base().terminate(&mut self.caller)
     }
-}
-
-/// A value of another type than the one that was asked for.
-fn unlike(value: &Value) -> Call {
-    let text = format!("the variable's values are of another type: {value:?}");
-    Call::impossible("fmi3Get", text)
 }
 
 impl Drop for Instance {
     fn drop(&mut self) {
         if !self.caller.dead {
-            self.simulation.free(&mut self.caller);
+            self.simulation.base().free(&mut self.caller);
         }
     }
 }

@@ -3,6 +3,7 @@
 pub mod archive;
 pub mod call;
 mod caller;
+mod component;
 mod decode;
 pub mod description;
 mod exchange;
@@ -19,7 +20,6 @@ mod parse;
 mod parse_three;
 mod simulation;
 pub mod state;
-pub mod steps;
 mod symbols;
 pub mod units;
 pub mod value;
@@ -34,7 +34,7 @@ pub use description::{
 pub use instance::Instance;
 pub use library::{Library, LibraryError};
 pub use logger::complaints;
-pub use package::{FmuError, Package, digest, hexadecimal, sha256};
+pub use package::{FmuError, FmuFault, Package, digest, hexadecimal, sha256};
 pub use parse::DescriptionError;
 pub use state::{State, StateError};
 pub use value::{Content, Handle, Value};

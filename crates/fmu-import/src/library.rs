@@ -5,7 +5,7 @@
 
 use std::collections::HashMap;
 use std::ffi::CStr;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use libloading::Library as Loaded;
@@ -14,47 +14,42 @@ use tempfile::TempDir;
 use crate::archive;
 use crate::call::Call;
 use crate::caller::Caller;
+use crate::component::Common;
 use crate::description::{
     Causality, Description, ExchangeSizes, Interface, Kind, Variability, Variable,
 };
-use crate::exchange::Exchange;
+use crate::exchange::{self, Exchange};
 use crate::floating_point::{Mode, within};
 use crate::fmi2;
 use crate::fmi3::{self, Element};
 use crate::needed;
 use crate::simulation::{Birth, Simulation};
 pub use crate::symbols::LibraryError;
-use crate::symbols::Text;
+use crate::symbols::{Function, Symbols, Text};
 use crate::value::Handle;
 use crate::version::Version;
 
 /// The functions of a binary, by its version of FMI.
 #[derive(Debug)]
 enum Functions {
-    Two(fmi2::Functions),
-    TwoExchange(fmi2::Functions, fmi2::ExchangeFunctions, ExchangeSizes),
-    Three(
-        Box<fmi3::Functions>,
-        Option<fmi3::ExchangeFunctions>,
-        Arc<[Element]>,
-    ),
+    Two(Box<fmi2::Functions>),
+    Three(Box<fmi3::Functions>, Arc<[Element]>),
 }
 
 /// A loaded binary.
 #[derive(Debug)]
 pub struct Library {
     functions: Functions,
-    guid: String,
-    resources: String,
-    categories: Vec<String>,
+    common: Common,
+    /// Those of Model Exchange, and what the description says of it.
+    exchange: Option<(exchange::Functions, ExchangeSizes)>,
+    birth: Birth,
     /// The mode in which the binary's initialisers left the processor.
     pub(crate) mode: Mode,
-    interface: Interface,
     /// The inputs, and whether each may change between events.
     inputs: Arc<HashMap<Handle, bool>>,
     name: String,
     once: bool,
-    binary: PathBuf,
     /// The folder with its resources, which it may read at any time; none where that is not removed.
     _unpacked: Option<Arc<TempDir>>,
 }
@@ -70,18 +65,15 @@ impl Library {
         let resources = folder.join("resources");
         let resources = match version {
             Version::Two => uri(&resources)?,
-            Version::Three => path_of_resources(&resources)?,
+            // An absolute path that ends with a separator.
+            Version::Three => absolute(&resources)? + std::path::MAIN_SEPARATOR_STR,
         };
         let mut mode = Mode::USUAL;
         let binary = archive::binary(folder, &description.model_identifier, version);
+        let library = within(&mut mode, || loaded(&binary))?;
+        let symbols = Symbols { library, version };
         let states = description.capabilities.can_get_and_set_fmu_state;
-        let functions = within(&mut mode, || functions(&binary, description))?;
-        // Some FMUs export what they cannot do.
-        let functions = if states {
-            functions
-        } else {
-            functions.without_states()
-        };
+        let interface = description.interface;
         let categories = description
             .log_categories
             .iter()
@@ -94,18 +86,35 @@ impl Library {
             .cloned()
             .collect();
         Ok(Self {
-            functions,
+            functions: match version {
+                Version::Two => {
+                    Functions::Two(Box::new(fmi2::Functions::find(&symbols, interface)?))
+                }
+                Version::Three => Functions::Three(
+                    Box::new(fmi3::Functions::find(&symbols, interface)?),
+                    Element::all(description),
+                ),
+            },
+            common: Common::find(&symbols, states)?,
+            exchange: match interface {
+                Interface::CoSimulation => None,
+                Interface::ModelExchange => {
+                    Some((exchange::Functions::find(&symbols)?, description.exchange))
+                }
+            },
             once: description
                 .capabilities
                 .can_be_instantiated_only_once_per_process,
-            guid: description.guid.clone(),
-            resources,
-            categories,
+            birth: Birth {
+                guid: description.guid.clone(),
+                resources,
+                categories,
+                interface,
+                binary,
+            },
             mode,
-            interface: description.interface,
             inputs: Arc::new(inputs(description)),
             name: description.model_name.clone(),
-            binary,
             _unpacked: unpacked,
         })
     }
@@ -121,49 +130,27 @@ impl Library {
         caller: &mut Caller,
         name: &str,
     ) -> Result<Box<dyn Simulation>, Call> {
-        let refusal = || self.refusal();
-        let birth = Birth {
-            guid: &self.guid,
-            resources: &self.resources,
-            categories: &self.categories,
-            interface: self.interface,
-            refusal: &refusal,
-        };
-        Ok(match &self.functions {
+        let (birth, common) = (&self.birth, self.common);
+        let model: Box<dyn Simulation> = match &self.functions {
             Functions::Two(functions) => {
-                Box::new(fmi2::Model::new(*functions, &birth, caller, name)?)
+                Box::new(fmi2::Model::new(**functions, common, birth, caller, name)?)
             }
-            Functions::TwoExchange(functions, exchange, sizes) => {
-                let model = fmi2::Model::new(*functions, &birth, caller, name)?;
-                let equations = fmi2::ExchangeModel::new(model, *exchange, *sizes);
-                Box::new(Exchange::new(equations, Arc::clone(&self.inputs)))
-            }
-            Functions::Three(functions, exchange, elements) => {
-                let elements = Arc::clone(elements);
-                let model = fmi3::Model::new(**functions, elements, &birth, caller, name)?;
-                let Some(exchange) = exchange else {
-                    return Ok(Box::new(model));
-                };
-                let equations = fmi3::ExchangeModel::new(model, *exchange);
-                Box::new(Exchange::new(equations, Arc::clone(&self.inputs)))
+            Functions::Three(functions, elements) => Box::new(fmi3::Model::new(
+                **functions,
+                common,
+                Arc::clone(elements),
+                birth,
+                caller,
+                name,
+            )?),
+        };
+        Ok(match self.exchange {
+            None => model,
+            Some((functions, declared)) => {
+                let inputs = Arc::clone(&self.inputs);
+                Box::new(Exchange::new(model, functions, declared, inputs))
             }
         })
-    }
-
-    /// The likely cause where the FMU refuses an instance and does not say why.
-    pub(crate) fn refusal(&self) -> String {
-        let guid = &self.guid;
-        // Exporters write the GUID into the binary, with braces or without.
-        let bare = guid.trim_matches(['{', '}']);
-        let cause = match std::fs::read(&self.binary) {
-            Ok(binary) if !holds(&binary, bare.as_bytes()) => {
-                "does not occur in the binary, so the two are probably not of one export"
-            }
-            _ => "may not be that of the binary, or resources may be missing",
-        };
-        format!(
-            "the FMU refuses an instance without a message; the GUID of the description, {guid}, {cause}"
-        )
     }
 
     /// The model's name.
@@ -173,20 +160,13 @@ impl Library {
 
     /// The version of FMI that the binary was compiled with; usually that of the description.
     pub fn version(&self) -> Option<String> {
-        self.text(match &self.functions {
-            Functions::Two(functions) | Functions::TwoExchange(functions, ..) => {
-                functions.get_version?
-            }
-            Functions::Three(functions, ..) => functions.get_version?,
-        })
+        self.text(self.common.get_version)
     }
 
     /// The same of a binary of FMI 2.0 where it is another one.
     pub fn odd_version(&self) -> Option<String> {
         match &self.functions {
-            Functions::Two(_) | Functions::TwoExchange(..) => self
-                .version()
-                .filter(|version| version != Version::Two.number()),
+            Functions::Two(_) => self.version().filter(|text| text != Version::Two.number()),
             // FMI 3.0.1 and 3.0.2 call themselves so, and changed no function.
             Functions::Three(..) => None,
         }
@@ -195,15 +175,14 @@ impl Library {
     /// The types that a binary of FMI 2.0 was compiled with; usually `default`.
     pub fn types_platform(&self) -> Option<String> {
         match &self.functions {
-            Functions::Two(functions) | Functions::TwoExchange(functions, ..) => {
-                self.text(functions.get_types_platform?)
-            }
+            Functions::Two(functions) => self.text(functions.get_types_platform),
             Functions::Three(..) => None,
         }
     }
 
-    /// The text that a function without arguments returns.
-    fn text(&self, function: Text) -> Option<String> {
+    /// The text that a function without arguments returns; none where the binary has no such function.
+    fn text(&self, function: Function<Text>) -> Option<String> {
+        let function = function.get().ok()?;
         let mut mode = self.mode;
         // SAFETY: these functions may be called at any time.
         let text = within(&mut mode, || unsafe { function() });
@@ -216,28 +195,9 @@ impl Library {
     }
 }
 
-/// Whether a text stands in a file.
-fn holds(file: &[u8], text: &[u8]) -> bool {
-    let Some(first) = text.first() else {
-        return true;
-    };
-    let mut rest = file;
-    while let Some(place) = rest.iter().position(|byte| byte == first) {
-        if rest[place..].starts_with(text) {
-            return true;
-        }
-        rest = &rest[place + 1..];
-    }
-    false
-}
-
-/// A folder as `file:///...`, percent-encoded.
+/// The resources as FMI 2.0 passes them: `file:///...`, percent-encoded.
 fn uri(folder: &Path) -> Result<String, LibraryError> {
-    let absolute = std::path::absolute(folder).map_err(|_| LibraryError::Folder(folder.into()))?;
-    let text = absolute
-        .to_str()
-        .ok_or_else(|| LibraryError::Folder(absolute.clone()))?;
-    let text = text.replace('\\', "/");
+    let text = absolute(folder)?.replace('\\', "/");
     let mut uri = String::from(if text.starts_with('/') {
         "file://"
     } else {
@@ -254,26 +214,14 @@ fn uri(folder: &Path) -> Result<String, LibraryError> {
     Ok(uri)
 }
 
-/// The resources as FMI 3.0 passes them: an absolute path that ends with a separator.
-fn path_of_resources(folder: &Path) -> Result<String, LibraryError> {
-    let absolute = std::path::absolute(folder).map_err(|_| LibraryError::Folder(folder.into()))?;
-    let text = absolute
-        .to_str()
-        .ok_or_else(|| LibraryError::Folder(absolute.clone()))?;
-    Ok(format!("{text}{}", std::path::MAIN_SEPARATOR))
+fn absolute(folder: &Path) -> Result<String, LibraryError> {
+    let absolute = std::path::absolute(folder).ok();
+    let text = absolute.and_then(|path| path.to_str().map(str::to_owned));
+    text.ok_or_else(|| LibraryError::Folder(folder.to_owned()))
 }
 
-impl Functions {
-    fn without_states(mut self) -> Self {
-        match &mut self {
-            Self::Two(functions) | Self::TwoExchange(functions, ..) => functions.states = None,
-            Self::Three(functions, ..) => functions.states = None,
-        }
-        self
-    }
-}
-
-fn functions(path: &Path, description: &Description) -> Result<Functions, LibraryError> {
+/// Loads a binary, for ever: see above.
+fn loaded(path: &Path) -> Result<&'static Loaded, LibraryError> {
     // The loader searches a bare relative path elsewhere.
     let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     // SAFETY: running the initialisers of the binary is what the user asked for; the caller
@@ -282,35 +230,7 @@ fn functions(path: &Path, description: &Description) -> Result<Functions, Librar
         reason: reason(&path, &error),
         path,
     })?;
-    let functions = match description.standard {
-        Version::Two => of_two(&library, description),
-        Version::Three => of_three(&library, description),
-    };
-    // Never unloaded, see above.
-    std::mem::forget(library);
-    functions
-}
-
-fn of_two(library: &Loaded, description: &Description) -> Result<Functions, LibraryError> {
-    let functions = fmi2::Functions::find(library, description.interface)?;
-    Ok(match description.interface {
-        Interface::CoSimulation => Functions::Two(functions),
-        Interface::ModelExchange => Functions::TwoExchange(
-            functions,
-            fmi2::ExchangeFunctions::find(library)?,
-            description.exchange,
-        ),
-    })
-}
-
-fn of_three(library: &Loaded, description: &Description) -> Result<Functions, LibraryError> {
-    let functions = fmi3::Functions::find(library, description.interface)?;
-    let exchange = match description.interface {
-        Interface::CoSimulation => None,
-        Interface::ModelExchange => Some(fmi3::ExchangeFunctions::find(library)?),
-    };
-    let elements = Element::all(description);
-    Ok(Functions::Three(Box::new(functions), exchange, elements))
+    Ok(Box::leak(Box::new(library)))
 }
 
 /// The inputs, and whether each may change between events.

@@ -19,41 +19,43 @@ use crate::xml;
 
 /// Why an FMU cannot be used.
 #[derive(Debug, Error)]
-pub enum FmuError {
-    /// The file cannot be read or unpacked.
-    #[error("{path}: {source}")]
-    Archive {
-        /// The FMU.
-        path: PathBuf,
-        /// The problem.
-        source: ArchiveError,
-    },
-    /// `modelDescription.xml` cannot be used.
-    #[error("{path}: modelDescription.xml: {source}")]
-    Description {
-        /// The FMU.
-        path: PathBuf,
-        /// The problem.
-        source: DescriptionError,
-    },
-    /// The binary cannot be loaded.
-    #[error("{path}: {source}")]
-    Library {
-        /// The FMU.
-        path: PathBuf,
-        /// The problem.
-        source: LibraryError,
-    },
+#[error("{path}: {fault}")]
+pub struct FmuError {
+    /// The FMU, as the user calls it.
+    pub path: PathBuf,
+    /// The problem.
+    #[source]
+    pub fault: FmuFault,
 }
 
 impl FmuError {
     /// The same, of the FMU that the user calls so.
     pub fn at(self, name: &Path) -> Self {
         let path = name.to_owned();
+        Self { path, ..self }
+    }
+}
+
+/// The part of an FMU that cannot be used.
+#[derive(Debug, Error)]
+pub enum FmuFault {
+    /// The file cannot be read or unpacked.
+    #[error(transparent)]
+    Archive(#[from] ArchiveError),
+    /// `modelDescription.xml` cannot be used.
+    #[error("modelDescription.xml: {0}")]
+    Description(#[from] DescriptionError),
+    /// The binary cannot be loaded.
+    #[error(transparent)]
+    Library(#[from] LibraryError),
+}
+
+impl FmuFault {
+    /// Whether the fault lies in the FMU rather than in the request.
+    pub fn is_in_fmu(&self) -> bool {
         match self {
-            Self::Archive { source, .. } => Self::Archive { path, source },
-            Self::Description { source, .. } => Self::Description { path, source },
-            Self::Library { source, .. } => Self::Library { path, source },
+            Self::Archive(fault) => fault.is_a_fault(),
+            Self::Description(_) | Self::Library(_) => true,
         }
     }
 }
@@ -75,16 +77,15 @@ impl Package {
     /// When there is no such file, when it is not an FMU, and when it is not one of FMI 2.0 or 3.0 for
     /// Co-Simulation.
     pub fn open(path: &Path) -> Result<Self, FmuError> {
-        let archive_error = |source| FmuError::Archive {
+        let unusable = |fault| FmuError {
             path: path.to_owned(),
-            source,
+            fault,
         };
-        let mut archive = Archive::open(path).map_err(archive_error)?;
-        let xml = archive.description().map_err(archive_error)?;
-        let description = parse::description(&xml).map_err(|source| FmuError::Description {
-            path: path.to_owned(),
-            source,
-        })?;
+        let archive = Archive::open(path).map_err(FmuFault::from);
+        let mut archive = archive.map_err(unusable)?;
+        let description = archive.description().map_err(FmuFault::from);
+        let description = description.and_then(|xml| Ok(parse::description(&xml)?));
+        let description = description.map_err(unusable)?;
         Ok(Self {
             path: path.to_owned(),
             archive,
@@ -124,7 +125,7 @@ impl Package {
     /// When it cannot be read.
     pub fn bytes_of(&mut self, entry: &str) -> Result<Vec<u8>, FmuError> {
         let bytes = self.archive.bytes_of(entry);
-        bytes.map_err(|source| self.unusable(source))
+        bytes.map_err(|fault| self.unusable(fault))
     }
 
     /// Hands the document of `modelDescription.xml` to `read`.
@@ -136,12 +137,10 @@ impl Package {
         read: impl FnOnce(Node<'_, '_>) -> T,
     ) -> Result<T, FmuError> {
         let bytes = self.archive.description();
-        let bytes = bytes.map_err(|source| self.unusable(source))?;
+        let bytes = bytes.map_err(|fault| self.unusable(fault))?;
         let text = decode::decode(&bytes);
-        let document = xml::parse(&text).map_err(|error| FmuError::Description {
-            path: self.path.clone(),
-            source: error.into(),
-        })?;
+        let document = xml::parse(&text);
+        let document = document.map_err(|fault| self.unusable(DescriptionError::from(fault)))?;
         Ok(read(document.root_element()))
     }
 
@@ -151,13 +150,15 @@ impl Package {
     /// When the file cannot be read any more.
     pub fn digest(&self) -> Result<String, FmuError> {
         let hash = self.archive.identity().and_then(|file| Ok(sha256(file)?));
-        let hash = hash.map_err(|source| self.unusable(source))?;
+        let hash = hash.map_err(|fault| self.unusable(fault))?;
         Ok(hexadecimal(&hash))
     }
 
-    fn unusable(&self, source: ArchiveError) -> FmuError {
-        let path = self.path.clone();
-        FmuError::Archive { path, source }
+    fn unusable(&self, fault: impl Into<FmuFault>) -> FmuError {
+        FmuError {
+            path: self.path.clone(),
+            fault: fault.into(),
+        }
     }
 
     /// Unpacks what a simulation on this platform needs into a new folder within `parent`, and returns that. One that
@@ -196,7 +197,7 @@ impl Package {
             ..
         } = &self.description;
         let unpacked = self.archive.unpack(model_identifier, *standard, parent);
-        unpacked.map_err(|source| self.unusable(source))
+        unpacked.map_err(|fault| self.unusable(fault))
     }
 
     /// The binary for this platform in the folder into which the FMU was unpacked; none where there is none.
@@ -221,11 +222,7 @@ impl Package {
         };
         let unpacked = self.unpacked.as_ref().map(|(folder, _)| Arc::clone(folder));
         let library = Library::load(&folder, unpacked, &self.description);
-        let library = library.map_err(|source| FmuError::Library {
-            path: self.path.clone(),
-            source,
-        })?;
-        Ok(Arc::new(library))
+        Ok(Arc::new(library.map_err(|fault| self.unusable(fault))?))
     }
 }
 

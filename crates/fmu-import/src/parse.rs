@@ -8,14 +8,16 @@ use std::collections::{HashMap, HashSet};
 use std::str::FromStr;
 
 use roxmltree::Node;
+use serde::de::value::StrDeserializer;
+use serde::de::{DeserializeOwned, IntoDeserializer};
 use thiserror::Error;
 
 use crate::decode::{self, decode};
 use crate::description::{
-    About, Capabilities, Causality, DefaultExperiment, Description, ExchangeSizes, Interface, Kind,
-    Remark, Variability, Variable,
+    About, Capabilities, DefaultExperiment, Description, ExchangeSizes, Interface, Kind, Remark,
+    Storage, Variable,
 };
-use crate::units::{BaseUnit, DisplayUnit, Unit, Units};
+use crate::units::{BaseUnit, Conversion, DisplayUnit, Unit, Units};
 use crate::version::Version;
 use crate::xml::{self, XmlError};
 
@@ -80,20 +82,14 @@ pub(crate) fn description(bytes: &[u8]) -> Result<Description, DescriptionError>
         description: root.attribute("description").map(str::to_owned),
         version: text(root, "version"),
         generation_tool: text(root, "generationTool"),
-        capabilities: match standard {
-            Version::Two => reader.capabilities(slave),
-            Version::Three => reader.capabilities_of_three(slave),
-        },
+        capabilities: reader.capabilities(slave, standard),
         default_experiment: reader.default_experiment(root),
         log_categories: log_categories(root),
         units: reader.units(root),
         ..Description::default()
     };
     match standard {
-        Version::Two => {
-            let types = reader.types(root);
-            reader.variables(root, &types, &mut description);
-        }
+        Version::Two => reader.variables_of_two(root, &mut description),
         Version::Three => reader.variables_of_three(root, &mut description),
     }
     if let Some((line, text)) = decode::misread(bytes) {
@@ -142,6 +138,16 @@ pub(crate) fn children<'a>(node: Node<'a, 'a>, name: &str) -> impl Iterator<Item
     })
 }
 
+/// The elements of this name in the first list of that name.
+pub(crate) fn within<'a>(
+    root: Node<'a, 'a>,
+    list: &str,
+    name: &str,
+) -> impl Iterator<Item = Node<'a, 'a>> {
+    let list = child(root, list).into_iter();
+    list.flat_map(move |list| children(list, name))
+}
+
 /// A text of one line (`xs:normalizedString`), in which line ends and tabs are blanks.
 pub(crate) fn text(node: Node<'_, '_>, attribute: &str) -> Option<String> {
     let text = node.attribute(attribute)?;
@@ -163,10 +169,7 @@ fn required<'a>(node: Node<'a, 'a>, attribute: &'static str) -> Result<&'a str, 
 
 /// How many variables of FMI 2.0 are derivatives; aliases share a reference and count once.
 fn rates(root: Node<'_, '_>) -> usize {
-    let variables = child(root, "ModelVariables");
-    let variables = variables.into_iter();
-    let rates = variables
-        .flat_map(|list| children(list, "ScalarVariable"))
+    let rates = within(root, "ModelVariables", "ScalarVariable")
         .filter(|node| child(*node, "Real").is_some_and(|real| real.has_attribute("derivative")));
     let references: HashSet<_> = rates.map(|node| node.attribute("valueReference")).collect();
     references.len()
@@ -240,34 +243,56 @@ impl Reader {
         value
     }
 
-    pub(crate) fn boolean(&mut self, node: Node<'_, '_>, name: &str) -> Option<bool> {
-        match node.attribute(name)?.trim() {
-            "true" | "1" => Some(true),
-            "false" | "0" => Some(false),
-            text => {
-                self.remark(
-                    node,
-                    About::Value,
-                    &format!("{name}=\"{text}\" is neither true nor false"),
-                );
-                None
-            }
+    fn boolean(&mut self, node: Node<'_, '_>, name: &str) -> Option<bool> {
+        let text = node.attribute(name)?.trim();
+        let value = truth(text);
+        if value.is_none() {
+            let text = format!("{name}=\"{text}\" is neither true nor false");
+            self.remark(node, About::Value, &text);
         }
+        value
     }
 
-    fn capabilities(&mut self, node: Node<'_, '_>) -> Capabilities {
+    /// The item of an enumeration that an attribute names, or else the default.
+    pub(crate) fn choice<T: DeserializeOwned + Default>(
+        &mut self,
+        node: Node<'_, '_>,
+        name: &str,
+    ) -> T {
+        let Some(text) = node.attribute(name) else {
+            return T::default();
+        };
+        item(text).unwrap_or_else(|| {
+            self.remark(node, About::Value, &format!("unknown {name} \"{text}\""));
+            T::default()
+        })
+    }
+
+    fn capabilities(&mut self, node: Node<'_, '_>, standard: Version) -> Capabilities {
         let mut flag = |name| self.boolean(node, name).unwrap_or(false);
-        Capabilities {
+        let usual = Capabilities {
             can_handle_variable_communication_step_size: flag(
                 "canHandleVariableCommunicationStepSize",
             ),
-            can_get_and_set_fmu_state: flag("canGetAndSetFMUstate"),
-            can_serialize_fmu_state: flag("canSerializeFMUstate"),
-            can_interpolate_inputs: flag("canInterpolateInputs"),
             can_be_instantiated_only_once_per_process: flag("canBeInstantiatedOnlyOncePerProcess"),
             needs_execution_tool: flag("needsExecutionTool"),
-            can_run_asynchronuously: flag("canRunAsynchronuously"),
             ..Capabilities::default()
+        };
+        match standard {
+            Version::Two => Capabilities {
+                can_get_and_set_fmu_state: flag("canGetAndSetFMUstate"),
+                can_serialize_fmu_state: flag("canSerializeFMUstate"),
+                can_interpolate_inputs: flag("canInterpolateInputs"),
+                can_run_asynchronuously: flag("canRunAsynchronuously"),
+                ..usual
+            },
+            Version::Three => Capabilities {
+                can_get_and_set_fmu_state: flag("canGetAndSetFMUState"),
+                can_serialize_fmu_state: flag("canSerializeFMUState"),
+                might_return_early_from_do_step: flag("mightReturnEarlyFromDoStep"),
+                has_event_mode: flag("hasEventMode"),
+                ..usual
+            },
         }
     }
 
@@ -307,11 +332,7 @@ impl Reader {
 
     fn units(&mut self, root: Node<'_, '_>) -> Units {
         let mut units = Units::default();
-        let definitions = child(root, "UnitDefinitions");
-        for node in definitions
-            .into_iter()
-            .flat_map(|node| children(node, "Unit"))
-        {
+        for node in within(root, "UnitDefinitions", "Unit") {
             let Some(name) = text(node, "name") else {
                 self.remark(node, About::Value, "a unit without a name");
                 continue;
@@ -319,8 +340,7 @@ impl Reader {
             let base = child(node, "BaseUnit").map(|base| BaseUnit {
                 exponents: ["kg", "m", "s", "A", "K", "mol", "cd", "rad"]
                     .map(|name| self.number(base, name).unwrap_or(0)),
-                factor: self.number(base, "factor").unwrap_or(1.0),
-                offset: self.number(base, "offset").unwrap_or(0.0),
+                to_base: self.conversion(base),
             });
             let display = children(node, "DisplayUnit")
                 .filter_map(|display| {
@@ -333,8 +353,7 @@ impl Reader {
                     }
                     Some(DisplayUnit {
                         name: text(display, "name")?,
-                        factor: self.number(display, "factor").unwrap_or(1.0),
-                        offset: self.number(display, "offset").unwrap_or(0.0),
+                        from_unit: self.conversion(display),
                     })
                 })
                 .collect();
@@ -343,165 +362,153 @@ impl Reader {
         units
     }
 
-    fn types<'a>(&mut self, root: Node<'a, 'a>) -> Types<'a> {
-        let definitions = child(root, "TypeDefinitions");
-        let types = definitions
-            .into_iter()
-            .flat_map(|node| children(node, "SimpleType"));
-        types
-            .filter_map(|node| Some((node.attribute("name")?, typed(node)?)))
-            .collect()
+    fn conversion(&mut self, node: Node<'_, '_>) -> Conversion {
+        Conversion {
+            factor: self.number(node, "factor").unwrap_or(1.0),
+            offset: self.number(node, "offset").unwrap_or(0.0),
+        }
     }
 
-    fn variables(&mut self, root: Node<'_, '_>, types: &Types<'_>, into: &mut Description) {
-        let list = child(root, "ModelVariables");
-        for node in list
-            .into_iter()
-            .flat_map(|node| children(node, "ScalarVariable"))
-        {
-            let Some(variable) = self.variable(node, types) else {
-                continue;
-            };
-            let name = variable.name.clone();
-            if into.variables.contains_key(&name) {
-                self.remark(
-                    node,
-                    About::Name,
-                    &format!("a second variable `{name}`; the first one counts"),
-                );
-                continue;
+    fn variables_of_two(&mut self, root: Node<'_, '_>, into: &mut Description) {
+        let types: Types<'_> = within(root, "TypeDefinitions", "SimpleType")
+            .filter_map(|node| Some((node.attribute("name")?, typed(node)?)))
+            .collect();
+        for node in within(root, "ModelVariables", "ScalarVariable") {
+            if let Some(variable) = self.variable(node, &types) {
+                self.add(node, variable, into);
             }
-            into.variables.insert(name, variable);
         }
     }
 
     fn variable(&mut self, node: Node<'_, '_>, types: &Types<'_>) -> Option<Variable> {
-        let Some(name) = text(node, "name") else {
-            self.remark(
-                node,
-                About::Variable,
-                "a variable without a name is left out",
-            );
-            return None;
-        };
-        let reference = node.attribute("valueReference");
-        let Some(value_reference) = reference.and_then(|text| text.trim().parse().ok()) else {
-            let wrong = match reference {
-                Some(text) => {
-                    format!("the valueReference \"{text}\", which is none from 0 to 4294967295,")
-                }
-                None => "no valueReference".to_owned(),
-            };
-            self.remark(
-                node,
-                About::Variable,
-                &format!("`{name}` has {wrong} and is left out"),
-            );
-            return None;
-        };
+        let name = self.name(node)?;
+        let value_reference = self.reference(node, &name)?;
         let Some(element) = typed(node) else {
-            self.remark(
-                node,
-                About::Variable,
-                &format!("`{name}` has no type and is left out"),
-            );
+            let text = format!("`{name}` has no type and is left out");
+            self.remark(node, About::Variable, &text);
             return None;
         };
-        let declared = element
-            .attribute("declaredType")
-            .and_then(|name| types.get(name));
+        let declared = element.attribute("declaredType");
+        let declared = declared.and_then(|name| types.get(name));
+        let mut kind = self.kind(element, declared.copied(), None);
+        match &mut kind {
+            Kind::Real { start, .. } => *start = self.number(element, "start"),
+            Kind::Integer { start, .. } | Kind::Enumeration { start, .. } => {
+                *start = self.number::<i32>(element, "start").map(i64::from);
+            }
+            Kind::Boolean { start } => *start = self.boolean(element, "start"),
+            Kind::String { start } => *start = element.attribute("start").map(str::to_owned),
+        }
         Some(Variable {
             name,
             line: self.line(node),
             value_reference,
             place: None,
             description: node.attribute("description").map(str::to_owned),
-            causality: self.causality(node),
-            variability: self.variability(node),
-            kind: self.kind(element, declared.copied()),
+            causality: self.choice(node, "causality"),
+            variability: self.choice(node, "variability"),
+            kind,
         })
     }
 
-    pub(crate) fn causality(&mut self, node: Node<'_, '_>) -> Causality {
-        match node.attribute("causality") {
-            Some("parameter") => Causality::Parameter,
-            Some("structuralParameter") => Causality::StructuralParameter,
-            Some("calculatedParameter") => Causality::CalculatedParameter,
-            Some("input") => Causality::Input,
-            Some("output") => Causality::Output,
-            Some("independent") => Causality::Independent,
-            Some("local") | None => Causality::Local,
-            Some(other) => {
-                self.remark(
-                    node,
-                    About::Value,
-                    &format!("unknown causality \"{other}\""),
-                );
-                Causality::Local
-            }
+    /// The name of a variable.
+    pub(crate) fn name(&mut self, node: Node<'_, '_>) -> Option<String> {
+        let name = text(node, "name");
+        if name.is_none() {
+            let text = "a variable without a name is left out";
+            self.remark(node, About::Variable, text);
         }
+        name
     }
 
-    pub(crate) fn variability(&mut self, node: Node<'_, '_>) -> Variability {
-        match node.attribute("variability") {
-            Some("constant") => Variability::Constant,
-            Some("fixed") => Variability::Fixed,
-            Some("tunable") => Variability::Tunable,
-            Some("discrete") => Variability::Discrete,
-            Some("continuous") | None => Variability::Continuous,
-            Some(other) => {
-                self.remark(
-                    node,
-                    About::Value,
-                    &format!("unknown variability \"{other}\""),
-                );
-                Variability::Continuous
-            }
+    /// The value reference of a variable.
+    pub(crate) fn reference(&mut self, node: Node<'_, '_>, name: &str) -> Option<u32> {
+        let text = node.attribute("valueReference");
+        let reference = text.and_then(|text| text.trim().parse().ok());
+        if reference.is_none() {
+            let wrong = match text {
+                Some(text) => {
+                    format!("the valueReference \"{text}\", which is none from 0 to 4294967295,")
+                }
+                None => "no valueReference".to_owned(),
+            };
+            let text = format!("`{name}` has {wrong} and is left out");
+            self.remark(node, About::Variable, &text);
         }
+        reference
     }
 
-    /// The type's attributes: the variable's own, or else those of its declared type.
-    fn kind(&mut self, own: Node<'_, '_>, declared: Option<Node<'_, '_>>) -> Kind {
+    /// Adds a variable, unless there is one of its name.
+    pub(crate) fn add(&mut self, node: Node<'_, '_>, variable: Variable, into: &mut Description) {
+        if into.variables.contains_key(&variable.name) {
+            let name = &variable.name;
+            let text = format!("a second variable `{name}`; the first one counts");
+            self.remark(node, About::Name, &text);
+            return;
+        }
+        into.variables.insert(variable.name.clone(), variable);
+    }
+
+    /// The type's attributes without the start value: the variable's own, or else those of its declared type. Whole
+    /// numbers of FMI 3.0 have a `storage`; those of FMI 2.0 are of 32 bits.
+    pub(crate) fn kind(
+        &mut self,
+        own: Node<'_, '_>,
+        declared: Option<Node<'_, '_>>,
+        storage: Option<Storage>,
+    ) -> Kind {
         let source = |name: &str| {
             let declared = declared.filter(|node| node.has_attribute(name));
-            if own.has_attribute(name) {
-                own
-            } else {
-                declared.unwrap_or(own)
-            }
+            declared.filter(|_| !own.has_attribute(name)).unwrap_or(own)
         };
         let text = |name: &str| text(source(name), name);
-        match own.tag_name().name() {
-            "Integer" => Kind::Integer {
-                start: self.number::<i32>(own, "start").map(i64::from),
-                min: self.number::<i32>(source("min"), "min").map(i64::from),
-                max: self.number::<i32>(source("max"), "max").map(i64::from),
-            },
-            "Boolean" => Kind::Boolean {
-                start: self.boolean(own, "start"),
-            },
-            "String" => Kind::String {
-                start: own.attribute("start").map(str::to_owned),
-            },
-            "Enumeration" => Kind::Enumeration {
-                start: self.number::<i32>(own, "start").map(i64::from),
-                items: declared.map_or_else(Vec::new, |node| self.items(node)),
-            },
-            _ => Kind::Real {
+        let (min, max) = (source("min"), source("max"));
+        match (own.tag_name().name(), storage) {
+            ("Real" | "Float32" | "Float64", _) => Kind::Real {
                 unit: text("unit"),
                 relative: self
                     .boolean(source("relativeQuantity"), "relativeQuantity")
                     .unwrap_or(false),
                 display_unit: text("displayUnit"),
-                start: self.number(own, "start"),
-                min: self.number(source("min"), "min"),
-                max: self.number(source("max"), "max"),
+                start: None,
+                min: self.number(min, "min"),
+                max: self.number(max, "max"),
                 nominal: self.number(source("nominal"), "nominal"),
             },
+            ("Boolean", _) => Kind::Boolean { start: None },
+            ("String", _) => Kind::String { start: None },
+            ("Enumeration", _) => Kind::Enumeration {
+                start: None,
+                items: declared.map_or_else(Vec::new, |node| self.items(node)),
+            },
+            (_, None) => Kind::Integer {
+                start: None,
+                min: self.number::<i32>(min, "min").map(i64::from),
+                max: self.number::<i32>(max, "max").map(i64::from),
+            },
+            (_, Some(storage)) => {
+                let (least, most) = storage.range();
+                Kind::Integer {
+                    start: None,
+                    min: self.bound(min, "min", storage).or(least),
+                    max: self.bound(max, "max", storage).or(most),
+                }
+            }
         }
     }
 
-    pub(crate) fn items(&mut self, declared: Node<'_, '_>) -> Vec<(String, i64)> {
+    /// Reads a bound of whole numbers; none where it lies beyond what can be set here.
+    fn bound(&mut self, node: Node<'_, '_>, name: &str, storage: Storage) -> Option<i64> {
+        let beyond = node
+            .attribute(name)
+            .is_some_and(|text| storage.cannot_keep(text));
+        if beyond {
+            return None;
+        }
+        self.number(node, name)
+    }
+
+    fn items(&mut self, declared: Node<'_, '_>) -> Vec<(String, i64)> {
         children(declared, "Item")
             .filter_map(|item| {
                 let value = self.number::<i32>(item, "value")?.into();
@@ -509,6 +516,21 @@ impl Reader {
             })
             .collect()
     }
+}
+
+/// A flag (`xs:boolean`).
+pub(crate) fn truth(text: &str) -> Option<bool> {
+    match text {
+        "true" | "1" => Some(true),
+        "false" | "0" => Some(false),
+        _ => None,
+    }
+}
+
+/// The item of an enumeration that a word names.
+pub(crate) fn item<T: DeserializeOwned>(word: &str) -> Option<T> {
+    let word: StrDeserializer<'_, serde::de::value::Error> = word.into_deserializer();
+    T::deserialize(word).ok()
 }
 
 /// The element that carries the type's attributes.

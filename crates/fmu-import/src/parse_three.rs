@@ -7,10 +7,8 @@ use std::collections::HashMap;
 
 use roxmltree::Node;
 
-use crate::description::{
-    About, Capabilities, Description, Kind, Place, Storage, Variability, Variable,
-};
-use crate::parse::{Reader, Types, child, children, text};
+use crate::description::{About, Description, Kind, Place, Storage, Variability, Variable};
+use crate::parse::{Reader, Types, child, children, item, text, truth};
 
 /// More elements than an array can have that is useful by its elements.
 const MOST_ELEMENTS: usize = 100_000;
@@ -51,23 +49,6 @@ impl Written<'_> {
 }
 
 impl Reader {
-    /// The capabilities of FMI 3.0.
-    pub(crate) fn capabilities_of_three(&mut self, node: Node<'_, '_>) -> Capabilities {
-        let mut flag = |name| self.boolean(node, name).unwrap_or(false);
-        Capabilities {
-            can_handle_variable_communication_step_size: flag(
-                "canHandleVariableCommunicationStepSize",
-            ),
-            can_get_and_set_fmu_state: flag("canGetAndSetFMUState"),
-            can_serialize_fmu_state: flag("canSerializeFMUState"),
-            can_be_instantiated_only_once_per_process: flag("canBeInstantiatedOnlyOncePerProcess"),
-            needs_execution_tool: flag("needsExecutionTool"),
-            might_return_early_from_do_step: flag("mightReturnEarlyFromDoStep"),
-            has_event_mode: flag("hasEventMode"),
-            ..Capabilities::default()
-        }
-    }
-
     /// The variables of FMI 3.0.
     pub(crate) fn variables_of_three(&mut self, root: Node<'_, '_>, into: &mut Description) {
         let types = types(root);
@@ -93,11 +74,7 @@ impl Reader {
         sizes: &Sizes,
         into: &mut Description,
     ) -> Option<Written<'a>> {
-        let Some(name) = text(node, "name") else {
-            let text = "a variable without a name is left out";
-            self.remark(node, About::Variable, text);
-            return None;
-        };
+        let name = self.name(node)?;
         let mut refuse = |why: String| {
             into.unusable.insert(name.clone(), why);
             None
@@ -112,7 +89,7 @@ impl Reader {
                         .to_owned(),
                 );
             }
-            other => storage_of(other),
+            other => item(other),
         };
         let Some(storage) = storage else {
             return refuse(format!("unknown type `{}`", node.tag_name().name()));
@@ -150,11 +127,7 @@ impl Reader {
     fn elements(&mut self, written: &Written<'_>, types: &Types<'_>, into: &mut Description) {
         let node = written.node;
         let name = text(node, "name").unwrap_or_default();
-        let reference = node.attribute("valueReference");
-        let Some(value_reference) = reference.and_then(|text| text.trim().parse().ok()) else {
-            let text =
-                format!("`{name}` has no valueReference from 0 to 4294967295 and is left out");
-            self.remark(node, About::Variable, &text);
+        let Some(value_reference) = self.reference(node, &name) else {
             return;
         };
         let declared = node.attribute("declaredType");
@@ -166,9 +139,9 @@ impl Reader {
             value_reference,
             place: None,
             description: node.attribute("description").map(str::to_owned),
-            causality: self.causality(node),
+            causality: self.choice(node, "causality"),
             variability: self.variability_of_three(written),
-            kind: self.kind_of_three(written, declared),
+            kind: self.kind(node, declared, Some(written.storage)),
         };
         let count = written.count();
         if !matches!(starts.len(), 0 | 1) && starts.len() != count {
@@ -215,23 +188,11 @@ impl Reader {
         }
     }
 
-    fn add(&mut self, node: Node<'_, '_>, variable: Variable, into: &mut Description) {
-        if into.variables.contains_key(&variable.name) {
-            let text = format!(
-                "a second variable `{}`; the first one counts",
-                variable.name
-            );
-            self.remark(node, About::Name, &text);
-            return;
-        }
-        into.variables.insert(variable.name.clone(), variable);
-    }
-
     /// As written, or the default of FMI 3.0.
     fn variability_of_three(&mut self, written: &Written<'_>) -> Variability {
         let node = written.node;
         if node.has_attribute("variability") {
-            return self.variability(node);
+            return self.choice(node, "variability");
         }
         let is_float = matches!(written.storage, Storage::Float32 | Storage::Float64);
         match node.attribute("causality") {
@@ -243,97 +204,25 @@ impl Reader {
         }
     }
 
-    /// The type's attributes without the start value: the variable's own, or else those of its declared type.
-    fn kind_of_three(&mut self, written: &Written<'_>, declared: Option<Node<'_, '_>>) -> Kind {
-        let own = written.node;
-        let source = |name: &str| {
-            let declared = declared.filter(|node| node.has_attribute(name));
-            if own.has_attribute(name) {
-                own
-            } else {
-                declared.unwrap_or(own)
-            }
-        };
-        let text = |name: &str| text(source(name), name);
-        match written.storage {
-            Storage::Float32 | Storage::Float64 => Kind::Real {
-                unit: text("unit"),
-                relative: self
-                    .boolean(source("relativeQuantity"), "relativeQuantity")
-                    .unwrap_or(false),
-                display_unit: text("displayUnit"),
-                start: None,
-                min: self.number(source("min"), "min"),
-                max: self.number(source("max"), "max"),
-                nominal: self.number(source("nominal"), "nominal"),
-            },
-            Storage::Boolean => Kind::Boolean { start: None },
-            Storage::String => Kind::String { start: None },
-            Storage::Enumeration => Kind::Enumeration {
-                start: None,
-                items: declared.map_or_else(Vec::new, |node| self.items(node)),
-            },
-            whole => {
-                let (least, most) = range(whole);
-                Kind::Integer {
-                    start: None,
-                    min: self.bound(source("min"), "min", whole).or(least),
-                    max: self.bound(source("max"), "max", whole).or(most),
-                }
-            }
-        }
-    }
-
-    /// Reads a bound of whole numbers; none where it lies beyond what can be set here.
-    fn bound(&mut self, node: Node<'_, '_>, name: &str, storage: Storage) -> Option<i64> {
-        let beyond = node
-            .attribute(name)
-            .is_some_and(|text| is_beyond(storage, text));
-        if beyond {
-            return None;
-        }
-        self.number(node, name)
-    }
-
     /// Reads a start value.
     fn begin(&mut self, written: &Written<'_>, kind: &mut Kind, text: &str) {
         let node = written.node;
-        if is_beyond(written.storage, text) {
+        if written.storage.cannot_keep(text) {
             return;
         }
-        let read = match kind {
-            Kind::Real { start, .. } => {
-                *start = text.parse().ok();
-                start.is_some()
-            }
+        match kind {
+            Kind::Real { start, .. } => *start = text.parse().ok(),
             Kind::Integer { start, .. } | Kind::Enumeration { start, .. } => {
                 *start = text.parse().ok();
-                start.is_some()
             }
-            Kind::Boolean { start } => {
-                *start = match text {
-                    "true" | "1" => Some(true),
-                    "false" | "0" => Some(false),
-                    _ => None,
-                };
-                start.is_some()
-            }
-            Kind::String { start } => {
-                *start = Some(text.to_owned());
-                true
-            }
-        };
-        if !read {
+            Kind::Boolean { start } => *start = truth(text),
+            Kind::String { start } => *start = Some(text.to_owned()),
+        }
+        if kind.start_value().is_none() {
             let text = format!("start=\"{text}\" cannot be read as a value of the variable's type");
             self.remark(node, About::Value, &text);
         }
     }
-}
-
-/// Whether a text is a value of an `UInt64` that is legal, but too large to be kept here.
-fn is_beyond(storage: Storage, text: &str) -> bool {
-    let value = text.trim().parse::<u64>().ok();
-    storage == Storage::UInt64 && value.is_some_and(|value| i64::try_from(value).is_err())
 }
 
 /// Attributes of the types, by their names.
@@ -368,40 +257,6 @@ fn starts(node: Node<'_, '_>) -> Vec<String> {
     }
     let list = node.attribute("start").unwrap_or_default();
     list.split_whitespace().map(str::to_owned).collect()
-}
-
-/// The type of an element of this name.
-fn storage_of(name: &str) -> Option<Storage> {
-    Some(match name {
-        "Float32" => Storage::Float32,
-        "Float64" => Storage::Float64,
-        "Int8" => Storage::Int8,
-        "UInt8" => Storage::UInt8,
-        "Int16" => Storage::Int16,
-        "UInt16" => Storage::UInt16,
-        "Int32" => Storage::Int32,
-        "UInt32" => Storage::UInt32,
-        "Int64" => Storage::Int64,
-        "UInt64" => Storage::UInt64,
-        "Boolean" => Storage::Boolean,
-        "String" => Storage::String,
-        "Enumeration" => Storage::Enumeration,
-        _ => return None,
-    })
-}
-
-/// The smallest and the largest number of a type, where these bind: no value beyond them can be passed.
-fn range(storage: Storage) -> (Option<i64>, Option<i64>) {
-    match storage {
-        Storage::Int8 => (Some(i8::MIN.into()), Some(i8::MAX.into())),
-        Storage::UInt8 => (Some(0), Some(u8::MAX.into())),
-        Storage::Int16 => (Some(i16::MIN.into()), Some(i16::MAX.into())),
-        Storage::UInt16 => (Some(0), Some(u16::MAX.into())),
-        Storage::Int32 => (Some(i32::MIN.into()), Some(i32::MAX.into())),
-        Storage::UInt32 => (Some(0), Some(u32::MAX.into())),
-        Storage::UInt64 => (Some(0), None),
-        _ => (None, None),
-    }
 }
 
 #[cfg(test)]

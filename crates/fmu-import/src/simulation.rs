@@ -1,14 +1,14 @@
 //! One simulation of an FMU as every version of FMI can run it.
 
-use std::ffi::{CString, c_void};
 use std::fmt::Debug;
+use std::path::PathBuf;
 
 use crate::call::Call;
 use crate::caller::Caller;
+use crate::component::Base;
 use crate::description::Interface;
+use crate::symbols::Saved;
 use crate::value::{Handle, Value};
-
-pub(crate) type Component = *mut c_void;
 
 /// The experiment that is announced to an FMU.
 #[derive(Clone, Copy, Debug, Default)]
@@ -22,31 +22,63 @@ pub(crate) struct Experiment {
 }
 
 /// What an FMU is told when a component of it is created.
-pub(crate) struct Birth<'a> {
+#[derive(Debug)]
+pub(crate) struct Birth {
     /// The GUID, or the instantiation token.
-    pub(crate) guid: &'a str,
+    pub(crate) guid: String,
     /// The resources: a URI in FMI 2.0, a path in FMI 3.0.
-    pub(crate) resources: &'a str,
+    pub(crate) resources: String,
     /// The log categories of errors and warnings.
-    pub(crate) categories: &'a [String],
+    pub(crate) categories: Vec<String>,
     /// The interface of the component.
     pub(crate) interface: Interface,
-    /// The likely cause where the FMU refuses and does not say why.
-    pub(crate) refusal: &'a dyn Fn() -> String,
+    /// The file of the binary.
+    pub(crate) binary: PathBuf,
 }
 
-impl Birth<'_> {
-    /// Why there is no component.
+impl Birth {
+    /// Why there is no component: what the FMU says, or else the likely cause.
     pub(crate) fn refused(&self, caller: &Caller, function: &'static str) -> Call {
         let message = caller.log.last();
-        Call::impossible(function, message.unwrap_or_else(|| (self.refusal)()))
+        Call::impossible(function, message.unwrap_or_else(|| self.likely_cause()))
+    }
+
+    fn likely_cause(&self) -> String {
+        let guid = &self.guid;
+        // Exporters write the GUID into the binary, with braces or without.
+        let bare = guid.trim_matches(['{', '}']).as_bytes();
+        let holds =
+            |file: &[u8]| bare.is_empty() || file.windows(bare.len()).any(|part| part == bare);
+        let cause = match std::fs::read(&self.binary) {
+            Ok(binary) if !holds(&binary) => {
+                "does not occur in the binary, so the two are probably not of one export"
+            }
+            _ => "may not be that of the binary, or resources may be missing",
+        };
+        format!(
+            "the FMU refuses an instance without a message; the GUID of the description, {guid}, {cause}"
+        )
     }
 }
 
-/// A C string. A zero byte cannot be told to C: the text ends before it.
-pub(crate) fn c_string(text: &str) -> CString {
-    let end = text.find('\0').unwrap_or(text.len());
-    CString::new(&text[..end]).expect("the text ends before its first zero byte")
+/// Steps that are taken one after another, and what is read after each.
+pub(crate) struct Batch<'a> {
+    /// When the steps begin, s.
+    pub(crate) times: &'a [f64],
+    /// How long they are, s; as many as times.
+    pub(crate) sizes: &'a [f64],
+    /// The real variables.
+    pub(crate) references: &'a [u32],
+    /// A row of their values a step.
+    pub(crate) rows: &'a mut [f64],
+}
+
+impl Batch<'_> {
+    /// The row of a step.
+    pub(crate) fn row(&mut self, step: usize) -> &mut [f64] {
+        let width = self.references.len();
+        &mut self.rows[step * width..(step + 1) * width]
+    }
 }
 
 /// A component of a binary, called by the functions of its version. [`Instance`](crate::Instance) documents the
@@ -73,39 +105,35 @@ pub(crate) trait Simulation: Debug + Send {
     fn set_slope(&mut self, caller: &mut Caller, reference: u32, slope: f64) -> Result<(), Call>;
     /// Lets time pass, s.
     fn step(&mut self, caller: &mut Caller, time: f64, step: f64) -> Result<(), Call>;
-    /// Lets several steps pass and reads after each; how many were taken and read, and why not all. There are as many
-    /// sizes as times, and a row of `references.len()` places for each.
-    fn steps(
-        &mut self,
-        caller: &mut Caller,
-        times: &[f64],
-        sizes: &[f64],
-        references: &[u32],
-        rows: &mut [f64],
-    ) -> (usize, Result<(), Call>) {
-        let width = references.len();
-        for (taken, (&time, &size)) in times.iter().zip(sizes).enumerate() {
-            let row = &mut rows[taken * width..(taken + 1) * width];
+    /// Lets several steps pass and reads after each; how many were taken and read, and why not all.
+    fn steps(&mut self, caller: &mut Caller, mut batch: Batch<'_>) -> (usize, Result<(), Call>) {
+        for (taken, (&time, &size)) in batch.times.iter().zip(batch.sizes).enumerate() {
             let mut outcome = self.step(caller, time, size);
-            if outcome.is_ok() && width > 0 {
-                outcome = self.reals(caller, references, row);
+            if outcome.is_ok() && !batch.references.is_empty() {
+                outcome = self.reals(caller, batch.references, batch.row(taken));
             }
             if outcome.is_err() {
                 return (taken, outcome);
             }
         }
-        (times.len(), Ok(()))
+        (batch.times.len(), Ok(()))
     }
+    /// The component with what every version can do.
+    fn base(&self) -> &Base;
     /// Goes back to the state after the creation.
-    fn reset(&mut self, caller: &mut Caller) -> Result<(), Call>;
-    /// Ends the simulation.
-    fn terminate(&mut self, caller: &mut Caller) -> Result<(), Call>;
+    fn reset(&mut self, caller: &mut Caller) -> Result<(), Call> {
+        self.base().reset(caller)
+    }
     /// Keeps the present state; `None` where the FMU cannot.
-    fn save(&mut self, caller: &mut Caller) -> Option<*mut c_void>;
+    fn save(&mut self, caller: &mut Caller) -> Option<Saved> {
+        self.base().save(caller)
+    }
     /// Goes back to a state, which must be one of this component's own.
-    fn restore(&mut self, caller: &mut Caller, state: *mut c_void) -> Result<(), Call>;
+    fn restore(&mut self, caller: &mut Caller, state: Saved) -> Result<(), Call> {
+        self.base().restore(caller, state)
+    }
     /// Frees such a state, which is used no more.
-    fn forget(&mut self, caller: &mut Caller, state: *mut c_void) -> Result<(), Call>;
-    /// Frees the component, which is used no more.
-    fn free(&mut self, caller: &mut Caller);
+    fn forget(&mut self, caller: &mut Caller, state: Saved) -> Result<(), Call> {
+        self.base().forget(caller, state)
+    }
 }

@@ -1,12 +1,11 @@
 //! States of an instance that are kept and restored.
 
-use std::ffi::c_void;
-
 use thiserror::Error;
 
 use crate::call::Call;
 use crate::floating_point::Mode;
 use crate::instance::Instance;
+use crate::symbols::Saved;
 
 /// A state of one instance. Give it back to that instance with [`Instance::forget`]: a state that
 /// is dropped keeps its memory, as only a living instance can free it.
@@ -14,13 +13,10 @@ use crate::instance::Instance;
 pub struct State {
     /// The [`Instance::number`] of its instance.
     owner: u64,
-    state: *mut c_void,
+    state: Saved,
     /// How the FMU calculated then.
     mode: Mode,
 }
-
-// SAFETY: as for the instance to which it belongs.
-unsafe impl Send for State {}
 
 /// Why a state cannot be restored or given back.
 #[derive(Clone, Debug, Error)]

@@ -1,10 +1,13 @@
 //! The functions of a loaded binary by their names, and why there are none.
 
-use std::ffi::c_char;
+use std::ffi::{c_char, c_int, c_void};
 use std::path::{Path, PathBuf};
 
 use libloading::Library as Loaded;
 use thiserror::Error;
+
+use crate::call::Call;
+use crate::version::Version;
 
 /// Why a binary cannot be loaded.
 #[derive(Debug, Error)]
@@ -25,9 +28,6 @@ pub enum LibraryError {
     Folder(PathBuf),
 }
 
-/// A function without arguments that returns a text, such as `fmi2GetVersion`.
-pub(crate) type Text = unsafe extern "C" fn() -> *const c_char;
-
 /// The path of a binary within its FMU: where that was unpacked tells a reader nothing.
 fn place_in_fmu(path: &Path) -> String {
     // binaries, the platform, the file.
@@ -37,11 +37,97 @@ fn place_in_fmu(path: &Path) -> String {
     last.display().to_string()
 }
 
-/// A symbol as a function pointer of the type that the field asks for.
-pub(crate) fn symbol<T: Copy>(library: &Loaded, name: &'static str) -> Result<T, LibraryError> {
-    // SAFETY: `T` is the function type that the standard gives to this name.
-    let symbol = unsafe { library.get::<T>(name.as_bytes()) };
-    symbol
-        .map(|symbol| *symbol)
-        .map_err(|_| LibraryError::Function(name))
+/// What a binary knows an instance by.
+#[repr(transparent)]
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Component(pub(crate) *mut c_void);
+
+// SAFETY: neither version of FMI ties a component to a thread; they only forbid concurrent calls, which `&mut` at every
+// call and the missing `Sync` rule out.
+unsafe impl Send for Component {}
+
+/// What a binary knows a state by that it has saved.
+#[repr(transparent)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Saved(pub(crate) *mut c_void);
+
+// SAFETY: as for the component to which it belongs.
+unsafe impl Send for Saved {}
+
+/// A function without arguments that returns a text, such as `fmi2GetVersion`.
+pub(crate) type Text = unsafe extern "C" fn() -> *const c_char;
+/// A function of nothing but the component.
+pub(crate) type Plain = unsafe extern "C" fn(Component) -> c_int;
+
+/// The functions of a binary by their names.
+pub(crate) struct Symbols<'a> {
+    pub(crate) library: &'a Loaded,
+    pub(crate) version: Version,
+}
+
+impl Symbols<'_> {
+    /// Looks for a function that the binary may lack. The name is without its prefix, and `F` the function type that the
+    /// standard gives to it.
+    pub(crate) fn find<F: Copy>(&self, name: &str) -> Function<F> {
+        // Kept for ever, as the library is.
+        let name = String::leak(format!("{}{name}", self.version.prefix()));
+        // SAFETY: the caller names the type of the standard.
+        let symbol = unsafe { self.library.get::<F>(name.as_bytes()) };
+        let code = symbol.ok().map(|symbol| *symbol);
+        Function { name, code }
+    }
+
+    /// The same of a function without which the FMU cannot be used.
+    pub(crate) fn need<F: Copy>(&self, name: &str) -> Result<Function<F>, LibraryError> {
+        let function = self.find(name);
+        match function.code {
+            Some(_) => Ok(function),
+            None => Err(LibraryError::Function(function.name)),
+        }
+    }
+
+    /// Looks for the functions that read and write variables of a type.
+    pub(crate) fn access<G: Copy, S: Copy>(&self, kind: &str) -> Access<G, S> {
+        Access {
+            get: self.find(&format!("Get{kind}")),
+            set: self.find(&format!("Set{kind}")),
+        }
+    }
+
+    /// The same where the FMU cannot be used without them.
+    pub(crate) fn needed_access<G: Copy, S: Copy>(
+        &self,
+        kind: &str,
+    ) -> Result<Access<G, S>, LibraryError> {
+        Ok(Access {
+            get: self.need(&format!("Get{kind}"))?,
+            set: self.need(&format!("Set{kind}"))?,
+        })
+    }
+}
+
+/// The functions that read and write variables of one type.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Access<G, S> {
+    pub(crate) get: Function<G>,
+    pub(crate) set: Function<S>,
+}
+
+/// A function of a binary, which may lack it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Function<F> {
+    pub(crate) name: &'static str,
+    code: Option<F>,
+}
+
+impl<F: Copy> Function<F> {
+    pub(crate) fn is_there(&self) -> bool {
+        self.code.is_some()
+    }
+
+    /// The function, or why it cannot be called.
+    #[inline]
+    pub(crate) fn get(self) -> Result<F, Call> {
+        self.code.ok_or_else(|| Call::missing(self.name))
+    }
 }

@@ -7,26 +7,24 @@ use indexmap::IndexMap;
 use serde::Serialize;
 use thiserror::Error;
 
-/// A unit in terms of SI base units: `base = factor * value + offset`.
+/// A unit in terms of SI base units.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct BaseUnit {
     /// Exponents of kg, m, s, A, K, mol, cd, rad.
     pub exponents: [i32; 8],
-    /// Factor to the base unit.
-    pub factor: f64,
-    /// Offset, in the base unit.
-    pub offset: f64,
+    /// How a value becomes one in base units.
+    #[serde(flatten)]
+    pub to_base: Conversion,
 }
 
-/// Another way to show a unit: `display = factor * value + offset`.
+/// Another way to show a unit.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DisplayUnit {
     /// Its name.
     pub name: String,
-    /// Factor from the unit.
-    pub factor: f64,
-    /// Offset, in the display unit.
-    pub offset: f64,
+    /// How a value in the unit becomes one in this.
+    #[serde(flatten)]
+    pub from_unit: Conversion,
 }
 
 /// A unit definition.
@@ -44,10 +42,12 @@ pub struct Unit {
 pub struct Units(IndexMap<String, Unit>);
 
 /// A change of unit: `to = factor * from + offset`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Conversion {
-    factor: f64,
-    offset: f64,
+    /// What a value is multiplied by.
+    pub factor: f64,
+    /// What is added to it then.
+    pub offset: f64,
 }
 
 /// Why a unit does not fit.
@@ -61,10 +61,7 @@ pub struct UnitError {
 
 impl Conversion {
     /// No change at all.
-    pub const IDENTITY: Self = Self {
-        factor: 1.0,
-        offset: 0.0,
-    };
+    pub const IDENTITY: Self = Self::scaled(1.0);
 
     /// The change between two units of the same zero.
     pub const fn scaled(factor: f64) -> Self {
@@ -148,13 +145,9 @@ impl Units {
     /// Every unit in which a value of unit `to` may be given, and how it converts.
     fn ways(&self, to: Option<&str>) -> Vec<(String, Conversion)> {
         let Some(to) = to.filter(|unit| !matches!(*unit, "1" | "" | "-")) else {
-            let percent = Conversion {
-                factor: 0.01,
-                offset: 0.0,
-            };
             return vec![
                 ("1".to_owned(), Conversion::IDENTITY),
-                ("%".to_owned(), percent),
+                ("%".to_owned(), Conversion::scaled(0.01)),
             ];
         };
         let mut ways = vec![(to.to_owned(), Conversion::IDENTITY)];
@@ -164,44 +157,30 @@ impl Units {
         ways.extend(unit.displays());
         let Some(base) = unit.base else { return ways };
         for (name, other) in &self.0 {
-            let Some(other_base) = other.base else {
+            let alike = |other: &BaseUnit| name != to && other.exponents == base.exponents;
+            let Some(other_base) = other.base.filter(alike) else {
                 continue;
             };
-            if name == to || other_base.exponents != base.exponents {
-                continue;
-            }
-            let way = other_base.to_base().then(base.to_base().inverse());
+            let way = other_base.to_base.then(base.to_base.inverse());
             ways.push((name.clone(), way));
             ways.extend(
                 other
                     .displays()
-                    .map(|(name, display)| (name, display.then(way))),
+                    .map(|(name, to_unit)| (name, to_unit.then(way))),
             );
         }
         ways
     }
 }
 
-impl BaseUnit {
-    fn to_base(self) -> Conversion {
-        Conversion {
-            factor: self.factor,
-            offset: self.offset,
-        }
-    }
-}
-
 impl Unit {
     /// The display units, with the conversion to this unit. One with factor 0 converts nothing.
     fn displays(&self) -> impl Iterator<Item = (String, Conversion)> {
-        let usable = self.display.iter().filter(|display| display.factor != 0.0);
-        usable.map(|display| {
-            let from_unit = Conversion {
-                factor: display.factor,
-                offset: display.offset,
-            };
-            (display.name.clone(), from_unit.inverse())
-        })
+        let usable = self
+            .display
+            .iter()
+            .filter(|display| display.from_unit.factor != 0.0);
+        usable.map(|display| (display.name.clone(), display.from_unit.inverse()))
     }
 }
 
@@ -250,13 +229,14 @@ mod tests {
         let mut unit = |name: &str, exponents, factor, offset, display: &[(&str, f64, f64)]| {
             let display = display.iter().map(|(name, factor, offset)| DisplayUnit {
                 name: (*name).to_owned(),
-                factor: *factor,
-                offset: *offset,
+                from_unit: Conversion {
+                    factor: *factor,
+                    offset: *offset,
+                },
             });
             let base = Some(BaseUnit {
                 exponents,
-                factor,
-                offset,
+                to_base: Conversion { factor, offset },
             });
             units.insert(
                 name.to_owned(),

@@ -8,7 +8,9 @@ use std::process::Command;
 use std::sync::Arc;
 
 use fmu_import::archive::PLATFORM;
-use fmu_import::{Call, End, Instance, Library, Package, State, StateError, Status, Value};
+use fmu_import::{
+    Call, Content, End, Handle, Instance, Library, Package, State, StateError, Status, Value,
+};
 use tempfile::TempDir;
 
 const DESCRIPTION: &str = r#"<fmiModelDescription fmiVersion="2.0" modelName="Counter" guid="c">
@@ -184,7 +186,11 @@ fn warnings_are_counted_until_a_new_start() {
 fn a_pending_step_is_waited_for_or_named() {
     let (mut instance, step) = whimsical(6);
     step.unwrap();
-    assert_eq!(instance.integer(0).unwrap(), 1);
+    let handle = Handle {
+        reference: 0,
+        content: Content::Integer,
+    };
+    assert_eq!(instance.value(handle).unwrap(), Value::Integer(1));
     let call = whimsical(5).1.unwrap_err();
     assert_eq!(call.status, Status::Pending);
     let text = call.to_string();

@@ -36,7 +36,7 @@ use crate::cli::{Check, Format};
 use crate::results::ResultsError;
 use document::Document;
 use finding::{Find, Finding, Severity};
-use fmu_import::{ArchiveError, FmuError, Package, Version, needed};
+use fmu_import::{ArchiveError, FmuError, FmuFault, Package, Version, needed};
 use fmu_points::stop;
 use hit::Hit;
 use probes::Probes;
@@ -46,21 +46,18 @@ pub(super) fn run(options: &Check) -> Result<ExitCode, CommandError> {
     match Package::open(&options.fmu) {
         Ok(package) => findings.look(package, options.patience)?,
         // An archive that is no FMU of this version, or damaged, is a finding; what is no archive, a mistake.
-        Err(FmuError::Description { source, .. }) => {
-            let hit = Hit::of(document::NAME, source.to_string());
-            findings.add("description-readable", hit);
-        }
-        Err(FmuError::Archive {
-            source: ArchiveError::NoDescription,
-            ..
-        }) => {
-            let text = "modelDescription.xml is not there: it belongs to the top of the archive (pack the files, not \
-                        the folder around them)";
-            findings.add("archive-readable", Hit::plain(text.to_owned()));
-        }
-        Err(FmuError::Archive { source, .. }) if source.is_a_fault() => {
-            findings.add("archive-readable", Hit::plain(source.to_string()));
-        }
+        Err(FmuError { fault, .. }) if fault.is_in_fmu() => match fault {
+            FmuFault::Description(fault) => {
+                let hit = Hit::of(document::NAME, fault.to_string());
+                findings.add("description-readable", hit);
+            }
+            FmuFault::Archive(ArchiveError::NoDescription) => {
+                let text = "modelDescription.xml is not there: it belongs to the top of the archive (pack the files, \
+                            not the folder around them)";
+                findings.add("archive-readable", Hit::plain(text.to_owned()));
+            }
+            fault => findings.add("archive-readable", Hit::plain(fault.to_string())),
+        },
         Err(error) => return Err(error.into()),
     }
     let mut found = findings.0;
@@ -114,15 +111,18 @@ impl Findings {
         let folder = stop::scratch().map_err(ResultsError::from)?;
         let unpacked = match package.unpack(folder.path()) {
             Ok(unpacked) => unpacked,
-            Err(FmuError::Archive { source, .. }) => {
+            Err(FmuError {
+                fault: FmuFault::Archive(fault),
+                ..
+            }) => {
                 // Where something is wrong with this machine's binary, it has been said.
                 if !files.fatal {
-                    let rule = match source {
+                    let rule = match fault {
                         ArchiveError::NoBinary { .. } => "binary-there",
                         ArchiveError::Unsafe(_) => "archive-path",
                         _ => "archive-readable",
                     };
-                    self.add(rule, Hit::plain(source.to_string()));
+                    self.add(rule, Hit::plain(fault.to_string()));
                 }
                 return Ok(());
             }

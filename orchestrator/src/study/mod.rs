@@ -45,7 +45,7 @@ pub use window::Window;
 use crate::files;
 use ::curves::Metric;
 use error::Place;
-use fmu_import::{ArchiveError, FmuError, Package, digest, sha256};
+use fmu_import::{ArchiveError, FmuError, FmuFault, Package, digest, sha256};
 use sampling::design::Sampling;
 use sampling::statistics::{Direction, Statistic};
 
@@ -464,8 +464,8 @@ impl Study {
     ) -> Result<Package, E> {
         let own = self.fmu_path();
         Package::open(instead.unwrap_or(&own)).map_err(|error| match error {
-            FmuError::Archive {
-                source: ArchiveError::Missing,
+            FmuError {
+                fault: FmuFault::Archive(ArchiveError::Missing),
                 ..
             } if instead.is_none() => self.error_at(&self.fmu, files::unusable(&error)).into(),
             other => other.into(),

@@ -3,11 +3,12 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::equations::Equations;
+use super::equations::{Equations, Functions};
 use super::rosenbrock::Rosenbrock;
 use crate::call::{Call, End, Status};
 use crate::caller::Caller;
-use crate::simulation::Experiment;
+use crate::description::ExchangeSizes;
+use crate::simulation::{Experiment, Simulation};
 use crate::value::{Handle, Value};
 
 /// The relative tolerance where neither the user nor the FMU states one.
@@ -42,8 +43,10 @@ pub(super) struct Ramp {
 
 /// A simulation of an FMU for Model Exchange.
 #[derive(Debug)]
-pub(crate) struct Exchange<E> {
-    pub(super) equations: E,
+pub(crate) struct Exchange {
+    /// The component, by which variables are read and written.
+    pub(super) model: Box<dyn Simulation>,
+    pub(super) equations: Equations,
     /// The inputs, and whether each may be set without an event.
     pub(super) inputs: Arc<HashMap<Handle, bool>>,
     /// The inputs that were set before the initialisation and may be set within it only.
@@ -53,11 +56,21 @@ pub(crate) struct Exchange<E> {
     pub(super) march: March,
 }
 
-impl<E: Equations> Exchange<E> {
-    /// One of newly created equations with these inputs, and whether each is continuous.
-    pub(crate) fn new(equations: E, inputs: Arc<HashMap<Handle, bool>>) -> Self {
+impl Exchange {
+    /// One of a newly created component with these inputs, and whether each is continuous.
+    pub(crate) fn new(
+        model: Box<dyn Simulation>,
+        functions: Functions,
+        declared: ExchangeSizes,
+        inputs: Arc<HashMap<Handle, bool>>,
+    ) -> Self {
         Self {
-            equations,
+            equations: Equations {
+                component: model.base().component,
+                functions,
+                declared,
+            },
+            model,
             inputs,
             waiting: Vec::new(),
             mode: Mode::New,
@@ -70,9 +83,7 @@ impl<E: Equations> Exchange<E> {
     fn feed(&mut self, caller: &mut Caller, time: f64) -> Result<(), Call> {
         for ramp in &self.ramps {
             let value = Value::Real(ramp.value + ramp.slope * (time - ramp.from));
-            self.equations
-                .component()
-                .set(caller, ramp.reference, &value)?;
+            self.model.set(caller, ramp.reference, &value)?;
         }
         Ok(())
     }
@@ -173,16 +184,10 @@ struct Taken {
     crossed: bool,
 }
 
-impl<E: Equations> Exchange<E> {
+impl Exchange {
     /// A failure of the integration itself.
-    fn failed(why: String) -> Call {
-        Call::impossible(E::STEP, why)
-    }
-
-    fn too_many(from: f64, to: f64) -> Call {
-        Self::failed(format!(
-            "more than {MOST_EVENTS} events between {from} s and {to} s"
-        ))
+    fn failed(&self, why: String) -> Call {
+        Call::impossible(self.equations.step(), why)
     }
 
     /// Follows the equations from one communication point to another, s.
@@ -208,22 +213,19 @@ impl<E: Equations> Exchange<E> {
         while self.march.time < self.goal(to) && !self.march.ended {
             let to = self.goal(to);
             let next = self.march.next.filter(|next| *next < to);
-            if next.is_some_and(|next| next <= self.march.time) {
-                self.events(caller)?;
-                events += 1;
-                if events > MOST_EVENTS {
-                    return Err(Self::too_many(from, to));
-                }
-                continue;
+            let is_due = |time: f64| next.is_some_and(|next| next <= time);
+            let mut event = is_due(self.march.time);
+            if !event {
+                event = self.stride(caller, next.unwrap_or(to))? || is_due(self.march.time);
             }
-            let event = self.stride(caller, next.unwrap_or(to))?;
-            let due = next.is_some_and(|next| self.march.time >= next);
-            if (event || due) && !self.march.ended {
+            if event && !self.march.ended {
                 self.events(caller)?;
                 events += 1;
             }
             if events > MOST_EVENTS {
-                return Err(Self::too_many(from, to));
+                return Err(self.failed(format!(
+                    "more than {MOST_EVENTS} events between {from} s and {to} s"
+                )));
             }
         }
         // An event at the communication point itself belongs to it.
@@ -234,7 +236,7 @@ impl<E: Equations> Exchange<E> {
         if self.march.ended {
             let at = self.march.time;
             return Err(Call {
-                function: E::STEP,
+                function: self.equations.step(),
                 status: Status::Discard,
                 message: Some("the FMU wants no further step".to_owned()),
                 ended: Some(End { from, at }),
@@ -289,7 +291,7 @@ impl<E: Equations> Exchange<E> {
             }
             if round == MOST_ROUNDS {
                 let time = self.march.time;
-                return Err(Self::failed(format!(
+                return Err(self.failed(format!(
                     "the events at {time} s do not settle in {MOST_ROUNDS} rounds"
                 )));
             }
@@ -387,13 +389,13 @@ impl<E: Equations> Exchange<E> {
             march.step = next.min(0.9 * h);
             if march.step < least && h < left {
                 let time = march.time;
-                return Err(Self::failed(format!(
+                return Err(self.failed(format!(
                     "the internal step fell below {least:.1e} s at {time} s: then the rates are no numbers or too rough"
                 )));
             }
         }
         let time = march.time;
-        Err(Self::failed(format!(
+        Err(self.failed(format!(
             "more than {MOST_TRIES} tries of a step at {time} s"
         )))
     }
@@ -469,12 +471,12 @@ impl<E: Equations> Exchange<E> {
         if method.linearise(&mut rates, *time, states, nominals, ahead)? {
             return match method.unfit() {
                 None => Ok(()),
-                Some((state, rate)) => Err(Self::failed(format!(
+                Some((state, rate)) => Err(self.failed(format!(
                     "the rate of the continuous state {state} is {rate} at {time} s"
                 ))),
             };
         }
-        Err(Self::failed(format!(
+        Err(self.failed(format!(
             "the FMU refuses to compute rates at {time} s, or with a state a little changed"
         )))
     }

@@ -9,17 +9,21 @@ mod equations;
 mod march;
 mod rosenbrock;
 
-use std::ffi::c_void;
-
 use crate::call::Call;
 use crate::caller::Caller;
+use crate::component::Base;
 use crate::simulation::{Experiment, Simulation};
+use crate::symbols::Saved;
 use crate::value::{Handle, Value};
-pub(crate) use equations::{Equations, Update};
+pub(crate) use equations::Functions;
 pub(crate) use march::Exchange;
 use march::{March, Mode, Ramp};
 
-impl<E: Equations> Simulation for Exchange<E> {
+impl Simulation for Exchange {
+    fn base(&self) -> &Base {
+        self.model.base()
+    }
+
     fn set_up(&mut self, caller: &mut Caller, experiment: Experiment) -> Result<(), Call> {
         self.march.begin(experiment);
         // The tolerance is this solver's. FMUs of Dymola warn at every point when they are told one.
@@ -27,12 +31,12 @@ impl<E: Equations> Simulation for Exchange<E> {
             tolerance: None,
             ..experiment
         };
-        self.equations.component().set_up(caller, told)
+        self.model.set_up(caller, told)
     }
 
     fn initialise(&mut self, caller: &mut Caller, _: &[(u32, Value)]) -> Result<(), Call> {
         let waiting = std::mem::take(&mut self.waiting);
-        self.equations.component().initialise(caller, &waiting)?;
+        self.model.initialise(caller, &waiting)?;
         // FMI leaves the initialisation in event mode.
         self.mode = Mode::Events;
         let sizes = self.equations.sizes(caller)?;
@@ -47,11 +51,11 @@ impl<E: Equations> Simulation for Exchange<E> {
         references: &[u32],
         into: &mut [f64],
     ) -> Result<(), Call> {
-        self.equations.component().reals(caller, references, into)
+        self.model.reals(caller, references, into)
     }
 
     fn value(&mut self, caller: &mut Caller, handle: Handle) -> Result<Value, Call> {
-        self.equations.component().value(caller, handle)
+        self.model.value(caller, handle)
     }
 
     fn set(&mut self, caller: &mut Caller, reference: u32, value: &Value) -> Result<(), Call> {
@@ -68,14 +72,12 @@ impl<E: Equations> Simulation for Exchange<E> {
             self.equations.enter_events(caller)?;
             self.mode = Mode::Events;
         }
-        self.equations.component().set(caller, reference, value)
+        self.model.set(caller, reference, value)
     }
 
     fn set_slope(&mut self, caller: &mut Caller, reference: u32, slope: f64) -> Result<(), Call> {
         let mut value = [0.0];
-        self.equations
-            .component()
-            .reals(caller, &[reference], &mut value)?;
+        self.model.reals(caller, &[reference], &mut value)?;
         self.ramps.retain(|ramp| ramp.reference != reference);
         self.ramps.push(Ramp {
             reference,
@@ -95,27 +97,11 @@ impl<E: Equations> Simulation for Exchange<E> {
         self.ramps.clear();
         self.waiting.clear();
         self.march = March::default();
-        self.equations.component().reset(caller)
-    }
-
-    fn terminate(&mut self, caller: &mut Caller) -> Result<(), Call> {
-        self.equations.component().terminate(caller)
+        self.model.reset(caller)
     }
 
     /// The integrator has a state, too, which no state of the FMU holds: instances are made anew instead.
-    fn save(&mut self, _: &mut Caller) -> Option<*mut c_void> {
+    fn save(&mut self, _: &mut Caller) -> Option<Saved> {
         None
-    }
-
-    fn restore(&mut self, caller: &mut Caller, state: *mut c_void) -> Result<(), Call> {
-        self.equations.component().restore(caller, state)
-    }
-
-    fn forget(&mut self, caller: &mut Caller, state: *mut c_void) -> Result<(), Call> {
-        self.equations.component().forget(caller, state)
-    }
-
-    fn free(&mut self, caller: &mut Caller) {
-        self.equations.component().free(caller);
     }
 }

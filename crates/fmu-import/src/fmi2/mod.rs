@@ -1,10 +1,8 @@
 //! FMI 2.0: the functions of a binary, and one component of it.
 
-mod exchange;
 mod functions;
 mod simulation;
 mod steps;
 
-pub(crate) use exchange::{ExchangeFunctions, ExchangeModel};
 pub(crate) use functions::Functions;
 pub(crate) use simulation::Model;

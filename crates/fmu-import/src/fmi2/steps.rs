@@ -3,141 +3,80 @@
 use std::ffi::c_int;
 use std::time::Duration;
 
-use super::functions::Functions;
-use super::simulation::{Batch, Model};
+use super::simulation::Model;
 use crate::call::{Call, End, Status};
 use crate::caller::Caller;
-use crate::simulation::Simulation;
+use crate::simulation::{Batch, Simulation};
 
 /// A status other than `fmi2OK`, by the function that returned it.
-pub(super) enum Halt {
+enum Halt {
     Step(c_int),
     Read(c_int),
 }
 
 impl Model {
     /// Takes the steps. Returns how many were taken and read, and why not all.
-    #[inline]
     pub(super) fn take(
         &mut self,
         caller: &mut Caller,
-        batch: Batch<'_>,
-    ) -> (usize, Result<(), Call>) {
-        let mut batch = batch;
-        let mut halt = None;
-        let done = self.usual_steps(caller, batch.from(0), &mut halt);
-        match halt {
-            None => (done, Ok(())),
-            Some(halt) => self.further_steps(caller, done, halt, batch),
-        }
-    }
-
-    /// The rest of some steps, after one that returned anything but `fmi2OK`.
-    #[cold]
-    fn further_steps(
-        &mut self,
-        caller: &mut Caller,
-        mut done: usize,
-        mut halt: Halt,
         mut batch: Batch<'_>,
     ) -> (usize, Result<(), Call>) {
+        let mut done = 0;
         loop {
-            let rest = batch.from(done);
-            let outcome = match halt {
-                Halt::Step(status) => self
-                    .slow_step(caller, status, rest.times[0], rest.sizes[0])
-                    .and_then(|()| match rest.references.len() {
-                        0 => Ok(()),
-                        width => self.reals(caller, rest.references, &mut rest.rows[..width]),
-                    }),
-                Halt::Read(status) => caller.check("fmi2GetReal", status),
+            let outcome = match self.usual_steps(caller, &mut batch, &mut done) {
+                Ok(None) => return (done, Ok(())),
+                Ok(Some(Halt::Step(status))) => {
+                    let (time, size) = (batch.times[done], batch.sizes[done]);
+                    let step = self.slow_step(caller, status, time, size);
+                    step.and_then(|()| match batch.references {
+                        [] => Ok(()),
+                        references => self.reals(caller, references, batch.row(done)),
+                    })
+                }
+                Ok(Some(Halt::Read(status))) => caller.check(self.functions.real.get.name, status),
+                Err(call) => Err(call),
             };
             if outcome.is_err() {
                 return (done, outcome);
             }
             done += 1;
-            let mut next = None;
-            done += self.usual_steps(caller, batch.from(done), &mut next);
-            match next {
-                None => return (done, Ok(())),
-                Some(next) => halt = next,
-            }
         }
     }
 
-    /// Takes steps until one returns anything but `fmi2OK`, and reads after each. Returns how many.
-    #[inline(always)]
+    /// Takes steps from `done` on until one returns anything but `fmi2OK`, reads after each, and counts them.
+    #[inline(never)]
     fn usual_steps(
-        &mut self,
+        &self,
         caller: &mut Caller,
-        batch: Batch<'_>,
-        halt: &mut Option<Halt>,
-    ) -> usize {
-        match batch.references.len() {
-            0 => self.steps_only(caller, batch.times, batch.sizes, halt),
-            _ => self.steps_and_rows(caller, batch, halt),
-        }
-    }
-
-    #[inline(never)]
-    fn steps_only(
-        &mut self,
-        caller: &mut Caller,
-        times: &[f64],
-        sizes: &[f64],
-        halt: &mut Option<Halt>,
-    ) -> usize {
-        let (component, do_step) = (self.component, self.functions.do_step);
-        caller.call(move || {
-            for (taken, (&time, &size)) in times.iter().zip(sizes).enumerate() {
-                // SAFETY: the component is alive.
-                let status = unsafe { do_step(component, time, size, 1) };
-                if status != 0 {
-                    *halt = Some(Halt::Step(status));
-                    return taken;
-                }
-            }
-            times.len()
-        })
-    }
-
-    #[inline(never)]
-    fn steps_and_rows(
-        &mut self,
-        caller: &mut Caller,
-        batch: Batch<'_>,
-        halt: &mut Option<Halt>,
-    ) -> usize {
-        let Functions {
-            do_step, get_real, ..
-        } = self.functions;
-        let Batch {
-            times,
-            sizes,
-            references,
-            rows,
-        } = batch;
-        let (component, width) = (self.component, references.len());
+        batch: &mut Batch<'_>,
+        done: &mut usize,
+    ) -> Result<Option<Halt>, Call> {
+        let do_step = self.functions.do_step.get()?;
+        let get_real = self.functions.real.get.get()?;
+        let (component, width) = (self.base.component, batch.references.len());
+        let (times, sizes) = (&batch.times[*done..], &batch.sizes[*done..]);
+        let rows = &mut batch.rows[*done * width..];
         assert!(rows.len() >= times.len() * width);
-        let (references, mut row) = (references.as_ptr(), rows.as_mut_ptr());
-        caller.call(move || {
-            for (taken, (&time, &size)) in times.iter().zip(sizes).enumerate() {
+        let (references, mut row) = (batch.references.as_ptr(), rows.as_mut_ptr());
+        Ok(caller.call(move || {
+            for (&time, &size) in times.iter().zip(sizes) {
                 // SAFETY: the component is alive.
                 let status = unsafe { do_step(component, time, size, 1) };
                 if status != 0 {
-                    *halt = Some(Halt::Step(status));
-                    return taken;
+                    return Some(Halt::Step(status));
                 }
-                // SAFETY: there are `width` references, and as many values in each of the rows.
-                let status = unsafe { get_real(component, references, width, row) };
-                if status != 0 {
-                    *halt = Some(Halt::Read(status));
-                    return taken;
+                if width > 0 {
+                    // SAFETY: there are `width` references, and as many values in each of the rows.
+                    let status = unsafe { get_real(component, references, width, row) };
+                    if status != 0 {
+                        return Some(Halt::Read(status));
+                    }
+                    row = row.wrapping_add(width);
                 }
-                row = row.wrapping_add(width);
+                *done += 1;
             }
-            times.len()
-        })
+            None
+        }))
     }
 
     #[cold]
@@ -171,14 +110,14 @@ impl Model {
             message: Some(format!("nobody can tell when the step is done, as {why}")),
             ended: None,
         };
-        let Some(function) = self.functions.get_status else {
+        let (function, component) = (self.functions.get_status, self.base.component);
+        let Ok(get) = function.get() else {
             return Err(forsaken("the FMU does not export fmi2GetStatus"));
         };
         let mut status: c_int = 0;
         // SAFETY: the component is alive, and the status is a valid place to write to.
-        let call =
-            caller.call(|| unsafe { function(self.component, DO_STEP_STATUS, &raw mut status) });
-        match caller.check("fmi2GetStatus", call) {
+        let call = caller.call(|| unsafe { get(component, DO_STEP_STATUS, &raw mut status) });
+        match caller.check(function.name, call) {
             Ok(()) => Ok(status),
             Err(Call {
                 status: Status::Fatal,
@@ -197,30 +136,28 @@ impl Model {
     }
 
     /// Whether the FMU refused the step because it wants no further ones.
-    fn wants_to_stop(&mut self, caller: &mut Caller) -> bool {
+    fn wants_to_stop(&self, caller: &mut Caller) -> bool {
         const TERMINATED: c_int = 3;
-        let mut terminated: c_int = 0;
-        self.functions.get_boolean_status.is_some_and(|function| {
+        let (get, mut terminated) = (self.functions.get_boolean_status.get(), 0);
+        get.is_ok_and(|get| {
             // SAFETY: the component is alive, and the flag is a valid place to write to.
             let status = caller
-                .call(|| unsafe { function(self.component, TERMINATED, &raw mut terminated) });
+                .call(|| unsafe { get(self.base.component, TERMINATED, &raw mut terminated) });
             matches!(status, 0 | 1) && terminated != 0
         })
     }
 
     /// The time up to which a refused step was computed; its beginning where the FMU says nothing sensible.
-    fn reached(&mut self, caller: &mut Caller, time: f64, step: f64) -> f64 {
+    fn reached(&self, caller: &mut Caller, time: f64, step: f64) -> f64 {
         const LAST_SUCCESSFUL_TIME: c_int = 2;
-        let mut reached = time;
-        if let Some(function) = self.functions.get_real_status {
+        let (get, mut reached) = (self.functions.get_real_status.get(), time);
+        let told = get.is_ok_and(|get| {
             // SAFETY: the component is alive, and the time is a valid place to write to.
             let status = caller.call(|| unsafe {
-                function(self.component, LAST_SUCCESSFUL_TIME, &raw mut reached)
+                get(self.base.component, LAST_SUCCESSFUL_TIME, &raw mut reached)
             });
-            if !matches!(status, 0 | 1) || !(time..=time + step).contains(&reached) {
-                return time;
-            }
-        }
-        reached
+            matches!(status, 0 | 1) && (time..=time + step).contains(&reached)
+        });
+        if told { reached } else { time }
     }
 }

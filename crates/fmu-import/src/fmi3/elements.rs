@@ -10,8 +10,8 @@ use super::functions::Access;
 use super::simulation::Model;
 use crate::call::{Call, Status};
 use crate::caller::Caller;
+use crate::component::c_string;
 use crate::description::Storage;
-use crate::simulation::c_string;
 use crate::value::Value;
 
 impl Model {
@@ -123,20 +123,12 @@ impl Model {
         element: &Element,
         blank: T,
     ) -> Result<Vec<T>, Call> {
-        let get = access.get.ok_or_else(|| Call::missing(access.getter))?;
+        let (get, component) = (access.get.get()?, self.base.component);
         let mut values = vec![blank; element.of];
-        let reference = element.reference;
+        let (reference, into) = (&raw const element.reference, values.as_mut_ptr());
         // SAFETY: there is one reference, and room for as many values as the variable has.
-        let status = caller.call(|| unsafe {
-            get(
-                self.component,
-                &raw const reference,
-                1,
-                values.as_mut_ptr(),
-                values.len(),
-            )
-        });
-        caller.check(access.getter, status)?;
+        let status = caller.call(|| unsafe { get(component, reference, 1, into, element.of) });
+        caller.check(access.get.name, status)?;
         Ok(values)
     }
 
@@ -148,7 +140,7 @@ impl Model {
         fit: impl Fn(&Value) -> Option<T>,
     ) -> Result<(), Call> {
         let element = new.element;
-        let fit = |value| fit(value).ok_or_else(|| unfit(value, element, access.setter));
+        let fit = |value| fit(value).ok_or_else(|| unfit(value, element, access.set.name));
         let values = match new.all {
             Some(all) => all.iter().map(fit).collect::<Result<Vec<T>, Call>>()?,
             None => {
@@ -180,19 +172,11 @@ impl Model {
         element: &Element,
         values: &[T],
     ) -> Result<(), Call> {
-        let set = access.set.ok_or_else(|| Call::missing(access.setter))?;
-        let reference = element.reference;
+        let (set, component) = (access.set.get()?, self.base.component);
+        let (reference, from) = (&raw const element.reference, values.as_ptr());
         // SAFETY: there is one reference, and as many values as the variable has.
-        let status = caller.call(|| unsafe {
-            set(
-                self.component,
-                &raw const reference,
-                1,
-                values.as_ptr(),
-                values.len(),
-            )
-        });
-        caller.check(access.setter, status)
+        let status = caller.call(|| unsafe { set(component, reference, 1, from, values.len()) });
+        caller.check(access.set.name, status)
     }
 
     fn read_whole<T>(
@@ -212,7 +196,7 @@ impl Model {
                 element.reference,
                 i64::MAX
             );
-            Call::impossible(access.getter, why)
+            Call::impossible(access.get.name, why)
         })?;
         Ok(Value::Integer(whole))
     }
@@ -235,7 +219,7 @@ impl Model {
         let (element, access) = (new.element, self.functions.string);
         let fit = |value: &Value| match value {
             Value::String(text) => Ok(c_string(text)),
-            other => Err(unfit(other, element, access.setter)),
+            other => Err(unfit(other, element, access.set.name)),
         };
         let texts = match new.all {
             Some(all) => all

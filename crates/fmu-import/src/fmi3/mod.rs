@@ -2,11 +2,9 @@
 
 mod element;
 mod elements;
-mod exchange;
 mod functions;
 mod simulation;
 
 pub(crate) use element::Element;
-pub(crate) use exchange::{ExchangeFunctions, ExchangeModel};
 pub(crate) use functions::Functions;
 pub(crate) use simulation::Model;

@@ -4,7 +4,6 @@
 //! inputs may be set between any two of them.
 
 use std::collections::HashMap;
-use std::ffi::{CString, c_char, c_void};
 use std::ptr;
 use std::sync::Arc;
 
@@ -12,9 +11,11 @@ use super::element::Element;
 use super::functions::{Functions, Instantiates, LogMessage};
 use crate::call::{Call, End, Status};
 use crate::caller::Caller;
+use crate::component::{Base, Common, c_string, c_strings};
 use crate::description::Storage;
 use crate::logger::log_message;
-use crate::simulation::{Birth, Component, Experiment, Simulation, c_string};
+use crate::simulation::{Birth, Experiment, Simulation};
+use crate::symbols::Saved;
 use crate::value::{Handle, Value};
 
 const DO_STEP: &str = "fmi3DoStep";
@@ -25,45 +26,43 @@ type Written = HashMap<u32, Vec<Value>>;
 /// A component for Co-Simulation; the equations of one for Model Exchange stand on it.
 #[derive(Debug)]
 pub(crate) struct Model {
+    pub(super) base: Base,
     pub(super) functions: Functions,
-    pub(super) component: Component,
     pub(super) elements: Arc<[Element]>,
     /// The values of the arrays that were written before the initialisation, by their references; none after it.
     pub(super) written: Option<Written>,
     /// The same in each state that was saved.
-    saved: Vec<(*mut c_void, Option<Written>)>,
+    saved: Vec<(Saved, Option<Written>)>,
     experiment: Experiment,
     /// Numbers of plain elements that were read together last, and their value references.
     together: Vec<u32>,
     references: Vec<u32>,
 }
 
-// SAFETY: FMI 3.0 ties a component to no thread; it only forbids concurrent calls, which `&mut self`
-// and the missing `Sync` rule out.
-unsafe impl Send for Model {}
-
 impl Model {
     /// Creates a component.
     pub(crate) fn new(
         functions: Functions,
+        common: Common,
         elements: Arc<[Element]>,
-        birth: &Birth<'_>,
+        birth: &Birth,
         caller: &mut Caller,
         name: &str,
     ) -> Result<Self, Call> {
         const LOGGER: LogMessage = log_message;
-        let [name, token, resources] = [name, birth.guid, birth.resources].map(c_string);
+        let [name, token, resources] = [name, &birth.guid, &birth.resources].map(c_string);
         let environment = caller.log.environment();
-        let strings = (name.as_ptr(), token.as_ptr(), resources.as_ptr());
+        let [name, token, resources] = [&name, &token, &resources].map(|text| text.as_ptr());
         let (function, component) = match functions.instantiate {
-            Instantiates::CoSimulation(create) => {
+            Instantiates::CoSimulation(function) => {
+                let create = function.get()?;
                 // SAFETY: the strings live through the call; there are no intermediate variables, and no callback for
                 // them.
                 let component = caller.call(|| unsafe {
                     create(
-                        strings.0,
-                        strings.1,
-                        strings.2,
+                        name,
+                        token,
+                        resources,
                         false,
                         false,
                         false,
@@ -75,45 +74,39 @@ impl Model {
                         ptr::null(),
                     )
                 });
-                ("fmi3InstantiateCoSimulation", component)
+                (function.name, component)
             }
-            Instantiates::ModelExchange(create) => {
+            Instantiates::ModelExchange(function) => {
+                let create = function.get()?;
                 // SAFETY: the strings live through the call.
                 let component = caller.call(|| unsafe {
-                    let (name, token, resources) = strings;
                     create(name, token, resources, false, false, environment, LOGGER)
                 });
-                ("fmi3InstantiateModelExchange", component)
+                (function.name, component)
             }
         };
-        if component.is_null() {
+        if component.0.is_null() {
             return Err(birth.refused(caller, function));
         }
-        let mut simulation = Self {
+        // The FMU tells its errors and warnings, where it has categories for them.
+        if let Ok(log) = functions.set_debug_logging.get()
+            && !birth.categories.is_empty()
+        {
+            let (_texts, categories) = c_strings(&birth.categories);
+            // SAFETY: the array holds as many valid strings as stated. What it returns does not
+            // matter: without it there are fewer messages.
+            caller.call(|| unsafe { log(component, true, categories.len(), categories.as_ptr()) });
+        }
+        Ok(Self {
+            base: Base { component, common },
             functions,
-            component,
             elements,
             written: Some(Written::new()),
             saved: Vec::new(),
             experiment: Experiment::default(),
             together: Vec::new(),
             references: Vec::new(),
-        };
-        simulation.log_troubles(caller, birth.categories);
-        Ok(simulation)
-    }
-
-    /// Asks the FMU for its errors and warnings, where it has categories for them.
-    fn log_troubles(&mut self, caller: &mut Caller, categories: &[String]) {
-        let names: Vec<CString> = categories.iter().map(|name| c_string(name)).collect();
-        if let (Some(function), false) = (self.functions.set_debug_logging, names.is_empty()) {
-            let pointers: Vec<*const c_char> = names.iter().map(|name| name.as_ptr()).collect();
-            // SAFETY: the array holds as many valid strings as stated. What it returns does not
-            // matter: without it there are fewer messages.
-            caller.call(|| unsafe {
-                function(self.component, true, pointers.len(), pointers.as_ptr())
-            });
-        }
+        })
     }
 
     /// Whether all are numbers by themselves, whose value references are in `references` then.
@@ -138,11 +131,11 @@ impl Model {
     fn part(&mut self, caller: &mut Caller, time: f64, step: f64) -> Result<Return, Call> {
         let (mut event, mut terminate, mut early) = (0_u8, 0_u8, 0_u8);
         let mut reached = f64::NAN;
-        let do_step = self.functions.do_step;
+        let do_step = self.functions.do_step.get()?;
         // SAFETY: the component is alive, and the four places are valid.
         let status = caller.call(|| unsafe {
             do_step(
-                self.component,
+                self.base.component,
                 time,
                 step,
                 true,
@@ -181,6 +174,10 @@ enum Return {
 }
 
 impl Simulation for Model {
+    fn base(&self) -> &Base {
+        &self.base
+    }
+
     fn set_up(&mut self, _: &mut Caller, experiment: Experiment) -> Result<(), Call> {
         // Told when the initialisation begins.
         self.experiment = experiment;
@@ -193,26 +190,18 @@ impl Simulation for Model {
             stop,
             tolerance,
         } = self.experiment;
+        let function = self.functions.enter_initialization_mode;
+        let (enter, component) = (function.get()?, self.base.component);
+        let (known, tolerance) = (tolerance.is_some(), tolerance.unwrap_or(0.0));
         // SAFETY: the component is alive.
-        let status = caller.call(|| unsafe {
-            (self.functions.enter_initialization_mode)(
-                self.component,
-                tolerance.is_some(),
-                tolerance.unwrap_or(0.0),
-                start,
-                true,
-                stop,
-            )
-        });
-        caller.check("fmi3EnterInitializationMode", status)?;
+        let status =
+            caller.call(|| unsafe { enter(component, known, tolerance, start, true, stop) });
+        caller.check(function.name, status)?;
         for (reference, value) in inputs {
             self.set(caller, *reference, value)?;
         }
         self.written = None;
-        // SAFETY: the component is alive.
-        let status =
-            caller.call(|| unsafe { (self.functions.exit_initialization_mode)(self.component) });
-        caller.check("fmi3ExitInitializationMode", status)
+        self.base.exit_initialization_mode(caller)
     }
 
     #[inline(never)]
@@ -224,19 +213,13 @@ impl Simulation for Model {
     ) -> Result<(), Call> {
         assert_eq!(references.len(), into.len(), "a place for each reference");
         let access = self.functions.float64;
-        if let Some(get) = access.get.filter(|_| self.are_plain(references)) {
-            let count = into.len();
+        if self.are_plain(references) {
+            let (get, component) = (access.get.get()?, self.base.component);
+            let (references, count) = (self.references.as_ptr(), into.len());
+            let into = into.as_mut_ptr();
             // SAFETY: both arrays hold `count` elements.
-            let status = caller.call(|| unsafe {
-                get(
-                    self.component,
-                    self.references.as_ptr(),
-                    count,
-                    into.as_mut_ptr(),
-                    count,
-                )
-            });
-            return caller.check(access.getter, status);
+            let status = caller.call(|| unsafe { get(component, references, count, into, count) });
+            return caller.check(access.get.name, status);
         }
         // The elements of an array are read together.
         let mut array: Option<(u32, Vec<f64>)> = None;
@@ -292,56 +275,26 @@ impl Simulation for Model {
     }
 
     fn reset(&mut self, caller: &mut Caller) -> Result<(), Call> {
-        let reset = self.functions.reset;
-        let reset = reset.ok_or_else(|| Call::missing("fmi3Reset"))?;
-        // SAFETY: the component is alive.
-        let status = caller.call(|| unsafe { reset(self.component) });
         self.written = Some(Written::new());
-        caller.check("fmi3Reset", status)
+        self.base.reset(caller)
     }
 
-    fn terminate(&mut self, caller: &mut Caller) -> Result<(), Call> {
-        let Some(terminate) = self.functions.terminate else {
-            return Ok(());
-        };
-        // SAFETY: the component is alive.
-        let status = caller.call(|| unsafe { terminate(self.component) });
-        caller.check("fmi3Terminate", status)
-    }
-
-    fn save(&mut self, caller: &mut Caller) -> Option<*mut c_void> {
-        let (get, _, _) = self.functions.states?;
-        let mut state = ptr::null_mut();
-        // SAFETY: the component is alive, and the state is a valid place to write to.
-        let status = caller.call(|| unsafe { get(self.component, &raw mut state) });
-        caller.check("fmi3GetFMUState", status).ok()?;
+    fn save(&mut self, caller: &mut Caller) -> Option<Saved> {
+        let state = self.base.save(caller)?;
+        // An FMU may give one address to several states.
         self.saved.retain(|(saved, _)| *saved != state);
         self.saved.push((state, self.written.clone()));
         Some(state)
     }
 
-    fn restore(&mut self, caller: &mut Caller, state: *mut c_void) -> Result<(), Call> {
-        let states = self.functions.states;
-        let (_, set, _) = states.ok_or_else(|| Call::missing("fmi3SetFMUState"))?;
-        // SAFETY: the component is alive, and the state is one of its own.
-        let status = caller.call(|| unsafe { set(self.component, state) });
+    fn restore(&mut self, caller: &mut Caller, state: Saved) -> Result<(), Call> {
         let saved = self.saved.iter().find(|(saved, _)| *saved == state);
-        // An FMU may give one address to several states.
         self.written = saved.and_then(|(_, written)| written.clone());
-        caller.check("fmi3SetFMUState", status)
+        self.base.restore(caller, state)
     }
 
-    fn forget(&mut self, caller: &mut Caller, mut state: *mut c_void) -> Result<(), Call> {
-        let states = self.functions.states;
-        let (_, _, free) = states.ok_or_else(|| Call::missing("fmi3FreeFMUState"))?;
+    fn forget(&mut self, caller: &mut Caller, state: Saved) -> Result<(), Call> {
         self.saved.retain(|(saved, _)| *saved != state);
-        // SAFETY: the component is alive, and the state is one of its own, used no more.
-        let status = caller.call(|| unsafe { free(self.component, &raw mut state) });
-        caller.check("fmi3FreeFMUState", status)
-    }
-
-    fn free(&mut self, caller: &mut Caller) {
-        // SAFETY: the component is alive and never used again.
-        caller.call(|| unsafe { (self.functions.free_instance)(self.component) });
+        self.base.forget(caller, state)
     }
 }

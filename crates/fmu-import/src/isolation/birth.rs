@@ -1,11 +1,46 @@
 //! Start and end of a forked child.
 
 use std::fs::File;
+use std::io;
 use std::os::fd::{AsRawFd, FromRawFd, OwnedFd, RawFd};
 
+use super::child::Child;
 use super::frame::{self, Inbox};
+use super::keeper::{Keeper, Process};
 use super::loss::{DONE, MUTE};
-use super::system::{own_pid, usual_signals};
+use super::system::{own_pid, pipe, usual_signals};
+
+impl Keeper {
+    /// Forks a child that does `work`, and ends without running any destructor when that returns.
+    ///
+    /// # Errors
+    /// When the system has no room for a further process or descriptor.
+    ///
+    /// # Safety
+    /// This process has a single thread: in a forked child of several, locks that other threads hold stay
+    /// locked for ever.
+    pub unsafe fn fork(&mut self, work: &mut dyn FnMut(Place)) -> io::Result<Child> {
+        // Odd, so that every ticket of the 2^64 has its turn.
+        self.tickets = self.tickets.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let ticket = self.tickets;
+        let (answers, answers_end) = pipe()?;
+        let (orders_end, orders) = pipe()?;
+        self.words.clear();
+        let parent = own_pid();
+        // SAFETY: the caller vouches for a single thread.
+        match unsafe { libc::fork() } {
+            -1 => Err(io::Error::last_os_error()),
+            0 => be_child(parent, orders_end, answers_end, ticket, work),
+            pid => {
+                // Parent and child both do so, whoever comes first.
+                // SAFETY: changes the child's group only.
+                unsafe { libc::setpgid(pid, pid) };
+                let process = Process(pid);
+                Ok(Child::new(process, answers.into(), orders.into(), ticket))
+            }
+        }
+    }
+}
 
 /// A child's own end of the pipes to its keeper.
 #[derive(Debug)]
@@ -45,7 +80,7 @@ fn end(code: i32) -> ! {
 }
 
 /// The child's side: a group of its own, no descriptor but its own, the work, the end.
-pub(super) fn be_child(
+fn be_child(
     parent: libc::pid_t,
     orders: OwnedFd,
     answers: OwnedFd,

@@ -63,39 +63,19 @@ pub fn take(arrived: &mut Vec<u8>, ticket: u64) -> Result<Option<Vec<u8>>, Broke
     let Some(head) = arrived.first_chunk::<HEAD>() else {
         return Ok(None);
     };
-    let [
-        _,
-        _,
-        _,
-        _,
-        t0,
-        t1,
-        t2,
-        t3,
-        t4,
-        t5,
-        t6,
-        t7,
-        l0,
-        l1,
-        l2,
-        l3,
-        c0,
-        c1,
-        c2,
-        c3,
-    ] = *head;
-    if u64::from_le_bytes([t0, t1, t2, t3, t4, t5, t6, t7]) != ticket {
+    let word = |at: usize| u32::from_le_bytes([head[at], head[at + 1], head[at + 2], head[at + 3]]);
+    let [low, high, length, checksum_then] = [4, 8, 12, 16].map(word);
+    if u64::from(low) | u64::from(high) << 32 != ticket {
         return Err(Broken::Ticket);
     }
-    let length = u32::from_le_bytes([l0, l1, l2, l3]) as usize;
+    let length = length as usize;
     if length > LONGEST {
         return Err(Broken::Length(length));
     }
     let Some(payload) = arrived.get(HEAD..HEAD + length) else {
         return Ok(None);
     };
-    if checksum(ticket, payload) != u32::from_le_bytes([c0, c1, c2, c3]) {
+    if checksum(ticket, payload) != checksum_then {
         return Err(Broken::Checksum);
     }
     let payload = payload.to_vec();

@@ -25,6 +25,14 @@ pub enum Loss {
     Orphaned,
 }
 
+/// The state of a child.
+pub(super) enum State {
+    Running,
+    #[cfg_attr(windows, allow(dead_code))]
+    Stopped,
+    Ended(Loss),
+}
+
 /// Limits of a child until its next answer.
 #[derive(Clone, Copy, Debug)]
 pub struct Bounds {

@@ -13,6 +13,7 @@
 
 #[cfg(unix)]
 mod birth;
+mod child;
 #[cfg(unix)]
 mod control_group;
 pub mod frame;
@@ -23,6 +24,7 @@ mod loss;
 pub mod offspring;
 #[cfg(unix)]
 mod system;
+mod tail;
 #[cfg(unix)]
 mod traces;
 pub mod watch;
@@ -32,12 +34,17 @@ mod windows;
 pub mod words;
 
 #[cfg(unix)]
+pub use birth::Place;
+pub use child::Child;
+#[cfg(unix)]
 pub use control_group::ControlGroup;
 pub use frame::Broken;
-pub use keeper::{Child, Keeper, Place};
+pub use keeper::Keeper;
 pub use loss::{Bounds, Loss, Parting};
 #[cfg(unix)]
 pub use traces::Traces;
+#[cfg(windows)]
+pub use windows::birth::Place;
 #[cfg(windows)]
 pub use windows::job::ControlGroup;
 #[cfg(windows)]

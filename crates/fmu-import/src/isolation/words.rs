@@ -5,16 +5,13 @@ use std::io::{self, Read, Write};
 use std::os::fd::{AsRawFd, OwnedFd, RawFd};
 
 use super::system::pipe;
-use crate::logger::shortened;
-
-/// The end of what is printed; a flood of text costs no memory.
-const KEPT: usize = 4096;
+use super::tail::{KEPT, Tail};
 
 /// Hears what this process and its children print.
 #[derive(Debug)]
 pub struct Words {
     heard: File,
-    end: Vec<u8>,
+    end: Tail,
     echo: Option<File>,
 }
 
@@ -36,7 +33,7 @@ impl Words {
         }
         Ok(Self {
             heard: heard.into(),
-            end: Vec::new(),
+            end: Tail::default(),
             echo,
         })
     }
@@ -53,9 +50,7 @@ impl Words {
                 // Nobody may be listening.
                 let _ = echo.write_all(&chunk[..count]);
             }
-            self.end.extend_from_slice(&chunk[..count]);
-            let surplus = self.end.len().saturating_sub(KEPT);
-            self.end.drain(..surplus);
+            self.end.add(&chunk[..count]);
         }
     }
 
@@ -68,14 +63,13 @@ impl Words {
     /// The printed text that was kept.
     pub fn text(&mut self) -> String {
         self.hear();
-        String::from_utf8_lossy(&self.end).into_owned()
+        self.end.text()
     }
 
     /// The last line that is not empty.
     pub fn last_line(&mut self) -> String {
-        let text = self.text();
-        let line = text.lines().map(str::trim).rfind(|line| !line.is_empty());
-        shortened(line.unwrap_or("").to_owned())
+        self.hear();
+        self.end.last_line()
     }
 }
 

@@ -142,8 +142,8 @@ fn of_platform(
         return match package.bytes_of(&name) {
             Ok(bytes) => Ok(binary(&bytes, package.description(), format, machine)
                 .map(|(rule, wrong)| (rule, Hit::of(&name, wrong)))),
-            Err(FmuError::Archive { source, .. }) if source.is_a_fault() => {
-                Ok(Some(("archive-readable", Hit::plain(source.to_string()))))
+            Err(FmuError { fault, .. }) if fault.is_in_fmu() => {
+                Ok(Some(("archive-readable", Hit::plain(fault.to_string()))))
             }
             Err(error) => Err(error),
         };

@@ -63,7 +63,7 @@ fn in_file(
             Ok(Err(error)) => vec![error.to_string()],
             Err(error) => vec![error.to_string()],
         },
-        Err(FmuError::Archive { source, .. }) if source.is_a_fault() => vec![source.to_string()],
+        Err(FmuError { fault, .. }) if fault.is_in_fmu() => vec![fault.to_string()],
         Err(error) => return Err(error),
     };
     let breach = |text| (rule, Hit::of(file, text));

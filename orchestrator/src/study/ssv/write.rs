@@ -7,7 +7,7 @@ use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, Event};
 
 use super::NAMESPACE;
-use fmu_import::units::Unit;
+use fmu_import::units::{Conversion, Unit};
 use fmu_import::{Description, Kind, Value, Variable};
 
 const COMMON: &str = "http://ssp-standard.org/SSP1/SystemStructureCommon";
@@ -99,11 +99,12 @@ fn unit(xml: &mut Xml, name: &str, unit: &Unit) -> io::Result<()> {
         let exponents = NAMES.into_iter().zip(base.exponents);
         let exponents = exponents.filter(|(_, exponent)| *exponent != 0);
         attributes.extend(exponents.map(|(name, e)| (name, e.to_string().into())));
-        if base.factor != 1.0 {
-            attributes.push(("factor", format!("{:e}", base.factor).into()));
+        let Conversion { factor, offset } = base.to_base;
+        if factor != 1.0 {
+            attributes.push(("factor", format!("{factor:e}").into()));
         }
-        if base.offset != 0.0 {
-            attributes.push(("offset", format!("{:e}", base.offset).into()));
+        if offset != 0.0 {
+            attributes.push(("offset", format!("{offset:e}").into()));
         }
     }
     let unit = xml.create_element("ssc:Unit");

@@ -1,5 +1,6 @@
 //! Processes on Windows.
 //!
+//! - `birth`: how a child starts;
 //! - [`job`]: processes that end together;
 //! - [`keeper`]: a process that starts children and watches them;
 //! - [`pipe`]: waits for a pipe for a limited time;
@@ -7,6 +8,7 @@
 //! - `traces`: as on Unix;
 //! - `words`: what a child prints.
 
+pub(super) mod birth;
 pub(super) mod job;
 pub mod keeper;
 pub mod pipe;

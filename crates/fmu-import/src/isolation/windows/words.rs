@@ -3,19 +3,19 @@
 use std::fs::File;
 use std::io::{Read, Write};
 use std::sync::mpsc::{Receiver, channel};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::Duration;
 
-/// The end of what is printed; a flood of text costs no memory.
-const KEPT: usize = 4096;
+use crate::isolation::tail::{KEPT, Tail};
+
 /// How long the last words of a child may take to arrive.
 const PATIENCE: Duration = Duration::from_millis(200);
 
 /// Hears what a child prints.
 #[derive(Debug)]
-pub(super) struct Words {
-    heard: Arc<Mutex<Vec<u8>>>,
+pub(in crate::isolation) struct Words {
+    heard: Arc<Mutex<Tail>>,
     /// Disconnected when nobody can print any more.
     over: Option<Receiver<()>>,
     echo: Option<Arc<File>>,
@@ -33,7 +33,7 @@ impl Words {
 
     /// Forgets what was heard, and listens to a new child.
     pub(super) fn listen(&mut self, mut pipe: impl Read + Send + 'static) {
-        let heard = Arc::new(Mutex::new(Vec::new()));
+        let heard = Arc::<Mutex<Tail>>::default();
         let (alive, over) = channel::<()>();
         let (place, echo) = (Arc::clone(&heard), self.echo.clone());
         thread::spawn(move || {
@@ -44,9 +44,7 @@ impl Words {
                     let _ = echo.write_all(&chunk[..count]);
                 }
                 let mut end = place.lock().unwrap_or_else(PoisonError::into_inner);
-                end.extend_from_slice(&chunk[..count]);
-                let surplus = end.len().saturating_sub(KEPT);
-                end.drain(..surplus);
+                end.add(&chunk[..count]);
             }
             drop(alive);
         });
@@ -61,22 +59,22 @@ impl Words {
         }
     }
 
+    fn heard(&self) -> MutexGuard<'_, Tail> {
+        self.heard.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// Forgets what was heard so far.
-    pub(super) fn clear(&mut self) {
-        let mut heard = self.heard.lock().unwrap_or_else(PoisonError::into_inner);
-        heard.clear();
+    pub(in crate::isolation) fn clear(&mut self) {
+        self.heard().clear();
     }
 
     /// The printed text that was kept.
-    pub(super) fn text(&self) -> String {
-        let heard = self.heard.lock().unwrap_or_else(PoisonError::into_inner);
-        String::from_utf8_lossy(&heard).into_owned()
+    pub(in crate::isolation) fn text(&self) -> String {
+        self.heard().text()
     }
 
     /// The last line that is not empty.
-    pub(super) fn last_line(&self) -> String {
-        let text = self.text();
-        let line = text.lines().map(str::trim).rfind(|line| !line.is_empty());
-        line.unwrap_or("").to_owned()
+    pub(in crate::isolation) fn last_line(&self) -> String {
+        self.heard().last_line()
     }
 }
